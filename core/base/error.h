@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <exception>
+#include <string>
+#include <string_view>
+
+namespace waystone {
+
+// What can go wrong with what a user gives us. The one table in error.cc gives each its stable
+// name (the `code` of a problem+json), its exit code and its HTTP status.
+enum class ErrorCode {
+  kUsage,             // a flag or argument that makes no sense
+  kBadOptions,        // an option out of its range
+  kBadSource,         // an image sequence with no usable frame, or of no known kind
+  kBadCamera,         // a camera file that can't be read, or a model we don't know
+  kBadImage,          // bytes that are not an image, or a damaged one
+  kImageTooLarge,     // an image whose header claims more pixels than we decode
+  kNotAMap,           // a file that is not a Waystone map
+  kMapDamaged,        // a map that fails a check
+  kMapVersion,        // a map of another schema version
+  kFileExists,        // the output is there and --force isn't given
+  kFileUnreadable,    // missing, or no permission
+  kFileUnwritable,    // read-only folder, full disk
+  kNotFound,          // no such map, plane or keyframe
+  kBadRequest,        // an HTTP request that can't be understood
+  kPayloadTooLarge,   // a body over the limit
+  kUnsupportedMedia,  // a body of a kind that is not taken
+  kMethodNotAllowed,  // a known path asked with another method
+  kBusy,              // the queue of queries is full
+  kInterrupted,       // Ctrl-C
+  kInternal,          // a bug of ours
+};
+
+struct ErrorInfo {
+  std::string_view name;   // stable, snake_case
+  std::string_view title;  // a short sentence for people
+  int exit_code;           // of the program: 2 usage, 3 input or output unusable, 5 internal
+  int http_status;
+};
+
+// The row of the table for `code`. Never fails.
+const ErrorInfo& InfoOf(ErrorCode code);
+
+// A bad file, map, option or request. `what()` is one line: the cause with the number at fault,
+// then the remedy. "Not in this map" is a result, never an error.
+class MapError : public std::exception {
+ public:
+  MapError(ErrorCode code, std::string message) : code_(code), message_(std::move(message)) {}
+
+  ErrorCode code() const { return code_; }
+  const char* what() const noexcept override { return message_.c_str(); }
+
+ private:
+  ErrorCode code_;
+  std::string message_;
+};
+
+}  // namespace waystone

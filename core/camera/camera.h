@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace waystone {
+
+// Camera models by COLMAP's names; their parameters in COLMAP's order.
+// The values are written into map files: never change them.
+enum class CameraModel {
+  kSimplePinhole = 0,     // SIMPLE_PINHOLE   f cx cy
+  kPinhole = 1,           // PINHOLE          fx fy cx cy
+  kSimpleRadial = 2,      // SIMPLE_RADIAL    f cx cy k
+  kRadial = 3,            // RADIAL           f cx cy k1 k2
+  kOpenCv = 4,            // OPENCV           fx fy cx cy k1 k2 p1 p2
+  kOpenCvFisheye = 5,     // OPENCV_FISHEYE   fx fy cx cy k1 k2 k3 k4
+  kFullOpenCv = 6,        // FULL_OPENCV      fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6
+  kEquirectangular = 100  // EQUIRECTANGULAR  (none): columns are azimuth, rows are elevation
+};
+
+// A camera: how a ray in its frame becomes a pixel. Frame: x right, y down, z forward (optical
+// axis), as in OpenCV. Pixel (0, 0) is the centre of the top left pixel.
+// Equirectangular: the middle column looks along +z, columns grow towards +x; the middle row is the
+// horizon, rows grow towards +y.
+struct Camera {
+  CameraModel model = CameraModel::kPinhole;
+  int width = 0;   // px
+  int height = 0;  // px
+  std::vector<double> params;
+
+  bool operator==(const Camera&) const = default;
+};
+
+// COLMAP's name of a model, and back (nothing for a name we don't know).
+std::string_view NameOf(CameraModel model);
+std::optional<CameraModel> CameraModelByName(std::string_view name);
+// How many parameters a model has.
+int ParameterCount(CameraModel model);
+
+// Throws MapError(kBadCamera) unless size, parameter count and parameters are sensible (finite,
+// focal lengths above zero).
+void CheckCamera(const Camera& camera);
+
+// The pixel of a point or ray in the camera's frame (any length), or nothing when it lies behind
+// the camera or outside the model's domain. The pixel may lie outside the image.
+std::optional<Eigen::Vector2d> Project(const Camera& camera, const Eigen::Vector3d& x_camera);
+
+// The unit ray, in the camera's frame, through a pixel: Project's inverse (to 1e-6 px inside the
+// image for distortions of ordinary lenses).
+Eigen::Vector3d Unproject(const Camera& camera, const Eigen::Vector2d& pixel);
+
+}  // namespace waystone

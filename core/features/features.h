@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <string_view>
+#include <vector>
+
+#include "core/base/check.h"
+
+namespace waystone {
+
+// Kinds of features. The values are written into map files: never change them.
+enum class FeatureType { kSift = 0, kOrb = 1, kAkaze = 2 };
+
+// "sift", "orb", "akaze".
+std::string_view NameOf(FeatureType type);
+// Throws MapError(kBadOptions) for another name.
+FeatureType FeatureTypeByName(std::string_view name);
+// Bytes of one descriptor: 128 for SIFT, 32 for ORB, 61 for AKAZE.
+int DescriptorBytes(FeatureType type);
+
+// One keypoint. Frame: pixels, x right, y down, (0, 0) the centre of the top left pixel.
+struct Keypoint {
+  float x_px = 0;
+  float y_px = 0;
+  float scale_px = 0;   // diameter of the neighbourhood that the descriptor sees
+  float angle_rad = 0;  // orientation, in [0, 2 pi), clockwise as seen (x to y)
+
+  bool operator==(const Keypoint&) const = default;
+};
+
+// N descriptors of `bytes` bytes each, in one contiguous row-major block.
+// SIFT: RootSIFT (the L1-normalised descriptor's square root, after Arandjelovic and Zisserman 2012)
+// times 256, rounded, at most 127: unit length becomes 256 and a product of two bytes stays below
+// 2^14, which is what the matching kernels rely on. ORB and AKAZE: bits.
+class Descriptors {
+ public:
+  Descriptors() = default;
+  explicit Descriptors(int bytes) : bytes_(bytes) {}
+  Descriptors(int bytes, std::vector<uint8_t> data) : bytes_(bytes), data_(std::move(data)) {
+    WS_CHECK(bytes > 0 && data_.size() % bytes == 0, "descriptor block of a broken size");
+  }
+
+  int rows() const { return bytes_ == 0 ? 0 : static_cast<int>(data_.size() / bytes_); }
+  int bytes() const { return bytes_; }
+  const uint8_t* row(int i) const { return data_.data() + static_cast<size_t>(i) * bytes_; }
+  const std::vector<uint8_t>& data() const { return data_; }
+  void Append(const uint8_t* row) { data_.insert(data_.end(), row, row + bytes_); }
+  void Reserve(int rows) { data_.reserve(static_cast<size_t>(rows) * bytes_); }
+
+  bool operator==(const Descriptors&) const = default;
+
+ private:
+  int bytes_ = 0;
+  std::vector<uint8_t> data_;
+};
+
+// What one image gave: keypoints[i] has descriptors.row(i). Strongest first, ties by position, so
+// that the same image gives the same features whatever the thread.
+struct Features {
+  FeatureType type = FeatureType::kSift;
+  int width = 0;   // px, of the image
+  int height = 0;  // px
+  std::vector<Keypoint> keypoints;
+  Descriptors descriptors;
+
+  int size() const { return static_cast<int>(keypoints.size()); }
+};
+
+struct FeatureOptions {
+  FeatureType type = FeatureType::kSift;
+  // Strongest features kept per image. More recognise more, and cost time and map size.
+  int max_features = 1000;
+  // SIFT: the least contrast of a keypoint, in OpenCV's scale. Lower finds more on plain walls.
+  double contrast_threshold = 0.02;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Features of an 8-bit grey image. Deterministic; thread-safe. An image too small or too plain for
+// features gives none, not an error.
+Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options);
+
+}  // namespace waystone

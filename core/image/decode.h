@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <span>
+#include <string>
+
+namespace waystone {
+
+// What an encoded image's header says, read without decoding a pixel.
+struct ImageHeader {
+  std::string format;  // "jpeg", "png", "bmp", "pnm"
+  int width = 0;       // px
+  int height = 0;      // px
+  int scans = 1;       // JPEG: how many scans (a progressive one has several)
+};
+
+struct DecodeLimits {
+  // Pixels of the largest image that is decoded. 8-bit grey: as many bytes.
+  int64_t max_pixels = 50'000'000;
+  // Scans of a progressive JPEG: each costs a pass over the whole image. Encoders write about 10.
+  int max_scans = 100;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Parses the header. Throws MapError(kBadImage) for bytes that are not a JPEG, PNG, BMP or PNM or
+// are cut off (a JPEG without its end marker, a PNG without IEND), naming what they look like.
+// Never reads outside `bytes`.
+ImageHeader ReadImageHeader(std::span<const uint8_t> bytes);
+
+// Decodes to 8-bit grey (CV_8UC1), refusing by the header what is over the limits
+// (kImageTooLarge). EXIF orientation is not applied: pixels are where the camera put them, which
+// is what calibrations and answers refer to. Throws MapError(kBadImage) when it can't be decoded.
+cv::Mat DecodeGrey(std::span<const uint8_t> bytes, const DecodeLimits& limits = {});
+
+// The same in colour (CV_8UC3, BGR).
+cv::Mat DecodeColour(std::span<const uint8_t> bytes, const DecodeLimits& limits = {});
+
+}  // namespace waystone

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/ids.h"
+
+namespace waystone {
+
+// How a query ends. All four are answers, not errors.
+enum class Verdict { kLocalized, kAmbiguous, kNotInMap, kBadImage };
+
+// "localized", "ambiguous", "not_in_map", "bad_image".
+const char* NameOf(Verdict verdict);
+
+// A keyframe as an answer names it.
+struct KeyframeRef {
+  KeyframeId id;
+  std::string sequence;  // name
+  std::string source;
+  std::optional<double> time_s;
+};
+
+// A plane that the query shows.
+struct RecognisedPlane {
+  PlaneId id;
+  int inliers = 0;
+  KeyframeRef reference;
+  // x_reference = reference_from_query * x_query, homogeneous pixels, h33 = 1.
+  Eigen::Matrix3d reference_from_query = Eigen::Matrix3d::Identity();
+  std::vector<Eigen::Vector2d> outline;      // in the query image, px, clipped to it
+  std::vector<PlaneId> expect_next;          // covisible planes not recognised here, by id
+  // The matches that support it: query pixels and reference pixels, row by row.
+  std::vector<Eigen::Vector2d> query_points;
+  std::vector<Eigen::Vector2d> reference_points;
+};
+
+// A place that was considered: a keyframe with the evidence for it.
+struct PlaceCandidate {
+  KeyframeRef keyframe;
+  double probability = 0;  // in [0, 1]
+  int inliers = 0;
+};
+
+struct Heading {
+  double rad = 0;
+  double deviation_rad = 0;
+  std::string of;  // "keyframe" or "building"
+};
+
+// Milliseconds by stage. Stages that were not reached are 0.
+struct StageTimes {
+  double decode_ms = 0;
+  double extract_ms = 0;
+  double shortlist_ms = 0;
+  double verify_ms = 0;
+  double total_ms = 0;
+};
+
+struct Answer {
+  Verdict verdict = Verdict::kNotInMap;
+  double probability = 0;  // that the place is right; in [0, 1]
+  std::string image;       // name of the query, as given
+  std::string map;
+  std::string map_version;
+  std::optional<KeyframeRef> keyframe;    // nearest; only when localized
+  std::optional<Heading> heading;
+  std::vector<RecognisedPlane> planes;    // most inliers first
+  std::vector<PlaceCandidate> places;     // when ambiguous: all that look alike, best first
+  std::optional<PlaceCandidate> runner_up;
+  std::string decided_by;  // name of the gate that decided, e.g. "homography_inliers"
+  std::string message;     // one line for people: why it isn't localized, and what would help
+  StageTimes timing;
+};
+
+}  // namespace waystone

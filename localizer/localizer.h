@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "core/features/features.h"
+#include "core/image/decode.h"
+#include "localizer/answer.h"
+#include "localizer/map_index.h"
+#include "localizer/options.h"
+
+namespace waystone {
+
+// Where was this image taken? Encoded bytes (JPEG, PNG, ...) in, an answer out. Bytes that are no
+// image give the verdict kBadImage with its cause, not an exception.
+// Thread-safe and deterministic: any number of threads may ask the same index.
+// `name` is copied into the answer.
+Answer Localize(const MapIndex& index, std::span<const uint8_t> bytes, const std::string& name,
+                const LocalizeOptions& options);
+
+// The same for an image that is decoded already (8-bit grey), ...
+Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options);
+
+// ... and for features that were extracted already (of the map's type).
+Answer LocalizeFeatures(const MapIndex& index, const Features& query,
+                        const LocalizeOptions& options);
+
+}  // namespace waystone

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "schema/map_data.h"
+
+namespace waystone {
+
+// Version of the schema that this program writes: SQLite's user_version.
+inline constexpr int kSchemaVersion = 1;
+// SQLite's application_id of a map file: "WAYS".
+inline constexpr int kApplicationId = 0x57415953;
+
+struct WriteOptions {
+  bool overwrite = false;  // replace a file that is there (only ever as a whole, by rename)
+};
+
+// Throws what WriteMap would throw for the path alone: kFileExists, or kFileUnwritable when the
+// folder is missing or read-only. For asking before an hour of work, not after.
+void CheckWritable(const std::filesystem::path& path, const WriteOptions& options);
+
+// Writes a map beside `path`, checks and reopens what it wrote, and renames it into place: a reader
+// sees the whole map or what was there before. The same data give the same bytes.
+// Throws MapError: kFileExists, kFileUnwritable (with the cause and free space), kMapDamaged.
+void WriteMap(const MapData& map, const std::filesystem::path& path, const WriteOptions& options);
+
+struct ReadOptions {
+  bool images = true;  // read the keyframes' JPEGs too
+};
+
+// Reads a whole map, checking every blob's length and CRC and every reference. Opens the file
+// read-only and immutable; never writes, also not beside it.
+// Throws MapError: kFileUnreadable, kNotAMap, kMapDamaged, kMapVersion.
+MapData ReadMap(const std::filesystem::path& path, const ReadOptions& options = {});
+
+// One finding of CheckMap.
+struct MapProblem {
+  std::string where;    // "planes 7", "plane_views 3/12", "file"
+  std::string message;  // cause and number
+};
+
+// Everything that is wrong with a map, not the first thing alone: SQLite's integrity and foreign
+// keys, blob lengths and CRCs, homographies finite and invertible, adjacency symmetric (a < b, both
+// there, no self loops) and with a homology that has the double eigenvalue, references that exist.
+// Empty for a sound map. Throws MapError only when the file can't be opened as a map at all.
+std::vector<MapProblem> CheckMap(const std::filesystem::path& path);
+
+// Bytes of each table (SQLite's dbstat where it is compiled in, else the sums of the blobs).
+struct TableSize {
+  std::string table;
+  int64_t rows = 0;
+  int64_t bytes = 0;
+};
+std::vector<TableSize> TableSizes(const std::filesystem::path& path);
+
+// The way to change a map's schema: an older map is rewritten by the numbered migrations, beside
+// the file and renamed. Returns the version it had. Throws like ReadMap and WriteMap.
+int MigrateMap(const std::filesystem::path& path);
+
+}  // namespace waystone
