@@ -30,7 +30,7 @@ struct BuildOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// How far a build is; handed to the progress callback, always from the thread that called BuildMap.
+// How far a build is; handed to the progress callback, one call at a time but from any thread.
 struct BuildProgress {
   std::string stage;  // "frames", "fusion"
   int done = 0;

@@ -15,20 +15,34 @@ class MapIndex {
   // Throws MapError(kMapDamaged) for a map whose parts don't refer to each other properly.
   static std::shared_ptr<const MapIndex> Build(MapData map);
 
+  // The map, but for the planes' descriptors: they are moved into one block, see below.
   const MapData& map() const { return map_; }
   // Nothing for an id that isn't in the map.
   const Plane* FindPlane(PlaneId id) const;
   const Keyframe* FindKeyframe(KeyframeId id) const;
-  // Ids of the planes with an edge to `id`, ascending.
+  const Sequence* FindSequence(SequenceId id) const;
+  // Ids of the planes with an edge to `id`, ascending; empty for an id that isn't in the map.
   const std::vector<PlaneId>& Neighbours(PlaneId id) const;
+
+  // Descriptors of all planes, plane after plane.
+  DescriptorsView descriptors() const { return all_; }
+  // Index in map().planes of the plane that a row of descriptors() belongs to.
+  int PlaneOfRow(int row) const { return plane_of_row_[row]; }
+  // Descriptors of map().planes[plane], row i belonging to its feature i.
+  DescriptorsView DescriptorsOf(int plane) const;
 
  private:
   explicit MapIndex(MapData map);
+  void CheckReferences() const;
 
   MapData map_;
+  Descriptors all_;
+  std::vector<int> plane_of_row_;
+  std::vector<int> first_row_;  // of each plane, and one more for the end
   std::unordered_map<PlaneId, int> plane_index_;
   std::unordered_map<KeyframeId, int> keyframe_index_;
-  std::vector<std::vector<PlaneId>> neighbours_;
+  std::unordered_map<SequenceId, int> sequence_index_;
+  std::unordered_map<PlaneId, std::vector<PlaneId>> neighbours_;
 };
 
 }  // namespace waystone

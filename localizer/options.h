@@ -3,18 +3,59 @@
 
 #include <cstdint>
 
-#include "core/features/features.h"
+#include "core/features/match.h"
+#include "core/homography/homology.h"
+#include "core/homography/local_ransac.h"
 #include "core/image/decode.h"
 
 namespace waystone {
+
+// The gates between a shortlisted plane and an answer. Counts for now.
+struct GateOptions {
+  // Distinct places in the image whose matches support a plane's homography. Higher refuses more
+  // true planes, lower lets chance through.
+  int min_inliers = 12;
+  // Evidence of a whole place: inliers of its planes together.
+  int min_place_inliers = 15;
+  // Share of the plane's matches that must support its homography.
+  double min_inlier_share = 0.2;
+  // Inliers closer together than this count once: one corner gives several features. px
+  double distinct_px = 4.0;
+  // The homography may enlarge or shrink at most by this factor between query and reference. A
+  // larger one is a fit through noise.
+  double max_scale = 8.0;
+  // A second place with this share of the first one's inliers makes the answer ambiguous.
+  double ambiguous_share = 0.7;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Model of chance behind the stated probability (Brown and Lowe 2007, sec. 3.2): a match of the right
+// plane is an inlier with one probability, of a wrong one with another. Not calibrated on the map.
+struct EvidenceOptions {
+  double inlier_if_right = 0.6;
+  double inlier_if_wrong = 0.1;
+  double prior = 1e-4;  // that a shortlisted plane is right
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
 
 struct LocalizeOptions {
   DecodeLimits limits;
   // Features taken from a query; their type is the map's.
   int max_features = 1000;
   double contrast_threshold = 0.02;  // as FeatureOptions'
+  // Nearest map features for which a query feature votes.
+  int votes_per_feature = 3;
   // Planes whose homography is tried, best voted first. More find more and cost about 1 ms each.
-  int max_candidates = 12;
+  int max_candidates = 16;
+  // Fewer votes than this, and a plane isn't tried.
+  int min_votes = 6;
+  MatchOptions match{0.85, true};
+  LocalRansacOptions ransac;
+  HomologyOptions homology;
+  GateOptions gates;
+  EvidenceOptions evidence;
   // Seed of the sampling: the same query, map and options give the same answer.
   uint64_t seed = 1;
 

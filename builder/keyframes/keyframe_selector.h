@@ -1,22 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "builder/sources/source.h"
+#include "core/features/features.h"
+#include "core/features/match.h"
+
 namespace waystone {
 
 // The paper's three conditions for key frames (sec. IV, after Royer et al.): as many frames as
 // possible between two of them, at least M matches with the last one and N with the one before.
 struct KeyframeOptions {
-  int min_matches_last = 200;        // M
+  int min_matches_last = 200;        // M. Higher: more keyframes, closer together
   int min_matches_before_last = 80;  // N
   // Frames looked at beyond the first one that breaks the conditions, so that one blurred frame
   // doesn't end the search.
   int lookahead = 3;
-  // Frames that may lie between two keyframes at the most.
+  // Frames from one keyframe to the next at the most; bounds what a standing camera costs.
   int max_gap = 60;
   // Fewer matches than this with the last keyframe: the sequence is broken, a new stretch starts.
   int min_matches_stretch = 30;
 
   void Check() const;  // throws MapError(kBadOptions)
+};
+
+// A frame with its features, on its way to become a keyframe or not.
+struct ExtractedFrame {
+  FrameInfo info;
+  cv::Mat thumbnail;  // smaller picture of it; empty when images are left out
+  Features features;
+};
+
+struct ChosenKeyframe {
+  ExtractedFrame frame;
+  bool starts_stretch = false;  // has nothing to do with the keyframe before
+};
+
+// Picks keyframes from frames as they come. Holds a handful of frames at most. Not thread-safe.
+class KeyframeSelector {
+ public:
+  KeyframeSelector(const KeyframeOptions& options, const MatchOptions& match);
+
+  // Takes the next frame; returns the keyframes that are decided by it, in order.
+  std::vector<ChosenKeyframe> Add(ExtractedFrame frame);
+  // The keyframes still undecided at the end of the sequence.
+  std::vector<ChosenKeyframe> Finish();
+
+ private:
+  struct Candidate {
+    ExtractedFrame frame;
+    int matches_last = 0;
+  };
+
+  void Consider(ExtractedFrame frame, std::vector<ChosenKeyframe>& chosen);
+  void Decide(std::vector<ChosenKeyframe>& chosen);
+  void Choose(ExtractedFrame frame, bool starts_stretch, std::vector<ChosenKeyframe>& chosen);
+  int CountMatches(const Features& a, const Features& b) const;
+
+  KeyframeOptions options_;
+  MatchOptions match_;
+  std::optional<Features> last_;         // of the last keyframe, I_{i-1}
+  std::optional<Features> before_last_;  // of I_{i-2}, in the same stretch
+  int gap_ = 0;                          // frames since the last keyframe
+  std::optional<ExtractedFrame> best_;   // the farthest frame that fulfils the conditions
+  std::deque<Candidate> beyond_;         // frames after it that don't
 };
 
 }  // namespace waystone

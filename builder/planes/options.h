@@ -3,9 +3,63 @@
 
 #include <cstdint>
 
+#include "core/features/match.h"
+#include "core/homography/segment_planes.h"
+
 namespace waystone {
 
+// Frames that only rotate (all matches fit one rotation) can't show planes.
+struct RotationOptions {
+  // Share of the matches that one homography must explain before a rotation is tried at all.
+  double min_share = 0.85;
+  // How much worse than the free homography (root mean square) a rotation may fit and still be it.
+  double max_excess = 1.3;
+  // Focal lengths tried where the camera isn't known, as shares of the image's longer side.
+  double min_focal = 0.5;
+  double max_focal = 3.0;
+  int focal_steps = 10;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Fusion of planes seen again (sec. III-A).
+struct FusionOptions {
+  // Descriptor votes that make a pair of planes a candidate. Lower tries more pairs.
+  int min_votes = 6;
+  // Neighbours of a feature that vote, nearest first.
+  int votes_per_feature = 3;
+  // Features a plane, best seen first, that vote. Bounds the cost on large planes.
+  int max_voters = 400;
+  // Matches that must support the homography between the two planes ...
+  int min_inliers = 14;
+  // ... and the share of all matches between them ("most of the matches").
+  double min_support = 0.5;
+  // Of the features that lie where both planes were seen, the share that must be found in both.
+  // The same wall is recognised all over; a poster hung twice is recognised on the poster alone.
+  double min_overlap = 0.25;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
 struct PlaneLayerOptions {
+  MatchOptions match;
+  SegmentationOptions segmentation;
+  RotationOptions rotation;
+  FusionOptions fusion;
+  // Features that must follow a plane into the next keyframe; with fewer it is closed.
+  int min_tracked = 8;
+  // A keypoint is a feature of the plane again if it lies this close to where the homography puts
+  // it. px
+  double reacquire_px = 3.0;
+  // ... and its descriptor is at most this far, as a share of the largest distance of its type.
+  double reacquire_distance = 0.4;
+  // A plane grows at most this many image sizes beyond its reference image: farther out, the
+  // homography's extrapolation means little.
+  double max_extrapolation = 1.0;
+  // A feature is kept if it was found in this share of the keyframes that should have seen it.
+  double min_vote_share = 0.3;
+  // A plane with fewer features left after the votes is dropped.
+  int min_features = 16;
   uint64_t seed = 1;
 
   void Check() const;  // throws MapError(kBadOptions)

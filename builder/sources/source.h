@@ -2,13 +2,15 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "core/camera/camera.h"
+#include "core/image/decode.h"
 
 namespace waystone {
 
@@ -21,46 +23,90 @@ struct FrameInfo {
 
 struct Frame {
   FrameInfo info;
-  cv::Mat grey;   // CV_8UC1; empty when the frame can't be decoded
+  cv::Mat grey;       // CV_8UC1; empty when the frame can't be decoded
   std::string error;  // then: why, in one line
 };
 
-// Which part of a source is used.
+// A frame that is listed but not decoded yet: what NextEncoded() gives one after the other, and
+// what worker threads turn into pixels. A frame of a file holds the path alone (reading is part of
+// Decode); a frame of a video holds its colours, since a video is decoded in order. Copies are
+// cheap and share what they hold; it may outlive its Source.
+class EncodedFrame {
+ public:
+  // `load` gives a CV_8UC1 image or throws MapError; it may be called from any thread.
+  EncodedFrame(FrameInfo info, std::function<cv::Mat()> load)
+      : info_(std::move(info)), load_(std::move(load)) {}
+
+  const FrameInfo& info() const { return info_; }
+  // Any thread, any number of times. A frame that can't be decoded, is missing, or has another size
+  // than the first one comes with its error; nothing is thrown for it.
+  Frame Decode() const;
+
+ private:
+  FrameInfo info_;
+  std::function<cv::Mat()> load_;
+};
+
+// Which part of a source is used, and how.
 struct SourceOptions {
-  int every = 1;             // take every n-th frame
-  int from = 0;              // first frame number
-  std::optional<int> to;     // last frame number, inclusive; the end when absent
-  std::optional<std::filesystem::path> camera_file;  // OpenCV, ROS, Kalibr or COLMAP; wins over
-                                                     // what the source itself brings
+  int every = 1;  // take every n-th frame, counted from `from`; 1 or more
+  int from = 0;   // first frame number; 0 or more
+  // Last frame number, inclusive, `from` or more; the end when absent.
+  std::optional<int> to = std::nullopt;
+  // OpenCV, ROS, Kalibr, COLMAP or our own (ReadCameraFile); wins over what the source brings.
+  std::optional<std::filesystem::path> camera_file = std::nullopt;
+  DecodeLimits limits = {};  // of each frame
 
   void Check() const;  // throws MapError(kBadOptions)
 };
 
 // A sequence of images in order: a folder, a glob, a video, TUM RGB-D, KITTI odometry, EuRoC.
-// Sequential: Next() gives frame after frame. Not thread-safe.
+// Sequential: NextEncoded() gives frame after frame. Not thread-safe; what it gives is.
 class Source {
  public:
   virtual ~Source() = default;
 
-  virtual const std::string& kind() const = 0;   // "folder", "video", "tum", "kitti", "euroc"
-  virtual const std::string& name() const = 0;   // of the folder or file, without its path
-  virtual int size() const = 0;                  // frames that Next() will give (an estimate for
-                                                 // videos whose header doesn't know)
+  virtual const std::string& kind() const = 0;  // "folder", "video", "tum", "kitti", "euroc"
+  virtual const std::string& name() const = 0;  // of the folder or file, without its path
+  virtual int size() const = 0;                 // frames that NextEncoded() will give (an estimate
+                                                // for videos, whose headers may be wrong)
+  // For images of the size of the source's frames.
   virtual const std::optional<Camera>& camera() const = 0;
-  // "TUM sequence, 1000 frames 640x480": what was recognised.
+  // "TUM sequence, 1000 frames 640x480": what was recognised; with ", 100 of them used" behind it
+  // when options leave some out.
   virtual std::string Announcement() const = 0;
 
-  // The next frame, or nothing at the end. A frame that can't be decoded comes with its error; it
-  // is never fatal. Frames of another size than the first come with an error too.
-  virtual std::optional<Frame> Next() = 0;
+  // The next frame, or nothing at the end. Cheap for files; for a video this is where it is
+  // decoded.
+  virtual std::optional<EncodedFrame> NextEncoded() = 0;
+
+  // The next frame, decoded, or nothing at the end: for those who don't mind the wait.
+  std::optional<Frame> Next();
 };
 
-// Recognises what `path` is and opens it. Throws MapError(kBadSource) when it is nothing we know or
-// holds no image, with what was found there and what to do; kBadCamera for a camera file.
+// Recognises what `path` is and opens it:
+//   a folder with rgb.txt                      TUM RGB-D; camera.yaml beside it
+//   a folder with image_0/ or image_2/ and     KITTI odometry; the camera is P0 or P2 of calib.txt
+//     times.txt or calib.txt
+//   a folder with mav0/cam0/data.csv           EuRoC (also its mav0 or cam0); cam0/sensor.yaml
+//   a folder with images                       in natural order (img2 before img10); camera.yaml in
+//                                              it, or beside it when it is called images
+//   a folder with images/                      the same
+//   a pattern such as walk/*.jpg               the images that match, in natural order
+//   a video                                    whatever FFmpeg opens; not turned upright
+// Throws MapError: kBadOptions; kBadSource when `path` is none of these or no frame of it can be
+// read, with what was found there and what to do; kBadCamera for a camera file that can't be read
+// or is for images of another size; kFileUnreadable for a folder without permission.
 std::unique_ptr<Source> OpenSource(const std::string& path, const SourceOptions& options);
 
-// Reads one camera file, recognising OpenCV YAML/XML-free YAML, ROS camera_info, Kalibr camchain,
-// COLMAP cameras.txt and our own `camera_model:` YAML by their keys. Throws MapError(kBadCamera).
+// Reads one camera file, recognising by their keys: OpenCV's YAML (`camera_matrix`), ROS
+// camera_info (the file or a dumped message), Kalibr's camchain (its cam0), EuRoC's sensor.yaml,
+// COLMAP's cameras.txt (with one camera) and our own:
+//   camera_model: OPENCV           # a name of COLMAP's, see core/camera/camera.h
+//   image_width: 640
+//   image_height: 480
+//   fx: 515.0                      # and so on: the model's parameters by name
+// Throws MapError(kBadCamera) with the file, the key or line, and what to do.
 Camera ReadCameraFile(const std::filesystem::path& path);
 
 }  // namespace waystone

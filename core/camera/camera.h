@@ -23,9 +23,13 @@ enum class CameraModel {
 };
 
 // A camera: how a ray in its frame becomes a pixel. Frame: x right, y down, z forward (optical
-// axis), as in OpenCV. Pixel (0, 0) is the centre of the top left pixel.
-// Equirectangular: the middle column looks along +z, columns grow towards +x; the middle row is the
-// horizon, rows grow towards +y.
+// axis), as in OpenCV. Pixel (0, 0) is the centre of the top left pixel, as in OpenCV, ROS and
+// Kalibr; COLMAP calls that point (0.5, 0.5), so half a pixel is taken off cx and cy where its
+// files are read. Distortions are OpenCV's: x' = X / Z, y' = Y / Z, s = x'^2 + y'^2 for the radial
+// and tangential ones, a polynomial in the angle to the optical axis for the fisheye.
+// Equirectangular: the whole sphere; the middle of the image, ((width - 1) / 2, (height - 1) / 2),
+// looks along +z, columns grow towards +x, rows grow towards +y. Azimuth atan2(X, Z) runs over the
+// width, elevation asin(Y / |x|) over the height. The seam is straight behind.
 struct Camera {
   CameraModel model = CameraModel::kPinhole;
   int width = 0;   // px
@@ -38,19 +42,25 @@ struct Camera {
 // COLMAP's name of a model, and back (nothing for a name we don't know).
 std::string_view NameOf(CameraModel model);
 std::optional<CameraModel> CameraModelByName(std::string_view name);
-// How many parameters a model has.
+// How many parameters a model has, and their names with a space between them: "fx fy cx cy".
 int ParameterCount(CameraModel model);
+std::string_view ParameterNames(CameraModel model);
 
-// Throws MapError(kBadCamera) unless size, parameter count and parameters are sensible (finite,
-// focal lengths above zero).
+// Throws MapError(kBadCamera) unless size, parameter count and parameters are sensible (1 to
+// 100,000 px a side, all finite, focal lengths above zero). What follows is for cameras that pass
+// it, and is thread-safe.
 void CheckCamera(const Camera& camera);
 
 // The pixel of a point or ray in the camera's frame (any length), or nothing when it lies behind
-// the camera or outside the model's domain. The pixel may lie outside the image.
+// the camera or outside the model's domain: where a distortion would fold the view back over
+// itself, which is far outside the image for a sound calibration. A fisheye sees behind itself as
+// far as its polynomial grows; an equirectangular camera sees everything but its own centre. The
+// pixel may lie outside the image.
 std::optional<Eigen::Vector2d> Project(const Camera& camera, const Eigen::Vector3d& x_camera);
 
 // The unit ray, in the camera's frame, through a pixel: Project's inverse (to 1e-6 px inside the
-// image for distortions of ordinary lenses).
+// image for distortions of ordinary lenses). For a pixel that no ray reaches, the ray that comes
+// nearest along the way there; always finite for a finite pixel.
 Eigen::Vector3d Unproject(const Camera& camera, const Eigen::Vector2d& pixel);
 
 }  // namespace waystone

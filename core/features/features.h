@@ -56,6 +56,22 @@ class Descriptors {
   std::vector<uint8_t> data_;
 };
 
+// A run of descriptors that somebody else owns.
+struct DescriptorsView {
+  const uint8_t* data = nullptr;
+  int count = 0;
+  int bytes = 0;
+
+  DescriptorsView() = default;
+  DescriptorsView(const uint8_t* first, int rows, int row_bytes)
+      : data(first), count(rows), bytes(row_bytes) {}
+  DescriptorsView(const Descriptors& all)  // NOLINT: meant to convert
+      : data(all.data().data()), count(all.rows()), bytes(all.bytes()) {}
+
+  int rows() const { return count; }
+  const uint8_t* row(int i) const { return data + static_cast<size_t>(i) * bytes; }
+};
+
 // What one image gave: keypoints[i] has descriptors.row(i). Strongest first, ties by position, so
 // that the same image gives the same features whatever the thread.
 struct Features {

@@ -17,22 +17,29 @@ struct ImageHeader {
 };
 
 struct DecodeLimits {
-  // Pixels of the largest image that is decoded. 8-bit grey: as many bytes.
+  // Pixels of the largest image that is decoded, 1 to 2^30. 8-bit grey: as many bytes. More admits
+  // larger photos and larger attacks: decoding 50 megapixels takes half a second.
   int64_t max_pixels = 50'000'000;
-  // Scans of a progressive JPEG: each costs a pass over the whole image. Encoders write about 10.
+  // Scans of a progressive JPEG, 1 to 10,000: each costs a pass over the whole image. Encoders
+  // write about 10.
   int max_scans = 100;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Parses the header. Throws MapError(kBadImage) for bytes that are not a JPEG, PNG, BMP or PNM or
-// are cut off (a JPEG without its end marker, a PNG without IEND), naming what they look like.
-// Never reads outside `bytes`.
+// Parses the header, and walks over the rest as far as needed to know that its end is there; bytes
+// behind the end are allowed. Linear in the bytes, no allocation. Throws MapError(kBadImage) for
+// bytes that are not a JPEG, PNG, BMP or PNM or are cut off (a JPEG without its end marker, a PNG
+// without IEND), naming what they look like. Never reads outside `bytes`. Thread-safe.
 ImageHeader ReadImageHeader(std::span<const uint8_t> bytes);
+
+// Throws MapError(kImageTooLarge), with the claim and the limit, for a header over the limits.
+void CheckLimits(const ImageHeader& header, const DecodeLimits& limits);
 
 // Decodes to 8-bit grey (CV_8UC1), refusing by the header what is over the limits
 // (kImageTooLarge). EXIF orientation is not applied: pixels are where the camera put them, which
-// is what calibrations and answers refer to. Throws MapError(kBadImage) when it can't be decoded.
+// is what calibrations and answers refer to. 16-bit images become 8-bit ones, by their upper bytes.
+// Throws MapError(kBadImage) when it can't be decoded, and nothing else. Thread-safe.
 cv::Mat DecodeGrey(std::span<const uint8_t> bytes, const DecodeLimits& limits = {});
 
 // The same in colour (CV_8UC3, BGR).

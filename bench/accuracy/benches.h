@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+// The accuracy benches: `waystone-bench NAME ARGS`. Each prints what it measured and, as its last
+// line, the same as one JSON object. They return the program's exit code.
+namespace waystone::bench {
+
+using Args = std::vector<std::string>;
+
+// world [--frames N] [--seed S]: plane layer against the truth of rendered walks.
+int RunWorld(const Args& args);
+// rgbd DIR [--map A:B] [--queries A:B:STEP]: a TUM RGB-D folder with depth and poses; localization
+// and transfer error against them.
+int RunRgbd(const Args& args);
+// negatives DIR [--map A:B] IMAGE_OR_FOLDER...: images that are not in a map of DIR.
+int RunNegatives(const Args& args);
+// linear DIR N...: seconds per frame of builds over the first N frames.
+int RunLinear(const Args& args);
+
+}  // namespace waystone::bench

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/accuracy/common.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+#include "core/base/error.h"
+
+namespace waystone::bench {
+
+Range ParseRange(const std::string& text) {
+  Range range;
+  char rest = 0;
+  const int read =
+      std::sscanf(text.c_str(), "%d:%d:%d%c", &range.from, &range.to, &range.step, &rest);
+  if (read < 2 || read > 3 || range.from < 0 || range.to < range.from || range.step < 1) {
+    throw MapError(ErrorCode::kUsage, "'" + text + "' is no range of frames; write 0:499 or 0:499:10");
+  }
+  return range;
+}
+
+std::string TakeOption(Args& args, const std::string& name, const std::string& fallback) {
+  const auto found = std::find(args.begin(), args.end(), "--" + name);
+  if (found == args.end()) return fallback;
+  if (found + 1 == args.end()) {
+    throw MapError(ErrorCode::kUsage, "--" + name + " wants a value");
+  }
+  const std::string value = *(found + 1);
+  args.erase(found, found + 2);
+  return value;
+}
+
+BuildResult BuildRange(const std::string& source, const Range& range) {
+  SourceOptions options;
+  options.from = range.from;
+  options.to = range.to;
+  options.every = range.step;
+  std::vector<std::unique_ptr<Source>> sources;
+  sources.push_back(OpenSource(source, options));
+  return BuildMap(sources, BuildOptions{}, {});
+}
+
+std::vector<std::filesystem::path> ImagesIn(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return {path};
+  std::vector<std::filesystem::path> images;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(path)) {
+    const std::string extension = entry.path().extension().string();
+    if (extension == ".jpg" || extension == ".jpeg" || extension == ".png") {
+      images.push_back(entry.path());
+    }
+  }
+  std::sort(images.begin(), images.end());
+  return images;
+}
+
+std::vector<uint8_t> ReadBytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw MapError(ErrorCode::kFileUnreadable, "can't read " + path.string());
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const size_t rank = std::min(values.size() - 1, static_cast<size_t>(share * values.size()));
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return values[rank];
+}
+
+int64_t FeatureCount(const MapData& map) {
+  int64_t count = 0;
+  for (const Plane& plane : map.planes) count += static_cast<int64_t>(plane.features.size());
+  return count;
+}
+
+}  // namespace waystone::bench

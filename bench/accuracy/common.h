@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/accuracy/benches.h"
+#include "builder/build_map.h"
+#include "localizer/localizer.h"
+
+namespace waystone::bench {
+
+// "A:B" or "A:B:STEP": frame numbers from A to B inclusive.
+struct Range {
+  int from = 0;
+  int to = 0;
+  int step = 1;
+};
+// Throws MapError(kUsage) for anything else.
+Range ParseRange(const std::string& text);
+
+// Takes the value of `--name VALUE` out of the arguments; `fallback` when it isn't there.
+std::string TakeOption(Args& args, const std::string& name, const std::string& fallback);
+
+// A map of a range of frames of a source, built as `waystone build` does.
+BuildResult BuildRange(const std::string& source, const Range& range);
+
+// All image files of a folder and its subfolders (in natural order), or the file itself.
+std::vector<std::filesystem::path> ImagesIn(const std::filesystem::path& path);
+
+std::vector<uint8_t> ReadBytes(const std::filesystem::path& path);
+
+// The value below which a share of the values lies; 0 for none.
+double Quantile(std::vector<double> values, double share);
+
+// Features of all planes.
+int64_t FeatureCount(const MapData& map);
+
+}  // namespace waystone::bench

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <iostream>
+#include <map>
+
+#include "bench/accuracy/benches.h"
+#include "core/base/error.h"
+
+namespace {
+
+constexpr char kUsage[] =
+    "usage: waystone-bench NAME ARGS\n"
+    "  world [--frames N]                                 planes against rendered truth\n"
+    "  rgbd DIR [--map 0:499] [--queries 500:990:10]      localization against depth and poses\n"
+    "  negatives DIR [--map 0:499] IMAGE_OR_FOLDER...     images that are not in the map\n"
+    "  linear DIR N...                                    seconds per frame over N frames\n"
+    "The last line of each is one JSON object.\n";
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using waystone::bench::Args;
+  const std::map<std::string, int (*)(const Args&)> benches = {
+      {"world", waystone::bench::RunWorld},
+      {"rgbd", waystone::bench::RunRgbd},
+      {"negatives", waystone::bench::RunNegatives},
+      {"linear", waystone::bench::RunLinear}};
+  if (argc < 2 || !benches.contains(argv[1])) {
+    std::cerr << kUsage;
+    return 2;
+  }
+  try {
+    return benches.at(argv[1])(Args(argv + 2, argv + argc));
+  } catch (const waystone::MapError& error) {
+    std::cerr << "waystone-bench: " << error.what() << "\n";
+    return InfoOf(error.code()).exit_code;
+  } catch (const std::exception& error) {
+    std::cerr << "waystone-bench: " << error.what() << "\n";
+    return 5;
+  }
+}

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <map>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace waystone::bench {
+
+// Truth of a TUM RGB-D sequence: where a pixel of one frame is seen in another, from depth and poses.
+class RgbdTruth {
+ public:
+  // Reads rgb.txt, depth.txt, groundtruth.txt (depth camera to world) of `folder`. Intrinsics are
+  // those of the kitchen data: colour f 515, depth f 585, centres (320, 240), millimetres.
+  explicit RgbdTruth(const std::filesystem::path& folder);
+
+  int frames() const { return static_cast<int>(images_.size()); }
+  const std::string& image(int frame) const { return images_[frame]; }
+  bool HasDepth(int frame) const { return depths_.contains(frame); }
+  // Pixel of frame b that shows what pixel x of frame a shows; nothing without depth there.
+  std::optional<Eigen::Vector2d> Transfer(int a, const Eigen::Vector2d& x, int b) const;
+
+ private:
+  std::filesystem::path folder_;
+  std::vector<std::string> images_;
+  std::map<int, std::string> depths_;
+  std::vector<Eigen::Isometry3d> world_from_camera_;
+  mutable int loaded_ = -1;
+  mutable cv::Mat depth_;
+};
+
+}  // namespace waystone::bench

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/build_map.h"
+
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <set>
+
+#include "builder/planes/fusion.h"
+#include "builder/planes/plane_features.h"
+#include "builder/planes/plane_tracker.h"
+#include "core/base/error.h"
+#include "core/base/version.h"
+
+namespace waystone {
+namespace {
+
+constexpr int kMaxNamedSkips = 20;
+constexpr int kThumbnailQuality = 80;  // of JPEG
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// A frame on its way through the pipeline.
+struct Worked {
+  ExtractedFrame frame;
+  std::string error;  // set when it could not be decoded
+  double decode_s = 0;
+  double extract_s = 0;
+};
+
+cv::Mat Thumbnail(const cv::Mat& grey, int width) {
+  if (grey.cols <= width) return grey;
+  cv::Mat small;
+  const int height = std::max(1, static_cast<int>(std::lround(
+                                     static_cast<double>(grey.rows) * width / grey.cols)));
+  cv::resize(grey, small, {width, height}, 0, 0, cv::INTER_AREA);
+  return small;
+}
+
+Worked Work(const EncodedFrame& encoded, const BuildOptions& options) {
+  Worked worked;
+  const Clock::time_point start = Clock::now();
+  Frame frame = encoded.Decode();
+  worked.decode_s = SecondsSince(start);
+  worked.frame.info = std::move(frame.info);
+  worked.error = std::move(frame.error);
+  if (frame.grey.empty()) return worked;
+  const Clock::time_point decoded = Clock::now();
+  worked.frame.features = ExtractFeatures(frame.grey, options.features);
+  if (options.images) worked.frame.thumbnail = Thumbnail(frame.grey, options.image_width);
+  worked.extract_s = SecondsSince(decoded);
+  return worked;
+}
+
+std::string OptionsJson(const BuildOptions& options) {
+  const PlaneLayerOptions& planes = options.planes;
+  const nlohmann::ordered_json json = {
+      {"features",
+       {{"type", NameOf(options.features.type)},
+        {"max_features", options.features.max_features},
+        {"contrast_threshold", options.features.contrast_threshold}}},
+      {"keyframes",
+       {{"min_matches_last", options.keyframes.min_matches_last},
+        {"min_matches_before_last", options.keyframes.min_matches_before_last},
+        {"min_matches_stretch", options.keyframes.min_matches_stretch}}},
+      {"planes",
+       {{"seed", planes.seed},
+        {"max_ratio", planes.match.max_ratio},
+        {"max_error_px", planes.segmentation.ransac.max_error_px},
+        {"min_inliers", planes.segmentation.min_inliers},
+        {"min_vote_share", planes.min_vote_share},
+        {"min_features", planes.min_features}}}};
+  return json.dump();
+}
+
+// The state of a build: what the serial end of the pipeline feeds.
+class MapBuilder {
+ public:
+  MapBuilder(const BuildOptions& options,
+             const std::function<bool(const BuildProgress&)>& progress)
+      : options_(options), progress_(progress), tracker_(options.planes) {}
+
+  void AddSource(Source& source) {
+    Sequence sequence;
+    sequence.id = SequenceId{static_cast<int64_t>(map_.sequences.size()) + 1};
+    sequence.name = source.name();
+    sequence.kind = source.kind();
+    sequence.camera = source.camera();
+    map_.sequences.push_back(sequence);
+    KeyframeSelector selector(options_.keyframes, options_.planes.match);
+    RunPipeline(source, selector);
+    if (cancelled_) throw MapError(ErrorCode::kInterrupted, "stopped; nothing was written");
+    for (ChosenKeyframe& chosen : selector.Finish()) AddKeyframe(std::move(chosen));
+  }
+
+  BuildResult Finish() {
+    tracker_.Finish();
+    if (report_.frames == report_.skipped) FailWithoutFrames();
+    map_.planes = std::move(tracker_.planes());
+    CopyTrackerReport();
+    std::sort(map_.planes.begin(), map_.planes.end(),
+              [](const Plane& a, const Plane& b) { return a.id < b.id; });
+    TakeEdges();
+    Report("fusion", 0, 1);
+    const Clock::time_point start = Clock::now();
+    report_.planes_fused =
+        FusePlanes(map_.planes, map_.edges, options_.features.type, options_.planes);
+    report_.fusion_s = SecondsSince(start);
+    Renumber();
+    map_.info.name = options_.map_name;
+    map_.info.program = std::string("waystone ") + kVersion;
+    map_.info.feature_type = options_.features.type;
+    map_.info.options_json = OptionsJson(options_);
+    report_.total_s = SecondsSince(start_);
+    Report("fusion", 1, 1);
+    return {std::move(map_), std::move(report_)};
+  }
+
+ private:
+  void RunPipeline(Source& source, KeyframeSelector& selector) {
+    const int total = source.size();
+    int done = 0;
+    // Two frames a worker: enough that none waits, few enough that memory stays bounded.
+    const size_t in_flight = 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 1;
+    tbb::parallel_pipeline(
+        in_flight,
+        tbb::make_filter<void, std::shared_ptr<EncodedFrame>>(
+            tbb::filter_mode::serial_in_order,
+            [&](tbb::flow_control& control) -> std::shared_ptr<EncodedFrame> {
+              std::optional<EncodedFrame> next;
+              if (!cancelled_) next = source.NextEncoded();
+              if (next) return std::make_shared<EncodedFrame>(std::move(*next));
+              control.stop();
+              return nullptr;
+            }) &
+            tbb::make_filter<std::shared_ptr<EncodedFrame>, std::shared_ptr<Worked>>(
+                tbb::filter_mode::parallel,
+                [&](const std::shared_ptr<EncodedFrame>& encoded) {
+                  return std::make_shared<Worked>(Work(*encoded, options_));
+                }) &
+            tbb::make_filter<std::shared_ptr<Worked>, void>(
+                tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<Worked>& worked) {
+                  if (cancelled_) return;
+                  Consume(std::move(*worked), selector);
+                  if (!Report("frames", ++done, std::max(total, done))) cancelled_ = true;
+                }));
+  }
+
+  void Consume(Worked worked, KeyframeSelector& selector) {
+    ++report_.frames;
+    ++map_.sequences.back().frames;
+    report_.decode_s += worked.decode_s;
+    report_.extract_s += worked.extract_s;
+    if (!worked.error.empty()) {
+      ++report_.skipped;
+      ++map_.sequences.back().skipped;
+      if (static_cast<int>(report_.skipped_names.size()) < kMaxNamedSkips) {
+        report_.skipped_names.push_back(worked.frame.info.source + ": " + worked.error);
+      }
+      return;
+    }
+    const Clock::time_point start = Clock::now();
+    for (ChosenKeyframe& chosen : selector.Add(std::move(worked.frame))) {
+      AddKeyframe(std::move(chosen));
+    }
+    report_.track_s += SecondsSince(start);
+  }
+
+  void AddKeyframe(ChosenKeyframe chosen) {
+    Keyframe keyframe;
+    keyframe.id = KeyframeId{static_cast<int64_t>(map_.keyframes.size()) + 1};
+    keyframe.sequence = map_.sequences.back().id;
+    report_.stretches += chosen.starts_stretch;
+    keyframe.stretch = report_.stretches - 1;
+    keyframe.frame = chosen.frame.info.number;
+    keyframe.source = chosen.frame.info.source;
+    keyframe.time_s = chosen.frame.info.time_s;
+    keyframe.width = chosen.frame.features.width;
+    keyframe.height = chosen.frame.features.height;
+    if (!chosen.frame.thumbnail.empty()) {
+      cv::imencode(".jpg", chosen.frame.thumbnail, keyframe.jpeg,
+                   {cv::IMWRITE_JPEG_QUALITY, kThumbnailQuality});
+    }
+    tracker_.AddKeyframe(keyframe.id, chosen.frame.features, chosen.starts_stretch,
+                         map_.sequences.back().camera);
+    map_.keyframes.push_back(std::move(keyframe));
+  }
+
+  [[noreturn]] void FailWithoutFrames() const {
+    const std::string first =
+        report_.skipped_names.empty() ? "" : " (first: " + report_.skipped_names.front() + ")";
+    throw MapError(ErrorCode::kBadSource,
+                   "none of the " + std::to_string(report_.frames) +
+                       " frames could be decoded" + first +
+                       "; give images that open in a viewer");
+  }
+
+  void CopyTrackerReport() {
+    const TrackerReport& tracker = tracker_.report();
+    report_.rotation_only = tracker.rotation_only;
+    report_.planes_started = tracker.started;
+    report_.planes_rejected = tracker.rejected;
+    report_.planes_merged = tracker.merged;
+    report_.planes_dropped = tracker.dropped;
+    report_.features_dropped = tracker.features_dropped;
+  }
+
+  // Edges between planes that are left.
+  void TakeEdges() {
+    std::set<PlaneId> ids;
+    for (const Plane& plane : map_.planes) ids.insert(plane.id);
+    for (const Edge& edge : tracker_.edges()) {
+      if (ids.contains(edge.a) && ids.contains(edge.b)) map_.edges.push_back(edge);
+    }
+    std::sort(map_.edges.begin(), map_.edges.end(), [](const Edge& x, const Edge& y) {
+      return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+    });
+  }
+
+  // Ids without gaps, in the order in which the planes were found.
+  void Renumber() {
+    std::map<PlaneId, PlaneId> renumbered;
+    for (Plane& plane : map_.planes) {
+      const PlaneId id{static_cast<int64_t>(renumbered.size()) + 1};
+      renumbered[plane.id] = id;
+      plane.id = id;
+      plane.outline = OutlineOf(plane.features);
+    }
+    for (Edge& edge : map_.edges) {
+      edge.a = renumbered.at(edge.a);
+      edge.b = renumbered.at(edge.b);
+    }
+  }
+
+  bool Report(const std::string& stage, int done, int total) {
+    if (!progress_) return true;
+    return progress_({stage, done, total, static_cast<int>(map_.keyframes.size()),
+                      map_.planes.empty() ? tracker_.plane_count()
+                                          : static_cast<int>(map_.planes.size())});
+  }
+
+  const BuildOptions& options_;
+  const std::function<bool(const BuildProgress&)>& progress_;
+  PlaneTracker tracker_;
+  MapData map_;
+  BuildReport report_;
+  bool cancelled_ = false;
+  Clock::time_point start_ = Clock::now();
+};
+
+}  // namespace
+
+void BuildOptions::Check() const {
+  features.Check();
+  keyframes.Check();
+  planes.Check();
+  if (image_width < 16 || image_width > 4096) {
+    throw MapError(ErrorCode::kBadOptions, "image_width is " + std::to_string(image_width) +
+                                               "; give a number from 16 to 4096");
+  }
+  if (threads < 0 || threads > 1024) {
+    throw MapError(ErrorCode::kBadOptions, "threads is " + std::to_string(threads) +
+                                               "; give 0 (all cores) to 1024");
+  }
+}
+
+BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
+                     const BuildOptions& options,
+                     const std::function<bool(const BuildProgress&)>& progress) {
+  options.Check();
+  if (sources.empty()) throw MapError(ErrorCode::kBadSource, "no source given; give one at least");
+  cv::setNumThreads(1);  // frames are what runs in parallel
+  tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : options.threads);
+  return arena.execute([&] {
+    MapBuilder builder(options, progress);
+    for (const std::unique_ptr<Source>& source : sources) builder.AddSource(*source);
+    return builder.Finish();
+  });
+}
+
+}  // namespace waystone

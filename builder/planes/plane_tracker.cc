@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/planes/plane_tracker.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "builder/planes/plane_features.h"
+#include "builder/planes/rotation_only.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+
+constexpr int kNone = -1;
+
+Vector2d PositionOf(const Keypoint& keypoint) { return {keypoint.x_px, keypoint.y_px}; }
+
+std::vector<int> AllRows(int count) {
+  std::vector<int> rows(count);
+  std::iota(rows.begin(), rows.end(), 0);
+  return rows;
+}
+
+}  // namespace
+
+void PlaneLayerOptions::Check() const {
+  match.Check();
+  segmentation.Check();
+  rotation.Check();
+  fusion.Check();
+  const bool good = min_tracked >= 5 && reacquire_px > 0 && reacquire_distance > 0 &&
+                    reacquire_distance <= 1 && max_extrapolation >= 0 && min_vote_share >= 0 &&
+                    min_vote_share <= 1 && min_features >= 4;
+  if (!good) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "planes: an option is out of its range; leave them at their defaults");
+  }
+}
+
+PlaneTracker::PlaneTracker(const PlaneLayerOptions& options) : options_(options) {
+  options_.Check();
+}
+
+void PlaneTracker::AddKeyframe(KeyframeId id, const Features& features, bool starts_stretch,
+                               const std::optional<Camera>& camera) {
+  WS_CHECK(id > last_id_, "keyframes must come in the order of their ids");
+  if (starts_stretch) Finish();
+  if (last_) Advance(MakeStep(id, features, camera));
+  last_ = features;
+  last_id_ = id;
+}
+
+void PlaneTracker::Finish() {
+  for (OpenPlane& open : open_) Close(std::move(open));
+  open_.clear();
+  last_.reset();
+}
+
+PlaneTracker::Step PlaneTracker::MakeStep(KeyframeId id, const Features& features,
+                                          const std::optional<Camera>& camera) {
+  Step step{id, features, {}, {}, false};
+  step.matches = MatchDescriptors(features.descriptors, last_->descriptors, features.type,
+                                  options_.match);
+  for (const Match& match : step.matches) {
+    step.points.from.push_back(PositionOf(features.keypoints[match.a]));
+    step.points.to.push_back(PositionOf(last_->keypoints[match.b]));
+  }
+  step.rotation_only =
+      RotatesOnly(step.points, features.width, features.height, camera, options_.rotation,
+                  options_.segmentation.ransac, options_.seed + id.value);
+  report_.rotation_only += step.rotation_only;
+  return step;
+}
+
+// Triple matching plane-image-image (sec. II-A): among the matches that carry the plane's features,
+// a homography to the last keyframe and one to the reference image, every match supporting both.
+std::optional<PlaneTracker::Tracked> PlaneTracker::Track(const OpenPlane& open, const Step& step) {
+  MatchedPoints points;
+  std::vector<int> rows;
+  for (int row = 0; row < static_cast<int>(step.matches.size()); ++row) {
+    const int feature = open.feature_at[step.matches[row].b];
+    if (feature == kNone) continue;
+    rows.push_back(row);
+    points.from.push_back(step.points.from[row]);
+    points.to.push_back(step.points.to[row]);
+    points.reference.push_back(PositionOf(open.plane.features[feature].reference));
+  }
+  if (static_cast<int>(rows.size()) < options_.min_tracked) return std::nullopt;
+  const LocalRansacOptions& ransac = options_.segmentation.ransac;
+  const Neighbourhoods neighbourhoods(points.from, 2 * ransac.neighbourhood);
+  Random random(options_.seed ^ (step.id.value << 20) ^ open.plane.id.value);
+  const std::vector<int> all = AllRows(points.size());
+  const auto fit = FindPlane(points, all, neighbourhoods, ransac, random);
+  if (!fit || static_cast<int>(fit->inliers.size()) < options_.min_tracked) return std::nullopt;
+
+  PointPairs to_last;
+  PointPairs to_reference;
+  for (int i : fit->inliers) {
+    to_last.Add(points.from[i], points.to[i]);
+    to_reference.Add(points.from[i], points.reference[i]);
+  }
+  const auto last = RefineHomography(to_last, fit->model.to_from);
+  const auto reference = RefineHomography(to_reference, fit->model.reference_from);
+  if (!last || !reference) return std::nullopt;
+  Tracked tracked;
+  tracked.reference_from_current = reference->b_from_a;
+  tracked.segment.to_from = *last;
+  tracked.feature_at.assign(step.current.size(), kNone);
+  for (int i : fit->inliers) {
+    tracked.segment.rows.push_back(rows[i]);
+    const Match& match = step.matches[rows[i]];
+    tracked.feature_at[match.a] = open.feature_at[match.b];
+  }
+  Reacquire(open, step, tracked);
+  return tracked;
+}
+
+// A feature that was missed in the last keyframe is looked for where the homography puts it, so
+// that it isn't added to the plane a second time.
+void PlaneTracker::Reacquire(const OpenPlane& open, const Step& step, Tracked& tracked) const {
+  const KeypointGrid grid(step.current, options_.reacquire_px);
+  const Matrix3d current_from_reference = tracked.reference_from_current.inverse();
+  const Vector2d inside = PositionOf(
+      open.plane.features[tracked.feature_at[step.matches[tracked.segment.rows[0]].a]].reference);
+  std::vector<char> found(open.plane.features.size(), 0);
+  for (int feature : tracked.feature_at) {
+    if (feature != kNone) found[feature] = 1;
+  }
+  const double limit = DistanceAt(step.current.type, options_.reacquire_distance);
+  for (int f = 0; f < static_cast<int>(open.plane.features.size()); ++f) {
+    const Vector2d reference = PositionOf(open.plane.features[f].reference);
+    if (found[f] || !OnSameSide(current_from_reference, reference, inside)) continue;
+    const int keypoint = grid.MostAlike(Apply(current_from_reference, reference),
+                                        open.plane.descriptors.row(f), limit);
+    if (keypoint != kNone && tracked.feature_at[keypoint] == kNone) {
+      tracked.feature_at[keypoint] = f;
+    }
+  }
+}
+
+// Algorithm 1, lines 6 to 13, for one keyframe.
+void PlaneTracker::Advance(const Step& step) {
+  std::vector<OpenPlane> still_open;
+  std::vector<Tracked> tracked;
+  std::vector<PlaneSegment> known;
+  for (OpenPlane& open : open_) {  // lines 6 to 8
+    std::optional<Tracked> found = Track(open, step);
+    if (!found) {
+      Close(std::move(open));
+      continue;
+    }
+    known.push_back(found->segment);
+    tracked.push_back(std::move(*found));
+    still_open.push_back(std::move(open));
+  }
+  open_ = std::move(still_open);
+
+  Segmentation segmentation;
+  if (step.rotation_only) {  // every match fits every plane: nothing grows, nothing starts
+    segmentation.planes = std::move(known);
+  } else {
+    segmentation = SegmentPlanes(step.points, std::move(known), options_.segmentation,
+                                 options_.seed + step.id.value);
+  }
+  report_.rejected += segmentation.rejected;
+  report_.merged += segmentation.merged;
+  for (size_t p = 0; p < open_.size(); ++p) {  // line 9
+    Grow(open_[p], step, tracked[p], segmentation.planes[p].rows);
+  }
+  for (size_t p = tracked.size(); p < segmentation.planes.size(); ++p) {  // lines 11 and 12
+    Start(step, segmentation.planes[p]);
+  }
+  std::vector<PlaneId> ids;
+  for (const OpenPlane& open : open_) ids.push_back(open.plane.id);
+  if (!step.rotation_only) AddEdges(step, ids, segmentation.planes);  // line 13
+}
+
+bool PlaneTracker::WithinReach(const Vector2d& reference) const {
+  const double reach_x = options_.max_extrapolation * last_->width;
+  const double reach_y = options_.max_extrapolation * last_->height;
+  return reference.x() > -reach_x && reference.x() < last_->width + reach_x &&
+         reference.y() > -reach_y && reference.y() < last_->height + reach_y;
+}
+
+// Line 9: new features are expressed in the reference image by H_{r,i}.
+void PlaneTracker::Grow(OpenPlane& open, const Step& step, const Tracked& tracked,
+                        const std::vector<int>& grown_rows) {
+  Plane& plane = open.plane;
+  open.feature_at = tracked.feature_at;
+  const Vector2d inside = step.points.from[tracked.segment.rows[0]];
+  const Matrix3d& reference_from_current = tracked.reference_from_current;
+  for (int row : grown_rows) {
+    const int keypoint = step.matches[row].a;
+    if (open.feature_at[keypoint] != kNone) continue;
+    const Vector2d current = step.points.from[row];
+    if (!OnSameSide(reference_from_current, current, inside)) continue;
+    const Keypoint reference =
+        Transferred(reference_from_current, step.current.keypoints[keypoint]);
+    if (!WithinReach(PositionOf(reference))) continue;
+    open.feature_at[keypoint] = static_cast<int>(plane.features.size());
+    plane.features.push_back({reference, 1, 1});  // seen in the last keyframe too
+    plane.descriptors.Append(step.current.descriptors.row(keypoint));
+  }
+  CountVotes(open, step, tracked);
+  plane.views.push_back(
+      {step.id, reference_from_current, static_cast<int>(tracked.segment.rows.size())});
+}
+
+void PlaneTracker::CountVotes(OpenPlane& open, const Step& step, const Tracked& tracked) const {
+  for (int feature : open.feature_at) {
+    if (feature != kNone) ++open.plane.features[feature].votes;
+  }
+  const Matrix3d current_from_reference = tracked.reference_from_current.inverse();
+  for (PlaneFeature& feature : open.plane.features) {
+    const Vector2d x = Apply(current_from_reference, PositionOf(feature.reference));
+    feature.visible += x.x() >= 0 && x.y() >= 0 && x.x() < step.current.width &&
+                       x.y() < step.current.height;
+  }
+}
+
+// A new plane: its reference image is the first that saw it, the last keyframe.
+void PlaneTracker::Start(const Step& step, const PlaneSegment& segment) {
+  OpenPlane open;
+  open.plane.id = PlaneId{next_plane_++};
+  open.plane.reference = last_id_;
+  open.plane.descriptors = Descriptors(DescriptorBytes(step.current.type));
+  open.feature_at.assign(step.current.size(), kNone);
+  for (int row : segment.rows) {
+    const Match& match = step.matches[row];
+    open.feature_at[match.a] = static_cast<int>(open.plane.features.size());
+    open.plane.features.push_back({last_->keypoints[match.b], 2, 2});
+    open.plane.descriptors.Append(last_->descriptors.row(match.b));
+  }
+  const int inliers = static_cast<int>(segment.rows.size());
+  open.plane.views.push_back({last_id_, Matrix3d::Identity(), inliers});
+  open.plane.views.push_back({step.id, segment.to_from.b_from_a, inliers});
+  open_.push_back(std::move(open));
+  ++report_.started;
+}
+
+// Eq. (5): A(m,n) = A(n,m) = 1 for planes seen together with a correct homology between them.
+void PlaneTracker::AddEdges(const Step& step, const std::vector<PlaneId>& ids,
+                            const std::vector<PlaneSegment>& segments) {
+  for (size_t m = 0; m < ids.size(); ++m) {
+    for (size_t n = m + 1; n < ids.size(); ++n) {
+      const auto key = std::minmax(ids[m], ids[n]);
+      if (has_edge_.contains({key.first, key.second})) continue;
+      const bool ordered = ids[m] < ids[n];
+      const HomographyEstimate& a = segments[ordered ? m : n].to_from;
+      const HomographyEstimate& b = segments[ordered ? n : m].to_from;
+      const Homology homology = TestHomology(a, b, options_.segmentation.homology);
+      if (homology.kind != HomologyKind::kTwoPlanes) continue;
+      has_edge_[{key.first, key.second}] = true;
+      edges_.push_back({key.first, key.second, last_id_, step.id, homology.matrix,
+                        homology.third_eigenvalue});
+    }
+  }
+}
+
+// Sec. II-A: a closed plane keeps the features with enough votes.
+void PlaneTracker::Close(OpenPlane open) {
+  Plane& plane = open.plane;
+  std::vector<int> kept;
+  for (int f = 0; f < static_cast<int>(plane.features.size()); ++f) {
+    const PlaneFeature& feature = plane.features[f];
+    if (feature.votes >= options_.min_vote_share * feature.visible) kept.push_back(f);
+  }
+  report_.features_dropped += static_cast<int>(plane.features.size() - kept.size());
+  if (static_cast<int>(kept.size()) < options_.min_features) {
+    ++report_.dropped;
+    return;
+  }
+  KeepFeatures(kept, plane);
+  closed_.push_back(std::move(plane));
+}
+
+}  // namespace waystone

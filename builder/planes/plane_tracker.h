@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "builder/planes/options.h"
+#include "core/camera/camera.h"
+#include "core/features/features.h"
+#include "schema/map_data.h"
+
+namespace waystone {
+
+// Counts of what a tracker did.
+struct TrackerReport {
+  int rotation_only = 0;  // keyframe pairs
+  int started = 0;
+  int rejected = 0;  // by the homology test
+  int merged = 0;    // by the homology test
+  int dropped = 0;   // too few features left after the votes
+  int features_dropped = 0;
+};
+
+// Algorithm 1, lines 1 to 14: finds the planes of consecutive keyframes and follows them by triple
+// matching plane-image-image. Holds the features of the planes and of the last keyframe, nothing
+// else. Not thread-safe.
+class PlaneTracker {
+ public:
+  explicit PlaneTracker(const PlaneLayerOptions& options);
+
+  // The next keyframe; ids ascend. At the start of a stretch all open planes are closed first.
+  void AddKeyframe(KeyframeId id, const Features& features, bool starts_stretch,
+                   const std::optional<Camera>& camera);
+
+  // Closes what is open and hands over planes and edges (ids are those of the tracker, ascending).
+  void Finish();
+  std::vector<Plane>& planes() { return closed_; }
+  const std::vector<Edge>& edges() const { return edges_; }
+  const TrackerReport& report() const { return report_; }
+  int plane_count() const { return static_cast<int>(open_.size() + closed_.size()); }
+
+ private:
+  // A plane that was seen in the last keyframe.
+  struct OpenPlane {
+    Plane plane;
+    std::vector<int> feature_at;  // of each keypoint of the last keyframe: plane feature or -1
+  };
+
+  // The step from the last keyframe to the current one.
+  struct Step {
+    KeyframeId id;
+    const Features& current;
+    std::vector<Match> matches;  // a: current keypoint, b: last keyframe's keypoint
+    MatchedPoints points;        // from: current, to: last
+    bool rotation_only = false;
+  };
+  // An open plane that was found again in the current keyframe.
+  struct Tracked {
+    Eigen::Matrix3d reference_from_current;
+    PlaneSegment segment;         // to_from: last_from_current; rows of Step::matches
+    std::vector<int> feature_at;  // of each current keypoint
+  };
+
+  Step MakeStep(KeyframeId id, const Features& features, const std::optional<Camera>& camera);
+  std::optional<Tracked> Track(const OpenPlane& open, const Step& step);
+  void Reacquire(const OpenPlane& open, const Step& step, Tracked& tracked) const;
+  void Advance(const Step& step);
+  void Grow(OpenPlane& open, const Step& step, const Tracked& tracked,
+            const std::vector<int>& grown_rows);
+  void CountVotes(OpenPlane& open, const Step& step, const Tracked& tracked) const;
+  void Start(const Step& step, const PlaneSegment& segment);
+  void AddEdges(const Step& step, const std::vector<PlaneId>& ids,
+                const std::vector<PlaneSegment>& segments);
+  void Close(OpenPlane open);
+  bool WithinReach(const Eigen::Vector2d& reference) const;
+
+  PlaneLayerOptions options_;
+  std::optional<Features> last_;
+  KeyframeId last_id_;
+  std::vector<OpenPlane> open_;
+  std::vector<Plane> closed_;
+  std::vector<Edge> edges_;
+  std::map<std::pair<PlaneId, PlaneId>, bool> has_edge_;
+  int64_t next_plane_ = 1;
+  TrackerReport report_;
+};
+
+}  // namespace waystone

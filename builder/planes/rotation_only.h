@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "builder/planes/options.h"
+#include "core/camera/camera.h"
+#include "core/homography/local_ransac.h"
+
+namespace waystone {
+
+// Whether two frames differ by a rotation of the camera alone, so that every match fits the one
+// homography K R K^-1 and planes can't be told apart (sec. IV). One plane that fills both images
+// fits one homography too, but no rotation. Where the camera isn't known, its focal length is
+// searched and its principal point taken to be the middle of the image (`width` x `height`, px).
+bool RotatesOnly(const MatchedPoints& points, int width, int height,
+                 const std::optional<Camera>& camera, const RotationOptions& options,
+                 const LocalRansacOptions& ransac, uint64_t seed);
+
+}  // namespace waystone

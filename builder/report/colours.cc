@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/report/colours.h"
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+namespace waystone {
+namespace {
+
+// Turns of the colour wheel from an id to the next: with the golden ratio, any run of ids is spread
+// evenly over it.
+constexpr double kTurnPerId = std::numbers::phi - 1;
+// Bright enough for dots on a photo, dark enough for dots on a white page.
+constexpr double kMean = 150;
+constexpr double kSwing = 105;
+
+double Channel(double turn) { return kMean + kSwing * std::cos(2 * std::numbers::pi * turn); }
+
+}  // namespace
+
+cv::Scalar ColourOf(PlaneId id) {
+  const double hue = static_cast<double>(id.value) * kTurnPerId;
+  return {Channel(hue - 2.0 / 3), Channel(hue - 1.0 / 3), Channel(hue)};
+}
+
+std::string CssColourOf(PlaneId id) {
+  const cv::Scalar bgr = ColourOf(id);
+  char text[8];
+  std::snprintf(text, sizeof(text), "#%02x%02x%02x", static_cast<int>(bgr[2]),
+                static_cast<int>(bgr[1]), static_cast<int>(bgr[0]));
+  return text;
+}
+
+}  // namespace waystone

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/report/html.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+#include <unordered_map>
+
+#include "builder/report/colours.h"
+#include "builder/report/graph_layout.h"
+
+namespace waystone {
+namespace {
+
+constexpr const char* kStyle = R"(
+:root { color-scheme: light dark; --line: #8884; --soft: #8881; }
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { margin-bottom: 0; } h2 { margin-top: 2.5rem; }
+.sub { opacity: .75; margin-top: .2rem; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+td, th { padding: .2rem .8rem .2rem 0; text-align: right; border-bottom: 1px solid var(--line); }
+td:first-child, th:first-child { text-align: left; }
+.row { display: flex; flex-wrap: wrap; gap: 3rem; align-items: start; }
+.gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(20rem, 1fr)); gap: 1.2rem; }
+figure { margin: 0; } figure img { width: 100%; height: auto; border-radius: 6px; display: block; }
+figcaption { font-size: .85rem; padding-top: .3rem; }
+.chip { display: inline-block; min-width: 1.4em; padding: 0 .35em; border-radius: 1em; text-align: center;
+  color: #000; font-size: .8rem; }
+svg { width: 100%; height: auto; border: 1px solid var(--line); border-radius: 6px; }
+svg line { stroke: #8888; stroke-width: 1.5; } svg text { font: 11px system-ui; text-anchor: middle; fill: #000; }
+.scroll { max-height: 32rem; overflow: auto; }
+)";
+
+// The graph's drawing, in its own units.
+constexpr double kGraphWidth = 1200;
+constexpr double kGraphHeight = 640;
+constexpr double kGraphMargin = 45;
+constexpr double kSmallestNode = 9;
+// A node's area grows with its features; the largest plane's node has this radius.
+constexpr double kLargestNode = 30;
+
+std::string Escape(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      default: out += c;
+    }
+  }
+  return out;
+}
+
+std::string Chip(PlaneId id) {
+  return "<span class=chip style=\"background:" + CssColourOf(id) + "\">" +
+         std::to_string(id.value) + "</span>";
+}
+
+template <class A, class B>
+std::string Row(const A& label, const B& value) {
+  std::ostringstream row;
+  row << "<tr><td>" << label << "<td>" << value << '\n';
+  return row.str();
+}
+
+std::string Fixed(double value, int decimals) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(decimals) << value;
+  return text.str();
+}
+
+size_t LargestPlane(const MapData& map) {
+  size_t most = 1;
+  for (const Plane& plane : map.planes) most = std::max(most, plane.features.size());
+  return most;
+}
+
+std::string GraphSvg(const MapData& map) {
+  const std::vector<Eigen::Vector2d> layout = LayOutGraph(map);
+  std::unordered_map<PlaneId, Eigen::Vector2d> at;
+  for (size_t i = 0; i < layout.size(); ++i) {
+    at[map.planes[i].id] = {kGraphMargin + layout[i].x() * (kGraphWidth - 2 * kGraphMargin),
+                            kGraphMargin + layout[i].y() * (kGraphHeight - 2 * kGraphMargin)};
+  }
+  std::ostringstream svg;
+  svg << std::fixed << std::setprecision(1) << "<svg viewBox=\"0 0 " << kGraphWidth << ' '
+      << kGraphHeight << "\" role=img aria-label=\"Graph of planes\">\n";
+  for (const Edge& edge : map.edges) {
+    const Eigen::Vector2d& a = at[edge.a];
+    const Eigen::Vector2d& b = at[edge.b];
+    svg << "<line x1=" << a.x() << " y1=" << a.y() << " x2=" << b.x() << " y2=" << b.y() << " />\n";
+  }
+  const auto most = static_cast<double>(LargestPlane(map));
+  for (const Plane& plane : map.planes) {
+    const double share = std::sqrt(static_cast<double>(plane.features.size()) / most);
+    const Eigen::Vector2d& p = at[plane.id];
+    svg << "<g><title>plane " << plane.id.value << ": " << plane.features.size()
+        << " features</title><circle cx=" << p.x() << " cy=" << p.y()
+        << " r=" << std::max(kSmallestNode, kLargestNode * share) << " fill=\""
+        << CssColourOf(plane.id) << "\" /><text x=" << p.x() << " y=" << p.y() + 4 << ">"
+        << plane.id.value << "</text></g>\n";
+  }
+  svg << "</svg>\n";
+  return svg.str();
+}
+
+std::string CountsTable(const MapData& map, const BuildReport& report) {
+  size_t features = 0;
+  for (const Plane& plane : map.planes) features += plane.features.size();
+  return "<table><tr><th>What<th>Count\n" + Row("frames", report.frames) +
+         Row("frames skipped", report.skipped) + Row("keyframes", map.keyframes.size()) +
+         Row("stretches", report.stretches) + Row("pairs that only rotated", report.rotation_only) +
+         Row("planes started", report.planes_started) +
+         Row("planes rejected by homology", report.planes_rejected) +
+         Row("planes merged by homology", report.planes_merged) +
+         Row("planes fused", report.planes_fused) + Row("planes dropped", report.planes_dropped) +
+         Row("<b>planes</b>", map.planes.size()) + Row("<b>edges</b>", map.edges.size()) +
+         Row("<b>features</b>", features) + Row("features dropped", report.features_dropped) +
+         "</table>\n";
+}
+
+std::string SecondsTable(const BuildReport& report) {
+  return "<table><tr><th>Stage<th>Seconds\n" + Row("decode", Fixed(report.decode_s, 2)) +
+         Row("features", Fixed(report.extract_s, 2)) + Row("track", Fixed(report.track_s, 2)) +
+         Row("fusion", Fixed(report.fusion_s, 2)) +
+         Row("wall clock", Fixed(report.total_s, 2)) + "</table>\n";
+}
+
+std::string BytesTable(const std::vector<TableSize>& tables) {
+  std::string html = "<table><tr><th>Table<th>Rows<th>Bytes\n";
+  for (const TableSize& table : tables) {
+    html += "<tr><td>" + Escape(table.table) + "<td>" + std::to_string(table.rows) + "<td>" +
+            std::to_string(table.bytes) + "\n";
+  }
+  return html + "</table>\n";
+}
+
+std::string PlanesTable(const MapData& map) {
+  std::unordered_map<PlaneId, std::string> neighbours;
+  for (const Edge& edge : map.edges) {
+    neighbours[edge.a] += Chip(edge.b) + " ";
+    neighbours[edge.b] += Chip(edge.a) + " ";
+  }
+  std::unordered_map<KeyframeId, std::string> sources;
+  for (const Keyframe& keyframe : map.keyframes) sources[keyframe.id] = keyframe.source;
+  std::string html = "<table><tr><th>Plane<th>Features<th>Keyframes<th>Reference<th>Neighbours\n";
+  for (const Plane& plane : map.planes) {
+    html += "<tr><td>" + Chip(plane.id) + "<td>" + std::to_string(plane.features.size()) + "<td>" +
+            std::to_string(plane.views.size()) + "<td>" + Escape(sources[plane.reference]) +
+            "<td>" + neighbours[plane.id] + "\n";
+  }
+  return html + "</table>\n";
+}
+
+std::string Gallery(const MapData& map) {
+  std::unordered_map<KeyframeId, std::string> seen;
+  for (const Plane& plane : map.planes) {
+    for (const PlaneView& view : plane.views) seen[view.keyframe] += Chip(plane.id) + " ";
+  }
+  std::string html = "<div class=gallery>\n";
+  for (const Keyframe& keyframe : map.keyframes) {
+    const std::string name = Escape(keyframe.source);
+    html += "<figure><img loading=lazy src=\"" + ImageName(keyframe.id) + "\" alt=\"" + name +
+            " with its planes\"><figcaption>" + std::to_string(keyframe.id.value) + " · " + name +
+            " " + seen[keyframe.id] + "</figcaption></figure>\n";
+  }
+  return html + "</div>\n";
+}
+
+}  // namespace
+
+std::string ImageName(KeyframeId id) { return "images/" + std::to_string(id.value) + ".jpg"; }
+
+std::string ReportHtml(const MapData& map, const BuildReport& report,
+                       const std::vector<TableSize>& tables) {
+  const std::string name = Escape(map.info.name);
+  return "<!doctype html>\n<html lang=en><meta charset=utf-8>\n"
+         "<meta name=viewport content=\"width=device-width\">\n<title>" +
+         name + " - Waystone map</title>\n<style>" + kStyle + "</style>\n<h1>" + name +
+         "</h1>\n<p class=sub>" + std::to_string(map.keyframes.size()) + " keyframes, " +
+         std::to_string(map.planes.size()) + " planes, " + std::to_string(map.edges.size()) +
+         " edges; built by " + Escape(map.info.program) + "</p>\n<h2>Graph of planes</h2>\n" +
+         GraphSvg(map) +
+         "<p class=sub>A node is a plane, larger with more features; an edge joins two planes that "
+         "were seen together with a valid homology.</p>\n<div class=row>\n<div><h2>Counts</h2>\n" +
+         CountsTable(map, report) + "</div><div><h2>Seconds</h2>\n" + SecondsTable(report) +
+         "</div><div><h2>Bytes</h2>\n" + BytesTable(tables) +
+         "</div></div>\n<h2>Keyframes and their planes</h2>\n" + Gallery(map) +
+         "<h2>Planes</h2>\n<div class=scroll>" + PlanesTable(map) + "</div>\n</html>\n";
+}
+
+}  // namespace waystone

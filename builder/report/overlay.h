@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "schema/map_data.h"
+
+namespace waystone {
+
+// A keyframe's picture (CV_8UC3, 640 px wide) with its planes drawn over it, each in its colour:
+// its features, mapped here from the reference image, as dots, and its outline. On plain grey when
+// the map has no picture.
+cv::Mat DrawPlanes(const MapData& map, const Keyframe& keyframe);
+
+}  // namespace waystone

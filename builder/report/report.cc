@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/report/report.h"
+
+#include <cstdint>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "builder/report/html.h"
+#include "builder/report/overlay.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+constexpr int kJpegQuality = 85;
+
+void Save(const std::filesystem::path& path, std::string_view bytes) {
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out << bytes;
+  out.close();
+  if (!out) {
+    throw MapError(ErrorCode::kFileUnwritable,
+                   path.string() + " can't be written; choose another folder or make room");
+  }
+}
+
+void MakeFolder(const std::filesystem::path& dir) {
+  std::error_code error;
+  std::filesystem::create_directories(dir, error);
+  if (error) {
+    throw MapError(ErrorCode::kFileUnwritable,
+                   dir.string() + " can't be made: " + error.message() + "; choose another folder");
+  }
+}
+
+}  // namespace
+
+void WriteReport(const MapData& map, const BuildReport& report,
+                 const std::vector<TableSize>& tables, const std::filesystem::path& dir) {
+  MakeFolder(dir / "images");
+  for (const Keyframe& keyframe : map.keyframes) {
+    std::vector<uint8_t> jpeg;
+    cv::imencode(".jpg", DrawPlanes(map, keyframe), jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+    Save(dir / ImageName(keyframe.id), {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+  }
+  Save(dir / "index.html", ReportHtml(map, report, tables));
+}
+
+}  // namespace waystone

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "builder/build_map.h"
+#include "schema/map_data.h"
+#include "schema/map_store.h"
+
+namespace waystone {
+
+// Writes a page about a map into `dir`, which is made if it isn't there: index.html, which needs
+// nothing from elsewhere, and images/, one picture a keyframe with its planes drawn over it in
+// their colours (the paper's figures 2 and 3), beside the graph of planes (figure 4), the list of
+// planes, and what the build counted. Files of an earlier report are replaced.
+// Throws MapError(kFileUnwritable).
+void WriteReport(const MapData& map, const BuildReport& report,
+                 const std::vector<TableSize>& tables, const std::filesystem::path& dir);
+
+}  // namespace waystone

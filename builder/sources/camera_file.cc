@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+
+#include "builder/sources/colmap_camera.h"
+#include "builder/sources/files.h"
+#include "builder/sources/source.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Names = std::initializer_list<const char*>;
+
+// Names that the formats give the same thing.
+constexpr Names kWidth = {"image_width", "image_Width", "width"};
+constexpr Names kHeight = {"image_height", "image_Height", "height"};
+constexpr Names kMatrix = {"camera_matrix", "Camera_Matrix", "K", "k"};
+constexpr Names kCoefficients = {"distortion_coefficients",
+                                 "Distortion_Coefficients",
+                                 "distortion_coeffs",
+                                 "dist_coeffs",
+                                 "D",
+                                 "d"};
+
+// A mapping of a camera file that names the file and the key in what it throws.
+class Section {
+ public:
+  Section(const fs::path& path, YAML::Node node) : path_(path), node_(std::move(node)) {}
+
+  [[noreturn]] void Refuse(const std::string& cause) const {
+    throw MapError(ErrorCode::kBadCamera, Quoted(path_) + ": " + cause);
+  }
+
+  bool Has(Names names) const { return Find(names).IsDefined(); }
+
+  std::string Text(const char* name) const {
+    const YAML::Node value = Find({name});
+    return value.IsDefined() && value.IsScalar() ? value.Scalar() : "";
+  }
+
+  double Number(Names names) const {
+    const YAML::Node value = Need(names);
+    const auto number = value.IsScalar() ? ToNumber(value.Scalar()) : std::nullopt;
+    if (!number) Refuse(std::string(*names.begin()) + " is no number; correct it");
+    return *number;
+  }
+
+  int Size(Names names) const {
+    const double number = Number(names);
+    if (number != std::floor(number) || std::abs(number) > INT32_MAX) {
+      Refuse(std::string(*names.begin()) + " is no whole number of pixels; correct it");
+    }
+    return static_cast<int>(number);
+  }
+
+  // A list, or a matrix: a mapping with rows, cols and data.
+  std::vector<double> Numbers(Names names) const {
+    const YAML::Node value = Need(names);
+    const YAML::Node list = value.IsMap() ? value["data"] : value;
+    if (!list.IsDefined() || !list.IsSequence()) {
+      Refuse(std::string(*names.begin()) + " is no list of numbers; correct it");
+    }
+    std::vector<double> numbers;
+    for (const YAML::Node& item : list) {
+      const auto number = item.IsScalar() ? ToNumber(item.Scalar()) : std::nullopt;
+      if (!number) {
+        Refuse(std::string(*names.begin()) + " holds what is no number, at place " +
+               std::to_string(numbers.size() + 1) + "; correct it");
+      }
+      numbers.push_back(*number);
+    }
+    return numbers;
+  }
+
+  std::vector<double> Numbers(Names names, size_t count) const {
+    std::vector<double> numbers = Numbers(names);
+    if (numbers.size() != count) {
+      Refuse(std::string(*names.begin()) + " has " + std::to_string(numbers.size()) +
+             " numbers, not " + std::to_string(count) + "; correct it");
+    }
+    return numbers;
+  }
+
+  std::string Keys() const {
+    constexpr size_t kShown = 8;
+    std::string keys;
+    size_t count = 0;
+    for (const auto& item : node_) {
+      if (count++ == kShown) return keys + " ...";
+      keys += (keys.empty() ? "" : " ") + (item.first.IsScalar() ? item.first.Scalar() : "?");
+    }
+    return keys;
+  }
+
+ private:
+  YAML::Node Find(Names names) const {
+    const YAML::Node& node = node_;  // the const operator[] doesn't insert
+    for (const char* name : names) {
+      if (node[name].IsDefined()) return node[name];
+    }
+    return YAML::Node(YAML::NodeType::Undefined);
+  }
+
+  YAML::Node Need(Names names) const {
+    YAML::Node value = Find(names);
+    if (!value.IsDefined()) {
+      Refuse(std::string("the key ") + *names.begin() + " is missing; add it");
+    }
+    return value;
+  }
+
+  fs::path path_;
+  YAML::Node node_;
+};
+
+bool AllZero(const std::vector<double>& numbers, size_t from) {
+  return std::all_of(numbers.begin() + std::min(from, numbers.size()), numbers.end(),
+                     [](double number) { return number == 0; });
+}
+
+// fx fy cx cy and OpenCV's k1 k2 p1 p2 [k3 [k4 k5 k6 ...]] as the model that holds them.
+Camera RadialTangential(const Section& file, Camera camera, const std::vector<double>& distortion) {
+  constexpr size_t kHeld = 8;
+  const size_t count = distortion.size();
+  if (count == 0) return camera;
+  if (count != 4 && count != 5 && count < kHeld) {
+    file.Refuse("there are " + std::to_string(count) +
+                " distortion coefficients; give 0, 4, 5 or 8 of them");
+  }
+  if (!AllZero(distortion, kHeld)) {
+    file.Refuse("there are " + std::to_string(count) +
+                " distortion coefficients, and those of thin prisms and tilted sensors aren't "
+                "known; calibrate with at most 8");
+  }
+  camera.model = count == 4 ? CameraModel::kOpenCv : CameraModel::kFullOpenCv;
+  camera.params.insert(camera.params.end(), distortion.begin(),
+                       distortion.begin() + std::min(count, kHeld));
+  camera.params.resize(ParameterCount(camera.model));  // k4 to k6 are 0 with five coefficients
+  return camera;
+}
+
+Camera Fisheye(const Section& file, Camera camera, const std::vector<double>& distortion) {
+  if (distortion.size() != 4) {
+    file.Refuse("there are " + std::to_string(distortion.size()) +
+                " distortion coefficients, and a fisheye has 4; correct them");
+  }
+  camera.model = CameraModel::kOpenCvFisheye;
+  camera.params.insert(camera.params.end(), distortion.begin(), distortion.end());
+  return camera;
+}
+
+// By what ROS, Kalibr and EuRoC call the distortion.
+Camera Distorted(const Section& file, Camera camera, const std::string& kind,
+                 const std::vector<double>& distortion) {
+  static constexpr std::array<std::string_view, 6> kRadial{
+      "", "plumb_bob", "rational_polynomial", "radtan", "radial-tangential", "none"};
+  static constexpr std::array<std::string_view, 2> kFisheye{"equidistant", "fisheye"};
+  if (std::ranges::find(kRadial, kind) != kRadial.end()) {
+    return RadialTangential(file, std::move(camera), distortion);
+  }
+  if (std::ranges::find(kFisheye, kind) != kFisheye.end()) {
+    return Fisheye(file, std::move(camera), distortion);
+  }
+  file.Refuse("the distortion_model '" + kind +
+              "' isn't known; calibrate with plumb_bob (radtan) or equidistant");
+}
+
+// OpenCV and ROS: a 3x3 matrix and coefficients.
+Camera ReadMatrixCamera(const Section& file) {
+  const std::vector<double> k = file.Numbers(kMatrix, 9);
+  if (k[1] != 0) file.Refuse("the camera matrix has a skew, which isn't known; calibrate without");
+  Camera camera{.model = CameraModel::kPinhole,
+                .width = file.Size(kWidth),
+                .height = file.Size(kHeight),
+                .params = {k[0], k[4], k[2], k[5]}};
+  std::vector<double> distortion;
+  if (file.Has(kCoefficients)) distortion = file.Numbers(kCoefficients);
+  const std::string fisheye = file.Text("fisheye_model");  // OpenCV's calibration sample
+  const bool is_fisheye = fisheye == "1" || fisheye == "true";
+  return Distorted(file, camera, is_fisheye ? "fisheye" : file.Text("distortion_model"),
+                   distortion);
+}
+
+// Kalibr and EuRoC: a list of intrinsics, a list of coefficients and a resolution.
+Camera ReadKalibrCamera(const Section& file) {
+  const std::string model = file.Text("camera_model");
+  if (model != "pinhole") {
+    file.Refuse("the camera_model '" + model + "' isn't known; calibrate with pinhole");
+  }
+  const std::vector<double> resolution = file.Numbers({"resolution"}, 2);
+  std::vector<double> distortion;
+  if (file.Has(kCoefficients)) distortion = file.Numbers(kCoefficients);
+  const auto side = [](double px) {
+    return static_cast<int>(std::clamp(px, 0.0, static_cast<double>(INT32_MAX)));
+  };
+  Camera camera{.model = CameraModel::kPinhole,
+                .width = side(resolution[0]),
+                .height = side(resolution[1]),
+                .params = file.Numbers({"intrinsics"}, 4)};
+  return Distorted(file, camera, file.Text("distortion_model"), distortion);
+}
+
+// Distortion that the file gives and the model lacks would silently be left out.
+void RefuseStrayParameters(const Section& file, const std::vector<std::string>& used,
+                           const std::string& model) {
+  for (const char* name : {"k", "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"}) {
+    const bool known = std::ranges::find(used, name) != used.end();
+    if (!known && file.Has({name}) && file.Number({name}) != 0) {
+      file.Refuse(std::string(name) + " is no parameter of " + model +
+                  "; name a camera_model that has it, or delete it");
+    }
+  }
+}
+
+// Our own: the model by COLMAP's name, and its parameters by theirs.
+Camera ReadOwnCamera(const Section& file) {
+  const std::string name = file.Text("camera_model");
+  const auto model = CameraModelByName(name);
+  if (!model) {
+    file.Refuse("the camera_model '" + name +
+                "' isn't known; use one of COLMAP's names, such as PINHOLE or OPENCV");
+  }
+  Camera camera{
+      .model = *model, .width = file.Size(kWidth), .height = file.Size(kHeight), .params = {}};
+  std::vector<std::string> used = Words(ParameterNames(*model));
+  for (std::string& parameter : used) {
+    // One focal length or coefficient may bear the name it has where there are several.
+    if (parameter == "f" && !file.Has({"f"}) && file.Has({"fx"})) parameter = "fx";
+    if (parameter == "k" && !file.Has({"k"}) && file.Has({"k1"})) parameter = "k1";
+    camera.params.push_back(file.Number({parameter.c_str()}));
+  }
+  RefuseStrayParameters(file, used, name);
+  return camera;
+}
+
+Camera ReadSection(const Section& file, const YAML::Node& root, const fs::path& path) {
+  if (file.Has({"cam0"})) return ReadKalibrCamera(Section(path, root["cam0"]));
+  if (file.Has({"intrinsics"})) return ReadKalibrCamera(file);
+  // A `k` may be a matrix, or a coefficient of our own format.
+  if (file.Has({"camera_model"}) && !file.Has({"camera_matrix"})) return ReadOwnCamera(file);
+  if (file.Has(kMatrix)) return ReadMatrixCamera(file);
+  file.Refuse("its keys (" + file.Keys() +
+              ") are those of no camera file we know; give one of OpenCV, ROS, Kalibr or COLMAP, "
+              "or camera_model, image_width, image_height, fx, fy, cx, cy");
+}
+
+// OpenCV writes "%YAML:1.0", which is no directive of YAML's; the line stays, empty, so that line
+// numbers keep.
+std::string WithoutDirectives(const std::vector<uint8_t>& bytes) {
+  std::string text(bytes.begin(), bytes.end());
+  for (size_t line = 0; line < text.size();) {
+    const size_t end = std::min(text.find('\n', line), text.size());
+    if (text[line] == '%') std::fill(text.begin() + line, text.begin() + end, ' ');
+    line = end + 1;
+  }
+  return text;
+}
+
+Camera ReadYamlCamera(const fs::path& path) {
+  constexpr int64_t kMaxBytes = 1 << 20;  // a calibration has a few kilobytes
+  const std::string text = WithoutDirectives(ReadFile(path, kMaxBytes, ErrorCode::kBadCamera));
+  const Section nothing(path, {});
+  if (text.starts_with('<')) nothing.Refuse("it is XML, which isn't read; write it as YAML");
+  try {
+    const YAML::Node root = YAML::Load(text);
+    if (!root.IsMap()) nothing.Refuse("it has no keys and values; give a camera file as YAML");
+    return ReadSection(Section(path, root), root, path);
+  } catch (const YAML::Exception& error) {
+    nothing.Refuse("line " + std::to_string(error.mark.line + 1) + " is no YAML (" + error.msg +
+                   "); correct it");
+  }
+}
+
+}  // namespace
+
+Camera ReadCameraFile(const fs::path& path) {
+  Camera camera = LooksLikeColmap(path) ? ReadColmapCamera(path) : ReadYamlCamera(path);
+  try {
+    CheckCamera(camera);
+  } catch (const MapError& error) {
+    throw MapError(ErrorCode::kBadCamera, Quoted(path) + ": " + error.what());
+  }
+  return camera;
+}
+
+}  // namespace waystone

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/sources/files.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 7> kImageExtensions{".jpg", ".jpeg", ".png", ".bmp",
+                                                           ".pgm", ".ppm",  ".pnm"};
+constexpr int64_t kMaxTextBytes = 64 << 20;  // a list of a million frames
+
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+// Takes the digits at the start of `text` away, without leading zeros.
+std::string_view TakeNumber(std::string_view& text) {
+  size_t end = 0;
+  while (end < text.size() && IsDigit(text[end])) ++end;
+  std::string_view number = text.substr(0, end);
+  text.remove_prefix(end);
+  number.remove_prefix(std::min(number.find_first_not_of('0'), number.size()));
+  return number;
+}
+
+// Paths part at '/', before any other character.
+int Rank(char c) { return c == '/' ? -1 : static_cast<unsigned char>(c); }
+
+std::string_view Trimmed(std::string_view text) {
+  constexpr std::string_view kSpace = " \t\r\n";
+  const size_t start = text.find_first_not_of(kSpace);
+  if (start == std::string_view::npos) return {};
+  return text.substr(start, text.find_last_not_of(kSpace) - start + 1);
+}
+
+template <class Number>
+std::optional<Number> Parse(std::string_view word) {
+  Number value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+bool NaturalLess(std::string_view a, std::string_view b) {
+  std::string_view rest_a = a;
+  std::string_view rest_b = b;
+  while (!rest_a.empty() && !rest_b.empty()) {
+    if (IsDigit(rest_a[0]) && IsDigit(rest_b[0])) {
+      const std::string_view number_a = TakeNumber(rest_a);
+      const std::string_view number_b = TakeNumber(rest_b);
+      if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
+      if (number_a != number_b) return number_a < number_b;
+    } else {
+      if (rest_a[0] != rest_b[0]) return Rank(rest_a[0]) < Rank(rest_b[0]);
+      rest_a.remove_prefix(1);
+      rest_b.remove_prefix(1);
+    }
+  }
+  if (rest_a.empty() != rest_b.empty()) return rest_a.empty();
+  return a < b;  // img01 and img1: equal as numbers, so by their bytes
+}
+
+bool HasImageExtension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c; });
+  return std::ranges::find(kImageExtensions, extension) != kImageExtensions.end();
+}
+
+std::string ImageExtensions() {
+  std::string all;
+  for (const std::string_view extension : kImageExtensions) {
+    if (!all.empty()) all += ' ';
+    all += extension;
+  }
+  return all;
+}
+
+std::vector<uint8_t> ReadFile(const fs::path& path, int64_t max_bytes, ErrorCode code) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) throw MapError(code, Quoted(path) + " isn't there; check the path");
+  // A pipe or a device might never end.
+  if (!fs::is_regular_file(status)) throw MapError(code, Quoted(path) + " isn't a file");
+  const auto size = static_cast<int64_t>(fs::file_size(path, error));
+  if (!error && size > max_bytes) {
+    throw MapError(code, Quoted(path) + " has " + std::to_string(size) + " bytes, more than the " +
+                             std::to_string(max_bytes) + " that are read");
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::vector<uint8_t> bytes(error ? 0 : size);
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (error || !file) {
+    throw MapError(
+        code, Quoted(path) + " can't be read: " + (error ? error.message() : std::strerror(errno)));
+  }
+  return bytes;
+}
+
+std::vector<TextLine> ReadLines(const fs::path& path, ErrorCode code) {
+  const std::vector<uint8_t> bytes = ReadFile(path, kMaxTextBytes, code);
+  std::istringstream stream(std::string(bytes.begin(), bytes.end()));
+  std::vector<TextLine> lines;
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const std::string_view text = Trimmed(std::string_view(line).substr(0, line.find('#')));
+    if (!text.empty()) lines.push_back({number, std::string(text)});
+  }
+  return lines;
+}
+
+std::vector<std::string> Words(std::string_view line, std::string_view separators) {
+  std::vector<std::string> words;
+  while (!line.empty()) {
+    const size_t end = std::min(line.find_first_of(separators), line.size());
+    if (end > 0) words.emplace_back(line.substr(0, end));
+    line.remove_prefix(std::min(end + 1, line.size()));
+  }
+  return words;
+}
+
+std::optional<double> ToNumber(std::string_view word) { return Parse<double>(word); }
+
+std::optional<int64_t> ToInteger(std::string_view word) { return Parse<int64_t>(word); }
+
+std::string Quoted(const fs::path& path) {
+  std::string quoted = "'";
+  quoted += path.string();
+  quoted += '\'';
+  return quoted;
+}
+
+}  // namespace waystone

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+
+// Small helpers on files and text: inside builder/sources only.
+namespace waystone {
+
+// img2 before img10: digits are compared as numbers, the rest byte by byte; a folder's files come
+// before those of a folder whose name goes on. A strict weak order.
+bool NaturalLess(std::string_view a, std::string_view b);
+
+// Whether the name ends like an image that core/image decodes (.jpg, .PNG, ...).
+bool HasImageExtension(const std::filesystem::path& path);
+// ".jpg .jpeg .png ...", for messages.
+std::string ImageExtensions();
+
+// Whole file. Throws MapError(code) when it isn't there, isn't a file, can't be read or has more
+// than `max_bytes`.
+std::vector<uint8_t> ReadFile(const std::filesystem::path& path, int64_t max_bytes, ErrorCode code);
+
+// A line of a text file with its number, from 1; without line end and surrounding white space.
+struct TextLine {
+  int number = 0;
+  std::string text;
+};
+
+// The lines that say something: neither empty nor a comment (from '#' on). Throws like ReadFile.
+std::vector<TextLine> ReadLines(const std::filesystem::path& path, ErrorCode code);
+
+// Words of a line, apart by any of the `separators`.
+std::vector<std::string> Words(std::string_view line, std::string_view separators = " \t");
+
+// The number that is all of `word`, or nothing. Independent of the locale.
+std::optional<double> ToNumber(std::string_view word);
+std::optional<int64_t> ToInteger(std::string_view word);
+
+// 'path', for messages.
+std::string Quoted(const std::filesystem::path& path);
+
+}  // namespace waystone

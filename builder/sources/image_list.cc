@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/sources/image_list.h"
+
+#include <algorithm>
+
+#include "builder/sources/files.h"
+#include "core/base/error.h"
+#include "core/image/decode.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string SizeText(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+// Bytes of the largest file that could be an image within the limits: 16 bits in three colours, and
+// a megabyte for headers and thumbnails.
+int64_t MaxFileBytes(const DecodeLimits& limits) { return limits.max_pixels * 6 + (1 << 20); }
+
+std::vector<uint8_t> ReadImageFile(const fs::path& path, const DecodeLimits& limits) {
+  return ReadFile(path, MaxFileBytes(limits), ErrorCode::kBadImage);
+}
+
+cv::Mat LoadImage(const fs::path& path, const DecodeLimits& limits, cv::Size size) {
+  cv::Mat grey = DecodeGrey(ReadImageFile(path, limits), limits);
+  if (grey.size() != size) {
+    throw MapError(ErrorCode::kBadImage,
+                   "it is " + SizeText(grey.cols, grey.rows) + ", but the first frame is " +
+                       SizeText(size.width, size.height) + "; a sequence has one size");
+  }
+  return grey;
+}
+
+class ImageListSource : public Source {
+ public:
+  ImageListSource(ImageList list, const SourceOptions& options)
+      : list_(std::move(list)),
+        limits_(options.limits),
+        range_(RangeOf(options, static_cast<int>(list_.images.size()), list_.root.string())),
+        next_(range_.first),
+        size_(SizeOfFirst()),
+        camera_(ReadCamera(options)) {}
+
+  const std::string& kind() const override { return list_.kind; }
+  const std::string& name() const override { return list_.name; }
+  int size() const override { return range_.size(); }
+  const std::optional<Camera>& camera() const override { return camera_; }
+
+  std::string Announcement() const override {
+    const int frames = static_cast<int>(list_.images.size());
+    return list_.title + ", " + std::to_string(frames) + (frames == 1 ? " frame " : " frames ") +
+           SizeText(size_.width, size_.height) + UsedPart(size(), frames);
+  }
+
+  std::optional<EncodedFrame> NextEncoded() override {
+    if (next_ > range_.last) return std::nullopt;
+    const ListedImage& image = list_.images[next_];
+    FrameInfo info{next_, image.path.generic_string(), image.time_s};
+    next_ += range_.every;
+    return EncodedFrame(std::move(info), [path = list_.root / image.path, limits = limits_,
+                                          size = size_] { return LoadImage(path, limits, size); });
+  }
+
+ private:
+  // Size of the first frame whose file is sound as far as its header tells.
+  cv::Size SizeOfFirst() const {
+    std::string first_error;
+    for (int i = range_.first; i <= range_.last; i += range_.every) {
+      const fs::path& path = list_.images[i].path;
+      try {
+        const ImageHeader header = ReadImageHeader(ReadImageFile(list_.root / path, limits_));
+        CheckLimits(header, limits_);
+        return {header.width, header.height};
+      } catch (const MapError& error) {
+        if (first_error.empty()) first_error = path.generic_string() + ": " + error.what();
+      }
+    }
+    throw MapError(ErrorCode::kBadSource, "none of the " + std::to_string(range_.size()) +
+                                              " frames of " + Quoted(list_.root) +
+                                              " can be read; the first is " + first_error);
+  }
+
+  std::optional<Camera> ReadCamera(const SourceOptions& options) const {
+    if (!options.camera_file && !list_.own_camera) return std::nullopt;
+    Camera camera = options.camera_file ? ReadCameraFile(*options.camera_file) : list_.own_camera();
+    if (camera.width == 0 && camera.height == 0) {
+      camera.width = size_.width;
+      camera.height = size_.height;
+    }
+    CheckCamera(camera);
+    CheckCameraSize(camera, size_.width, size_.height, list_.root.string());
+    return camera;
+  }
+
+  ImageList list_;
+  DecodeLimits limits_;
+  FrameRange range_;
+  int next_;
+  cv::Size size_;
+  std::optional<Camera> camera_;
+};
+
+}  // namespace
+
+std::unique_ptr<Source> OpenImageList(ImageList list, const SourceOptions& options) {
+  return std::make_unique<ImageListSource>(std::move(list), options);
+}
+
+FrameRange RangeOf(const SourceOptions& options, int frames, const std::string& path) {
+  if (options.from >= frames) {
+    throw MapError(ErrorCode::kBadSource, "'" + path + "' has " + std::to_string(frames) +
+                                              " frames, none at or after number " +
+                                              std::to_string(options.from) +
+                                              "; give --from a smaller one");
+  }
+  return {options.from, std::min(options.to.value_or(frames - 1), frames - 1), options.every};
+}
+
+std::string UsedPart(int used, int frames) {
+  return used == frames ? "" : ", " + std::to_string(used) + " of them used";
+}
+
+void CheckCameraSize(const Camera& camera, int width, int height, const std::string& path) {
+  if (camera.width == width && camera.height == height) return;
+  throw MapError(ErrorCode::kBadCamera,
+                 "the camera is for images of " + SizeText(camera.width, camera.height) +
+                     ", those of '" + path + "' are " + SizeText(width, height) +
+                     "; give the camera file of these images with --camera, or scale its "
+                     "parameters to their size");
+}
+
+}  // namespace waystone

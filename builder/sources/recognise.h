@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "builder/sources/image_list.h"
+
+// One function a kind of source: inside builder/sources only.
+namespace waystone {
+
+// Each gives nothing for a folder that isn't laid out as its dataset, and throws
+// MapError(kBadSource), with file and line, for one that is but whose lists can't be understood.
+std::optional<ImageList> RecogniseTum(const std::filesystem::path& folder);
+std::optional<ImageList> RecogniseKitti(const std::filesystem::path& folder);
+std::optional<ImageList> RecogniseEuroc(const std::filesystem::path& folder);
+
+// The images in a folder, or of a pattern. Throw MapError(kBadSource) when there are none.
+ImageList ListFolder(const std::filesystem::path& folder);
+ImageList ListPattern(const std::string& pattern);
+bool HasWildcard(const std::string& path);
+
+// Throws MapError(kBadSource) when FFmpeg gives no frame of it.
+std::unique_ptr<Source> OpenVideo(const std::filesystem::path& path, const SourceOptions& options);
+
+// The last part of a path, also of "walk/", "." and "..".
+std::string NameOfPath(const std::filesystem::path& path);
+
+// Reads a camera file where there is one, for ImageList::own_camera; empty where there is none.
+std::function<Camera()> CameraFileIfThere(const std::filesystem::path& path);
+
+}  // namespace waystone

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/sources/source.h"
+
+#include "builder/sources/files.h"
+#include "builder/sources/recognise.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::unique_ptr<Source> OpenFolder(const fs::path& folder, const SourceOptions& options) {
+  for (const auto recognise : {RecogniseTum, RecogniseKitti, RecogniseEuroc}) {
+    if (auto list = recognise(folder)) return OpenImageList(std::move(*list), options);
+  }
+  return OpenImageList(ListFolder(folder), options);
+}
+
+std::unique_ptr<Source> Open(const std::string& path, const SourceOptions& options) {
+  if (fs::is_directory(path)) return OpenFolder(path, options);
+  if (fs::exists(path)) {
+    if (HasImageExtension(path)) {
+      throw MapError(ErrorCode::kBadSource,
+                     "'" + path + "' is one image, and a map takes a sequence; give its folder");
+    }
+    if (!fs::is_regular_file(path)) {
+      throw MapError(ErrorCode::kBadSource, "'" + path + "' is neither a folder nor a file");
+    }
+    return OpenVideo(path, options);
+  }
+  if (HasWildcard(path)) return OpenImageList(ListPattern(path), options);
+  throw MapError(ErrorCode::kBadSource, "'" + path + "' isn't there; check the path");
+}
+
+[[noreturn]] void RefuseOption(const std::string& message) {
+  throw MapError(ErrorCode::kBadOptions, message);
+}
+
+}  // namespace
+
+Frame EncodedFrame::Decode() const {
+  Frame frame{.info = info_, .grey = {}, .error = {}};
+  try {
+    frame.grey = load_();
+  } catch (const MapError& error) {
+    frame.error = error.what();
+  }
+  return frame;
+}
+
+std::optional<Frame> Source::Next() {
+  const std::optional<EncodedFrame> frame = NextEncoded();
+  if (!frame) return std::nullopt;
+  return frame->Decode();
+}
+
+void SourceOptions::Check() const {
+  limits.Check();
+  if (every < 1) RefuseOption("--every is " + std::to_string(every) + "; give 1 or more");
+  if (from < 0) RefuseOption("--from is " + std::to_string(from) + "; give 0 or more");
+  if (to && *to < from) {
+    RefuseOption("--to is " + std::to_string(*to) + ", before --from " + std::to_string(from) +
+                 "; give " + std::to_string(from) + " or more");
+  }
+}
+
+std::unique_ptr<Source> OpenSource(const std::string& path, const SourceOptions& options) {
+  options.Check();
+  if (path.empty()) throw MapError(ErrorCode::kBadSource, "the source's path is empty; give one");
+  try {
+    return Open(path, options);
+  } catch (const fs::filesystem_error& error) {
+    throw MapError(
+        ErrorCode::kFileUnreadable,
+        "'" + path + "' can't be read: " + error.code().message() + "; check its permissions");
+  }
+}
+
+}  // namespace waystone

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <opencv2/features2d.hpp>
+
+#include "core/base/error.h"
+#include "core/features/features.h"
+
+namespace waystone {
+namespace {
+
+constexpr float kSiftScale = 256.0f;  // length of a RootSIFT descriptor in bytes' units
+constexpr int kSiftMax = 127;
+// An image smaller than this on one side has no room for a descriptor's neighbourhood.
+constexpr int kMinSide_px = 16;
+
+cv::Ptr<cv::Feature2D> MakeDetector(const FeatureOptions& options) {
+  switch (options.type) {
+    case FeatureType::kSift:
+      return cv::SIFT::create(options.max_features, 3, options.contrast_threshold);
+    case FeatureType::kOrb: return cv::ORB::create(options.max_features);
+    case FeatureType::kAkaze: return cv::AKAZE::create();
+  }
+  WS_CHECK(false, "unknown feature type");
+}
+
+// OpenCV's own order depends on its internals; ours is by strength, then by position.
+bool StrongerThan(const cv::KeyPoint& a, const cv::KeyPoint& b) {
+  if (a.response != b.response) return a.response > b.response;
+  if (a.pt.y != b.pt.y) return a.pt.y < b.pt.y;
+  if (a.pt.x != b.pt.x) return a.pt.x < b.pt.x;
+  if (a.size != b.size) return a.size < b.size;
+  return a.angle < b.angle;
+}
+
+// RootSIFT (Arandjelovic and Zisserman, CVPR 2012): Euclidean distances of these are Hellinger
+// distances of the histograms.
+void AppendRootSift(const float* sift, Descriptors& out) {
+  constexpr int kBytes = 128;
+  const float sum = std::max(std::accumulate(sift, sift + kBytes, 0.0f), 1e-6f);
+  std::array<uint8_t, kBytes> bytes;
+  for (int i = 0; i < kBytes; ++i) {
+    const float root = std::sqrt(std::max(sift[i], 0.0f) / sum);
+    bytes[i] = static_cast<uint8_t>(std::min<int>(std::lround(kSiftScale * root), kSiftMax));
+  }
+  out.Append(bytes.data());
+}
+
+Keypoint ToKeypoint(const cv::KeyPoint& k) {
+  const float angle = k.angle < 0 ? 0.0f : k.angle * std::numbers::pi_v<float> / 180.0f;
+  return {k.pt.x, k.pt.y, k.size, angle};
+}
+
+}  // namespace
+
+std::string_view NameOf(FeatureType type) {
+  switch (type) {
+    case FeatureType::kSift: return "sift";
+    case FeatureType::kOrb: return "orb";
+    case FeatureType::kAkaze: return "akaze";
+  }
+  WS_CHECK(false, "unknown feature type");
+}
+
+FeatureType FeatureTypeByName(std::string_view name) {
+  for (FeatureType type : {FeatureType::kSift, FeatureType::kOrb, FeatureType::kAkaze}) {
+    if (NameOf(type) == name) return type;
+  }
+  throw MapError(ErrorCode::kBadOptions,
+                 "unknown kind of features '" + std::string(name) + "'; use sift, orb or akaze");
+}
+
+int DescriptorBytes(FeatureType type) {
+  switch (type) {
+    case FeatureType::kSift: return 128;
+    case FeatureType::kOrb: return 32;
+    case FeatureType::kAkaze: return 61;
+  }
+  WS_CHECK(false, "unknown feature type");
+}
+
+void FeatureOptions::Check() const {
+  if (max_features < 50 || max_features > 20000) {
+    throw MapError(ErrorCode::kBadOptions, "max_features is " + std::to_string(max_features) +
+                                               "; give a number from 50 to 20000");
+  }
+  if (!(contrast_threshold > 0 && contrast_threshold < 1)) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "contrast_threshold is " + std::to_string(contrast_threshold) +
+                       "; give a number above 0 and below 1");
+  }
+}
+
+Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options) {
+  options.Check();
+  WS_CHECK(grey.empty() || grey.type() == CV_8UC1, "features want an 8-bit grey image");
+  Features features;
+  features.type = options.type;
+  features.width = grey.cols;
+  features.height = grey.rows;
+  features.descriptors = Descriptors(DescriptorBytes(options.type));
+  if (std::min(grey.cols, grey.rows) < kMinSide_px) return features;
+
+  const cv::Ptr<cv::Feature2D> detector = MakeDetector(options);
+  std::vector<cv::KeyPoint> keypoints;
+  detector->detect(grey, keypoints);
+  std::sort(keypoints.begin(), keypoints.end(), StrongerThan);
+  if (static_cast<int>(keypoints.size()) > options.max_features) {
+    keypoints.resize(options.max_features);
+  }
+  cv::Mat descriptors;
+  detector->compute(grey, keypoints, descriptors);  // may drop keypoints near the border
+
+  features.keypoints.reserve(keypoints.size());
+  features.descriptors.Reserve(static_cast<int>(keypoints.size()));
+  for (int i = 0; i < static_cast<int>(keypoints.size()); ++i) {
+    features.keypoints.push_back(ToKeypoint(keypoints[i]));
+    if (options.type == FeatureType::kSift) {
+      AppendRootSift(descriptors.ptr<float>(i), features.descriptors);
+    } else {
+      features.descriptors.Append(descriptors.ptr<uint8_t>(i));
+    }
+  }
+  return features;
+}
+
+}  // namespace waystone

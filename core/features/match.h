@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "core/features/features.h"
+
+namespace waystone {
+
+// Descriptor i of one set and descriptor j of another that look alike.
+struct Match {
+  int a = 0;
+  int b = 0;
+  int distance = 0;  // of the descriptors, in the kernel's unit (see distance.h)
+
+  bool operator==(const Match&) const = default;
+};
+
+struct MatchOptions {
+  // Nearest over second nearest distance, at most (Lowe's ratio; of Euclidean distances for SIFT, of
+  // Hamming distances for the others). Higher finds more and more wrong ones. In (0, 1].
+  double max_ratio = 0.8;
+  // Keep a match only if each is the other's nearest.
+  bool mutual = true;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Matches a's descriptors among b's by exact search; ordered by a. Both of one type.
+// Deterministic (ties go to the lower index); thread-safe.
+std::vector<Match> MatchDescriptors(DescriptorsView a, DescriptorsView b, FeatureType type,
+                                    const MatchOptions& options);
+
+// Whether `nearest` passes the ratio test against `second` (a distance in the kernel's unit).
+bool PassesRatio(FeatureType type, int nearest, int second, double max_ratio);
+
+// The k rows of a block that are nearest to a query, nearest first (fewer when there are fewer rows).
+struct Neighbour {
+  int row = -1;
+  int distance = std::numeric_limits<int>::max();
+};
+
+// Exact k nearest neighbours of every query row, k of them a query, query after query; missing ones
+// have row -1. `k` is small (a handful).
+std::vector<Neighbour> NearestNeighbours(DescriptorsView queries, DescriptorsView rows,
+                                         FeatureType type, int k);
+
+}  // namespace waystone

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace waystone {
+
+// Points of two images that show the same thing, row by row: a[i] and b[i], in pixels.
+struct PointPairs {
+  std::vector<Eigen::Vector2d> a;
+  std::vector<Eigen::Vector2d> b;
+
+  int size() const { return static_cast<int>(a.size()); }
+  void Add(const Eigen::Vector2d& in_a, const Eigen::Vector2d& in_b) {
+    a.push_back(in_a);
+    b.push_back(in_b);
+  }
+  PointPairs Subset(std::span<const int> rows) const;
+};
+
+// x_b = H x_a for homogeneous pixels, with h33 = 1 (or unit norm where h33 is 0).
+Eigen::Matrix3d Normalised(const Eigen::Matrix3d& h);
+
+// The image of a point. Infinite or NaN for a point on the line that H sends to infinity.
+Eigen::Vector2d Apply(const Eigen::Matrix3d& b_from_a, const Eigen::Vector2d& x_a);
+
+// Whether a point lies on the side of H's horizon (the line sent to infinity) on which `inside`
+// lies: beyond it, the plane was behind the camera and the image of the point means nothing.
+bool OnSameSide(const Eigen::Matrix3d& b_from_a, const Eigen::Vector2d& x_a,
+                const Eigen::Vector2d& inside);
+
+// Mean of the squared transfer errors in both images, px^2: (d(x_b, H x_a)^2 + d(x_a, H^-1 x_b)^2)/2.
+double SymmetricTransferError2(const Eigen::Matrix3d& b_from_a, const Eigen::Matrix3d& a_from_b,
+                               const Eigen::Vector2d& x_a, const Eigen::Vector2d& x_b);
+
+// The homography through exactly four pairs, or nothing when three points are nearly in a line (a
+// triangle lower than `min_height_ratio` times its longest side) or when the four turn over from
+// one image to the other, which no plane seen from one side does.
+std::optional<Eigen::Matrix3d> HomographyFromFour(std::span<const Eigen::Vector2d, 4> a,
+                                                  std::span<const Eigen::Vector2d, 4> b,
+                                                  double min_height_ratio);
+
+// Direct linear transform over four or more pairs (Hartley and Zisserman, alg. 4.2, with their
+// normalisation). Nothing when the points don't determine it.
+std::optional<Eigen::Matrix3d> HomographyByDlt(const PointPairs& pairs);
+
+// A homography with its uncertainty.
+struct HomographyEstimate {
+  Eigen::Matrix3d b_from_a = Eigen::Matrix3d::Identity();  // h33 = 1
+  // A square root of the covariance of b_from_a's entries (row by row): b_from_a plus the matrix
+  // made of `spread * z`, z eight standard normals, is a homography as the noise could have given it.
+  Eigen::Matrix<double, 9, 8> spread = Eigen::Matrix<double, 9, 8>::Zero();
+  double sigma_px = 0;  // standard deviation of a transfer error's coordinate
+  int pairs = 0;        // it was estimated from
+};
+
+// Least squares on the symmetric transfer error (Hartley and Zisserman, eq. 4.7) by
+// Levenberg-Marquardt, from `initial`. Nothing for fewer than five pairs or a singular problem.
+std::optional<HomographyEstimate> RefineHomography(const PointPairs& pairs,
+                                                   const Eigen::Matrix3d& initial);
+
+// c_from_b after an estimate of b_from_a, with the estimate's noise (c_from_b is taken as exact).
+HomographyEstimate Composed(const Eigen::Matrix3d& c_from_b, const HomographyEstimate& b_from_a);
+
+// A homography drawn from the estimate's distribution; z are eight standard normals.
+Eigen::Matrix3d Perturbed(const HomographyEstimate& estimate,
+                          const Eigen::Matrix<double, 8, 1>& z);
+
+}  // namespace waystone

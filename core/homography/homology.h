@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "core/homography/homography.h"
+
+namespace waystone {
+
+// What the eigenvalues of a homology say of two planes (planar region graph, sec. II-B).
+enum class HomologyKind {
+  kSamePlane,  // all three near one: the homology is the identity
+  kTwoPlanes,  // two near one: (1, 1, 1 + v^T p) of eqs. (2) and (3)
+  kInvalid,    // fewer: one of the two homographies doesn't describe a plane
+};
+
+struct HomologyOptions {
+  // How many standard deviations of its noise an eigenvalue may be off and still count as near one.
+  // Higher accepts more false planes, lower rejects more true ones.
+  double max_deviations = 3.0;
+  // Draws from which those standard deviations are taken.
+  int draws = 40;
+  uint64_t seed = 1;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+struct Homology {
+  HomologyKind kind = HomologyKind::kInvalid;
+  // H^{mn} = (H^m)^-1 H^n, scaled so that the mean of its closest pair of eigenvalues is 1.
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
+  double third_eigenvalue = 1;  // 1 + v^T p
+  double split = 0;             // distance of the closest pair of eigenvalues
+  double split_sigma = 0;       // standard deviation of `split` for a true pair of planes
+  double third_sigma = 0;       // standard deviation of `third_eigenvalue` for one and the same plane
+};
+
+// Eigenvalue test of two planes seen in the same two images: m and n are both estimated from the
+// same image a to the same image b. The tolerances are the spread of the eigenvalues under the
+// homographies' own measured noise. Deterministic; thread-safe.
+Homology TestHomology(const HomographyEstimate& m, const HomographyEstimate& n,
+                      const HomologyOptions& options);
+
+// The closest pair of eigenvalues and the third, for the homology's matrix alone.
+struct HomologyEigenvalues {
+  double scale = 1;  // mean of the closest pair
+  double split = 0;  // distance of the closest pair, in units of `scale`
+  double third = 1;  // in units of `scale`
+};
+HomologyEigenvalues EigenvaluesOf(const Eigen::Matrix3d& homology);
+
+}  // namespace waystone

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/homography/local_ransac.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "core/base/check.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+
+using Sample = std::array<int, 4>;
+
+// Samples of a point and three of its nearest active neighbours.
+class LocalSampler {
+ public:
+  LocalSampler(std::span<const int> active, int points, const Neighbourhoods& neighbourhoods,
+               int neighbourhood)
+      : active_(active),
+        is_active_(points, false),
+        neighbourhoods_(neighbourhoods),
+        neighbourhood_(neighbourhood) {
+    for (int row : active) is_active_[row] = true;
+  }
+
+  std::optional<Sample> Draw(Random& random) {
+    Sample sample;
+    sample[0] = active_[random.Below(static_cast<int>(active_.size()))];
+    pool_.clear();
+    for (int neighbour : neighbourhoods_.of(sample[0])) {
+      if (is_active_[neighbour]) pool_.push_back(neighbour);
+      if (static_cast<int>(pool_.size()) == neighbourhood_) break;
+    }
+    if (pool_.size() < 3) return std::nullopt;
+    for (int k = 0; k < 3; ++k) {  // a partial Fisher-Yates shuffle
+      const int pick = k + random.Below(static_cast<int>(pool_.size()) - k);
+      std::swap(pool_[k], pool_[pick]);
+      sample[k + 1] = pool_[k];
+    }
+    return sample;
+  }
+
+ private:
+  std::span<const int> active_;
+  std::vector<char> is_active_;
+  const Neighbourhoods& neighbourhoods_;
+  int neighbourhood_;
+  std::vector<int> pool_;
+};
+
+std::array<Vector2d, 4> Pick(const std::vector<Vector2d>& points, const Sample& sample) {
+  return {points[sample[0]], points[sample[1]], points[sample[2]], points[sample[3]]};
+}
+
+std::optional<PlaneModel> ModelOf(const MatchedPoints& points, const Sample& sample,
+                                  double min_height_ratio) {
+  const auto from = Pick(points.from, sample);
+  const auto to_from = HomographyFromFour(from, Pick(points.to, sample), min_height_ratio);
+  if (!to_from) return std::nullopt;
+  PlaneModel model{*to_from, Matrix3d::Identity()};
+  if (points.reference.empty()) return model;
+  const auto reference_from =
+      HomographyFromFour(from, Pick(points.reference, sample), min_height_ratio);
+  if (!reference_from) return std::nullopt;
+  model.reference_from = *reference_from;
+  return model;
+}
+
+std::optional<PlaneModel> ModelOf(const MatchedPoints& points, std::span<const int> rows) {
+  PointPairs pairs;
+  for (int row : rows) pairs.Add(points.from[row], points.to[row]);
+  const auto to_from = HomographyByDlt(pairs);
+  if (!to_from) return std::nullopt;
+  PlaneModel model{*to_from, Matrix3d::Identity()};
+  if (points.reference.empty()) return model;
+  for (size_t i = 0; i < rows.size(); ++i) pairs.b[i] = points.reference[rows[i]];
+  const auto reference_from = HomographyByDlt(pairs);
+  if (!reference_from) return std::nullopt;
+  model.reference_from = *reference_from;
+  return model;
+}
+
+PlaneFit Evaluate(const MatchedPoints& points, std::span<const int> active,
+                  const PlaneModel& model, double max_error_px) {
+  PlaneFit fit;
+  fit.model = model;
+  const PlaneModel inverse = Inverse(model);
+  const double limit2 = max_error_px * max_error_px;
+  for (int row : active) {
+    const double error2 = PlaneError2(points, model, inverse, row);
+    if (!(error2 < limit2)) continue;
+    fit.inliers.push_back(row);
+    fit.score += 1 - error2 / limit2;
+  }
+  return fit;
+}
+
+// How likely a local sample is made of inliers alone: its first point with the share of inliers
+// among all, the other three with the share among the neighbours of inliers.
+double SampleProbability(const PlaneFit& fit, std::span<const int> active, int points,
+                         const Neighbourhoods& neighbourhoods, int neighbourhood) {
+  std::vector<char> state(points, 0);
+  for (int row : active) state[row] = 1;
+  for (int row : fit.inliers) state[row] = 2;
+  int64_t neighbours = 0;
+  int64_t inliers = 0;
+  for (int row : fit.inliers) {
+    int seen = 0;
+    for (int neighbour : neighbourhoods.of(row)) {
+      if (state[neighbour] == 0) continue;
+      ++neighbours;
+      inliers += state[neighbour] == 2;
+      if (++seen == neighbourhood) break;
+    }
+  }
+  const double global = static_cast<double>(fit.inliers.size()) / active.size();
+  const double local = neighbours == 0 ? 0 : static_cast<double>(inliers) / neighbours;
+  return global * local * local * local;
+}
+
+}  // namespace
+
+Neighbourhoods::Neighbourhoods(std::span<const Vector2d> points, int k)
+    : k_(std::max(0, std::min<int>(k, static_cast<int>(points.size()) - 1))) {
+  const int n = static_cast<int>(points.size());
+  neighbours_.resize(static_cast<size_t>(n) * k_);
+  if (k_ == 0) return;
+  std::vector<std::pair<double, int>> others(n - 1);
+  for (int i = 0; i < n; ++i) {
+    int count = 0;
+    for (int j = 0; j < n; ++j) {
+      if (j != i) others[count++] = {(points[j] - points[i]).squaredNorm(), j};
+    }
+    std::nth_element(others.begin(), others.begin() + (k_ - 1), others.end());
+    std::sort(others.begin(), others.begin() + k_);
+    for (int m = 0; m < k_; ++m) neighbours_[static_cast<size_t>(i) * k_ + m] = others[m].second;
+  }
+}
+
+void LocalRansacOptions::Check() const {
+  const bool good = max_error_px > 0 && confidence > 0 && confidence < 1 && max_samples >= 1 &&
+                    neighbourhood >= 3 && min_height_ratio >= 0 && min_height_ratio < 0.5 &&
+                    max_refits >= 0;
+  if (!good) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "plane sampling: an option is out of its range; leave them at their defaults");
+  }
+}
+
+double PlaneError2(const MatchedPoints& points, const PlaneModel& model,
+                   const PlaneModel& inverse, int i) {
+  const double error2 =
+      SymmetricTransferError2(model.to_from, inverse.to_from, points.from[i], points.to[i]);
+  if (points.reference.empty()) return error2;
+  const double reference2 =
+      (Apply(inverse.reference_from, points.reference[i]) - points.from[i]).squaredNorm();
+  return reference2 > error2 ? reference2 : error2;  // NaN stays NaN: never an inlier
+}
+
+PlaneModel Inverse(const PlaneModel& model) {
+  return {model.to_from.inverse(), model.reference_from.inverse()};
+}
+
+double SamplesNeeded(double confidence, double sample_probability) {
+  if (sample_probability <= 0) return std::numeric_limits<double>::infinity();
+  if (sample_probability >= 1) return 1;
+  return std::log(1 - confidence) / std::log1p(-sample_probability);  // eq. (1)
+}
+
+PlaneFit Regrow(const MatchedPoints& points, std::span<const int> active, const PlaneFit& start,
+                const LocalRansacOptions& options) {
+  PlaneFit best = start;
+  for (int refit = 0; refit < options.max_refits && best.inliers.size() >= 5; ++refit) {
+    const std::optional<PlaneModel> model = ModelOf(points, best.inliers);
+    if (!model) break;
+    PlaneFit next = Evaluate(points, active, *model, options.max_error_px);
+    if (next.score <= best.score) break;
+    best = std::move(next);
+  }
+  best.samples = start.samples;
+  return best;
+}
+
+std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const int> active,
+                                  const Neighbourhoods& neighbourhoods,
+                                  const LocalRansacOptions& options, Random& random) {
+  if (active.size() < 4) return std::nullopt;
+  LocalSampler sampler(active, points.size(), neighbourhoods, options.neighbourhood);
+  PlaneFit best;
+  double needed = options.max_samples;
+  int samples = 0;
+  for (; samples < needed; ++samples) {
+    const std::optional<Sample> sample = sampler.Draw(random);
+    if (!sample) continue;
+    const std::optional<PlaneModel> model = ModelOf(points, *sample, options.min_height_ratio);
+    if (!model) continue;
+    PlaneFit fit = Evaluate(points, active, *model, options.max_error_px);
+    // Local samples extrapolate badly: one that is nearly as good as the best may grow past it.
+    if (fit.score <= 0.5 * best.score) continue;
+    fit = Regrow(points, active, fit, options);
+    if (fit.score <= best.score) continue;
+    best = std::move(fit);
+    needed = std::min<double>(options.max_samples,
+                              SamplesNeeded(options.confidence,
+                                            SampleProbability(best, active, points.size(),
+                                                              neighbourhoods,
+                                                              options.neighbourhood)));
+  }
+  if (best.inliers.size() < 4) return std::nullopt;
+  best.samples = samples;
+  return best;
+}
+
+}  // namespace waystone

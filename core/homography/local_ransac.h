@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/base/random.h"
+#include "core/homography/homography.h"
+
+namespace waystone {
+
+// The nearest neighbours of every point of a set, nearest first.
+class Neighbourhoods {
+ public:
+  // `k` neighbours a point (fewer when there are fewer points). Cost: quadratic in the points.
+  Neighbourhoods(std::span<const Eigen::Vector2d> points, int k);
+
+  std::span<const int> of(int point) const {
+    return {neighbours_.data() + static_cast<size_t>(point) * k_, static_cast<size_t>(k_)};
+  }
+
+ private:
+  int k_ = 0;
+  std::vector<int> neighbours_;
+};
+
+// Matched points of one image (`from`) and of one or two others. Row i of each belongs together.
+struct MatchedPoints {
+  std::vector<Eigen::Vector2d> from;
+  std::vector<Eigen::Vector2d> to;
+  // For triple matching: the plane's features in its reference image. Empty otherwise. Errors against
+  // it are measured in `from`'s pixels, because far from the reference image its own are stretched.
+  std::vector<Eigen::Vector2d> reference;
+
+  int size() const { return static_cast<int>(from.size()); }
+};
+
+struct LocalRansacOptions {
+  // Largest transfer error of an inlier. Higher joins planes that are nearly parallel, lower splits
+  // walls that are not quite flat. px
+  double max_error_px = 3.0;
+  // p of eq. (1): probability that one sample at least is made of inliers alone.
+  double confidence = 0.99;
+  // Samples at the most, however low the inlier ratio. Bounds the time.
+  int max_samples = 1500;
+  // The three companions of a sampled point are drawn among this many nearest neighbours: closer
+  // points are likelier to be coplanar, farther ones determine the homography better.
+  int neighbourhood = 14;
+  // Lowest triangle, as a share of its longest side, that doesn't count as three points in a line.
+  double min_height_ratio = 0.05;
+  // Refits of a promising sample on its inliers.
+  int max_refits = 8;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// A plane as its homographies: x_to = to_from x_from and x_reference = reference_from x_from.
+struct PlaneModel {
+  Eigen::Matrix3d to_from = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d reference_from = Eigen::Matrix3d::Identity();  // unused without a reference
+};
+
+struct PlaneFit {
+  PlaneModel model;
+  std::vector<int> inliers;  // rows, ascending
+  double score = 0;          // sum of 1 - (error / max_error)^2 over the inliers
+  int samples = 0;           // that were drawn
+};
+
+// Squared error of row i under a model, px^2: the symmetric transfer error between `from` and `to`
+// and, where there is a reference, the larger of it and the error against the reference.
+double PlaneError2(const MatchedPoints& points, const PlaneModel& model,
+                   const PlaneModel& inverse, int i);
+PlaneModel Inverse(const PlaneModel& model);
+
+// The plane that most of the `active` rows support, by RANSAC over samples of four close,
+// non-collinear matches (sec. II) with as many samples as eq. (1) asks for and every row
+// supporting both homographies (sec. II-A). Nothing when no sample fits four rows.
+std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const int> active,
+                                  const Neighbourhoods& neighbourhoods,
+                                  const LocalRansacOptions& options, Random& random);
+
+// Least-squares refits of a model on its own inliers among the `active` rows until they don't grow.
+PlaneFit Regrow(const MatchedPoints& points, std::span<const int> active, const PlaneFit& start,
+                const LocalRansacOptions& options);
+
+// Number of samples so that with probability `confidence` one is made of inliers alone, eq. (1):
+// k = log(1 - p) / log(1 - w^4), where w^4 is the probability that a sample is. Local samples make
+// it likelier than w^4, so the caller gives it.
+double SamplesNeeded(double confidence, double sample_probability);
+
+}  // namespace waystone

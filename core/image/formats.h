@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "core/image/decode.h"
+
+// Header parsers, one a format: inside core/image only. Each is given bytes that start with its
+// format's signature, reads them front to back without leaving them, and throws
+// MapError(kBadImage).
+namespace waystone {
+
+using Bytes = std::span<const uint8_t>;
+
+ImageHeader ReadJpegHeader(Bytes bytes);
+ImageHeader ReadPngHeader(Bytes bytes);
+ImageHeader ReadBmpHeader(Bytes bytes);
+ImageHeader ReadPnmHeader(Bytes bytes);
+
+// Throws MapError(kBadImage) with the message.
+[[noreturn]] void RefuseImage(const std::string& message);
+// The same for an image that ends too early; `missing` says what it lacks.
+[[noreturn]] void RefuseCutOff(const std::string& format, Bytes bytes, const std::string& missing);
+
+}  // namespace waystone

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdlib>
+#include <limits>
+#include <string_view>
+
+#include "core/base/error.h"
+#include "core/image/formats.h"
+
+namespace waystone {
+namespace {
+
+constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
+constexpr std::string_view kJpegSignature = "\xff\xd8\xff";
+
+bool StartsWith(Bytes bytes, std::string_view signature, size_t offset = 0) {
+  return bytes.size() >= offset + signature.size() &&
+         std::equal(signature.begin(), signature.end(), bytes.begin() + offset,
+                    [](char a, uint8_t b) { return static_cast<uint8_t>(a) == b; });
+}
+
+// The bytes are there: callers have looked at the size.
+uint32_t Big32(Bytes bytes, size_t at) {
+  return static_cast<uint32_t>(bytes[at]) << 24 | bytes[at + 1] << 16 | bytes[at + 2] << 8 |
+         bytes[at + 3];
+}
+
+uint32_t Little16(Bytes bytes, size_t at) { return bytes[at] | bytes[at + 1] << 8; }
+
+uint32_t Little32(Bytes bytes, size_t at) {
+  return Little16(bytes, at) | Little16(bytes, at + 2) << 16;
+}
+
+bool LooksLikeText(Bytes bytes) {
+  constexpr size_t kLooked = 256;
+  return std::ranges::all_of(bytes.first(std::min(bytes.size(), kLooked)), [](uint8_t byte) {
+    return byte >= 0x20 || byte == '\n' || byte == '\r' || byte == '\t';
+  });
+}
+
+// What bytes of no known format look like, for the message.
+std::string LooksLike(Bytes bytes) {
+  struct Row {
+    size_t offset;
+    std::string_view signature;
+    std::string_view name;
+  };
+  static constexpr std::array kRows{
+      Row{0, "GIF8", "a GIF"},           Row{8, "WEBP", "a WebP image"},
+      Row{0, "II*", "a TIFF"},           Row{0, "MM", "a TIFF"},
+      Row{4, "ftyp", "HEIC or a video"}, Row{0, "%PDF", "a PDF"},
+      Row{0, "PK", "a zip archive"},     Row{0, "SQLite format 3", "an SQLite database"},
+      Row{0, "P1", "a plain-text PNM"},  Row{0, "P2", "a plain-text PNM"},
+      Row{0, "P3", "a plain-text PNM"},  Row{0, "P4", "a bitmap of black and white"},
+  };
+  for (const Row& row : kRows) {
+    if (StartsWith(bytes, row.signature, row.offset)) return std::string(row.name);
+  }
+  return LooksLikeText(bytes) ? "text" : "no image we know";
+}
+
+}  // namespace
+
+void RefuseImage(const std::string& message) { throw MapError(ErrorCode::kBadImage, message); }
+
+void RefuseCutOff(const std::string& format, Bytes bytes, const std::string& missing) {
+  RefuseImage("the " + format + " is cut off after " + std::to_string(bytes.size()) +
+              " bytes, before " + missing + "; copy or send the whole file again");
+}
+
+ImageHeader ReadPngHeader(Bytes bytes) {
+  constexpr size_t kFrame = 12;  // of a chunk: length, name, checksum
+  constexpr size_t kIhdr = 13;
+  size_t position = kPngSignature.size();
+  ImageHeader header{.format = "png"};
+  bool has_data = false;
+  for (;;) {
+    if (bytes.size() - position < kFrame) RefuseCutOff("PNG", bytes, "its end chunk");
+    const uint32_t length = Big32(bytes, position);
+    const Bytes rest = bytes.subspan(position + 4);
+    const bool first = position == kPngSignature.size();
+    if (first && (length != kIhdr || !StartsWith(rest, "IHDR"))) {
+      RefuseImage("the PNG doesn't start with its header chunk; it is damaged");
+    }
+    if (bytes.size() - position - kFrame < length) RefuseCutOff("PNG", bytes, "its end chunk");
+    if (first) {
+      constexpr uint32_t kMaxSide = std::numeric_limits<int>::max();
+      header.width = static_cast<int>(std::min(Big32(rest, 4), kMaxSide));
+      header.height = static_cast<int>(std::min(Big32(rest, 8), kMaxSide));
+    }
+    has_data |= StartsWith(rest, "IDAT");
+    if (StartsWith(rest, "IEND")) break;
+    position += kFrame + length;
+  }
+  if (!has_data) RefuseImage("the PNG holds no image data; it is damaged");
+  return header;
+}
+
+ImageHeader ReadBmpHeader(Bytes bytes) {
+  constexpr size_t kShortest = 54;  // file header and the oldest information header in use
+  constexpr uint32_t kInfoHeader = 40;
+  constexpr uint32_t kBitFields = 3;  // uncompressed, with masks
+  if (bytes.size() < kShortest) RefuseCutOff("BMP", bytes, "the end of its header");
+  if (Little32(bytes, 14) < kInfoHeader) RefuseImage("the BMP is of OS/2; save it as PNG");
+  const auto width = static_cast<int32_t>(Little32(bytes, 18));
+  const auto height = static_cast<int32_t>(Little32(bytes, 22));
+  const uint32_t bits = Little16(bytes, 28);
+  const uint32_t compression = Little32(bytes, 30);
+  if (compression != 0 && compression != kBitFields) {
+    RefuseImage("the BMP is compressed, which is not decoded; save it as PNG");
+  }
+  if (width <= 0 || height == 0 || height == std::numeric_limits<int32_t>::min() || bits == 0 ||
+      bits > 32) {
+    RefuseImage("the BMP claims " + std::to_string(width) + "x" + std::to_string(height) +
+                " pixels of " + std::to_string(bits) + " bits; it is damaged");
+  }
+  // Rows are padded to four bytes; a negative height means that the top row comes first.
+  const int rows = std::abs(height);
+  const uint64_t row_bytes = (static_cast<uint64_t>(width) * bits + 31) / 32 * 4;
+  if (Little32(bytes, 10) + row_bytes * rows > bytes.size()) {
+    RefuseCutOff("BMP", bytes, "the end of its pixels");
+  }
+  return {.format = "bmp", .width = width, .height = rows};
+}
+
+namespace {
+
+// Numbers in a PNM header are apart by white space and by comments from '#' to the line's end.
+class PnmNumbers {
+ public:
+  explicit PnmNumbers(Bytes bytes) : bytes_(bytes) {}
+
+  int Next() {
+    SkipSpace();
+    constexpr int kMax = 100'000'000;
+    int value = 0;
+    const size_t start = position_;
+    for (; position_ < bytes_.size() && std::isdigit(bytes_[position_]); ++position_) {
+      value = std::min(value * 10 + (bytes_[position_] - '0'), kMax);
+    }
+    if (position_ >= bytes_.size()) RefuseCutOff("PNM", bytes_, "the end of its header");
+    if (position_ == start) RefuseImage("the PNM's header lacks a number; it is damaged");
+    return value;
+  }
+
+  size_t position() const { return position_; }
+
+ private:
+  void SkipSpace() {
+    while (position_ < bytes_.size()) {
+      if (bytes_[position_] == '#') {
+        while (position_ < bytes_.size() && bytes_[position_] != '\n') ++position_;
+      } else if (std::isspace(bytes_[position_])) {
+        ++position_;
+      } else {
+        return;
+      }
+    }
+  }
+
+  Bytes bytes_;
+  size_t position_ = 2;  // behind "P5" or "P6"
+};
+
+}  // namespace
+
+ImageHeader ReadPnmHeader(Bytes bytes) {
+  PnmNumbers numbers(bytes);
+  ImageHeader header{.format = "pnm"};
+  header.width = numbers.Next();
+  header.height = numbers.Next();
+  const int brightest = numbers.Next();
+  if (brightest < 1 || brightest > 65535) {
+    RefuseImage("the PNM's brightest value is " + std::to_string(brightest) +
+                ", not 1 to 65535; it is damaged");
+  }
+  const uint64_t pixel_bytes = (bytes[1] == '6' ? 3 : 1) * (brightest > 255 ? 2 : 1);
+  const uint64_t pixels = static_cast<uint64_t>(header.width) * header.height;
+  if (numbers.position() + 1 + pixels * pixel_bytes > bytes.size()) {
+    RefuseCutOff("PNM", bytes, "the end of its pixels");
+  }
+  return header;
+}
+
+ImageHeader ReadImageHeader(Bytes bytes) {
+  if (bytes.empty()) RefuseImage("the image is empty (0 bytes); copy or send it again");
+  ImageHeader header;
+  if (StartsWith(bytes, kJpegSignature)) {
+    header = ReadJpegHeader(bytes);
+  } else if (StartsWith(bytes, kPngSignature)) {
+    header = ReadPngHeader(bytes);
+  } else if (StartsWith(bytes, "BM")) {
+    header = ReadBmpHeader(bytes);
+  } else if (StartsWith(bytes, "P5") || StartsWith(bytes, "P6")) {
+    header = ReadPnmHeader(bytes);
+  } else {
+    RefuseImage("the " + std::to_string(bytes.size()) + " bytes are " + LooksLike(bytes) +
+                "; give a JPEG, PNG, BMP or PNM (P5, P6)");
+  }
+  if (header.width < 1 || header.height < 1) {
+    RefuseImage("the " + header.format + " claims " + std::to_string(header.width) + "x" +
+                std::to_string(header.height) + " pixels; it is damaged");
+  }
+  return header;
+}
+
+}  // namespace waystone

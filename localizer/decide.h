@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "localizer/answer.h"
+#include "localizer/verify.h"
+
+namespace waystone {
+
+// Planes that were recognised together and agree: one place.
+struct Place {
+  std::vector<VerifiedPlane> planes;  // most inliers first
+  int inliers = 0;                    // distinct ones of all planes
+  double probability = 0;             // that one of its planes at least is right
+};
+
+// Groups accepted planes into places, best first. Planes of one place were seen together and agree
+// through their homology, or are neighbours in the graph.
+std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane> accepted,
+                               const LocalizeOptions& options);
+
+// Whether two places are parts of one surrounding: a keyframe saw planes of both, or an edge or a
+// common neighbour joins them.
+bool AreNear(const MapIndex& index, const Place& a, const Place& b);
+
+// The keyframe that saw a place most like the query did: the more of the place's inliers lie near
+// where the keyframe saw them, the nearer.
+KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Features& query);
+
+// The verdict for all planes that were tried, accepted or not, with everything an answer says about
+// places. Times, names and map are the caller's.
+Answer Decide(const MapIndex& index, const Features& query,
+              const std::vector<VerifiedPlane>& tried, const LocalizeOptions& options);
+
+}  // namespace waystone

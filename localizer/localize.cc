@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+
+#include "core/base/error.h"
+#include "localizer/decide.h"
+#include "localizer/localizer.h"
+#include "localizer/shortlist.h"
+#include "localizer/verify.h"
+
+namespace waystone {
+namespace {
+
+// Milliseconds since it was made or last asked.
+class LapTimer {
+ public:
+  double Lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return ms;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+void Sign(const MapIndex& index, Answer& answer) {
+  answer.map = index.map().info.name;
+  answer.map_version = index.map().info.version;
+}
+
+}  // namespace
+
+const char* NameOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kLocalized: return "localized";
+    case Verdict::kAmbiguous: return "ambiguous";
+    case Verdict::kNotInMap: return "not_in_map";
+    case Verdict::kBadImage: return "bad_image";
+  }
+  WS_CHECK(false, "unknown verdict");
+}
+
+void GateOptions::Check() const {
+  const bool good = min_inliers >= 5 && min_place_inliers >= min_inliers &&
+                    min_inlier_share >= 0 && min_inlier_share <= 1 && distinct_px >= 0 &&
+                    max_scale > 1 && ambiguous_share > 0 && ambiguous_share <= 1;
+  if (!good) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "gates: an option is out of its range; leave them at their defaults");
+  }
+}
+
+void EvidenceOptions::Check() const {
+  const bool good = inlier_if_wrong > 0 && inlier_if_right > inlier_if_wrong &&
+                    inlier_if_right < 1 && prior > 0 && prior < 1;
+  if (!good) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "evidence: 0 < inlier_if_wrong < inlier_if_right < 1 and 0 < prior < 1 must "
+                   "hold; leave them at their defaults");
+  }
+}
+
+void LocalizeOptions::Check() const {
+  limits.Check();
+  FeatureOptions{FeatureType::kSift, max_features, contrast_threshold}.Check();
+  match.Check();
+  ransac.Check();
+  homology.Check();
+  gates.Check();
+  evidence.Check();
+  if (votes_per_feature < 1 || max_candidates < 1 || min_votes < 1) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "shortlist: votes_per_feature, max_candidates and min_votes must be positive; "
+                   "leave them at their defaults");
+  }
+}
+
+Answer LocalizeFeatures(const MapIndex& index, const Features& query,
+                        const LocalizeOptions& options) {
+  options.Check();
+  WS_CHECK(query.type == index.map().info.feature_type, "features of another type than the map's");
+  LapTimer timer;
+  const std::vector<ShortlistedPlane> shortlist = ShortlistPlanes(index, query, options);
+  const double shortlist_ms = timer.Lap();
+  std::vector<VerifiedPlane> tried;
+  for (const ShortlistedPlane& candidate : shortlist) {
+    if (auto verified = VerifyPlane(index, query, candidate.plane, options)) {
+      tried.push_back(std::move(*verified));
+    }
+  }
+  Answer answer = Decide(index, query, tried, options);
+  Sign(index, answer);
+  answer.timing.shortlist_ms = shortlist_ms;
+  answer.timing.verify_ms = timer.Lap();
+  answer.timing.total_ms = answer.timing.shortlist_ms + answer.timing.verify_ms;
+  return answer;
+}
+
+Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
+  options.Check();
+  LapTimer timer;
+  const Features query =
+      ExtractFeatures(grey, {index.map().info.feature_type, options.max_features,
+                             options.contrast_threshold});
+  const double extract_ms = timer.Lap();
+  Answer answer = LocalizeFeatures(index, query, options);
+  answer.timing.extract_ms = extract_ms;
+  answer.timing.total_ms += extract_ms;
+  return answer;
+}
+
+Answer Localize(const MapIndex& index, std::span<const uint8_t> bytes, const std::string& name,
+                const LocalizeOptions& options) {
+  LapTimer timer;
+  Answer answer;
+  try {
+    const cv::Mat grey = DecodeGrey(bytes, options.limits);
+    const double decode_ms = timer.Lap();
+    answer = LocalizeImage(index, grey, options);
+    answer.timing.decode_ms = decode_ms;
+    answer.timing.total_ms += decode_ms;
+  } catch (const MapError& error) {
+    if (error.code() != ErrorCode::kBadImage && error.code() != ErrorCode::kImageTooLarge) throw;
+    answer.verdict = Verdict::kBadImage;
+    answer.decided_by = InfoOf(error.code()).name;
+    answer.message = error.what();
+    answer.timing.decode_ms = answer.timing.total_ms = timer.Lap();
+    Sign(index, answer);
+  }
+  answer.image = name;
+  return answer;
+}
+
+}  // namespace waystone

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/map_index.h"
+
+#include <algorithm>
+
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+[[noreturn]] void FailReference(const std::string& what) {
+  throw MapError(ErrorCode::kMapDamaged,
+                 what + ", which the map doesn't have; run `waystone check` on it");
+}
+
+}  // namespace
+
+std::shared_ptr<const MapIndex> MapIndex::Build(MapData map) {
+  return std::shared_ptr<const MapIndex>(new MapIndex(std::move(map)));
+}
+
+MapIndex::MapIndex(MapData map)
+    : map_(std::move(map)), all_(DescriptorBytes(map_.info.feature_type)) {
+  for (size_t i = 0; i < map_.sequences.size(); ++i) sequence_index_[map_.sequences[i].id] = i;
+  for (size_t i = 0; i < map_.keyframes.size(); ++i) keyframe_index_[map_.keyframes[i].id] = i;
+  for (size_t i = 0; i < map_.planes.size(); ++i) plane_index_[map_.planes[i].id] = i;
+  CheckReferences();
+  size_t rows = 0;
+  for (const Plane& plane : map_.planes) rows += plane.features.size();
+  all_.Reserve(static_cast<int>(rows));
+  plane_of_row_.reserve(rows);
+  for (int p = 0; p < static_cast<int>(map_.planes.size()); ++p) {
+    Plane& plane = map_.planes[p];
+    first_row_.push_back(all_.rows());
+    for (int f = 0; f < plane.descriptors.rows(); ++f) all_.Append(plane.descriptors.row(f));
+    plane_of_row_.resize(all_.rows(), p);
+    plane.descriptors = Descriptors(all_.bytes());
+  }
+  first_row_.push_back(all_.rows());
+  for (const Edge& edge : map_.edges) {
+    neighbours_[edge.a].push_back(edge.b);
+    neighbours_[edge.b].push_back(edge.a);
+  }
+  for (auto& [id, ids] : neighbours_) std::sort(ids.begin(), ids.end());
+}
+
+void MapIndex::CheckReferences() const {
+  for (const Keyframe& keyframe : map_.keyframes) {
+    if (!FindSequence(keyframe.sequence)) {
+      FailReference("keyframe " + std::to_string(keyframe.id.value) + " is of sequence " +
+                    std::to_string(keyframe.sequence.value));
+    }
+  }
+  for (const Plane& plane : map_.planes) {
+    const std::string name = "plane " + std::to_string(plane.id.value);
+    if (!FindKeyframe(plane.reference)) {
+      FailReference(name + " refers to keyframe " + std::to_string(plane.reference.value));
+    }
+    for (const PlaneView& view : plane.views) {
+      if (!FindKeyframe(view.keyframe)) {
+        FailReference(name + " was seen by keyframe " + std::to_string(view.keyframe.value));
+      }
+    }
+    if (plane.descriptors.rows() != static_cast<int>(plane.features.size()) ||
+        (plane.descriptors.rows() > 0 && plane.descriptors.bytes() != all_.bytes())) {
+      throw MapError(ErrorCode::kMapDamaged,
+                     name + " has " + std::to_string(plane.features.size()) + " features and " +
+                         std::to_string(plane.descriptors.rows()) +
+                         " descriptors; run `waystone check` on the map");
+    }
+  }
+  for (const Edge& edge : map_.edges) {
+    for (PlaneId id : {edge.a, edge.b}) {
+      if (!FindPlane(id)) FailReference("an edge leads to plane " + std::to_string(id.value));
+    }
+  }
+}
+
+const Plane* MapIndex::FindPlane(PlaneId id) const {
+  const auto found = plane_index_.find(id);
+  return found == plane_index_.end() ? nullptr : &map_.planes[found->second];
+}
+
+const Keyframe* MapIndex::FindKeyframe(KeyframeId id) const {
+  const auto found = keyframe_index_.find(id);
+  return found == keyframe_index_.end() ? nullptr : &map_.keyframes[found->second];
+}
+
+const Sequence* MapIndex::FindSequence(SequenceId id) const {
+  const auto found = sequence_index_.find(id);
+  return found == sequence_index_.end() ? nullptr : &map_.sequences[found->second];
+}
+
+const std::vector<PlaneId>& MapIndex::Neighbours(PlaneId id) const {
+  static const std::vector<PlaneId> kNone;
+  const auto found = neighbours_.find(id);
+  return found == neighbours_.end() ? kNone : found->second;
+}
+
+DescriptorsView MapIndex::DescriptorsOf(int plane) const {
+  const int first = first_row_[plane];
+  return {all_.row(first), first_row_[plane + 1] - first, all_.bytes()};
+}
+
+}  // namespace waystone

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "localizer/map_index.h"
+#include "localizer/options.h"
+
+namespace waystone {
+
+// A plane that the query may show.
+struct ShortlistedPlane {
+  int plane = 0;  // index in the map's planes
+  int votes = 0;
+};
+
+// Planes by descriptor votes, most votes first, at most options.max_candidates of them. Every query
+// feature votes once for each plane among its nearest descriptors.
+std::vector<ShortlistedPlane> ShortlistPlanes(const MapIndex& index, const Features& query,
+                                              const LocalizeOptions& options);
+
+}  // namespace waystone

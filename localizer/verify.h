@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/homography/homography.h"
+#include "localizer/map_index.h"
+#include "localizer/options.h"
+
+namespace waystone {
+
+// A shortlisted plane after its homography was tried.
+struct VerifiedPlane {
+  int plane = 0;  // index in the map's planes
+  HomographyEstimate reference_from_query;
+  std::vector<Match> inliers;  // a: query keypoint, b: feature of the plane
+  int matches = 0;             // that the homography was looked for in
+  int distinct = 0;            // inliers at distinct positions of the query
+  bool accepted = false;       // passed the plane's gates
+  double probability = 0;      // by the model of EvidenceOptions
+};
+
+// The homography between a query and one plane by RANSAC, with its acceptance test. Nothing when
+// there is no homography at all.
+std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const Features& query, int plane,
+                                         const LocalizeOptions& options);
+
+// Whether two recognised planes agree: seen together in a keyframe, the homographies from the query
+// to that keyframe through either plane must form a valid homology (sec. II-B). Nothing when no
+// keyframe saw both, so that they can't be compared.
+std::optional<bool> PlanesAgree(const MapIndex& index, const VerifiedPlane& m,
+                                const VerifiedPlane& n, const LocalizeOptions& options);
+
+}  // namespace waystone

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <opencv2/videoio.hpp>
+
+#include "tests/builder/sources/temporary_folder.h"
+
+namespace waystone {
+namespace {
+
+// Twelve frames of 64x48 at 10 a second; frame i is plain grey of 20 * i.
+class VideoTest : public TemporaryFolder {
+ protected:
+  void SetUp() override {
+    TemporaryFolder::SetUp();
+    path_ = (folder_ / "walk.avi").string();
+    cv::VideoWriter writer(path_, cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
+                           10, {64, 48});
+    if (!writer.isOpened()) GTEST_SKIP() << "this OpenCV can't write MJPG";
+    for (int i = 0; i < 12; ++i) writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(20 * i)));
+    writer.release();
+  }
+
+  std::string path_;
+};
+
+TEST_F(VideoTest, FramesWithTimesAndNumbers) {
+  const auto source = OpenSource(path_, {});
+  EXPECT_EQ(source->kind(), "video");
+  EXPECT_EQ(source->name(), "walk.avi");
+  EXPECT_EQ(source->size(), 12);
+  EXPECT_EQ(source->Announcement(), "Video, 12 frames 64x48");
+  const std::vector<Frame> frames = AllFrames(*source);
+  ASSERT_EQ(frames.size(), 12);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_EQ(frames[i].info.number, i);
+    EXPECT_EQ(frames[i].info.source, "frame " + std::to_string(i));
+    EXPECT_NEAR(frames[i].info.time_s.value(), 0.1 * i, 1e-6);
+    EXPECT_EQ(frames[i].error, "");
+    ASSERT_EQ(frames[i].grey.type(), CV_8UC1);
+    EXPECT_NEAR(frames[i].grey.at<uint8_t>(20, 20), 20 * i, 6);
+  }
+}
+
+TEST_F(VideoTest, FramesKeepTheirPixelsWhenTheNextOneComes) {
+  const auto source = OpenSource(path_, {});
+  std::vector<EncodedFrame> encoded;
+  while (auto frame = source->NextEncoded()) encoded.push_back(std::move(*frame));
+  ASSERT_EQ(encoded.size(), 12);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_NEAR(encoded[i].Decode().grey.at<uint8_t>(20, 20), 20 * i, 6);
+  }
+}
+
+TEST_F(VideoTest, EveryFromAndTo) {
+  const auto source = OpenSource(path_, {.every = 4, .from = 2, .to = 10});
+  EXPECT_EQ(source->size(), 3);
+  EXPECT_EQ(source->Announcement(), "Video, 12 frames 64x48, 3 of them used");
+  const std::vector<Frame> frames = AllFrames(*source);
+  ASSERT_EQ(frames.size(), 3);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(frames[i].info.number, 2 + 4 * i);
+    EXPECT_NEAR(frames[i].grey.at<uint8_t>(20, 20), 20 * (2 + 4 * i), 6);
+    EXPECT_NEAR(frames[i].info.time_s.value(), 0.1 * (2 + 4 * i), 1e-6);
+  }
+  ExpectError([&] { OpenSource(path_, {.from = 12}); }, ErrorCode::kBadSource, {"12"});
+}
+
+TEST_F(VideoTest, CameraOption) {
+  SourceOptions options;
+  options.camera_file = Write("c.yaml",
+                              "camera_model: SIMPLE_PINHOLE\nimage_width: 64\nimage_height: 48\n"
+                              "f: 50\ncx: 31.5\ncy: 23.5\n");
+  EXPECT_EQ(OpenSource(path_, options)->camera()->width, 64);
+  options.camera_file = Write("d.yaml",
+                              "camera_model: SIMPLE_PINHOLE\nimage_width: 48\nimage_height: 64\n"
+                              "f: 50\ncx: 31.5\ncy: 23.5\n");
+  ExpectError([&] { OpenSource(path_, options); }, ErrorCode::kBadCamera, {"48x64", "64x48"});
+}
+
+TEST_F(VideoTest, OversizedVideosAreRefused) {
+  SourceOptions options;
+  options.limits.max_pixels = 1000;
+  ExpectError([&] { OpenSource(path_, options); }, ErrorCode::kImageTooLarge, {"64x48"});
+}
+
+TEST_F(VideoTest, AVideoCutInHalfGivesWhatIsLeft) {
+  std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2);
+  const std::vector<Frame> frames = AllFrames(*OpenSource(path_, {}));
+  EXPECT_GE(frames.size(), 3);
+  EXPECT_LT(frames.size(), 12);
+}
+
+TEST_F(VideoTest, WhatIsNoVideoIsRefused) {
+  testing::internal::CaptureStderr();  // FFmpeg comments on it
+  const std::string path = Write("walk.mp4", "a letter").string();
+  ExpectError([&] { OpenSource(path, {}); }, ErrorCode::kBadSource, {"walk.mp4", "FFmpeg", "give"});
+  testing::internal::GetCapturedStderr();
+}
+
+}  // namespace
+}  // namespace waystone

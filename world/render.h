@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "core/camera/camera.h"
+#include "world/world.h"
+
+namespace waystone {
+
+// What a real camera adds to the picture. The truth (ids, depth) stays sharp.
+struct RenderOptions {
+  // Standard deviation of the lens's blur, pixels, 0 to 20; 0 is a perfect lens.
+  double lens_blur_px = 0.0;
+  // Standard deviation of the sensor's noise, grey levels, 0 to 100; every pixel draws its own.
+  double noise_sigma = 0.0;
+  // Seed of the noise; give every frame another one.
+  uint64_t noise_seed = 0;
+  // Factor on the light, 0.05 to 20; what gets too bright is cut at 255.
+  double exposure_gain = 1.0;
+  // How the camera moves while the shutter is open: x_open = motion x_close, camera frame. The pose
+  // that is asked for is the one in the middle.
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  // Pictures averaged over the motion, 1 to 64; they cost as much as frames. 1 is no motion blur.
+  int motion_samples = 1;
+  // Rays along each side of a pixel where two surfaces meet, 1 to 8; 1 leaves jagged edges, 2 costs
+  // a few percent.
+  int edge_rays = 2;
+  // Whether to give the depth too.
+  bool depth = false;
+
+  // Throws MapError(kBadOptions) for a value out of its range.
+  void Check() const;
+};
+
+// A share of a motion: 0 is none of it, 1 all; below 0 it goes the other way.
+Eigen::Isometry3d PartOfMotion(const Eigen::Isometry3d& motion, double share);
+
+struct RenderedFrame {
+  cv::Mat grey;       // CV_8UC1
+  cv::Mat plane_ids;  // CV_16UC1, the plane at each pixel's centre
+  cv::Mat face_ids;   // CV_16UC1, the face at each pixel's centre
+  cv::Mat depth;      // CV_32FC1, metres along the optical axis (from the centre for an
+                      // equirectangular camera); empty unless asked for
+};
+
+// Renders for one camera, of any model. Makes the camera's rays once; immutable, so that many
+// threads can render frames with one renderer. A frame is rendered on the calling thread alone and
+// is the same on any thread.
+class Renderer {
+ public:
+  // Throws MapError(kBadCamera) for a camera that makes no sense.
+  explicit Renderer(const Camera& camera);
+
+  const Camera& camera() const { return camera_; }
+
+  // World frame: x east, y north, z up, metres. Camera frame: x right, y down, z forward. The pose
+  // must lie inside the world (World::IsInside) or a CheckFailure is thrown; motion blur leaves out
+  // what lies outside. Throws MapError(kBadOptions) for bad options.
+  RenderedFrame Render(const World& world, const Eigen::Isometry3d& world_from_camera,
+                       const RenderOptions& options = {}) const;
+
+ private:
+  class Pass;
+  // The mean of the pictures along the options' motion.
+  cv::Mat MeanLight(const World& world, const Eigen::Isometry3d& world_from_camera,
+                    const RenderOptions& options) const;
+
+  Camera camera_;
+  std::vector<Eigen::Vector3f> rays_;  // unit, camera frame, row-major
+  std::vector<float> cones_rad_;       // angle between neighbouring rays
+};
+
+// The same for a single frame.
+RenderedFrame Render(const World& world, const Camera& camera,
+                     const Eigen::Isometry3d& world_from_camera, const RenderOptions& options = {});
+
+}  // namespace waystone

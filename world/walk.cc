@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "world/walk.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "core/base/error.h"
+#include "core/base/random.h"
+#include "world/option_range.h"
+#include "world/path.h"
+
+namespace waystone {
+namespace {
+
+constexpr double kSampleM = 0.02;  // spacing at which ways are worked out, finer than any frame's
+constexpr double kPi = std::numbers::pi;
+
+// Where the camera is and looks at some length of the way.
+struct Sample {
+  Eigen::Vector2d point = Eigen::Vector2d::Zero();
+  double yaw_rad = 0.0;
+  double way_m = 0.0;
+};
+
+double WrapAngle(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
+
+// The way's direction at every point, continuous (no jumps by 2 pi), averaged over `radius_m` so
+// that the gaze turns into a bend before and after it.
+std::vector<double> Headings(const std::vector<Eigen::Vector2d>& way, double radius_m) {
+  std::vector<double> raw(way.size(), 0.0);
+  for (size_t i = 0; i + 1 < way.size(); ++i) {
+    const Eigen::Vector2d edge = way[i + 1] - way[i];
+    const double angle = std::atan2(edge.y(), edge.x());
+    raw[i] = i == 0 ? angle : raw[i - 1] + WrapAngle(angle - raw[i - 1]);
+  }
+  if (raw.size() > 1) raw.back() = raw[raw.size() - 2];
+  const auto reach = static_cast<std::ptrdiff_t>(radius_m / kSampleM);
+  const auto last = static_cast<std::ptrdiff_t>(raw.size()) - 1;
+  std::vector<double> smooth = raw;
+  for (std::ptrdiff_t i = 0; i <= last; ++i) {
+    double sum = 0.0;
+    for (std::ptrdiff_t k = -reach; k <= reach; ++k) {
+      sum += raw[static_cast<size_t>(std::clamp(i + k, std::ptrdiff_t{0}, last))];
+    }
+    smooth[static_cast<size_t>(i)] = sum / static_cast<double>(2 * reach + 1);
+  }
+  return smooth;
+}
+
+std::vector<Sample> GazeAlong(const std::vector<Eigen::Vector2d>& way, const WalkOptions& options) {
+  const std::vector<double> headings = Headings(way, 2.0 * options.rounding_m);
+  std::vector<Sample> samples;
+  double way_m = 0.0;
+  for (size_t i = 0; i < way.size(); ++i) {
+    if (i > 0) way_m += (way[i] - way[i - 1]).norm();
+    const double swing = options.gaze_rad * std::sin(2.0 * kPi * way_m / options.gaze_period_m);
+    samples.push_back({way[i], headings[i] + options.gaze_offset_rad + swing, way_m});
+  }
+  return samples;
+}
+
+// Puts a turn there and back into the middle of the way.
+void TurnOnSpot(const WalkOptions& options, std::vector<Sample>& samples) {
+  const double angle = options.turn_on_spot_rad;
+  if (angle == 0.0) return;
+  const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(angle) / options.turn_rad)));
+  const size_t middle = samples.size() / 2;
+  std::vector<Sample> turn;
+  for (int i = 1; i <= 2 * steps; ++i) {
+    Sample sample = samples[middle];
+    sample.yaw_rad += angle * (i <= steps ? i : 2 * steps - i) / steps;
+    turn.push_back(sample);
+  }
+  samples.insert(samples.begin() + static_cast<std::ptrdiff_t>(middle) + 1, turn.begin(),
+                 turn.end());
+}
+
+// Frames such that from one to the next neither the step nor the turn is longer than allowed.
+std::vector<Sample> AtFrames(const std::vector<Sample>& samples, const WalkOptions& options) {
+  std::vector<Sample> frames = {samples.front()};
+  double due = 1.0;  // in frames: when the next one is
+  double spent = 0.0;
+  for (size_t i = 1; i < samples.size(); ++i) {
+    const Sample& from = samples[i - 1];
+    const Sample& to = samples[i];
+    const double cost = std::max((to.point - from.point).norm() / options.step_m,
+                                 std::abs(to.yaw_rad - from.yaw_rad) / options.turn_rad);
+    for (; spent + cost >= due; due += 1.0) {
+      const double share = cost > 0.0 ? (due - spent) / cost : 0.0;
+      frames.push_back({from.point + share * (to.point - from.point),
+                        from.yaw_rad + share * (to.yaw_rad - from.yaw_rad),
+                        from.way_m + share * (to.way_m - from.way_m)});
+    }
+    spent += cost;
+  }
+  return frames;
+}
+
+// The sway of a walking person's hand: two waves each for height, pitch and roll.
+class Hand {
+ public:
+  explicit Hand(const WalkOptions& options) : factor_(options.sway) {
+    Random random(options.seed);
+    for (double& phase : phases_) phase = random.Uniform(0.0, 2.0 * kPi);
+  }
+  double Height(double way_m) const { return factor_ * kHeightM * Wave(0, way_m); }
+  double Pitch(double way_m) const { return factor_ * kPitchRad * Wave(2, way_m); }
+  double Roll(double way_m) const { return factor_ * kRollRad * Wave(4, way_m); }
+
+ private:
+  static constexpr double kHeightM = 0.02;
+  static constexpr double kPitchRad = 2.0 * kPi / 180.0;
+  static constexpr double kRollRad = 1.0 * kPi / 180.0;
+
+  double Wave(size_t first, double way_m) const {
+    constexpr double kStrideM = 1.4;
+    constexpr double kSlowM = 4.7;
+    return 0.4 * std::sin(2.0 * kPi * way_m / kStrideM + phases_[first]) +
+           0.6 * std::sin(2.0 * kPi * way_m / kSlowM + phases_[first + 1]);
+  }
+
+  double factor_;
+  std::array<double, 6> phases_{};
+};
+
+void CheckWay(const FloorPlan& plan, const std::vector<Eigen::Vector2d>& way) {
+  for (const Eigen::Vector2d& point : way) {
+    if (plan.IsFree(point, 0.0)) continue;
+    const int column = static_cast<int>(std::floor(point.x() / plan.size.cell_m));
+    const int row = plan.rows - 1 - static_cast<int>(std::floor(point.y() / plan.size.cell_m));
+    throw MapError(ErrorCode::kBadOptions,
+                   "the walk meets a wall of the floor plan at line " + std::to_string(row + 1) +
+                       ", column " + std::to_string(column + 1) +
+                       "; put waypoints on floor and before and after doors");
+  }
+}
+
+Walk WalkAlong(const FloorPlan& plan, const std::vector<Eigen::Vector2d>& line,
+               const WalkOptions& options) {
+  const std::vector<Eigen::Vector2d> fine = Resampled(line, kSampleM);
+  CheckWay(plan, fine);
+  const std::vector<Eigen::Vector2d> way =
+      Smoothed(plan, fine, kSampleM, options.rounding_m, options.clearance_m);
+  CheckWay(plan, way);
+  std::vector<Sample> samples = GazeAlong(way, options);
+  TurnOnSpot(options, samples);
+  const Hand hand(options);
+  Walk walk;
+  for (const Sample& frame : AtFrames(samples, options)) {
+    const Eigen::Vector3d centre(frame.point.x(), frame.point.y(),
+                                 options.height_m + hand.Height(frame.way_m));
+    walk.frames.push_back(
+        {static_cast<double>(walk.frames.size()) / options.frame_rate,
+         WorldFromCamera(centre, frame.yaw_rad, hand.Pitch(frame.way_m), hand.Roll(frame.way_m))});
+  }
+  return walk;
+}
+
+// A loop around a stop, as wide as the room allows up to `kLoopM`, entered where the way comes
+// from.
+void AddLoop(const FloorPlan& plan, const Eigen::Vector2d& stop, const Eigen::Vector2d& from,
+             double clearance_m, std::vector<Eigen::Vector2d>& line) {
+  constexpr double kLoopM = 0.8;
+  constexpr int kCorners = 8;
+  const double start = std::atan2(from.y() - stop.y(), from.x() - stop.x());
+  for (int i = 0; i <= kCorners; ++i) {
+    const double angle = start + 2.0 * kPi * i / kCorners;
+    const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+    double radius = kLoopM;
+    while (radius > kSampleM && !plan.IsFree(stop + radius * direction, clearance_m)) {
+      radius -= kSampleM;
+    }
+    line.emplace_back(stop + radius * direction);
+  }
+}
+
+// What a wave of the hand can add to the height, metres, so that no frame is above a lintel.
+void CheckHeight(const FloorPlan& plan, const WalkOptions& options) {
+  CheckRange("height_m (with its sway, below the lintels)", options.height_m + 0.02 * options.sway,
+             0.0, plan.size.door_height_m);
+}
+
+}  // namespace
+
+void WalkOptions::Check() const {
+  CheckRange("height_m", height_m, 0.1 + 0.02 * sway, 20.0);
+  CheckRange("step_m", step_m, 0.001, 1.0);
+  CheckRange("turn_rad", turn_rad, 0.001, 1.0);
+  CheckRange("frame_rate", frame_rate, 1.0, 1000.0);
+  CheckRange("gaze_rad", gaze_rad, 0.0, 1.5);
+  CheckRange("gaze_period_m", gaze_period_m, 0.5, 100.0);
+  CheckRange("gaze_offset_rad", gaze_offset_rad, -3.2, 3.2);
+  CheckRange("sway", sway, 0.0, 5.0);
+  CheckRange("turn_on_spot_rad", turn_on_spot_rad, -6.3, 6.3);
+  CheckRange("rounding_m", rounding_m, 0.05, 2.0);
+  CheckRange("clearance_m", clearance_m, 0.0, 2.0);
+}
+
+Eigen::Isometry3d WorldFromCamera(const Eigen::Vector3d& centre, double yaw_rad, double pitch_rad,
+                                  double roll_rad) {
+  Eigen::Matrix3d level;  // looking east: right is south, down is down
+  level << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix() * level *
+                  Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitX()).toRotationMatrix() *
+                  Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  pose.translation() = centre;
+  return pose;
+}
+
+Walk WalkThrough(const FloorPlan& plan, const std::vector<Eigen::Vector2d>& waypoints,
+                 const WalkOptions& options) {
+  options.Check();
+  CheckHeight(plan, options);
+  if (waypoints.size() < 2) {
+    throw MapError(ErrorCode::kBadOptions, "a walk of " + std::to_string(waypoints.size()) +
+                                               " waypoints; it needs at least 2");
+  }
+  std::vector<Eigen::Vector2d> line;
+  for (const Eigen::Vector2d& point : waypoints) {
+    line.emplace_back(plan.size.cell_m * Eigen::Vector2d(point.x(), plan.rows - point.y()));
+  }
+  return WalkAlong(plan, line, options);
+}
+
+Walk DemoWalk(const FloorPlan& plan, const WalkOptions& options) {
+  options.Check();
+  CheckHeight(plan, options);
+  if (plan.stops.size() < 2) {
+    throw MapError(ErrorCode::kBadOptions, "the floor plan has " +
+                                               std::to_string(plan.stops.size()) +
+                                               " stops; mark at least 2 on its floor, '1' and '2'");
+  }
+  std::vector<Eigen::Vector2d> line;
+  for (size_t i = 0; i < plan.stops.size(); ++i) {
+    const Eigen::Vector2i& to = plan.stops[(i + 1) % plan.stops.size()];
+    const std::vector<Eigen::Vector2i> path = FindPath(plan, plan.stops[i], to);
+    // The cells next to a stop belong to its loop.
+    for (size_t k = i == 0 ? 0 : 2; k + 2 < path.size(); ++k)
+      line.push_back(plan.CentreOf(path[k]));
+    if (i + 1 < plan.stops.size() && !line.empty()) {
+      AddLoop(plan, plan.CentreOf(to), line.back(), options.clearance_m, line);
+    }
+  }
+  line.push_back(plan.CentreOf(plan.stops.front()));
+  return WalkAlong(plan, line, options);
+}
+
+}  // namespace waystone

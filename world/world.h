@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "world/faces.h"
+#include "world/floor_plan.h"
+
+namespace waystone {
+
+struct WorldOptions {
+  // Everything random follows from it.
+  uint64_t seed = 1;
+  // Side of a texel, metres, 0.001 to 0.1. Finer texels are sharper up close and cost memory with
+  // their square; a picture of 640 px and 60 degrees shows 4 mm a pixel at 2.2 m.
+  double texel_m = 0.004;
+  // Density of the shapes on walls, floor, ceiling and posters, 0 to 2. More of them give more
+  // corners; fewer give an emptier, more difficult building.
+  double texture_richness = 1.0;
+  // Share of the walls that are bare (plain paint with hardly a corner), 0 to 1.
+  double bare_walls = 0.0;
+  // Chance that a stretch of wall of full height gets a poster besides those of the plan, 0 to 1.
+  double poster_probability = 0.4;
+  // Share of these posters that show one and the same picture, 0 to 1. More of them make places
+  // that look alike.
+  double repeat_poster = 0.0;
+  // Width and height of a poster, metres, 0.1 to 5.
+  double poster_width_m = 0.8;
+  double poster_height_m = 1.1;
+
+  // Throws MapError(kBadOptions) for a value out of its range.
+  void Check() const;
+};
+
+// A poster lies in the plane of its wall, so it has no plane id of its own.
+struct WorldPoster {
+  int face = 0;
+  uint64_t picture = 0;  // posters of the same picture are the same, texel for texel
+  // Its rectangle in the face's (u, v), metres, on whole texels; it is cut where the wall ends.
+  Eigen::Vector2d top_left_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d size_m = Eigen::Vector2d::Zero();
+};
+
+// Where a ray meets the world: x = origin + t * direction.
+struct RayHit {
+  int face = 0;
+  double t = 0.0;
+};
+
+// A building made from a plan: planes, faces, their textures. Immutable; all methods are
+// thread-safe. Copies share the textures.
+class World {
+ public:
+  // Draws all textures (on TBB's threads; the same bytes on any number of them). Throws
+  // MapError(kBadOptions) for options out of range and for plans whose textures would take more
+  // than a gigabyte.
+  explicit World(const FloorPlan& plan, const WorldOptions& options = {});
+
+  const FloorPlan& plan() const { return plan_; }
+  const WorldOptions& options() const { return options_; }
+  // planes()[i].id == i + 1, and so for faces().
+  const std::vector<WorldPlane>& planes() const { return geometry_.planes; }
+  const std::vector<WorldFace>& faces() const { return geometry_.faces; }
+  const std::vector<WorldPoster>& posters() const { return posters_; }
+  const WorldPlane& PlaneById(int id) const;
+  const WorldFace& FaceById(int id) const;
+
+  // Whether a camera can be there: between floor and ceiling (or lintel) of an open cell.
+  bool IsInside(const Eigen::Vector3d& point) const;
+
+  // The first surface along a ray that starts inside. `direction` isn't zero, of any length.
+  RayHit Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
+
+  // The grey value, 0 to 255, that a cone along a ray sees where it hits. `cone_rad` is its full
+  // angle, `direction` the unit ray, `hit` what Cast gave for it.
+  float Shade(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, const RayHit& hit,
+              double cone_rad) const;
+
+ private:
+  struct Textures;
+
+  FloorPlan plan_;
+  WorldOptions options_;
+  Geometry geometry_;
+  std::vector<WorldPoster> posters_;
+  std::shared_ptr<const Textures> textures_;
+};
+
+}  // namespace waystone
