@@ -31,12 +31,12 @@ struct Sequence {
 struct Keyframe {
   KeyframeId id;
   SequenceId sequence;
-  int stretch = 0;       // grows at each break in the sequence (no matches at all)
-  int frame = 0;         // number of the frame in its sequence, from 0
-  std::string source;    // name of the image, relative to the sequence
+  int stretch = 0;     // grows at each break in the sequence (no matches at all)
+  int frame = 0;       // number of the frame in its sequence, from 0
+  std::string source;  // name of the image, relative to the sequence
   std::optional<double> time_s;
-  int width = 0;   // px, of the original image
-  int height = 0;  // px
+  int width = 0;              // px, of the original image
+  int height = 0;             // px
   std::vector<uint8_t> jpeg;  // a smaller copy for people; empty when images were left out
 
   bool operator==(const Keyframe&) const = default;
@@ -66,9 +66,9 @@ struct Plane {
   PlaneId id;
   KeyframeId reference;  // the first keyframe that saw it (the paper's I_r)
   std::vector<PlaneFeature> features;
-  Descriptors descriptors;                // row i belongs to features[i]
-  std::vector<Eigen::Vector2d> outline;   // convex hull of the features, px in the reference image
-  std::vector<PlaneView> views;           // ordered by keyframe; the reference's own is identity
+  Descriptors descriptors;               // row i belongs to features[i]
+  std::vector<Eigen::Vector2d> outline;  // convex hull of the features, px in the reference image
+  std::vector<PlaneView> views;          // ordered by keyframe; the reference's own is identity
 
   bool operator==(const Plane&) const = default;
 };
@@ -79,8 +79,8 @@ struct Edge {
   PlaneId b;
   KeyframeId from;  // the two consecutive keyframes, the paper's I_{i-1} ...
   KeyframeId to;    // ... and I_i
-  // H^{ab} = (H^a_{from,to})^-1 H^b_{from,to}: maps pixels of `to` to pixels of `to`; scaled so that
-  // its double eigenvalue is 1 (sec. II-B).
+  // H^{ab} = (H^a_{from,to})^-1 H^b_{from,to}: maps pixels of `to` to pixels of `to`; scaled so
+  // that its double eigenvalue is 1 (sec. II-B).
   Eigen::Matrix3d homology = Eigen::Matrix3d::Identity();
   double third_eigenvalue = 1;  // 1 + v^T p of eqs. (2) and (3)
 
@@ -88,11 +88,11 @@ struct Edge {
 };
 
 struct MapInfo {
-  std::string name;            // for people; the file's name without extension by default
-  std::string program;         // "waystone 0.1.0": what wrote it
+  std::string name;     // for people; the file's name without extension by default
+  std::string program;  // "waystone 0.1.0": what wrote it
   FeatureType feature_type = FeatureType::kSift;
-  std::string options_json;    // the builder's options, for people and to build the same again
-  std::string version;         // "sha256:..." of the file; filled on reading, ignored on writing
+  std::string options_json;  // the builder's options, for people and to build the same again
+  std::string version;       // "sha256:..." of the file; filled on reading, ignored on writing
 
   bool operator==(const MapInfo&) const = default;
 };
@@ -102,7 +102,7 @@ struct MapData {
   std::vector<Sequence> sequences;  // each list is ordered by id
   std::vector<Keyframe> keyframes;
   std::vector<Plane> planes;
-  std::vector<Edge> edges;          // ordered by (a, b)
+  std::vector<Edge> edges;  // ordered by (a, b)
 
   bool operator==(const MapData&) const = default;
 };

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "schema/blob.h"
+
+#include <bit>
+#include <boost/crc.hpp>
+#include <cstdio>
+
+#include "core/base/check.h"
+
+namespace waystone {
+namespace {
+
+// The lowest byte first, which is what a machine that isn't little-endian would not do by itself.
+template <class Unsigned>
+void Append(Bytes& out, Unsigned value) {
+  for (size_t i = 0; i < sizeof(Unsigned); ++i) {
+    out.push_back(static_cast<uint8_t>(value >> (8 * i)));
+  }
+}
+
+template <class Unsigned>
+Unsigned At(BytesView blob, size_t index) {
+  Unsigned value = 0;
+  for (size_t i = 0; i < sizeof(Unsigned); ++i) {
+    value |=
+        static_cast<Unsigned>(static_cast<Unsigned>(blob[index * sizeof(Unsigned) + i]) << (8 * i));
+  }
+  return value;
+}
+
+void AppendFloat(Bytes& out, float value) { Append(out, std::bit_cast<uint32_t>(value)); }
+void AppendDouble(Bytes& out, double value) { Append(out, std::bit_cast<uint64_t>(value)); }
+float FloatAt(BytesView blob, size_t i) { return std::bit_cast<float>(At<uint32_t>(blob, i)); }
+double DoubleAt(BytesView blob, size_t i) { return std::bit_cast<double>(At<uint64_t>(blob, i)); }
+
+void CheckWhole(BytesView blob, int row_bytes) {
+  WS_CHECK(blob.size() % row_bytes == 0, "a blob of " + std::to_string(blob.size()) + " bytes");
+}
+
+}  // namespace
+
+uint32_t Crc32c(BytesView bytes) {
+  boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true> crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return crc.checksum();
+}
+
+std::string HexOf(uint32_t crc) {
+  char text[9];
+  std::snprintf(text, sizeof(text), "%08x", crc);
+  return text;
+}
+
+void ValueChecksum::AddNull() { bytes_.push_back(0); }
+
+void ValueChecksum::AddInteger(int64_t value) {
+  bytes_.push_back(1);
+  Append(bytes_, static_cast<uint64_t>(value));
+}
+
+void ValueChecksum::AddReal(double value) {
+  bytes_.push_back(2);
+  AppendDouble(bytes_, value == 0 ? 0.0 : value);
+}
+
+void ValueChecksum::AddText(const std::string& value) { AddSized(3, value); }
+
+void ValueChecksum::AddBlob(const std::string& bytes) { AddSized(4, bytes); }
+
+void ValueChecksum::AddSized(uint8_t kind, const std::string& value) {
+  bytes_.push_back(kind);
+  Append(bytes_, static_cast<uint32_t>(value.size()));
+  bytes_.insert(bytes_.end(), value.begin(), value.end());
+}
+
+Bytes EncodeKeypoints(const std::vector<PlaneFeature>& features) {
+  Bytes out;
+  out.reserve(features.size() * kKeypointBytes);
+  for (const PlaneFeature& feature : features) {
+    AppendFloat(out, feature.reference.x_px);
+    AppendFloat(out, feature.reference.y_px);
+    AppendFloat(out, feature.reference.scale_px);
+    AppendFloat(out, feature.reference.angle_rad);
+  }
+  return out;
+}
+
+Bytes EncodeVotes(const std::vector<PlaneFeature>& features) {
+  Bytes out;
+  out.reserve(features.size() * kVotesBytes);
+  for (const PlaneFeature& feature : features) {
+    for (const int count : {feature.votes, feature.visible}) {
+      WS_CHECK(count >= 0 && count <= kMaxVotes, std::to_string(count) + " votes");
+      Append(out, static_cast<uint16_t>(count));
+    }
+  }
+  return out;
+}
+
+Bytes EncodeOutline(const std::vector<Eigen::Vector2d>& outline) {
+  Bytes out;
+  out.reserve(outline.size() * kVertexBytes);
+  for (const Eigen::Vector2d& vertex : outline) {
+    AppendDouble(out, vertex.x());
+    AppendDouble(out, vertex.y());
+  }
+  return out;
+}
+
+Bytes EncodeParameters(const std::vector<double>& parameters) {
+  Bytes out;
+  for (const double parameter : parameters) AppendDouble(out, parameter);
+  return out;
+}
+
+Bytes EncodeHomography(const Eigen::Matrix3d& h) {
+  Bytes out;
+  out.reserve(kHomographyBytes);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) AppendDouble(out, h(row, column));
+  }
+  return out;
+}
+
+std::vector<PlaneFeature> DecodeFeatures(BytesView keypoints, BytesView votes) {
+  CheckWhole(keypoints, kKeypointBytes);
+  const size_t count = keypoints.size() / kKeypointBytes;
+  WS_CHECK(votes.size() == count * kVotesBytes, "as many votes as keypoints");
+  std::vector<PlaneFeature> features(count);
+  for (size_t i = 0; i < count; ++i) {
+    features[i].reference = {FloatAt(keypoints, 4 * i), FloatAt(keypoints, 4 * i + 1),
+                             FloatAt(keypoints, 4 * i + 2), FloatAt(keypoints, 4 * i + 3)};
+    features[i].votes = At<uint16_t>(votes, 2 * i);
+    features[i].visible = At<uint16_t>(votes, 2 * i + 1);
+  }
+  return features;
+}
+
+std::vector<Eigen::Vector2d> DecodeOutline(BytesView blob) {
+  CheckWhole(blob, kVertexBytes);
+  std::vector<Eigen::Vector2d> outline(blob.size() / kVertexBytes);
+  for (size_t i = 0; i < outline.size(); ++i) {
+    outline[i] = {DoubleAt(blob, 2 * i), DoubleAt(blob, 2 * i + 1)};
+  }
+  return outline;
+}
+
+std::vector<double> DecodeParameters(BytesView blob) {
+  CheckWhole(blob, kParameterBytes);
+  std::vector<double> parameters(blob.size() / kParameterBytes);
+  for (size_t i = 0; i < parameters.size(); ++i) parameters[i] = DoubleAt(blob, i);
+  return parameters;
+}
+
+Eigen::Matrix3d DecodeHomography(BytesView blob) {
+  WS_CHECK(blob.size() == kHomographyBytes, "a homography's blob");
+  Eigen::Matrix3d h;
+  for (int i = 0; i < 9; ++i) h(i / 3, i % 3) = DoubleAt(blob, i);
+  return h;
+}
+
+}  // namespace waystone

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/features/features.h"
+#include "schema/map_data.h"
+
+// The blobs of a map file: rows of numbers, little-endian whatever the machine, without padding.
+// How many rows and columns a blob has is said beside it; FORMAT.md lists them. The decoders take
+// blobs whose length was checked already (WS_CHECK). All are pure functions.
+namespace waystone {
+
+using Bytes = std::vector<uint8_t>;
+using BytesView = std::span<const uint8_t>;
+
+// Bytes of one row of each kind of blob.
+inline constexpr int kKeypointBytes = 16;    // float32 x, y, scale, angle
+inline constexpr int kVotesBytes = 4;        // uint16 votes, visible
+inline constexpr int kVertexBytes = 16;      // float64 x, y
+inline constexpr int kParameterBytes = 8;    // float64
+inline constexpr int kHomographyBytes = 72;  // nine float64, row after row
+// The largest value that a count of votes is stored with.
+inline constexpr int kMaxVotes = 0xffff;
+
+// CRC-32C (Castagnoli): polynomial 0x1EDC6F41, reflected, starting and ending with all ones.
+uint32_t Crc32c(BytesView bytes);
+
+// "1a2b3c4d", as messages name a CRC.
+std::string HexOf(uint32_t crc);
+
+// A CRC-32C over values, each preceded by its kind, so that NULL, 0 and "0" differ.
+class ValueChecksum {
+ public:
+  void AddNull();                          // byte 0
+  void AddInteger(int64_t value);          // byte 1, int64
+  void AddReal(double value);              // byte 2, float64; -0 counts as 0
+  void AddText(const std::string& value);  // byte 3, uint32 length, bytes
+  void AddBlob(const std::string& bytes);  // byte 4, uint32 length, bytes
+  // Of everything that was added.
+  uint32_t Value() const { return Crc32c(bytes_); }
+
+ private:
+  void AddSized(uint8_t kind, const std::string& value);
+
+  Bytes bytes_;
+};
+
+Bytes EncodeKeypoints(const std::vector<PlaneFeature>& features);
+Bytes EncodeVotes(const std::vector<PlaneFeature>& features);
+Bytes EncodeOutline(const std::vector<Eigen::Vector2d>& outline);
+Bytes EncodeParameters(const std::vector<double>& parameters);
+Bytes EncodeHomography(const Eigen::Matrix3d& h);
+
+std::vector<PlaneFeature> DecodeFeatures(BytesView keypoints, BytesView votes);
+std::vector<Eigen::Vector2d> DecodeOutline(BytesView blob);
+std::vector<double> DecodeParameters(BytesView blob);
+Eigen::Matrix3d DecodeHomography(BytesView blob);
+
+}  // namespace waystone

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "schema/file_replacer.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of the target's name in the temporary one: a name has at most 255 bytes.
+constexpr size_t kMaxNameBytes = 200;
+
+[[noreturn]] void ThrowExists(const fs::path& path) {
+  throw MapError(ErrorCode::kFileExists,
+                 path.string() + " exists already; give another name, or --force to replace it");
+}
+
+[[noreturn]] void ThrowUnwritable(const fs::path& path, const std::string& cause,
+                                  const std::string& remedy) {
+  throw MapError(ErrorCode::kFileUnwritable, path.string() + ": " + cause + "; " + remedy);
+}
+
+fs::path FolderOf(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+// What a symbolic link stands for: renaming onto the link would leave the file it names as it was.
+fs::path Resolved(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_symlink(path, error)) return path;
+  const fs::path resolved = fs::weakly_canonical(path, error);
+  return error ? path : resolved;
+}
+
+void CheckTarget(const fs::path& target, bool overwrite) {
+  std::error_code error;
+  const fs::path folder = FolderOf(target);
+  if (!target.has_filename()) ThrowUnwritable(target, "is a folder", "add a file name to it");
+  if (!fs::is_directory(folder, error)) {
+    ThrowUnwritable(target, "there is no folder " + folder.string(),
+                    "create it first or write somewhere else");
+  }
+  const fs::file_status status = fs::status(target, error);
+  if (!fs::exists(status)) return;
+  if (fs::is_directory(status)) ThrowUnwritable(target, "is a folder", "add a file name to it");
+  if (!fs::is_regular_file(status)) {
+    ThrowUnwritable(target, "is a device or the like", "give the name of a plain file");
+  }
+  if (!overwrite) ThrowExists(target);
+}
+
+fs::path CreateTemporary(const fs::path& target) {
+  std::string name = target.filename().string();
+  if (name.size() > kMaxNameBytes) name.resize(kMaxNameBytes);
+  const std::string stem = "." + name + ".tmp-" + std::to_string(getpid()) + "-";
+  for (int number = 0;; ++number) {
+    const fs::path path = FolderOf(target) / (stem + std::to_string(number));
+    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file >= 0) {
+      close(file);
+      return path;
+    }
+    if (errno != EEXIST) throw UnwritableError(target, std::strerror(errno), 0);
+  }
+}
+
+// A replaced file keeps its permissions.
+void CopyPermissions(const fs::path& from, const fs::path& to) {
+  struct stat status {};
+  if (stat(from.c_str(), &status) == 0) chmod(to.c_str(), status.st_mode & 07777);
+}
+
+bool Flush(const fs::path& path, int flags) {
+  const int file = open(path.c_str(), flags | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool flushed = fsync(file) == 0;
+  const int cause = errno;
+  close(file);
+  errno = cause;
+  return flushed;
+}
+
+// Renames, but never onto a file that wasn't there when it was asked about.
+bool RenameOntoNothing(const fs::path& from, const fs::path& to) {
+  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
+  if (errno != EINVAL && errno != ENOSYS) return false;
+  // A file system without it (some network ones): the moment between the two calls stays open.
+  if (access(to.c_str(), F_OK) == 0) {
+    errno = EEXIST;
+    return false;
+  }
+  return std::rename(from.c_str(), to.c_str()) == 0;
+}
+
+std::string Megabytes(uintmax_t bytes) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.1f MB", static_cast<double>(bytes) / 1e6);
+  return text;
+}
+
+}  // namespace
+
+MapError UnwritableError(const fs::path& path, const std::string& cause, int64_t needed_bytes) {
+  std::string message = path.string() + " can't be written: " + cause;
+  if (needed_bytes > 0) message += ", " + Megabytes(needed_bytes) + " are needed";
+  std::error_code error;
+  const fs::space_info space = fs::space(FolderOf(path), error);
+  if (!error) message += ", " + Megabytes(space.available) + " are free";
+  return {ErrorCode::kFileUnwritable, message + "; make room or write to another folder"};
+}
+
+FileReplacer::FileReplacer(const fs::path& target, bool overwrite)
+    : target_(Resolved(target)), overwrite_(overwrite) {
+  CheckTarget(target_, overwrite_);
+  temporary_ = CreateTemporary(target_);
+}
+
+FileReplacer::~FileReplacer() {
+  if (committed_) return;
+  std::error_code error;
+  fs::remove(temporary_, error);
+}
+
+void FileReplacer::Commit() {
+  if (overwrite_) CopyPermissions(target_, temporary_);
+  if (!Flush(temporary_, O_RDONLY)) {
+    const std::string cause = std::strerror(errno);
+    const int64_t bytes = static_cast<int64_t>(fs::file_size(temporary_));
+    fs::remove(temporary_);  // so that what is free is all that is
+    throw UnwritableError(target_, cause, bytes);
+  }
+  const bool renamed = overwrite_ ? std::rename(temporary_.c_str(), target_.c_str()) == 0
+                                  : RenameOntoNothing(temporary_, target_);
+  if (!renamed) {
+    if (errno == EEXIST) ThrowExists(target_);
+    throw UnwritableError(target_, std::strerror(errno), 0);
+  }
+  committed_ = true;
+  // The file is in place by now: a file system that can't flush a folder is no reason to fail.
+  Flush(FolderOf(target_), O_RDONLY | O_DIRECTORY);
+}
+
+}  // namespace waystone

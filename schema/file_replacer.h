@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "core/base/error.h"
+
+namespace waystone {
+
+// Replaces a file as a whole: an empty file beside it to write into, renamed into place by Commit,
+// removed by the destructor without one. Whoever opens the target sees what was there or all of
+// what is new. A symbolic link is followed: the file that it names is replaced. Not thread-safe;
+// any number of them may replace the same file at the same time, and the last one wins.
+class FileReplacer {
+ public:
+  // Throws MapError: kFileExists without `overwrite`; kFileUnwritable for a folder that is missing
+  // or can't be written to, and for a target that isn't a plain file.
+  FileReplacer(const std::filesystem::path& target, bool overwrite);
+  FileReplacer(const FileReplacer&) = delete;
+  FileReplacer& operator=(const FileReplacer&) = delete;
+  ~FileReplacer();
+
+  // Where to write, in the target's folder: ".lab.db.tmp-<process>-<number>".
+  const std::filesystem::path& temporary() const { return temporary_; }
+
+  // Brings the written bytes to the disk and renames. Throws MapError as the constructor does.
+  void Commit();
+
+ private:
+  std::filesystem::path target_;
+  bool overwrite_;
+  std::filesystem::path temporary_;
+  bool committed_ = false;
+};
+
+// The error for a file that can't be written: its path, `cause`, the bytes it needs (0 when not
+// known) and those that are free, and what to do. For throwing.
+MapError UnwritableError(const std::filesystem::path& path, const std::string& cause,
+                         int64_t needed_bytes);
+
+}  // namespace waystone

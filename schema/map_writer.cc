@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "schema/map_writer.h"
+
+#include <SQLiteCpp/Exception.h>
+#include <SQLiteCpp/Statement.h>
+#include <SQLiteCpp/Transaction.h>
+
+#include <string>
+
+#include "schema/blob.h"
+#include "schema/map_database.h"
+
+namespace waystone {
+namespace {
+
+// A blob and the CRC in the column before it.
+struct CheckedBlob {
+  BytesView bytes;
+};
+
+// A prepared INSERT. Values are given in the order of the table's columns.
+class Insert {
+ public:
+  Insert(SQLite::Database& database, const std::string& table, int columns)
+      : statement_(database, "INSERT INTO " + table + " VALUES (?" + Repeated(columns - 1) + ")") {}
+
+  template <class... Values>
+  void Row(const Values&... values) {
+    next_ = 1;
+    (Bind(values), ...);
+    statement_.exec();
+    statement_.reset();
+  }
+
+ private:
+  static std::string Repeated(int times) {
+    std::string marks;
+    for (int i = 0; i < times; ++i) marks += ", ?";
+    return marks;
+  }
+
+  void Bind(int64_t value) { statement_.bind(next_++, value); }
+  void Bind(int value) { statement_.bind(next_++, static_cast<int64_t>(value)); }
+  void Bind(double value) { statement_.bind(next_++, value); }
+  void Bind(const std::string& value) { statement_.bindNoCopy(next_++, value); }
+  void Bind(std::nullptr_t) { statement_.bind(next_++); }
+  void Bind(const std::optional<double>& value) { value ? Bind(*value) : Bind(nullptr); }
+  void Bind(const CheckedBlob& blob) {
+    statement_.bind(next_++, static_cast<int64_t>(Crc32c(blob.bytes)));
+    // A null pointer would become NULL, even for no bytes.
+    const void* data = blob.bytes.empty() ? "" : static_cast<const void*>(blob.bytes.data());
+    statement_.bindNoCopy(next_++, data, static_cast<int>(blob.bytes.size()));
+  }
+
+  SQLite::Statement statement_;
+  int next_ = 1;
+};
+
+void WriteInfo(const MapInfo& info, SQLite::Database& database) {
+  Insert(database, "map", 5)
+      .Row(1, info.name, info.program, static_cast<int>(info.feature_type), info.options_json);
+}
+
+void WriteSequences(const MapData& map, SQLite::Database& database) {
+  Insert insert(database, "sequences", 10);
+  for (const Sequence& sequence : map.sequences) {
+    const auto write = [&](const auto&... camera) {
+      insert.Row(sequence.id.value, sequence.name, sequence.kind, sequence.frames, sequence.skipped,
+                 camera...);
+    };
+    if (sequence.camera) {
+      const Camera& camera = *sequence.camera;
+      const Bytes parameters = EncodeParameters(camera.params);
+      write(static_cast<int>(camera.model), camera.width, camera.height, CheckedBlob{parameters});
+    } else {
+      write(nullptr, nullptr, nullptr, nullptr, nullptr);
+    }
+  }
+}
+
+void WriteKeyframes(const MapData& map, SQLite::Database& database) {
+  Insert insert(database, "keyframes", 8);
+  for (const Keyframe& keyframe : map.keyframes) {
+    insert.Row(keyframe.id.value, keyframe.sequence.value, keyframe.stretch, keyframe.frame,
+               keyframe.source, keyframe.time_s, keyframe.width, keyframe.height);
+  }
+}
+
+void WriteImages(const MapData& map, SQLite::Database& database) {
+  Insert insert(database, "keyframe_images", 3);
+  for (const Keyframe& keyframe : map.keyframes) {
+    if (!keyframe.jpeg.empty()) insert.Row(keyframe.id.value, CheckedBlob{keyframe.jpeg});
+  }
+}
+
+void WritePlanes(const MapData& map, SQLite::Database& database) {
+  Insert insert(database, "planes", 6);
+  for (const Plane& plane : map.planes) {
+    const Bytes outline = EncodeOutline(plane.outline);
+    insert.Row(plane.id.value, plane.reference.value, static_cast<int64_t>(plane.features.size()),
+               static_cast<int64_t>(plane.outline.size()), CheckedBlob{outline});
+  }
+}
+
+void WriteFeatures(const MapData& map, SQLite::Database& database) {
+  Insert insert(database,
+                "plane_features (plane, keypoints_crc32c, keypoints, votes_crc32c, votes,"
+                " descriptors_crc32c, descriptors)",
+                7);
+  for (const Plane& plane : map.planes) {
+    const Bytes keypoints = EncodeKeypoints(plane.features);
+    const Bytes votes = EncodeVotes(plane.features);
+    insert.Row(plane.id.value, CheckedBlob{keypoints}, CheckedBlob{votes},
+               CheckedBlob{plane.descriptors.data()});
+  }
+}
+
+void WriteViews(const MapData& map, SQLite::Database& database) {
+  Insert insert(database, "plane_views", 5);
+  for (const Plane& plane : map.planes) {
+    for (const PlaneView& view : plane.views) {
+      const Bytes homography = EncodeHomography(view.reference_from_keyframe);
+      insert.Row(plane.id.value, view.keyframe.value, view.inliers, CheckedBlob{homography});
+    }
+  }
+}
+
+void WriteEdges(const MapData& map, SQLite::Database& database) {
+  Insert insert(database, "edges", 7);
+  for (const Edge& edge : map.edges) {
+    const Bytes homology = EncodeHomography(edge.homology);
+    insert.Row(edge.a.value, edge.b.value, edge.from.value, edge.to.value, edge.third_eigenvalue,
+               CheckedBlob{homology});
+  }
+}
+
+void WriteTables(const MapData& map, SQLite::Database& database) {
+  WriteInfo(map.info, database);
+  WriteSequences(map, database);
+  WriteKeyframes(map, database);
+  WriteImages(map, database);
+  WritePlanes(map, database);
+  WriteFeatures(map, database);
+  WriteViews(map, database);
+  WriteEdges(map, database);
+}
+
+}  // namespace
+
+void WriteDatabase(const MapData& map, const std::filesystem::path& path) {
+  SQLite::Database database = OpenForWriting(path);
+  try {
+    SQLite::Transaction transaction(database);
+    database.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
+    ApplyMigrations(database, Migrations(), 0);
+    WriteTables(map, database);
+    WriteContents(database, ExpectedObjects(Migrations()));
+    transaction.commit();
+  } catch (const SQLite::Exception& error) {
+    throw SQLite::Exception(DescribeError(database, error));
+  }
+}
+
+int64_t EstimatedBytes(const MapData& map) {
+  constexpr int64_t kEmptyFile = 30'000;
+  constexpr int64_t kRow = 100;
+  int64_t bytes = kEmptyFile;
+  for (const Keyframe& keyframe : map.keyframes) bytes += kRow + std::ssize(keyframe.jpeg);
+  for (const Plane& plane : map.planes) {
+    bytes += kRow + std::ssize(plane.features) * (kKeypointBytes + kVotesBytes) +
+             std::ssize(plane.descriptors.data()) + std::ssize(plane.views) * kRow;
+  }
+  return bytes + std::ssize(map.edges) * kRow;
+}
+
+}  // namespace waystone

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/schema/made_map.h"
+
+#include <SQLiteCpp/Database.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "core/base/random.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string OddName(Random& random) {
+  static const std::vector<std::string> kNames = {
+      "rgb/000120.jpg",       "K\u00fcche \u2014 \u53a8\u623f/\U0001F4F7.jpg",
+      "it's \"quoted\"; --",  "",
+      "back\\slash\nnewline", "latin-1 \xe9",
+      std::string("a\0b", 3)};
+  return kNames[random.Below(static_cast<int>(kNames.size()))];
+}
+
+std::vector<uint8_t> RandomBytes(Random& random, int count) {
+  std::vector<uint8_t> bytes(count);
+  for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random.Below(256));
+  return bytes;
+}
+
+Eigen::Matrix3d RandomHomography(Random& random) {
+  Eigen::Matrix3d h;
+  h << random.Uniform(0.7, 1.3), random.Uniform(-0.2, 0.2), random.Uniform(-200, 200),
+      random.Uniform(-0.2, 0.2), random.Uniform(0.7, 1.3), random.Uniform(-200, 200),
+      random.Uniform(-1e-4, 1e-4), random.Uniform(-1e-4, 1e-4), 1;
+  return h;
+}
+
+Sequence MadeSequence(Random& random, int64_t id) {
+  Sequence sequence{{id}, OddName(random), "folder", random.Below(1000) + 5, random.Below(5), {}};
+  if (random.Below(2) == 0) {
+    sequence.camera =
+        Camera{CameraModel::kPinhole, 640, 480, {random.Uniform(300, 600), 500.5, 319.5, 239.5}};
+  } else if (random.Below(2) == 0) {
+    sequence.camera = Camera{CameraModel::kEquirectangular, 1024, 512, {}};
+  }
+  return sequence;
+}
+
+Keyframe MadeKeyframe(Random& random, int64_t id, const MapData& map, const MapShape& shape) {
+  Keyframe keyframe;
+  keyframe.id = {id};
+  keyframe.sequence = map.sequences[random.Below(shape.sequences)].id;
+  keyframe.stretch = random.Below(3);
+  keyframe.frame = random.Below(1000);
+  keyframe.source = OddName(random);
+  if (random.Below(2) == 0) keyframe.time_s = random.Uniform(-1, 2e9);
+  keyframe.width = 640;
+  keyframe.height = 480;
+  if (shape.jpeg_bytes > 0 && random.Below(4) > 0) {
+    keyframe.jpeg = RandomBytes(random, random.Below(shape.jpeg_bytes) + 1);
+  }
+  return keyframe;
+}
+
+Plane MadePlane(Random& random, int64_t id, const MapData& map, const MapShape& shape) {
+  Plane plane;
+  plane.id = {id};
+  const int reference = random.Below(shape.keyframes);
+  plane.reference = map.keyframes[reference].id;
+  for (int k = 0; k < shape.keyframes; ++k) {
+    if (k != reference && random.Below(2) == 0) continue;
+    plane.views.push_back({map.keyframes[k].id, RandomHomography(random), random.Below(500)});
+    if (k == reference) plane.views.back().reference_from_keyframe.setIdentity();
+  }
+  const int features = random.Below(shape.max_features + 1);
+  for (int i = 0; i < features; ++i) {
+    const Keypoint keypoint{
+        static_cast<float>(random.Uniform(-50, 700)), static_cast<float>(random.Uniform(-50, 500)),
+        static_cast<float>(random.Uniform(1, 60)), static_cast<float>(random.Uniform(0, 6.28))};
+    const int visible = random.Below(60000) + 1;
+    plane.features.push_back({keypoint, random.Below(visible) + 1, visible});
+  }
+  const int bytes = DescriptorBytes(shape.type);
+  plane.descriptors = Descriptors(bytes, RandomBytes(random, features * bytes));
+  for (int i = random.Below(8); i > 0; --i) {
+    plane.outline.emplace_back(random.Uniform(0, 640), random.Uniform(0, 480));
+  }
+  return plane;
+}
+
+Edge MadeEdge(Random& random, const Plane& a, const Plane& b, const MapData& map) {
+  // I + v p^T has the eigenvalues 1, 1 and 1 + v^T p.
+  const Eigen::Vector3d v(random.Uniform(-40, 40), random.Uniform(-40, 40), random.Uniform(0, 0.1));
+  const Eigen::Vector3d p(random.Uniform(0, 1e-3), random.Uniform(0, 1e-3), 1);
+  return {a.id,
+          b.id,
+          map.keyframes[0].id,
+          map.keyframes.back().id,
+          Eigen::Matrix3d::Identity() + v * p.transpose(),
+          1 + v.dot(p)};
+}
+
+}  // namespace
+
+MapData MadeMap(uint64_t seed, const MapShape& shape) {
+  Random random(seed);
+  MapData map;
+  map.info = {OddName(random), "waystone test", shape.type,
+              "{\"seed\":" + std::to_string(seed) + "}", ""};
+  int64_t id = 0;
+  for (int i = 0; i < shape.sequences; ++i) {
+    map.sequences.push_back(MadeSequence(random, id += 1 + random.Below(3)));
+  }
+  id = 0;
+  for (int i = 0; i < shape.keyframes; ++i) {
+    map.keyframes.push_back(MadeKeyframe(random, id += 1 + random.Below(3), map, shape));
+  }
+  id = 0;
+  for (int i = 0; i < shape.planes; ++i) {
+    map.planes.push_back(MadePlane(random, id += 1 + random.Below(3), map, shape));
+  }
+  for (int i = 0; i < shape.planes; ++i) {
+    for (int k = i + 1; k < shape.planes; ++k) {
+      if (random.Below(2) == 0) continue;
+      map.edges.push_back(MadeEdge(random, map.planes[i], map.planes[k], map));
+    }
+  }
+  return map;
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (fs::temp_directory_path() / "waystone_schema_XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code error;
+  fs::remove_all(path_, error);
+}
+
+std::vector<std::string> TemporaryFolder::Names() const {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(path_)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string ReadFile(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  EXPECT_TRUE(in) << path;
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+void WriteFile(const fs::path& path, const std::string& bytes) {
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out << bytes;
+  ASSERT_TRUE(out.flush()) << path;
+}
+
+void RunSql(const fs::path& path, const std::string& sql) {
+  SQLite::Database database(path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  database.exec("PRAGMA foreign_keys = OFF; PRAGMA ignore_check_constraints = ON;");
+  database.exec(sql);
+}
+
+MapData WithoutVersion(MapData map) {
+  map.info.version.clear();
+  return map;
+}
+
+MapError ErrorOf(const std::function<void()>& run) {
+  try {
+    run();
+  } catch (const MapError& error) {
+    return error;
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return {ErrorCode::kInternal, ""};
+}
+
+}  // namespace waystone

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "schema/migrate.h"
+
+#include <SQLiteCpp/Database.h>
+#include <SQLiteCpp/Statement.h>
+#include <gtest/gtest.h>
+
+#include "schema/map_database.h"
+#include "schema/map_store.h"
+#include "tests/schema/made_map.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+using Names = std::vector<std::string>;
+
+// The real steps and two made up ones.
+std::vector<Migration> LongerSteps() {
+  std::vector<Migration> steps(Migrations().begin(), Migrations().end());
+  steps.push_back({"next", "ALTER TABLE keyframes ADD COLUMN exposure_s REAL;"});
+  steps.push_back({"next_but_one",
+                   "CREATE TABLE turns (id INTEGER PRIMARY KEY, angle_rad REAL) STRICT;"
+                   "INSERT INTO turns SELECT id, 0.5 FROM keyframes;"
+                   "UPDATE keyframes SET exposure_s = id * 0.25;"});
+  return steps;
+}
+
+const auto kNoCheck = [](const fs::path&) {};
+
+class MigrateTest : public testing::Test {
+ protected:
+  MigrateTest() { WriteMap(MadeMap(31), path_, {}); }
+
+  double Number(const std::string& sql) {
+    SQLite::Database database(path_.string());
+    return database.execAndGet(sql).getDouble();
+  }
+
+  TemporaryFolder folder_;
+  fs::path path_ = folder_ / "m.db";
+};
+
+TEST_F(MigrateTest, AsManyStepsAsTheVersionSays) {
+  EXPECT_EQ(static_cast<int>(Migrations().size()), kSchemaVersion);
+  EXPECT_EQ(std::string(Migrations()[0].name), "0001_initial.sql");
+}
+
+TEST_F(MigrateTest, AMapOfThisVersionIsNotTouched) {
+  const std::string before = ReadFile(path_);
+  EXPECT_EQ(MigrateMap(path_), kSchemaVersion);
+  EXPECT_EQ(ReadFile(path_), before);
+}
+
+TEST_F(MigrateTest, StepsAreAppliedInOrder) {
+  const std::vector<Migration> steps = LongerSteps();
+  fs::path checked;
+  EXPECT_EQ(MigrateFile(path_, steps, [&](const fs::path& copy) { checked = copy; }),
+            kSchemaVersion);
+  EXPECT_EQ(checked.parent_path(), path_.parent_path());
+  EXPECT_EQ(folder_.Names(), Names{"m.db"});
+  EXPECT_EQ(Number("PRAGMA user_version"), steps.size());
+  EXPECT_EQ(Number("SELECT count(*) FROM turns"), std::ssize(MadeMap(31).keyframes));
+  EXPECT_GT(Number("SELECT min(exposure_s) FROM keyframes"), 0);
+  SQLite::Database database = OpenReadOnly(path_);
+  EXPECT_TRUE(FindDatabaseProblems(database).empty());
+  EXPECT_TRUE(FindAlteredObjects(database, ExpectedObjects(steps)).empty());
+  EXPECT_TRUE(FindAlteredContents(database, ExpectedObjects(steps)).empty());
+  // This program's own version is older now, and says so.
+  EXPECT_EQ(ErrorOf([&] { MigrateMap(path_); }).code(), ErrorCode::kMapVersion);
+}
+
+TEST_F(MigrateTest, OnlyTheMissingStepsAreApplied) {
+  const std::vector<Migration> steps = LongerSteps();
+  MigrateFile(path_, std::span(steps).first(2), kNoCheck);
+  EXPECT_EQ(MigrateFile(path_, steps, kNoCheck), 2);
+  EXPECT_EQ(MigrateFile(path_, steps, kNoCheck), 3);
+}
+
+TEST_F(MigrateTest, FromAnEmptyDatabase) {
+  fs::remove(path_);
+  RunSql(path_, "PRAGMA application_id = " + std::to_string(kApplicationId) +
+                    "; CREATE TABLE t (x); DROP TABLE t");
+  EXPECT_EQ(MigrateFile(path_, Migrations(), kNoCheck), 0);
+  EXPECT_EQ(Number("SELECT count(*) FROM keyframes"), 0);
+  EXPECT_EQ(Number("PRAGMA user_version"), kSchemaVersion);
+}
+
+TEST_F(MigrateTest, AStepThatFailsLeavesTheFile) {
+  std::vector<Migration> steps = LongerSteps();
+  steps.push_back({"broken", "INSERT INTO no_such_table VALUES (1);"});
+  const std::string before = ReadFile(path_);
+  EXPECT_THROW(MigrateFile(path_, steps, kNoCheck), MapError);
+  EXPECT_EQ(ReadFile(path_), before);
+  EXPECT_EQ(folder_.Names(), Names{"m.db"});
+}
+
+TEST_F(MigrateTest, ACheckThatFailsLeavesTheFile) {
+  const std::string before = ReadFile(path_);
+  const auto refuse = [](const fs::path&) { throw MapError(ErrorCode::kMapDamaged, "no"); };
+  EXPECT_EQ(ErrorOf([&] { MigrateFile(path_, LongerSteps(), refuse); }).code(),
+            ErrorCode::kMapDamaged);
+  EXPECT_EQ(ReadFile(path_), before);
+  EXPECT_EQ(folder_.Names(), Names{"m.db"});
+}
+
+TEST_F(MigrateTest, ADamagedMapIsNotMigrated) {
+  RunSql(path_, "UPDATE keyframes SET source = 'elsewhere'");
+  const std::string before = ReadFile(path_);
+  EXPECT_EQ(ErrorOf([&] { MigrateFile(path_, LongerSteps(), kNoCheck); }).code(),
+            ErrorCode::kMapDamaged);
+  EXPECT_EQ(ReadFile(path_), before);
+}
+
+}  // namespace
+}  // namespace waystone
