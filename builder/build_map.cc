@@ -112,8 +112,11 @@ class MapBuilder {
     TakeEdges();
     Report("fusion", 0, 1);
     const Clock::time_point start = Clock::now();
-    report_.planes_fused =
-        FusePlanes(map_.planes, map_.edges, options_.features.type, options_.planes);
+    FusionResult fusion = FusePlanes(std::move(map_.planes), std::move(map_.edges),
+                                     map_.keyframes, options_.features.type, options_.planes);
+    map_.planes = std::move(fusion.planes);
+    map_.edges = std::move(fusion.edges);
+    report_.planes_fused = fusion.fused;
     report_.fusion_s = SecondsSince(start);
     Renumber();
     map_.info.name = options_.map_name;

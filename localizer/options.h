@@ -52,7 +52,8 @@ struct LocalizeOptions {
   // Fewer votes than this, and a plane isn't tried.
   int min_votes = 6;
   MatchOptions match{0.85, true};
-  LocalRansacOptions ransac;
+  // Fewer samples than for building: most planes that are tried are wrong, and those cost the most.
+  LocalRansacOptions ransac{.max_samples = 500};
   HomologyOptions homology;
   GateOptions gates;
   EvidenceOptions evidence;

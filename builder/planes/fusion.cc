@@ -128,6 +128,25 @@ bool OverlapAgrees(const Plane& m, const Plane& n, const FusionMatch& match, dou
                   OverlapShare(m, match.m_from_n.inverse(), n, of_m)) >= min_overlap;
 }
 
+// Share of n's features that lie in or near m's reference image. The others could only be expressed
+// by extrapolation.
+double ShareWithinReach(const Plane& n, const FusionMatch& match, const Keyframe& reference,
+                        double max_extrapolation) {
+  int within = 0;
+  for (const PlaneFeature& feature : n.features) {
+    within += IsWithinReach(Apply(match.m_from_n, PositionOf(feature)), reference.width,
+                            reference.height, max_extrapolation);
+  }
+  return static_cast<double>(within) / static_cast<double>(n.features.size());
+}
+
+// The same surface in two reference images that show different parts of it: both planes stay, and an
+// edge with the identity as homology joins them.
+Edge SameSurface(const Plane& m, const Plane& n) {
+  return {m.id, n.id, std::min(m.reference, n.reference), std::max(m.reference, n.reference),
+          Matrix3d::Identity(), 1.0};
+}
+
 // Moves n's features and views into m's reference image.
 void MergeInto(Plane& m, const Plane& n, const FusionMatch& match) {
   std::set<int> same;
@@ -197,7 +216,8 @@ std::vector<FusionCandidate> EveryPair(const std::vector<Plane>& planes,
 void FusionOptions::Check() const {
   const bool good = min_votes >= 1 && votes_per_feature >= 1 && max_voters >= 1 &&
                     min_inliers >= 5 && min_support >= 0 && min_support <= 1 &&
-                    min_overlap >= 0 && min_overlap <= 1;
+                    min_overlap >= 0 && min_overlap <= 1 && min_within_reach >= 0 &&
+                    min_within_reach <= 1;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "fusion: an option is out of its range; leave them at their defaults");
@@ -267,32 +287,72 @@ std::optional<FusionMatch> MatchPlanes(const Plane& m, const Plane& n, FeatureTy
   return result;
 }
 
-int FusePlanes(std::vector<Plane>& planes, std::vector<Edge>& edges, FeatureType type,
-               const PlaneLayerOptions& options, bool exhaustive) {
-  std::map<PlaneId, Plane> by_id;
-  std::map<PlaneId, PlaneId> merged_into;
+// A set of planes that shrinks as pairs are merged.
+class Fuser {
+ public:
+  Fuser(std::vector<Plane> planes, std::vector<Edge> edges, const std::vector<Keyframe>& keyframes,
+        FeatureType type, const PlaneLayerOptions& options)
+      : edges_(std::move(edges)), type_(type), options_(options) {
+    for (const Keyframe& keyframe : keyframes) keyframes_[keyframe.id] = &keyframe;
+    for (Plane& plane : planes) planes_[plane.id] = std::move(plane);
+    covisible_ = Covisible(edges_);
+  }
+
+  // Line 17: tries a pair, or what its planes have become.
+  void Try(const FusionCandidate& candidate) {
+    const auto [m, n] = Ordered(Root(candidate.m), Root(candidate.n));
+    if (m == n || covisible_.contains({m, n})) return;
+    Plane& plane_m = planes_.at(m);
+    Plane& plane_n = planes_.at(n);
+    const auto match = MatchPlanes(plane_m, plane_n, type_, options_);
+    if (!match) return;
+    const double share = ShareWithinReach(plane_n, *match, *keyframes_.at(plane_m.reference),
+                                          options_.max_extrapolation);
+    if (share < options_.fusion.min_within_reach) {
+      edges_.push_back(SameSurface(plane_m, plane_n));
+    } else {
+      MergeInto(plane_m, plane_n, *match);
+      planes_.erase(n);
+      merged_into_[n] = m;
+      PassEdges(m, n, edges_);
+    }
+    covisible_ = Covisible(edges_);
+  }
+
+  FusionResult Finish() {
+    FusionResult result;
+    result.fused = static_cast<int>(merged_into_.size());
+    for (auto& [id, plane] : planes_) result.planes.push_back(std::move(plane));
+    std::sort(edges_.begin(), edges_.end(), [](const Edge& x, const Edge& y) {
+      return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+    });
+    result.edges = std::move(edges_);
+    return result;
+  }
+
+ private:
+  PlaneId Root(PlaneId id) const {
+    while (merged_into_.contains(id)) id = merged_into_.at(id);
+    return id;
+  }
+
+  std::map<KeyframeId, const Keyframe*> keyframes_;
+  std::map<PlaneId, Plane> planes_;
+  std::map<PlaneId, PlaneId> merged_into_;
+  std::vector<Edge> edges_;
+  std::set<PlanePair> covisible_;
+  FeatureType type_;
+  const PlaneLayerOptions& options_;
+};
+
+FusionResult FusePlanes(std::vector<Plane> planes, std::vector<Edge> edges,
+                        const std::vector<Keyframe>& keyframes, FeatureType type,
+                        const PlaneLayerOptions& options, bool exhaustive) {
   const std::vector<FusionCandidate> candidates =
       exhaustive ? EveryPair(planes, edges) : ProposeFusions(planes, edges, type, options.fusion);
-  for (Plane& plane : planes) by_id[plane.id] = std::move(plane);
-  const auto root = [&](PlaneId id) {
-    while (merged_into.contains(id)) id = merged_into.at(id);
-    return id;
-  };
-  int fused = 0;
-  for (const FusionCandidate& candidate : candidates) {
-    const auto [m, n] = Ordered(root(candidate.m), root(candidate.n));
-    if (m == n || Covisible(edges).contains({m, n})) continue;
-    const auto match = MatchPlanes(by_id.at(m), by_id.at(n), type, options);
-    if (!match) continue;
-    MergeInto(by_id.at(m), by_id.at(n), *match);
-    by_id.erase(n);
-    merged_into[n] = m;
-    PassEdges(m, n, edges);
-    ++fused;
-  }
-  planes.clear();
-  for (auto& [id, plane] : by_id) planes.push_back(std::move(plane));
-  return fused;
+  Fuser fuser(std::move(planes), std::move(edges), keyframes, type, options);
+  for (const FusionCandidate& candidate : candidates) fuser.Try(candidate);
+  return fuser.Finish();
 }
 
 }  // namespace waystone

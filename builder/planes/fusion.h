@@ -30,10 +30,19 @@ struct FusionMatch {
 std::optional<FusionMatch> MatchPlanes(const Plane& m, const Plane& n, FeatureType type,
                                        const PlaneLayerOptions& options);
 
+struct FusionResult {
+  std::vector<Plane> planes;  // by id
+  std::vector<Edge> edges;    // by (a, b)
+  int fused = 0;              // planes that were merged into another
+};
+
 // Lines 15 to 19 of Algorithm 1: merges planes that were seen again (eq. 6). The lower id stays, the
-// other one's features, views and edges pass to it. Returns how many were merged.
-// `exhaustive` tries every pair instead of the proposed ones: the paper's way, for tests.
-int FusePlanes(std::vector<Plane>& planes, std::vector<Edge>& edges, FeatureType type,
-               const PlaneLayerOptions& options, bool exhaustive = false);
+// other one's features, views and edges pass to it. A plane that is the same surface but mostly out
+// of reach of the other's reference image stays too and gets an edge (identity homology) to it.
+// `planes` and `edges` are ordered by id and (a, b). `exhaustive` tries every pair instead of the
+// proposed ones: the paper's way, for tests.
+FusionResult FusePlanes(std::vector<Plane> planes, std::vector<Edge> edges,
+                        const std::vector<Keyframe>& keyframes, FeatureType type,
+                        const PlaneLayerOptions& options, bool exhaustive = false);
 
 }  // namespace waystone

@@ -37,6 +37,9 @@ struct FusionOptions {
   // Of the features that lie where both planes were seen, the share that must be found in both.
   // The same wall is recognised all over; a poster hung twice is recognised on the poster alone.
   double min_overlap = 0.25;
+  // Share of a plane's features that the other one's reference image must reach. Fused beyond that,
+  // they would be extrapolated; the planes stay two and are joined by an edge instead.
+  double min_within_reach = 0.9;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -53,9 +56,13 @@ struct PlaneLayerOptions {
   double reacquire_px = 3.0;
   // ... and its descriptor is at most this far, as a share of the largest distance of its type.
   double reacquire_distance = 0.4;
-  // A plane grows at most this many image sizes beyond its reference image: farther out, the
-  // homography's extrapolation means little.
-  double max_extrapolation = 1.0;
+  // A plane reaches this many image sizes beyond its reference image: farther out, positions are
+  // extrapolated and mean little, and what a plane would grow by becomes a plane of its own.
+  double max_extrapolation = 0.05;
+  // A plane whose matches are features that its reference image shows by less than this share is
+  // taken up by a new plane with a newer reference image. Higher: more planes, each truer to its
+  // reference image; lower: fewer and larger ones.
+  double min_anchored = 0.5;
   // A feature is kept if it was found in this share of the keyframes that should have seen it.
   double min_vote_share = 0.3;
   // A plane with fewer features left after the votes is dropped.

@@ -21,6 +21,11 @@ Keypoint Transferred(const Eigen::Matrix3d& b_from_a, const Keypoint& keypoint_a
 // Keeps the features `kept` (ascending) and their descriptors, drops the others.
 void KeepFeatures(std::span<const int> kept, Plane& plane);
 
+// Whether a position in a reference image of width x height pixels is in it or at most
+// `max_extrapolation` image sizes outside.
+bool IsWithinReach(const Eigen::Vector2d& reference, int width, int height,
+                   double max_extrapolation);
+
 // Convex hull of the features, px in the reference image.
 std::vector<Eigen::Vector2d> OutlineOf(const std::vector<PlaneFeature>& features);
 

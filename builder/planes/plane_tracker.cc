@@ -51,7 +51,7 @@ void PlaneTracker::AddKeyframe(KeyframeId id, const Features& features, bool sta
   WS_CHECK(id > last_id_, "keyframes must come in the order of their ids");
   if (starts_stretch) Finish();
   if (last_) Advance(MakeStep(id, features, camera));
-  last_ = features;
+  last_ = std::make_shared<const Features>(features);
   last_id_ = id;
 }
 
@@ -169,8 +169,12 @@ void PlaneTracker::Advance(const Step& step) {
   }
   report_.rejected += segmentation.rejected;
   report_.merged += segmentation.merged;
-  for (size_t p = 0; p < open_.size(); ++p) {  // line 9
-    Grow(open_[p], step, tracked[p], segmentation.planes[p].rows);
+  for (size_t p = 0; p < tracked.size(); ++p) {  // line 9
+    const std::vector<int> beyond =
+        Grow(open_[p], step, tracked[p], segmentation.planes[p].rows);
+    const std::vector<int> rows = segmentation.planes[p].rows;
+    open_[p].renewed = WantsRenewal(open_[p], rows);
+    Continue(step, open_[p].renewed ? rows : beyond, segmentation);
   }
   for (size_t p = tracked.size(); p < segmentation.planes.size(); ++p) {  // lines 11 and 12
     Start(step, segmentation.planes[p]);
@@ -178,37 +182,64 @@ void PlaneTracker::Advance(const Step& step) {
   std::vector<PlaneId> ids;
   for (const OpenPlane& open : open_) ids.push_back(open.plane.id);
   if (!step.rotation_only) AddEdges(step, ids, segmentation.planes);  // line 13
+  for (OpenPlane& open : open_) {
+    if (open.renewed) Close(std::move(open));
+  }
+  std::erase_if(open_, [](const OpenPlane& open) { return open.renewed; });
 }
 
-bool PlaneTracker::WithinReach(const Vector2d& reference) const {
-  const double reach_x = options_.max_extrapolation * last_->width;
-  const double reach_y = options_.max_extrapolation * last_->height;
-  return reference.x() > -reach_x && reference.x() < last_->width + reach_x &&
-         reference.y() > -reach_y && reference.y() < last_->height + reach_y;
+// Whether too few of a plane's matches are features that its reference image shows.
+bool PlaneTracker::WantsRenewal(const OpenPlane& open, const std::vector<int>& rows) const {
+  if (static_cast<int>(rows.size()) < options_.segmentation.min_inliers) return false;
+  int anchored = 0;
+  for (int feature : open.feature_at) anchored += feature != kNone && open.anchored[feature];
+  return anchored < options_.min_anchored * static_cast<double>(rows.size());
 }
 
-// Line 9: new features are expressed in the reference image by H_{r,i}.
-void PlaneTracker::Grow(OpenPlane& open, const Step& step, const Tracked& tracked,
-                        const std::vector<int>& grown_rows) {
+void PlaneTracker::AddFeature(OpenPlane& open, int keypoint, const PlaneFeature& feature,
+                              const uint8_t* descriptor, bool anchored) {
+  open.feature_at[keypoint] = static_cast<int>(open.plane.features.size());
+  open.plane.features.push_back(feature);
+  open.plane.descriptors.Append(descriptor);
+  open.anchored.push_back(anchored);
+}
+
+// Line 9: new features are expressed in the reference image by H_{r,i}. Returns the rows that lie too
+// far beyond it.
+std::vector<int> PlaneTracker::Grow(OpenPlane& open, const Step& step, const Tracked& tracked,
+                                    const std::vector<int>& grown_rows) {
   Plane& plane = open.plane;
   open.feature_at = tracked.feature_at;
-  const Vector2d inside = step.points.from[tracked.segment.rows[0]];
   const Matrix3d& reference_from_current = tracked.reference_from_current;
+  const Vector2d inside = step.points.from[tracked.segment.rows[0]];
+  const KeypointGrid grid(*open.reference, options_.reacquire_px);
+  const double limit = DistanceAt(step.current.type, options_.reacquire_distance);
+  std::vector<int> beyond;
   for (int row : grown_rows) {
     const int keypoint = step.matches[row].a;
     if (open.feature_at[keypoint] != kNone) continue;
-    const Vector2d current = step.points.from[row];
-    if (!OnSameSide(reference_from_current, current, inside)) continue;
+    const uint8_t* descriptor = step.current.descriptors.row(keypoint);
+    const int seen = grid.MostAlike(Apply(reference_from_current, step.points.from[row]),
+                                    descriptor, limit);
+    if (seen != kNone) {
+      // The reference image shows it too, though it wasn't matched then: that is its true position.
+      AddFeature(open, keypoint, {open.reference->keypoints[seen], 2, 2}, descriptor, true);
+      continue;
+    }
     const Keypoint reference =
         Transferred(reference_from_current, step.current.keypoints[keypoint]);
-    if (!WithinReach(PositionOf(reference))) continue;
-    open.feature_at[keypoint] = static_cast<int>(plane.features.size());
-    plane.features.push_back({reference, 1, 1});  // seen in the last keyframe too
-    plane.descriptors.Append(step.current.descriptors.row(keypoint));
+    if (!OnSameSide(reference_from_current, step.points.from[row], inside) ||
+        !IsWithinReach(PositionOf(reference), open.reference->width, open.reference->height,
+                       options_.max_extrapolation)) {
+      beyond.push_back(row);
+      continue;
+    }
+    AddFeature(open, keypoint, {reference, 1, 1}, descriptor, false);
   }
   CountVotes(open, step, tracked);
   plane.views.push_back(
       {step.id, reference_from_current, static_cast<int>(tracked.segment.rows.size())});
+  return beyond;
 }
 
 void PlaneTracker::CountVotes(OpenPlane& open, const Step& step, const Tracked& tracked) const {
@@ -223,18 +254,31 @@ void PlaneTracker::CountVotes(OpenPlane& open, const Step& step, const Tracked& 
   }
 }
 
+// What lies beyond the reach of a plane's reference image, or all of it when that image shows too
+// little of it by now, becomes a plane of its own with the last keyframe as its reference image.
+void PlaneTracker::Continue(const Step& step, const std::vector<int>& rows,
+                               Segmentation& segmentation) {
+  if (static_cast<int>(rows.size()) < options_.segmentation.min_inliers) return;
+  PointPairs pairs;
+  for (int row : rows) pairs.Add(step.points.from[row], step.points.to[row]);
+  const auto initial = HomographyByDlt(pairs);
+  if (!initial) return;
+  const auto estimate = RefineHomography(pairs, *initial);
+  if (estimate) segmentation.planes.push_back({*estimate, rows});
+}
+
 // A new plane: its reference image is the first that saw it, the last keyframe.
 void PlaneTracker::Start(const Step& step, const PlaneSegment& segment) {
   OpenPlane open;
   open.plane.id = PlaneId{next_plane_++};
   open.plane.reference = last_id_;
+  open.reference = last_;
   open.plane.descriptors = Descriptors(DescriptorBytes(step.current.type));
   open.feature_at.assign(step.current.size(), kNone);
   for (int row : segment.rows) {
     const Match& match = step.matches[row];
-    open.feature_at[match.a] = static_cast<int>(open.plane.features.size());
-    open.plane.features.push_back({last_->keypoints[match.b], 2, 2});
-    open.plane.descriptors.Append(last_->descriptors.row(match.b));
+    AddFeature(open, match.a, {last_->keypoints[match.b], 2, 2}, last_->descriptors.row(match.b),
+               true);
   }
   const int inliers = static_cast<int>(segment.rows.size());
   open.plane.views.push_back({last_id_, Matrix3d::Identity(), inliers});
@@ -254,7 +298,7 @@ void PlaneTracker::AddEdges(const Step& step, const std::vector<PlaneId>& ids,
       const HomographyEstimate& a = segments[ordered ? m : n].to_from;
       const HomographyEstimate& b = segments[ordered ? n : m].to_from;
       const Homology homology = TestHomology(a, b, options_.segmentation.homology);
-      if (homology.kind != HomologyKind::kTwoPlanes) continue;
+      if (homology.kind == HomologyKind::kInvalid) continue;
       has_edge_[{key.first, key.second}] = true;
       edges_.push_back({key.first, key.second, last_id_, step.id, homology.matrix,
                         homology.third_eigenvalue});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -44,7 +45,10 @@ class PlaneTracker {
   // A plane that was seen in the last keyframe.
   struct OpenPlane {
     Plane plane;
+    std::shared_ptr<const Features> reference;  // all that the reference image shows
+    std::vector<char> anchored;   // of each feature: the reference image shows it
     std::vector<int> feature_at;  // of each keypoint of the last keyframe: plane feature or -1
+    bool renewed = false;         // a plane with a newer reference image goes on in its place
   };
 
   // The step from the last keyframe to the current one.
@@ -66,17 +70,20 @@ class PlaneTracker {
   std::optional<Tracked> Track(const OpenPlane& open, const Step& step);
   void Reacquire(const OpenPlane& open, const Step& step, Tracked& tracked) const;
   void Advance(const Step& step);
-  void Grow(OpenPlane& open, const Step& step, const Tracked& tracked,
-            const std::vector<int>& grown_rows);
+  std::vector<int> Grow(OpenPlane& open, const Step& step, const Tracked& tracked,
+                        const std::vector<int>& grown_rows);
+  static void AddFeature(OpenPlane& open, int keypoint, const PlaneFeature& feature,
+                         const uint8_t* descriptor, bool anchored);
   void CountVotes(OpenPlane& open, const Step& step, const Tracked& tracked) const;
   void Start(const Step& step, const PlaneSegment& segment);
+  bool WantsRenewal(const OpenPlane& open, const std::vector<int>& rows) const;
+  void Continue(const Step& step, const std::vector<int>& rows, Segmentation& segmentation);
   void AddEdges(const Step& step, const std::vector<PlaneId>& ids,
                 const std::vector<PlaneSegment>& segments);
   void Close(OpenPlane open);
-  bool WithinReach(const Eigen::Vector2d& reference) const;
 
   PlaneLayerOptions options_;
-  std::optional<Features> last_;
+  std::shared_ptr<const Features> last_;
   KeyframeId last_id_;
   std::vector<OpenPlane> open_;
   std::vector<Plane> closed_;

@@ -2,8 +2,9 @@
 #include "builder/report/colours.h"
 
 #include <cmath>
-#include <cstdio>
+#include <iomanip>
 #include <numbers>
+#include <sstream>
 
 namespace waystone {
 namespace {
@@ -26,10 +27,10 @@ cv::Scalar ColourOf(PlaneId id) {
 
 std::string CssColourOf(PlaneId id) {
   const cv::Scalar bgr = ColourOf(id);
-  char text[8];
-  std::snprintf(text, sizeof(text), "#%02x%02x%02x", static_cast<int>(bgr[2]),
-                static_cast<int>(bgr[1]), static_cast<int>(bgr[0]));
-  return text;
+  std::ostringstream text;
+  text << '#' << std::hex << std::setfill('0');
+  for (const int channel : {2, 1, 0}) text << std::setw(2) << static_cast<int>(bgr[channel]);
+  return text.str();
 }
 
 }  // namespace waystone

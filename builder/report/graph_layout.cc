@@ -1,76 +1,133 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/report/graph_layout.h"
 
+#include <algorithm>
 #include <boost/graph/adjacency_list.hpp>
+#include <boost/graph/circle_layout.hpp>
+#include <boost/graph/connected_components.hpp>
 #include <boost/graph/fruchterman_reingold.hpp>
+#include <boost/graph/kamada_kawai_spring_layout.hpp>
 #include <boost/graph/topology.hpp>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <unordered_map>
 
 namespace waystone {
 namespace {
 
-using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS>;
-using Topology = boost::rectangle_topology<std::minstd_rand>;
-using Point = Topology::point_type;
+using Weight = boost::property<boost::edge_weight_t, double>;
+using Graph =
+    boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS, boost::no_property, Weight>;
+using Square = boost::square_topology<std::minstd_rand>;
+using Point = Square::point_type;
 
-// Rounds of the layout: its temperature falls to nothing over them.
-constexpr int kRounds = 300;
+// Springs between all pairs give the clearer picture, at a cost that grows with the cube of the
+// number of planes; beyond this many, forces between neighbours have to do.
+constexpr size_t kMostSprings = 400;
+// Share by which the springs' energy changes in a step when they count as at rest.
+constexpr double kAtRest = 1e-4;
+// Rounds of forces: their temperature falls to nothing over them.
+constexpr int kForceRounds = 200;
+// Room between two parts of the graph, as a share of the smallest part's width.
+constexpr double kGap = 0.25;
 
-Graph GraphOf(const MapData& map) {
-  Graph graph(map.planes.size());
+// A connected part of the graph: rows of map.planes, and where they are, in [0, 1] x [0, 1].
+struct Part {
+  std::vector<size_t> rows;
+  std::vector<Eigen::Vector2d> at;
+  double width() const { return std::sqrt(static_cast<double>(rows.size())); }
+};
+
+using Pairs = std::vector<std::pair<size_t, size_t>>;
+
+Pairs EdgesByRow(const MapData& map) {
   std::unordered_map<PlaneId, size_t> row;
   for (size_t i = 0; i < map.planes.size(); ++i) row[map.planes[i].id] = i;
-  for (const Edge& edge : map.edges) boost::add_edge(row.at(edge.a), row.at(edge.b), graph);
-  return graph;
+  Pairs edges;
+  for (const Edge& edge : map.edges) edges.emplace_back(row.at(edge.a), row.at(edge.b));
+  return edges;
 }
 
-// A start that depends on nothing but the number of planes: a spiral, in the order of their ids,
-// which is the order in which the camera met them.
-std::vector<Point> Spiral(size_t count) {
-  std::vector<Point> points(count);
-  for (size_t i = 0; i < count; ++i) {
-    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
-    const double angle = 2 * std::numbers::pi * static_cast<double>(i) * (std::numbers::phi - 1);
-    points[i][0] = 0.5 * std::sqrt(share) * std::cos(angle);
-    points[i][1] = 0.5 * std::sqrt(share) * std::sin(angle);
-  }
-  return points;
+// The largest part first.
+std::vector<Part> PartsOf(size_t count, const Pairs& edges) {
+  Graph graph(count);
+  for (const auto& [a, b] : edges) boost::add_edge(a, b, 1.0, graph);
+  std::vector<size_t> part_of(count);
+  std::vector<Part> parts(static_cast<size_t>(boost::connected_components(graph, part_of.data())));
+  for (size_t i = 0; i < count; ++i) parts[part_of[i]].rows.push_back(i);
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const Part& a, const Part& b) { return a.rows.size() > b.rows.size(); });
+  return parts;
 }
 
 std::vector<Eigen::Vector2d> FitToUnitSquare(const std::vector<Point>& points) {
-  Eigen::Array2d low = Eigen::Array2d::Constant(1e9);
-  Eigen::Array2d high = Eigen::Array2d::Constant(-1e9);
+  Eigen::Array2d low = Eigen::Array2d(points[0][0], points[0][1]);
+  Eigen::Array2d high = low;
   for (const Point& p : points) {
     low = low.min(Eigen::Array2d(p[0], p[1]));
     high = high.max(Eigen::Array2d(p[0], p[1]));
   }
-  const Eigen::Array2d size = (high - low).max(1e-9);
+  const Eigen::Array2d size = high - low;
   std::vector<Eigen::Vector2d> fitted;
   for (const Point& p : points) {
-    const bool single = points.size() == 1;
-    fitted.emplace_back(single ? Eigen::Array2d(0.5, 0.5) : (Eigen::Array2d(p[0], p[1]) - low) / size);
+    Eigen::Array2d at(0.5, 0.5);
+    for (int i = 0; i < 2; ++i) {
+      if (size[i] > 0) at[i] = (p[static_cast<size_t>(i)] - low[i]) / size[i];
+    }
+    fitted.emplace_back(at);
   }
   return fitted;
+}
+
+void LayOut(Part& part, const Pairs& edges) {
+  std::unordered_map<size_t, size_t> local;
+  for (size_t i = 0; i < part.rows.size(); ++i) local[part.rows[i]] = i;
+  Graph graph(part.rows.size());
+  for (const auto& [a, b] : edges) {
+    if (local.count(a) != 0) boost::add_edge(local.at(a), local.at(b), 1.0, graph);
+  }
+  std::vector<Point> points(part.rows.size());
+  const auto positions =
+      boost::make_iterator_property_map(points.begin(), boost::get(boost::vertex_index, graph));
+  boost::circle_graph_layout(graph, positions, 0.5);
+  std::minstd_rand engine(1);
+  const Square square(engine, 1.0);
+  if (part.rows.size() > kMostSprings) {
+    boost::fruchterman_reingold_force_directed_layout(
+        graph, positions, square,
+        boost::cooling(boost::linear_cooling<double>(kForceRounds, 0.1))
+            .force_pairs(boost::all_force_pairs()));
+  } else if (part.rows.size() > 1) {
+    boost::kamada_kawai_spring_layout(graph, positions, boost::get(boost::edge_weight, graph),
+                                      square, boost::side_length(1.0),
+                                      boost::layout_tolerance<double>(kAtRest));
+  }
+  part.at = FitToUnitSquare(points);
 }
 
 }  // namespace
 
 std::vector<Eigen::Vector2d> LayOutGraph(const MapData& map) {
-  if (map.planes.empty()) return {};
-  const Graph graph = GraphOf(map);
-  std::vector<Point> points = Spiral(map.planes.size());
-  std::minstd_rand engine(1);
-  const Topology topology(engine, -0.5, -0.5, 0.5, 0.5);
-  const auto positions =
-      boost::make_iterator_property_map(points.begin(), boost::get(boost::vertex_index, graph));
-  boost::fruchterman_reingold_force_directed_layout(
-      graph, positions, topology,
-      boost::cooling(boost::linear_cooling<double>(kRounds, 0.1))
-          .force_pairs(boost::all_force_pairs()));
-  return FitToUnitSquare(points);
+  std::vector<Eigen::Vector2d> at(map.planes.size());
+  if (map.planes.empty()) return at;
+  const Pairs edges = EdgesByRow(map);
+  std::vector<Part> parts = PartsOf(map.planes.size(), edges);
+  const double gap = kGap * parts.back().width();
+  double total = gap * static_cast<double>(parts.size() - 1);
+  for (const Part& part : parts) total += part.width();
+  // Side by side: each part as wide as it has to be, and as high as it is wide or the page allows.
+  const double tallest = parts.front().width();
+  double x = 0;
+  for (Part& part : parts) {
+    LayOut(part, edges);
+    const double height = part.width() / tallest;
+    for (size_t i = 0; i < part.rows.size(); ++i) {
+      at[part.rows[i]] = {(x + part.at[i].x() * part.width()) / total,
+                          0.5 + (part.at[i].y() - 0.5) * height};
+    }
+    x += part.width() + gap;
+  }
+  return at;
 }
 
 }  // namespace waystone

@@ -14,10 +14,10 @@
 namespace waystone {
 namespace {
 
-constexpr int kWidth = 640;           // px, of the pictures on the page
-constexpr int kDotRadius = 3;         // px
-constexpr int kSubPixelBits = 4;      // cv::polylines takes fractions of a pixel this fine
-constexpr double kFarAway_px = 2000;  // beyond which a line's end isn't drawn
+constexpr int kWidth = 640;          // px, of the pictures on the page
+constexpr int kDotRadius = 3;        // px
+constexpr int kSubPixelBits = 4;     // cv::polylines takes fractions of a pixel this fine
+constexpr double kFarAwayPx = 2000;  // beyond which a line's end isn't drawn
 const cv::Scalar kNoPicture(90, 90, 90);
 
 cv::Mat Canvas(const Keyframe& keyframe) {
@@ -45,7 +45,7 @@ class Projection {
   std::optional<cv::Point2d> At(const Eigen::Vector2d& x_reference) const {
     if (!OnSameSide(keyframe_from_reference_, x_reference, inside_)) return std::nullopt;
     const Eigen::Vector2d x = Apply(keyframe_from_reference_, x_reference) * scale_;
-    if (!(x.cwiseAbs().maxCoeff() < kFarAway_px)) return std::nullopt;
+    if (!(x.cwiseAbs().maxCoeff() < kFarAwayPx)) return std::nullopt;
     return cv::Point2d(x.x(), x.y());
   }
 
