@@ -99,7 +99,7 @@ PlaceCandidate Candidate(const MapIndex& index, const Place& place, const Featur
 }
 
 // Not in the map: names the gate that stopped the best plane and what would have passed it.
-Answer Refuse(const MapIndex& index, const Features& query,
+Answer Refuse(const MapIndex& index, const Features& query, int shortlisted,
               const std::vector<VerifiedPlane>& tried, const LocalizeOptions& options) {
   Answer answer;
   answer.verdict = Verdict::kNotInMap;
@@ -110,8 +110,10 @@ Answer Refuse(const MapIndex& index, const Features& query,
     return answer;
   }
   if (tried.empty()) {
-    answer.decided_by = "shortlist_votes";
-    answer.message = "no plane of the map looks like anything in the image";
+    answer.decided_by = shortlisted == 0 ? "shortlist_votes" : "homography_inliers";
+    answer.message = shortlisted == 0 ? "no plane of the map looks like anything in the image"
+                                      : "none of the " + std::to_string(shortlisted) +
+                                            " planes that look alike fits the image";
     return answer;
   }
   const VerifiedPlane& best = *std::max_element(
@@ -140,6 +142,8 @@ Answer Describe(const MapIndex& index, const Features& query, const Place& place
   for (const VerifiedPlane& plane : place.planes) {
     answer.planes.push_back(Recognised(index, query, plane, present));
   }
+  std::stable_sort(answer.planes.begin(), answer.planes.end(),
+                   [](const auto& a, const auto& b) { return a.inliers > b.inliers; });
   return answer;
 }
 
@@ -185,7 +189,7 @@ KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Feat
       ->first;
 }
 
-Answer Decide(const MapIndex& index, const Features& query,
+Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
               const std::vector<VerifiedPlane>& tried, const LocalizeOptions& options) {
   std::vector<VerifiedPlane> accepted;
   for (const VerifiedPlane& plane : tried) {
@@ -193,7 +197,7 @@ Answer Decide(const MapIndex& index, const Features& query,
   }
   const std::vector<Place> places = GroupPlaces(index, std::move(accepted), options);
   if (places.empty() || places.front().inliers < options.gates.min_place_inliers) {
-    return Refuse(index, query, tried, options);
+    return Refuse(index, query, shortlisted, tried, options);
   }
   Answer answer = Describe(index, query, places.front());
   if (places.size() < 2) return answer;

@@ -89,7 +89,7 @@ Answer LocalizeFeatures(const MapIndex& index, const Features& query,
       tried.push_back(std::move(*verified));
     }
   }
-  Answer answer = Decide(index, query, tried, options);
+  Answer answer = Decide(index, query, static_cast<int>(shortlist.size()), tried, options);
   Sign(index, answer);
   answer.timing.shortlist_ms = shortlist_ms;
   answer.timing.verify_ms = timer.Lap();

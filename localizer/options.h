@@ -52,8 +52,9 @@ struct LocalizeOptions {
   // Fewer votes than this, and a plane isn't tried.
   int min_votes = 6;
   MatchOptions match{0.85, true};
-  // Fewer samples than for building: most planes that are tried are wrong, and those cost the most.
-  LocalRansacOptions ransac{.max_samples = 500};
+  // A wider bound than for building, since a query's camera may be another one, and fewer samples:
+  // most planes that are tried are wrong, and those cost the most.
+  LocalRansacOptions ransac{.max_error_px = 3.0, .max_samples = 500};
   HomologyOptions homology;
   GateOptions gates;
   EvidenceOptions evidence;

@@ -166,7 +166,7 @@ std::string RigYaml(const std::array<RigFace, 6>& rig) {
 
 class Writer {
  public:
-  Writer(const World& world, const Walk& walk, fs::path dir, const WriteOptions& options)
+  Writer(const World& world, const Walk& walk, fs::path dir, const WriteWalkOptions& options)
       : world_(world), walk_(walk), dir_(std::move(dir)), options_(options) {
     if (options.format == "jpg") flags_ = {cv::IMWRITE_JPEG_QUALITY, options.jpeg_quality};
     if (options.pinhole) pinhole_ = std::make_unique<Renderer>(options.camera);
@@ -255,7 +255,7 @@ class Writer {
   const World& world_;
   const Walk& walk_;
   const fs::path dir_;
-  const WriteOptions& options_;
+  const WriteWalkOptions& options_;
   std::vector<int> flags_;
   std::unique_ptr<Renderer> pinhole_;
   std::unique_ptr<Renderer> rig_;
@@ -264,7 +264,7 @@ class Writer {
 
 }  // namespace
 
-void WriteOptions::Check() const {
+void WriteWalkOptions::Check() const {
   render.Check();
   CheckRange("jpeg_quality", jpeg_quality, 1, 100);
   CheckRange("shutter", shutter, 0.0, 1.0);
@@ -281,7 +281,7 @@ void WriteOptions::Check() const {
   }
 }
 
-RenderOptions FrameRenderOptions(const Walk& walk, int frame, const WriteOptions& options) {
+RenderOptions FrameRenderOptions(const Walk& walk, int frame, const WriteWalkOptions& options) {
   WS_CHECK(frame >= 0 && frame < static_cast<int>(walk.frames.size()), "no such frame");
   RenderOptions render = options.render;
   const auto i = static_cast<size_t>(frame);
@@ -297,7 +297,7 @@ RenderOptions FrameRenderOptions(const Walk& walk, int frame, const WriteOptions
 }
 
 void WriteWalk(const World& world, const Walk& walk, const fs::path& dir,
-               const WriteOptions& options, const WriteProgress& progress) {
+               const WriteWalkOptions& options, const WriteProgress& progress) {
   options.Check();
   const Writer writer(world, walk, dir, options);
   MakeEmptyFolder(dir);

@@ -14,7 +14,7 @@
 
 namespace waystone {
 
-struct WriteOptions {
+struct WriteWalkOptions {
   // Which pictures are written: one pinhole camera, the six-face rig, the panorama.
   bool pinhole = true;
   bool rig = false;
@@ -47,7 +47,7 @@ struct WriteOptions {
 using WriteProgress = std::function<void(int done, int total)>;
 
 // The options that frame `frame` of a walk is rendered with.
-RenderOptions FrameRenderOptions(const Walk& walk, int frame, const WriteOptions& options);
+RenderOptions FrameRenderOptions(const Walk& walk, int frame, const WriteWalkOptions& options);
 
 // Writes a walk and its truth into `dir`, which is made if it isn't there and must be empty:
 //
@@ -65,6 +65,6 @@ RenderOptions FrameRenderOptions(const Walk& walk, int frame, const WriteOptions
 // Frames are rendered in parallel (TBB); the files are the same on any number of threads. Throws
 // MapError: kBadOptions, kFileExists for a folder that isn't empty, kFileUnwritable.
 void WriteWalk(const World& world, const Walk& walk, const std::filesystem::path& dir,
-               const WriteOptions& options = {}, const WriteProgress& progress = {});
+               const WriteWalkOptions& options = {}, const WriteProgress& progress = {});
 
 }  // namespace waystone

@@ -9,7 +9,7 @@ namespace {
 
 constexpr char kUsage[] =
     "usage: waystone-bench NAME ARGS\n"
-    "  world [--frames N]                                 planes against rendered truth\n"
+    "  world [--frames N] [--plan demo|other]               planes against rendered truth\n"
     "  rgbd DIR [--map 0:499] [--queries 500:990:10]      localization against depth and poses\n"
     "  negatives DIR [--map 0:499] IMAGE_OR_FOLDER...     images that are not in the map\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"

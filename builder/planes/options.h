@@ -64,9 +64,12 @@ struct PlaneLayerOptions {
   // reference image; lower: fewer and larger ones.
   double min_anchored = 0.5;
   // A feature is kept if it was found in this share of the keyframes that should have seen it.
-  double min_vote_share = 0.3;
+  double min_vote_share = 0.5;
   // A plane with fewer features left after the votes is dropped.
   int min_features = 16;
+  // A plane that was started and lost again at once, so that no triple match ever confirmed it, needs
+  // as many features as this.
+  int min_features_unconfirmed = 40;
   uint64_t seed = 1;
 
   void Check() const;  // throws MapError(kBadOptions)

@@ -35,7 +35,8 @@ void PlaneLayerOptions::Check() const {
   fusion.Check();
   const bool good = min_tracked >= 5 && reacquire_px > 0 && reacquire_distance > 0 &&
                     reacquire_distance <= 1 && max_extrapolation >= 0 && min_vote_share >= 0 &&
-                    min_vote_share <= 1 && min_features >= 4;
+                    min_vote_share <= 1 && min_features >= 4 &&
+                    min_features_unconfirmed >= min_features;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "planes: an option is out of its range; leave them at their defaults");
@@ -315,7 +316,9 @@ void PlaneTracker::Close(OpenPlane open) {
     if (feature.votes >= options_.min_vote_share * feature.visible) kept.push_back(f);
   }
   report_.features_dropped += static_cast<int>(plane.features.size() - kept.size());
-  if (static_cast<int>(kept.size()) < options_.min_features) {
+  const bool confirmed = plane.views.size() > 2;
+  const int needed = confirmed ? options_.min_features : options_.min_features_unconfirmed;
+  if (static_cast<int>(kept.size()) < needed) {
     ++report_.dropped;
     return;
   }

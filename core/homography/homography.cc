@@ -242,10 +242,16 @@ std::optional<Matrix3d> HomographyByDlt(const PointPairs& pairs) {
   }
   const Eigen::SelfAdjointEigenSolver<Matrix9d> solver(ata);
   if (solver.info() != Eigen::Success) return std::nullopt;
-  const Matrix3d h = tb.inverse() * FromVector(solver.eigenvectors().col(0)) * ta;
-  if (!h.allFinite() || std::abs(h.determinant()) < 1e-12 * std::pow(h.norm(), 3)) {
+  // Both are judged in normalised coordinates: in pixels they would depend on the image's size.
+  constexpr double kUndetermined = 1e-10;  // second smallest eigenvalue, as a share of the largest
+  constexpr double kSingular = 1e-6;       // determinant at unit norm
+  const Matrix3d normalised = FromVector(solver.eigenvectors().col(0));
+  if (!(solver.eigenvalues()(1) > kUndetermined * solver.eigenvalues()(8)) ||
+      !(std::abs(normalised.determinant()) > kSingular)) {
     return std::nullopt;
   }
+  const Matrix3d h = tb.inverse() * normalised * ta;
+  if (!h.allFinite()) return std::nullopt;
   return Normalised(h);
 }
 

@@ -102,6 +102,32 @@ PlaneFit Evaluate(const MatchedPoints& points, std::span<const int> active,
   return fit;
 }
 
+// Standard deviation of the errors' coordinates, from their median: outliers don't move it much.
+double RobustSigma(const MatchedPoints& points, const PlaneFit& fit) {
+  constexpr double kRayleighMedian = 1.1774;  // of a unit standard deviation, sqrt(2 ln 2)
+  const PlaneModel inverse = Inverse(fit.model);
+  std::vector<double> errors2;
+  for (int row : fit.inliers) errors2.push_back(PlaneError2(points, fit.model, inverse, row));
+  const auto middle = errors2.begin() + static_cast<ptrdiff_t>(errors2.size() / 2);
+  std::nth_element(errors2.begin(), middle, errors2.end());
+  return std::sqrt(*middle) / kRayleighMedian;
+}
+
+// Drops the inliers that the plane's own noise doesn't explain, and fits again without them.
+PlaneFit Tighten(const MatchedPoints& points, std::span<const int> active, const PlaneFit& fit,
+                 const LocalRansacOptions& options) {
+  constexpr int kRounds = 3;
+  PlaneFit tight = fit;
+  for (int round = 0; round < kRounds && tight.inliers.size() >= 5; ++round) {
+    const double bound = ErrorBound(RobustSigma(points, tight), options);
+    const std::optional<PlaneModel> model = ModelOf(points, tight.inliers);
+    if (!model) break;
+    tight = Evaluate(points, active, *model, bound);
+  }
+  tight.samples = fit.samples;
+  return tight.inliers.size() >= 5 ? tight : fit;
+}
+
 // How likely a local sample is made of inliers alone: its first point with the share of inliers
 // among all, the other three with the share among the neighbours of inliers.
 double SampleProbability(const PlaneFit& fit, std::span<const int> active, int points,
@@ -145,9 +171,10 @@ Neighbourhoods::Neighbourhoods(std::span<const Vector2d> points, int k)
 }
 
 void LocalRansacOptions::Check() const {
-  const bool good = max_error_px > 0 && confidence > 0 && confidence < 1 && max_samples >= 1 &&
+  const bool good = min_error_px > 0 && max_error_px >= min_error_px && max_deviations > 1 && confidence > 0 && confidence < 1 && max_samples >= 1 &&
                     neighbourhood >= 3 && min_height_ratio >= 0 && min_height_ratio < 0.5 &&
-                    max_refits >= 0;
+                    max_refits >= 0 && wide_refits >= 0 && min_refit_share >= 0 &&
+                    min_refit_share <= 1;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "plane sampling: an option is out of its range; leave them at their defaults");
@@ -168,6 +195,11 @@ PlaneModel Inverse(const PlaneModel& model) {
   return {model.to_from.inverse(), model.reference_from.inverse()};
 }
 
+double ErrorBound(double sigma_px, const LocalRansacOptions& options) {
+  return std::clamp(options.max_deviations * sigma_px, options.min_error_px,
+                    options.max_error_px);
+}
+
 double SamplesNeeded(double confidence, double sample_probability) {
   if (sample_probability <= 0) return std::numeric_limits<double>::infinity();
   if (sample_probability >= 1) return 1;
@@ -177,12 +209,20 @@ double SamplesNeeded(double confidence, double sample_probability) {
 PlaneFit Regrow(const MatchedPoints& points, std::span<const int> active, const PlaneFit& start,
                 const LocalRansacOptions& options) {
   PlaneFit best = start;
-  for (int refit = 0; refit < options.max_refits && best.inliers.size() >= 5; ++refit) {
-    const std::optional<PlaneModel> model = ModelOf(points, best.inliers);
+  std::vector<int> support = start.inliers;
+  for (int refit = 0; refit < options.max_refits && support.size() >= 5; ++refit) {
+    const std::optional<PlaneModel> model = ModelOf(points, support);
     if (!model) break;
     PlaneFit next = Evaluate(points, active, *model, options.max_error_px);
-    if (next.score <= best.score) break;
-    best = std::move(next);
+    // A local sample is off by more than the bound a little farther on: the first refits look wider.
+    const bool wide = refit < options.wide_refits;
+    if (next.score > best.score) {
+      best = std::move(next);
+    } else if (!wide) {
+      break;
+    }
+    support = wide ? Evaluate(points, active, *model, 2 * options.max_error_px).inliers
+                   : best.inliers;
   }
   best.samples = start.samples;
   return best;
@@ -202,8 +242,8 @@ std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const i
     const std::optional<PlaneModel> model = ModelOf(points, *sample, options.min_height_ratio);
     if (!model) continue;
     PlaneFit fit = Evaluate(points, active, *model, options.max_error_px);
-    // Local samples extrapolate badly: one that is nearly as good as the best may grow past it.
-    if (fit.score <= 0.5 * best.score) continue;
+    // Local samples extrapolate badly: one that is much worse than the best may still grow past it.
+    if (fit.score <= options.min_refit_share * best.score) continue;
     fit = Regrow(points, active, fit, options);
     if (fit.score <= best.score) continue;
     best = std::move(fit);
@@ -215,7 +255,7 @@ std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const i
   }
   if (best.inliers.size() < 4) return std::nullopt;
   best.samples = samples;
-  return best;
+  return Tighten(points, active, best, options);
 }
 
 }  // namespace waystone

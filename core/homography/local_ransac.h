@@ -40,7 +40,12 @@ struct MatchedPoints {
 struct LocalRansacOptions {
   // Largest transfer error of an inlier. Higher joins planes that are nearly parallel, lower splits
   // walls that are not quite flat. px
-  double max_error_px = 3.0;
+  double max_error_px = 2.0;
+  // The bound is tightened to this many standard deviations of the errors of the plane's own inliers,
+  // so that sharp images tell planes apart that blurred ones can't ...
+  double max_deviations = 4.0;
+  // ... but not below this. px
+  double min_error_px = 0.75;
   // p of eq. (1): probability that one sample at least is made of inliers alone.
   double confidence = 0.99;
   // Samples at the most, however low the inlier ratio. Bounds the time.
@@ -52,6 +57,11 @@ struct LocalRansacOptions {
   double min_height_ratio = 0.05;
   // Refits of a promising sample on its inliers.
   int max_refits = 8;
+  // The first of them take in matches up to twice the bound.
+  int wide_refits = 3;
+  // A sample is refitted if it scores at least this share of the best so far. Lower finds larger
+  // planes behind poor samples and costs time.
+  double min_refit_share = 0.1;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -85,6 +95,10 @@ std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const i
 // Least-squares refits of a model on its own inliers among the `active` rows until they don't grow.
 PlaneFit Regrow(const MatchedPoints& points, std::span<const int> active, const PlaneFit& start,
                 const LocalRansacOptions& options);
+
+// The largest error of an inlier of a plane whose inliers' errors have a given standard deviation (of
+// a coordinate), px.
+double ErrorBound(double sigma_px, const LocalRansacOptions& options);
 
 // Number of samples so that with probability `confidence` one is made of inliers alone, eq. (1):
 // k = log(1 - p) / log(1 - w^4), where w^4 is the probability that a sample is. Local samples make

@@ -54,14 +54,15 @@ class Segmenter {
   // Growth: matches of no plane yet that fit a known plane's homography and lie among its own.
   void AssignToKnown() {
     if (known_ == 0) return;
-    const double limit2 = options_.ransac.max_error_px * options_.ransac.max_error_px;
     std::vector<int> wish(label_);
     for (int row : Free()) {
-      double best = limit2;
+      double best = 1;  // of the error as a share of the plane's bound
       for (int p = 0; p < known_; ++p) {
-        const double error2 = Error2(result_.planes[p].to_from.b_from_a, row);
-        if (error2 < best) {
-          best = error2;
+        const HomographyEstimate& plane = result_.planes[p].to_from;
+        const double share = std::sqrt(Error2(plane.b_from_a, row)) /
+                             ErrorBound(plane.sigma_px, options_.ransac);
+        if (share < best) {
+          best = share;
           wish[row] = p;
         }
       }
@@ -105,14 +106,20 @@ class Segmenter {
     return fit;
   }
 
-  // Rows whose companions are in the candidate too.
+  // Rows whose companions are in the candidate too; none when they are scattered among others.
   std::vector<int> Coherent(const std::vector<int>& rows) const {
     std::vector<int> labels(points_.size(), kNoPlane);
     for (int row : rows) labels[row] = 0;
     std::vector<int> coherent;
+    double companions = 0;
     for (int row : rows) {
-      if (Companions(row, 0, labels) >= options_.min_companions) coherent.push_back(row);
+      const int count = Companions(row, 0, labels);
+      if (count < options_.min_companions) continue;
+      coherent.push_back(row);
+      companions += count;
     }
+    const double all = static_cast<double>(options_.companions) * coherent.size();
+    if (companions < options_.min_coherence * all) coherent.clear();
     return coherent;
   }
 
@@ -192,7 +199,8 @@ void SegmentationOptions::Check() const {
   ransac.Check();
   homology.Check();
   const bool good = min_inliers >= 5 && max_planes >= 1 && companions >= 1 && min_companions >= 0 &&
-                    min_companions <= companions && min_shared >= 0 && min_shared <= 1;
+                    min_companions <= companions && min_shared >= 0 && min_shared <= 1 && min_coherence >= 0 &&
+                    min_coherence <= 1;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "plane search: an option is out of its range; leave them at their defaults");

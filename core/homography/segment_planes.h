@@ -20,6 +20,9 @@ struct SegmentationOptions {
   // do: planes are regions, and a lone match far from its plane fits by chance.
   int companions = 8;
   int min_companions = 2;
+  // Share of the companions of a plane's matches, on average, that must be the plane's too. What is
+  // left over along the edges of several planes fits one homography now and then, but is scattered.
+  double min_coherence = 0.5;
   // Two planes are one only if this share of the smaller one's matches also fits the larger one,
   // within twice the largest error: an uncertain homology alone is no proof.
   double min_shared = 0.6;

@@ -49,7 +49,7 @@ class WriteWalkTest : public testing::Test {
 
   fs::path dir_;
   Walk walk_;
-  WriteOptions options_;
+  WriteWalkOptions options_;
 };
 
 TEST_F(WriteWalkTest, WritesPicturesAndTruth) {

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/accuracy/world_truth.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "core/features/match.h"
+#include "core/homography/homography.h"
+
+namespace waystone::bench {
+namespace {
+
+// A feature is on a plane if the plane shows within this distance of it: features sit on edges. px
+constexpr int kEdge_px = 3;
+// A match is the plane's if it agrees with the true homography to this. px
+constexpr double kTrueMatch_px = 3;
+// Views are alike for SIFT up to about this factor of scale between them.
+constexpr double kMaxScale = 1.6;
+// ... and this much foreshortening.
+constexpr double kMaxStretch = 1.6;
+
+Eigen::Vector2d PositionOf(const Keypoint& k) { return {k.x_px, k.y_px}; }
+
+std::string Key(const uint8_t* descriptor) {
+  return {reinterpret_cast<const char*>(descriptor),
+          static_cast<size_t>(DescriptorBytes(FeatureType::kSift))};
+}
+
+bool IsInImage(const Eigen::Vector2d& x, const Camera& camera) {
+  return x.x() >= 0 && x.y() >= 0 && x.x() < camera.width && x.y() < camera.height;
+}
+
+}  // namespace
+
+WorldTruth::WorldTruth(const World& world, const WorldSource& source, const Walk& walk,
+                       const MapData& map)
+    : world_(world), walk_(walk), map_(map), camera_(*source.camera()) {
+  plane_ids_.resize(map.keyframes.size());
+  features_.resize(map.keyframes.size());
+  tbb::parallel_for(size_t{0}, map.keyframes.size(), [&](size_t k) {
+    const RenderedFrame frame = source.Render(map.keyframes[k].frame);
+    plane_ids_[k] = frame.plane_ids;
+    features_[k] = ExtractFeatures(frame.grey, FeatureOptions{});
+  });
+  for (int k = 0; k < static_cast<int>(features_.size()); ++k) {
+    for (int i = 0; i < features_[k].size(); ++i) {
+      seen_.emplace(Key(features_[k].descriptors.row(i)), std::pair(k, i));
+    }
+  }
+}
+
+int WorldTruth::PlaneAt(int keyframe, const Eigen::Vector2d& x) const {
+  const cv::Mat& ids = plane_ids_[keyframe];
+  const int column = static_cast<int>(std::lround(x.x()));
+  const int row = static_cast<int>(std::lround(x.y()));
+  if (column < 0 || row < 0 || column >= ids.cols || row >= ids.rows) return 0;
+  return ids.at<uint16_t>(row, column);
+}
+
+std::set<int> WorldTruth::PlanesNear(int keyframe, const Eigen::Vector2d& x) const {
+  std::set<int> near;
+  for (int dy = -kEdge_px; dy <= kEdge_px; dy += kEdge_px) {
+    for (int dx = -kEdge_px; dx <= kEdge_px; dx += kEdge_px) {
+      near.insert(PlaneAt(keyframe, x + Eigen::Vector2d(dx, dy)));
+    }
+  }
+  return near;
+}
+
+WorldTruth::Owner WorldTruth::OwnerOf(const Plane& plane) const {
+  std::map<int, int> counts;
+  int counted = 0;
+  for (int f = 0; f < plane.descriptors.rows(); ++f) {
+    const auto seen = seen_.find(Key(plane.descriptors.row(f)));
+    if (seen == seen_.end()) continue;
+    const auto [keyframe, keypoint] = seen->second;
+    ++counted;
+    for (int id : PlanesNear(keyframe, PositionOf(features_[keyframe].keypoints[keypoint]))) {
+      ++counts[id];
+    }
+  }
+  Owner owner;
+  for (const auto& [id, count] : counts) {
+    if (id != 0 && count > owner.share * counted) {
+      owner = {id, static_cast<double>(count) / counted};
+    }
+  }
+  return owner;
+}
+
+std::map<int, int> WorldTruth::CarriedMatches(int from, int to) const {
+  std::map<int, int> carried;
+  for (const Match& match : MatchDescriptors(features_[to].descriptors,
+                                             features_[from].descriptors, features_[to].type,
+                                             MatchOptions{})) {
+    const Eigen::Vector2d x_to = PositionOf(features_[to].keypoints[match.a]);
+    const Eigen::Vector2d x_from = PositionOf(features_[from].keypoints[match.b]);
+    const int plane = PlaneAt(to, x_to);
+    if (plane == 0 || PlaneAt(from, x_from) != plane) continue;
+    const Eigen::Matrix3d from_to =
+        ToFrom(plane, map_.keyframes[to].id, map_.keyframes[from].id);
+    if ((Apply(from_to, x_to) - x_from).norm() < kTrueMatch_px) ++carried[plane];
+  }
+  return carried;
+}
+
+Eigen::Matrix3d WorldTruth::ToFrom(int true_plane, KeyframeId from, KeyframeId to) const {
+  return PlaneHomography(world_.PlaneById(true_plane), camera_,
+                         walk_.frames[map_.keyframes[IndexOf(from)].frame].world_from_camera,
+                         walk_.frames[map_.keyframes[IndexOf(to)].frame].world_from_camera);
+}
+
+std::vector<double> WorldTruth::ViewErrors(const Plane& plane, const PlaneView& view,
+                                           int true_plane) const {
+  const Eigen::Matrix3d keyframe_from_reference =
+      ToFrom(true_plane, plane.reference, view.keyframe);
+  const Eigen::Matrix3d reference_from_keyframe = keyframe_from_reference.inverse();
+  std::vector<double> errors;
+  for (const PlaneFeature& feature : plane.features) {
+    const Eigen::Vector2d x = Apply(keyframe_from_reference, PositionOf(feature.reference));
+    if (!IsInImage(x, camera_)) continue;
+    errors.push_back(
+        (Apply(view.reference_from_keyframe, x) - Apply(reference_from_keyframe, x)).norm());
+  }
+  return errors;
+}
+
+double WorldTruth::SharedView(const Plane& m, const Plane& n, int true_plane) const {
+  const Eigen::Matrix3d m_from_n = ToFrom(true_plane, n.reference, m.reference);
+  int shared = 0;
+  for (const PlaneFeature& feature : n.features) {
+    const Eigen::Vector2d x_n = PositionOf(feature.reference);
+    const Eigen::Vector2d x_m = Apply(m_from_n, x_n);
+    if (!IsInImage(x_m, camera_) || PlaneAt(IndexOf(m.reference), x_m) != true_plane) continue;
+    const double step = 1.0;
+    Eigen::Matrix2d local;
+    local.col(0) = Apply(m_from_n, x_n + Eigen::Vector2d(step, 0)) - x_m;
+    local.col(1) = Apply(m_from_n, x_n + Eigen::Vector2d(0, step)) - x_m;
+    const Eigen::Vector2d stretch = local.jacobiSvd().singularValues();
+    const double scale = std::sqrt(stretch(0) * stretch(1));
+    shared += scale < kMaxScale && scale > 1 / kMaxScale && stretch(0) < kMaxStretch * stretch(1);
+  }
+  return n.features.empty() ? 0 : static_cast<double>(shared) / n.features.size();
+}
+
+}  // namespace waystone::bench

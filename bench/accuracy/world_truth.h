@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "bench/accuracy/world_source.h"
+#include "schema/map_data.h"
+#include "world/truth.h"
+
+namespace waystone::bench {
+
+// What is true of a map that was built from a rendered walk.
+class WorldTruth {
+ public:
+  WorldTruth(const World& world, const WorldSource& source, const Walk& walk, const MapData& map);
+
+  // The true plane that most of a map plane's features lie on, and what share of them does. Asked
+  // where each was first seen: a surface that grows into view may be hidden in the reference image.
+  struct Owner {
+    int plane = 0;
+    double share = 0;
+  };
+  Owner OwnerOf(const Plane& plane) const;
+
+  // Matched features a true plane carries between two keyframes (indices in map.keyframes), counted
+  // where the match agrees with the plane's true homography.
+  std::map<int, int> CarriedMatches(int from, int to) const;
+
+  // The true homography to_from of a plane between two keyframes.
+  Eigen::Matrix3d ToFrom(int true_plane, KeyframeId from, KeyframeId to) const;
+
+  // Errors of a view's homography at the plane's features that lie in the view's image, px in the
+  // reference image.
+  std::vector<double> ViewErrors(const Plane& plane, const PlaneView& view, int true_plane) const;
+
+  // Share of n's features that m's reference image shows, by the truth, from a direction and
+  // distance from which features can be recognised.
+  double SharedView(const Plane& m, const Plane& n, int true_plane) const;
+
+ private:
+  int IndexOf(KeyframeId id) const { return static_cast<int>(id.value) - 1; }
+  int PlaneAt(int keyframe, const Eigen::Vector2d& x) const;
+  std::set<int> PlanesNear(int keyframe, const Eigen::Vector2d& x) const;
+
+  const World& world_;
+  const Walk& walk_;
+  const MapData& map_;
+  Camera camera_;
+  std::vector<cv::Mat> plane_ids_;     // of each keyframe
+  std::vector<Features> features_;     // of each keyframe
+  // Keyframe and keypoint that a descriptor was taken from.
+  std::map<std::string, std::pair<int, int>> seen_;
+};
+
+}  // namespace waystone::bench

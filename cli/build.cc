@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/build_map.h"
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "builder/report/report.h"
+#include "builder/sources/source.h"
+#include "cli/build_text.h"
+#include "cli/commands.h"
+#include "cli/map_file.h"
+#include "cli/progress.h"
+#include "cli/signals.h"
+#include "core/base/error.h"
+#include "schema/map_store.h"
+
+namespace waystone {
+namespace {
+
+// A map without a plane answers nothing.
+constexpr int kBelowQualityGate = 4;
+
+struct BuildFlags {
+  std::vector<std::string> sources;
+  std::string output;
+  std::string report_folder;
+  std::string features = "sift";
+  std::string progress = "auto";
+  std::string camera;
+  SourceOptions source;
+  int to = -1;
+  BuildOptions build;
+  bool no_images = false;
+  bool force = false;
+  bool json = false;
+  bool quiet = false;
+};
+
+std::vector<std::unique_ptr<Source>> OpenSources(const BuildFlags& flags) {
+  SourceOptions options = flags.source;
+  if (flags.to >= 0) options.to = flags.to;
+  if (!flags.camera.empty()) options.camera_file = flags.camera;
+  options.Check();
+  std::vector<std::unique_ptr<Source>> sources;
+  for (const std::string& path : flags.sources) {
+    sources.push_back(OpenSource(path, options));
+    if (!flags.quiet) std::cerr << path << ": " << sources.back()->Announcement() << '\n';
+  }
+  return sources;
+}
+
+BuildOptions OptionsOf(const BuildFlags& flags) {
+  BuildOptions options = flags.build;
+  options.map_name = MapNameOf(flags.output);
+  options.features.type = FeatureTypeByName(flags.features);
+  options.images = !flags.no_images;
+  options.Check();
+  return options;
+}
+
+BuildResult BuildWithProgress(const BuildFlags& flags, const BuildOptions& options) {
+  const std::vector<std::unique_ptr<Source>> sources = OpenSources(flags);
+  ProgressMeter meter(std::cerr, ProgressStyleByName(flags.progress, flags.quiet),
+                      ColoursWelcome());
+  const auto show = [&meter](const BuildProgress& now) {
+    meter.Update(
+        {now.stage, now.done, now.total,
+         std::to_string(now.keyframes) + " keyframes, " + std::to_string(now.planes) + " planes"});
+    return !Interrupted();
+  };
+  return BuildMap(sources, options, show);
+}
+
+int ReportNoPlanes(const BuildResult& result) {
+  std::cerr << "waystone: no plane was found in " << result.map.keyframes.size()
+            << " keyframes, so no map was written; film textured walls or floors while moving "
+               "sideways, or try --max-features 2000\n";
+  return kBelowQualityGate;
+}
+
+void PrintSummary(const BuildFlags& flags, const BuildResult& result) {
+  BuildSummary summary;
+  summary.path = flags.output;
+  summary.version = ReadMap(flags.output, {.images = false}).info.version;
+  summary.bytes = std::filesystem::file_size(flags.output);
+  summary.tables = TableSizes(flags.output);
+  summary.result = &result;
+  if (flags.json) {
+    std::cout << Dump(SummaryJson(summary)) << '\n';
+  } else if (!flags.quiet) {
+    std::cout << SummaryText(summary);
+  }
+}
+
+int RunBuild(const BuildFlags& flags) {
+  const WriteOptions write{.overwrite = flags.force};
+  const BuildOptions options = OptionsOf(flags);
+  CheckWritable(flags.output, write);
+  NoteInterrupts();
+  const BuildResult result = BuildWithProgress(flags, options);
+  if (result.map.planes.empty()) return ReportNoPlanes(result);
+  WriteMap(result.map, flags.output, write);
+  if (!flags.report_folder.empty()) {
+    WriteReport(result.map, result.report, TableSizes(flags.output), flags.report_folder);
+  }
+  PrintSummary(flags, result);
+  return 0;
+}
+
+void AddSourceFlags(CLI::App* command, BuildFlags& flags) {
+  command
+      ->add_option("sources", flags.sources,
+                   "Image folders, globs in quotes, videos, TUM, KITTI or EuRoC sequences")
+      ->required();
+  command->add_option("-o,--output", flags.output, "Map file to write")->required();
+  command->add_option("--every", flags.source.every, "Use every N-th frame")->capture_default_str();
+  command->add_option("--from", flags.source.from, "First frame, from 0")->capture_default_str();
+  command->add_option("--to", flags.to, "Last frame, inclusive")->check(CLI::NonNegativeNumber);
+  command->add_option("--camera", flags.camera,
+                      "Calibration: OpenCV, ROS, Kalibr or COLMAP file (not needed)");
+}
+
+void AddMapFlags(CLI::App* command, BuildFlags& flags) {
+  command->add_option("--features", flags.features, "Kind of features: sift, orb or akaze")
+      ->capture_default_str();
+  command->add_option("--max-features", flags.build.features.max_features, "Features an image")
+      ->capture_default_str();
+  command->add_flag("--no-images", flags.no_images, "Leave the keyframes' pictures out of the map");
+  command
+      ->add_option("--threads", flags.build.threads,
+                   "Threads; 0 takes all cores. The map is "
+                   "the same with any number")
+      ->capture_default_str();
+  command->add_flag("--force", flags.force, "Replace the map file if it is there");
+}
+
+void AddOutputFlags(CLI::App* command, BuildFlags& flags) {
+  command->add_option("--report", flags.report_folder, "Write a page with pictures to this folder");
+  command->add_flag("--json", flags.json, "Print what was built as one JSON object");
+  command->add_flag("--quiet", flags.quiet, "Print errors only");
+  command->add_option("--progress", flags.progress, "On stderr: auto, none or json")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void AddBuild(CLI::App& app, Run& run) {
+  auto flags = std::make_shared<BuildFlags>();
+  CLI::App* command = app.add_subcommand("build", "Make a map from image sequences");
+  AddSourceFlags(command, *flags);
+  AddMapFlags(command, *flags);
+  AddOutputFlags(command, *flags);
+  command->footer("Example: waystone build kitchen.mp4 -o kitchen.db --report kitchen-report");
+  command->callback([flags, &run] { run = [flags] { return RunBuild(*flags); }; });
+}
+
+}  // namespace waystone

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/build_text.h"
+
+#include <algorithm>
+#include <array>
+#include <iomanip>
+#include <sstream>
+
+namespace waystone {
+namespace {
+
+constexpr int kLabelWidth = 12;
+
+size_t FeatureCount(const MapData& map) {
+  size_t count = 0;
+  for (const Plane& plane : map.planes) count += plane.features.size();
+  return count;
+}
+
+std::string Plural(size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+std::string Seconds(double seconds) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1) << seconds;
+  return text.str();
+}
+
+void Line(std::ostream& out, const std::string& label, const std::string& text) {
+  out << "  " << std::left << std::setw(kLabelWidth) << label << text << '\n';
+}
+
+std::string PlanesText(const BuildReport& report) {
+  return std::to_string(report.planes_started) + " started, " +
+         std::to_string(report.planes_rejected) + " rejected and " +
+         std::to_string(report.planes_merged) + " merged by their homologies, " +
+         std::to_string(report.planes_fused) + " fused, " + std::to_string(report.planes_dropped) +
+         " dropped";
+}
+
+}  // namespace
+
+std::string BytesText(uint64_t bytes) {
+  static constexpr std::array<const char*, 4> kUnits = {"B", "kB", "MB", "GB"};
+  auto value = static_cast<double>(bytes);
+  size_t unit = 0;
+  while (value >= 1000 && unit + 1 < kUnits.size()) {
+    value /= 1000;
+    ++unit;
+  }
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(unit == 0 ? 0 : 1) << value << ' ' << kUnits[unit];
+  return text.str();
+}
+
+std::string CountsText(const MapData& map) {
+  return Plural(map.keyframes.size(), "keyframe") + ", " + Plural(map.planes.size(), "plane") +
+         ", " + Plural(map.edges.size(), "edge") + ", " + Plural(FeatureCount(map), "feature");
+}
+
+std::string TablesText(const std::vector<TableSize>& sizes) {
+  std::vector<TableSize> sorted = sizes;
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const TableSize& a, const TableSize& b) { return a.bytes > b.bytes; });
+  std::ostringstream text;
+  for (const TableSize& size : sorted) {
+    text << "  " << std::left << std::setw(20) << size.table << std::right << std::setw(10)
+         << size.rows << " rows" << std::setw(12) << BytesText(static_cast<uint64_t>(size.bytes))
+         << '\n';
+  }
+  return text.str();
+}
+
+Json TablesJson(const std::vector<TableSize>& sizes) {
+  Json list = Json::array();
+  for (const TableSize& size : sizes) {
+    list.push_back({{"table", size.table}, {"rows", size.rows}, {"bytes", size.bytes}});
+  }
+  return list;
+}
+
+std::string SummaryText(const BuildSummary& summary) {
+  const BuildReport& report = summary.result->report;
+  std::ostringstream text;
+  text << summary.path << ": " << CountsText(summary.result->map) << ", "
+       << BytesText(summary.bytes) << " in " << Seconds(report.total_s) << " s\n";
+  Line(text, "frames",
+       std::to_string(report.frames) + " used, " + std::to_string(report.skipped) + " skipped, " +
+           std::to_string(report.stretches) + " stretch" + (report.stretches == 1 ? "" : "es"));
+  for (const std::string& name : report.skipped_names) Line(text, "  skipped", name);
+  Line(text, "planes", PlanesText(report));
+  Line(text, "seconds",
+       "decode " + Seconds(report.decode_s) + ", features " + Seconds(report.extract_s) +
+           ", track " + Seconds(report.track_s) + ", fusion " + Seconds(report.fusion_s) +
+           " (summed over threads)");
+  Line(text, "version", summary.version);
+  text << TablesText(summary.tables);
+  return text.str();
+}
+
+Json SummaryJson(const BuildSummary& summary) {
+  const BuildReport& report = summary.result->report;
+  const MapData& map = summary.result->map;
+  Json json;
+  json["map"] = summary.path;
+  json["version"] = summary.version;
+  json["bytes"] = summary.bytes;
+  json["keyframes"] = map.keyframes.size();
+  json["planes"] = map.planes.size();
+  json["edges"] = map.edges.size();
+  json["features"] = FeatureCount(map);
+  json["frames"] = report.frames;
+  json["skipped"] = report.skipped;
+  json["skipped_names"] = report.skipped_names;
+  json["stretches"] = report.stretches;
+  json["rotation_only"] = report.rotation_only;
+  json["planes_started"] = report.planes_started;
+  json["planes_rejected"] = report.planes_rejected;
+  json["planes_merged"] = report.planes_merged;
+  json["planes_fused"] = report.planes_fused;
+  json["planes_dropped"] = report.planes_dropped;
+  json["features_dropped"] = report.features_dropped;
+  json["seconds"] = {{"decode", Rounded(report.decode_s, 3)},
+                     {"extract", Rounded(report.extract_s, 3)},
+                     {"track", Rounded(report.track_s, 3)},
+                     {"fusion", Rounded(report.fusion_s, 3)},
+                     {"total", Rounded(report.total_s, 3)}};
+  json["tables"] = TablesJson(summary.tables);
+  return json;
+}
+
+}  // namespace waystone

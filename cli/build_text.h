@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "builder/build_map.h"
+#include "schema/map_data.h"
+#include "schema/map_store.h"
+#include "server/http/json.h"
+
+// What maps and builds look like to people, and to programs.
+namespace waystone {
+
+std::string BytesText(uint64_t bytes);       // "1.9 MB"
+std::string CountsText(const MapData& map);  // "61 keyframes, 23 planes, 41 edges, 8120 features"
+std::string TablesText(const std::vector<TableSize>& sizes);  // a line a table, largest first
+Json TablesJson(const std::vector<TableSize>& sizes);
+
+// A finished build: the map, what became of the frames, and seconds by stage.
+struct BuildSummary {
+  std::string path;
+  std::string version;
+  uint64_t bytes = 0;
+  std::vector<TableSize> tables;
+  const BuildResult* result = nullptr;
+};
+
+std::string SummaryText(const BuildSummary& summary);
+Json SummaryJson(const BuildSummary& summary);
+
+}  // namespace waystone

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace waystone {
+
+// What the parsed command line asks for: returns the program's exit code, throws MapError.
+using Run = std::function<int()>;
+
+// Each adds its subcommand to the program and, when that is the one that was given, puts what it
+// does into `run`, which must outlive the parsing.
+void AddBuild(CLI::App& app, Run& run);
+void AddServe(CLI::App& app, Run& run);
+void AddLocalize(CLI::App& app, Run& run);
+void AddInfo(CLI::App& app, Run& run);
+void AddCheck(CLI::App& app, Run& run);
+void AddMigrate(CLI::App& app, Run& run);
+void AddDemo(CLI::App& app, Run& run);
+
+}  // namespace waystone

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/child_process.h"
+#include "cli/commands.h"
+#include "cli/demo_world.h"
+#include "cli/map_file.h"
+#include "cli/post.h"
+#include "cli/progress.h"
+#include "core/base/error.h"
+#include "server/http/json.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kUnexpectedAnswer = 4;
+
+struct DemoFlags {
+  std::string write_folder;
+  std::string keep_folder;
+};
+
+// The demo's folder: the user's, or one that goes away with the demo.
+class DemoFolder {
+ public:
+  explicit DemoFolder(const std::string& keep) : keep_(!keep.empty()), path_(keep) {
+    if (keep_) {
+      MakeFolder();
+    } else {
+      std::string name = (fs::temp_directory_path() / "waystone-demo-XXXXXX").string();
+      if (mkdtemp(name.data()) == nullptr) {
+        throw MapError(ErrorCode::kFileUnwritable, "no folder can be made in " +
+                                                       fs::temp_directory_path().string() +
+                                                       "; set TMPDIR or use --keep DIR");
+      }
+      path_ = name;
+    }
+  }
+  ~DemoFolder() {
+    std::error_code ignored;
+    if (!keep_) fs::remove_all(path_, ignored);
+  }
+  DemoFolder(const DemoFolder&) = delete;
+  DemoFolder& operator=(const DemoFolder&) = delete;
+
+  const fs::path& path() const { return path_; }
+  bool kept() const { return keep_; }
+
+ private:
+  void MakeFolder() const {
+    std::error_code error;
+    fs::create_directories(path_, error);
+    if (error) {
+      throw MapError(ErrorCode::kFileUnwritable, path_.string() + " can't be made: " +
+                                                     error.message() + "; choose another folder");
+    }
+  }
+
+  bool keep_;
+  fs::path path_;
+};
+
+void WriteWalkWithProgress(const fs::path& dir) {
+  ProgressMeter meter(std::cerr, ProgressStyleByName("auto", false), ColoursWelcome());
+  WriteDemoWalk(dir, [&meter](int done, int total) {
+    meter.Update({"pictures", done, total, ""});
+  });
+}
+
+void Say(const std::string& text) { std::cout << text << std::endl; }
+
+void Build(const fs::path& images, const fs::path& map) {
+  Say("\n$ waystone build " + images.string() + " -o " + map.string());
+  ChildProcess build({ThisProgram(), "build", images.string(), "-o", map.string()}, false);
+  const int code = build.Wait();
+  if (code != 0) {
+    throw MapError(ErrorCode::kInternal,
+                   "the build ended with code " + std::to_string(code) + "; see above");
+  }
+}
+
+// The address in "Serving 1 map at http://127.0.0.1:40001".
+std::string UrlIn(const std::string& line) {
+  const size_t at = line.find("http://");
+  if (at == std::string::npos) {
+    throw MapError(ErrorCode::kInternal, "the server didn't start; see above");
+  }
+  return line.substr(at);
+}
+
+struct Question {
+  fs::path photo;
+  std::string about;
+  std::string expected;
+};
+
+// Asks the server as curl would. Returns the verdict.
+std::string Ask(const std::string& url, const Question& question) {
+  const std::string path = "/v1/maps/demo/localize";
+  Say("\n" + question.about + ":\n$ curl --data-binary @" + question.photo.string() +
+      " -H 'Content-Type: image/jpeg' " + url + path);
+  const std::string body = Post(url, path, ReadBytes(question.photo), "image/jpeg");
+  Json answer = Json::parse(body);
+  std::string verdict = answer.value("verdict", body);
+  // In short: a plane's matrix and outline fill a page.
+  if (answer.contains("planes")) {
+    for (Json& plane : answer["planes"]) {
+      plane.erase("outline");
+      plane.erase("reference_from_query");
+    }
+  }
+  Say(Dump(answer));
+  return verdict;
+}
+
+int AskAll(const std::string& url, const DemoPhotos& photos) {
+  int code = 0;
+  for (const Question& question : std::vector<Question>{
+           {photos.right, "A photo from a place that no picture of the walk shows exactly",
+            "localized"},
+           {photos.elsewhere, "A photo from another building", "not_in_map"},
+           {photos.broken, "The first photo, cut off", "bad_image"}}) {
+    const std::string verdict = Ask(url, question);
+    if (verdict == question.expected) continue;
+    std::cerr << "waystone: expected " << question.expected << ", got " << verdict << '\n';
+    code = kUnexpectedAnswer;
+  }
+  return code;
+}
+
+int RunDemo(const DemoFlags& flags) {
+  if (!flags.write_folder.empty()) {
+    WriteWalkWithProgress(flags.write_folder);
+    Say("The walk is in " + flags.write_folder + "; README.txt there says what each file is.\n" +
+        "Next: waystone build " + flags.write_folder + "/images -o demo.db");
+    return 0;
+  }
+  const DemoFolder folder(flags.keep_folder);
+  const fs::path walk = folder.path() / "walk";
+  const fs::path map = folder.path() / "demo.db";
+  Say("Taking a walk through a made building, with a camera of 640x480 pixels ...");
+  WriteWalkWithProgress(walk);
+  const DemoPhotos photos = WriteDemoPhotos(folder.path());
+  Build(walk / "images", map);
+  Say("\n$ waystone serve " + map.string());
+  ChildProcess server({ThisProgram(), "serve", map.string(), "--port", "0"}, true);
+  const std::string url = UrlIn(server.ReadLine());
+  Say("Serving at " + url);
+  const int code = AskAll(url, photos);
+  Say("\nThat is all. Answers are in short here, without outlines and homographies.");
+  Say(folder.kept() ? "Try it yourself: waystone serve " + map.string()
+                    : "To keep the walk, the map and the photos: waystone demo --keep DIR");
+  return code;
+}
+
+}  // namespace
+
+void AddDemo(CLI::App& app, Run& run) {
+  auto flags = std::make_shared<DemoFlags>();
+  CLI::App* command =
+      app.add_subcommand("demo", "Map a made building, serve it and ask about three photos");
+  CLI::Option* write = command->add_option("--write", flags->write_folder,
+                                           "Only write the walk and its truth, to this new folder");
+  command->add_option("--keep", flags->keep_folder, "Work in this new folder and keep it")
+      ->excludes(write);
+  command->footer("Takes about a minute.\nExample: waystone demo --keep demo");
+  command->callback([flags, &run] { run = [flags] { return RunDemo(*flags); }; });
+}
+
+}  // namespace waystone

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "world/write_walk.h"
+
+namespace waystone {
+
+// Writes the pictures of a walk through the demo's building, with their truth, into `dir`.
+void WriteDemoWalk(const std::filesystem::path& dir, const WriteProgress& progress);
+
+// The demo's three photos.
+struct DemoPhotos {
+  std::filesystem::path right;      // of the same building, from between two of the walk's frames
+  std::filesystem::path elsewhere;  // of another building
+  std::filesystem::path broken;     // the first one, cut off
+};
+
+// Renders them into `dir`. Throws MapError(kFileUnwritable).
+DemoPhotos WriteDemoPhotos(const std::filesystem::path& dir);
+
+}  // namespace waystone

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "localizer/map_index.h"
+
+namespace waystone {
+
+// A map that the program was given by its file.
+struct OpenMap {
+  std::string name;  // the file's, without folder and extension: what answers and URLs call it
+  std::shared_ptr<const MapIndex> index;
+};
+
+// The name that a map file gives its map.
+std::string MapNameOf(const std::filesystem::path& path);
+
+// Reads a map file and makes it ready for queries. Throws as ReadMap does.
+OpenMap OpenMapFile(const std::filesystem::path& path, bool images);
+
+// The bytes of a file. Throws MapError(kFileUnreadable) with the cause.
+std::vector<uint8_t> ReadBytes(const std::filesystem::path& path);
+
+}  // namespace waystone

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "localizer/answer.h"
+#include "server/http/json.h"
+
+namespace waystone {
+
+// An answer as the HTTP API and `waystone localize --json` print it. Fields, always in this order:
+//   verdict, probability, image, map, map_version, keyframe, heading, planes, places (only when
+//   ambiguous), runner_up, decided_by, message (only when not localized), timing_ms.
+// keyframe, heading and runner_up are null when there is none.
+Json ToJson(const Answer& answer);
+
+}  // namespace waystone

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "server/http/message.h"
+
+namespace waystone {
+
+struct HttpOptions {
+  // Address to listen on. Only loopback addresses are taken unless `insecure` is set.
+  std::string host = "127.0.0.1";
+  int port = 8080;  // 0 takes any free one
+  // Listen on an address that other machines reach, although nobody has to show who they are.
+  bool insecure = false;
+  // Bytes of a request's body. A photo of 50 megapixels has about 15 MB.
+  int64_t max_body_bytes = 20'000'000;
+  // Threads that hold connections. Each open connection holds one, also while it is idle.
+  int connection_threads = 64;
+  // Connections that the kernel keeps ready while all threads are held.
+  int backlog = 511;
+  // Seconds that an idle connection is kept. Longer saves handshakes and lets slow clients hold
+  // threads.
+  int keep_alive_s = 2;
+  int read_timeout_s = 5;   // seconds without a byte from the client
+  int write_timeout_s = 5;  // seconds in which the client takes none of ours
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// The HTTP/1.1 transport: sockets, limits and bodies. Knows nothing of maps. Refuses what could be
+// read in two ways (bad, repeated or contradicting lengths) and what could cost more than the
+// limits say: encoded bodies and bodies over the limit. Ranges and compression are left undone.
+// Everything else goes to `dispatch`, from several threads at once; it must not throw.
+class HttpServer {
+ public:
+  using Dispatch = std::function<HttpResponse(const HttpRequest&)>;
+
+  // Binds and listens, without answering yet. Throws MapError(kBadOptions) for an address that
+  // isn't ours, is taken or needs --insecure.
+  HttpServer(const HttpOptions& options, Dispatch dispatch);
+  ~HttpServer();  // stops
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  int port() const;
+  std::string url() const;  // "http://127.0.0.1:8080"
+
+  // Answers, in threads of its own, from the return on.
+  void Start();
+  // Takes no more connections, finishes the requests at hand, and returns when all threads ended.
+  void Stop();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace waystone

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/ids.h"
+
+// The few ways in which our values become JSON.
+namespace waystone {
+
+using Json = nlohmann::ordered_json;
+
+// One line of text. Never throws: bytes of a name that are not UTF-8 become U+FFFD.
+std::string Dump(const Json& json);
+
+// The number rounded to `decimals`, so that what was measured to a tenth isn't printed to 1e-16.
+double Rounded(double value, int decimals);
+
+Json ToJson(const Eigen::Matrix3d& matrix);                  // three rows of three, unrounded
+Json ToJson(const std::vector<Eigen::Vector2d>& points_px);  // [[x, y], ...] to 1/100 px
+
+template <class Tag>
+Json ToJson(const std::vector<Id<Tag>>& ids) {
+  Json list = Json::array();
+  for (const Id<Tag>& id : ids) list.push_back(id.value);
+  return list;
+}
+
+// null where there is nothing.
+template <class T>
+Json OrNull(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+}  // namespace waystone

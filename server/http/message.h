@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+// A request and its response as our handlers see them: no HTTP library shows through.
+namespace waystone {
+
+struct HttpRequest {
+  std::string method;                        // "GET", "POST", ...
+  std::string path;                          // without the query, percent-decoded
+  std::map<std::string, std::string> query;  // percent-decoded; the first of a repeated name
+  // A header's value by its name in any case; nothing when it isn't there.
+  std::function<std::optional<std::string>(const std::string&)> header;
+  // Reads the whole body. To be called once at most. Throws MapError(kPayloadTooLarge) when it is
+  // over the server's limit and MapError(kBadRequest) when it ends early.
+  std::function<std::string()> read_body;
+};
+
+struct HttpResponse {
+  int status = 200;
+  std::string content_type;
+  std::string body;
+  std::vector<std::pair<std::string, std::string>> headers;
+};
+
+}  // namespace waystone

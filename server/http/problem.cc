@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/problem.h"
+
+#include "server/http/json.h"
+
+namespace waystone {
+namespace {
+
+HttpResponse Problem(ErrorCode code, int status, const std::string& detail) {
+  const ErrorInfo& info = InfoOf(code);
+  Json body;
+  body["type"] = "urn:waystone:problem:" + std::string(info.name);
+  body["title"] = info.title;
+  body["status"] = status;
+  body["detail"] = detail;
+  body["code"] = info.name;
+  HttpResponse response{status, "application/problem+json", Dump(body), {}};
+  if (code == ErrorCode::kBusy) response.headers.emplace_back("Retry-After", "1");
+  return response;
+}
+
+}  // namespace
+
+HttpResponse ProblemResponse(ErrorCode code, const std::string& detail) {
+  return Problem(code, InfoOf(code).http_status, detail);
+}
+
+HttpResponse ProblemResponseForStatus(int status) {
+  switch (status) {
+    case 404:
+      return ProblemResponse(ErrorCode::kNotFound, "there is nothing at this path");
+    case 413:
+      return ProblemResponse(ErrorCode::kPayloadTooLarge, "the body is over the limit");
+    default:
+      break;
+  }
+  if (status >= 500) return Problem(ErrorCode::kInternal, status, "the server failed");
+  return Problem(ErrorCode::kBadRequest, status, "the request is not HTTP that this server reads");
+}
+
+}  // namespace waystone

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/router.h"
+
+#include <exception>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "core/base/error.h"
+#include "server/http/problem.h"
+
+namespace waystone {
+namespace {
+
+// "/a/b" -> {"a", "b"}; "/" -> {}. An empty segment inside ("/a//b") stays, and matches nothing.
+std::vector<std::string> Split(const std::string& path) {
+  std::vector<std::string> segments;
+  if (path.size() <= 1) return segments;
+  size_t start = 1;
+  while (true) {
+    const size_t end = path.find('/', start);
+    segments.push_back(path.substr(start, end - start));
+    if (end == std::string::npos) return segments;
+    start = end + 1;
+  }
+}
+
+bool IsCapture(const std::string& segment) { return segment.starts_with('{'); }
+
+std::optional<Router::Captures> Match(const std::vector<std::string>& pattern,
+                                      const std::vector<std::string>& path) {
+  if (pattern.size() != path.size()) return std::nullopt;
+  Router::Captures captures;
+  for (size_t i = 0; i < pattern.size(); ++i) {
+    if (IsCapture(pattern[i])) {
+      if (path[i].empty()) return std::nullopt;
+      captures[pattern[i].substr(1, pattern[i].size() - 2)] = path[i];
+    } else if (pattern[i] != path[i]) {
+      return std::nullopt;
+    }
+  }
+  return captures;
+}
+
+HttpResponse MethodNotAllowed(const HttpRequest& request, const std::set<std::string>& allowed) {
+  std::string list;
+  for (const std::string& method : allowed) list += (list.empty() ? "" : ", ") + method;
+  HttpResponse response = ProblemResponse(ErrorCode::kMethodNotAllowed,
+                                          request.method + " is not for this path; use " + list);
+  response.headers.emplace_back("Allow", list);
+  return response;
+}
+
+}  // namespace
+
+void Router::Add(const std::string& method, const std::string& pattern, Handler handler) {
+  routes_.push_back({method, Split(pattern), std::move(handler)});
+}
+
+void Router::OnInternalError(std::function<void(const std::string&)> listener) {
+  listener_ = std::move(listener);
+}
+
+HttpResponse Router::Dispatch(const HttpRequest& request) const {
+  try {
+    return Find(request);
+  } catch (const MapError& error) {
+    if (error.code() == ErrorCode::kInternal) return InternalError(request, error.what());
+    return ProblemResponse(error.code(), error.what());
+  } catch (const std::exception& error) {
+    return InternalError(request, error.what());
+  } catch (...) {
+    return InternalError(request, "something that is no std::exception");
+  }
+}
+
+HttpResponse Router::Find(const HttpRequest& request) const {
+  const std::vector<std::string> path = Split(request.path);
+  const std::string method = request.method == "HEAD" ? "GET" : request.method;
+  std::set<std::string> allowed;
+  for (const Route& route : routes_) {
+    const std::optional<Captures> captures = Match(route.segments, path);
+    if (!captures) continue;
+    if (route.method == method) return route.handler(request, *captures);
+    allowed.insert(route.method);
+    if (route.method == "GET") allowed.insert("HEAD");
+  }
+  if (!allowed.empty()) return MethodNotAllowed(request, allowed);
+  throw MapError(ErrorCode::kNotFound, "there is nothing at " + request.path.substr(0, 200));
+}
+
+HttpResponse Router::InternalError(const HttpRequest& request, const std::string& cause) const {
+  if (listener_) listener_(request.method + " " + request.path + ": " + cause);
+  return ProblemResponse(ErrorCode::kInternal,
+                         "the server met a bug of its own and wrote its cause to its log");
+}
+
+}  // namespace waystone

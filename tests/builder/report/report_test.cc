@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/report/report.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+
+#include "builder/report/colours.h"
+#include "builder/report/graph_layout.h"
+#include "builder/report/overlay.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+// `planes` planes of which the first `chained` hang together in a chain.
+MapData Chain(int planes, int chained) {
+  MapData map;
+  map.info.name = "<lab>";
+  map.keyframes.push_back({KeyframeId{1}, SequenceId{1}, 0, 0, "a&b.jpg", {}, 320, 240, {}});
+  for (int i = 1; i <= planes; ++i) {
+    Plane plane;
+    plane.id = PlaneId{i};
+    plane.reference = KeyframeId{1};
+    plane.features.push_back({{100.0F, 80.0F, 4.0F, 0.0F}, 1, 1});
+    plane.views.push_back({KeyframeId{1}, Eigen::Matrix3d::Identity(), 1});
+    map.planes.push_back(plane);
+    if (i < 2 || i > chained) continue;
+    Edge edge;
+    edge.a = PlaneId{i - 1};
+    edge.b = PlaneId{i};
+    map.edges.push_back(edge);
+  }
+  return map;
+}
+
+TEST(GraphLayout, StaysInTheUnitSquareAndApart) {
+  for (const auto& [planes, chained] :
+       {std::pair{0, 0}, {1, 0}, {2, 0}, {2, 2}, {9, 5}, {30, 30}}) {
+    const auto at = LayOutGraph(Chain(planes, chained));
+    ASSERT_EQ(at.size(), static_cast<size_t>(planes));
+    for (size_t i = 0; i < at.size(); ++i) {
+      EXPECT_GE(at[i].minCoeff(), -1e-9);
+      EXPECT_LE(at[i].maxCoeff(), 1 + 1e-9);
+      for (size_t j = 0; j < i; ++j) EXPECT_GT((at[i] - at[j]).norm(), 1e-3) << i << ' ' << j;
+    }
+  }
+}
+
+TEST(GraphLayout, SameMapSamePicture) {
+  EXPECT_EQ(LayOutGraph(Chain(20, 12)), LayOutGraph(Chain(20, 12)));
+}
+
+TEST(GraphLayout, NeighboursAreNearerThanEndsOfTheChain) {
+  const auto at = LayOutGraph(Chain(10, 10));
+  EXPECT_LT((at[4] - at[5]).norm(), (at[0] - at[9]).norm());
+}
+
+TEST(Colours, NeighbouringIdsDiffer) {
+  std::set<std::string> seen;
+  for (int i = 1; i <= 50; ++i) seen.insert(CssColourOf(PlaneId{i}));
+  EXPECT_EQ(seen.size(), 50u);
+  EXPECT_EQ(CssColourOf(PlaneId{7}).size(), 7u);
+}
+
+TEST(Overlay, DrawsAFeatureWhereItIs) {
+  const MapData map = Chain(1, 0);
+  const cv::Mat picture = DrawPlanes(map, map.keyframes[0]);
+  ASSERT_EQ(picture.size(), cv::Size(640, 480));
+  const auto pixel = picture.at<cv::Vec3b>(160, 200);  // (100, 80) at twice the size
+  const cv::Scalar colour = ColourOf(PlaneId{1});
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(pixel[c], colour[c], 1.0);
+  EXPECT_EQ(picture.at<cv::Vec3b>(20, 20), cv::Vec3b(90, 90, 90));
+}
+
+TEST(Overlay, FeaturesBehindTheCameraAreNotDrawn) {
+  MapData map = Chain(1, 0);
+  map.planes[0].views[0].reference_from_keyframe << 1, 0, 0, 0, 1, 0, 0, 0, 1e-300;
+  EXPECT_NO_THROW(DrawPlanes(map, map.keyframes[0]));
+}
+
+TEST(WriteReport, WritesAPageThatNamesNothingUnescaped) {
+  const auto dir = std::filesystem::path(testing::TempDir()) / "waystone-report-test";
+  std::filesystem::remove_all(dir);
+  WriteReport(Chain(3, 3), {}, {{"planes", 3, 100}}, dir);
+  std::ifstream in(dir / "index.html");
+  const std::string page{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  EXPECT_NE(page.find("&lt;lab&gt;"), std::string::npos);
+  EXPECT_EQ(page.find("<lab>"), std::string::npos);
+  EXPECT_NE(page.find("a&amp;b.jpg"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(dir / "images" / "1.jpg"));
+  std::filesystem::remove_all(dir);
+}
+
+TEST(WriteReport, FolderThatCannotBeMade) {
+  EXPECT_THROW(WriteReport(Chain(1, 0), {}, {}, "/proc/waystone-report"), MapError);
+}
+
+}  // namespace
+}  // namespace waystone

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program as a user runs it: what it prints, where, and what it returns.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include "cli/child_process.h"
+#include "server/http/json.h"
+#include "tests/e2e/shared_map.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder that goes away with the test.
+class CliTest : public testing::Test {
+ protected:
+  ~CliTest() override { fs::remove_all(folder_); }
+
+  // One line on stderr that starts with our name; nothing on stdout.
+  static void ExpectFailure(const RunResult& result, int code, const std::string& about) {
+    EXPECT_EQ(result.code, code) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_TRUE(result.err.starts_with("waystone: ")) << result.err;
+    EXPECT_NE(result.err.find(about), std::string::npos) << result.err;
+  }
+
+  size_t FilesIn(const fs::path& folder) const {
+    return static_cast<size_t>(
+        std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+  }
+
+  const fs::path folder_ = FreshFolder();
+};
+
+TEST_F(CliTest, BuildPrintsWhatItBuilt) {
+  const RunResult& build = TheMap().build;
+  ASSERT_EQ(build.code, 0) << build.err;
+  const Json json = Json::parse(build.out);
+  EXPECT_GE(json["keyframes"].get<int>(), 2);
+  EXPECT_GE(json["planes"].get<int>(), 1);
+  EXPECT_GT(json["features"].get<int>(), 40);
+  EXPECT_GT(json["bytes"].get<int>(), 0);
+  EXPECT_EQ(json["skipped"], 0);
+  EXPECT_TRUE(json["version"].get<std::string>().starts_with("sha256:"));
+  EXPECT_TRUE(json["seconds"].contains("total"));
+  EXPECT_FALSE(json["tables"].empty());
+  EXPECT_EQ(build.err.find('\x1b'), std::string::npos) << "escapes where there is no terminal";
+}
+
+TEST_F(CliTest, SameBytesWithOneThreadAndTwo) {
+  for (const char* threads : {"1", "2"}) {
+    const fs::path out = folder_ / threads / "room.db";
+    fs::create_directories(out.parent_path());
+    const RunResult result =
+        RunWaystone({"build", TheMap().images, "-o", out, "--threads", threads, "--quiet"});
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_EQ(result.out + result.err, "") << "--quiet isn't";
+  }
+  const std::string one = ReadFile(folder_ / "1" / "room.db");
+  EXPECT_TRUE(one == ReadFile(folder_ / "2" / "room.db"));
+  EXPECT_TRUE(one == ReadFile(TheMap().map));
+}
+
+TEST_F(CliTest, ReportIsWritten) {
+  const RunResult result = RunWaystone({"build", TheMap().images, "-o", folder_ / "r.db", "--every",
+                                        "2", "--report", folder_ / "report"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.out.find("planes"), std::string::npos) << result.out;
+  const std::string page = ReadFile(folder_ / "report" / "index.html");
+  EXPECT_NE(page.find("<svg"), std::string::npos);
+  EXPECT_EQ(page.find("http://"), std::string::npos) << "the page needs something from elsewhere";
+  EXPECT_GT(FilesIn(folder_ / "report" / "images"), 1u);
+}
+
+TEST_F(CliTest, LocalizeSaysWhere) {
+  const RunResult result = RunWaystone({"localize", TheMap().map, TheMap().inside});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.out.find("inside.jpg: localized near "), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find(" inliers, "), std::string::npos) << result.out;
+}
+
+TEST_F(CliTest, LocalizeAnswersAllPhotosAndSaysWhichCouldNotBeRead) {
+  WriteFile(folder_ / "text.jpg", "this is no picture");
+  const RunResult result =
+      RunWaystone({"localize", TheMap().map, folder_ / "missing.jpg", TheMap().inside,
+                   folder_ / "text.jpg", TheMap().elsewhere, "--json"});
+  EXPECT_EQ(result.code, 3);
+  EXPECT_NE(result.err.find("missing.jpg"), std::string::npos) << result.err;
+  std::istringstream lines(result.out);
+  std::vector<std::string> verdicts;
+  for (std::string line; std::getline(lines, line);) {
+    verdicts.push_back(Json::parse(line)["verdict"]);
+  }
+  EXPECT_EQ(verdicts, (std::vector<std::string>{"localized", "bad_image", "not_in_map"}));
+}
+
+TEST_F(CliTest, InfoAndCheck) {
+  const RunResult info = RunWaystone({"info", TheMap().map, "--json"});
+  EXPECT_EQ(info.code, 0) << info.err;
+  EXPECT_EQ(Json::parse(info.out)["name"], "room");
+  EXPECT_EQ(RunWaystone({"info", TheMap().map}).code, 0);
+  const RunResult check = RunWaystone({"check", TheMap().map});
+  EXPECT_EQ(check.code, 0) << check.out;
+  EXPECT_EQ(Json::parse(RunWaystone({"check", TheMap().map, "--json"}).out)["ok"], true);
+  EXPECT_EQ(RunWaystone({"migrate", TheMap().map}).code, 0);
+}
+
+TEST_F(CliTest, FilesThatAreNoMaps) {
+  WriteFile(folder_ / "text.db", "this is no map");
+  WriteFile(folder_ / "empty.db", "");
+  const std::string map = ReadFile(TheMap().map);
+  WriteFile(folder_ / "half.db", map.substr(0, map.size() / 2));
+  for (const char* command : {"info", "serve"}) {
+    for (const char* name : {"text.db", "empty.db", "half.db", "missing.db"}) {
+      ExpectFailure(RunWaystone({command, folder_ / name}), 3, name);
+    }
+  }
+  EXPECT_EQ(RunWaystone({"check", folder_ / "text.db"}).code, 3);
+  EXPECT_EQ(RunWaystone({"check", folder_ / "half.db"}).code, 3);
+  ExpectFailure(RunWaystone({"localize", folder_ / "half.db", TheMap().inside}), 3, "half.db");
+  EXPECT_EQ(FilesIn(folder_), 3u) << "something was left beside the maps";
+}
+
+TEST_F(CliTest, BrokenMapIsFoundOut) {
+  std::string map = ReadFile(TheMap().map);
+  for (size_t i = map.size() / 2; i < map.size() / 2 + 2000; i += 7) map[i] ^= 0x55;
+  WriteFile(folder_ / "bad.db", map);
+  const RunResult check = RunWaystone({"check", folder_ / "bad.db", "--json"});
+  EXPECT_EQ(check.code, 3);
+}
+
+TEST_F(CliTest, SourcesThatAreNone) {
+  const std::string out = folder_ / "m.db";
+  ExpectFailure(RunWaystone({"build", folder_ / "nowhere", "-o", out}), 3, "nowhere");
+  fs::create_directories(folder_ / "empty");
+  ExpectFailure(RunWaystone({"build", folder_ / "empty", "-o", out}), 3, "empty");
+  fs::create_directories(folder_ / "text");
+  WriteFile(folder_ / "text" / "1.jpg", "this is no picture");
+  EXPECT_EQ(RunWaystone({"build", folder_ / "text", "-o", out, "--quiet"}).code, 3);
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST_F(CliTest, NothingIsOverwrittenUnasked) {
+  WriteFile(folder_ / "there.db", "precious");
+  ExpectFailure(RunWaystone({"build", TheMap().images, "-o", folder_ / "there.db"}), 3, "--force");
+  EXPECT_EQ(ReadFile(folder_ / "there.db"), "precious");
+  const RunResult forced = RunWaystone(
+      {"build", TheMap().images, "-o", folder_ / "there.db", "--force", "--every", "3"});
+  EXPECT_EQ(forced.code, 0) << forced.err;
+  EXPECT_EQ(FilesIn(folder_), 1u);
+}
+
+TEST_F(CliTest, FoldersThatCannotBeWrittenAreSaidBeforeTheWork) {
+  ExpectFailure(RunWaystone({"build", TheMap().images, "-o", folder_ / "no" / "m.db"}), 3, "no");
+  ExpectFailure(RunWaystone({"build", TheMap().images, "-o", "/proc/m.db"}), 3, "/proc");
+}
+
+TEST_F(CliTest, WallsWithoutTextureGiveNoMap) {
+  fs::create_directories(folder_ / "plain");
+  for (const char* name : {"1.pgm", "2.pgm", "3.pgm"}) {
+    WriteFile(folder_ / "plain" / name, "P5\n64 48\n255\n" + std::string(64 * 48, 'x'));
+  }
+  const RunResult result =
+      RunWaystone({"build", folder_ / "plain", "-o", folder_ / "m.db", "--quiet"});
+  ExpectFailure(result, 4, "no plane");
+  EXPECT_FALSE(fs::exists(folder_ / "m.db"));
+}
+
+TEST_F(CliTest, UsageErrors) {
+  const RunResult none = RunWaystone({});
+  EXPECT_EQ(none.code, 2);
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {},
+           {"fly"},
+           {"build"},
+           {"build", "x"},
+           {"info", "a.db", "--colour"},
+           {"build", "x", "-o", "y.db", "--every", "often"},
+           {"build", "x", "-o", folder_ / "y.db", "--every", "0"},
+           {"build", "x", "-o", folder_ / "y.db", "--features", "surf"},
+           {"build", "x", "-o", folder_ / "y.db", "--max-features", "-5"},
+           {"serve", "x.db", "--port", "70000"},
+           {"serve", "x.db", "--host", "0.0.0.0"},
+           {"demo", "--write", "a", "--keep", "b"}}) {
+    ExpectFailure(RunWaystone(arguments), 2, "; ");
+  }
+}
+
+TEST_F(CliTest, HelpEndsWithAnExample) {
+  for (const char* command : {"build", "serve", "localize", "info", "check", "migrate", "demo"}) {
+    const RunResult help = RunWaystone({command, "--help"});
+    EXPECT_EQ(help.code, 0);
+    EXPECT_NE(help.out.find("Example: waystone " + std::string(command)), std::string::npos)
+        << help.out;
+  }
+  EXPECT_EQ(RunWaystone({"--help"}).code, 0);
+  EXPECT_TRUE(RunWaystone({"--version"}).out.starts_with("waystone "));
+}
+
+TEST_F(CliTest, InterruptedBuildLeavesNothing) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    ChildProcess build({WAYSTONE_PROGRAM, "build", TheMap().images, TheMap().images,
+                        TheMap().images, "-o", folder_ / "m.db", "--quiet"},
+                       false);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    build.Send(signal);
+    EXPECT_EQ(build.Wait(), 130);
+    EXPECT_EQ(FilesIn(folder_), 0u);
+  }
+}
+
+}  // namespace
+}  // namespace waystone

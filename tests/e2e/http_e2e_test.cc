@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+// The real server over real sockets.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <csignal>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cli/child_process.h"
+#include "server/http/json.h"
+#include "tests/e2e/shared_map.h"
+
+// After Eigen, for which the macro _res of the resolver's header spells trouble.
+#include <httplib.h>
+
+namespace waystone {
+namespace {
+
+constexpr int kPatienceS = 30;
+
+// A server of the shared map, and a client.
+class Served {
+ public:
+  explicit Served(const std::vector<std::string>& flags = {}) {
+    std::vector<std::string> arguments = {WAYSTONE_PROGRAM, "serve", TheMap().map, "--port", "0"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    process_ = std::make_unique<ChildProcess>(arguments, true);
+    first_line_ = process_->ReadLine();
+    second_line_ = process_->ReadLine();
+    const size_t at = first_line_.find("http://");
+    EXPECT_NE(at, std::string::npos) << first_line_;
+    url_ = first_line_.substr(at);
+  }
+
+  httplib::Client NewClient() const {
+    httplib::Client client(url_);
+    client.set_read_timeout(kPatienceS);
+    return client;
+  }
+  const std::string& url() const { return url_; }
+  const std::string& curl_line() const { return second_line_; }
+  ChildProcess& process() { return *process_; }
+
+ private:
+  std::unique_ptr<ChildProcess> process_;
+  std::string first_line_;
+  std::string second_line_;
+  std::string url_;
+};
+
+class HttpTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { served_ = std::make_unique<Served>(); }
+  static void TearDownTestSuite() { served_.reset(); }
+
+  Json Localize(const std::string& bytes) {
+    const auto result = client_.Post("/v1/maps/room/localize?name=q.jpg", bytes, "image/jpeg");
+    EXPECT_TRUE(result);
+    if (!result) return {};
+    EXPECT_EQ(result->status, 200) << result->body;
+    return Json::parse(result->body);
+  }
+
+  static std::vector<std::string> KeysOf(const Json& json) {
+    std::vector<std::string> keys;
+    for (const auto& [key, value] : json.items()) keys.push_back(key);
+    return keys;
+  }
+
+  static void ExpectProblem(const httplib::Result& result, int status, const std::string& code) {
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->status, status) << result->body;
+    EXPECT_EQ(result->get_header_value("Content-Type"), "application/problem+json");
+    const Json json = Json::parse(result->body);
+    EXPECT_EQ(KeysOf(json),
+              (std::vector<std::string>{"type", "title", "status", "detail", "code"}));
+    EXPECT_EQ(json["status"], status);
+    EXPECT_EQ(json["code"], code);
+  }
+
+  static inline std::unique_ptr<Served> served_;
+  httplib::Client client_ = served_->NewClient();
+};
+
+using Keys = std::vector<std::string>;
+
+TEST_F(HttpTest, AnswerHasTheDocumentedFields) {
+  const Json answer = Localize(ReadFile(TheMap().inside));
+  ASSERT_EQ(answer["verdict"], "localized") << answer.dump();
+  EXPECT_EQ(KeysOf(answer),
+            (Keys{"verdict", "probability", "image", "map", "map_version", "keyframe", "heading",
+                  "planes", "runner_up", "decided_by", "timing_ms"}));
+  EXPECT_EQ(answer["image"], "q.jpg");
+  EXPECT_EQ(answer["map"], "room");
+  EXPECT_EQ(KeysOf(answer["keyframe"]), (Keys{"id", "sequence", "source", "time_s"}));
+  EXPECT_EQ(KeysOf(answer["timing_ms"]),
+            (Keys{"decode", "extract", "shortlist", "verify", "total"}));
+  ASSERT_FALSE(answer["planes"].empty());
+  EXPECT_EQ(KeysOf(answer["planes"][0]),
+            (Keys{"id", "inliers", "reference", "reference_from_query", "outline", "expect_next"}));
+  EXPECT_EQ(answer["planes"][0]["reference_from_query"].size(), 3u);
+  EXPECT_GE(answer["planes"][0]["outline"].size(), 3u);
+}
+
+TEST_F(HttpTest, OtherBuildingIsNotInTheMap) {
+  const Json answer = Localize(ReadFile(TheMap().elsewhere));
+  EXPECT_EQ(answer["verdict"], "not_in_map");
+  EXPECT_TRUE(answer["keyframe"].is_null());
+  EXPECT_NE(answer["message"], "");
+}
+
+TEST_F(HttpTest, BadImagesAreAnswersAndCheap) {
+  const std::string good = ReadFile(TheMap().inside);
+  const std::map<std::string, std::string> bad = {
+      {"empty", ""},
+      {"text", "this is a text file called .jpg"},
+      {"cut", good.substr(0, good.size() / 2)},
+      {"header", good.substr(0, 20)},
+      {"bomb", WithJpegSize(good, 30'000, 30'000)},
+      {"flat", WithJpegSize(good, 640, 0)},
+  };
+  for (const auto& [name, bytes] : bad) {
+    const auto start = std::chrono::steady_clock::now();
+    const Json answer = Localize(bytes);
+    EXPECT_EQ(answer["verdict"], "bad_image") << name;
+    EXPECT_NE(answer["message"], "") << name;
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2)) << name;
+  }
+}
+
+TEST_F(HttpTest, EveryInspectionRouteAnswers) {
+  for (const char* path :
+       {"/", "/healthz", "/v1/maps", "/v1/maps/room", "/v1/maps/room/planes",
+        "/v1/maps/room/planes/1", "/v1/maps/room/graph", "/v1/maps/room/keyframes",
+        "/v1/maps/room/keyframes/1", "/v1/maps/room/keyframes/1/image"}) {
+    const auto get = client_.Get(path);
+    ASSERT_TRUE(get) << path;
+    EXPECT_EQ(get->status, 200) << path;
+    const auto head = client_.Head(path);
+    ASSERT_TRUE(head) << path;
+    EXPECT_EQ(head->status, 200) << path;
+    EXPECT_EQ(head->body, "") << path;
+    EXPECT_EQ(head->get_header_value("Content-Length"), std::to_string(get->body.size())) << path;
+  }
+  EXPECT_TRUE(client_.Get("/v1/maps/room/keyframes/1/image")->body.starts_with("\xFF\xD8\xFF"));
+}
+
+TEST_F(HttpTest, MapsAreCachedByTheirVersion) {
+  const auto first = client_.Get("/v1/maps/room/graph");
+  const std::string etag = first->get_header_value("ETag");
+  EXPECT_EQ(
+      etag,
+      "\"" + Json::parse(client_.Get("/v1/maps/room")->body)["version"].get<std::string>() + "\"");
+  const auto again = client_.Get("/v1/maps/room/graph", {{"If-None-Match", etag}});
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->status, 304);
+  EXPECT_EQ(again->body, "");
+}
+
+TEST_F(HttpTest, PagesJoinToTheWholeList) {
+  const size_t all = Json::parse(client_.Get("/v1/maps/room")->body)["keyframes"].get<size_t>();
+  size_t seen = 0;
+  std::string path = "/v1/maps/room/keyframes?limit=2";
+  while (true) {
+    const Json page = Json::parse(client_.Get(path)->body);
+    seen += page["keyframes"].size();
+    if (page["next"].is_null() || seen > all) break;
+    path = "/v1/maps/room/keyframes?limit=2&cursor=" + page["next"].get<std::string>();
+  }
+  EXPECT_EQ(seen, all);
+}
+
+TEST_F(HttpTest, ErrorsAreProblems) {
+  ExpectProblem(client_.Get("/nowhere"), 404, "not_found");
+  ExpectProblem(client_.Get("/v1/maps/attic"), 404, "not_found");
+  ExpectProblem(client_.Get("/v1/maps/room/planes/999999"), 404, "not_found");
+  ExpectProblem(client_.Get("/v1/maps/room/keyframes/one"), 404, "not_found");
+  ExpectProblem(client_.Post("/v1/maps/attic/localize", "x", "image/jpeg"), 404, "not_found");
+  ExpectProblem(client_.Get("/v1/maps/room/localize"), 405, "method_not_allowed");
+  ExpectProblem(client_.Put("/v1/maps/room", "x", "text/plain"), 400, "bad_request");
+  ExpectProblem(client_.Delete("/v1/maps/room"), 405, "method_not_allowed");
+  ExpectProblem(client_.Get("/v1/maps?limit=none"), 400, "bad_request");
+  ExpectProblem(client_.Get("/v1/maps?cursor=none"), 400, "bad_request");
+  ExpectProblem(client_.Post("/v1/maps/room/localize", "x", "text/plain"), 415,
+                "unsupported_media_type");
+  ExpectProblem(
+      client_.Post("/v1/maps/room/localize", {{"Content-Encoding", "gzip"}}, "x", "image/jpeg"),
+      415, "unsupported_media_type");
+  ExpectProblem(client_.Post("/v1/maps/room/localize", std::string(20'000'001, 'x'), "image/jpeg"),
+                413, "payload_too_large");
+  EXPECT_EQ(client_.Delete("/v1/maps/room")->get_header_value("Allow"), "GET, HEAD");
+}
+
+TEST_F(HttpTest, ConnectionsAreKept) {
+  httplib::Client client = served_->NewClient();
+  client.set_keep_alive(true);
+  for (int i = 0; i < 30; ++i) {
+    const auto result = client.Get("/healthz");
+    ASSERT_TRUE(result) << i;
+    EXPECT_EQ(result->status, 200);
+  }
+}
+
+TEST_F(HttpTest, ManyAtOnceGetTheSameAnswer) {
+  const std::string photo = ReadFile(TheMap().inside);
+  std::vector<std::string> answers(8);
+  std::vector<std::thread> threads;
+  for (std::string& answer : answers) {
+    threads.emplace_back([&answer, &photo] {
+      httplib::Client client = served_->NewClient();
+      const auto result = client.Post("/v1/maps/room/localize", photo, "image/jpeg");
+      if (!result) return;
+      Json json = Json::parse(result->body);
+      json.erase("timing_ms");
+      answer = json.dump();
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_NE(answers[0].find("localized"), std::string::npos) << answers[0];
+  for (const std::string& answer : answers) EXPECT_EQ(answer, answers[0]);
+}
+
+TEST_F(HttpTest, SameAnswerAsWithoutAServer) {
+  Json served = Localize(ReadFile(TheMap().inside));
+  const RunResult run = RunWaystone({"localize", TheMap().map, TheMap().inside, "--json"});
+  Json local = Json::parse(run.out);
+  for (const char* differs : {"timing_ms", "image"}) {
+    served.erase(differs);
+    local.erase(differs);
+  }
+  EXPECT_EQ(served.dump(), local.dump());
+}
+
+TEST_F(HttpTest, CurlLineIsReadyToUse) {
+  EXPECT_NE(served_->curl_line().find("curl --data-binary @photo.jpg"), std::string::npos);
+  EXPECT_NE(served_->curl_line().find(served_->url() + "/v1/maps/room/localize"),
+            std::string::npos);
+}
+
+TEST(HttpLimits, FullQueueTurnsQueriesAway) {
+  const Served served({"--threads", "1", "--queue", "0"});
+  const std::string photo = ReadFile(TheMap().inside);
+  std::atomic<int> ok = 0;
+  std::atomic<int> busy = 0;
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 12; ++i) {
+    threads.emplace_back([&] {
+      httplib::Client client = served.NewClient();
+      const auto result = client.Post("/v1/maps/room/localize", photo, "image/jpeg");
+      if (result && result->status == 200) ++ok;
+      if (result && result->status == 429 && result->has_header("Retry-After")) ++busy;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(ok + busy, 12);
+  EXPECT_GE(ok, 1);
+  EXPECT_GE(busy, 1);
+}
+
+TEST(HttpLifetime, SignalsEndTheServerInOrder) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Served served;
+    ASSERT_TRUE(served.NewClient().Get("/healthz"));
+    served.process().Send(signal);
+    EXPECT_EQ(served.process().Wait(), 0);
+    EXPECT_FALSE(served.NewClient().Get("/healthz"));
+  }
+}
+
+TEST(HttpLifetime, TakenPortIsSaid) {
+  const Served served;
+  const std::string port = served.url().substr(served.url().rfind(':') + 1);
+  const RunResult second = RunWaystone({"serve", TheMap().map, "--port", port});
+  EXPECT_EQ(second.code, 2);
+  EXPECT_NE(second.err.find("--port"), std::string::npos) << second.err;
+}
+
+}  // namespace
+}  // namespace waystone

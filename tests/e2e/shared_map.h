@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace waystone {
+
+// What a run of the program left behind.
+struct RunResult {
+  int code = 0;
+  std::string out;
+  std::string err;
+};
+
+// Runs the real program with these arguments (each is quoted for the shell) and waits.
+RunResult RunWaystone(const std::vector<std::string>& arguments);
+
+// A small walk through a made room, its map, and photos: made once, for all tests of this program.
+// Read-only for the tests.
+struct SharedMap {
+  std::filesystem::path folder;     // for everything; goes away at the end
+  std::filesystem::path images;     // the walk's pictures
+  std::filesystem::path map;        // "room.db", built from them by the program
+  std::filesystem::path inside;     // a photo from between two of the walk's frames
+  std::filesystem::path elsewhere;  // a photo of another building
+  RunResult build;                  // of that map
+};
+const SharedMap& TheMap();
+
+std::string ReadFile(const std::filesystem::path& path);
+void WriteFile(const std::filesystem::path& path, const std::string& bytes);
+
+// A JPEG whose header claims another size.
+std::string WithJpegSize(std::string jpeg, int width, int height);
+
+// A new empty folder of the running test's own.
+std::filesystem::path FreshFolder();
+
+}  // namespace waystone

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// The walls of the house, as DESIGN.md draws them: who may include whom, and what every source
+// file starts with.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SourceFile {
+  std::string path;  // relative to the repository
+  std::string text;
+};
+
+// Which of our top folders each one may include, itself included.
+const std::map<std::string, std::set<std::string>>& AllowedFolders() {
+  static const std::map<std::string, std::set<std::string>> allowed = {
+      {"core", {"core"}},
+      {"world", {"world", "core"}},
+      {"schema", {"schema", "core"}},
+      {"localizer", {"localizer", "schema", "core"}},
+      {"builder", {"builder", "localizer", "schema", "core"}},
+      {"server", {"server", "localizer", "schema", "core"}},
+      {"cli", {"cli", "server", "builder", "localizer", "schema", "world", "core"}},
+      {"clients", {"clients"}},
+      {"bench", {"bench", "cli", "server", "builder", "localizer", "schema", "world", "core"}},
+      {"tests",
+       {"tests", "bench", "clients", "cli", "server", "builder", "localizer", "schema", "world",
+        "core"}},
+  };
+  return allowed;
+}
+
+// The order of core's own folders: each may include itself and those of lower rank.
+const std::map<std::string, int>& CoreRanks() {
+  static const std::map<std::string, int> ranks = {
+      {"base", 0},       {"image", 1},    {"camera", 1},    {"features", 2},
+      {"homography", 2}, {"panorama", 3}, {"manhattan", 3}, {"two_view", 3},
+  };
+  return ranks;
+}
+
+// A library that only some folders may include.
+struct Fence {
+  std::regex header;
+  std::vector<std::string> folders;  // path prefixes that may
+};
+
+const std::vector<Fence>& Fences() {
+  static const std::vector<Fence> fences = {
+      {std::regex("sqlite3\\.h|SQLiteCpp/.*"), {"schema/", "tests/", "bench/"}},
+      {std::regex("httplib\\.h"),
+       {"server/http/http_server.cc", "cli/", "clients/", "tests/", "bench/"}},
+      {std::regex("nlohmann/.*"),
+       {"schema/", "localizer/", "builder/", "server/", "cli/", "clients/", "tests/", "bench/"}},
+      {std::regex("CLI/.*"), {"cli/", "bench/", "tests/"}},
+      {std::regex("yaml-cpp/.*"), {"builder/sources/", "cli/", "tests/"}},
+  };
+  return fences;
+}
+
+std::string TopFolder(const std::string& path) { return path.substr(0, path.find('/')); }
+
+std::string CoreFolder(const std::string& path) {
+  const size_t start = path.find('/') + 1;
+  return path.substr(start, path.find('/', start) - start);
+}
+
+std::vector<std::string> IncludesOf(const std::string& text) {
+  static const std::regex include(R"(^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">])");
+  std::vector<std::string> found;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch match;
+    if (std::regex_search(line, match, include)) found.push_back(match[1]);
+  }
+  return found;
+}
+
+bool MayInclude(const SourceFile& file, const std::string& include) {
+  for (const Fence& fence : Fences()) {
+    if (!std::regex_match(include, fence.header)) continue;
+    bool inside = false;
+    for (const std::string& prefix : fence.folders) inside |= file.path.starts_with(prefix);
+    if (!inside) return false;
+  }
+  const std::string to = TopFolder(include);
+  if (!AllowedFolders().count(to) || include.find('/') == std::string::npos) return true;
+  const std::string from = TopFolder(file.path);
+  if (!AllowedFolders().at(from).count(to)) return false;
+  if (from != "core") return true;
+  const std::string a = CoreFolder(file.path);
+  const std::string b = CoreFolder(include);
+  if (!CoreRanks().count(a) || !CoreRanks().count(b)) return false;  // a folder without a rank
+  return a == b || CoreRanks().at(b) < CoreRanks().at(a);
+}
+
+std::vector<std::string> Violations(const SourceFile& file) {
+  std::vector<std::string> found;
+  for (const std::string& include : IncludesOf(file.text)) {
+    if (!MayInclude(file, include)) found.push_back(file.path + " includes " + include);
+    if (include.find('/') == std::string::npos && include.ends_with(".h") &&
+        fs::exists(fs::path(WAYSTONE_SOURCE_DIR) / fs::path(file.path).parent_path() / include)) {
+      found.push_back(file.path + " includes " + include + " without its full path");
+    }
+  }
+  if (!file.text.starts_with("// SPDX-License-Identifier: Apache-2.0\n")) {
+    found.push_back(file.path + " doesn't start with the SPDX line");
+  }
+  if (file.path.ends_with(".h") && file.text.find("\n#pragma once\n") == std::string::npos) {
+    found.push_back(file.path + " has no #pragma once");
+  }
+  return found;
+}
+
+std::vector<SourceFile> AllSources() {
+  std::vector<SourceFile> files;
+  const fs::path root = WAYSTONE_SOURCE_DIR;
+  for (const auto& [folder, allowed] : AllowedFolders()) {
+    if (!fs::exists(root / folder)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+      const std::string extension = entry.path().extension();
+      if (extension != ".h" && extension != ".cc") continue;
+      std::ifstream in(entry.path());
+      std::stringstream text;
+      text << in.rdbuf();
+      files.push_back({fs::relative(entry.path(), root).string(), text.str()});
+    }
+  }
+  return files;
+}
+
+TEST(Structure, IncludesFollowTheGrain) {
+  const std::vector<SourceFile> files = AllSources();
+  ASSERT_GT(files.size(), 20u) << "the sources weren't found under " << WAYSTONE_SOURCE_DIR;
+  for (const SourceFile& file : files) {
+    for (const std::string& violation : Violations(file)) ADD_FAILURE() << violation;
+  }
+}
+
+// What the test above looks for, planted: each line must be found out.
+TEST(Structure, PlantedViolationsAreFound) {
+  const std::vector<std::pair<std::string, std::string>> planted = {
+      {"core/base/x.cc", "#include \"schema/map_data.h\""},
+      {"core/base/x.cc", "#include \"core/features/features.h\""},
+      {"core/camera/x.cc", "#include \"core/image/decode.h\""},
+      {"core/unranked/x.cc", "#include \"core/base/check.h\""},
+      {"core/base/x.cc", "#include <nlohmann/json.hpp>"},
+      {"world/x.cc", "#include \"schema/map_data.h\""},
+      {"schema/x.cc", "#include \"localizer/answer.h\""},
+      {"localizer/x.cc", "#include \"builder/build_map.h\""},
+      {"localizer/x.cc", "#include <SQLiteCpp/SQLiteCpp.h>"},
+      {"builder/x.cc", "#include \"server/http/router.h\""},
+      {"builder/x.cc", "#  include  <sqlite3.h>"},
+      {"server/http/x.cc", "#include \"builder/build_map.h\""},
+      {"server/http/x.cc", "  #include \"cli/commands.h\""},
+      {"server/http/x.cc", "#include <httplib.h>"},
+      {"clients/cpp/x.cc", "#include \"localizer/answer.h\""},
+  };
+  const std::string spdx = "// SPDX-License-Identifier: Apache-2.0\n";
+  for (const auto& [path, line] : planted) {
+    EXPECT_EQ(Violations({path, spdx + line + "\n"}).size(), 1u) << path << ": " << line;
+  }
+  EXPECT_EQ(Violations({"core/base/x.cc", "#include <vector>\n"}).size(), 1u);
+  EXPECT_EQ(Violations({"core/base/x.h", spdx + "int x;\n"}).size(), 1u);
+}
+
+TEST(Structure, SoundFilesPass) {
+  const std::string spdx = "// SPDX-License-Identifier: Apache-2.0\n";
+  const std::string includes =
+      "#include <vector>\n#include <httplib.h>\n#include \"server/http/router.h\"\n"
+      "#include \"core/base/error.h\"\n// #include \"builder/build_map.h\"\n";
+  EXPECT_TRUE(Violations({"server/http/http_server.cc", spdx + includes}).empty());
+}
+
+}  // namespace
+}  // namespace waystone
