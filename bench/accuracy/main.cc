@@ -9,6 +9,7 @@ namespace {
 
 constexpr char kUsage[] =
     "usage: waystone-bench NAME ARGS\n"
+    "  all                                                all of these\n"
     "  world [--frames N] [--plan demo|other]               planes against rendered truth\n"
     "  rgbd DIR [--map 0:499] [--queries 500:990:10]      localization against depth and poses\n"
     "  negatives DIR [--map 0:499] IMAGE_OR_FOLDER...     images that are not in the map\n"
@@ -20,6 +21,7 @@ constexpr char kUsage[] =
 int main(int argc, char** argv) {
   using waystone::bench::Args;
   const std::map<std::string, int (*)(const Args&)> benches = {
+      {"all", waystone::bench::RunAll},
       {"world", waystone::bench::RunWorld},
       {"rgbd", waystone::bench::RunRgbd},
       {"negatives", waystone::bench::RunNegatives},

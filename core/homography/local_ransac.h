@@ -58,7 +58,7 @@ struct LocalRansacOptions {
   // Refits of a promising sample on its inliers.
   int max_refits = 8;
   // The first of them take in matches up to twice the bound.
-  int wide_refits = 3;
+  int wide_refits = 2;
   // A sample is refitted if it scores at least this share of the best so far. Lower finds larger
   // planes behind poor samples and costs time.
   double min_refit_share = 0.1;

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "bench/accuracy/common.h"
+#include "core/base/error.h"
+
+namespace waystone::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Folder of the real data: WAYSTONE_DATA, or shared/data beside the project.
+fs::path DataFolder() {
+  const char* given = std::getenv("WAYSTONE_DATA");
+  return given != nullptr ? fs::path(given) : fs::path("../shared/data");
+}
+
+void Announce(const std::string& title) {
+  std::printf("\n== %s\n", title.c_str());
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int RunAll(const Args& args) {
+  if (!args.empty()) throw MapError(ErrorCode::kUsage, "all takes no arguments");
+  Announce("world: planes against rendered truth, demo plan");
+  RunWorld({});
+  Announce("world: the other plan");
+  RunWorld({"--plan", "other", "--seed", "2", "--frames", "500"});
+  const fs::path data = DataFolder();
+  if (!fs::exists(data / "kitchen")) {
+    std::printf("\nno real data in %s (set WAYSTONE_DATA to where it is): the rest is skipped\n",
+                data.c_str());
+    return 0;
+  }
+  const std::string kitchen = data / "kitchen";
+  Announce("kitchen: frames 0-499 mapped, 50 queries against depth and poses");
+  RunRgbd({kitchen});
+  Announce("kitchen's map: street and church are not in it");
+  RunNegatives({kitchen, data / "street/image_0", data / "church/map", data / "church/query_P8"});
+  Announce("kitchen: seconds per frame over 250, 500 and 1000 frames");
+  return RunLinear({kitchen, "250", "500", "1000"});
+}
+
+}  // namespace waystone::bench
