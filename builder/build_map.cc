@@ -40,8 +40,8 @@ struct Worked {
 cv::Mat Thumbnail(const cv::Mat& grey, int width) {
   if (grey.cols <= width) return grey;
   cv::Mat small;
-  const int height = std::max(1, static_cast<int>(std::lround(
-                                     static_cast<double>(grey.rows) * width / grey.cols)));
+  const int height = std::max(
+      1, static_cast<int>(std::lround(static_cast<double>(grey.rows) * width / grey.cols)));
   cv::resize(grey, small, {width, height}, 0, 0, cv::INTER_AREA);
   return small;
 }
@@ -85,8 +85,7 @@ std::string OptionsJson(const BuildOptions& options) {
 // The state of a build: what the serial end of the pipeline feeds.
 class MapBuilder {
  public:
-  MapBuilder(const BuildOptions& options,
-             const std::function<bool(const BuildProgress&)>& progress)
+  MapBuilder(const BuildOptions& options, const std::function<bool(const BuildProgress&)>& progress)
       : options_(options), progress_(progress), tracker_(options.planes) {}
 
   void AddSource(Source& source) {
@@ -112,8 +111,8 @@ class MapBuilder {
     TakeEdges();
     Report("fusion", 0, 1);
     const Clock::time_point start = Clock::now();
-    FusionResult fusion = FusePlanes(std::move(map_.planes), std::move(map_.edges),
-                                     map_.keyframes, options_.features.type, options_.planes);
+    FusionResult fusion = FusePlanes(std::move(map_.planes), std::move(map_.edges), map_.keyframes,
+                                     options_.features.type, options_.planes);
     map_.planes = std::move(fusion.planes);
     map_.edges = std::move(fusion.edges);
     report_.planes_fused = fusion.fused;
@@ -201,10 +200,9 @@ class MapBuilder {
   [[noreturn]] void FailWithoutFrames() const {
     const std::string first =
         report_.skipped_names.empty() ? "" : " (first: " + report_.skipped_names.front() + ")";
-    throw MapError(ErrorCode::kBadSource,
-                   "none of the " + std::to_string(report_.frames) +
-                       " frames could be decoded" + first +
-                       "; give images that open in a viewer");
+    throw MapError(ErrorCode::kBadSource, "none of the " + std::to_string(report_.frames) +
+                                              " frames could be decoded" + first +
+                                              "; give images that open in a viewer");
   }
 
   void CopyTrackerReport() {
@@ -246,9 +244,9 @@ class MapBuilder {
 
   bool Report(const std::string& stage, int done, int total) {
     if (!progress_) return true;
-    return progress_({stage, done, total, static_cast<int>(map_.keyframes.size()),
-                      map_.planes.empty() ? tracker_.plane_count()
-                                          : static_cast<int>(map_.planes.size())});
+    return progress_(
+        {stage, done, total, static_cast<int>(map_.keyframes.size()),
+         map_.planes.empty() ? tracker_.plane_count() : static_cast<int>(map_.planes.size())});
   }
 
   const BuildOptions& options_;
@@ -271,8 +269,8 @@ void BuildOptions::Check() const {
                                                "; give a number from 16 to 4096");
   }
   if (threads < 0 || threads > 1024) {
-    throw MapError(ErrorCode::kBadOptions, "threads is " + std::to_string(threads) +
-                                               "; give 0 (all cores) to 1024");
+    throw MapError(ErrorCode::kBadOptions,
+                   "threads is " + std::to_string(threads) + "; give 0 (all cores) to 1024");
   }
 }
 

@@ -34,7 +34,7 @@ struct BuildOptions {
 struct BuildProgress {
   std::string stage;  // "frames", "fusion"
   int done = 0;
-  int total = 0;      // 0 when not known
+  int total = 0;  // 0 when not known
   int keyframes = 0;
   int planes = 0;
 };
@@ -56,7 +56,7 @@ struct BuildReport {
   double extract_s = 0;      // summed over threads
   double track_s = 0;        // keyframe choice and planes
   double fusion_s = 0;
-  double total_s = 0;        // wall clock
+  double total_s = 0;  // wall clock
 };
 
 struct BuildResult {

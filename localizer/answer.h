@@ -31,8 +31,8 @@ struct RecognisedPlane {
   KeyframeRef reference;
   // x_reference = reference_from_query * x_query, homogeneous pixels, h33 = 1.
   Eigen::Matrix3d reference_from_query = Eigen::Matrix3d::Identity();
-  std::vector<Eigen::Vector2d> outline;      // in the query image, px, clipped to it
-  std::vector<PlaneId> expect_next;          // covisible planes not recognised here, by id
+  std::vector<Eigen::Vector2d> outline;  // in the query image, px, clipped to it
+  std::vector<PlaneId> expect_next;      // covisible planes not recognised here, by id
   // The matches that support it: query pixels and reference pixels, row by row.
   std::vector<Eigen::Vector2d> query_points;
   std::vector<Eigen::Vector2d> reference_points;
@@ -66,10 +66,10 @@ struct Answer {
   std::string image;       // name of the query, as given
   std::string map;
   std::string map_version;
-  std::optional<KeyframeRef> keyframe;    // nearest; only when localized
+  std::optional<KeyframeRef> keyframe;  // nearest; only when localized
   std::optional<Heading> heading;
-  std::vector<RecognisedPlane> planes;    // most inliers first
-  std::vector<PlaceCandidate> places;     // when ambiguous: all that look alike, best first
+  std::vector<RecognisedPlane> planes;  // most inliers first
+  std::vector<PlaceCandidate> places;   // when ambiguous: all that look alike, best first
   std::optional<PlaceCandidate> runner_up;
   std::string decided_by;  // name of the gate that decided, e.g. "homography_inliers"
   std::string message;     // one line for people: why it isn't localized, and what would help

@@ -30,9 +30,8 @@ bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b) {
   const std::vector<PlaneId>& of_a = index.Neighbours(a.id);
   const std::vector<PlaneId>& of_b = index.Neighbours(b.id);
   if (std::binary_search(of_a.begin(), of_a.end(), b.id)) return true;
-  return std::any_of(of_a.begin(), of_a.end(), [&](PlaneId id) {
-    return std::binary_search(of_b.begin(), of_b.end(), id);
-  });
+  return std::any_of(of_a.begin(), of_a.end(),
+                     [&](PlaneId id) { return std::binary_search(of_b.begin(), of_b.end(), id); });
 }
 
 // A plane joins a place when it disagrees with none of its planes and is near one of them.
@@ -116,18 +115,17 @@ Answer Refuse(const MapIndex& index, const Features& query, int shortlisted,
                                             " planes that look alike fits the image";
     return answer;
   }
-  const VerifiedPlane& best = *std::max_element(
-      tried.begin(), tried.end(),
-      [](const auto& a, const auto& b) { return a.distinct < b.distinct; });
+  const VerifiedPlane& best =
+      *std::max_element(tried.begin(), tried.end(),
+                        [](const auto& a, const auto& b) { return a.distinct < b.distinct; });
   Place place;
   AddTo(place, best);
   answer.runner_up = Candidate(index, place, query);
   answer.probability = best.probability;
   answer.decided_by = best.accepted ? "place_inliers" : "homography_inliers";
   answer.message = "the best plane, " + std::to_string(PlaneOf(index, best).id.value) + ", has " +
-                   std::to_string(best.distinct) + " inliers of " +
-                   std::to_string(best.matches) + " matches; " +
-                   std::to_string(options.gates.min_place_inliers) + " are needed";
+                   std::to_string(best.distinct) + " inliers of " + std::to_string(best.matches) +
+                   " matches; " + std::to_string(options.gates.min_place_inliers) + " are needed";
   return answer;
 }
 
@@ -202,8 +200,7 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
   Answer answer = Describe(index, query, places.front());
   if (places.size() < 2) return answer;
   answer.runner_up = Candidate(index, places[1], query);
-  const bool alike =
-      places[1].inliers >= options.gates.ambiguous_share * places.front().inliers;
+  const bool alike = places[1].inliers >= options.gates.ambiguous_share * places.front().inliers;
   if (!alike || AreNear(index, places[0], places[1])) return answer;
   answer.verdict = Verdict::kAmbiguous;
   answer.decided_by = "ambiguous_places";

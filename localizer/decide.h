@@ -28,8 +28,8 @@ bool AreNear(const MapIndex& index, const Place& a, const Place& b);
 // where the keyframe saw them, the nearer.
 KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Features& query);
 
-// The verdict for all planes that were tried, accepted or not, of `shortlisted` ones, with everything
-// an answer says about places. Times, names and map are the caller's.
+// The verdict for all planes that were tried, accepted or not, of `shortlisted` ones, with
+// everything an answer says about places. Times, names and map are the caller's.
 Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
               const std::vector<VerifiedPlane>& tried, const LocalizeOptions& options);
 

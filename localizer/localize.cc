@@ -33,18 +33,22 @@ void Sign(const MapIndex& index, Answer& answer) {
 
 const char* NameOf(Verdict verdict) {
   switch (verdict) {
-    case Verdict::kLocalized: return "localized";
-    case Verdict::kAmbiguous: return "ambiguous";
-    case Verdict::kNotInMap: return "not_in_map";
-    case Verdict::kBadImage: return "bad_image";
+    case Verdict::kLocalized:
+      return "localized";
+    case Verdict::kAmbiguous:
+      return "ambiguous";
+    case Verdict::kNotInMap:
+      return "not_in_map";
+    case Verdict::kBadImage:
+      return "bad_image";
   }
   WS_CHECK(false, "unknown verdict");
 }
 
 void GateOptions::Check() const {
-  const bool good = min_inliers >= 5 && min_place_inliers >= min_inliers &&
-                    min_inlier_share >= 0 && min_inlier_share <= 1 && distinct_px >= 0 &&
-                    max_scale > 1 && ambiguous_share > 0 && ambiguous_share <= 1;
+  const bool good = min_inliers >= 5 && min_place_inliers >= min_inliers && min_inlier_share >= 0 &&
+                    min_inlier_share <= 1 && distinct_px >= 0 && max_scale > 1 &&
+                    ambiguous_share > 0 && ambiguous_share <= 1;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "gates: an option is out of its range; leave them at their defaults");
@@ -100,9 +104,8 @@ Answer LocalizeFeatures(const MapIndex& index, const Features& query,
 Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
   options.Check();
   LapTimer timer;
-  const Features query =
-      ExtractFeatures(grey, {index.map().info.feature_type, options.max_features,
-                             options.contrast_threshold});
+  const Features query = ExtractFeatures(
+      grey, {index.map().info.feature_type, options.max_features, options.contrast_threshold});
   const double extract_ms = timer.Lap();
   Answer answer = LocalizeFeatures(index, query, options);
   answer.timing.extract_ms = extract_ms;

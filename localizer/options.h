@@ -30,8 +30,9 @@ struct GateOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Model of chance behind the stated probability (Brown and Lowe 2007, sec. 3.2): a match of the right
-// plane is an inlier with one probability, of a wrong one with another. Not calibrated on the map.
+// Model of chance behind the stated probability (Brown and Lowe 2007, sec. 3.2): a match of the
+// right plane is an inlier with one probability, of a wrong one with another. Not calibrated on the
+// map.
 struct EvidenceOptions {
   double inlier_if_right = 0.6;
   double inlier_if_wrong = 0.1;

@@ -39,8 +39,8 @@ Polygon ClippedOutline(const Polygon& outline, const Eigen::Matrix3d& image_from
   horizon.z() -= kMargin;
   Polygon polygon = ClipToHalfPlane(outline, horizon);
   for (Vector2d& x : polygon) x = Apply(image_from_outline, x);
-  for (const Vector3d& side : {Vector3d(1, 0, 0), Vector3d(0, 1, 0),
-                               Vector3d(-1, 0, width - 1.0), Vector3d(0, -1, height - 1.0)}) {
+  for (const Vector3d& side : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(-1, 0, width - 1.0),
+                               Vector3d(0, -1, height - 1.0)}) {
     polygon = ClipToHalfPlane(polygon, side);
   }
   return polygon;

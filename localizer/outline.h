@@ -7,8 +7,8 @@
 namespace waystone {
 
 // A convex outline seen through a homography and clipped to an image of width x height pixels.
-// What lies beyond the homography's horizon, seen from `inside` (a point of the outline's image that
-// is certainly in front), is cut off first. Empty when nothing is left.
+// What lies beyond the homography's horizon, seen from `inside` (a point of the outline's image
+// that is certainly in front), is cut off first. Empty when nothing is left.
 std::vector<Eigen::Vector2d> ClippedOutline(const std::vector<Eigen::Vector2d>& outline,
                                             const Eigen::Matrix3d& image_from_outline,
                                             const Eigen::Vector2d& inside, int width, int height);

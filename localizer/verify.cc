@@ -26,8 +26,8 @@ int CountDistinct(const Features& query, const std::vector<Match>& inliers, doub
   return static_cast<int>(counted.size());
 }
 
-// Enlargement of the homography where the inliers lie, as a ratio of lengths; negative when it turns
-// the plane over.
+// Enlargement of the homography where the inliers lie, as a ratio of lengths; negative when it
+// turns the plane over.
 double ScaleAt(const Matrix3d& h, const Vector2d& x) {
   const double w = h.row(2).dot(x.homogeneous());
   const double area = h.determinant() / (w * w * w);  // determinant of the local affinity
@@ -36,8 +36,8 @@ double ScaleAt(const Matrix3d& h, const Vector2d& x) {
 
 bool ScalesSensibly(const VerifiedPlane& verified, const Features& query, double max_scale) {
   for (const Match& match : verified.inliers) {
-    const double scale = ScaleAt(verified.reference_from_query.b_from_a,
-                                 PositionOf(query.keypoints[match.a]));
+    const double scale =
+        ScaleAt(verified.reference_from_query.b_from_a, PositionOf(query.keypoints[match.a]));
     if (!(scale > 1 / max_scale && scale < max_scale)) return false;
   }
   return true;
@@ -58,8 +58,8 @@ double Probability(int matches, int inliers, const EvidenceOptions& evidence) {
 std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const Features& query, int plane,
                                          const LocalizeOptions& options) {
   const Plane& target = index.map().planes[plane];
-  const std::vector<Match> matches = MatchDescriptors(
-      query.descriptors, index.DescriptorsOf(plane), query.type, options.match);
+  const std::vector<Match> matches =
+      MatchDescriptors(query.descriptors, index.DescriptorsOf(plane), query.type, options.match);
   MatchedPoints points;
   for (const Match& match : matches) {
     points.from.push_back(PositionOf(query.keypoints[match.a]));
@@ -84,10 +84,9 @@ std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const Features& 
   verified.matches = static_cast<int>(matches.size());
   verified.distinct = CountDistinct(query, verified.inliers, options.gates.distinct_px);
   verified.probability = Probability(verified.matches, verified.distinct, options.evidence);
-  verified.accepted =
-      verified.distinct >= options.gates.min_inliers &&
-      verified.distinct >= options.gates.min_inlier_share * verified.matches &&
-      ScalesSensibly(verified, query, options.gates.max_scale);
+  verified.accepted = verified.distinct >= options.gates.min_inliers &&
+                      verified.distinct >= options.gates.min_inlier_share * verified.matches &&
+                      ScalesSensibly(verified, query, options.gates.max_scale);
   return verified;
 }
 
@@ -105,8 +104,8 @@ std::optional<bool> PlanesAgree(const MapIndex& index, const VerifiedPlane& m,
       const auto via = [](const Matrix3d& keyframe_from_reference, const VerifiedPlane& plane) {
         return Composed(keyframe_from_reference, plane.reference_from_query);
       };
-      const Homology homology = TestHomology(via(keyframe_from_m, m), via(keyframe_from_n, n),
-                                             options.homology);
+      const Homology homology =
+          TestHomology(via(keyframe_from_m, m), via(keyframe_from_n, n), options.homology);
       if (homology.kind != HomologyKind::kInvalid) return true;
     }
   }

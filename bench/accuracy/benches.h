@@ -12,7 +12,8 @@ using Args = std::vector<std::string>;
 
 // all: every bench below; those on real data where WAYSTONE_DATA or ../shared/data has it.
 int RunAll(const Args& args);
-// world [--frames N] [--seed S] [--plan demo|other] [--repeat-poster P] [--bare-walls P]: plane layer against the truth of rendered walks.
+// world [--frames N] [--seed S] [--plan demo|other] [--repeat-poster P] [--bare-walls P]: plane
+// layer against the truth of rendered walks.
 int RunWorld(const Args& args);
 // rgbd DIR [--map A:B] [--queries A:B:STEP]: a TUM RGB-D folder with depth and poses; localization
 // and transfer error against them.

@@ -16,7 +16,8 @@ Range ParseRange(const std::string& text) {
   const int read =
       std::sscanf(text.c_str(), "%d:%d:%d%c", &range.from, &range.to, &range.step, &rest);
   if (read < 2 || read > 3 || range.from < 0 || range.to < range.from || range.step < 1) {
-    throw MapError(ErrorCode::kUsage, "'" + text + "' is no range of frames; write 0:499 or 0:499:10");
+    throw MapError(ErrorCode::kUsage,
+                   "'" + text + "' is no range of frames; write 0:499 or 0:499:10");
   }
   return range;
 }

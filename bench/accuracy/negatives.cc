@@ -28,9 +28,8 @@ int RunNegatives(const Args& raw) {
       }
     }
   }
-  const nlohmann::ordered_json json = {{"bench", "negatives"},
-                                       {"verdicts", verdicts},
-                                       {"most_inliers_refused", most_inliers}};
+  const nlohmann::ordered_json json = {
+      {"bench", "negatives"}, {"verdicts", verdicts}, {"most_inliers_refused", most_inliers}};
   std::cout << json.dump() << std::endl;
   return 0;
 }

@@ -58,12 +58,13 @@ int RunRgbd(const Args& raw) {
                                  {"edges", built.map.edges.size()},
                                  {"features", FeatureCount(built.map)},
                                  {"build_s", report.total_s}};
-  std::printf("map: %zu keyframes, %zu planes, %zu edges, %lld features; %d started, %d rejected, "
-              "%d merged, %d dropped, %d fused, %d rotation only, %d stretches\n",
-              built.map.keyframes.size(), built.map.planes.size(), built.map.edges.size(),
-              static_cast<long long>(FeatureCount(built.map)), report.planes_started,
-              report.planes_rejected, report.planes_merged, report.planes_dropped,
-              report.planes_fused, report.rotation_only, report.stretches);
+  std::printf(
+      "map: %zu keyframes, %zu planes, %zu edges, %lld features; %d started, %d rejected, "
+      "%d merged, %d dropped, %d fused, %d rotation only, %d stretches\n",
+      built.map.keyframes.size(), built.map.planes.size(), built.map.edges.size(),
+      static_cast<long long>(FeatureCount(built.map)), report.planes_started,
+      report.planes_rejected, report.planes_merged, report.planes_dropped, report.planes_fused,
+      report.rotation_only, report.stretches);
   std::printf("seconds: extract %.1f (all threads), track %.1f, fusion %.2f, total %.1f\n",
               report.extract_s, report.track_s, report.fusion_s, report.total_s);
   const auto index = MapIndex::Build(std::move(built.map));
@@ -76,8 +77,9 @@ int RunRgbd(const Args& raw) {
   std::vector<double> verify_ms;
   std::vector<double> extract_ms;
   for (int q = queries.from; q <= queries.to; q += queries.step) {
-    const Answer answer = Localize(*index, ReadBytes(std::filesystem::path(args[0]) / truth.image(q)),
-                                   truth.image(q), LocalizeOptions{});
+    const Answer answer =
+        Localize(*index, ReadBytes(std::filesystem::path(args[0]) / truth.image(q)), truth.image(q),
+                 LocalizeOptions{});
     const QueryResult result = Evaluate(truth, *index, answer, q);
     ++asked;
     localized += result.localized;
@@ -92,8 +94,8 @@ int RunRgbd(const Args& raw) {
                                std::to_string(answer.planes.front().inliers) + " inliers, " +
                                std::to_string(answer.planes.size()) + " planes"
                          : answer.message;
-    std::printf("%4d %-11s %6.1f px  %s\n", q, NameOf(answer.verdict),
-                result.error_px.value_or(-1), detail.c_str());
+    std::printf("%4d %-11s %6.1f px  %s\n", q, NameOf(answer.verdict), result.error_px.value_or(-1),
+                detail.c_str());
   }
   const auto within = [&](double limit) {
     return static_cast<int>(

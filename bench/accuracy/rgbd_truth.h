@@ -11,7 +11,8 @@
 
 namespace waystone::bench {
 
-// Truth of a TUM RGB-D sequence: where a pixel of one frame is seen in another, from depth and poses.
+// Truth of a TUM RGB-D sequence: where a pixel of one frame is seen in another, from depth and
+// poses.
 class RgbdTruth {
  public:
   // Reads rgb.txt, depth.txt, groundtruth.txt (depth camera to world) of `folder`. Intrinsics are

@@ -43,8 +43,8 @@ void CountFound(const WorldTruth& truth, const MapData& map, const Views& views,
   }
 }
 
-// Fused: views of one plane with keyframes between them that didn't see it. Not fused: two planes of
-// one surface, one of which the other one's reference image shows, seen at different times.
+// Fused: views of one plane with keyframes between them that didn't see it. Not fused: two planes
+// of one surface, one of which the other one's reference image shows, seen at different times.
 void CountRevisits(const WorldTruth& truth, const MapData& map,
                    const std::map<PlaneId, int>& owners, Figures& figures) {
   std::set<std::pair<PlaneId, PlaneId>> joined;
@@ -87,8 +87,8 @@ Figures Measure(const WorldTruth& truth, const MapData& map) {
     if (owner.share < kTrueShare) {
       ++figures.false_planes;
       std::printf("false: plane %lld, %zu features, %.0f %% of them on true plane %d\n",
-                  static_cast<long long>(plane.id.value), plane.features.size(),
-                  100 * owner.share, owner.plane);
+                  static_cast<long long>(plane.id.value), plane.features.size(), 100 * owner.share,
+                  owner.plane);
       continue;
     }
     owners[plane.id] = owner.plane;
@@ -122,8 +122,9 @@ int RunWorld(const Args& raw) {
   world_options.bare_walls = std::stod(TakeOption(args, "bare-walls", "0"));
   const std::string plan = TakeOption(args, "plan", "demo");
   if (!args.empty() || (plan != "demo" && plan != "other")) {
-    throw MapError(ErrorCode::kUsage, "world takes --frames, --seed, --plan demo|other, "
-                                      "--repeat-poster and --bare-walls");
+    throw MapError(ErrorCode::kUsage,
+                   "world takes --frames, --seed, --plan demo|other, "
+                   "--repeat-poster and --bare-walls");
   }
   const World world(plan == "demo" ? DemoPlan() : OtherPlan(), world_options);
   WalkOptions walk_options;
@@ -154,7 +155,8 @@ int RunWorld(const Args& raw) {
       {"found", figures.found},
       {"found_share", static_cast<double>(figures.found) / std::max(1, figures.carried)},
       {"false_planes", figures.false_planes},
-      {"false_share", static_cast<double>(figures.false_planes) / std::max<size_t>(1, map.planes.size())},
+      {"false_share",
+       static_cast<double>(figures.false_planes) / std::max<size_t>(1, map.planes.size())},
       {"median_view_error_px", Quantile(figures.view_errors_px, 0.5)},
       {"p90_view_error_px", Quantile(figures.view_errors_px, 0.9)},
       {"wrong_views", figures.wrong_views},

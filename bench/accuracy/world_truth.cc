@@ -92,15 +92,13 @@ WorldTruth::Owner WorldTruth::OwnerOf(const Plane& plane) const {
 
 std::map<int, int> WorldTruth::CarriedMatches(int from, int to) const {
   std::map<int, int> carried;
-  for (const Match& match : MatchDescriptors(features_[to].descriptors,
-                                             features_[from].descriptors, features_[to].type,
-                                             MatchOptions{})) {
+  for (const Match& match : MatchDescriptors(features_[to].descriptors, features_[from].descriptors,
+                                             features_[to].type, MatchOptions{})) {
     const Eigen::Vector2d x_to = PositionOf(features_[to].keypoints[match.a]);
     const Eigen::Vector2d x_from = PositionOf(features_[from].keypoints[match.b]);
     const int plane = PlaneAt(to, x_to);
     if (plane == 0 || PlaneAt(from, x_from) != plane) continue;
-    const Eigen::Matrix3d from_to =
-        ToFrom(plane, map_.keyframes[to].id, map_.keyframes[from].id);
+    const Eigen::Matrix3d from_to = ToFrom(plane, map_.keyframes[to].id, map_.keyframes[from].id);
     if ((Apply(from_to, x_to) - x_from).norm() < kTrueMatch_px) ++carried[plane];
   }
   return carried;

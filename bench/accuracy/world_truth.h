@@ -49,8 +49,8 @@ class WorldTruth {
   const Walk& walk_;
   const MapData& map_;
   Camera camera_;
-  std::vector<cv::Mat> plane_ids_;     // of each keyframe
-  std::vector<Features> features_;     // of each keyframe
+  std::vector<cv::Mat> plane_ids_;  // of each keyframe
+  std::vector<Features> features_;  // of each keyframe
   // Keyframe and keypoint that a descriptor was taken from.
   std::map<std::string, std::pair<int, int>> seen_;
 };

@@ -14,7 +14,7 @@ namespace waystone {
 // The paper's three conditions for key frames (sec. IV, after Royer et al.): as many frames as
 // possible between two of them, at least M matches with the last one and N with the one before.
 struct KeyframeOptions {
-  int min_matches_last = 300;        // M. Higher: more keyframes, closer together
+  int min_matches_last = 300;         // M. Higher: more keyframes, closer together
   int min_matches_before_last = 150;  // N
   // Frames looked at beyond the first one that breaks the conditions, so that one blurred frame
   // doesn't end the search.

@@ -32,9 +32,8 @@ std::vector<int> Voters(const Plane& plane, int count) {
   std::vector<int> order(plane.features.size());
   std::iota(order.begin(), order.end(), 0);
   if (static_cast<int>(order.size()) <= count) return order;
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return plane.features[a].votes > plane.features[b].votes;
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return plane.features[a].votes > plane.features[b].votes; });
   order.resize(count);
   std::sort(order.begin(), order.end());
   return order;
@@ -140,11 +139,15 @@ double ShareWithinReach(const Plane& n, const FusionMatch& match, const Keyframe
   return static_cast<double>(within) / static_cast<double>(n.features.size());
 }
 
-// The same surface in two reference images that show different parts of it: both planes stay, and an
-// edge with the identity as homology joins them.
+// The same surface in two reference images that show different parts of it: both planes stay, and
+// an edge with the identity as homology joins them.
 Edge SameSurface(const Plane& m, const Plane& n) {
-  return {m.id, n.id, std::min(m.reference, n.reference), std::max(m.reference, n.reference),
-          Matrix3d::Identity(), 1.0};
+  return {m.id,
+          n.id,
+          std::min(m.reference, n.reference),
+          std::max(m.reference, n.reference),
+          Matrix3d::Identity(),
+          1.0};
 }
 
 // Moves n's features and views into m's reference image.
@@ -164,12 +167,11 @@ void MergeInto(Plane& m, const Plane& n, const FusionMatch& match) {
     m.descriptors.Append(n.descriptors.row(f));
   }
   for (const PlaneView& view : n.views) {
-    const bool known = std::any_of(m.views.begin(), m.views.end(), [&](const PlaneView& v) {
-      return v.keyframe == view.keyframe;
-    });
+    const bool known = std::any_of(m.views.begin(), m.views.end(),
+                                   [&](const PlaneView& v) { return v.keyframe == view.keyframe; });
     if (known) continue;
-    m.views.push_back({view.keyframe, Normalised(match.m_from_n * view.reference_from_keyframe),
-                       view.inliers});
+    m.views.push_back(
+        {view.keyframe, Normalised(match.m_from_n * view.reference_from_keyframe), view.inliers});
   }
   std::sort(m.views.begin(), m.views.end(),
             [](const PlaneView& a, const PlaneView& b) { return a.keyframe < b.keyframe; });
@@ -215,9 +217,8 @@ std::vector<FusionCandidate> EveryPair(const std::vector<Plane>& planes,
 
 void FusionOptions::Check() const {
   const bool good = min_votes >= 1 && votes_per_feature >= 1 && max_voters >= 1 &&
-                    min_inliers >= 5 && min_support >= 0 && min_support <= 1 &&
-                    min_overlap >= 0 && min_overlap <= 1 && min_within_reach >= 0 &&
-                    min_within_reach <= 1;
+                    min_inliers >= 5 && min_support >= 0 && min_support <= 1 && min_overlap >= 0 &&
+                    min_overlap <= 1 && min_within_reach >= 0 && min_within_reach <= 1;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "fusion: an option is out of its range; leave them at their defaults");

@@ -36,9 +36,9 @@ struct FusionResult {
   int fused = 0;              // planes that were merged into another
 };
 
-// Lines 15 to 19 of Algorithm 1: merges planes that were seen again (eq. 6). The lower id stays, the
-// other one's features, views and edges pass to it. A plane that is the same surface but mostly out
-// of reach of the other's reference image stays too and gets an edge (identity homology) to it.
+// Lines 15 to 19 of Algorithm 1: merges planes that were seen again (eq. 6). The lower id stays,
+// the other one's features, views and edges pass to it. A plane that is the same surface but mostly
+// out of reach of the other's reference image stays too and gets an edge (identity homology) to it.
 // `planes` and `edges` are ordered by id and (a, b). `exhaustive` tries every pair instead of the
 // proposed ones: the paper's way, for tests.
 FusionResult FusePlanes(std::vector<Plane> planes, std::vector<Edge> edges,

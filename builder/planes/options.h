@@ -67,8 +67,8 @@ struct PlaneLayerOptions {
   double min_vote_share = 0.5;
   // A plane with fewer features left after the votes is dropped.
   int min_features = 16;
-  // A plane that was started and lost again at once, so that no triple match ever confirmed it, needs
-  // as many features as this.
+  // A plane that was started and lost again at once, so that no triple match ever confirmed it,
+  // needs as many features as this.
   int min_features_unconfirmed = 40;
   uint64_t seed = 1;
 

@@ -58,8 +58,8 @@ bool IsWithinReach(const Eigen::Vector2d& reference, int width, int height,
                    double max_extrapolation) {
   const double reach_x = max_extrapolation * width;
   const double reach_y = max_extrapolation * height;
-  return reference.x() > -reach_x && reference.x() < width + reach_x &&
-         reference.y() > -reach_y && reference.y() < height + reach_y;
+  return reference.x() > -reach_x && reference.x() < width + reach_x && reference.y() > -reach_y &&
+         reference.y() < height + reach_y;
 }
 
 std::vector<Eigen::Vector2d> OutlineOf(const std::vector<PlaneFeature>& features) {

@@ -10,8 +10,8 @@
 
 namespace waystone {
 
-// The distance, in the kernel's unit, that is `share` (in [0, 1]) of the largest that descriptors of
-// a type can have. Shares are of Euclidean or Hamming distances, not of their squares.
+// The distance, in the kernel's unit, that is `share` (in [0, 1]) of the largest that descriptors
+// of a type can have. Shares are of Euclidean or Hamming distances, not of their squares.
 double DistanceAt(FeatureType type, double share);
 
 // A keypoint as another image would see it: position, scale and angle by the homography's local

@@ -65,8 +65,8 @@ void PlaneTracker::Finish() {
 PlaneTracker::Step PlaneTracker::MakeStep(KeyframeId id, const Features& features,
                                           const std::optional<Camera>& camera) {
   Step step{id, features, {}, {}, false};
-  step.matches = MatchDescriptors(features.descriptors, last_->descriptors, features.type,
-                                  options_.match);
+  step.matches =
+      MatchDescriptors(features.descriptors, last_->descriptors, features.type, options_.match);
   for (const Match& match : step.matches) {
     step.points.from.push_back(PositionOf(features.keypoints[match.a]));
     step.points.to.push_back(PositionOf(last_->keypoints[match.b]));
@@ -171,8 +171,7 @@ void PlaneTracker::Advance(const Step& step) {
   report_.rejected += segmentation.rejected;
   report_.merged += segmentation.merged;
   for (size_t p = 0; p < tracked.size(); ++p) {  // line 9
-    const std::vector<int> beyond =
-        Grow(open_[p], step, tracked[p], segmentation.planes[p].rows);
+    const std::vector<int> beyond = Grow(open_[p], step, tracked[p], segmentation.planes[p].rows);
     const std::vector<int> rows = segmentation.planes[p].rows;
     open_[p].renewed = WantsRenewal(open_[p], rows);
     Continue(step, open_[p].renewed ? rows : beyond, segmentation);
@@ -205,8 +204,8 @@ void PlaneTracker::AddFeature(OpenPlane& open, int keypoint, const PlaneFeature&
   open.anchored.push_back(anchored);
 }
 
-// Line 9: new features are expressed in the reference image by H_{r,i}. Returns the rows that lie too
-// far beyond it.
+// Line 9: new features are expressed in the reference image by H_{r,i}. Returns the rows that lie
+// too far beyond it.
 std::vector<int> PlaneTracker::Grow(OpenPlane& open, const Step& step, const Tracked& tracked,
                                     const std::vector<int>& grown_rows) {
   Plane& plane = open.plane;
@@ -220,8 +219,8 @@ std::vector<int> PlaneTracker::Grow(OpenPlane& open, const Step& step, const Tra
     const int keypoint = step.matches[row].a;
     if (open.feature_at[keypoint] != kNone) continue;
     const uint8_t* descriptor = step.current.descriptors.row(keypoint);
-    const int seen = grid.MostAlike(Apply(reference_from_current, step.points.from[row]),
-                                    descriptor, limit);
+    const int seen =
+        grid.MostAlike(Apply(reference_from_current, step.points.from[row]), descriptor, limit);
     if (seen != kNone) {
       // The reference image shows it too, though it wasn't matched then: that is its true position.
       AddFeature(open, keypoint, {open.reference->keypoints[seen], 2, 2}, descriptor, true);
@@ -250,15 +249,15 @@ void PlaneTracker::CountVotes(OpenPlane& open, const Step& step, const Tracked& 
   const Matrix3d current_from_reference = tracked.reference_from_current.inverse();
   for (PlaneFeature& feature : open.plane.features) {
     const Vector2d x = Apply(current_from_reference, PositionOf(feature.reference));
-    feature.visible += x.x() >= 0 && x.y() >= 0 && x.x() < step.current.width &&
-                       x.y() < step.current.height;
+    feature.visible +=
+        x.x() >= 0 && x.y() >= 0 && x.x() < step.current.width && x.y() < step.current.height;
   }
 }
 
 // What lies beyond the reach of a plane's reference image, or all of it when that image shows too
 // little of it by now, becomes a plane of its own with the last keyframe as its reference image.
 void PlaneTracker::Continue(const Step& step, const std::vector<int>& rows,
-                               Segmentation& segmentation) {
+                            Segmentation& segmentation) {
   if (static_cast<int>(rows.size()) < options_.segmentation.min_inliers) return;
   PointPairs pairs;
   for (int row : rows) pairs.Add(step.points.from[row], step.points.to[row]);
@@ -301,8 +300,8 @@ void PlaneTracker::AddEdges(const Step& step, const std::vector<PlaneId>& ids,
       const Homology homology = TestHomology(a, b, options_.segmentation.homology);
       if (homology.kind == HomologyKind::kInvalid) continue;
       has_edge_[{key.first, key.second}] = true;
-      edges_.push_back({key.first, key.second, last_id_, step.id, homology.matrix,
-                        homology.third_eigenvalue});
+      edges_.push_back(
+          {key.first, key.second, last_id_, step.id, homology.matrix, homology.third_eigenvalue});
     }
   }
 }

@@ -42,8 +42,8 @@ double MeanError2(const MatchedPoints& points, std::span<const int> rows, const 
 // Root mean square error of the best rotation under a calibration matrix, px.
 double RotationError(const MatchedPoints& points, std::span<const int> rows, const Matrix3d& k) {
   const Matrix3d inverse = k.inverse();
-  const Matrix3d rotation = BestRotation(Directions(points.from, rows, inverse),
-                                         Directions(points.to, rows, inverse));
+  const Matrix3d rotation =
+      BestRotation(Directions(points.from, rows, inverse), Directions(points.to, rows, inverse));
   return std::sqrt(MeanError2(points, rows, k * rotation * inverse));
 }
 

@@ -20,9 +20,9 @@ class CheckFailure : public std::logic_error {
 }  // namespace waystone
 
 // Throws CheckFailure unless `condition` holds. `message` says what was wrong with which value.
-#define WS_CHECK(condition, message)                                      \
-  do {                                                                    \
-    if (!(condition)) {                                                   \
-      ::waystone::FailCheck(__FILE__, __LINE__, #condition, (message));   \
-    }                                                                     \
+#define WS_CHECK(condition, message)                                    \
+  do {                                                                  \
+    if (!(condition)) {                                                 \
+      ::waystone::FailCheck(__FILE__, __LINE__, #condition, (message)); \
+    }                                                                   \
   } while (false)

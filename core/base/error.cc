@@ -25,26 +25,46 @@ const ErrorInfo& InfoOf(ErrorCode code) {
   static constexpr ErrorInfo kInterrupted{"interrupted", "Interrupted", 130, 503};
   static constexpr ErrorInfo kInternal{"internal", "A bug in Waystone", 5, 500};
   switch (code) {
-    case ErrorCode::kUsage: return kUsage;
-    case ErrorCode::kBadOptions: return kBadOptions;
-    case ErrorCode::kBadSource: return kBadSource;
-    case ErrorCode::kBadCamera: return kBadCamera;
-    case ErrorCode::kBadImage: return kBadImage;
-    case ErrorCode::kImageTooLarge: return kImageTooLarge;
-    case ErrorCode::kNotAMap: return kNotAMap;
-    case ErrorCode::kMapDamaged: return kMapDamaged;
-    case ErrorCode::kMapVersion: return kMapVersion;
-    case ErrorCode::kFileExists: return kFileExists;
-    case ErrorCode::kFileUnreadable: return kFileUnreadable;
-    case ErrorCode::kFileUnwritable: return kFileUnwritable;
-    case ErrorCode::kNotFound: return kNotFound;
-    case ErrorCode::kBadRequest: return kBadRequest;
-    case ErrorCode::kPayloadTooLarge: return kPayload;
-    case ErrorCode::kUnsupportedMedia: return kMedia;
-    case ErrorCode::kMethodNotAllowed: return kMethod;
-    case ErrorCode::kBusy: return kBusy;
-    case ErrorCode::kInterrupted: return kInterrupted;
-    case ErrorCode::kInternal: return kInternal;
+    case ErrorCode::kUsage:
+      return kUsage;
+    case ErrorCode::kBadOptions:
+      return kBadOptions;
+    case ErrorCode::kBadSource:
+      return kBadSource;
+    case ErrorCode::kBadCamera:
+      return kBadCamera;
+    case ErrorCode::kBadImage:
+      return kBadImage;
+    case ErrorCode::kImageTooLarge:
+      return kImageTooLarge;
+    case ErrorCode::kNotAMap:
+      return kNotAMap;
+    case ErrorCode::kMapDamaged:
+      return kMapDamaged;
+    case ErrorCode::kMapVersion:
+      return kMapVersion;
+    case ErrorCode::kFileExists:
+      return kFileExists;
+    case ErrorCode::kFileUnreadable:
+      return kFileUnreadable;
+    case ErrorCode::kFileUnwritable:
+      return kFileUnwritable;
+    case ErrorCode::kNotFound:
+      return kNotFound;
+    case ErrorCode::kBadRequest:
+      return kBadRequest;
+    case ErrorCode::kPayloadTooLarge:
+      return kPayload;
+    case ErrorCode::kUnsupportedMedia:
+      return kMedia;
+    case ErrorCode::kMethodNotAllowed:
+      return kMethod;
+    case ErrorCode::kBusy:
+      return kBusy;
+    case ErrorCode::kInterrupted:
+      return kInterrupted;
+    case ErrorCode::kInternal:
+      return kInternal;
   }
   return kInternal;
 }

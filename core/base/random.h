@@ -16,7 +16,9 @@ class Random {
 
   uint64_t Next() { return engine_(); }
   // Uniform in [0, n), n >= 1. The bias of the multiply-shift is below n / 2^32.
-  int Below(int n) { return static_cast<int>(((engine_() >> 32) * static_cast<uint64_t>(n)) >> 32); }
+  int Below(int n) {
+    return static_cast<int>(((engine_() >> 32) * static_cast<uint64_t>(n)) >> 32);
+  }
   // Uniform in [0, 1).
   double Uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
   double Uniform(double low, double high) { return low + (high - low) * Uniform(); }

@@ -62,8 +62,8 @@ __attribute__((target("popcnt"))) void HammingPopcnt(const uint8_t* query, const
 // Bytes are at most 127, so differences fit a signed byte and the sum of two squares fits 16 bits:
 // one vpmaddubsw squares and adds pairs without saturating.
 __attribute__((target("avx2"))) void SquaredEuclideanAvx2(const uint8_t* query,
-                                                          const uint8_t* block, int rows,
-                                                          int bytes, int32_t* out) {
+                                                          const uint8_t* block, int rows, int bytes,
+                                                          int32_t* out) {
   if (bytes != kSiftBytes) return SquaredEuclidean(query, block, rows, bytes, out);
   const __m256i ones = _mm256_set1_epi16(1);
   __m256i q[4];

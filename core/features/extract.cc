@@ -20,8 +20,10 @@ cv::Ptr<cv::Feature2D> MakeDetector(const FeatureOptions& options) {
   switch (options.type) {
     case FeatureType::kSift:
       return cv::SIFT::create(options.max_features, 3, options.contrast_threshold);
-    case FeatureType::kOrb: return cv::ORB::create(options.max_features);
-    case FeatureType::kAkaze: return cv::AKAZE::create();
+    case FeatureType::kOrb:
+      return cv::ORB::create(options.max_features);
+    case FeatureType::kAkaze:
+      return cv::AKAZE::create();
   }
   WS_CHECK(false, "unknown feature type");
 }
@@ -57,9 +59,12 @@ Keypoint ToKeypoint(const cv::KeyPoint& k) {
 
 std::string_view NameOf(FeatureType type) {
   switch (type) {
-    case FeatureType::kSift: return "sift";
-    case FeatureType::kOrb: return "orb";
-    case FeatureType::kAkaze: return "akaze";
+    case FeatureType::kSift:
+      return "sift";
+    case FeatureType::kOrb:
+      return "orb";
+    case FeatureType::kAkaze:
+      return "akaze";
   }
   WS_CHECK(false, "unknown feature type");
 }
@@ -74,9 +79,12 @@ FeatureType FeatureTypeByName(std::string_view name) {
 
 int DescriptorBytes(FeatureType type) {
   switch (type) {
-    case FeatureType::kSift: return 128;
-    case FeatureType::kOrb: return 32;
-    case FeatureType::kAkaze: return 61;
+    case FeatureType::kSift:
+      return 128;
+    case FeatureType::kOrb:
+      return 32;
+    case FeatureType::kAkaze:
+      return 61;
   }
   WS_CHECK(false, "unknown feature type");
 }
@@ -87,9 +95,9 @@ void FeatureOptions::Check() const {
                                                "; give a number from 50 to 20000");
   }
   if (!(contrast_threshold > 0 && contrast_threshold < 1)) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "contrast_threshold is " + std::to_string(contrast_threshold) +
-                       "; give a number above 0 and below 1");
+    throw MapError(ErrorCode::kBadOptions, "contrast_threshold is " +
+                                               std::to_string(contrast_threshold) +
+                                               "; give a number above 0 and below 1");
   }
 }
 

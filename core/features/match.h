@@ -18,8 +18,8 @@ struct Match {
 };
 
 struct MatchOptions {
-  // Nearest over second nearest distance, at most (Lowe's ratio; of Euclidean distances for SIFT, of
-  // Hamming distances for the others). Higher finds more and more wrong ones. In (0, 1].
+  // Nearest over second nearest distance, at most (Lowe's ratio; of Euclidean distances for SIFT,
+  // of Hamming distances for the others). Higher finds more and more wrong ones. In (0, 1].
   double max_ratio = 0.8;
   // Keep a match only if each is the other's nearest.
   bool mutual = true;
@@ -35,7 +35,8 @@ std::vector<Match> MatchDescriptors(DescriptorsView a, DescriptorsView b, Featur
 // Whether `nearest` passes the ratio test against `second` (a distance in the kernel's unit).
 bool PassesRatio(FeatureType type, int nearest, int second, double max_ratio);
 
-// The k rows of a block that are nearest to a query, nearest first (fewer when there are fewer rows).
+// The k rows of a block that are nearest to a query, nearest first (fewer when there are fewer
+// rows).
 struct Neighbour {
   int row = -1;
   int distance = std::numeric_limits<int>::max();

@@ -54,10 +54,10 @@ bool Degenerate(std::span<const Vector2d, 4> a, std::span<const Vector2d, 4> b,
     const double area_a = TwiceArea(a[i], a[j], a[k]);
     const double area_b = TwiceArea(b[i], b[j], b[k]);
     if (area_a * area_b <= 0) return true;
-    const double side2_a = std::max({(a[i] - a[j]).squaredNorm(), (a[j] - a[k]).squaredNorm(),
-                                     (a[k] - a[i]).squaredNorm()});
-    const double side2_b = std::max({(b[i] - b[j]).squaredNorm(), (b[j] - b[k]).squaredNorm(),
-                                     (b[k] - b[i]).squaredNorm()});
+    const double side2_a = std::max(
+        {(a[i] - a[j]).squaredNorm(), (a[j] - a[k]).squaredNorm(), (a[k] - a[i]).squaredNorm()});
+    const double side2_b = std::max(
+        {(b[i] - b[j]).squaredNorm(), (b[j] - b[k]).squaredNorm(), (b[k] - b[i]).squaredNorm()});
     if (std::abs(area_a) < min_height_ratio * side2_a) return true;
     if (std::abs(area_b) < min_height_ratio * side2_b) return true;
   }
@@ -211,8 +211,8 @@ bool OnSameSide(const Matrix3d& b_from_a, const Vector2d& x_a, const Vector2d& i
 
 double SymmetricTransferError2(const Matrix3d& b_from_a, const Matrix3d& a_from_b,
                                const Vector2d& x_a, const Vector2d& x_b) {
-  return 0.5 * ((Apply(b_from_a, x_a) - x_b).squaredNorm() +
-                (Apply(a_from_b, x_b) - x_a).squaredNorm());
+  return 0.5 *
+         ((Apply(b_from_a, x_a) - x_b).squaredNorm() + (Apply(a_from_b, x_b) - x_a).squaredNorm());
 }
 
 std::optional<Matrix3d> HomographyFromFour(std::span<const Vector2d, 4> a,
@@ -266,8 +266,7 @@ std::optional<HomographyEstimate> RefineHomography(const PointPairs& pairs,
   for (int i = 0; i < pairs.size(); ++i) {
     normalised.Add(Apply(ta, pairs.a[i]), Apply(tb, pairs.b[i]));
   }
-  const std::optional<Matrix3d> h =
-      Minimise(normalised, Normalised(tb * initial * ta.inverse()));
+  const std::optional<Matrix3d> h = Minimise(normalised, Normalised(tb * initial * ta.inverse()));
   if (!h) return std::nullopt;
 
   const NormalEquations equations = Linearise(normalised, *h);
@@ -275,11 +274,11 @@ std::optional<HomographyEstimate> RefineHomography(const PointPairs& pairs,
   if (solver.info() != Eigen::Success || solver.eigenvalues()(0) <= 0) return std::nullopt;
   // The errors in the two images are the same noise seen twice, so the information is counted
   // twice: hence the factor 2.
-  const double variance = equations.cost / (4.0 * pairs.size() - 16.0 > 0
-                                                ? 4.0 * pairs.size() - 16.0
-                                                : 4.0);
-  const Matrix8d root = solver.eigenvectors() *
-                        (2 * variance * solver.eigenvalues().cwiseInverse()).cwiseSqrt().asDiagonal();
+  const double variance =
+      equations.cost / (4.0 * pairs.size() - 16.0 > 0 ? 4.0 * pairs.size() - 16.0 : 4.0);
+  const Matrix8d root =
+      solver.eigenvectors() *
+      (2 * variance * solver.eigenvalues().cwiseInverse()).cwiseSqrt().asDiagonal();
   HomographyEstimate estimate;
   estimate.b_from_a = Normalised(tb_inverse * *h * ta);
   Eigen::Matrix<double, 9, 8> spread = Eigen::Matrix<double, 9, 8>::Zero();
@@ -294,8 +293,7 @@ std::optional<HomographyEstimate> RefineHomography(const PointPairs& pairs,
 HomographyEstimate Composed(const Matrix3d& c_from_b, const HomographyEstimate& b_from_a) {
   HomographyEstimate composed = b_from_a;
   composed.b_from_a = Normalised(c_from_b * b_from_a.b_from_a);
-  composed.spread =
-      Transformed(c_from_b, b_from_a.b_from_a, b_from_a.spread, Matrix3d::Identity());
+  composed.spread = Transformed(c_from_b, b_from_a.b_from_a, b_from_a.spread, Matrix3d::Identity());
   return composed;
 }
 

@@ -32,7 +32,8 @@ Eigen::Vector2d Apply(const Eigen::Matrix3d& b_from_a, const Eigen::Vector2d& x_
 bool OnSameSide(const Eigen::Matrix3d& b_from_a, const Eigen::Vector2d& x_a,
                 const Eigen::Vector2d& inside);
 
-// Mean of the squared transfer errors in both images, px^2: (d(x_b, H x_a)^2 + d(x_a, H^-1 x_b)^2)/2.
+// Mean of the squared transfer errors in both images, px^2: (d(x_b, H x_a)^2 + d(x_a, H^-1
+// x_b)^2)/2.
 double SymmetricTransferError2(const Eigen::Matrix3d& b_from_a, const Eigen::Matrix3d& a_from_b,
                                const Eigen::Vector2d& x_a, const Eigen::Vector2d& x_b);
 
@@ -51,7 +52,8 @@ std::optional<Eigen::Matrix3d> HomographyByDlt(const PointPairs& pairs);
 struct HomographyEstimate {
   Eigen::Matrix3d b_from_a = Eigen::Matrix3d::Identity();  // h33 = 1
   // A square root of the covariance of b_from_a's entries (row by row): b_from_a plus the matrix
-  // made of `spread * z`, z eight standard normals, is a homography as the noise could have given it.
+  // made of `spread * z`, z eight standard normals, is a homography as the noise could have given
+  // it.
   Eigen::Matrix<double, 9, 8> spread = Eigen::Matrix<double, 9, 8>::Zero();
   double sigma_px = 0;  // standard deviation of a transfer error's coordinate
   int pairs = 0;        // it was estimated from
@@ -66,7 +68,6 @@ std::optional<HomographyEstimate> RefineHomography(const PointPairs& pairs,
 HomographyEstimate Composed(const Eigen::Matrix3d& c_from_b, const HomographyEstimate& b_from_a);
 
 // A homography drawn from the estimate's distribution; z are eight standard normals.
-Eigen::Matrix3d Perturbed(const HomographyEstimate& estimate,
-                          const Eigen::Matrix<double, 8, 1>& z);
+Eigen::Matrix3d Perturbed(const HomographyEstimate& estimate, const Eigen::Matrix<double, 8, 1>& z);
 
 }  // namespace waystone

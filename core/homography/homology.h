@@ -33,7 +33,7 @@ struct Homology {
   double third_eigenvalue = 1;  // 1 + v^T p
   double split = 0;             // distance of the closest pair of eigenvalues
   double split_sigma = 0;       // standard deviation of `split` for a true pair of planes
-  double third_sigma = 0;       // standard deviation of `third_eigenvalue` for one and the same plane
+  double third_sigma = 0;  // standard deviation of `third_eigenvalue` for one and the same plane
 };
 
 // Eigenvalue test of two planes seen in the same two images: m and n are both estimated from the

@@ -87,8 +87,8 @@ std::optional<PlaneModel> ModelOf(const MatchedPoints& points, std::span<const i
   return model;
 }
 
-PlaneFit Evaluate(const MatchedPoints& points, std::span<const int> active,
-                  const PlaneModel& model, double max_error_px) {
+PlaneFit Evaluate(const MatchedPoints& points, std::span<const int> active, const PlaneModel& model,
+                  double max_error_px) {
   PlaneFit fit;
   fit.model = model;
   const PlaneModel inverse = Inverse(model);
@@ -171,18 +171,18 @@ Neighbourhoods::Neighbourhoods(std::span<const Vector2d> points, int k)
 }
 
 void LocalRansacOptions::Check() const {
-  const bool good = min_error_px > 0 && max_error_px >= min_error_px && max_deviations > 1 && confidence > 0 && confidence < 1 && max_samples >= 1 &&
-                    neighbourhood >= 3 && min_height_ratio >= 0 && min_height_ratio < 0.5 &&
-                    max_refits >= 0 && wide_refits >= 0 && min_refit_share >= 0 &&
-                    min_refit_share <= 1;
+  const bool good = min_error_px > 0 && max_error_px >= min_error_px && max_deviations > 1 &&
+                    confidence > 0 && confidence < 1 && max_samples >= 1 && neighbourhood >= 3 &&
+                    min_height_ratio >= 0 && min_height_ratio < 0.5 && max_refits >= 0 &&
+                    wide_refits >= 0 && min_refit_share >= 0 && min_refit_share <= 1;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "plane sampling: an option is out of its range; leave them at their defaults");
   }
 }
 
-double PlaneError2(const MatchedPoints& points, const PlaneModel& model,
-                   const PlaneModel& inverse, int i) {
+double PlaneError2(const MatchedPoints& points, const PlaneModel& model, const PlaneModel& inverse,
+                   int i) {
   const double error2 =
       SymmetricTransferError2(model.to_from, inverse.to_from, points.from[i], points.to[i]);
   if (points.reference.empty()) return error2;
@@ -196,8 +196,7 @@ PlaneModel Inverse(const PlaneModel& model) {
 }
 
 double ErrorBound(double sigma_px, const LocalRansacOptions& options) {
-  return std::clamp(options.max_deviations * sigma_px, options.min_error_px,
-                    options.max_error_px);
+  return std::clamp(options.max_deviations * sigma_px, options.min_error_px, options.max_error_px);
 }
 
 double SamplesNeeded(double confidence, double sample_probability) {
@@ -214,15 +213,16 @@ PlaneFit Regrow(const MatchedPoints& points, std::span<const int> active, const 
     const std::optional<PlaneModel> model = ModelOf(points, support);
     if (!model) break;
     PlaneFit next = Evaluate(points, active, *model, options.max_error_px);
-    // A local sample is off by more than the bound a little farther on: the first refits look wider.
+    // A local sample is off by more than the bound a little farther on: the first refits look
+    // wider.
     const bool wide = refit < options.wide_refits;
     if (next.score > best.score) {
       best = std::move(next);
     } else if (!wide) {
       break;
     }
-    support = wide ? Evaluate(points, active, *model, 2 * options.max_error_px).inliers
-                   : best.inliers;
+    support =
+        wide ? Evaluate(points, active, *model, 2 * options.max_error_px).inliers : best.inliers;
   }
   best.samples = start.samples;
   return best;
@@ -247,11 +247,11 @@ std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const i
     fit = Regrow(points, active, fit, options);
     if (fit.score <= best.score) continue;
     best = std::move(fit);
-    needed = std::min<double>(options.max_samples,
-                              SamplesNeeded(options.confidence,
-                                            SampleProbability(best, active, points.size(),
-                                                              neighbourhoods,
-                                                              options.neighbourhood)));
+    needed = std::min<double>(
+        options.max_samples,
+        SamplesNeeded(
+            options.confidence,
+            SampleProbability(best, active, points.size(), neighbourhoods, options.neighbourhood)));
   }
   if (best.inliers.size() < 4) return std::nullopt;
   best.samples = samples;

@@ -30,8 +30,9 @@ class Neighbourhoods {
 struct MatchedPoints {
   std::vector<Eigen::Vector2d> from;
   std::vector<Eigen::Vector2d> to;
-  // For triple matching: the plane's features in its reference image. Empty otherwise. Errors against
-  // it are measured in `from`'s pixels, because far from the reference image its own are stretched.
+  // For triple matching: the plane's features in its reference image. Empty otherwise. Errors
+  // against it are measured in `from`'s pixels, because far from the reference image its own are
+  // stretched.
   std::vector<Eigen::Vector2d> reference;
 
   int size() const { return static_cast<int>(from.size()); }
@@ -41,8 +42,8 @@ struct LocalRansacOptions {
   // Largest transfer error of an inlier. Higher joins planes that are nearly parallel, lower splits
   // walls that are not quite flat. px
   double max_error_px = 2.0;
-  // The bound is tightened to this many standard deviations of the errors of the plane's own inliers,
-  // so that sharp images tell planes apart that blurred ones can't ...
+  // The bound is tightened to this many standard deviations of the errors of the plane's own
+  // inliers, so that sharp images tell planes apart that blurred ones can't ...
   double max_deviations = 4.0;
   // ... but not below this. px
   double min_error_px = 0.75;
@@ -81,8 +82,8 @@ struct PlaneFit {
 
 // Squared error of row i under a model, px^2: the symmetric transfer error between `from` and `to`
 // and, where there is a reference, the larger of it and the error against the reference.
-double PlaneError2(const MatchedPoints& points, const PlaneModel& model,
-                   const PlaneModel& inverse, int i);
+double PlaneError2(const MatchedPoints& points, const PlaneModel& model, const PlaneModel& inverse,
+                   int i);
 PlaneModel Inverse(const PlaneModel& model);
 
 // The plane that most of the `active` rows support, by RANSAC over samples of four close,
@@ -96,8 +97,8 @@ std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const i
 PlaneFit Regrow(const MatchedPoints& points, std::span<const int> active, const PlaneFit& start,
                 const LocalRansacOptions& options);
 
-// The largest error of an inlier of a plane whose inliers' errors have a given standard deviation (of
-// a coordinate), px.
+// The largest error of an inlier of a plane whose inliers' errors have a given standard deviation
+// (of a coordinate), px.
 double ErrorBound(double sigma_px, const LocalRansacOptions& options);
 
 // Number of samples so that with probability `confidence` one is made of inliers alone, eq. (1):

@@ -59,8 +59,8 @@ class Segmenter {
       double best = 1;  // of the error as a share of the plane's bound
       for (int p = 0; p < known_; ++p) {
         const HomographyEstimate& plane = result_.planes[p].to_from;
-        const double share = std::sqrt(Error2(plane.b_from_a, row)) /
-                             ErrorBound(plane.sigma_px, options_.ransac);
+        const double share =
+            std::sqrt(Error2(plane.b_from_a, row)) / ErrorBound(plane.sigma_px, options_.ransac);
         if (share < best) {
           best = share;
           wish[row] = p;
@@ -167,11 +167,10 @@ class Segmenter {
   }
 
   bool SharesPlane(int plane, const PlaneSegment& candidate) const {
-    const double limit2 = std::pow(2 * options_.ransac.max_error_px, 2);
+    const HomographyEstimate& to_from = result_.planes[plane].to_from;
+    const double limit2 = std::pow(2 * ErrorBound(to_from.sigma_px, options_.ransac), 2);
     int fits = 0;
-    for (int row : candidate.rows) {
-      fits += Error2(result_.planes[plane].to_from.b_from_a, row) < limit2;
-    }
+    for (int row : candidate.rows) fits += Error2(to_from.b_from_a, row) < limit2;
     return fits >= options_.min_shared * static_cast<double>(candidate.rows.size());
   }
 
@@ -199,8 +198,8 @@ void SegmentationOptions::Check() const {
   ransac.Check();
   homology.Check();
   const bool good = min_inliers >= 5 && max_planes >= 1 && companions >= 1 && min_companions >= 0 &&
-                    min_companions <= companions && min_shared >= 0 && min_shared <= 1 && min_coherence >= 0 &&
-                    min_coherence <= 1;
+                    min_companions <= companions && min_shared >= 0 && min_shared <= 1 &&
+                    min_coherence >= 0 && min_coherence <= 1;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "plane search: an option is out of its range; leave them at their defaults");

@@ -16,15 +16,15 @@ struct SegmentationOptions {
   int min_inliers = 16;
   // Planes looked for in one pair of images.
   int max_planes = 24;
-  // A match belongs to a plane only if at least `min_companions` of its `companions` nearest matches
-  // do: planes are regions, and a lone match far from its plane fits by chance.
+  // A match belongs to a plane only if at least `min_companions` of its `companions` nearest
+  // matches do: planes are regions, and a lone match far from its plane fits by chance.
   int companions = 8;
   int min_companions = 2;
   // Share of the companions of a plane's matches, on average, that must be the plane's too. What is
   // left over along the edges of several planes fits one homography now and then, but is scattered.
   double min_coherence = 0.5;
   // Two planes are one only if this share of the smaller one's matches also fits the larger one,
-  // within twice the largest error: an uncertain homology alone is no proof.
+  // within twice its bound on errors: an uncertain homology alone is no proof.
   double min_shared = 0.6;
 
   void Check() const;  // throws MapError(kBadOptions)
@@ -38,8 +38,8 @@ struct PlaneSegment {
 
 struct Segmentation {
   std::vector<PlaneSegment> planes;  // the known ones first, in their order, then the new ones
-  int rejected = 0;  // candidates whose homologies were invalid
-  int merged = 0;    // candidates that were another plane again
+  int rejected = 0;                  // candidates whose homologies were invalid
+  int merged = 0;                    // candidates that were another plane again
 };
 
 // The planes seen in two images, from their matches (`points.reference` is not used).
