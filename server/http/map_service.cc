@@ -53,7 +53,8 @@ const Keyframe& KeyframeOf(const MapIndex& index, const Router::Captures& captur
   return Existing(index.FindKeyframe(KeyframeId{id}), "keyframe", id);
 }
 
-// What an image may be called. curl's own default for --data-binary is a form, which is none.
+// What an image may be called. A form is what curl calls any body when it isn't told otherwise, so a
+// photo sent the shortest way comes as one.
 void CheckMediaType(const HttpRequest& request) {
   const std::optional<std::string> given = request.header("Content-Type");
   if (!given) return;
@@ -62,7 +63,10 @@ void CheckMediaType(const HttpRequest& request) {
     if (c == ';' || c == ' ') break;
     type += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
-  if (type.empty() || type.starts_with("image/") || type == "application/octet-stream") return;
+  const bool taken = type.empty() || type.starts_with("image/") ||
+                     type == "application/octet-stream" ||
+                     type == "application/x-www-form-urlencoded";
+  if (taken) return;
   throw MapError(ErrorCode::kUnsupportedMedia,
                  "'" + type.substr(0, 80) +
                      "' is no image; send the file's bytes as Content-Type: image/jpeg");
