@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/build_map.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+
+#include "builder/planes/fusion.h"
+#include "core/base/error.h"
+#include "core/homography/homology.h"
+#include "localizer/localizer.h"
+#include "schema/map_store.h"
+#include "world/render.h"
+#include "world/rig.h"
+#include "world/truth.h"
+#include "world/walk.h"
+#include "world/world.h"
+
+namespace waystone {
+namespace {
+
+// A made building and the first steps of a walk through it, rendered once for all tests.
+struct Stage {
+  World world{DemoPlan(), WorldOptions{.texture_richness = 0.5}};
+  Walk walk;
+  Renderer renderer{PinholeCamera(320, 240, 1.2)};
+  std::vector<cv::Mat> frames;
+
+  Stage() {
+    WalkOptions options;
+    options.step_m = 0.1;
+    walk = DemoWalk(world.plan(), options);
+    walk.frames.resize(45);
+    for (const WalkFrame& frame : walk.frames) {
+      frames.push_back(renderer.Render(world, frame.world_from_camera).grey);
+    }
+  }
+};
+
+const Stage& TheStage() {
+  static const Stage stage;
+  return stage;
+}
+
+// Frames from memory; the numbers in `broken` can't be decoded.
+class MemorySource : public Source {
+ public:
+  MemorySource(int frames, std::set<int> broken) : frames_(frames), broken_(std::move(broken)) {}
+
+  const std::string& kind() const override { return kind_; }
+  const std::string& name() const override { return name_; }
+  int size() const override { return frames_; }
+  const std::optional<Camera>& camera() const override { return camera_; }
+  std::string Announcement() const override { return "Frames in memory"; }
+  std::optional<EncodedFrame> NextEncoded() override {
+    if (next_ == frames_) return std::nullopt;
+    const int frame = next_++;
+    const bool broken = broken_.contains(frame);
+    return EncodedFrame({frame, "frame " + std::to_string(frame), frame / 15.0}, [=] {
+      if (broken) throw MapError(ErrorCode::kBadImage, "made unreadable");
+      return TheStage().frames[frame];
+    });
+  }
+
+ private:
+  int frames_;
+  std::set<int> broken_;
+  int next_ = 0;
+  std::string kind_ = "folder";
+  std::string name_ = "memory";
+  std::optional<Camera> camera_;
+};
+
+BuildResult Build(int threads, std::set<int> broken = {}, int frames = 45) {
+  BuildOptions options;
+  options.threads = threads;
+  std::vector<std::unique_ptr<Source>> sources;
+  sources.push_back(std::make_unique<MemorySource>(frames, std::move(broken)));
+  return BuildMap(sources, options, {});
+}
+
+const BuildResult& TheMap() {
+  static const BuildResult result = Build(1);
+  return result;
+}
+
+ErrorCode CodeOf(const std::function<void()>& run) {
+  try {
+    run();
+  } catch (const MapError& error) {
+    return error.code();
+  }
+  return ErrorCode::kInternal;
+}
+
+TEST(BuildMap, FindsPlanesAndJoinsThem) {
+  const MapData& map = TheMap().map;
+  EXPECT_GE(map.keyframes.size(), 4u);
+  EXPECT_GE(map.planes.size(), 3u);
+  EXPECT_FALSE(map.edges.empty());
+  for (size_t i = 0; i < map.planes.size(); ++i) {
+    EXPECT_EQ(map.planes[i].id.value, static_cast<int64_t>(i) + 1);
+  }
+  for (const Edge& edge : map.edges) {
+    EXPECT_LT(edge.a, edge.b);
+    EXPECT_LE(edge.b.value, static_cast<int64_t>(map.planes.size()));
+    EXPECT_NEAR(EigenvaluesOf(edge.homology).scale, 1, 1e-6);
+  }
+}
+
+TEST(BuildMap, HomographiesAreTheTrueOnes) {
+  const Stage& stage = TheStage();
+  const MapData& map = TheMap().map;
+  std::vector<double> errors;
+  for (const Plane& plane : map.planes) {
+    const int reference_frame = map.keyframes[plane.reference.value - 1].frame;
+    const auto& reference_pose = stage.walk.frames[reference_frame].world_from_camera;
+    const cv::Mat ids = stage.renderer.Render(stage.world, reference_pose).plane_ids;
+    std::map<int, int> counts;
+    for (const PlaneFeature& f : plane.features) {
+      const cv::Point at(static_cast<int>(std::lround(f.reference.x_px)),
+                         static_cast<int>(std::lround(f.reference.y_px)));
+      if (cv::Rect(0, 0, ids.cols, ids.rows).contains(at)) ++counts[ids.at<uint16_t>(at)];
+    }
+    const int truth = std::max_element(counts.begin(), counts.end(), [](auto& a, auto& b) {
+                        return a.second < b.second;
+                      })->first;
+    for (const PlaneView& view : plane.views) {
+      const int frame = map.keyframes[view.keyframe.value - 1].frame;
+      const Eigen::Matrix3d to_keyframe =
+          PlaneHomography(stage.world.PlaneById(truth), stage.renderer.camera(), reference_pose,
+                          stage.walk.frames[frame].world_from_camera);
+      for (const PlaneFeature& f : plane.features) {
+        const Eigen::Vector2d x(f.reference.x_px, f.reference.y_px);
+        const Eigen::Vector2d seen = Apply(to_keyframe, x);
+        if (seen.x() < 0 || seen.y() < 0 || seen.x() >= 320 || seen.y() >= 240) continue;
+        errors.push_back((Apply(view.reference_from_keyframe, seen) - x).norm());
+      }
+    }
+  }
+  ASSERT_GT(errors.size(), 100u);
+  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 1.0);
+}
+
+TEST(BuildMap, IsTheSameOnAnyNumberOfThreads) { EXPECT_TRUE(Build(2).map == TheMap().map); }
+
+TEST(BuildMap, IsWrittenAndReadBackSound) {
+  const auto path = std::filesystem::path(testing::TempDir()) / "built.db";
+  WriteMap(TheMap().map, path, {.overwrite = true});
+  EXPECT_TRUE(CheckMap(path).empty());
+  EXPECT_EQ(ReadMap(path).planes.size(), TheMap().map.planes.size());
+  std::filesystem::remove(path);
+}
+
+TEST(BuildMap, AFrameBetweenKeyframesIsLocalizedBesideThem) {
+  const MapData& map = TheMap().map;
+  const auto index = MapIndex::Build(map);
+  std::set<int> keyframes;
+  for (const Keyframe& keyframe : map.keyframes) keyframes.insert(keyframe.frame);
+  int asked = 0;
+  int near = 0;
+  for (int frame = 1; frame < 44; frame += 3) {
+    if (keyframes.contains(frame)) continue;
+    ++asked;
+    const Answer answer = LocalizeImage(*index, TheStage().frames[frame], {});
+    if (answer.verdict != Verdict::kLocalized) continue;
+    near += std::abs(index->FindKeyframe(answer.keyframe->id)->frame - frame) <= 12;
+  }
+  ASSERT_GT(asked, 5);
+  EXPECT_GE(near, asked - 1);
+}
+
+TEST(BuildMap, UndecodableFramesAreNamedAndCounted) {
+  const BuildResult result = Build(1, {3, 7}, 20);
+  EXPECT_EQ(result.report.frames, 20);
+  EXPECT_EQ(result.report.skipped, 2);
+  ASSERT_EQ(result.report.skipped_names.size(), 2u);
+  EXPECT_EQ(result.report.skipped_names[0], "frame 3: made unreadable");
+  EXPECT_EQ(result.map.sequences[0].skipped, 2);
+}
+
+TEST(BuildMap, NothingUsableIsAnError) {
+  EXPECT_EQ(CodeOf([] { BuildMap({}, {}, {}); }), ErrorCode::kBadSource);
+  EXPECT_EQ(CodeOf([] { Build(1, {0, 1, 2}, 3); }), ErrorCode::kBadSource);
+}
+
+TEST(BuildMap, StopsWhenAsked) {
+  std::vector<std::unique_ptr<Source>> sources;
+  sources.push_back(std::make_unique<MemorySource>(10, std::set<int>{}));
+  EXPECT_EQ(
+      CodeOf([&] { BuildMap(sources, {}, [](const BuildProgress& p) { return p.done < 3; }); }),
+      ErrorCode::kInterrupted);
+}
+
+TEST(BuildMap, LeavesPicturesOutWhenAsked) {
+  BuildOptions options;
+  options.images = false;
+  std::vector<std::unique_ptr<Source>> sources;
+  sources.push_back(std::make_unique<MemorySource>(8, std::set<int>{}));
+  for (const Keyframe& keyframe : BuildMap(sources, options, {}).map.keyframes) {
+    EXPECT_TRUE(keyframe.jpeg.empty());
+  }
+}
+
+TEST(BuildMap, TwoSequencesDontTouch) {
+  std::vector<std::unique_ptr<Source>> sources;
+  sources.push_back(std::make_unique<MemorySource>(12, std::set<int>{}));
+  sources.push_back(std::make_unique<MemorySource>(12, std::set<int>{}));
+  const BuildResult result = BuildMap(sources, {}, {});
+  EXPECT_EQ(result.map.sequences.size(), 2u);
+  EXPECT_EQ(result.report.stretches, 2);
+  // The second shows what the first one did: its planes were seen before.
+  EXPECT_GT(result.report.planes_fused, 0);
+}
+
+// The planes of a map taken apart: what the graph of all pairs finds, the votes propose too.
+TEST(FusePlanes, ProposalsFindWhatTheExhaustiveSearchFinds) {
+  MapData map = TheMap().map;
+  std::vector<Plane> planes = map.planes;
+  const size_t count = planes.size();
+  for (size_t i = 0; i < count; ++i) {  // every plane seen again, by other ids
+    Plane again = planes[i];
+    again.id = PlaneId{static_cast<int64_t>(count + i) + 1};
+    planes.push_back(again);
+  }
+  const PlaneLayerOptions options;
+  const FusionResult proposed =
+      FusePlanes(planes, map.edges, map.keyframes, FeatureType::kSift, options);
+  const FusionResult exhaustive =
+      FusePlanes(planes, map.edges, map.keyframes, FeatureType::kSift, options, true);
+  EXPECT_GE(proposed.fused, static_cast<int>(count));
+  EXPECT_EQ(proposed.fused, exhaustive.fused);
+  EXPECT_EQ(proposed.planes.size(), exhaustive.planes.size());
+}
+
+TEST(FusePlanes, DifferentPlanesStayApart) {
+  const MapData& map = TheMap().map;
+  const FusionResult result =
+      FusePlanes(map.planes, map.edges, map.keyframes, FeatureType::kSift, {});
+  EXPECT_EQ(result.fused, 0);
+  EXPECT_EQ(result.planes.size(), map.planes.size());
+}
+
+TEST(FusePlanes, EdgesPassToTheOneThatStays) {
+  const MapData& map = TheMap().map;
+  ASSERT_FALSE(map.edges.empty());
+  std::vector<Plane> planes = map.planes;
+  std::vector<Edge> edges = {map.edges.front()};
+  Plane again = planes[edges[0].a.value - 1];
+  const PlaneId original = again.id;
+  again.id = PlaneId{static_cast<int64_t>(planes.size()) + 1};
+  planes.push_back(again);
+  edges[0].a = edges[0].b;  // the edge leads from b to the plane seen again
+  edges[0].b = again.id;
+  std::erase_if(planes, [&](const Plane& plane) {
+    return plane.id != original && plane.id != again.id && plane.id != edges[0].a;
+  });
+  const FusionResult result = FusePlanes(planes, edges, map.keyframes, FeatureType::kSift, {});
+  EXPECT_EQ(result.fused, 1);
+  ASSERT_EQ(result.edges.size(), 1u);
+  EXPECT_EQ(std::minmax(original, edges[0].a), std::minmax(result.edges[0].a, result.edges[0].b));
+}
+
+}  // namespace
+}  // namespace waystone
