@@ -17,7 +17,7 @@ struct RotationOptions {
   // Focal lengths tried where the camera isn't known, as shares of the image's longer side.
   double min_focal = 0.5;
   double max_focal = 3.0;
-  int focal_steps = 10;
+  int focal_steps = 60;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
