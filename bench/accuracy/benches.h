@@ -20,6 +20,9 @@ int RunWorld(const Args& args);
 int RunRgbd(const Args& args);
 // negatives DIR [--map A:B] IMAGE_OR_FOLDER...: images that are not in a map of DIR.
 int RunNegatives(const Args& args);
+// pairs DIR... [--labels OUT]: planes in two images against labelled matches (matches.csv in each
+// folder); writes the labels it gave to OUT/NAME.txt.
+int RunPairs(const Args& args);
 // linear DIR N...: seconds per frame of builds over the first N frames.
 int RunLinear(const Args& args);
 

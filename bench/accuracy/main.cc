@@ -13,6 +13,7 @@ constexpr char kUsage[] =
     "  world [--frames N] [--plan demo|other]               planes against rendered truth\n"
     "  rgbd DIR [--map 0:499] [--queries 500:990:10]      localization against depth and poses\n"
     "  negatives DIR [--map 0:499] IMAGE_OR_FOLDER...     images that are not in the map\n"
+    "  pairs DIR... [--labels OUT]                        planes in two images against labels\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"
     "The last line of each is one JSON object.\n";
 
@@ -21,11 +22,9 @@ constexpr char kUsage[] =
 int main(int argc, char** argv) {
   using waystone::bench::Args;
   const std::map<std::string, int (*)(const Args&)> benches = {
-      {"all", waystone::bench::RunAll},
-      {"world", waystone::bench::RunWorld},
-      {"rgbd", waystone::bench::RunRgbd},
-      {"negatives", waystone::bench::RunNegatives},
-      {"linear", waystone::bench::RunLinear}};
+      {"all", waystone::bench::RunAll},     {"world", waystone::bench::RunWorld},
+      {"rgbd", waystone::bench::RunRgbd},   {"negatives", waystone::bench::RunNegatives},
+      {"pairs", waystone::bench::RunPairs}, {"linear", waystone::bench::RunLinear}};
   if (argc < 2 || !benches.contains(argv[1])) {
     std::cerr << kUsage;
     return 2;

@@ -64,7 +64,7 @@ struct PlaneLayerOptions {
   // reference image; lower: fewer and larger ones.
   double min_anchored = 0.5;
   // A feature is kept if it was found in this share of the keyframes that should have seen it.
-  double min_vote_share = 0.5;
+  double min_vote_share = 0.6;
   // A plane with fewer features left after the votes is dropped.
   int min_features = 16;
   // A plane that was started and lost again at once, so that no triple match ever confirmed it,

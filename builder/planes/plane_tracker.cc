@@ -34,9 +34,9 @@ void PlaneLayerOptions::Check() const {
   rotation.Check();
   fusion.Check();
   const bool good = min_tracked >= 5 && reacquire_px > 0 && reacquire_distance > 0 &&
-                    reacquire_distance <= 1 && max_extrapolation >= 0 && min_vote_share >= 0 &&
-                    min_vote_share <= 1 && min_features >= 4 &&
-                    min_features_unconfirmed >= min_features;
+                    reacquire_distance <= 1 && max_extrapolation >= 0 && min_anchored >= 0 &&
+                    min_anchored <= 1 && min_vote_share >= 0 && min_vote_share <= 1 &&
+                    min_features >= 4 && min_features_unconfirmed >= min_features;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "planes: an option is out of its range; leave them at their defaults");
@@ -171,6 +171,7 @@ void PlaneTracker::Advance(const Step& step) {
   report_.rejected += segmentation.rejected;
   report_.merged += segmentation.merged;
   for (size_t p = 0; p < tracked.size(); ++p) {  // line 9
+    Confirm(step, open_[p], tracked[p], segmentation.planes[p].rows);
     const std::vector<int> beyond = Grow(open_[p], step, tracked[p], segmentation.planes[p].rows);
     const std::vector<int> rows = segmentation.planes[p].rows;
     open_[p].renewed = WantsRenewal(open_[p], rows);
@@ -186,6 +187,26 @@ void PlaneTracker::Advance(const Step& step) {
     if (open.renewed) Close(std::move(open));
   }
   std::erase_if(open_, [](const OpenPlane& open) { return open.renewed; });
+}
+
+// A match that carries a feature of the plane but doesn't fit it, between the last two keyframes or
+// to the reference image, is no growth; what is more, it is a vote against the feature, which lay
+// close to the plane only as long as the camera hadn't moved enough to tell.
+void PlaneTracker::Confirm(const Step& step, OpenPlane& open, Tracked& tracked,
+                           std::vector<int>& rows) {
+  const std::vector<int>& triple = tracked.segment.rows;
+  for (int row = 0; row < static_cast<int>(step.matches.size()); ++row) {
+    const Match& match = step.matches[row];
+    const int feature = open.feature_at[match.b];
+    if (feature == kNone) continue;
+    const auto own = std::lower_bound(rows.begin(), rows.end(), row);
+    const bool is_own = own != rows.end() && *own == row;
+    if (is_own && std::binary_search(triple.begin(), triple.end(), row)) continue;
+    tracked.feature_at[match.a] = kNone;
+    int& votes = open.plane.features[feature].votes;
+    votes = std::max(0, votes - 1);
+    if (is_own) rows.erase(own);
+  }
 }
 
 // Whether too few of a plane's matches are features that its reference image shows.

@@ -70,6 +70,7 @@ class PlaneTracker {
   std::optional<Tracked> Track(const OpenPlane& open, const Step& step);
   void Reacquire(const OpenPlane& open, const Step& step, Tracked& tracked) const;
   void Advance(const Step& step);
+  static void Confirm(const Step& step, OpenPlane& open, Tracked& tracked, std::vector<int>& rows);
   std::vector<int> Grow(OpenPlane& open, const Step& step, const Tracked& tracked,
                         const std::vector<int>& grown_rows);
   static void AddFeature(OpenPlane& open, int keypoint, const PlaneFeature& feature,

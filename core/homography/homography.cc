@@ -227,7 +227,8 @@ std::optional<Matrix3d> HomographyFromFour(std::span<const Vector2d, 4> a,
   return Normalised(h);
 }
 
-std::optional<Matrix3d> HomographyByDlt(const PointPairs& pairs) {
+std::optional<Matrix3d> HomographyByDlt(const PointPairs& pairs, std::span<const double> weights) {
+  WS_CHECK(weights.empty() || weights.size() == pairs.a.size(), "as many weights as pairs");
   if (pairs.size() < 4) return std::nullopt;
   const Matrix3d ta = NormalisingTransform(pairs.a);
   const Matrix3d tb = NormalisingTransform(pairs.b);
@@ -238,7 +239,7 @@ std::optional<Matrix3d> HomographyByDlt(const PointPairs& pairs) {
     Eigen::Matrix<double, 2, 9> rows;
     rows << x.transpose(), 0, 0, 0, -y.x() * x.transpose(), 0, 0, 0, x.transpose(),
         -y.y() * x.transpose();
-    ata.noalias() += rows.transpose() * rows;
+    ata.noalias() += (weights.empty() ? 1.0 : weights[i]) * rows.transpose() * rows;
   }
   const Eigen::SelfAdjointEigenSolver<Matrix9d> solver(ata);
   if (solver.info() != Eigen::Success) return std::nullopt;

@@ -45,8 +45,10 @@ std::optional<Eigen::Matrix3d> HomographyFromFour(std::span<const Eigen::Vector2
                                                   double min_height_ratio);
 
 // Direct linear transform over four or more pairs (Hartley and Zisserman, alg. 4.2, with their
-// normalisation). Nothing when the points don't determine it.
-std::optional<Eigen::Matrix3d> HomographyByDlt(const PointPairs& pairs);
+// normalisation), each pair counting as much as its weight says (all the same when there are none).
+// Nothing when the points don't determine it.
+std::optional<Eigen::Matrix3d> HomographyByDlt(const PointPairs& pairs,
+                                               std::span<const double> weights = {});
 
 // A homography with its uncertainty.
 struct HomographyEstimate {

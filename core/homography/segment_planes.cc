@@ -12,7 +12,8 @@
 namespace waystone {
 namespace {
 
-constexpr int kNoPlane = -1;
+// Noise of a proposed plane until it is measured. px
+constexpr double kFirstSigma_px = 1.0;
 
 class Segmenter {
  public:
@@ -21,83 +22,43 @@ class Segmenter {
       : points_{points.from, points.to, {}},
         options_(options),
         neighbourhoods_(points_.from, 3 * options.ransac.neighbourhood),
+        labelling_(points_, neighbourhoods_, options.labelling),
         random_(seed),
-        known_(static_cast<int>(known.size())),
-        label_(points.size(), kNoPlane) {
-    result_.planes = std::move(known);
-    for (int p = 0; p < known_; ++p) Claim(p);
+        known_(std::move(known)) {
+    for (const PlaneSegment& plane : known_) {
+      labelling_.Add(plane.to_from.b_from_a, plane.to_from.sigma_px, true);
+    }
   }
 
   Segmentation Run() {
-    AssignToKnown();
+    labelling_.Settle();
     for (int tries = 0; tries < options_.max_planes; ++tries) {
-      std::optional<PlaneFit> fit = NextCandidate();
+      const std::optional<PlaneFit> fit = ProposeFree();
       if (!fit) break;
-      Consider(*fit);
+      if (!Verify(fit->model.to_from)) spent_.insert(fit->inliers.begin(), fit->inliers.end());
     }
-    return std::move(result_);
+    for (int p = 0; p < labelling_.planes(); ++p) {
+      while (labelling_.planes() < known() + options_.max_planes && Split(p)) {
+      }
+    }
+    MergeSame();
+    RejectInvalid();
+    return Collect();
   }
 
  private:
-  void Claim(int plane) {
-    for (int row : result_.planes[plane].rows) label_[row] = plane;
-  }
+  int known() const { return static_cast<int>(known_.size()); }
 
   std::vector<int> Free() const {
     std::vector<int> rows;
     for (int row = 0; row < points_.size(); ++row) {
-      if (label_[row] == kNoPlane && !spent_.contains(row)) rows.push_back(row);
+      if (labelling_.labels()[row] == kNoPlane && !spent_.contains(row)) rows.push_back(row);
     }
     return rows;
   }
 
-  // Growth: matches of no plane yet that fit a known plane's homography and lie among its own.
-  void AssignToKnown() {
-    if (known_ == 0) return;
-    std::vector<int> wish(label_);
-    for (int row : Free()) {
-      double best = 1;  // of the error as a share of the plane's bound
-      for (int p = 0; p < known_; ++p) {
-        const HomographyEstimate& plane = result_.planes[p].to_from;
-        const double share =
-            std::sqrt(Error2(plane.b_from_a, row)) / ErrorBound(plane.sigma_px, options_.ransac);
-        if (share < best) {
-          best = share;
-          wish[row] = p;
-        }
-      }
-    }
-    for (int row : Free()) {
-      if (wish[row] != kNoPlane && Companions(row, wish[row], wish) >= options_.min_companions) {
-        label_[row] = wish[row];
-      }
-    }
-    for (int p = 0; p < known_; ++p) Collect(p);
-  }
-
-  double Error2(const Eigen::Matrix3d& to_from, int row) const {
-    return SymmetricTransferError2(to_from, to_from.inverse(), points_.from[row], points_.to[row]);
-  }
-
-  int Companions(int row, int plane, const std::vector<int>& labels) const {
-    int count = 0;
-    int seen = 0;
-    for (int neighbour : neighbourhoods_.of(row)) {
-      count += labels[neighbour] == plane;
-      if (++seen == options_.companions) break;
-    }
-    return count;
-  }
-
-  void Collect(int plane) {
-    std::vector<int>& rows = result_.planes[plane].rows;
-    rows.clear();
-    for (int row = 0; row < points_.size(); ++row) {
-      if (label_[row] == plane) rows.push_back(row);
-    }
-  }
-
-  std::optional<PlaneFit> NextCandidate() {
+  // Proposes a plane among the matches of none.
+  std::optional<PlaneFit> ProposeFree() {
     const std::vector<int> free = Free();
     if (static_cast<int>(free.size()) < options_.min_inliers) return std::nullopt;
     std::optional<PlaneFit> fit =
@@ -106,89 +67,132 @@ class Segmenter {
     return fit;
   }
 
-  // Rows whose companions are in the candidate too; none when they are scattered among others.
-  std::vector<int> Coherent(const std::vector<int>& rows) const {
-    std::vector<int> labels(points_.size(), kNoPlane);
-    for (int row : rows) labels[row] = 0;
-    std::vector<int> coherent;
-    double companions = 0;
-    for (int row : rows) {
-      const int count = Companions(row, 0, labels);
-      if (count < options_.min_companions) continue;
-      coherent.push_back(row);
-      companions += count;
+  // Adds a plane, labels everything anew, and takes it back unless all is better explained then.
+  bool Verify(const Eigen::Matrix3d& to_from) {
+    const PlaneLabelling before = labelling_;
+    labelling_.Add(to_from, kFirstSigma_px, false);
+    labelling_.Settle();
+    if (!Stands(labelling_.planes() - 1) || labelling_.Energy() >= before.Energy()) {
+      labelling_ = before;
+      return false;
     }
-    const double all = static_cast<double>(options_.companions) * coherent.size();
-    if (companions < options_.min_coherence * all) coherent.clear();
-    return coherent;
+    for (int p = labelling_.planes() - 2; p >= known(); --p) {
+      if (!Stands(p)) labelling_.Remove(p);
+    }
+    return true;
   }
 
-  void Consider(const PlaneFit& fit) {
-    const std::vector<int> rows = Coherent(fit.inliers);
-    std::optional<HomographyEstimate> estimate;
-    if (static_cast<int>(rows.size()) >= options_.min_inliers) {
-      estimate = Refine(rows, fit.model.to_from);
-    }
-    if (!estimate) {
-      spent_.insert(fit.inliers.begin(), fit.inliers.end());
-      return;
-    }
-    Decide(PlaneSegment{*estimate, rows});
+  bool Stands(int plane) const {
+    return static_cast<int>(labelling_.RowsOf(plane).size()) >= options_.min_inliers;
   }
 
-  std::optional<HomographyEstimate> Refine(const std::vector<int>& rows,
-                                           const Eigen::Matrix3d& initial) const {
+  // Looks for a second plane among the matches of one: where a patch of them is explained best by a
+  // homography of its own.
+  bool Split(int plane) {
+    const std::vector<int> rows = labelling_.RowsOf(plane);
+    if (static_cast<int>(rows.size()) < 2 * options_.min_inliers) return false;
+    constexpr int kStride = 2;  // patches overlap: every other one is enough
+    std::optional<Eigen::Matrix3d> best;
+    double most = 0;
+    for (size_t i = 0; i < rows.size(); i += kStride) {
+      const std::vector<int> around = Around(rows[i], plane);
+      if (static_cast<int>(around.size()) < options_.patch) continue;
+      const auto to_from = HomographyByDlt(PairsOf(std::span(around).first(options_.patch)));
+      if (!to_from) continue;
+      const double gain = labelling_.Gain(around, *to_from, plane);
+      if (gain > most) {
+        most = gain;
+        best = to_from;
+      }
+    }
+    return best && Verify(*best);
+  }
+
+  // A match and its nearest ones of the same plane.
+  std::vector<int> Around(int row, int plane) const {
+    std::vector<int> around{row};
+    for (int neighbour : neighbourhoods_.of(row)) {
+      if (labelling_.labels()[neighbour] == plane) around.push_back(neighbour);
+    }
+    return around;
+  }
+
+  // Three eigenvalues near one: the two are one plane, unless the matches say otherwise.
+  void MergeSame() {
+    for (int m = 0; m < labelling_.planes(); ++m) {
+      for (int n = labelling_.planes() - 1; n > m && n >= known(); --n) {
+        result_.merged += Merge(m, n);
+      }
+    }
+  }
+
+  bool Merge(int m, int n) {
+    if (!Stands(m)) return false;
+    const auto a = EstimateOf(m);
+    const auto b = EstimateOf(n);
+    if (!a || !b || TestHomology(*a, *b, options_.homology).kind != HomologyKind::kSamePlane) {
+      return false;
+    }
+    std::vector<int> rows = labelling_.RowsOf(m);
+    const std::vector<int> others = labelling_.RowsOf(n);
+    rows.insert(rows.end(), others.begin(), others.end());
+    const auto both = RefineHomography(PairsOf(rows), a->b_from_a);
+    if (!both) return false;
+    PlaneLabelling merged = labelling_;
+    merged.Remove(n);
+    merged.Replace(m, both->b_from_a, both->sigma_px);
+    merged.Settle();
+    if (merged.Energy() >= labelling_.Energy()) return false;
+    labelling_ = std::move(merged);
+    if (m < known()) known_[m].to_from = *both;
+    return true;
+  }
+
+  // The eigenvalue test of each new plane against all others, the newest first: it goes if it has
+  // fewer than two eigenvalues near one with every one of them. Only now, because as long as planes
+  // were missing, the others were stretched over their matches.
+  void RejectInvalid() {
+    for (int p = labelling_.planes() - 1; p >= known(); --p) {
+      const auto estimate = EstimateOf(p);
+      bool valid = labelling_.planes() == 1;
+      for (int q = 0; q < labelling_.planes() && estimate && !valid; ++q) {
+        const auto other = q == p ? std::nullopt : EstimateOf(q);
+        valid = other &&
+                TestHomology(*other, *estimate, options_.homology).kind != HomologyKind::kInvalid;
+      }
+      if (estimate && valid) continue;
+      labelling_.Remove(p);
+      ++result_.rejected;
+    }
+  }
+
+  Segmentation Collect() {
+    for (int p = 0; p < labelling_.planes(); ++p) {
+      const auto estimate = EstimateOf(p);
+      if (estimate) result_.planes.push_back({*estimate, labelling_.RowsOf(p)});
+    }
+    return std::move(result_);
+  }
+
+  // A known plane's own estimate; a new one's from its matches.
+  std::optional<HomographyEstimate> EstimateOf(int plane) const {
+    if (plane < known()) return known_[plane].to_from;
+    return RefineHomography(PairsOf(labelling_.RowsOf(plane)), labelling_.to_from(plane));
+  }
+
+  PointPairs PairsOf(std::span<const int> rows) const {
     PointPairs pairs;
     for (int row : rows) pairs.Add(points_.from[row], points_.to[row]);
-    return RefineHomography(pairs, initial);
-  }
-
-  // The eigenvalue test against every plane found so far: the same plane, another, or none.
-  void Decide(PlaneSegment candidate) {
-    int invalid = 0;
-    int tested = 0;
-    for (int p = 0; p < static_cast<int>(result_.planes.size()); ++p) {
-      const Homology homology =
-          TestHomology(result_.planes[p].to_from, candidate.to_from, options_.homology);
-      if (homology.kind == HomologyKind::kSamePlane && SharesPlane(p, candidate)) {
-        Merge(p, candidate);
-        return;
-      }
-      ++tested;
-      invalid += homology.kind == HomologyKind::kInvalid;
-    }
-    if (tested > 0 && 2 * invalid > tested) {
-      ++result_.rejected;
-      spent_.insert(candidate.rows.begin(), candidate.rows.end());
-      return;
-    }
-    result_.planes.push_back(std::move(candidate));
-    Claim(static_cast<int>(result_.planes.size()) - 1);
-  }
-
-  bool SharesPlane(int plane, const PlaneSegment& candidate) const {
-    const HomographyEstimate& to_from = result_.planes[plane].to_from;
-    const double limit2 = std::pow(2 * ErrorBound(to_from.sigma_px, options_.ransac), 2);
-    int fits = 0;
-    for (int row : candidate.rows) fits += Error2(to_from.b_from_a, row) < limit2;
-    return fits >= options_.min_shared * static_cast<double>(candidate.rows.size());
-  }
-
-  void Merge(int plane, const PlaneSegment& candidate) {
-    ++result_.merged;
-    for (int row : candidate.rows) label_[row] = plane;
-    Collect(plane);
-    PlaneSegment& segment = result_.planes[plane];
-    if (auto refined = Refine(segment.rows, segment.to_from.b_from_a)) segment.to_from = *refined;
+    return pairs;
   }
 
   const MatchedPoints points_;
   const SegmentationOptions& options_;
   const Neighbourhoods neighbourhoods_;
+  PlaneLabelling labelling_;
   Random random_;
-  const int known_;
-  std::vector<int> label_;  // of each match: index of its plane, or kNoPlane
-  std::set<int> spent_;     // matches of candidates that were turned down
+  std::vector<PlaneSegment> known_;
+  std::set<int> spent_;  // matches of candidates that were turned down
   Segmentation result_;
 };
 
@@ -196,10 +200,9 @@ class Segmenter {
 
 void SegmentationOptions::Check() const {
   ransac.Check();
+  labelling.Check();
   homology.Check();
-  const bool good = min_inliers >= 5 && max_planes >= 1 && companions >= 1 && min_companions >= 0 &&
-                    min_companions <= companions && min_shared >= 0 && min_shared <= 1 &&
-                    min_coherence >= 0 && min_coherence <= 1;
+  const bool good = min_inliers >= 5 && max_planes >= 1 && patch >= 5;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "plane search: an option is out of its range; leave them at their defaults");

@@ -257,6 +257,26 @@ TEST(SegmentPlanes, ASecondPartOfAPlaneIsMerged) {
   EXPECT_GE(merged, 3) << "of 20";
 }
 
+// One homography that was stretched over two planes is found out by a patch of one of them.
+TEST(SegmentPlanes, AKnownPlaneStretchedOverAnotherLosesItsMatches) {
+  int told_apart = 0;
+  for (uint64_t seed = 1; seed <= 10; ++seed) {
+    const Scene scene = CorridorScene(seed);
+    PlaneSegment stretched = scene.Segment(0, 0, 60);
+    const PlaneSegment other = scene.Segment(1, 0, 60);
+    stretched.rows.insert(stretched.rows.end(), other.rows.begin(), other.rows.end());
+    std::sort(stretched.rows.begin(), stretched.rows.end());
+    const Segmentation found = SegmentPlanes(scene.points, {stretched}, {}, seed);
+    const std::vector<int>& rows = found.planes[0].rows;
+    const auto wrong =
+        std::count_if(rows.begin(), rows.end(), [&](int row) { return scene.truth[row] == 1; });
+    told_apart +=
+        wrong <= 6 && std::any_of(found.planes.begin() + 1, found.planes.end(),
+                                  [&](const auto& p) { return MajorityOf(p, scene) == 1; });
+  }
+  EXPECT_GE(told_apart, 9) << "of 10";
+}
+
 // What moves by itself in the scene is no plane of it: its homology with the true ones is invalid.
 TEST(SegmentPlanes, WhatMovesByItselfIsRejected) {
   int rejected = 0;
@@ -305,10 +325,10 @@ TEST(SegmentationOptions, OutOfTheirRangeAreRefused) {
   expect_refused([](auto& o) { o.homology.draws = 0; });
   expect_refused([](auto& o) { o.min_inliers = 4; });
   expect_refused([](auto& o) { o.max_planes = 0; });
-  expect_refused([](auto& o) { o.companions = 0; });
-  expect_refused([](auto& o) { o.min_companions = -1; });
-  expect_refused([](auto& o) { o.min_companions = o.companions + 1; });
-  expect_refused([](auto& o) { o.min_shared = 1.1; });
+  expect_refused([](auto& o) { o.patch = 4; });
+  expect_refused([](auto& o) { o.labelling.companions = 0; });
+  expect_refused([](auto& o) { o.labelling.min_sigma_px = 0; });
+  expect_refused([](auto& o) { o.labelling.max_deviations = o.labelling.min_deviations - 1; });
   EXPECT_NO_THROW(SegmentationOptions{}.Check());
 }
 

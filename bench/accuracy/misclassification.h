@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+namespace waystone::bench {
+
+// Share of the rows whose label is wrong under the one-to-one assignment of found planes to true
+// ones that makes it smallest. Labels are 0 for no plane, which stays 0, and 1, 2, ... for planes.
+// At most 20 true planes.
+double Misclassification(const std::vector<int>& truth, const std::vector<int>& found);
+
+}  // namespace waystone::bench

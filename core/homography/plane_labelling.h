@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/homography/local_ransac.h"
+
+namespace waystone {
+
+inline constexpr int kNoPlane = -1;
+
+struct LabellingOptions {
+  // The bound on a plane's errors is this many standard deviations of its own noise at least ...
+  double min_deviations = 5.0;
+  // ... and this many at the most, as far as the matches of no plane leave room: real planes are
+  // bent by lenses and not quite flat, so that their errors have long tails, but beside other
+  // things a long tail takes in what isn't the plane's.
+  double max_deviations = 10.0;
+  // The noise of a plane is at least and at most this. px
+  double min_sigma_px = 0.2;
+  double max_sigma_px = 2.5;
+  // Degrees of freedom of Student's distribution of the errors. Lower has longer tails.
+  double tail = 3.0;
+  // What a match of no plane pays, minus the logarithm of its likelihood per px^2. Higher gives
+  // planes more of what lies far from them.
+  double outlier_cost = 9.0;
+  // What a plane pays, in the same units. Higher finds fewer and larger planes.
+  double plane_cost = 50.0;
+  // What a match pays when all its companions belong to another plane. Higher smooths more.
+  double smoothness = 4.0;
+  // Nearest matches that are the companions of one.
+  int companions = 8;
+  // Rounds of labelling and refitting.
+  int rounds = 4;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Planes of two images and the matches that belong to them, all matches labelled anew whenever a
+// plane is added, taken away or refitted (Isack and Boykov 2012, "energy-based geometric
+// multi-model fitting", with labels improved one by one). Not thread-safe.
+class PlaneLabelling {
+ public:
+  // Keeps references to `points` and `neighbourhoods`.
+  PlaneLabelling(const MatchedPoints& points, const Neighbourhoods& neighbourhoods,
+                 const LabellingOptions& options);
+
+  // A plane that is `fixed` keeps its homography and noise.
+  void Add(const Eigen::Matrix3d& to_from, double sigma_px, bool fixed);
+  void Remove(int plane);
+  void Replace(int plane, const Eigen::Matrix3d& to_from, double sigma_px);
+  int planes() const { return static_cast<int>(planes_.size()); }
+  const Eigen::Matrix3d& to_from(int plane) const { return planes_[plane].to_from; }
+  double sigma_px(int plane) const { return planes_[plane].sigma_px; }
+  double bound_px(int plane) const { return deviations_ * planes_[plane].sigma_px; }
+
+  // Labels all matches and refits the planes, in rounds, until neither changes.
+  void Settle();
+  const std::vector<int>& labels() const { return labels_; }  // plane of each match, or kNoPlane
+  std::vector<int> RowsOf(int plane) const;
+  // Minus the logarithm of the likelihood of matches, labels and number of planes, but for a
+  // constant. Lower is better.
+  double Energy() const;
+  // By how much a homography explains some of a plane's matches better than the plane does.
+  double Gain(const std::vector<int>& rows, const Eigen::Matrix3d& to_from, int plane) const;
+
+ private:
+  struct Labelled {
+    Eigen::Matrix3d to_from;
+    double sigma_px = 0;
+    bool fixed = false;
+    std::vector<float> errors_px;  // of every match
+  };
+
+  void Measure(Labelled& plane) const;
+  void EstimateDeviations();
+  bool Label();
+  double Cost(double deviations) const;
+  double CostOf(int row, int plane) const;
+  double Disagreement(int row, int plane) const;
+  void Refit();
+
+  const MatchedPoints* points_;
+  const Neighbourhoods* neighbourhoods_;
+  LabellingOptions options_;
+  std::vector<Labelled> planes_;
+  std::vector<int> labels_;
+  double deviations_;  // between min_deviations and max_deviations
+};
+
+}  // namespace waystone
