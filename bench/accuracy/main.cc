@@ -14,6 +14,8 @@ constexpr char kUsage[] =
     "  rgbd DIR [--map 0:499] [--queries 500:990:10]      localization against depth and poses\n"
     "  negatives DIR [--map 0:499] IMAGE_OR_FOLDER...     images that are not in the map\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"
+    "  build SOURCE... [--frames 250,500,1000]            whole builds against features alone\n"
+    "  graphs [SOURCE...] [--keyframes M:N]               image graph against plane graph\n"
     "The last line of each is one JSON object.\n";
 
 }  // namespace
@@ -25,7 +27,9 @@ int main(int argc, char** argv) {
       {"world", waystone::bench::RunWorld},
       {"rgbd", waystone::bench::RunRgbd},
       {"negatives", waystone::bench::RunNegatives},
-      {"linear", waystone::bench::RunLinear}};
+      {"linear", waystone::bench::RunLinear},
+      {"build", waystone::bench::RunBuild},
+      {"graphs", waystone::bench::RunGraphs}};
   if (argc < 2 || !benches.contains(argv[1])) {
     std::cerr << kUsage;
     return 2;

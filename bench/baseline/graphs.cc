@@ -1,0 +1,415 @@
+// SPDX-License-Identifier: Apache-2.0
+// The paper's tables I, II and III for an image graph and the plane graph over the same keyframes.
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+
+#include "bench/accuracy/common.h"
+#include "bench/accuracy/stopwatch.h"
+#include "bench/baseline/image_graph.h"
+#include "bench/baseline/image_store.h"
+#include "bench/baseline/scenes.h"
+#include "builder/extract_frames.h"
+#include "builder/planes/fusion.h"
+#include "builder/planes/plane_tracker.h"
+#include "core/base/error.h"
+#include "schema/map_store.h"
+
+namespace waystone::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// A folder that is gone at the end.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (fs::temp_directory_path() / "waystone-graphs-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+      throw MapError(ErrorCode::kFileUnwritable, "can't make " + name);
+    }
+    path_ = name;
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+struct Cost {
+  double wall_s = 0;
+  double cpu_s = 0;
+};
+
+Cost operator+(const Cost& a, const Cost& b) { return {a.wall_s + b.wall_s, a.cpu_s + b.cpu_s}; }
+
+template <class F>
+Cost Timed(F work) {
+  const Stopwatch watch;
+  work();
+  return {watch.wall_s(), watch.cpu_s()};
+}
+
+// A row of the paper's table I.
+struct GraphFigures {
+  size_t nodes = 0;
+  size_t edges = 0;
+  int64_t features = 0;
+  uintmax_t bytes = 0;  // without pictures
+  Cost own;             // its own stages alone: what both graphs share is done
+  Cost whole;           // from images to the file
+};
+
+// ... and of table III.
+struct QueryFigures {
+  std::vector<double> own_ms;    // from the query's features to the answer
+  std::vector<double> whole_ms;  // from the encoded image
+  int answered = 0;
+  int right = 0;
+};
+
+// What both graphs are made from.
+struct Shared {
+  std::vector<ChosenKeyframe> keyframes;
+  std::optional<Camera> camera;
+  Cost cost;  // decoding, features and keyframe choice, on all cores
+};
+
+BuildOptions PlaneOptions(const Args& matches) {
+  BuildOptions options;
+  if (!matches.empty()) {
+    options.keyframes.min_matches_last = std::stoi(matches[0]);
+    options.keyframes.min_matches_before_last = std::stoi(matches[1]);
+  }
+  return options;
+}
+
+Shared TakeKeyframes(const Scene& scene, const BuildOptions& options) {
+  Shared shared;
+  shared.cost = Timed([&] {
+    const auto source = scene.OpenMap();
+    shared.camera = source->camera();
+    KeyframeSelector selector(options.keyframes, options.planes.match);
+    const auto keep = [&](std::vector<ChosenKeyframe> chosen) {
+      std::move(chosen.begin(), chosen.end(), std::back_inserter(shared.keyframes));
+    };
+    ExtractFrames(*source, {options.features, 0}, [&](WorkedFrame worked) {
+      if (worked.error.empty()) keep(selector.Add(std::move(worked.frame)));
+      return true;
+    });
+    keep(selector.Finish());
+  });
+  return shared;
+}
+
+// The stages of BuildMap behind the keyframe choice, alone.
+Cost TimePlanes(const Shared& shared, const MapData& map, const BuildOptions& options) {
+  return Timed([&] {
+    PlaneTracker tracker(options.planes);
+    int64_t id = 0;
+    for (const ChosenKeyframe& chosen : shared.keyframes) {
+      tracker.AddKeyframe(KeyframeId{++id}, chosen.frame.features, chosen.starts_stretch,
+                          shared.camera);
+    }
+    tracker.Finish();
+    std::vector<Plane> planes = std::move(tracker.planes());
+    std::sort(planes.begin(), planes.end(),
+              [](const Plane& a, const Plane& b) { return a.id < b.id; });
+    std::vector<Edge> edges;
+    const auto is_left = [&](PlaneId plane) {
+      return std::binary_search(planes.begin(), planes.end(), Plane{.id = plane},
+                                [](const Plane& a, const Plane& b) { return a.id < b.id; });
+    };
+    for (const Edge& edge : tracker.edges()) {
+      if (is_left(edge.a) && is_left(edge.b)) edges.push_back(edge);
+    }
+    FusePlanes(std::move(planes), std::move(edges), map.keyframes, options.features.type,
+               options.planes);
+  });
+}
+
+std::vector<ImageNode> NodesOf(const Shared& shared, const MapData& map) {
+  WS_CHECK(shared.keyframes.size() == map.keyframes.size(), "the graphs have other keyframes");
+  std::vector<ImageNode> nodes;
+  for (size_t i = 0; i < shared.keyframes.size(); ++i) {
+    const ExtractedFrame& frame = shared.keyframes[i].frame;
+    WS_CHECK(frame.info.number == map.keyframes[i].frame, "the graphs have other keyframes");
+    nodes.push_back({map.keyframes[i].id, frame.info.number, frame.features});
+  }
+  return nodes;
+}
+
+struct Graphs {
+  GraphFigures planes;
+  GraphFigures images;
+  uintmax_t bytes_with_pictures = 0;  // of the plane graph's file
+  Cost shared;
+  std::shared_ptr<const MapIndex> index;
+  ImageGraph image_graph;
+  ImageGraphOptions image_options;
+};
+
+void MakePlaneGraph(const Scene& scene, const BuildOptions& options, const fs::path& folder,
+                    MapData& map, Graphs& graphs) {
+  const fs::path with_pictures = folder / "pictures.db";
+  const fs::path path = folder / "planes.db";
+  graphs.planes.whole = Timed([&] {
+    std::vector<std::unique_ptr<Source>> sources;
+    sources.push_back(scene.OpenMap());
+    map = BuildMap(sources, options, {}).map;
+    WriteMap(map, with_pictures, {});
+  });
+  graphs.bytes_with_pictures = fs::file_size(with_pictures);
+  for (Keyframe& keyframe : map.keyframes) keyframe.jpeg.clear();
+  graphs.planes.own = Timed([&] { WriteMap(map, path, {}); });
+  graphs.planes.nodes = map.planes.size();
+  graphs.planes.edges = map.edges.size();
+  graphs.planes.features = FeatureCount(map);
+  graphs.planes.bytes = fs::file_size(path);
+  graphs.index = MapIndex::Build(ReadMap(path));
+}
+
+void MakeImageGraph(std::vector<ImageNode> nodes, const fs::path& folder, Graphs& graphs) {
+  const fs::path path = folder / "images.db";
+  graphs.images.own = Timed([&] {
+    WriteImageGraph(BuildImageGraph(std::move(nodes), graphs.image_options), path);
+  });
+  graphs.images.whole = graphs.shared + graphs.images.own;
+  graphs.image_graph = ReadImageGraph(path);
+  graphs.images.nodes = graphs.image_graph.nodes.size();
+  graphs.images.edges = graphs.image_graph.edges.size();
+  for (const ImageNode& node : graphs.image_graph.nodes) {
+    graphs.images.features += node.features.size();
+  }
+  graphs.images.bytes = fs::file_size(path);
+}
+
+Graphs MakeGraphs(const Scene& scene, const BuildOptions& options, const fs::path& folder) {
+  Graphs graphs;
+  MapData map;
+  MakePlaneGraph(scene, options, folder, map, graphs);
+  const Shared shared = TakeKeyframes(scene, options);
+  graphs.shared = shared.cost;
+  graphs.planes.own = graphs.planes.own + TimePlanes(shared, map, options);
+  graphs.image_options.match = options.planes.match;
+  MakeImageGraph(NodesOf(shared, map), folder, graphs);
+  return graphs;
+}
+
+SceneAnswer AnswerOf(const Graphs& graphs, const Answer& answer) {
+  const RecognisedPlane& best = answer.planes.front();
+  return {graphs.index->FindKeyframe(answer.keyframe->id)->frame,
+          graphs.index->FindKeyframe(best.reference.id)->frame, best.reference_from_query,
+          best.query_points};
+}
+
+SceneAnswer AnswerOf(const Graphs& graphs, const ImageAnswer& answer) {
+  const int frame = graphs.image_graph.nodes[answer.node].frame;
+  return {frame, frame, answer.node_from_query, answer.query_points};
+}
+
+struct Table3 {
+  QueryFigures planes;
+  QueryFigures images;
+  QueryFigures opencv;
+};
+
+// Seconds on the clock of this thread's work alone, ms.
+template <class F>
+double Ms(F work) {
+  const Stopwatch watch;
+  work();
+  return 1000 * watch.cpu_s();
+}
+
+void Count(const Scene& scene, int query, const std::optional<SceneAnswer>& answer, double own_ms,
+           double shared_ms, QueryFigures& figures) {
+  figures.own_ms.push_back(own_ms);
+  figures.whole_ms.push_back(shared_ms + own_ms);
+  if (!answer) return;
+  ++figures.answered;
+  figures.right += scene.IsRight(query, *answer);
+}
+
+// Every query is asked of each graph in turn, on one core.
+Table3 Ask(const Scene& scene, const Graphs& graphs, int opencv_every) {
+  Table3 table;
+  std::vector<cv::Mat> floats;
+  for (const ImageNode& node : graphs.image_graph.nodes) {
+    floats.push_back(FloatDescriptors(node.features));
+  }
+  const LocalizeOptions& options = graphs.image_options.localize;
+  for (int q = 0; q < scene.queries(); ++q) {
+    Features features;
+    const double shared_ms = Ms([&] {
+      features = ExtractFeatures(scene.Decode(q), {graphs.index->map().info.feature_type,
+                                                   options.max_features,
+                                                   options.contrast_threshold});
+    });
+    Answer by_planes;
+    const double planes_ms =
+        Ms([&] { by_planes = LocalizeFeatures(*graphs.index, features, options); });
+    std::optional<SceneAnswer> answer;
+    if (by_planes.verdict == Verdict::kLocalized) answer = AnswerOf(graphs, by_planes);
+    Count(scene, q, answer, planes_ms, shared_ms, table.planes);
+
+    ImageAnswer by_images;
+    const auto found = [&]() -> std::optional<SceneAnswer> {
+      if (by_images.node < 0) return std::nullopt;
+      return AnswerOf(graphs, by_images);
+    };
+    const double images_ms = Ms([&] {
+      by_images = LocalizeInImages(graphs.image_graph, features, graphs.image_options);
+    });
+    Count(scene, q, found(), images_ms, shared_ms, table.images);
+    if (opencv_every == 0 || q % opencv_every != 0) continue;
+    const double opencv_ms = Ms([&] {
+      by_images = LocalizeWithOpenCv(graphs.image_graph, floats, features, graphs.image_options);
+    });
+    Count(scene, q, found(), opencv_ms, shared_ms, table.opencv);
+  }
+  return table;
+}
+
+double Mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (double value : values) sum += value;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+void PrintGraph(const char* name, const GraphFigures& g) {
+  std::printf("%-12s %6zu %6zu %9lld %10.0f %8.2f %9.2f %7.2f %8.1f %7.1f\n", name, g.nodes,
+              g.edges, static_cast<long long>(g.features),
+              static_cast<double>(g.features) / static_cast<double>(std::max<size_t>(1, g.nodes)),
+              static_cast<double>(g.bytes) / 1e6, g.own.wall_s, g.own.cpu_s, g.whole.wall_s,
+              g.whole.cpu_s);
+}
+
+void PrintQueries(const char* name, const QueryFigures& q) {
+  if (q.own_ms.empty()) return;
+  std::printf("%-12s %7.1f %7.1f %11.1f %11.1f %8zu %9d %6d %6d\n", name, Mean(q.own_ms),
+              Quantile(q.own_ms, 0.5), Mean(q.whole_ms), Quantile(q.whole_ms, 0.5),
+              q.own_ms.size(), q.answered, q.right, q.answered - q.right);
+}
+
+Json ToJson(const GraphFigures& g, const QueryFigures& q) {
+  return {{"nodes", g.nodes},
+          {"edges", g.edges},
+          {"features", g.features},
+          {"bytes", g.bytes},
+          {"own_s", g.own.wall_s},
+          {"own_cpu_s", g.own.cpu_s},
+          {"whole_s", g.whole.wall_s},
+          {"whole_cpu_s", g.whole.cpu_s},
+          {"localize_ms", Mean(q.own_ms)},
+          {"localize_median_ms", Quantile(q.own_ms, 0.5)},
+          {"localize_whole_ms", Mean(q.whole_ms)},
+          {"queries", q.own_ms.size()},
+          {"answered", q.answered},
+          {"right", q.right}};
+}
+
+double Ratio(double images, double planes) { return planes > 0 ? images / planes : 0; }
+
+Json RatiosOf(const Graphs& g, const Table3& t) {
+  return {{"file", Ratio(static_cast<double>(g.images.bytes), static_cast<double>(g.planes.bytes))},
+          {"build_own", Ratio(g.images.own.wall_s, g.planes.own.wall_s)},
+          {"build_own_cpu", Ratio(g.images.own.cpu_s, g.planes.own.cpu_s)},
+          {"build_whole", Ratio(g.images.whole.wall_s, g.planes.whole.wall_s)},
+          {"build_whole_cpu", Ratio(g.images.whole.cpu_s, g.planes.whole.cpu_s)},
+          {"localize_own", Ratio(Mean(t.images.own_ms), Mean(t.planes.own_ms))},
+          {"localize_whole", Ratio(Mean(t.images.whole_ms), Mean(t.planes.whole_ms))},
+          {"localize_own_opencv", Ratio(Mean(t.opencv.own_ms), Mean(t.planes.own_ms))}};
+}
+
+Json Report(const Scene& scene, const Graphs& g, const Table3& t) {
+  std::printf("\n%s: %zu keyframes\n", scene.name().c_str(), g.images.nodes);
+  std::printf("tables I, II  nodes  edges  features feats/node       MB  build: own s  (cpu)  whole s   "
+              "(cpu)\n");
+  PrintGraph("image graph", g.images);
+  PrintGraph("plane graph", g.planes);
+  std::printf("shared by both: %.1f s (%.1f s on the cores); plane graph with pictures: %.2f MB\n",
+              g.shared.wall_s, g.shared.cpu_s, static_cast<double>(g.bytes_with_pictures) / 1e6);
+  std::printf("table III     own ms  median    whole ms      median  queries  answered  right  "
+              "wrong\n");
+  PrintQueries("image graph", t.images);
+  PrintQueries("plane graph", t.planes);
+  PrintQueries("cv::BFMatcher", t.opencv);
+  std::printf("right: %s\n", scene.Criterion().c_str());
+  const Json ratios = RatiosOf(g, t);
+  std::printf("image graph / plane graph:");
+  for (const auto& [name, ratio] : ratios.items()) {
+    std::printf(" %s %.1f", name.c_str(), ratio.get<double>());
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+  return {{"scene", scene.name()},
+          {"keyframes", g.images.nodes},
+          {"shared_s", g.shared.wall_s},
+          {"shared_cpu_s", g.shared.cpu_s},
+          {"plane_bytes_with_pictures", g.bytes_with_pictures},
+          {"images", ToJson(g.images, t.images)},
+          {"planes", ToJson(g.planes, t.planes)},
+          {"opencv_localize_ms", Mean(t.opencv.own_ms)},
+          {"ratios", ratios}};
+}
+
+std::unique_ptr<Scene> OpenScene(const std::string& source, const Range& map,
+                                 const Range& queries) {
+  constexpr int kWorldFrames = 736;  // all of the tour
+  constexpr int kWorldQueries = 50;
+  if (source == "world") return MakeWorldScene(kWorldFrames, kWorldQueries, {});
+  if (fs::exists(fs::path(source) / "rgb.txt")) return OpenRgbdScene(source, map, queries, {});
+  if (fs::exists(fs::path(source) / "poses.csv")) return OpenPhotoScene(source, {});
+  throw MapError(ErrorCode::kUsage, source +
+                                        " is neither 'world' nor a TUM RGB-D folder nor one with "
+                                        "map/, query*/ and poses.csv");
+}
+
+Args ParseMatches(const std::string& text) {
+  if (text.empty()) return {};
+  int last = 0;
+  int before = 0;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%d:%d%c", &last, &before, &rest) != 2) {
+    throw MapError(ErrorCode::kUsage, "'" + text + "' is no M:N; write --keyframes 300:150");
+  }
+  return {std::to_string(last), std::to_string(before)};
+}
+
+}  // namespace
+
+int RunGraphs(const Args& raw) {
+  Args args = raw;
+  const Range map = ParseRange(TakeOption(args, "map", "0:499"));
+  const Range queries = ParseRange(TakeOption(args, "queries", "500:990:10"));
+  const BuildOptions options = PlaneOptions(ParseMatches(TakeOption(args, "keyframes", "")));
+  const int opencv_every = std::stoi(TakeOption(args, "opencv-every", "10"));
+  if (args.empty()) args = {"world"};
+  cv::setNumThreads(1);
+  Json json = {{"bench", "graphs"}, {"scenes", Json::array()}};
+  tbb::task_arena arena;
+  for (const std::string& source : args) {
+    const ScratchFolder scratch;
+    const auto scene = OpenScene(source, map, queries);
+    arena.execute([&] {
+      const Graphs graphs = MakeGraphs(*scene, options, scratch.path());
+      json["scenes"].push_back(Report(*scene, graphs, Ask(*scene, graphs, opencv_every)));
+    });
+  }
+  std::cout << json.dump() << std::endl;
+  return 0;
+}
+
+}  // namespace waystone::bench
