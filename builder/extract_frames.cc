@@ -54,25 +54,25 @@ void ExtractFrames(Source& source, const ExtractFramesOptions& options,
   // Two frames a worker: enough that none waits, few enough that memory stays bounded.
   const size_t in_flight = 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 1;
   tbb::parallel_pipeline(
-      in_flight, tbb::make_filter<void, std::shared_ptr<EncodedFrame>>(
-                     tbb::filter_mode::serial_in_order,
-                     [&](tbb::flow_control& control) -> std::shared_ptr<EncodedFrame> {
-                       std::optional<EncodedFrame> next;
-                       if (!stopped) next = source.NextEncoded();
-                       if (next) return std::make_shared<EncodedFrame>(std::move(*next));
-                       control.stop();
-                       return nullptr;
-                     }) &
-                     tbb::make_filter<std::shared_ptr<EncodedFrame>, std::shared_ptr<WorkedFrame>>(
-                         tbb::filter_mode::parallel,
-                         [&](const std::shared_ptr<EncodedFrame>& encoded) {
-                           return std::make_shared<WorkedFrame>(Work(*encoded, options));
-                         }) &
-                     tbb::make_filter<std::shared_ptr<WorkedFrame>, void>(
-                         tbb::filter_mode::serial_in_order,
-                         [&](const std::shared_ptr<WorkedFrame>& worked) {
-                           if (!stopped && !consume(std::move(*worked))) stopped = true;
-                         }));
+      in_flight,
+      tbb::make_filter<void, std::shared_ptr<EncodedFrame>>(
+          tbb::filter_mode::serial_in_order,
+          [&](tbb::flow_control& control) -> std::shared_ptr<EncodedFrame> {
+            std::optional<EncodedFrame> next;
+            if (!stopped) next = source.NextEncoded();
+            if (next) return std::make_shared<EncodedFrame>(std::move(*next));
+            control.stop();
+            return nullptr;
+          }) &
+          tbb::make_filter<std::shared_ptr<EncodedFrame>, std::shared_ptr<WorkedFrame>>(
+              tbb::filter_mode::parallel,
+              [&](const std::shared_ptr<EncodedFrame>& encoded) {
+                return std::make_shared<WorkedFrame>(Work(*encoded, options));
+              }) &
+          tbb::make_filter<std::shared_ptr<WorkedFrame>, void>(
+              tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<WorkedFrame>& worked) {
+                if (!stopped && !consume(std::move(*worked))) stopped = true;
+              }));
 }
 
 }  // namespace waystone

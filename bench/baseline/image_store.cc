@@ -142,8 +142,7 @@ ImageGraph ReadImageGraph(const std::filesystem::path& path) {
     SQLite::Statement edges(database, "SELECT * FROM edges ORDER BY a, b");
     while (edges.executeStep()) {
       graph.edges.push_back({KeyframeId{edges.getColumn(0).getInt64()},
-                             KeyframeId{edges.getColumn(1).getInt64()},
-                             edges.getColumn(2).getInt(),
+                             KeyframeId{edges.getColumn(1).getInt64()}, edges.getColumn(2).getInt(),
                              DecodeHomography(CheckedBlob(edges, 3, 4, kHomographyBytes))});
     }
   } catch (const SQLite::Exception& error) {

@@ -46,9 +46,9 @@ std::map<std::string, PosedCamera> ReadPoses(const fs::path& path) {
     std::vector<double> numbers;
     for (std::string cell; std::getline(cells, cell, ',');) numbers.push_back(std::stod(cell));
     if (numbers.size() != kNumbers) {
-      throw MapError(ErrorCode::kFileUnreadable,
-                     path.string() + ": a line for " + image + " has " +
-                         std::to_string(numbers.size()) + " numbers, 16 were expected");
+      throw MapError(ErrorCode::kFileUnreadable, path.string() + ": a line for " + image + " has " +
+                                                     std::to_string(numbers.size()) +
+                                                     " numbers, 16 were expected");
     }
     poses[image] = CameraOf(numbers);
   }
@@ -91,8 +91,7 @@ class PhotoScene : public Scene {
   bool IsRight(int query, const SceneAnswer& answer) const override {
     const PosedCamera& asked = PoseOf(queries_[query]);
     const PosedCamera& named = PoseOf(map_.at(answer.image_frame));
-    const double cosine =
-        asked.world_from_camera.col(2).dot(named.world_from_camera.col(2));
+    const double cosine = asked.world_from_camera.col(2).dot(named.world_from_camera.col(2));
     if (cosine < std::cos(limits_.church_angle_rad)) return false;
     std::vector<Vector2d> moved;
     for (const Vector2d& x : answer.query_points) {

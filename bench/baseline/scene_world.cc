@@ -62,10 +62,9 @@ class WorldScene : public Scene {
       const int plane = ids.at<uint16_t>(static_cast<int>(std::lround(x.y())),
                                          static_cast<int>(std::lround(x.x())));
       if (plane == 0) continue;
-      const Eigen::Matrix3d truth =
-          PlaneHomography(world_.PlaneById(plane), renderer_.camera(),
-                          query_walk_.frames[query].world_from_camera,
-                          walk_.frames[answer.reference_frame].world_from_camera);
+      const Eigen::Matrix3d truth = PlaneHomography(
+          world_.PlaneById(plane), renderer_.camera(), query_walk_.frames[query].world_from_camera,
+          walk_.frames[answer.reference_frame].world_from_camera);
       errors.push_back((Apply(answer.reference_from_query, x) - Apply(truth, x)).norm());
     }
     return errors.size() >= kMinJudged && Quantile(errors, 0.5) <= limits_.world_px;

@@ -41,9 +41,8 @@ bool StrongerThan(const cv::KeyPoint& a, const cv::KeyPoint& b) {
 std::vector<int> StrongestFirst(const std::vector<cv::KeyPoint>& keypoints, int at_most) {
   std::vector<int> order(keypoints.size());
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    return StrongerThan(keypoints[a], keypoints[b]);
-  });
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return StrongerThan(keypoints[a], keypoints[b]); });
   if (std::ssize(order) > at_most) order.resize(at_most);
   return order;
 }
@@ -54,7 +53,8 @@ struct Detected {
 };
 
 // SIFT in one go: its scale space is built once rather than for keypoints and descriptors each, and
-// its own limit keeps as many keypoints as ours but for ties. The others describe only what is kept.
+// its own limit keeps as many keypoints as ours but for ties. The others describe only what is
+// kept.
 Detected Detect(const cv::Mat& grey, const FeatureOptions& options) {
   const cv::Ptr<cv::Feature2D> detector = MakeDetector(options);
   Detected found;

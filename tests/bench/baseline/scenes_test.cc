@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/random.h"
@@ -17,8 +18,7 @@ PosedCamera CameraAt(const Vector3d& centre, double yaw_rad) {
   PosedCamera camera;
   camera.k << 500, 0, 320, 0, 500, 240, 0, 0, 1;
   camera.centre = centre;
-  camera.world_from_camera =
-      Eigen::AngleAxisd(yaw_rad, Vector3d::UnitY()).toRotationMatrix();
+  camera.world_from_camera = Eigen::AngleAxisd(yaw_rad, Vector3d::UnitY()).toRotationMatrix();
   return camera;
 }
 
@@ -65,8 +65,8 @@ TEST(EpipolarError, OtherPointsAreOff) {
 
 TEST(EpipolarError, PointsBehindACameraAreNotSeenByBoth) {
   Views views;
-  views.b.world_from_camera = views.b.world_from_camera *
-                              Eigen::AngleAxisd(M_PI, Vector3d::UnitY()).toRotationMatrix();
+  views.b.world_from_camera =
+      views.b.world_from_camera * Eigen::AngleAxisd(M_PI, Vector3d::UnitY()).toRotationMatrix();
   for (size_t i = 0; i < views.in_b.size(); ++i) views.in_b[i].x() = 640 - views.in_b[i].x();
   EXPECT_TRUE(std::isinf(EpipolarError(views.a, views.b, views.in_a, views.in_b)));
   EXPECT_TRUE(std::isinf(EpipolarError(views.a, views.b, {}, {})));
