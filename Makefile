@@ -29,7 +29,7 @@ demo: packages  ## make a small world, map it, serve it, localize three photos o
 test: release  ## build and run every test
 	@ctest --test-dir $(RELEASE) --parallel $(JOBS) --output-on-failure --no-tests=error
 
-bench: packages  ## build and run the benchmarks
+bench: packages  ## build and run the benchmarks (waystone-bench alone lists them)
 	@scripts/build.sh release $(JOBS) waystone waystone-bench
 	@$(RELEASE)/bench/waystone-bench all
 

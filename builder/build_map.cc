@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/build_map.h"
 
-#include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "builder/extract_frames.h"
 #include "builder/planes/fusion.h"
 #include "builder/planes/plane_features.h"
 #include "builder/planes/plane_tracker.h"
@@ -27,38 +26,6 @@ using Clock = std::chrono::steady_clock;
 
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// A frame on its way through the pipeline.
-struct Worked {
-  ExtractedFrame frame;
-  std::string error;  // set when it could not be decoded
-  double decode_s = 0;
-  double extract_s = 0;
-};
-
-cv::Mat Thumbnail(const cv::Mat& grey, int width) {
-  if (grey.cols <= width) return grey;
-  cv::Mat small;
-  const int height = std::max(
-      1, static_cast<int>(std::lround(static_cast<double>(grey.rows) * width / grey.cols)));
-  cv::resize(grey, small, {width, height}, 0, 0, cv::INTER_AREA);
-  return small;
-}
-
-Worked Work(const EncodedFrame& encoded, const BuildOptions& options) {
-  Worked worked;
-  const Clock::time_point start = Clock::now();
-  Frame frame = encoded.Decode();
-  worked.decode_s = SecondsSince(start);
-  worked.frame.info = std::move(frame.info);
-  worked.error = std::move(frame.error);
-  if (frame.grey.empty()) return worked;
-  const Clock::time_point decoded = Clock::now();
-  worked.frame.features = ExtractFeatures(frame.grey, options.features);
-  if (options.images) worked.frame.thumbnail = Thumbnail(frame.grey, options.image_width);
-  worked.extract_s = SecondsSince(decoded);
-  return worked;
 }
 
 std::string OptionsJson(const BuildOptions& options) {
@@ -96,9 +63,8 @@ class MapBuilder {
     sequence.camera = source.camera();
     map_.sequences.push_back(sequence);
     KeyframeSelector selector(options_.keyframes, options_.planes.match);
-    RunPipeline(source, selector);
-    if (cancelled_) throw MapError(ErrorCode::kInterrupted, "stopped; nothing was written");
-    for (ChosenKeyframe& chosen : selector.Finish()) AddKeyframe(std::move(chosen));
+    TakeFrames(source, selector);
+    AddKeyframes([&] { return selector.Finish(); });
   }
 
   BuildResult Finish() {
@@ -109,7 +75,7 @@ class MapBuilder {
     std::sort(map_.planes.begin(), map_.planes.end(),
               [](const Plane& a, const Plane& b) { return a.id < b.id; });
     TakeEdges();
-    Report("fusion", 0, 1);
+    if (!Report("fusion", 0, 1)) Interrupt();
     const Clock::time_point start = Clock::now();
     FusionResult fusion = FusePlanes(std::move(map_.planes), std::move(map_.edges), map_.keyframes,
                                      options_.features.type, options_.planes);
@@ -123,41 +89,26 @@ class MapBuilder {
     map_.info.feature_type = options_.features.type;
     map_.info.options_json = OptionsJson(options_);
     report_.total_s = SecondsSince(start_);
-    Report("fusion", 1, 1);
+    if (!Report("fusion", 1, 1)) Interrupt();
     return {std::move(map_), std::move(report_)};
   }
 
  private:
-  void RunPipeline(Source& source, KeyframeSelector& selector) {
+  void TakeFrames(Source& source, KeyframeSelector& selector) {
     const int total = source.size();
     int done = 0;
-    // Two frames a worker: enough that none waits, few enough that memory stays bounded.
-    const size_t in_flight = 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 1;
-    tbb::parallel_pipeline(
-        in_flight,
-        tbb::make_filter<void, std::shared_ptr<EncodedFrame>>(
-            tbb::filter_mode::serial_in_order,
-            [&](tbb::flow_control& control) -> std::shared_ptr<EncodedFrame> {
-              std::optional<EncodedFrame> next;
-              if (!cancelled_) next = source.NextEncoded();
-              if (next) return std::make_shared<EncodedFrame>(std::move(*next));
-              control.stop();
-              return nullptr;
-            }) &
-            tbb::make_filter<std::shared_ptr<EncodedFrame>, std::shared_ptr<Worked>>(
-                tbb::filter_mode::parallel,
-                [&](const std::shared_ptr<EncodedFrame>& encoded) {
-                  return std::make_shared<Worked>(Work(*encoded, options_));
-                }) &
-            tbb::make_filter<std::shared_ptr<Worked>, void>(
-                tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<Worked>& worked) {
-                  if (cancelled_) return;
-                  Consume(std::move(*worked), selector);
-                  if (!Report("frames", ++done, std::max(total, done))) cancelled_ = true;
-                }));
+    bool stopped = false;
+    const ExtractFramesOptions extract{options_.features,
+                                       options_.images ? options_.image_width : 0};
+    ExtractFrames(source, extract, [&](WorkedFrame worked) {
+      Consume(std::move(worked), selector);
+      stopped = !Report("frames", ++done, std::max(total, done));
+      return !stopped;
+    });
+    if (stopped) Interrupt();
   }
 
-  void Consume(Worked worked, KeyframeSelector& selector) {
+  void Consume(WorkedFrame worked, KeyframeSelector& selector) {
     ++report_.frames;
     ++map_.sequences.back().frames;
     report_.decode_s += worked.decode_s;
@@ -170,10 +121,16 @@ class MapBuilder {
       }
       return;
     }
+    AddKeyframes([&] { return selector.Add(std::move(worked.frame)); });
+  }
+
+  // Adds the keyframes that `choose` decides on; times both.
+  template <class Choose>
+  void AddKeyframes(Choose choose) {
     const Clock::time_point start = Clock::now();
-    for (ChosenKeyframe& chosen : selector.Add(std::move(worked.frame))) {
-      AddKeyframe(std::move(chosen));
-    }
+    std::vector<ChosenKeyframe> chosen = choose();
+    report_.choose_s += SecondsSince(start);
+    for (ChosenKeyframe& keyframe : chosen) AddKeyframe(std::move(keyframe));
     report_.track_s += SecondsSince(start);
   }
 
@@ -195,6 +152,10 @@ class MapBuilder {
     tracker_.AddKeyframe(keyframe.id, chosen.frame.features, chosen.starts_stretch,
                          map_.sequences.back().camera);
     map_.keyframes.push_back(std::move(keyframe));
+  }
+
+  [[noreturn]] static void Interrupt() {
+    throw MapError(ErrorCode::kInterrupted, "stopped; nothing was written");
   }
 
   [[noreturn]] void FailWithoutFrames() const {
@@ -254,7 +215,6 @@ class MapBuilder {
   PlaneTracker tracker_;
   MapData map_;
   BuildReport report_;
-  bool cancelled_ = false;
   Clock::time_point start_ = Clock::now();
 };
 

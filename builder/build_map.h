@@ -55,6 +55,7 @@ struct BuildReport {
   double decode_s = 0;       // summed over threads
   double extract_s = 0;      // summed over threads
   double track_s = 0;        // keyframe choice and planes
+  double choose_s = 0;       // of it, keyframe choice
   double fusion_s = 0;
   double total_s = 0;  // wall clock
 };

@@ -25,5 +25,15 @@ int RunNegatives(const Args& args);
 int RunPairs(const Args& args);
 // linear DIR N...: seconds per frame of builds over the first N frames.
 int RunLinear(const Args& args);
+// build SOURCE... [--frames N,N,...]: seconds of features alone and of whole builds, and the
+// builds' peak memory, over the first N frames of each source.
+int RunBuild(const Args& args);
+// graphs [SOURCE...] [--map A:B] [--queries A:B:STEP] [--keyframes M:N] [--opencv-every N]: the
+// image graph of the papers beside the plane graph over the same keyframes: size, time to build and
+// to localize, recall. A source is `world`, a TUM RGB-D folder with depth and poses (of it --map
+// and
+// --queries are frames, and --keyframes the conditions on keyframes), or a folder with map/,
+// query*/ and poses.csv. Every N-th query is also asked of OpenCV's matcher, which is slow.
+int RunGraphs(const Args& args);
 
 }  // namespace waystone::bench

@@ -15,6 +15,8 @@ constexpr char kUsage[] =
     "  negatives DIR [--map 0:499] IMAGE_OR_FOLDER...     images that are not in the map\n"
     "  pairs DIR... [--labels OUT]                        planes in two images against labels\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"
+    "  build SOURCE... [--frames 250,500,1000]            whole builds against features alone\n"
+    "  graphs [SOURCE...] [--keyframes M:N]               image graph against plane graph\n"
     "The last line of each is one JSON object.\n";
 
 }  // namespace
@@ -22,9 +24,10 @@ constexpr char kUsage[] =
 int main(int argc, char** argv) {
   using waystone::bench::Args;
   const std::map<std::string, int (*)(const Args&)> benches = {
-      {"all", waystone::bench::RunAll},     {"world", waystone::bench::RunWorld},
-      {"rgbd", waystone::bench::RunRgbd},   {"negatives", waystone::bench::RunNegatives},
-      {"pairs", waystone::bench::RunPairs}, {"linear", waystone::bench::RunLinear}};
+      {"all", waystone::bench::RunAll},       {"world", waystone::bench::RunWorld},
+      {"rgbd", waystone::bench::RunRgbd},     {"negatives", waystone::bench::RunNegatives},
+      {"linear", waystone::bench::RunLinear}, {"build", waystone::bench::RunBuild},
+      {"graphs", waystone::bench::RunGraphs}, {"pairs", waystone::bench::RunPairs}};
   if (argc < 2 || !benches.contains(argv[1])) {
     std::cerr << kUsage;
     return 2;

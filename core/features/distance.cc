@@ -60,24 +60,40 @@ __attribute__((target("popcnt"))) void HammingPopcnt(const uint8_t* query, const
 }
 
 // Bytes are at most 127, so differences fit a signed byte and the sum of two squares fits 16 bits:
-// one vpmaddubsw squares and adds pairs without saturating.
+// one vpmaddubsw squares and adds pairs without saturating. The sum over `row` is that of the
+// lanes.
+__attribute__((target("avx2"))) inline __m256i LaneSums(const __m256i* q, const uint8_t* row) {
+  const __m256i ones = _mm256_set1_epi16(1);
+  __m256i sum = _mm256_setzero_si256();
+  for (int k = 0; k < 4; ++k) {
+    const __m256i bytes = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(row + 32 * k));
+    const __m256i difference = _mm256_abs_epi8(_mm256_sub_epi8(q[k], bytes));
+    const __m256i squares = _mm256_maddubs_epi16(difference, difference);
+    sum = _mm256_add_epi32(sum, _mm256_madd_epi16(squares, ones));
+  }
+  return sum;
+}
+
 __attribute__((target("avx2"))) void SquaredEuclideanAvx2(const uint8_t* query,
                                                           const uint8_t* block, int rows, int bytes,
                                                           int32_t* out) {
   if (bytes != kSiftBytes) return SquaredEuclidean(query, block, rows, bytes, out);
-  const __m256i ones = _mm256_set1_epi16(1);
   __m256i q[4];
   for (int k = 0; k < 4; ++k) {
     q[k] = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(query + 32 * k));
   }
-  for (int r = 0; r < rows; ++r, block += kSiftBytes) {
-    __m256i sum = _mm256_setzero_si256();
-    for (int k = 0; k < 4; ++k) {
-      const __m256i row = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(block + 32 * k));
-      const __m256i difference = _mm256_abs_epi8(_mm256_sub_epi8(q[k], row));
-      const __m256i squares = _mm256_maddubs_epi16(difference, difference);
-      sum = _mm256_add_epi32(sum, _mm256_madd_epi16(squares, ones));
-    }
+  // Four rows at a time: their sums over lanes are taken together.
+  int r = 0;
+  for (; r + 4 <= rows; r += 4, block += 4 * kSiftBytes) {
+    const __m256i s01 = _mm256_hadd_epi32(LaneSums(q, block), LaneSums(q, block + kSiftBytes));
+    const __m256i s23 =
+        _mm256_hadd_epi32(LaneSums(q, block + 2 * kSiftBytes), LaneSums(q, block + 3 * kSiftBytes));
+    const __m256i all = _mm256_hadd_epi32(s01, s23);
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(out + r),
+                     _mm_add_epi32(_mm256_castsi256_si128(all), _mm256_extracti128_si256(all, 1)));
+  }
+  for (; r < rows; ++r, block += kSiftBytes) {
+    const __m256i sum = LaneSums(q, block);
     __m128i half = _mm_add_epi32(_mm256_castsi256_si128(sum), _mm256_extracti128_si256(sum, 1));
     half = _mm_add_epi32(half, _mm_shuffle_epi32(half, 0x4e));
     half = _mm_add_epi32(half, _mm_shuffle_epi32(half, 0xb1));

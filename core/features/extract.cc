@@ -37,6 +37,38 @@ bool StrongerThan(const cv::KeyPoint& a, const cv::KeyPoint& b) {
   return a.angle < b.angle;
 }
 
+// Indices of the strongest keypoints.
+std::vector<int> StrongestFirst(const std::vector<cv::KeyPoint>& keypoints, int at_most) {
+  std::vector<int> order(keypoints.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return StrongerThan(keypoints[a], keypoints[b]); });
+  if (std::ssize(order) > at_most) order.resize(at_most);
+  return order;
+}
+
+struct Detected {
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;  // row i belongs to keypoints[i]
+};
+
+// SIFT in one go: its scale space is built once rather than for keypoints and descriptors each, and
+// its own limit keeps as many keypoints as ours but for ties. The others describe only what is
+// kept.
+Detected Detect(const cv::Mat& grey, const FeatureOptions& options) {
+  const cv::Ptr<cv::Feature2D> detector = MakeDetector(options);
+  Detected found;
+  if (options.type == FeatureType::kSift) {
+    detector->detectAndCompute(grey, cv::noArray(), found.keypoints, found.descriptors);
+    return found;
+  }
+  std::vector<cv::KeyPoint> all;
+  detector->detect(grey, all);
+  for (int i : StrongestFirst(all, options.max_features)) found.keypoints.push_back(all[i]);
+  detector->compute(grey, found.keypoints, found.descriptors);  // may drop some near the border
+  return found;
+}
+
 // RootSIFT (Arandjelovic and Zisserman, CVPR 2012): Euclidean distances of these are Hellinger
 // distances of the histograms.
 void AppendRootSift(const float* sift, Descriptors& out) {
@@ -111,24 +143,16 @@ Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options) {
   features.descriptors = Descriptors(DescriptorBytes(options.type));
   if (std::min(grey.cols, grey.rows) < kMinSide_px) return features;
 
-  const cv::Ptr<cv::Feature2D> detector = MakeDetector(options);
-  std::vector<cv::KeyPoint> keypoints;
-  detector->detect(grey, keypoints);
-  std::sort(keypoints.begin(), keypoints.end(), StrongerThan);
-  if (static_cast<int>(keypoints.size()) > options.max_features) {
-    keypoints.resize(options.max_features);
-  }
-  cv::Mat descriptors;
-  detector->compute(grey, keypoints, descriptors);  // may drop keypoints near the border
-
-  features.keypoints.reserve(keypoints.size());
-  features.descriptors.Reserve(static_cast<int>(keypoints.size()));
-  for (int i = 0; i < static_cast<int>(keypoints.size()); ++i) {
-    features.keypoints.push_back(ToKeypoint(keypoints[i]));
+  Detected found = Detect(grey, options);
+  const std::vector<int> order = StrongestFirst(found.keypoints, options.max_features);
+  features.keypoints.reserve(order.size());
+  features.descriptors.Reserve(static_cast<int>(order.size()));
+  for (int i : order) {
+    features.keypoints.push_back(ToKeypoint(found.keypoints[i]));
     if (options.type == FeatureType::kSift) {
-      AppendRootSift(descriptors.ptr<float>(i), features.descriptors);
+      AppendRootSift(found.descriptors.ptr<float>(i), features.descriptors);
     } else {
-      features.descriptors.Append(descriptors.ptr<uint8_t>(i));
+      features.descriptors.Append(found.descriptors.ptr<uint8_t>(i));
     }
   }
   return features;

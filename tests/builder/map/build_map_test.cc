@@ -194,6 +194,15 @@ TEST(BuildMap, StopsWhenAsked) {
       ErrorCode::kInterrupted);
 }
 
+TEST(BuildMap, StopsBeforeAndAfterFusionWhenAsked) {
+  for (int done : {0, 1}) {
+    std::vector<std::unique_ptr<Source>> sources;
+    sources.push_back(std::make_unique<MemorySource>(4, std::set<int>{}));
+    const auto stop = [&](const BuildProgress& p) { return p.stage != "fusion" || p.done != done; };
+    EXPECT_EQ(CodeOf([&] { BuildMap(sources, {}, stop); }), ErrorCode::kInterrupted) << done;
+  }
+}
+
 TEST(BuildMap, LeavesPicturesOutWhenAsked) {
   BuildOptions options;
   options.images = false;

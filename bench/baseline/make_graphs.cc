@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/baseline/make_graphs.h"
+
+#include <algorithm>
+#include <set>
+
+#include "bench/accuracy/common.h"
+#include "bench/accuracy/stopwatch.h"
+#include "bench/baseline/image_store.h"
+#include "builder/extract_frames.h"
+#include "builder/planes/fusion.h"
+#include "builder/planes/plane_tracker.h"
+#include "core/base/check.h"
+#include "schema/map_store.h"
+
+namespace waystone::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+Cost operator+(const Cost& a, const Cost& b) { return {a.wall_s + b.wall_s, a.cpu_s + b.cpu_s}; }
+
+template <class F>
+Cost Timed(F work) {
+  const Stopwatch watch;
+  work();
+  return {watch.wall_s(), watch.cpu_s()};
+}
+
+// What both graphs are made from.
+struct Shared {
+  std::vector<ChosenKeyframe> keyframes;
+  std::optional<Camera> camera;
+  Cost cost;  // decoding, features and keyframe choice, on all cores
+};
+
+Shared TakeKeyframes(const Scene& scene, const BuildOptions& options) {
+  Shared shared;
+  shared.cost = Timed([&] {
+    const auto source = scene.OpenMap();
+    shared.camera = source->camera();
+    KeyframeSelector selector(options.keyframes, options.planes.match);
+    const auto keep = [&](std::vector<ChosenKeyframe> chosen) {
+      std::move(chosen.begin(), chosen.end(), std::back_inserter(shared.keyframes));
+    };
+    ExtractFrames(*source, {options.features, 0}, [&](WorkedFrame worked) {
+      if (worked.error.empty()) keep(selector.Add(std::move(worked.frame)));
+      return true;
+    });
+    keep(selector.Finish());
+  });
+  return shared;
+}
+
+// The stages of BuildMap behind the keyframe choice, alone.
+Cost TimePlanes(const Shared& shared, const MapData& map, const BuildOptions& options) {
+  return Timed([&] {
+    PlaneTracker tracker(options.planes);
+    int64_t id = 0;
+    for (const ChosenKeyframe& chosen : shared.keyframes) {
+      tracker.AddKeyframe(KeyframeId{++id}, chosen.frame.features, chosen.starts_stretch,
+                          shared.camera);
+    }
+    tracker.Finish();
+    std::vector<Plane> planes = std::move(tracker.planes());
+    std::sort(planes.begin(), planes.end(),
+              [](const Plane& a, const Plane& b) { return a.id < b.id; });
+    std::set<PlaneId> ids;
+    for (const Plane& plane : planes) ids.insert(plane.id);
+    std::vector<Edge> edges;
+    for (const Edge& edge : tracker.edges()) {
+      if (ids.contains(edge.a) && ids.contains(edge.b)) edges.push_back(edge);
+    }
+    FusePlanes(std::move(planes), std::move(edges), map.keyframes, options.features.type,
+               options.planes);
+  });
+}
+
+std::vector<ImageNode> NodesOf(const Shared& shared, const MapData& map) {
+  WS_CHECK(shared.keyframes.size() == map.keyframes.size(), "the graphs have other keyframes");
+  std::vector<ImageNode> nodes;
+  for (size_t i = 0; i < shared.keyframes.size(); ++i) {
+    const ExtractedFrame& frame = shared.keyframes[i].frame;
+    WS_CHECK(frame.info.number == map.keyframes[i].frame, "the graphs have other keyframes");
+    nodes.push_back({map.keyframes[i].id, frame.info.number, frame.features});
+  }
+  return nodes;
+}
+
+void MakePlaneGraph(const Scene& scene, const BuildOptions& options, const fs::path& folder,
+                    MapData& map, Graphs& graphs) {
+  const fs::path with_pictures = folder / "pictures.db";
+  const fs::path path = folder / "planes.db";
+  graphs.planes.whole = Timed([&] {
+    std::vector<std::unique_ptr<Source>> sources;
+    sources.push_back(scene.OpenMap());
+    map = BuildMap(sources, options, {}).map;
+    WriteMap(map, with_pictures, {});
+  });
+  graphs.bytes_with_pictures = fs::file_size(with_pictures);
+  for (Keyframe& keyframe : map.keyframes) keyframe.jpeg.clear();
+  graphs.planes.own = Timed([&] { WriteMap(map, path, {}); });
+  graphs.planes.nodes = map.planes.size();
+  graphs.planes.edges = map.edges.size();
+  graphs.planes.features = FeatureCount(map);
+  graphs.planes.bytes = fs::file_size(path);
+  graphs.index = MapIndex::Build(ReadMap(path));
+}
+
+void MakeImageGraph(std::vector<ImageNode> nodes, const fs::path& folder, Graphs& graphs) {
+  const fs::path path = folder / "images.db";
+  graphs.images.own = Timed(
+      [&] { WriteImageGraph(BuildImageGraph(std::move(nodes), graphs.image_options), path); });
+  graphs.images.whole = graphs.shared + graphs.images.own;
+  graphs.image_graph = ReadImageGraph(path);
+  graphs.images.nodes = graphs.image_graph.nodes.size();
+  graphs.images.edges = graphs.image_graph.edges.size();
+  for (const ImageNode& node : graphs.image_graph.nodes) {
+    graphs.images.features += node.features.size();
+  }
+  graphs.images.bytes = fs::file_size(path);
+}
+
+}  // namespace
+
+Graphs MakeGraphs(const Scene& scene, const BuildOptions& options, const fs::path& folder) {
+  Graphs graphs;
+  MapData map;
+  MakePlaneGraph(scene, options, folder, map, graphs);
+  const Shared shared = TakeKeyframes(scene, options);
+  graphs.shared = shared.cost;
+  graphs.planes.own = graphs.planes.own + TimePlanes(shared, map, options);
+  graphs.image_options.match = options.planes.match;
+  MakeImageGraph(NodesOf(shared, map), folder, graphs);
+  return graphs;
+}
+
+}  // namespace waystone::bench

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "bench/baseline/image_graph.h"
+#include "bench/baseline/scenes.h"
+#include "builder/build_map.h"
+#include "localizer/map_index.h"
+
+namespace waystone::bench {
+
+// Seconds on the clock, and of all cores together.
+struct Cost {
+  double wall_s = 0;
+  double cpu_s = 0;
+};
+
+// A row of the paper's table I.
+struct GraphFigures {
+  size_t nodes = 0;
+  size_t edges = 0;
+  int64_t features = 0;
+  uintmax_t bytes = 0;  // without pictures
+  Cost own;             // its own stages alone: what both graphs share is done
+  Cost whole;           // from images to the file
+};
+
+// Both graphs of a scene, as read back from their files.
+struct Graphs {
+  GraphFigures planes;
+  GraphFigures images;
+  uintmax_t bytes_with_pictures = 0;  // of the plane graph's file
+  Cost shared;
+  std::shared_ptr<const MapIndex> index;
+  ImageGraph image_graph;
+  ImageGraphOptions image_options;
+};
+
+// Builds both graphs over the same keyframes on the threads of the calling arena, measures both and
+// writes them into `folder`, which is empty.
+Graphs MakeGraphs(const Scene& scene, const BuildOptions& options,
+                  const std::filesystem::path& folder);
+
+}  // namespace waystone::bench

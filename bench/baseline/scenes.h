@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/accuracy/common.h"
+#include "builder/sources/source.h"
+
+namespace waystone::bench {
+
+// What a graph answered to a query, as far as the truth wants to know it.
+struct SceneAnswer {
+  int image_frame = 0;      // number of the map's frame that was named as the place
+  int reference_frame = 0;  // of the one that the homography leads to
+  Eigen::Matrix3d reference_from_query = Eigen::Matrix3d::Identity();
+  std::vector<Eigen::Vector2d> query_points;  // inliers of the homography
+};
+
+// A sequence to map with queries whose truth is known.
+class Scene {
+ public:
+  virtual ~Scene() = default;
+
+  virtual const std::string& name() const = 0;
+  // The frames to map; a new source each time.
+  virtual std::unique_ptr<Source> OpenMap() const = 0;
+  virtual int queries() const = 0;
+  // An image as a client would have it; decoding is part of a query's time.
+  virtual cv::Mat Decode(int query) const = 0;
+  virtual bool IsRight(int query, const SceneAnswer& answer) const = 0;
+  // What IsRight asks, in one line.
+  virtual std::string Criterion() const = 0;
+};
+
+// Median distance, px, at which an answer still counts as right.
+struct SceneLimits {
+  double kitchen_px = 20;  // its truth has noise of about 5 px
+  double church_px = 4;    // to the epipolar line, at 1536 px of width
+  double world_px = 10;
+  double church_angle_rad = 30 * 3.14159265358979 / 180;  // between the viewing directions
+};
+
+// A TUM RGB-D folder with depth and poses. Right: the median of the distances between the inliers,
+// moved by the homography, and where depth and poses put them is at most kitchen_px.
+std::unique_ptr<Scene> OpenRgbdScene(const std::string& folder, const Range& map,
+                                     const Range& queries, const SceneLimits& limits);
+
+// A folder with map/, one or several folders query*/ and poses.csv. Right: the camera of the named
+// image looks within church_angle_rad of the query's direction, and the homography's inliers are
+// the same points of the scene: the median of the distances between them, moved by the homography,
+// and their epipolar lines by the poses is at most church_px, and half of them and more lie in
+// front of both cameras when triangulated.
+std::unique_ptr<Scene> OpenPhotoScene(const std::filesystem::path& folder,
+                                      const SceneLimits& limits);
+
+// A rendered walk through the demo plan, and another walk through it, higher, with another gaze and
+// sway, whose frames are the queries. Right: as in OpenRgbdScene, with world_px, by the rendered
+// planes' true homographies.
+std::unique_ptr<Scene> MakeWorldScene(int map_frames, int queries, const SceneLimits& limits);
+
+// Whether two calibrated cameras see the same points: see OpenPhotoScene. Exposed for its test.
+struct PosedCamera {
+  Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d world_from_camera = Eigen::Matrix3d::Identity();
+};
+// Median distance of x_b to the epipolar lines of x_a, px; infinite when fewer than half of the
+// points lie in front of both cameras.
+double EpipolarError(const PosedCamera& a, const PosedCamera& b,
+                     const std::vector<Eigen::Vector2d>& x_a,
+                     const std::vector<Eigen::Vector2d>& x_b);
+
+}  // namespace waystone::bench

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/baseline/scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/random.h"
+
+namespace waystone::bench {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+PosedCamera CameraAt(const Vector3d& centre, double yaw_rad) {
+  PosedCamera camera;
+  camera.k << 500, 0, 320, 0, 500, 240, 0, 0, 1;
+  camera.centre = centre;
+  camera.world_from_camera = Eigen::AngleAxisd(yaw_rad, Vector3d::UnitY()).toRotationMatrix();
+  return camera;
+}
+
+Vector2d Project(const PosedCamera& camera, const Vector3d& x) {
+  return (camera.k * (camera.world_from_camera.transpose() * (x - camera.centre))).hnormalized();
+}
+
+// Twenty points in front of both cameras, as each sees them.
+struct Views {
+  PosedCamera a = CameraAt({0, 0, 0}, 0.1);
+  PosedCamera b = CameraAt({1.5, 0.2, -0.4}, -0.2);
+  std::vector<Vector2d> in_a;
+  std::vector<Vector2d> in_b;
+
+  Views() {
+    Random random(3);
+    for (int i = 0; i < 20; ++i) {
+      const Vector3d x(random.Uniform(-1, 2), random.Uniform(-1, 1), random.Uniform(4, 8));
+      in_a.push_back(Project(a, x));
+      in_b.push_back(Project(b, x));
+    }
+  }
+};
+
+TEST(EpipolarError, IsNoneForTheSamePoints) {
+  const Views views;
+  EXPECT_LT(EpipolarError(views.a, views.b, views.in_a, views.in_b), 1e-6);
+}
+
+TEST(EpipolarError, IsTheDistanceToTheLine) {
+  Views views;
+  // The baseline is nearly horizontal, and so are the lines.
+  for (Vector2d& x : views.in_b) x.y() += 10;
+  const double error = EpipolarError(views.a, views.b, views.in_a, views.in_b);
+  EXPECT_GT(error, 8);
+  EXPECT_LT(error, 10.1);
+}
+
+TEST(EpipolarError, OtherPointsAreOff) {
+  Views views;
+  std::rotate(views.in_b.begin(), views.in_b.begin() + 7, views.in_b.end());
+  EXPECT_GT(EpipolarError(views.a, views.b, views.in_a, views.in_b), 10);
+}
+
+TEST(EpipolarError, PointsBehindACameraAreNotSeenByBoth) {
+  Views views;
+  views.b.world_from_camera =
+      views.b.world_from_camera * Eigen::AngleAxisd(M_PI, Vector3d::UnitY()).toRotationMatrix();
+  for (size_t i = 0; i < views.in_b.size(); ++i) views.in_b[i].x() = 640 - views.in_b[i].x();
+  EXPECT_TRUE(std::isinf(EpipolarError(views.a, views.b, views.in_a, views.in_b)));
+  EXPECT_TRUE(std::isinf(EpipolarError(views.a, views.b, {}, {})));
+}
+
+TEST(WorldScene, JudgesByTheRenderedPlanes) {
+  const auto scene = MakeWorldScene(20, 1, {});
+  EXPECT_EQ(scene->queries(), 1);
+  EXPECT_EQ(scene->Decode(0).cols, 640);
+  SceneAnswer answer;
+  answer.image_frame = answer.reference_frame = 0;
+  for (int i = 0; i < 10; ++i) answer.query_points.emplace_back(300 + 4 * i, 200 + 3 * i);
+  answer.reference_from_query(0, 2) = 400;  // far off
+  EXPECT_FALSE(scene->IsRight(0, answer));
+  answer.query_points.resize(2);  // too few to tell
+  EXPECT_FALSE(scene->IsRight(0, answer));
+}
+
+}  // namespace
+}  // namespace waystone::bench
