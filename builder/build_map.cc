@@ -16,6 +16,7 @@
 #include "builder/planes/plane_tracker.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
+#include "schema/index_features.h"
 
 namespace waystone {
 namespace {
@@ -122,6 +123,7 @@ class MapBuilder {
     map_.info.program = std::string("waystone ") + kVersion;
     map_.info.feature_type = options_.features.type;
     map_.info.options_json = OptionsJson(options_);
+    map_.index = IndexFeatures(map_);
     report_.total_s = SecondsSince(start_);
     Report("fusion", 1, 1);
     return {std::move(map_), std::move(report_)};

@@ -73,10 +73,10 @@ void LocalizeOptions::Check() const {
   homology.Check();
   gates.Check();
   evidence.Check();
-  if (votes_per_feature < 1 || max_candidates < 1 || min_votes < 1) {
+  if (votes_per_feature < 1 || probes < 1 || max_candidates < 1 || min_votes < 1) {
     throw MapError(ErrorCode::kBadOptions,
-                   "shortlist: votes_per_feature, max_candidates and min_votes must be positive; "
-                   "leave them at their defaults");
+                   "shortlist: votes_per_feature, probes, max_candidates and min_votes must be "
+                   "positive; leave them at their defaults");
   }
 }
 
@@ -87,9 +87,10 @@ Answer LocalizeFeatures(const MapIndex& index, const Features& query,
   LapTimer timer;
   const std::vector<ShortlistedPlane> shortlist = ShortlistPlanes(index, query, options);
   const double shortlist_ms = timer.Lap();
+  const PackedFeatures packed(query);
   std::vector<VerifiedPlane> tried;
   for (const ShortlistedPlane& candidate : shortlist) {
-    if (auto verified = VerifyPlane(index, query, candidate.plane, options)) {
+    if (auto verified = VerifyPlane(index, packed, candidate.plane, options)) {
       tried.push_back(std::move(*verified));
     }
   }

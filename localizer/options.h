@@ -48,6 +48,9 @@ struct LocalizeOptions {
   double contrast_threshold = 0.02;  // as FeatureOptions'
   // Nearest map features for which a query feature votes.
   int votes_per_feature = 3;
+  // Lists of the map's search index in which they are looked for. More find more of the true
+  // nearest and take longer; as many as there are lists find all.
+  int probes = 32;
   // Planes whose homography is tried, best voted first. More find more and cost about 1 ms each.
   int max_candidates = 16;
   // Fewer votes than this, and a plane isn't tried.

@@ -122,6 +122,13 @@ Bytes EncodeHomography(const Eigen::Matrix3d& h) {
   return out;
 }
 
+Bytes EncodeLists(const std::vector<uint16_t>& list_of_row) {
+  Bytes out;
+  out.reserve(list_of_row.size() * kListBytes);
+  for (const uint16_t list : list_of_row) Append(out, list);
+  return out;
+}
+
 std::vector<PlaneFeature> DecodeFeatures(BytesView keypoints, BytesView votes) {
   CheckWhole(keypoints, kKeypointBytes);
   const size_t count = keypoints.size() / kKeypointBytes;
@@ -157,6 +164,13 @@ Eigen::Matrix3d DecodeHomography(BytesView blob) {
   Eigen::Matrix3d h;
   for (int i = 0; i < 9; ++i) h(i / 3, i % 3) = DoubleAt(blob, i);
   return h;
+}
+
+std::vector<uint16_t> DecodeLists(BytesView blob) {
+  CheckWhole(blob, kListBytes);
+  std::vector<uint16_t> lists(blob.size() / kListBytes);
+  for (size_t i = 0; i < lists.size(); ++i) lists[i] = At<uint16_t>(blob, i);
+  return lists;
 }
 
 }  // namespace waystone

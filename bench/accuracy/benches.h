@@ -22,5 +22,9 @@ int RunRgbd(const Args& args);
 int RunNegatives(const Args& args);
 // linear DIR N...: seconds per frame of builds over the first N frames.
 int RunLinear(const Args& args);
+// scale [N...]: queries, opening and memory of maps of N features (100000 and 1000000), made from a
+// rendered walk and planes that nobody sees, against the time of extraction alone and against
+// exhaustive search.
+int RunScale(const Args& args);
 
 }  // namespace waystone::bench

@@ -14,6 +14,7 @@ constexpr char kUsage[] =
     "  rgbd DIR [--map 0:499] [--queries 500:990:10]      localization against depth and poses\n"
     "  negatives DIR [--map 0:499] IMAGE_OR_FOLDER...     images that are not in the map\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"
+    "  scale [N...]                                       queries of maps of N features\n"
     "The last line of each is one JSON object.\n";
 
 }  // namespace
@@ -25,7 +26,8 @@ int main(int argc, char** argv) {
       {"world", waystone::bench::RunWorld},
       {"rgbd", waystone::bench::RunRgbd},
       {"negatives", waystone::bench::RunNegatives},
-      {"linear", waystone::bench::RunLinear}};
+      {"linear", waystone::bench::RunLinear},
+      {"scale", waystone::bench::RunScale}};
   if (argc < 2 || !benches.contains(argv[1])) {
     std::cerr << kUsage;
     return 2;
