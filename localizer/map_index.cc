@@ -2,6 +2,9 @@
 #include "localizer/map_index.h"
 
 #include <algorithm>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 
 #include "core/base/error.h"
 #include "schema/index_features.h"
@@ -52,6 +55,9 @@ void MapIndex::TakeDescriptors() {
     plane.descriptors = Descriptors(DescriptorBytes(type));
   }
   first_row_.push_back(rows);
+#if defined(__GLIBC__)
+  malloc_trim(0);  // what the planes' own blocks took would stay with the process
+#endif
 }
 
 void MapIndex::CheckReferences() const {

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "schema/sha256.h"
+#include "schema/map_database.h"
 #include "tests/schema/made_map.h"
 
 namespace waystone {
@@ -196,6 +197,21 @@ TEST(MapStore, TableSizesAddUpToTheFile) {
   EXPECT_EQ(rows["planes"], std::ssize(map.planes));
   EXPECT_EQ(rows["plane_features"], std::ssize(map.planes));
   EXPECT_EQ(rows["edges"], std::ssize(map.edges));
+}
+
+// What a later program may write: its index can't be used, everything else can.
+TEST(MapStore, AnIndexOfAnUnknownFormatIsLeftOut) {
+  const TemporaryFolder folder;
+  MapData map = MadeMap(17);
+  WriteMap(map, folder / "m.db", {});
+  RunSql(folder / "m.db", "UPDATE search_index SET format = 77");
+  {
+    SQLite::Database database((folder / "m.db").string(), SQLite::OPEN_READWRITE);
+    WriteContents(database, ExpectedObjects(Migrations()));
+  }
+  EXPECT_TRUE(CheckMap(folder / "m.db").empty());
+  map.index.reset();
+  EXPECT_EQ(WithoutVersion(ReadMap(folder / "m.db")), map);
 }
 
 TEST(MapStore, ManyReadersAtOnce) {
