@@ -78,7 +78,8 @@ void MapIndex::CheckReferences() const {
       }
     }
     if (plane.descriptors.rows() != static_cast<int>(plane.features.size()) ||
-        (plane.descriptors.rows() > 0 && plane.descriptors.bytes() != DescriptorBytes(map_.info.feature_type))) {
+        (plane.descriptors.rows() > 0 &&
+         plane.descriptors.bytes() != DescriptorBytes(map_.info.feature_type))) {
       throw MapError(ErrorCode::kMapDamaged,
                      name + " has " + std::to_string(plane.features.size()) + " features and " +
                          std::to_string(plane.descriptors.rows()) +

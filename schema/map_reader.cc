@@ -228,25 +228,24 @@ void Reader::ReadEdges() {
 // An index of another format is somebody else's: only its blobs' CRCs can be checked.
 void Reader::ReadIndex() {
   const int descriptor_bytes = DescriptorBytes(map_.info.feature_type);
-  ForEachRow(
-      "search_index",
-      "id, format, list_count, feature_count, centres_crc32c, centres, lists_crc32c, lists", 1,
-      [&](Row& row) {
-        row.Int64(1, 1);
-        const bool known = row.Int64(0) == kInvertedFileFormat;
-        const int64_t lists = row.Int();
-        const int64_t features = row.Int();
-        if (!known) {
-          row.BlobOfRows(1);
-          row.BlobOfRows(1);
-          return;
-        }
-        InvertedFile file;
-        const BytesView centres = row.Blob(lists * descriptor_bytes);
-        file.centres = Descriptors(descriptor_bytes, {centres.begin(), centres.end()});
-        file.list_of_row = DecodeLists(row.Blob(features * kListBytes));
-        map_.index = std::move(file);
-      });
+  ForEachRow("search_index",
+             "id, format, list_count, feature_count, centres_crc32c, centres, lists_crc32c, lists",
+             1, [&](Row& row) {
+               row.Int64(1, 1);
+               const bool known = row.Int64(0) == kInvertedFileFormat;
+               const int64_t lists = row.Int();
+               const int64_t features = row.Int();
+               if (!known) {
+                 row.BlobOfRows(1);
+                 row.BlobOfRows(1);
+                 return;
+               }
+               InvertedFile file;
+               const BytesView centres = row.Blob(lists * descriptor_bytes);
+               file.centres = Descriptors(descriptor_bytes, {centres.begin(), centres.end()});
+               file.list_of_row = DecodeLists(row.Blob(features * kListBytes));
+               map_.index = std::move(file);
+             });
 }
 
 }  // namespace

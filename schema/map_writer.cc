@@ -184,8 +184,8 @@ int64_t EstimatedBytes(const MapData& map) {
              std::ssize(plane.descriptors.data()) + std::ssize(plane.views) * kRow;
   }
   if (map.index) {
-    bytes += std::ssize(map.index->centres.data()) +
-             std::ssize(map.index->list_of_row) * kListBytes;
+    bytes +=
+        std::ssize(map.index->centres.data()) + std::ssize(map.index->list_of_row) * kListBytes;
   }
   return bytes + std::ssize(map.edges) * kRow;
 }

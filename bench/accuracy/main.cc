@@ -22,12 +22,9 @@ constexpr char kUsage[] =
 int main(int argc, char** argv) {
   using waystone::bench::Args;
   const std::map<std::string, int (*)(const Args&)> benches = {
-      {"all", waystone::bench::RunAll},
-      {"world", waystone::bench::RunWorld},
-      {"rgbd", waystone::bench::RunRgbd},
-      {"negatives", waystone::bench::RunNegatives},
-      {"linear", waystone::bench::RunLinear},
-      {"scale", waystone::bench::RunScale}};
+      {"all", waystone::bench::RunAll},       {"world", waystone::bench::RunWorld},
+      {"rgbd", waystone::bench::RunRgbd},     {"negatives", waystone::bench::RunNegatives},
+      {"linear", waystone::bench::RunLinear}, {"scale", waystone::bench::RunScale}};
   if (argc < 2 || !benches.contains(argv[1])) {
     std::cerr << kUsage;
     return 2;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tbb/task_arena.h>
 
+#include <unistd.h>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
-#include <unistd.h>
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/scale_map.h"
@@ -24,10 +24,10 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kMapFrames = 300;        // of the walk that is mapped
-constexpr int kQueryStep = 5;          // frames of the other walk between queries
-constexpr int kExhaustiveQueries = 30; // that are asked once more without the index
-constexpr double kRight_px = 10;       // a homography that is farther from the truth is wrong
+constexpr int kMapFrames = 300;         // of the walk that is mapped
+constexpr int kQueryStep = 5;           // frames of the other walk between queries
+constexpr int kExhaustiveQueries = 30;  // that are asked once more without the index
+constexpr double kRight_px = 10;        // a homography that is farther from the truth is wrong
 
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -162,11 +162,11 @@ Timed AskAll(const Scene& scene, const MapIndex& index) {
 
 // The index against exhaustive search.
 struct Comparison {
-  int localized = 0;      // queries that exhaustive search localizes
-  int found = 0;          // of them, with the same keyframe and best plane through the index
-  int64_t features = 0;   // of the queries
-  int64_t nearest = 0;    // of them, have their true nearest neighbour
-  int64_t distinct = 0;   // features whose nearest plane stands out: those that can match
+  int localized = 0;     // queries that exhaustive search localizes
+  int found = 0;         // of them, with the same keyframe and best plane through the index
+  int64_t features = 0;  // of the queries
+  int64_t nearest = 0;   // of them, have their true nearest neighbour
+  int64_t distinct = 0;  // features whose nearest plane stands out: those that can match
   int64_t distinct_nearest = 0;
   double exhaustive_ms = 0;  // a query, shortlist alone
 };
@@ -180,8 +180,8 @@ void CompareNearest(const MapIndex& index, const Features& query, Comparison& su
   const auto found = search.Nearest(query.descriptors, 2, options.probes);
   for (size_t i = 0; i < truth.size(); i += 2) {
     const bool same = found[i].distance == truth[i].distance;
-    const bool distinct = PassesRatio(query.type, truth[i].distance, truth[i + 1].distance,
-                                      options.match.max_ratio);
+    const bool distinct =
+        PassesRatio(query.type, truth[i].distance, truth[i + 1].distance, options.match.max_ratio);
     ++sum.features;
     sum.nearest += same;
     sum.distinct += distinct;
@@ -204,7 +204,8 @@ Comparison Compare(const Scene& scene, const MapIndex& index, const Timed& timed
     if (truth.verdict != Verdict::kLocalized) continue;
     ++sum.localized;
     const Answer& answer = timed.answers[q];
-    sum.found += answer.verdict == Verdict::kLocalized && answer.keyframe->id == truth.keyframe->id &&
+    sum.found += answer.verdict == Verdict::kLocalized &&
+                 answer.keyframe->id == truth.keyframe->id &&
                  answer.planes.front().id == truth.planes.front().id;
   }
   sum.exhaustive_ms /= std::max(1, count);
@@ -250,15 +251,15 @@ nlohmann::ordered_json Measure(const Scene& scene, int64_t features, const fs::p
       {"localized", comparison.localized},
       {"found", comparison.found},
       {"nearest_share", static_cast<double>(comparison.nearest) / comparison.features},
-      {"distinct_nearest_share",
-       static_cast<double>(comparison.distinct_nearest) / std::max<int64_t>(1, comparison.distinct)}};
+      {"distinct_nearest_share", static_cast<double>(comparison.distinct_nearest) /
+                                     std::max<int64_t>(1, comparison.distinct)}};
   return json;
 }
 
 void PrintHeading() {
   std::printf("%9s %6s %8s %8s %8s %8s %6s %6s %6s %7s %7s %7s %6s %6s %9s\n", "features", "lists",
-              "floor", "short.", "verify", "total", "ratio", "right", "found", "nearest", "distinct",
-              "exhaust", "open", "memory", "index");
+              "floor", "short.", "verify", "total", "ratio", "right", "found", "nearest",
+              "distinct", "exhaust", "open", "memory", "index");
 }
 
 void PrintRow(const nlohmann::ordered_json& j) {

@@ -17,13 +17,12 @@ constexpr int kChunk = 16;
 
 // For each row of a: the two nearest of b so far.
 struct NearestTwo {
-  explicit NearestTwo(int slots)
-      : first(slots, kNone), second(slots, kNone), row(slots, -1) {}
+  explicit NearestTwo(int slots) : first(slots, kNone), second(slots, kNone), row(slots, -1) {}
 
   static constexpr int32_t kNone = std::numeric_limits<int32_t>::max();
-  std::vector<int32_t> first;   // distances
+  std::vector<int32_t> first;  // distances
   std::vector<int32_t> second;
-  std::vector<int32_t> row;     // of the first
+  std::vector<int32_t> row;  // of the first
 };
 
 // Shows every slot of a its distance to row `row` of b. Returns the smallest of them. Without

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/features/packed_rows.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -147,9 +148,8 @@ __attribute__((target("avx2"))) void Euclidean(const PackedQuery& query, const P
 __attribute__((target("avx2"))) void Hamming(const PackedQuery& query, const PackedRows& rows,
                                              int first, int count, int32_t limit, int32_t* out,
                                              uint8_t* near) {
-  const __m256i table =
-      _mm256_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4, 0, 1, 1, 2, 1, 2, 2, 3, 1,
-                       2, 2, 3, 2, 3, 3, 4);
+  const __m256i table = _mm256_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4, 0, 1, 1, 2,
+                                         1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4);
   const __m256i nibble = _mm256_set1_epi8(15);
   for (int b = 0; b < count; ++b, out += kPackRows) {
     const uint8_t* block = rows.block(first + b);
@@ -205,8 +205,7 @@ PackedRows::PackedRows(FeatureType type, DescriptorsView rows)
 void PackedRows::Set(int slot, const uint8_t* row) {
   WS_CHECK(slot >= 0 && slot < slots(), "a slot that isn't there");
   const int bytes = DescriptorBytes(type_);
-  uint8_t* word = data_.data() +
-                  static_cast<size_t>(slot / kPackRows) * words_ * kBlockWordBytes +
+  uint8_t* word = data_.data() + static_cast<size_t>(slot / kPackRows) * words_ * kBlockWordBytes +
                   (slot % kPackRows) * kWordBytes;
   for (int i = 0; i < bytes; i += kWordBytes, word += kBlockWordBytes) {
     std::memcpy(word, row + i, std::min(kWordBytes, bytes - i));

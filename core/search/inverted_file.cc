@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include "core/base/error.h"
 #include "core/base/random.h"
@@ -158,8 +159,8 @@ InvertedFile BuildInvertedFile(DescriptorsView rows, FeatureType type,
   const Descriptors sample =
       Sample(rows, static_cast<int>(std::min<int64_t>(wanted, rows.rows())), random);
   const auto first = sample.data().begin();
-  file.centres = Descriptors(
-      rows.bytes, {first, first + static_cast<ptrdiff_t>(list_count) * rows.bytes});
+  file.centres =
+      Descriptors(rows.bytes, {first, first + static_cast<ptrdiff_t>(list_count) * rows.bytes});
   for (int round = 0; round < options.rounds; ++round) {
     const std::vector<uint16_t> lists = Assign(file.centres, type, sample);
     file.centres = CentresOf(sample, type, list_count, lists, random);

@@ -13,8 +13,8 @@ namespace waystone {
 // centre. Who looks for a descriptor's nearest neighbours searches the lists with the nearest
 // centres instead of all. This is what a map file stores; SearchIndex is what queries use.
 struct InvertedFile {
-  Descriptors centres;                 // a row a list; a row's mean (SIFT) or majority of bits
-  std::vector<uint16_t> list_of_row;   // of each descriptor
+  Descriptors centres;                // a row a list; a row's mean (SIFT) or majority of bits
+  std::vector<uint16_t> list_of_row;  // of each descriptor
 
   bool operator==(const InvertedFile&) const = default;
 };

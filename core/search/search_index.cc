@@ -95,9 +95,9 @@ struct SearchIndex::Visits {
 };
 
 SearchIndex::SearchIndex(FeatureType type, int rows)
-    : SearchIndex(type, Descriptors(DescriptorBytes(type),
-                                    std::vector<uint8_t>(DescriptorBytes(type), 0)),
-                  std::vector<uint16_t>(rows, 0)) {}
+    : SearchIndex(
+          type, Descriptors(DescriptorBytes(type), std::vector<uint8_t>(DescriptorBytes(type), 0)),
+          std::vector<uint16_t>(rows, 0)) {}
 
 SearchIndex::SearchIndex(FeatureType type, const InvertedFile& file)
     : SearchIndex(type, file.centres, file.list_of_row) {}

@@ -6,8 +6,8 @@
 
 #include <thread>
 
-#include "schema/sha256.h"
 #include "schema/map_database.h"
+#include "schema/sha256.h"
 #include "tests/schema/made_map.h"
 
 namespace waystone {

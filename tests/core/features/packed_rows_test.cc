@@ -20,8 +20,8 @@ class Packed : public testing::TestWithParam<FeatureType> {
         const int limit = NaiveDistance(GetParam(), queries.row(q), rows.row(0));
         for (int first = 0; first < packed.blocks(); ++first) {
           const int count = packed.blocks() - first;
-          function(PackedQuery(GetParam(), queries.row(q)), packed, first, count, limit,
-                   out.data(), near.data());
+          function(PackedQuery(GetParam(), queries.row(q)), packed, first, count, limit, out.data(),
+                   near.data());
           for (int i = 0; i < count * kPackRows; ++i) {
             const int row = first * kPackRows + i;
             if (row < rows.rows()) {

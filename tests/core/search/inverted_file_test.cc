@@ -85,8 +85,9 @@ TEST_P(InvertedFiles, FewRowsOrNoneHaveNone) {
   Random random(4);
   const Descriptors rows = MadeDescriptors(GetParam(), 99, random);
   EXPECT_TRUE(BuildInvertedFile(rows, GetParam(), SmallOptions()).list_of_row.empty());
-  EXPECT_EQ(BuildInvertedFile(Descriptors(DescriptorBytes(GetParam())), GetParam(), {}).centres.rows(),
-            0);
+  EXPECT_EQ(
+      BuildInvertedFile(Descriptors(DescriptorBytes(GetParam())), GetParam(), {}).centres.rows(),
+      0);
 }
 
 TEST_P(InvertedFiles, ProblemsAreNamed) {

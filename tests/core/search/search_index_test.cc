@@ -101,8 +101,7 @@ TEST_P(SearchIndexes, RowsComeBackAsTheyWereSet) {
 TEST_P(SearchIndexes, FewerRowsThanAsked) {
   Random random(5);
   const Descriptors rows = MadeDescriptors(GetParam(), 2, random);
-  const auto found =
-      Filled(SearchIndex(GetParam(), 2), rows).Nearest(rows, 3, 5);
+  const auto found = Filled(SearchIndex(GetParam(), 2), rows).Nearest(rows, 3, 5);
   ASSERT_EQ(found.size(), 6U);
   EXPECT_EQ(found[0].row, 0);
   EXPECT_EQ(found[0].distance, 0);
