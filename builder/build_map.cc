@@ -15,6 +15,7 @@
 #include "builder/planes/plane_tracker.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
+#include "schema/index_features.h"
 
 namespace waystone {
 namespace {
@@ -88,6 +89,7 @@ class MapBuilder {
     map_.info.program = std::string("waystone ") + kVersion;
     map_.info.feature_type = options_.features.type;
     map_.info.options_json = OptionsJson(options_);
+    map_.index = IndexFeatures(map_);
     report_.total_s = SecondsSince(start_);
     if (!Report("fusion", 1, 1)) Interrupt();
     return {std::move(map_), std::move(report_)};

@@ -21,6 +21,8 @@ const Plane& PlaneOf(const MapIndex& index, const VerifiedPlane& verified) {
   return index.map().planes[verified.plane];
 }
 
+}  // namespace
+
 bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b) {
   for (const PlaneView& view_a : a.views) {
     for (const PlaneView& view_b : b.views) {
@@ -33,6 +35,8 @@ bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b) {
   return std::any_of(of_a.begin(), of_a.end(),
                      [&](PlaneId id) { return std::binary_search(of_b.begin(), of_b.end(), id); });
 }
+
+namespace {
 
 // A plane joins a place when it disagrees with none of its planes and is near one of them.
 bool Joins(const MapIndex& index, const Place& place, const VerifiedPlane& candidate,

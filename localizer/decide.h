@@ -15,13 +15,16 @@ struct Place {
   double probability = 0;             // that one of its planes at least is right
 };
 
+// Whether two planes are parts of one surrounding: a keyframe saw both, or an edge or a common
+// neighbour joins them.
+bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b);
+
 // Groups accepted planes into places, best first. Planes of one place were seen together and agree
 // through their homology, or are neighbours in the graph.
 std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane> accepted,
                                const LocalizeOptions& options);
 
-// Whether two places are parts of one surrounding: a keyframe saw planes of both, or an edge or a
-// common neighbour joins them.
+// The same for two places: whether planes of both are near each other.
 bool AreNear(const MapIndex& index, const Place& a, const Place& b);
 
 // The keyframe that saw a place most like the query did: the more of the place's inliers lie near

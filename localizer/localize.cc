@@ -29,6 +29,34 @@ void Sign(const MapIndex& index, Answer& answer) {
   answer.map_version = index.map().info.version;
 }
 
+// Whether a plane that settled where the query is makes it pointless to try a candidate.
+bool IsBeaten(const MapIndex& index, const ShortlistedPlane& candidate, const VerifiedPlane& best,
+              const LocalizeOptions& options) {
+  if (best.distinct < options.settled_inliers) return false;
+  if (candidate.votes >= options.settled_share * best.distinct) return false;
+  const std::vector<Plane>& planes = index.map().planes;
+  return !PlanesAreNear(index, planes[best.plane], planes[candidate.plane]);
+}
+
+std::vector<VerifiedPlane> TryPlanes(const MapIndex& index, const Features& query,
+                                     const std::vector<ShortlistedPlane>& shortlist,
+                                     const LocalizeOptions& options) {
+  const PackedFeatures packed(query);
+  std::vector<VerifiedPlane> tried;
+  int best = -1;  // of those that were accepted
+  for (const ShortlistedPlane& candidate : shortlist) {
+    if (best >= 0 && IsBeaten(index, candidate, tried[best], options)) continue;
+    auto verified = VerifyPlane(index, packed, candidate.plane, options);
+    if (!verified) continue;
+    tried.push_back(std::move(*verified));
+    if (!tried.back().accepted) continue;
+    if (best < 0 || tried.back().distinct > tried[best].distinct) {
+      best = static_cast<int>(tried.size()) - 1;
+    }
+  }
+  return tried;
+}
+
 }  // namespace
 
 const char* NameOf(Verdict verdict) {
@@ -73,10 +101,15 @@ void LocalizeOptions::Check() const {
   homology.Check();
   gates.Check();
   evidence.Check();
-  if (votes_per_feature < 1 || max_candidates < 1 || min_votes < 1) {
+  if (settled_inliers < 1 || !(settled_share >= 0 && settled_share <= gates.ambiguous_share)) {
     throw MapError(ErrorCode::kBadOptions,
-                   "shortlist: votes_per_feature, max_candidates and min_votes must be positive; "
-                   "leave them at their defaults");
+                   "settled_inliers must be positive and settled_share lie between 0 and "
+                   "ambiguous_share; leave them at their defaults");
+  }
+  if (votes_per_feature < 1 || probes < 1 || max_candidates < 1 || min_votes < 1) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "shortlist: votes_per_feature, probes, max_candidates and min_votes must be "
+                   "positive; leave them at their defaults");
   }
 }
 
@@ -87,12 +120,7 @@ Answer LocalizeFeatures(const MapIndex& index, const Features& query,
   LapTimer timer;
   const std::vector<ShortlistedPlane> shortlist = ShortlistPlanes(index, query, options);
   const double shortlist_ms = timer.Lap();
-  std::vector<VerifiedPlane> tried;
-  for (const ShortlistedPlane& candidate : shortlist) {
-    if (auto verified = VerifyPlane(index, query, candidate.plane, options)) {
-      tried.push_back(std::move(*verified));
-    }
-  }
+  const std::vector<VerifiedPlane> tried = TryPlanes(index, query, shortlist, options);
   Answer answer = Decide(index, query, static_cast<int>(shortlist.size()), tried, options);
   Sign(index, answer);
   answer.timing.shortlist_ms = shortlist_ms;

@@ -2,8 +2,12 @@
 #include "localizer/map_index.h"
 
 #include <algorithm>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 
 #include "core/base/error.h"
+#include "schema/index_features.h"
 
 namespace waystone {
 namespace {
@@ -19,29 +23,41 @@ std::shared_ptr<const MapIndex> MapIndex::Build(MapData map) {
   return std::shared_ptr<const MapIndex>(new MapIndex(std::move(map)));
 }
 
-MapIndex::MapIndex(MapData map)
-    : map_(std::move(map)), all_(DescriptorBytes(map_.info.feature_type)) {
+MapIndex::MapIndex(MapData map) : map_(std::move(map)) {
   for (size_t i = 0; i < map_.sequences.size(); ++i) sequence_index_[map_.sequences[i].id] = i;
   for (size_t i = 0; i < map_.keyframes.size(); ++i) keyframe_index_[map_.keyframes[i].id] = i;
   for (size_t i = 0; i < map_.planes.size(); ++i) plane_index_[map_.planes[i].id] = i;
   CheckReferences();
-  size_t rows = 0;
-  for (const Plane& plane : map_.planes) rows += plane.features.size();
-  all_.Reserve(static_cast<int>(rows));
-  plane_of_row_.reserve(rows);
-  for (int p = 0; p < static_cast<int>(map_.planes.size()); ++p) {
-    Plane& plane = map_.planes[p];
-    first_row_.push_back(all_.rows());
-    for (int f = 0; f < plane.descriptors.rows(); ++f) all_.Append(plane.descriptors.row(f));
-    plane_of_row_.resize(all_.rows(), p);
-    plane.descriptors = Descriptors(all_.bytes());
-  }
-  first_row_.push_back(all_.rows());
+  TakeDescriptors();
   for (const Edge& edge : map_.edges) {
     neighbours_[edge.a].push_back(edge.b);
     neighbours_[edge.b].push_back(edge.a);
   }
   for (auto& [id, ids] : neighbours_) std::sort(ids.begin(), ids.end());
+}
+
+// Moves the descriptors plane by plane, so that they are never in memory twice.
+void MapIndex::TakeDescriptors() {
+  const FeatureType type = map_.info.feature_type;
+  const auto rows = static_cast<int>(CountFeatures(map_));
+  if (!map_.index) map_.index = IndexFeatures(map_);
+  search_ = map_.index ? SearchIndex(type, *map_.index) : SearchIndex(type, rows);
+  map_.index.reset();
+  plane_of_row_.reserve(rows);
+  for (int p = 0; p < static_cast<int>(map_.planes.size()); ++p) {
+    Plane& plane = map_.planes[p];
+    const auto first = static_cast<int>(plane_of_row_.size());
+    first_row_.push_back(first);
+    for (int f = 0; f < plane.descriptors.rows(); ++f) {
+      search_.Set(first + f, plane.descriptors.row(f));
+    }
+    plane_of_row_.resize(first + plane.descriptors.rows(), p);
+    plane.descriptors = Descriptors(DescriptorBytes(type));
+  }
+  first_row_.push_back(rows);
+#if defined(__GLIBC__)
+  malloc_trim(0);  // what the planes' own blocks took would stay with the process
+#endif
 }
 
 void MapIndex::CheckReferences() const {
@@ -62,7 +78,8 @@ void MapIndex::CheckReferences() const {
       }
     }
     if (plane.descriptors.rows() != static_cast<int>(plane.features.size()) ||
-        (plane.descriptors.rows() > 0 && plane.descriptors.bytes() != all_.bytes())) {
+        (plane.descriptors.rows() > 0 &&
+         plane.descriptors.bytes() != DescriptorBytes(map_.info.feature_type))) {
       throw MapError(ErrorCode::kMapDamaged,
                      name + " has " + std::to_string(plane.features.size()) + " features and " +
                          std::to_string(plane.descriptors.rows()) +
@@ -74,6 +91,12 @@ void MapIndex::CheckReferences() const {
       if (!FindPlane(id)) FailReference("an edge leads to plane " + std::to_string(id.value));
     }
   }
+  if (!map_.index) return;
+  const std::string problem =
+      InvertedFileProblem(*map_.index, CountFeatures(map_), map_.info.feature_type);
+  if (problem.empty()) return;
+  throw MapError(ErrorCode::kMapDamaged,
+                 "the search index: " + problem + "; run `waystone check` on the map");
 }
 
 const Plane* MapIndex::FindPlane(PlaneId id) const {
@@ -97,9 +120,8 @@ const std::vector<PlaneId>& MapIndex::Neighbours(PlaneId id) const {
   return found == neighbours_.end() ? kNone : found->second;
 }
 
-DescriptorsView MapIndex::DescriptorsOf(int plane) const {
-  const int first = first_row_[plane];
-  return {all_.row(first), first_row_[plane + 1] - first, all_.bytes()};
+Descriptors MapIndex::DescriptorsOf(int plane) const {
+  return search_.Rows(first_row_[plane], first_row_[plane + 1] - first_row_[plane]);
 }
 
 }  // namespace waystone

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/search/search_index.h"
 #include "schema/map_data.h"
 
 namespace waystone {
@@ -12,10 +13,11 @@ namespace waystone {
 // A map in memory, ready for queries. Immutable after Build, so any number of threads may share it.
 class MapIndex {
  public:
+  // Searches with the map's index; a large map without one gets it made here, which takes seconds.
   // Throws MapError(kMapDamaged) for a map whose parts don't refer to each other properly.
   static std::shared_ptr<const MapIndex> Build(MapData map);
 
-  // The map, but for the planes' descriptors: they are moved into one block, see below.
+  // The map, but for its index and the planes' descriptors: they are moved into search().
   const MapData& map() const { return map_; }
   // Nothing for an id that isn't in the map.
   const Plane* FindPlane(PlaneId id) const;
@@ -24,19 +26,20 @@ class MapIndex {
   // Ids of the planes with an edge to `id`, ascending; empty for an id that isn't in the map.
   const std::vector<PlaneId>& Neighbours(PlaneId id) const;
 
-  // Descriptors of all planes, plane after plane.
-  DescriptorsView descriptors() const { return all_; }
-  // Index in map().planes of the plane that a row of descriptors() belongs to.
+  // Descriptors of all planes, plane after plane, ready to be searched.
+  const SearchIndex& search() const { return search_; }
+  // Index in map().planes of the plane that a row of search() belongs to.
   int PlaneOfRow(int row) const { return plane_of_row_[row]; }
   // Descriptors of map().planes[plane], row i belonging to its feature i.
-  DescriptorsView DescriptorsOf(int plane) const;
+  Descriptors DescriptorsOf(int plane) const;
 
  private:
   explicit MapIndex(MapData map);
   void CheckReferences() const;
+  void TakeDescriptors();
 
   MapData map_;
-  Descriptors all_;
+  SearchIndex search_;
   std::vector<int> plane_of_row_;
   std::vector<int> first_row_;  // of each plane, and one more for the end
   std::unordered_map<PlaneId, int> plane_index_;

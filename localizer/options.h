@@ -48,8 +48,17 @@ struct LocalizeOptions {
   double contrast_threshold = 0.02;  // as FeatureOptions'
   // Nearest map features for which a query feature votes.
   int votes_per_feature = 3;
+  // Lists of the map's search index in which they are looked for. More find more of the true
+  // nearest and take longer; as many as there are lists find all.
+  int probes = 64;
   // Planes whose homography is tried, best voted first. More find more and cost about 1 ms each.
   int max_candidates = 16;
+  // A plane with this many distinct inliers settles where the query is: ...
+  int settled_inliers = 30;
+  // ... planes elsewhere in the map are tried after it only with this share of its inliers in
+  // votes, below which they can't make the answer ambiguous. 0 tries all, which costs the most on
+  // large maps.
+  double settled_share = 0.5;
   // Fewer votes than this, and a plane isn't tried.
   int min_votes = 6;
   MatchOptions match{0.85, true};

@@ -9,7 +9,7 @@ std::vector<ShortlistedPlane> ShortlistPlanes(const MapIndex& index, const Featu
                                               const LocalizeOptions& options) {
   const int k = options.votes_per_feature;
   const std::vector<Neighbour> nearest =
-      NearestNeighbours(query.descriptors, index.descriptors(), query.type, k);
+      index.search().Nearest(query.descriptors, k, options.probes);
   std::vector<ShortlistedPlane> planes(index.map().planes.size());
   for (int p = 0; p < static_cast<int>(planes.size()); ++p) planes[p].plane = p;
   std::vector<int> last_voter(planes.size(), -1);

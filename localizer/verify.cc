@@ -55,11 +55,12 @@ double Probability(int matches, int inliers, const EvidenceOptions& evidence) {
 
 }  // namespace
 
-std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const Features& query, int plane,
-                                         const LocalizeOptions& options) {
+std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeatures& packed,
+                                         int plane, const LocalizeOptions& options) {
+  const Features& query = packed.features;
   const Plane& target = index.map().planes[plane];
   const std::vector<Match> matches =
-      MatchDescriptors(query.descriptors, index.DescriptorsOf(plane), query.type, options.match);
+      MatchDescriptors(packed.rows, query.size(), index.DescriptorsOf(plane), options.match);
   MatchedPoints points;
   for (const Match& match : matches) {
     points.from.push_back(PositionOf(query.keypoints[match.a]));

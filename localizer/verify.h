@@ -21,10 +21,19 @@ struct VerifiedPlane {
   double probability = 0;      // by the model of EvidenceOptions
 };
 
+// A query's features, packed once for all planes that they are matched with.
+struct PackedFeatures {
+  explicit PackedFeatures(const Features& query)
+      : features(query), rows(query.type, query.descriptors) {}
+
+  const Features& features;
+  PackedRows rows;
+};
+
 // The homography between a query and one plane by RANSAC, with its acceptance test. Nothing when
 // there is no homography at all.
-std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const Features& query, int plane,
-                                         const LocalizeOptions& options);
+std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeatures& query,
+                                         int plane, const LocalizeOptions& options);
 
 // Whether two recognised planes agree: seen together in a keyframe, the homographies from the query
 // to that keyframe through either plane must form a valid homology (sec. II-B). Nothing when no

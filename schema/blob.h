@@ -24,6 +24,7 @@ inline constexpr int kVotesBytes = 4;        // uint16 votes, visible
 inline constexpr int kVertexBytes = 16;      // float64 x, y
 inline constexpr int kParameterBytes = 8;    // float64
 inline constexpr int kHomographyBytes = 72;  // nine float64, row after row
+inline constexpr int kListBytes = 2;         // uint16
 // The largest value that a count of votes is stored with.
 inline constexpr int kMaxVotes = 0xffff;
 
@@ -55,10 +56,12 @@ Bytes EncodeVotes(const std::vector<PlaneFeature>& features);
 Bytes EncodeOutline(const std::vector<Eigen::Vector2d>& outline);
 Bytes EncodeParameters(const std::vector<double>& parameters);
 Bytes EncodeHomography(const Eigen::Matrix3d& h);
+Bytes EncodeLists(const std::vector<uint16_t>& list_of_row);
 
 std::vector<PlaneFeature> DecodeFeatures(BytesView keypoints, BytesView votes);
 std::vector<Eigen::Vector2d> DecodeOutline(BytesView blob);
 std::vector<double> DecodeParameters(BytesView blob);
 Eigen::Matrix3d DecodeHomography(BytesView blob);
+std::vector<uint16_t> DecodeLists(BytesView blob);
 
 }  // namespace waystone

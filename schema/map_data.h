@@ -10,6 +10,7 @@
 #include "core/base/ids.h"
 #include "core/camera/camera.h"
 #include "core/features/features.h"
+#include "core/search/inverted_file.h"
 
 // A map as values: what the builder hands to MapStore and what the localizer gets from it.
 // FORMAT.md says how each field is stored.
@@ -103,6 +104,9 @@ struct MapData {
   std::vector<Keyframe> keyframes;
   std::vector<Plane> planes;
   std::vector<Edge> edges;  // ordered by (a, b)
+  // The descriptors of all planes, plane after plane, sorted for searching (IndexFeatures). Nothing
+  // for a map that is small or whose index has a format that this program doesn't know.
+  std::optional<InvertedFile> index;
 
   bool operator==(const MapData&) const = default;
 };

@@ -12,6 +12,7 @@
 
 #include "core/base/error.h"
 #include "schema/blob.h"
+#include "schema/index_features.h"
 
 namespace waystone {
 namespace {
@@ -68,6 +69,7 @@ class Finder {
     for (const Keyframe& keyframe : map_.keyframes) CheckKeyframe(keyframe);
     for (const Plane& plane : map_.planes) CheckPlane(plane);
     CheckEdges();
+    CheckIndex();
     return std::move(problems_);
   }
 
@@ -215,6 +217,13 @@ class Finder {
     Require(
         HasEigenvalues(edge.homology, edge.third_eigenvalue, limits_.eigenvalue_tolerance), where,
         "its homology hasn't the eigenvalues 1, 1 and " + std::to_string(edge.third_eigenvalue));
+  }
+
+  void CheckIndex() {
+    if (!map_.index) return;
+    const std::string problem =
+        InvertedFileProblem(*map_.index, CountFeatures(map_), map_.info.feature_type);
+    Require(problem.empty(), "search_index 1", problem);
   }
 
   double ImageSide(KeyframeId keyframe) const {

@@ -44,6 +44,7 @@ class Reader {
   void ReadFeatures();
   void ReadViews();
   void ReadEdges();
+  void ReadIndex();
 
  private:
   // Calls `read` for every row; what it throws becomes a problem of that row, and what SQLite
@@ -224,6 +225,29 @@ void Reader::ReadEdges() {
              });
 }
 
+// An index of another format is somebody else's: only its blobs' CRCs can be checked.
+void Reader::ReadIndex() {
+  const int descriptor_bytes = DescriptorBytes(map_.info.feature_type);
+  ForEachRow("search_index",
+             "id, format, list_count, feature_count, centres_crc32c, centres, lists_crc32c, lists",
+             1, [&](Row& row) {
+               row.Int64(1, 1);
+               const bool known = row.Int64(0) == kInvertedFileFormat;
+               const int64_t lists = row.Int();
+               const int64_t features = row.Int();
+               if (!known) {
+                 row.BlobOfRows(1);
+                 row.BlobOfRows(1);
+                 return;
+               }
+               InvertedFile file;
+               const BytesView centres = row.Blob(lists * descriptor_bytes);
+               file.centres = Descriptors(descriptor_bytes, {centres.begin(), centres.end()});
+               file.list_of_row = DecodeLists(row.Blob(features * kListBytes));
+               map_.index = std::move(file);
+             });
+}
+
 }  // namespace
 
 Reading ReadDatabase(SQLite::Database& database, const ReadOptions& options) {
@@ -237,6 +261,7 @@ Reading ReadDatabase(SQLite::Database& database, const ReadOptions& options) {
   reader.ReadFeatures();
   reader.ReadViews();
   reader.ReadEdges();
+  reader.ReadIndex();
   return reading;
 }
 

@@ -11,9 +11,12 @@
 namespace waystone {
 
 // Version of the schema that this program writes: SQLite's user_version.
-inline constexpr int kSchemaVersion = 1;
+inline constexpr int kSchemaVersion = 2;
 // SQLite's application_id of a map file: "WAYS".
 inline constexpr int kApplicationId = 0x57415953;
+
+// The one format of the table search_index that this program knows; frozen, see FORMAT.md.
+inline constexpr int kInvertedFileFormat = 1;
 
 struct WriteOptions {
   bool overwrite = false;  // replace a file that is there (only ever as a whole, by rename)

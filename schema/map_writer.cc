@@ -134,6 +134,18 @@ void WriteEdges(const MapData& map, SQLite::Database& database) {
   }
 }
 
+void WriteIndex(const MapData& map, SQLite::Database& database) {
+  if (!map.index) return;
+  const Bytes lists = EncodeLists(map.index->list_of_row);
+  Insert insert(database,
+                "search_index (id, format, list_count, feature_count, centres_crc32c, centres,"
+                " lists_crc32c, lists)",
+                8);
+  insert.Row(1, kInvertedFileFormat, map.index->centres.rows(),
+             static_cast<int64_t>(map.index->list_of_row.size()),
+             CheckedBlob{map.index->centres.data()}, CheckedBlob{lists});
+}
+
 void WriteTables(const MapData& map, SQLite::Database& database) {
   WriteInfo(map.info, database);
   WriteSequences(map, database);
@@ -143,6 +155,7 @@ void WriteTables(const MapData& map, SQLite::Database& database) {
   WriteFeatures(map, database);
   WriteViews(map, database);
   WriteEdges(map, database);
+  WriteIndex(map, database);
 }
 
 }  // namespace
@@ -169,6 +182,10 @@ int64_t EstimatedBytes(const MapData& map) {
   for (const Plane& plane : map.planes) {
     bytes += kRow + std::ssize(plane.features) * (kKeypointBytes + kVotesBytes) +
              std::ssize(plane.descriptors.data()) + std::ssize(plane.views) * kRow;
+  }
+  if (map.index) {
+    bytes +=
+        std::ssize(map.index->centres.data()) + std::ssize(map.index->list_of_row) * kListBytes;
   }
   return bytes + std::ssize(map.edges) * kRow;
 }

@@ -30,6 +30,8 @@ int RunAll(const Args& args) {
   RunWorld({});
   Announce("world: the other plan");
   RunWorld({"--plan", "other", "--seed", "2", "--frames", "500"});
+  Announce("scale: queries of maps of 100,000 and 1,000,000 features");
+  RunScale({});
   const fs::path data = DataFolder();
   if (!fs::exists(data / "kitchen")) {
     std::printf("\nno real data in %s (set WAYSTONE_DATA to where it is): the rest is skipped\n",

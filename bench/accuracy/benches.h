@@ -35,5 +35,9 @@ int RunBuild(const Args& args);
 // --queries are frames, and --keyframes the conditions on keyframes), or a folder with map/,
 // query*/ and poses.csv. Every N-th query is also asked of OpenCV's matcher, which is slow.
 int RunGraphs(const Args& args);
+// scale [N...]: queries, opening and memory of maps of N features (100000 and 1000000), made from a
+// rendered walk and planes that nobody sees, against the time of extraction alone and against
+// exhaustive search.
+int RunScale(const Args& args);
 
 }  // namespace waystone::bench

@@ -17,6 +17,7 @@ constexpr char kUsage[] =
     "  linear DIR N...                                    seconds per frame over N frames\n"
     "  build SOURCE... [--frames 250,500,1000]            whole builds against features alone\n"
     "  graphs [SOURCE...] [--keyframes M:N]               image graph against plane graph\n"
+    "  scale [N...]                                       queries of maps of N features\n"
     "The last line of each is one JSON object.\n";
 
 }  // namespace
@@ -27,7 +28,8 @@ int main(int argc, char** argv) {
       {"all", waystone::bench::RunAll},       {"world", waystone::bench::RunWorld},
       {"rgbd", waystone::bench::RunRgbd},     {"negatives", waystone::bench::RunNegatives},
       {"linear", waystone::bench::RunLinear}, {"build", waystone::bench::RunBuild},
-      {"graphs", waystone::bench::RunGraphs}, {"pairs", waystone::bench::RunPairs}};
+      {"graphs", waystone::bench::RunGraphs}, {"pairs", waystone::bench::RunPairs},
+      {"scale", waystone::bench::RunScale}};
   if (argc < 2 || !benches.contains(argv[1])) {
     std::cerr << kUsage;
     return 2;

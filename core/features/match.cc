@@ -12,21 +12,60 @@ namespace {
 
 // Rows whose distances are taken at a time: their descriptors fit the first-level cache.
 constexpr int kBlockRows = 256;
+// The same for packed blocks.
+constexpr int kChunk = 16;
 
-// Keeps the two nearest of what it is shown.
+// For each row of a: the two nearest of b so far.
 struct NearestTwo {
-  Neighbour first;
-  Neighbour second;
+  explicit NearestTwo(int slots) : first(slots, kNone), second(slots, kNone), row(slots, -1) {}
 
-  void Offer(int row, int distance) {
-    if (distance < first.distance) {
-      second = first;
-      first = {row, distance};
-    } else if (distance < second.distance) {
-      second = {row, distance};
-    }
-  }
+  static constexpr int32_t kNone = std::numeric_limits<int32_t>::max();
+  std::vector<int32_t> first;  // distances
+  std::vector<int32_t> second;
+  std::vector<int32_t> row;  // of the first
 };
+
+// Shows every slot of a its distance to row `row` of b. Returns the smallest of them. Without
+// branches and inlined into a function per instruction set, so that the compiler can make vectors
+// of it.
+inline __attribute__((always_inline)) int32_t OfferRow(const int32_t* __restrict distances,
+                                                       int slots, int32_t row,
+                                                       int32_t* __restrict first,
+                                                       int32_t* __restrict second,
+                                                       int32_t* __restrict nearest) {
+  int32_t least = NearestTwo::kNone;
+  for (int i = 0; i < slots; ++i) {
+    const int32_t d = distances[i];
+    nearest[i] = d < first[i] ? row : nearest[i];
+    second[i] = std::min(second[i], std::max(first[i], d));
+    first[i] = std::min(first[i], d);
+    least = std::min(least, d);
+  }
+  return least;
+}
+
+using OfferFunction = int32_t (*)(const int32_t*, int, int32_t, int32_t*, int32_t*, int32_t*);
+
+int32_t OfferPortable(const int32_t* distances, int slots, int32_t row, int32_t* first,
+                      int32_t* second, int32_t* nearest) {
+  return OfferRow(distances, slots, row, first, second, nearest);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) int32_t OfferAvx2(const int32_t* distances, int slots, int32_t row,
+                                                  int32_t* first, int32_t* second,
+                                                  int32_t* nearest) {
+  return OfferRow(distances, slots, row, first, second, nearest);
+}
+#endif
+
+OfferFunction FastestOffer() {
+#if defined(__x86_64__)
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx2")) return OfferAvx2;
+#endif
+  return OfferPortable;
+}
 
 void InsertSorted(Neighbour* best, int k, Neighbour candidate) {
   int place = k - 1;
@@ -53,30 +92,40 @@ bool PassesRatio(FeatureType type, int nearest, int second, double max_ratio) {
 
 std::vector<Match> MatchDescriptors(DescriptorsView a, DescriptorsView b, FeatureType type,
                                     const MatchOptions& options) {
+  return MatchDescriptors(PackedRows(type, a), a.rows(), b, options);
+}
+
+std::vector<Match> MatchDescriptors(const PackedRows& a, int a_rows, DescriptorsView b,
+                                    const MatchOptions& options) {
   options.Check();
-  const DistanceKernel distances = FastestKernel(type);
-  std::vector<NearestTwo> of_a(a.rows());
+  static const OfferFunction offer = FastestOffer();
+  std::vector<PackedQuery> rows;
+  rows.reserve(b.rows());
+  for (int row = 0; row < b.rows(); ++row) rows.emplace_back(a.type(), b.row(row));
+  NearestTwo of_a(a.slots());
   std::vector<Neighbour> of_b(b.rows());
-  std::array<int32_t, kBlockRows> block;
-  for (int start = 0; start < b.rows(); start += kBlockRows) {
-    const int rows = std::min(kBlockRows, b.rows() - start);
-    for (int i = 0; i < a.rows(); ++i) {
-      distances(a.row(i), b.row(start), rows, b.bytes, block.data());
-      for (int j = 0; j < rows; ++j) {
-        of_a[i].Offer(start + j, block[j]);
-        if (block[j] < of_b[start + j].distance) of_b[start + j] = {i, block[j]};
-      }
+  std::array<int32_t, kChunk * kPackRows> distances;
+  std::array<uint8_t, kChunk> near;
+  for (int block = 0; block < a.blocks(); block += kChunk) {
+    const int blocks = std::min(kChunk, a.blocks() - block);
+    const int first = block * kPackRows;
+    for (int row = 0; row < b.rows(); ++row) {
+      PackedDistances(rows[row], a, block, blocks, 0, distances.data(), near.data());
+      const int32_t least =
+          offer(distances.data(), blocks * kPackRows, row, of_a.first.data() + first,
+                of_a.second.data() + first, of_a.row.data() + first);
+      if (least >= of_b[row].distance) continue;
+      const auto place = std::find(distances.begin(), distances.end(), least);
+      of_b[row] = {first + static_cast<int>(place - distances.begin()), least};
     }
   }
   std::vector<Match> matches;
-  for (int i = 0; i < a.rows(); ++i) {
-    const NearestTwo& nearest = of_a[i];
-    if (nearest.first.row < 0) continue;
-    if (!PassesRatio(type, nearest.first.distance, nearest.second.distance, options.max_ratio)) {
-      continue;
-    }
-    if (options.mutual && of_b[nearest.first.row].row != i) continue;
-    matches.push_back({i, nearest.first.row, nearest.first.distance});
+  for (int i = 0; i < a_rows; ++i) {
+    const int row = of_a.row[i];
+    if (row < 0) continue;
+    if (!PassesRatio(a.type(), of_a.first[i], of_a.second[i], options.max_ratio)) continue;
+    if (options.mutual && of_b[row].row != i) continue;
+    matches.push_back({i, row, of_a.first[i]});
   }
   return matches;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/features/features.h"
+#include "core/features/packed_rows.h"
 
 namespace waystone {
 
@@ -30,6 +31,10 @@ struct MatchOptions {
 // Matches a's descriptors among b's by exact search; ordered by a. Both of one type.
 // Deterministic (ties go to the lower index); thread-safe.
 std::vector<Match> MatchDescriptors(DescriptorsView a, DescriptorsView b, FeatureType type,
+                                    const MatchOptions& options);
+
+// The same with one side packed already, for who matches it more than once.
+std::vector<Match> MatchDescriptors(const PackedRows& a, int a_rows, DescriptorsView b,
                                     const MatchOptions& options);
 
 // Whether `nearest` passes the ratio test against `second` (a distance in the kernel's unit).

@@ -14,7 +14,7 @@ namespace waystone {
 namespace {
 
 VerifiedPlane Verified(const MapIndex& index, const Features& query, int plane) {
-  const auto verified = VerifyPlane(index, query, plane, {});
+  const auto verified = VerifyPlane(index, PackedFeatures(query), plane, {});
   EXPECT_TRUE(verified.has_value()) << plane;
   return verified.value_or(VerifiedPlane{});
 }
@@ -63,7 +63,7 @@ TEST(VerifyPlane, AcceptsThePlaneThatIsThereAndNoOther) {
   const auto index = MapIndex::Build(map);
   const Features query = QueryOf(map, {2}, PoseOf(2.5), 200, 4);
   for (int plane = 0; plane < 4; ++plane) {
-    const auto verified = VerifyPlane(*index, query, plane, {});
+    const auto verified = VerifyPlane(*index, PackedFeatures(query), plane, {});
     const bool accepted = verified && verified->accepted;
     EXPECT_EQ(accepted, plane == 1) << plane;
     if (!verified) continue;
@@ -83,9 +83,9 @@ TEST(VerifyPlane, RefusesAScaleBeyondTheGate) {
     keypoint.y_px *= 3;
   }
   LocalizeOptions options;
-  EXPECT_TRUE(VerifyPlane(*index, query, 0, options)->accepted);
+  EXPECT_TRUE(VerifyPlane(*index, PackedFeatures(query), 0, options)->accepted);
   options.gates.max_scale = 2.5;
-  EXPECT_FALSE(VerifyPlane(*index, query, 0, options)->accepted);
+  EXPECT_FALSE(VerifyPlane(*index, PackedFeatures(query), 0, options)->accepted);
 }
 
 TEST(PlanesAgree, TwoPlanesSeenFromOnePlaceDoAndFromTwoPlacesDoNot) {

@@ -8,6 +8,9 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/random.h"
+#include "localizer/localizer.h"
+#include "schema/index_features.h"
 #include "tests/localizer/made_map.h"
 
 namespace waystone {
@@ -80,23 +83,24 @@ TEST(MapIndex, NeighboursAreThoseOfTheEdgesAscendingFromBothEnds) {
 TEST(MapIndex, EveryDescriptorIsThereWithItsPlane) {
   const MapData map = MadeMap();
   const auto index = MapIndex::Build(map);
-  ASSERT_EQ(index->descriptors().rows(), 4 * kMapFeatures);
+  ASSERT_EQ(index->search().rows(), 4 * kMapFeatures);
   for (int p = 0; p < 4; ++p) {
-    const DescriptorsView of_plane = index->DescriptorsOf(p);
+    const Descriptors of_plane = index->DescriptorsOf(p);
     ASSERT_EQ(of_plane.rows(), kMapFeatures);
     for (int f = 0; f < kMapFeatures; ++f) {
       EXPECT_TRUE(
           std::equal(of_plane.row(f), of_plane.row(f) + 128, map.planes[p].descriptors.row(f)));
       const int row = p * kMapFeatures + f;
       EXPECT_EQ(index->PlaneOfRow(row), p);
-      EXPECT_EQ(index->descriptors().row(row), of_plane.row(f));
+      EXPECT_EQ(index->search().Rows(row, 1).data(),
+                std::vector<uint8_t>(of_plane.row(f), of_plane.row(f) + 128));
     }
   }
 }
 
 TEST(MapIndex, TakesAMapWithoutAnything) {
   const auto index = MapIndex::Build({});
-  EXPECT_EQ(index->descriptors().rows(), 0);
+  EXPECT_EQ(index->search().rows(), 0);
   EXPECT_EQ(index->FindPlane(PlaneId{1}), nullptr);
 }
 
@@ -108,6 +112,83 @@ TEST(MapIndex, TakesAPlaneWithoutFeatures) {
   EXPECT_EQ(index->DescriptorsOf(1).rows(), 0);
   EXPECT_EQ(index->DescriptorsOf(2).rows(), kMapFeatures);
   EXPECT_EQ(index->PlaneOfRow(kMapFeatures), 2);
+}
+
+// The made map with a plane of random features that is large enough for an index.
+MapData LargeMap() {
+  MapData map = MadeMap();
+  Plane plane = map.planes.back();
+  plane.id = PlaneId{5};
+  Random random(3);
+  std::vector<uint8_t> row(128);
+  for (int i = 0; i < 9000; ++i) {
+    plane.features.push_back(plane.features[i % kMapFeatures]);
+    for (uint8_t& byte : row) byte = random.Below(60);
+    plane.descriptors.Append(row.data());
+  }
+  map.planes.push_back(std::move(plane));
+  return map;
+}
+
+std::vector<int> InliersOf(const Answer& answer) {
+  std::vector<int> inliers;
+  for (const RecognisedPlane& plane : answer.planes) inliers.push_back(plane.inliers);
+  return inliers;
+}
+
+TEST(MapIndex, AStoredIndexAndOneMadeOnOpeningAnswerTheSame) {
+  MapData map = LargeMap();
+  const auto made = MapIndex::Build(map);
+  map.index = IndexFeatures(map);
+  ASSERT_TRUE(map.index);
+  const auto stored = MapIndex::Build(map);
+  EXPECT_EQ(stored->search().lists(), map.index->centres.rows());
+  EXPECT_EQ(made->search().lists(), stored->search().lists());
+  EXPECT_FALSE(stored->map().index) << "it is in memory twice";
+  LocalizeOptions exhaustive;
+  exhaustive.probes = stored->search().lists();
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    const Features query = QueryOf(map, {1, 2}, PoseOf(1.5), 200, seed);
+    const Answer answer = LocalizeFeatures(*stored, query, {});
+    EXPECT_EQ(answer.verdict, Verdict::kLocalized);
+    EXPECT_EQ(InliersOf(LocalizeFeatures(*made, query, {})), InliersOf(answer));
+    EXPECT_EQ(InliersOf(LocalizeFeatures(*stored, query, exhaustive)), InliersOf(answer));
+  }
+}
+
+TEST(MapIndex, RefusesAnIndexOfAnotherMap) {
+  ExpectDamaged(
+      [](MapData& map) {
+        map.index = IndexFeatures(map, {.min_rows = 1});
+        map.index->list_of_row[5] = 60000;
+      },
+      "row 5");
+  ExpectDamaged(
+      [](MapData& map) {
+        map.index = IndexFeatures(map, {.min_rows = 1});
+        map.index->list_of_row.pop_back();
+      },
+      "280 features");
+}
+
+TEST(MapIndex, MapsOfBinaryFeaturesAreIndexedToo) {
+  MapData map = LargeMap();
+  map.info.feature_type = FeatureType::kOrb;
+  Random random(4);
+  for (Plane& plane : map.planes) {
+    plane.descriptors = Descriptors(32);
+    std::vector<uint8_t> row(32);
+    for (size_t i = 0; i < plane.features.size(); ++i) {
+      for (uint8_t& byte : row) byte = random.Below(256);
+      plane.descriptors.Append(row.data());
+    }
+  }
+  const auto index = MapIndex::Build(map);
+  EXPECT_GT(index->search().lists(), 1);
+  EXPECT_EQ(index->DescriptorsOf(1), map.planes[1].descriptors);
+  // Every descriptor is its own nearest neighbour: its list's centre is the nearest.
+  const auto nearest = index->search().Nearest(map.planes[1].descriptors, 1, 1);
+  for (int i = 0; i < kMapFeatures; ++i) EXPECT_EQ(nearest[i].row, kMapFeatures + i);
 }
 
 }  // namespace

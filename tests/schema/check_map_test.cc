@@ -106,6 +106,20 @@ TEST_F(CheckMapTest, BlobsChanged) {
   ExpectFound("UPDATE edges SET homology_crc32c = homology_crc32c + 1", "edges ", "CRC-32C");
 }
 
+TEST_F(CheckMapTest, ADamagedSearchIndex) {
+  ExpectFound("UPDATE search_index SET centres = zeroblob(length(centres))", "search_index 1",
+              "CRC-32C");
+  ExpectFound("UPDATE search_index SET lists = zeroblob(length(lists))", "search_index 1",
+              "CRC-32C");
+  ExpectFound("UPDATE search_index SET lists = zeroblob(7)", "search_index 1", "belong there");
+  ExpectFound("UPDATE search_index SET list_count = 2000000000", "search_index 1", "belong there");
+  ExpectFound("UPDATE search_index SET feature_count = 1", "search_index 1", "belong there");
+  ExpectFound("DELETE FROM search_index", "search_index", "0 rows");
+  ExpectFound("UPDATE search_index SET format = 2", "search_index", "values");
+  ExpectFound("UPDATE search_index SET format = 2, lists = zeroblob(7)", "search_index 1",
+              "CRC-32C");
+}
+
 TEST_F(CheckMapTest, ValuesChanged) {
   ExpectFound("UPDATE keyframes SET time_s = 12345.5", "keyframes", "values");
   ExpectFound("UPDATE sequences SET name = 'renamed'", "sequences", "values");

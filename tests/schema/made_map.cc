@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "core/base/random.h"
+#include "schema/index_features.h"
 
 namespace waystone {
 namespace {
@@ -129,6 +130,7 @@ MapData MadeMap(uint64_t seed, const MapShape& shape) {
       map.edges.push_back(MadeEdge(random, map.planes[i], map.planes[k], map));
     }
   }
+  map.index = IndexFeatures(map, {.min_rows = 1});
   return map;
 }
 

@@ -6,6 +6,7 @@
 
 #include <thread>
 
+#include "schema/map_database.h"
 #include "schema/sha256.h"
 #include "tests/schema/made_map.h"
 
@@ -45,6 +46,7 @@ TEST(MapStore, APlaneWithoutFeaturesNeedsNoDescriptorSize) {
   MapData map = MadeMap(4);
   map.planes[0].features.clear();
   map.planes[0].descriptors = Descriptors();
+  map.index.reset();
   const MapData read = RoundTrip(map);
   EXPECT_EQ(read.planes[0].descriptors.rows(), 0);
   EXPECT_EQ(read.planes[0].views, map.planes[0].views);
@@ -175,6 +177,7 @@ TEST(MapStore, TheFileIsFinishedAndCompact) {
     payload += std::ssize(plane.features) * 20 + std::ssize(plane.descriptors.data()) +
                std::ssize(plane.views) * 72;
   }
+  payload += std::ssize(map.index->centres.data()) + std::ssize(map.index->list_of_row) * 2;
   const std::string bytes = ReadFile(folder / "m.db");
   EXPECT_EQ(bytes[18], 1) << "the file is in WAL mode";
   EXPECT_EQ(bytes[19], 1) << "the file is in WAL mode";
@@ -196,6 +199,21 @@ TEST(MapStore, TableSizesAddUpToTheFile) {
   EXPECT_EQ(rows["planes"], std::ssize(map.planes));
   EXPECT_EQ(rows["plane_features"], std::ssize(map.planes));
   EXPECT_EQ(rows["edges"], std::ssize(map.edges));
+}
+
+// What a later program may write: its index can't be used, everything else can.
+TEST(MapStore, AnIndexOfAnUnknownFormatIsLeftOut) {
+  const TemporaryFolder folder;
+  MapData map = MadeMap(17);
+  WriteMap(map, folder / "m.db", {});
+  RunSql(folder / "m.db", "UPDATE search_index SET format = 77");
+  {
+    SQLite::Database database((folder / "m.db").string(), SQLite::OPEN_READWRITE);
+    WriteContents(database, ExpectedObjects(Migrations()));
+  }
+  EXPECT_TRUE(CheckMap(folder / "m.db").empty());
+  map.index.reset();
+  EXPECT_EQ(WithoutVersion(ReadMap(folder / "m.db")), map);
 }
 
 TEST(MapStore, ManyReadersAtOnce) {

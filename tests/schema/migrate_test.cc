@@ -72,9 +72,22 @@ TEST_F(MigrateTest, StepsAreAppliedInOrder) {
 
 TEST_F(MigrateTest, OnlyTheMissingStepsAreApplied) {
   const std::vector<Migration> steps = LongerSteps();
-  MigrateFile(path_, std::span(steps).first(2), kNoCheck);
-  EXPECT_EQ(MigrateFile(path_, steps, kNoCheck), 2);
-  EXPECT_EQ(MigrateFile(path_, steps, kNoCheck), 3);
+  MigrateFile(path_, std::span(steps).first(kSchemaVersion + 1), kNoCheck);
+  EXPECT_EQ(MigrateFile(path_, steps, kNoCheck), kSchemaVersion + 1);
+  EXPECT_EQ(MigrateFile(path_, steps, kNoCheck), kSchemaVersion + 2);
+}
+
+// A map of version 1 is one without the table that version 2 brought.
+TEST_F(MigrateTest, AMapOfVersionOneKeepsEverythingButHasNoIndex) {
+  RunSql(path_,
+         "DROP TABLE search_index; DELETE FROM contents WHERE table_name = 'search_index';"
+         "PRAGMA user_version = 1; VACUUM");
+  EXPECT_EQ(ErrorOf([&] { ReadMap(path_); }).code(), ErrorCode::kMapVersion);
+  EXPECT_EQ(MigrateMap(path_), 1);
+  EXPECT_TRUE(CheckMap(path_).empty());
+  MapData expected = MadeMap(31);
+  expected.index.reset();
+  EXPECT_EQ(WithoutVersion(ReadMap(path_)), expected);
 }
 
 TEST_F(MigrateTest, FromAnEmptyDatabase) {

@@ -44,8 +44,8 @@ const std::map<std::string, std::set<std::string>>& AllowedFolders() {
 // The order of core's own folders: each may include itself and those of lower rank.
 const std::map<std::string, int>& CoreRanks() {
   static const std::map<std::string, int> ranks = {
-      {"base", 0},       {"image", 1},    {"camera", 1},    {"features", 2},
-      {"homography", 2}, {"panorama", 3}, {"manhattan", 3}, {"two_view", 3},
+      {"base", 0},   {"image", 1},    {"camera", 1},    {"features", 2}, {"homography", 2},
+      {"search", 3}, {"panorama", 3}, {"manhattan", 3}, {"two_view", 3},
   };
   return ranks;
 }

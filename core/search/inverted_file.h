@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/features/features.h"
+
+namespace waystone {
+
+// An inverted file: descriptors sorted into lists of those that look alike, each list known by its
+// centre. Who looks for a descriptor's nearest neighbours searches the lists with the nearest
+// centres instead of all. This is what a map file stores; SearchIndex is what queries use.
+struct InvertedFile {
+  Descriptors centres;                // a row a list; a row's mean (SIFT) or majority of bits
+  std::vector<uint16_t> list_of_row;  // of each descriptor
+
+  bool operator==(const InvertedFile&) const = default;
+};
+
+struct InvertedFileOptions {
+  // Fewer rows than this are searched one by one: that takes hardly longer and finds everything.
+  int min_rows = 8192;
+  // Lists for n rows: this times the square root of n, to the nearest power of two. More are
+  // shorter, and cost time to choose among. At most 2^15 lists.
+  double lists_per_root = 4.0;
+  // Rows a list that the centres are learnt from. More follow the rows better and take longer.
+  int training_rows = 48;
+  // Rounds of k-means.
+  int rounds = 8;
+  // Seed of the choice of training rows: the same rows and options give the same file.
+  uint64_t seed = 1;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Number of lists for so many rows; 0 where rows are to be searched one by one.
+int ListCount(int64_t rows, const InvertedFileOptions& options);
+
+// Sorts rows into ListCount lists by k-means, in integers: the same bytes on any machine and any
+// number of threads (it uses TBB's). Empty where ListCount is 0.
+InvertedFile BuildInvertedFile(DescriptorsView rows, FeatureType type,
+                               const InvertedFileOptions& options);
+
+// What is wrong with a file for so many rows of a type, or nothing: files come from outside.
+std::string InvertedFileProblem(const InvertedFile& file, int64_t rows, FeatureType type);
+
+}  // namespace waystone

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/features/packed_rows.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/core/features/made_descriptors.h"
+
+namespace waystone {
+namespace {
+
+class Packed : public testing::TestWithParam<FeatureType> {
+ protected:
+  // Every implementation, over all numbers of blocks up to a few.
+  void ExpectExact(const Descriptors& rows, const Descriptors& queries) {
+    const PackedRows packed(GetParam(), rows);
+    std::vector<int32_t> out(packed.slots());
+    std::vector<uint8_t> near(packed.blocks());
+    for (const PackedDistancesFunction function : RunnablePackedDistances()) {
+      for (int q = 0; q < queries.rows(); ++q) {
+        const int limit = NaiveDistance(GetParam(), queries.row(q), rows.row(0));
+        for (int first = 0; first < packed.blocks(); ++first) {
+          const int count = packed.blocks() - first;
+          function(PackedQuery(GetParam(), queries.row(q)), packed, first, count, limit, out.data(),
+                   near.data());
+          for (int i = 0; i < count * kPackRows; ++i) {
+            const int row = first * kPackRows + i;
+            if (row < rows.rows()) {
+              ASSERT_EQ(out[i], NaiveDistance(GetParam(), queries.row(q), rows.row(row)));
+            } else {
+              ASSERT_GE(out[i], kEmptySlotDistance);
+            }
+            ASSERT_EQ((near[i / kPackRows] >> (i % kPackRows)) & 1, out[i] <= limit);
+          }
+        }
+      }
+    }
+  }
+};
+
+TEST_P(Packed, DistancesAreExact) {
+  Random random(1);
+  for (const int rows : {1, 7, 8, 9, 40, 75}) {
+    ExpectExact(MadeDescriptors(GetParam(), rows, random), MadeDescriptors(GetParam(), 3, random));
+    // Short ones, whose products are summed in 16 bits.
+    ExpectExact(MadeDescriptors(GetParam(), rows, random, 25),
+                MadeDescriptors(GetParam(), 3, random, 25));
+  }
+}
+
+TEST_P(Packed, DistancesOfTheLargestBytes) {
+  const int bytes = DescriptorBytes(GetParam());
+  const uint8_t most = GetParam() == FeatureType::kSift ? 127 : 255;
+  const Descriptors full(bytes, std::vector<uint8_t>(static_cast<size_t>(bytes) * 9, most));
+  const Descriptors empty(bytes, std::vector<uint8_t>(bytes, 0));
+  ExpectExact(full, full);
+  ExpectExact(full, empty);
+}
+
+TEST_P(Packed, OnlyShortDescriptorsAreNarrow) {
+  if (GetParam() != FeatureType::kSift) GTEST_SKIP();
+  // The halves that the two lanes sum: bytes 0 and 1 of each word, and bytes 2 and 3.
+  std::vector<uint8_t> row(128, 0);
+  for (int i = 0; i < 128; i += 4) row[i] = 45;
+  EXPECT_TRUE(PackedQuery(GetParam(), row.data()).narrow);
+  for (int i = 0; i < 128; i += 4) row[i] = 46;
+  EXPECT_FALSE(PackedQuery(GetParam(), row.data()).narrow);
+}
+
+TEST_P(Packed, RowsComeBack) {
+  Random random(2);
+  const Descriptors rows = MadeDescriptors(GetParam(), 21, random);
+  const PackedRows packed(GetParam(), rows);
+  std::vector<uint8_t> copy(rows.bytes());
+  for (int i = 0; i < rows.rows(); ++i) {
+    packed.CopyRow(i, copy.data());
+    EXPECT_TRUE(std::equal(copy.begin(), copy.end(), rows.row(i)));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Types, Packed, testing::ValuesIn(kAllTypes));
+
+}  // namespace
+}  // namespace waystone
