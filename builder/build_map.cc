@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
+#include "builder/calibrate.h"
 #include "builder/extract_frames.h"
 #include "builder/planes/fusion.h"
 #include "builder/planes/plane_features.h"
@@ -54,7 +55,10 @@ std::string OptionsJson(const BuildOptions& options) {
 class MapBuilder {
  public:
   MapBuilder(const BuildOptions& options, const std::function<bool(const BuildProgress&)>& progress)
-      : options_(options), progress_(progress), tracker_(options.planes) {}
+      : options_(options),
+        progress_(progress),
+        tracker_(options.planes),
+        calibration_(options.calibration.max_keyframes) {}
 
   void AddSource(Source& source) {
     Sequence sequence;
@@ -90,6 +94,7 @@ class MapBuilder {
     map_.info.feature_type = options_.features.type;
     map_.info.options_json = OptionsJson(options_);
     map_.index = IndexFeatures(map_);
+    Calibrate();
     report_.total_s = SecondsSince(start_);
     if (!Report("fusion", 1, 1)) Interrupt();
     return {std::move(map_), std::move(report_)};
@@ -153,7 +158,18 @@ class MapBuilder {
     }
     tracker_.AddKeyframe(keyframe.id, chosen.frame.features, chosen.starts_stretch,
                          map_.sequences.back().camera);
+    calibration_.Add(keyframe.id, chosen.frame.features);
     map_.keyframes.push_back(std::move(keyframe));
+  }
+
+  // Asks the finished map for its own keyframes.
+  void Calibrate() {
+    const Clock::time_point start = Clock::now();
+    MapData copy = map_;
+    for (Keyframe& keyframe : copy.keyframes) keyframe.jpeg.clear();
+    map_.verdict = CalibrateVerdict(*MapIndex::Build(std::move(copy)), calibration_.queries(),
+                                    options_.calibration);
+    report_.calibrate_s = SecondsSince(start);
   }
 
   [[noreturn]] static void Interrupt() {
@@ -215,6 +231,7 @@ class MapBuilder {
   const BuildOptions& options_;
   const std::function<bool(const BuildProgress&)>& progress_;
   PlaneTracker tracker_;
+  CalibrationSample calibration_;
   MapData map_;
   BuildReport report_;
   Clock::time_point start_ = Clock::now();
@@ -226,6 +243,7 @@ void BuildOptions::Check() const {
   features.Check();
   keyframes.Check();
   planes.Check();
+  calibration.Check();
   if (image_width < 16 || image_width > 4096) {
     throw MapError(ErrorCode::kBadOptions, "image_width is " + std::to_string(image_width) +
                                                "; give a number from 16 to 4096");

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "builder/calibrate.h"
 #include "builder/keyframes/keyframe_selector.h"
 #include "builder/planes/options.h"
 #include "builder/sources/source.h"
@@ -20,6 +21,7 @@ struct BuildOptions {
   FeatureOptions features;
   KeyframeOptions keyframes;
   PlaneLayerOptions planes;
+  CalibrationOptions calibration;
   // Keep a smaller JPEG of each keyframe in the map, for people.
   bool images = true;
   int image_width = 320;  // px
@@ -57,6 +59,7 @@ struct BuildReport {
   double track_s = 0;        // keyframe choice and planes
   double choose_s = 0;       // of it, keyframe choice
   double fusion_s = 0;
+  double calibrate_s = 0;
   double total_s = 0;  // wall clock
 };
 

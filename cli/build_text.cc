@@ -93,7 +93,7 @@ std::string SummaryText(const BuildSummary& summary) {
   Line(text, "seconds",
        "decode " + Seconds(report.decode_s) + ", features " + Seconds(report.extract_s) +
            ", track " + Seconds(report.track_s) + ", fusion " + Seconds(report.fusion_s) +
-           " (summed over threads)");
+           ", calibration " + Seconds(report.calibrate_s) + " (summed over threads)");
   Line(text, "version", summary.version);
   text << TablesText(summary.tables);
   return text.str();
@@ -121,11 +121,10 @@ Json SummaryJson(const BuildSummary& summary) {
   json["planes_fused"] = report.planes_fused;
   json["planes_dropped"] = report.planes_dropped;
   json["features_dropped"] = report.features_dropped;
-  json["seconds"] = {{"decode", Rounded(report.decode_s, 3)},
-                     {"extract", Rounded(report.extract_s, 3)},
-                     {"track", Rounded(report.track_s, 3)},
-                     {"fusion", Rounded(report.fusion_s, 3)},
-                     {"total", Rounded(report.total_s, 3)}};
+  json["seconds"] = {
+      {"decode", Rounded(report.decode_s, 3)},       {"extract", Rounded(report.extract_s, 3)},
+      {"track", Rounded(report.track_s, 3)},         {"fusion", Rounded(report.fusion_s, 3)},
+      {"calibrate", Rounded(report.calibrate_s, 3)}, {"total", Rounded(report.total_s, 3)}};
   json["tables"] = TablesJson(summary.tables);
   return json;
 }

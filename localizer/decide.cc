@@ -51,9 +51,12 @@ bool Joins(const MapIndex& index, const Place& place, const VerifiedPlane& candi
   return near;
 }
 
-void AddTo(Place& place, VerifiedPlane plane) {
-  place.inliers += plane.distinct;
-  place.probability = 1 - (1 - place.probability) * (1 - plane.probability);
+void AddTo(const MapIndex& index, Place& place, VerifiedPlane plane) {
+  place.evidence.inliers += plane.distinct;
+  if (place.planes.empty()) {
+    place.evidence.best_share = static_cast<double>(plane.distinct) / std::max(1, plane.matches);
+  }
+  place.probability = ProbabilityOf(place.evidence, index.map().verdict.value_or(VerdictModel{}));
   place.planes.push_back(std::move(plane));
 }
 
@@ -98,7 +101,12 @@ RecognisedPlane Recognised(const MapIndex& index, const Features& query,
 }
 
 PlaceCandidate Candidate(const MapIndex& index, const Place& place, const Features& query) {
-  return {RefTo(index, NearestKeyframe(index, place, query)), place.probability, place.inliers};
+  return {RefTo(index, NearestKeyframe(index, place, query)), place.probability,
+          place.evidence.inliers};
+}
+
+std::string Percent(double share) {
+  return std::to_string(static_cast<int>(std::floor(100 * share))) + " %";
 }
 
 // Not in the map: names the gate that stopped the best plane and what would have passed it.
@@ -123,13 +131,14 @@ Answer Refuse(const MapIndex& index, const Features& query, int shortlisted,
       *std::max_element(tried.begin(), tried.end(),
                         [](const auto& a, const auto& b) { return a.distinct < b.distinct; });
   Place place;
-  AddTo(place, best);
+  AddTo(index, place, best);
   answer.runner_up = Candidate(index, place, query);
-  answer.probability = best.probability;
-  answer.decided_by = best.accepted ? "place_inliers" : "homography_inliers";
+  answer.probability = place.probability;
+  answer.decided_by = best.accepted ? "place_probability" : "homography_inliers";
   answer.message = "the best plane, " + std::to_string(PlaneOf(index, best).id.value) + ", has " +
                    std::to_string(best.distinct) + " inliers of " + std::to_string(best.matches) +
-                   " matches; " + std::to_string(options.gates.min_place_inliers) + " are needed";
+                   " matches: " + Percent(place.probability) + " sure, " +
+                   Percent(options.gates.min_probability) + " are needed; show more of the place";
   return answer;
 }
 
@@ -170,10 +179,11 @@ std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane>
       return Joins(index, place, plane, options);
     });
     Place& place = home == places.end() ? places.emplace_back() : *home;
-    AddTo(place, std::move(plane));
+    AddTo(index, place, std::move(plane));
   }
-  std::stable_sort(places.begin(), places.end(),
-                   [](const Place& a, const Place& b) { return a.inliers > b.inliers; });
+  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    return a.evidence.inliers > b.evidence.inliers;
+  });
   return places;
 }
 
@@ -198,20 +208,21 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
     if (plane.accepted) accepted.push_back(plane);
   }
   const std::vector<Place> places = GroupPlaces(index, std::move(accepted), options);
-  if (places.empty() || places.front().inliers < options.gates.min_place_inliers) {
+  if (places.empty() || places.front().probability < options.gates.min_probability) {
     return Refuse(index, query, shortlisted, tried, options);
   }
   Answer answer = Describe(index, query, places.front());
   if (places.size() < 2) return answer;
   answer.runner_up = Candidate(index, places[1], query);
-  const bool alike = places[1].inliers >= options.gates.ambiguous_share * places.front().inliers;
+  const bool alike =
+      places[1].evidence.inliers >= options.gates.ambiguous_share * places.front().evidence.inliers;
   if (!alike || AreNear(index, places[0], places[1])) return answer;
   answer.verdict = Verdict::kAmbiguous;
   answer.decided_by = "ambiguous_places";
   answer.keyframe.reset();
   answer.message = "two places look alike; move a little and ask again";
   for (const Place& place : places) {
-    if (place.inliers >= options.gates.ambiguous_share * places.front().inliers) {
+    if (place.evidence.inliers >= options.gates.ambiguous_share * places.front().evidence.inliers) {
       answer.places.push_back(Candidate(index, place, query));
     }
   }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "localizer/answer.h"
+#include "localizer/verdict_model.h"
 #include "localizer/verify.h"
 
 namespace waystone {
@@ -11,8 +12,8 @@ namespace waystone {
 // Planes that were recognised together and agree: one place.
 struct Place {
   std::vector<VerifiedPlane> planes;  // most inliers first
-  int inliers = 0;                    // distinct ones of all planes
-  double probability = 0;             // that one of its planes at least is right
+  Evidence evidence;
+  double probability = 0;  // that it is right, by the map's model
 };
 
 // Whether two planes are parts of one surrounding: a keyframe saw both, or an edge or a common

@@ -38,6 +38,8 @@ bool IsBeaten(const MapIndex& index, const ShortlistedPlane& candidate, const Ve
   return !PlanesAreNear(index, planes[best.plane], planes[candidate.plane]);
 }
 
+}  // namespace
+
 std::vector<VerifiedPlane> TryPlanes(const MapIndex& index, const Features& query,
                                      const std::vector<ShortlistedPlane>& shortlist,
                                      const LocalizeOptions& options) {
@@ -57,8 +59,6 @@ std::vector<VerifiedPlane> TryPlanes(const MapIndex& index, const Features& quer
   return tried;
 }
 
-}  // namespace
-
 const char* NameOf(Verdict verdict) {
   switch (verdict) {
     case Verdict::kLocalized:
@@ -74,22 +74,12 @@ const char* NameOf(Verdict verdict) {
 }
 
 void GateOptions::Check() const {
-  const bool good = min_inliers >= 5 && min_place_inliers >= min_inliers && min_inlier_share >= 0 &&
-                    min_inlier_share <= 1 && distinct_px >= 0 && max_scale > 1 &&
-                    ambiguous_share > 0 && ambiguous_share <= 1;
+  const bool good = min_inliers >= 5 && min_probability > 0 && min_probability < 1 &&
+                    min_inlier_share >= 0 && min_inlier_share <= 1 && distinct_px >= 0 &&
+                    max_scale > 1 && ambiguous_share > 0 && ambiguous_share <= 1;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "gates: an option is out of its range; leave them at their defaults");
-  }
-}
-
-void EvidenceOptions::Check() const {
-  const bool good = inlier_if_wrong > 0 && inlier_if_right > inlier_if_wrong &&
-                    inlier_if_right < 1 && prior > 0 && prior < 1;
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "evidence: 0 < inlier_if_wrong < inlier_if_right < 1 and 0 < prior < 1 must "
-                   "hold; leave them at their defaults");
   }
 }
 
@@ -100,7 +90,6 @@ void LocalizeOptions::Check() const {
   ransac.Check();
   homology.Check();
   gates.Check();
-  evidence.Check();
   if (settled_inliers < 1 || !(settled_share >= 0 && settled_share <= gates.ambiguous_share)) {
     throw MapError(ErrorCode::kBadOptions,
                    "settled_inliers must be positive and settled_share lie between 0 and "

@@ -10,13 +10,14 @@
 
 namespace waystone {
 
-// The gates between a shortlisted plane and an answer. Counts for now.
+// The gates between a shortlisted plane and an answer.
 struct GateOptions {
   // Distinct places in the image whose matches support a plane's homography. Higher refuses more
   // true planes, lower lets chance through.
-  int min_inliers = 12;
-  // Evidence of a whole place: inliers of its planes together.
-  int min_place_inliers = 15;
+  int min_inliers = 8;
+  // The probability that a place is right, by the map's model (VerdictModel), from which on the
+  // answer says so.
+  double min_probability = 0.9;
   // Share of the plane's matches that must support its homography.
   double min_inlier_share = 0.2;
   // Inliers closer together than this count once: one corner gives several features. px
@@ -26,17 +27,6 @@ struct GateOptions {
   double max_scale = 8.0;
   // A second place with this share of the first one's inliers makes the answer ambiguous.
   double ambiguous_share = 0.7;
-
-  void Check() const;  // throws MapError(kBadOptions)
-};
-
-// Model of chance behind the stated probability (Brown and Lowe 2007, sec. 3.2): a match of the
-// right plane is an inlier with one probability, of a wrong one with another. Not calibrated on the
-// map.
-struct EvidenceOptions {
-  double inlier_if_right = 0.6;
-  double inlier_if_wrong = 0.1;
-  double prior = 1e-4;  // that a shortlisted plane is right
 
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -67,7 +57,6 @@ struct LocalizeOptions {
   LocalRansacOptions ransac{.max_error_px = 3.0, .max_samples = 500};
   HomologyOptions homology;
   GateOptions gates;
-  EvidenceOptions evidence;
   // Seed of the sampling: the same query, map and options give the same answer.
   uint64_t seed = 1;
 

@@ -43,16 +43,6 @@ bool ScalesSensibly(const VerifiedPlane& verified, const Features& query, double
   return true;
 }
 
-// Brown and Lowe 2007, eqs. (10) to (12): posterior of "right" given n matches, k of them inliers.
-double Probability(int matches, int inliers, const EvidenceOptions& evidence) {
-  const double outliers = matches - inliers;
-  const double log_odds =
-      inliers * std::log(evidence.inlier_if_right / evidence.inlier_if_wrong) +
-      outliers * std::log((1 - evidence.inlier_if_right) / (1 - evidence.inlier_if_wrong)) +
-      std::log(evidence.prior / (1 - evidence.prior));
-  return 1 / (1 + std::exp(-log_odds));
-}
-
 }  // namespace
 
 std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeatures& packed,
@@ -84,7 +74,6 @@ std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeat
   verified.reference_from_query = *refined;
   verified.matches = static_cast<int>(matches.size());
   verified.distinct = CountDistinct(query, verified.inliers, options.gates.distinct_px);
-  verified.probability = Probability(verified.matches, verified.distinct, options.evidence);
   verified.accepted = verified.distinct >= options.gates.min_inliers &&
                       verified.distinct >= options.gates.min_inlier_share * verified.matches &&
                       ScalesSensibly(verified, query, options.gates.max_scale);

@@ -7,6 +7,7 @@
 #include "core/homography/homography.h"
 #include "localizer/map_index.h"
 #include "localizer/options.h"
+#include "localizer/shortlist.h"
 
 namespace waystone {
 
@@ -18,7 +19,6 @@ struct VerifiedPlane {
   int matches = 0;             // that the homography was looked for in
   int distinct = 0;            // inliers at distinct positions of the query
   bool accepted = false;       // passed the plane's gates
-  double probability = 0;      // by the model of EvidenceOptions
 };
 
 // A query's features, packed once for all planes that they are matched with.
@@ -34,6 +34,12 @@ struct PackedFeatures {
 // there is no homography at all.
 std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeatures& query,
                                          int plane, const LocalizeOptions& options);
+
+// The homographies of the shortlisted planes, in their order. Planes elsewhere are left out once
+// one has settled where the query is (LocalizeOptions::settled_inliers).
+std::vector<VerifiedPlane> TryPlanes(const MapIndex& index, const Features& query,
+                                     const std::vector<ShortlistedPlane>& shortlist,
+                                     const LocalizeOptions& options);
 
 // Whether two recognised planes agree: seen together in a keyframe, the homographies from the query
 // to that keyframe through either plane must form a valid homology (sec. II-B). Nothing when no

@@ -98,6 +98,21 @@ struct MapInfo {
   bool operator==(const MapInfo&) const = default;
 };
 
+// How likely a place is right, from the evidence for it: a logistic regression,
+// log(p / (1 - p)) = intercept + log_inliers * log(1 + inliers) + inlier_share * share, where
+// `inliers` are those of all planes of the place at distinct positions of the query and `share` is
+// the share of the best plane's matches that are inliers. The defaults hold for maps that were
+// never calibrated.
+struct VerdictModel {
+  double intercept = -15;
+  double log_inliers = 6;  // above 0
+  double inlier_share = 3;
+  int positives = 0;  // samples that it was fitted to
+  int negatives = 0;
+
+  bool operator==(const VerdictModel&) const = default;
+};
+
 struct MapData {
   MapInfo info;
   std::vector<Sequence> sequences;  // each list is ordered by id
@@ -107,6 +122,7 @@ struct MapData {
   // The descriptors of all planes, plane after plane, sorted for searching (IndexFeatures). Nothing
   // for a map that is small or whose index has a format that this program doesn't know.
   std::optional<InvertedFile> index;
+  std::optional<VerdictModel> verdict;  // nothing for a map that was never calibrated
 
   bool operator==(const MapData&) const = default;
 };

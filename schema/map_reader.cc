@@ -45,6 +45,7 @@ class Reader {
   void ReadViews();
   void ReadEdges();
   void ReadIndex();
+  void ReadVerdictModel();
 
  private:
   // Calls `read` for every row; what it throws becomes a problem of that row, and what SQLite
@@ -248,6 +249,20 @@ void Reader::ReadIndex() {
              });
 }
 
+void Reader::ReadVerdictModel() {
+  ForEachRow("verdict_model", "id, intercept, log_inliers, inlier_share, positives, negatives", 1,
+             [&](Row& row) {
+               row.Int64(1, 1);
+               VerdictModel model;
+               model.intercept = row.Real();
+               model.log_inliers = row.Real();
+               model.inlier_share = row.Real();
+               model.positives = row.Int();
+               model.negatives = row.Int();
+               map_.verdict = model;
+             });
+}
+
 }  // namespace
 
 Reading ReadDatabase(SQLite::Database& database, const ReadOptions& options) {
@@ -262,6 +277,7 @@ Reading ReadDatabase(SQLite::Database& database, const ReadOptions& options) {
   reader.ReadViews();
   reader.ReadEdges();
   reader.ReadIndex();
+  reader.ReadVerdictModel();
   return reading;
 }
 

@@ -146,6 +146,13 @@ void WriteIndex(const MapData& map, SQLite::Database& database) {
              CheckedBlob{map.index->centres.data()}, CheckedBlob{lists});
 }
 
+void WriteVerdictModel(const MapData& map, SQLite::Database& database) {
+  if (!map.verdict) return;
+  Insert insert(database, "verdict_model", 6);
+  insert.Row(1, map.verdict->intercept, map.verdict->log_inliers, map.verdict->inlier_share,
+             map.verdict->positives, map.verdict->negatives);
+}
+
 void WriteTables(const MapData& map, SQLite::Database& database) {
   WriteInfo(map.info, database);
   WriteSequences(map, database);
@@ -156,6 +163,7 @@ void WriteTables(const MapData& map, SQLite::Database& database) {
   WriteViews(map, database);
   WriteEdges(map, database);
   WriteIndex(map, database);
+  WriteVerdictModel(map, database);
 }
 
 }  // namespace

@@ -82,8 +82,8 @@ std::optional<ImageEdge> Join(const ImageNode& a, const ImageNode& b,
       a.features.descriptors, b.features.descriptors, a.features.type, options.match);
   const uint64_t seed = options.localize.seed ^ (static_cast<uint64_t>(a.id.value) << 32) ^
                         static_cast<uint64_t>(b.id.value);
-  const auto verified = Verify(a.features, b.features, matches, options.localize.gates.min_inliers,
-                               options.localize, seed);
+  const auto verified =
+      Verify(a.features, b.features, matches, options.min_inliers, options.localize, seed);
   if (!verified) return std::nullopt;
   const auto refined = RefineHomography(verified->inliers, verified->to_from);
   if (!refined) return std::nullopt;
@@ -136,9 +136,8 @@ ImageAnswer LocalizeInImages(const ImageGraph& graph, const Features& query,
     if (std::ssize(candidate.matches) < answer.inliers) break;
     ++answer.homographies_tried;
     const ImageNode& node = graph.nodes[candidate.node];
-    auto verified =
-        Verify(query, node.features, candidate.matches, localize.gates.min_place_inliers, localize,
-               localize.seed ^ static_cast<uint64_t>(node.id.value));
+    auto verified = Verify(query, node.features, candidate.matches, options.min_inliers, localize,
+                           localize.seed ^ static_cast<uint64_t>(node.id.value));
     if (!verified) continue;
     const bool wins = verified->distinct > answer.inliers ||
                       (verified->distinct == answer.inliers && candidate.node < answer.node);
@@ -182,7 +181,7 @@ ImageAnswer LocalizeWithOpenCv(const ImageGraph& graph, const std::vector<cv::Ma
       from.emplace_back(a.x_px, a.y_px);
       to.emplace_back(b.x_px, b.y_px);
     }
-    if (static_cast<int>(from.size()) < options.localize.gates.min_place_inliers) continue;
+    if (static_cast<int>(from.size()) < options.min_inliers) continue;
     ++answer.homographies_tried;
     std::vector<uint8_t> mask;
     const cv::Mat h =
@@ -197,7 +196,7 @@ ImageAnswer LocalizeWithOpenCv(const ImageGraph& graph, const std::vector<cv::Ma
       if (mask[i]) answer.query_points.emplace_back(from[i].x, from[i].y);
     }
   }
-  if (answer.inliers < options.localize.gates.min_place_inliers) return {};
+  if (answer.inliers < options.min_inliers) return {};
   return answer;
 }
 

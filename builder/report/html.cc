@@ -134,8 +134,9 @@ std::string CountsTable(const MapData& map, const BuildReport& report) {
 std::string SecondsTable(const BuildReport& report) {
   return "<table><tr><th>Stage<th>Seconds\n" + Row("decode", Fixed(report.decode_s, 2)) +
          Row("features", Fixed(report.extract_s, 2)) + Row("track", Fixed(report.track_s, 2)) +
-         Row("fusion", Fixed(report.fusion_s, 2)) + Row("wall clock", Fixed(report.total_s, 2)) +
-         "</table>\n";
+         Row("fusion", Fixed(report.fusion_s, 2)) +
+         Row("calibration", Fixed(report.calibrate_s, 2)) +
+         Row("wall clock", Fixed(report.total_s, 2)) + "</table>\n";
 }
 
 std::string BytesTable(const std::vector<TableSize>& tables) {

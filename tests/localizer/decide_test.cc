@@ -69,8 +69,6 @@ TEST(VerifyPlane, AcceptsThePlaneThatIsThereAndNoOther) {
     if (!verified) continue;
     EXPECT_LE(verified->distinct, static_cast<int>(verified->inliers.size()));
     EXPECT_LE(static_cast<int>(verified->inliers.size()), verified->matches);
-    EXPECT_GE(verified->probability, 0);
-    EXPECT_LE(verified->probability, 1);
   }
 }
 
@@ -124,8 +122,10 @@ TEST(GroupPlaces, PlanesOfOneSurroundingMakeOnePlace) {
   const std::vector<Place> places = GroupPlaces(*index, {far, wall, right}, {});
   ASSERT_EQ(places.size(), 2u);
   EXPECT_EQ(places[0].planes.size(), 2u);
-  EXPECT_EQ(places[0].inliers, wall.distinct + right.distinct);
-  EXPECT_GE(places[0].probability, std::max(wall.probability, right.probability));
+  EXPECT_EQ(places[0].evidence.inliers, wall.distinct + right.distinct);
+  for (const VerifiedPlane& plane : {wall, right}) {
+    EXPECT_GE(places[0].probability, GroupPlaces(*index, {plane}, {})[0].probability);
+  }
   EXPECT_EQ(places[1].planes.size(), 1u);
   EXPECT_EQ(places[1].planes[0].plane, 3);
   EXPECT_FALSE(AreNear(*index, places[0], places[1]));

@@ -181,18 +181,19 @@ TEST(LocalizeFeatures, TooFewFeaturesAreNotInTheMap) {
   const MapData map = MadeMap();
   const auto index = MapIndex::Build(map);
   const Features whole = QueryOf(map, {1}, PoseOf(2), 0, 7);
-  for (int count : {0, 1, 3, 4, 5, 11}) {
+  for (int count : {0, 1, 3, 4, 5, 7}) {
     const Answer answer = LocalizeFeatures(*index, FirstFeatures(whole, count), {});
     EXPECT_EQ(answer.verdict, Verdict::kNotInMap) << count;
     EXPECT_EQ(answer.decided_by, "features") << count;
     EXPECT_NE(answer.message.find(std::to_string(count)), std::string::npos) << answer.message;
   }
   // Enough for a plane but not for a place.
-  const Answer few = LocalizeFeatures(*index, FirstFeatures(whole, 13), {});
+  const Answer few = LocalizeFeatures(*index, FirstFeatures(whole, 9), {});
   EXPECT_EQ(few.verdict, Verdict::kNotInMap);
-  EXPECT_EQ(few.decided_by, "place_inliers");
+  EXPECT_EQ(few.decided_by, "place_probability");
   ASSERT_TRUE(few.runner_up);
-  EXPECT_LE(few.runner_up->inliers, 13);
+  EXPECT_LE(few.runner_up->inliers, 9);
+  EXPECT_LT(few.probability, 0.9);
   EXPECT_EQ(LocalizeFeatures(*index, FirstFeatures(whole, 25), {}).verdict, Verdict::kLocalized);
 }
 

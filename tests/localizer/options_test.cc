@@ -34,7 +34,7 @@ TEST(LocalizeOptions, OutOfTheirRangeAreRefused) {
       [](auto& o) { o.ransac.max_samples = 0; },
       [](auto& o) { o.homology.draws = 1; },
       [](auto& o) { o.gates.min_inliers = 4; },
-      [](auto& o) { o.gates.min_place_inliers = o.gates.min_inliers - 1; },
+      [](auto& o) { o.gates.min_probability = 1; },
       [](auto& o) { o.gates.min_inlier_share = -0.1; },
       [](auto& o) { o.gates.min_inlier_share = 1.1; },
       [](auto& o) { o.gates.min_inlier_share = kNan; },
@@ -42,11 +42,6 @@ TEST(LocalizeOptions, OutOfTheirRangeAreRefused) {
       [](auto& o) { o.gates.max_scale = 1; },
       [](auto& o) { o.gates.ambiguous_share = 0; },
       [](auto& o) { o.gates.ambiguous_share = 1.01; },
-      [](auto& o) { o.evidence.inlier_if_wrong = 0; },
-      [](auto& o) { o.evidence.inlier_if_wrong = o.evidence.inlier_if_right; },
-      [](auto& o) { o.evidence.inlier_if_right = 1; },
-      [](auto& o) { o.evidence.prior = 0; },
-      [](auto& o) { o.evidence.prior = 1; },
   };
   const auto index = MadeIndex();
   for (size_t i = 0; i < changes.size(); ++i) {

@@ -131,6 +131,7 @@ MapData MadeMap(uint64_t seed, const MapShape& shape) {
     }
   }
   map.index = IndexFeatures(map, {.min_rows = 1});
+  map.verdict = VerdictModel{-12.5, 5.25, 2.75, 60, 120};
   return map;
 }
 

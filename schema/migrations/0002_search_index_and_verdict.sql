@@ -10,3 +10,13 @@ CREATE TABLE search_index (
   centres BLOB NOT NULL,
   lists BLOB NOT NULL
 ) STRICT;
+
+-- The model behind the probability of an answer, calibrated when the map was built.
+CREATE TABLE verdict_model (
+  id INTEGER PRIMARY KEY CHECK (id = 1),
+  intercept REAL NOT NULL,
+  log_inliers REAL NOT NULL CHECK (log_inliers > 0),
+  inlier_share REAL NOT NULL,
+  positives INTEGER NOT NULL CHECK (positives >= 0),
+  negatives INTEGER NOT NULL CHECK (negatives >= 0)
+) STRICT;

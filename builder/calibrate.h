@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "localizer/localizer.h"
+
+namespace waystone {
+
+struct CalibrationOptions {
+  // Keyframes that are asked for again. More tell the model better, and cost about 30 ms each.
+  int max_keyframes = 40;
+  LocalizeOptions localize;
+  uint64_t seed = 1;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// A keyframe that the finished map is asked for.
+struct CalibrationQuery {
+  KeyframeId keyframe;
+  Features features;
+};
+
+// Keeps the features of at most a given number of keyframes, evenly spread over all that were
+// added, however many there will be. Deterministic.
+class CalibrationSample {
+ public:
+  explicit CalibrationSample(int max_keyframes) : max_keyframes_(max_keyframes) {}
+
+  void Add(KeyframeId keyframe, const Features& features);
+  const std::vector<CalibrationQuery>& queries() const { return kept_; }
+
+ private:
+  int max_keyframes_;
+  int stride_ = 1;
+  int added_ = 0;
+  std::vector<CalibrationQuery> kept_;
+};
+
+// The model of the verdict, fitted to answers of the map itself. Each keyframe is asked for without
+// the features that the map has from it (leave one out). The place that it shows is a right one;
+// the best place elsewhere, and the best of the same features with their positions exchanged, are
+// wrong ones. Deterministic on any number of threads.
+VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<CalibrationQuery>& queries,
+                              const CalibrationOptions& options);
+
+}  // namespace waystone
