@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <string>
 #include <unordered_set>
@@ -72,31 +71,39 @@ bool IsAt(const MapIndex& index, int plane, KeyframeId keyframe) {
 
 std::vector<VerifiedPlane> TryAll(const MapIndex& index, const Features& query,
                                   const LocalizeOptions& options) {
-  std::vector<VerifiedPlane> tried =
-      TryPlanes(index, query, ShortlistPlanes(index, query, options), options);
-  std::erase_if(tried, [](const VerifiedPlane& plane) { return !plane.accepted; });
-  return tried;
+  return TryPlanes(index, query, ShortlistPlanes(index, query, options), options);
 }
 
-void AddBest(const MapIndex& index, std::vector<VerifiedPlane> planes, bool right,
-             const LocalizeOptions& options, std::vector<VerdictSample>& samples) {
+// The place where the keyframe is, by the planes that are seen there.
+void AskRight(const MapIndex& index, const Features& query, KeyframeId keyframe,
+              const LocalizeOptions& options, std::vector<VerdictSample>& samples) {
+  std::vector<VerifiedPlane> planes = TryAll(index, query, options);
+  std::erase_if(planes, [&](const VerifiedPlane& plane) {
+    return !plane.accepted || !IsAt(index, plane.plane, keyframe);
+  });
   const std::vector<Place> places = GroupPlaces(index, std::move(planes), options);
-  if (!places.empty()) samples.push_back({places.front().evidence, right});
+  if (!places.empty()) samples.push_back({places.front().evidence, true});
+}
+
+// The plane that fits best by chance, whether a gate would stop it or not.
+void AskWrong(const MapIndex& index, const Features& query, const LocalizeOptions& options,
+              std::vector<VerdictSample>& samples) {
+  const std::vector<VerifiedPlane> planes = TryAll(index, query, options);
+  const auto best =
+      std::max_element(planes.begin(), planes.end(),
+                       [](const auto& a, const auto& b) { return a.distinct < b.distinct; });
+  if (best == planes.end()) return;
+  const double share = static_cast<double>(best->distinct) / std::max(1, best->matches);
+  samples.push_back({{best->distinct, share}, false});
 }
 
 std::vector<VerdictSample> Ask(const MapIndex& index, const std::unordered_set<Descriptor>& in_map,
                                const CalibrationQuery& query, const CalibrationOptions& options) {
   std::vector<VerdictSample> samples;
-  const Features features = WithoutThoseOf(in_map, query.features);
-  std::array<std::vector<VerifiedPlane>, 2> planes;  // elsewhere, and where the keyframe is
-  for (VerifiedPlane& plane : TryAll(index, features, options.localize)) {
-    planes[IsAt(index, plane.plane, query.keyframe)].push_back(std::move(plane));
-  }
-  AddBest(index, std::move(planes[1]), true, options.localize, samples);
-  AddBest(index, std::move(planes[0]), false, options.localize, samples);
+  AskRight(index, WithoutThoseOf(in_map, query.features), query.keyframe, options.localize,
+           samples);
   Random random(options.seed ^ static_cast<uint64_t>(query.keyframe.value));
-  AddBest(index, TryAll(index, Scrambled(query.features, random), options.localize), false,
-          options.localize, samples);
+  AskWrong(index, Scrambled(query.features, random), options.localize, samples);
   return samples;
 }
 

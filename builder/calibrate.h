@@ -40,9 +40,11 @@ class CalibrationSample {
 };
 
 // The model of the verdict, fitted to answers of the map itself. Each keyframe is asked for without
-// the features that the map has from it (leave one out). The place that it shows is a right one;
-// the best place elsewhere, and the best of the same features with their positions exchanged, are
-// wrong ones. Deterministic on any number of threads.
+// the features that the map has from it (leave one out): the place that it shows is a right one.
+// The best plane for the same features with their positions exchanged is a wrong one: what matches
+// looks alike, but fits by chance alone. Places elsewhere that fit are no wrong ones to learn from:
+// often they are the same surface, seen another time, and where they aren't the answer is
+// `ambiguous`. Deterministic on any number of threads.
 VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<CalibrationQuery>& queries,
                               const CalibrationOptions& options);
 

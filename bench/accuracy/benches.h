@@ -23,6 +23,9 @@ int RunNegatives(const Args& args);
 // pairs DIR... [--labels OUT]: planes in two images against labelled matches (matches.csv in each
 // folder); writes the labels it gave to OUT/NAME.txt.
 int RunPairs(const Args& args);
+// verdicts [DATA]: localized, right and false answers and the reliability of the stated probability,
+// on maps of the world and, where DATA has them, kitchen and church, asked for photos of all others.
+int RunVerdicts(const Args& args);
 // linear DIR N...: seconds per frame of builds over the first N frames.
 int RunLinear(const Args& args);
 // build SOURCE... [--frames N,N,...]: seconds of features alone and of whole builds, and the

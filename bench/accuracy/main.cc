@@ -14,6 +14,7 @@ constexpr char kUsage[] =
     "  rgbd DIR [--map 0:499] [--queries 500:990:10]      localization against depth and poses\n"
     "  negatives DIR [--map 0:499] IMAGE_OR_FOLDER...     images that are not in the map\n"
     "  pairs DIR... [--labels OUT]                        planes in two images against labels\n"
+    "  verdicts [DATA]                                    false answers, reliability\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"
     "  build SOURCE... [--frames 250,500,1000]            whole builds against features alone\n"
     "  graphs [SOURCE...] [--keyframes M:N]               image graph against plane graph\n"
@@ -29,7 +30,7 @@ int main(int argc, char** argv) {
       {"rgbd", waystone::bench::RunRgbd},     {"negatives", waystone::bench::RunNegatives},
       {"linear", waystone::bench::RunLinear}, {"build", waystone::bench::RunBuild},
       {"graphs", waystone::bench::RunGraphs}, {"pairs", waystone::bench::RunPairs},
-      {"scale", waystone::bench::RunScale}};
+      {"scale", waystone::bench::RunScale},   {"verdicts", waystone::bench::RunVerdicts}};
   if (argc < 2 || !benches.contains(argv[1])) {
     std::cerr << kUsage;
     return 2;

@@ -65,6 +65,11 @@ int RunRgbd(const Args& raw) {
       static_cast<long long>(FeatureCount(built.map)), report.planes_started,
       report.planes_rejected, report.planes_merged, report.planes_dropped, report.planes_fused,
       report.rotation_only, report.stretches);
+  if (built.map.verdict)
+    std::printf("verdict: %.1f %+.2f log(1+inliers) %+.2f share, %d right, %d wrong\n",
+                built.map.verdict->intercept, built.map.verdict->log_inliers,
+                built.map.verdict->inlier_share, built.map.verdict->positives,
+                built.map.verdict->negatives);
   std::printf("seconds: extract %.1f (all threads), track %.1f, fusion %.2f, total %.1f\n",
               report.extract_s, report.track_s, report.fusion_s, report.total_s);
   const auto index = MapIndex::Build(std::move(built.map));

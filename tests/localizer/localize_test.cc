@@ -188,11 +188,11 @@ TEST(LocalizeFeatures, TooFewFeaturesAreNotInTheMap) {
     EXPECT_NE(answer.message.find(std::to_string(count)), std::string::npos) << answer.message;
   }
   // Enough for a plane but not for a place.
-  const Answer few = LocalizeFeatures(*index, FirstFeatures(whole, 9), {});
+  const Answer few = LocalizeFeatures(*index, FirstFeatures(whole, 8), {});
   EXPECT_EQ(few.verdict, Verdict::kNotInMap);
   EXPECT_EQ(few.decided_by, "place_probability");
   ASSERT_TRUE(few.runner_up);
-  EXPECT_LE(few.runner_up->inliers, 9);
+  EXPECT_LE(few.runner_up->inliers, 8);
   EXPECT_LT(few.probability, 0.9);
   EXPECT_EQ(LocalizeFeatures(*index, FirstFeatures(whole, 25), {}).verdict, Verdict::kLocalized);
 }

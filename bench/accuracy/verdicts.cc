@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+
+#include "bench/accuracy/common.h"
+#include "bench/accuracy/world_source.h"
+#include "bench/baseline/scenes.h"
+#include "core/base/error.h"
+#include "core/image/decode.h"
+#include "world/rig.h"
+
+namespace waystone::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kBins = 10;
+constexpr int kFewest = 20;  // answers that a bin must have to say anything
+
+// Photos of one kind, with the features that every map is asked for.
+struct Photos {
+  std::string name;
+  std::vector<Features> features;
+};
+
+struct Bin {
+  double stated = 0;  // sum of the probabilities
+  int right = 0;
+  int answers = 0;
+};
+
+struct Verdicts {
+  int queries = 0;
+  int localized = 0;
+  int right = 0;
+  int ambiguous = 0;
+  int outside = 0;  // queries that are not in the map
+  int false_localized = 0;
+  int false_ambiguous = 0;
+  int most_inliers = 0;  // of a query that is not in the map
+  std::array<Bin, kBins> bins;
+
+  void State(double probability, bool right_answer) {
+    Bin& bin = bins[std::min(kBins - 1, static_cast<int>(kBins * probability))];
+    bin.stated += probability;
+    bin.right += right_answer;
+    ++bin.answers;
+  }
+};
+
+Photos ReadPhotos(const std::string& name, const std::vector<fs::path>& folders, int step) {
+  std::vector<fs::path> paths;
+  for (const fs::path& folder : folders) {
+    const std::vector<fs::path> all = ImagesIn(folder);
+    for (size_t i = 0; i < all.size(); i += step) paths.push_back(all[i]);
+  }
+  Photos photos{name, std::vector<Features>(paths.size())};
+  tbb::parallel_for(size_t{0}, paths.size(), [&](size_t i) {
+    photos.features[i] = ExtractFeatures(DecodeGrey(ReadBytes(paths[i]), {}), FeatureOptions{});
+  });
+  return photos;
+}
+
+// Frames of a walk through another building than the demo's.
+Photos RenderOther(int count) {
+  WorldOptions options;
+  options.seed = 2;
+  const World world(OtherPlan(), options);
+  Walk walk = DemoWalk(world.plan(), {});
+  const Renderer renderer(PinholeCamera(640, 480, 1.2));
+  const WorldSource source(world, renderer, walk);
+  count = std::min(count, source.size());
+  Photos photos{"world", std::vector<Features>(count)};
+  tbb::parallel_for(0, count, [&](int i) {
+    const int frame = static_cast<int>(static_cast<int64_t>(i) * source.size() / count);
+    photos.features[i] = ExtractFeatures(source.Render(frame).grey, FeatureOptions{});
+  });
+  return photos;
+}
+
+std::optional<SceneAnswer> ToScene(const MapIndex& index, const Answer& answer) {
+  if (answer.verdict != Verdict::kLocalized) return std::nullopt;
+  const RecognisedPlane& best = answer.planes.front();
+  return SceneAnswer{index.FindKeyframe(answer.keyframe->id)->frame,
+                     index.FindKeyframe(best.reference.id)->frame, best.reference_from_query,
+                     best.query_points};
+}
+
+void AskScene(const Scene& scene, const MapIndex& index, Verdicts& verdicts) {
+  std::vector<Answer> answers(scene.queries());
+  tbb::parallel_for(0, scene.queries(), [&](int q) {
+    answers[q] = LocalizeImage(index, scene.Decode(q), LocalizeOptions{});
+  });
+  for (int q = 0; q < scene.queries(); ++q) {
+    ++verdicts.queries;
+    verdicts.ambiguous += answers[q].verdict == Verdict::kAmbiguous;
+    const auto answer = ToScene(index, answers[q]);
+    if (!answer) continue;  // whether a refused place was right can't be told from it
+    const bool right = scene.IsRight(q, *answer);
+    ++verdicts.localized;
+    verdicts.right += right;
+    verdicts.State(answers[q].probability, right);
+  }
+}
+
+void AskOutside(const Photos& photos, const MapIndex& index, Verdicts& verdicts) {
+  std::vector<Answer> answers(photos.features.size());
+  tbb::parallel_for(size_t{0}, answers.size(), [&](size_t i) {
+    answers[i] = LocalizeFeatures(index, photos.features[i], LocalizeOptions{});
+  });
+  for (size_t i = 0; i < answers.size(); ++i) {
+    const Answer& answer = answers[i];
+    ++verdicts.outside;
+    verdicts.State(answer.probability, false);
+    if (answer.runner_up) {
+      verdicts.most_inliers = std::max(verdicts.most_inliers, answer.runner_up->inliers);
+    }
+    verdicts.false_localized += answer.verdict == Verdict::kLocalized;
+    verdicts.false_ambiguous += answer.verdict == Verdict::kAmbiguous;
+    if (answer.verdict == Verdict::kLocalized) {
+      std::printf("false: %s %zu, %.2f sure, %d inliers\n", photos.name.c_str(), i,
+                  answer.probability, answer.planes.front().inliers);
+    }
+  }
+}
+
+nlohmann::ordered_json JsonOf(const Verdicts& v) {
+  nlohmann::ordered_json bins = nlohmann::ordered_json::array();
+  double worst = 0;
+  for (const Bin& bin : v.bins) {
+    if (bin.answers == 0) continue;
+    const double stated = bin.stated / bin.answers;
+    const double observed = static_cast<double>(bin.right) / bin.answers;
+    if (bin.answers >= kFewest) worst = std::max(worst, std::abs(stated - observed));
+    bins.push_back({{"stated", stated}, {"observed", observed}, {"answers", bin.answers}});
+  }
+  return {{"queries", v.queries},
+          {"localized", v.localized},
+          {"right", v.right},
+          {"ambiguous", v.ambiguous},
+          {"outside", v.outside},
+          {"false_localized", v.false_localized},
+          {"false_ambiguous", v.false_ambiguous},
+          {"most_inliers_outside", v.most_inliers},
+          {"reliability", bins},
+          {"worst_reliability_gap", worst}};
+}
+
+void Print(const std::string& scene, const VerdictModel& model, const Verdicts& v) {
+  std::printf("%-10s model %.1f %+.2f log(1+inliers) %+.2f share, from %d right and %d wrong\n",
+              scene.c_str(), model.intercept, model.log_inliers, model.inlier_share,
+              model.positives, model.negatives);
+  std::printf(
+      "           %d queries: %d localized, %d right, %d ambiguous; %d from elsewhere: %d "
+      "localized, "
+      "%d ambiguous, most inliers %d\n",
+      v.queries, v.localized, v.right, v.ambiguous, v.outside, v.false_localized, v.false_ambiguous,
+      v.most_inliers);
+  for (const Bin& bin : v.bins) {
+    if (bin.answers == 0) continue;
+    std::printf("           stated %.2f, observed %.2f of %d answers%s\n", bin.stated / bin.answers,
+                static_cast<double>(bin.right) / bin.answers, bin.answers,
+                bin.answers < kFewest ? " (too few to say)" : "");
+  }
+}
+
+struct Mapped {
+  std::unique_ptr<Scene> scene;
+  std::vector<std::string> inside;  // photos that show the scene
+};
+
+}  // namespace
+
+int RunVerdicts(const Args& raw) {
+  if (raw.size() > 1)
+    throw MapError(ErrorCode::kUsage, "verdicts wants one folder of data, or none");
+  const SceneLimits limits;
+  std::vector<Photos> photos;
+  photos.push_back(RenderOther(400));
+  std::vector<Mapped> maps;
+  maps.push_back({MakeWorldScene(400, 200, limits), {}});
+  if (!raw.empty()) {
+    const fs::path data = raw[0];
+    photos.push_back(ReadPhotos("street", {data / "street/image_0"}, 1));
+    photos.push_back(ReadPhotos("church", {data / "church/map", data / "church/query_P8"}, 1));
+    photos.push_back(ReadPhotos("kitchen", {data / "kitchen/rgb"}, 4));
+    photos.push_back(ReadPhotos("york_urban", {data / "york_urban"}, 1));
+    photos.push_back(ReadPhotos("dealership", {data / "dealership/rig"}, 1));
+    maps.push_back(
+        {OpenRgbdScene(data / "kitchen", {0, 499, 1}, {500, 990, 10}, limits), {"kitchen"}});
+    maps.push_back({OpenPhotoScene(data / "church", limits), {"church"}});
+  }
+  nlohmann::ordered_json json = {{"bench", "verdicts"}};
+  int outside = 0;
+  int false_localized = 0;
+  for (const Mapped& mapped : maps) {
+    std::vector<std::unique_ptr<Source>> sources;
+    sources.push_back(mapped.scene->OpenMap());
+    const auto index = MapIndex::Build(BuildMap(sources, BuildOptions{}, {}).map);
+    Verdicts verdicts;
+    AskScene(*mapped.scene, *index, verdicts);
+    for (const Photos& from : photos) {
+      const bool inside =
+          std::find(mapped.inside.begin(), mapped.inside.end(), from.name) != mapped.inside.end();
+      if (!inside) AskOutside(from, *index, verdicts);
+    }
+    Print(mapped.scene->name(), index->map().verdict.value_or(VerdictModel{}), verdicts);
+    json[mapped.scene->name()] = JsonOf(verdicts);
+    outside += verdicts.outside;
+    false_localized += verdicts.false_localized;
+  }
+  json["outside"] = outside;
+  json["false_localized"] = false_localized;
+  std::cout << json.dump() << std::endl;
+  return 0;
+}
+
+}  // namespace waystone::bench
