@@ -23,7 +23,8 @@ std::string Advice(const MapIndex& index, const AliasPair& alias) {
            "the other without losing sight of it, and build with it";
   }
   return "hang a poster or marker that is nowhere else near " + SourceOf(index, alias.a) + " or " +
-         SourceOf(index, alias.b) + ", and record that place again";
+         SourceOf(index, alias.b) + ", and record it again; if both are one place, record a way " +
+         "from one to the other instead";
 }
 
 std::string Advice(const WeakRun& run) {
@@ -87,6 +88,7 @@ Json AliasJson(const MapIndex& index, const AliasPair& alias) {
           {"b", KeyframeJson(index, alias.b)},
           {"inliers", alias.inliers},
           {"of_view", Rounded(alias.of_view, 3)},
+          {"shared", Rounded(alias.shared, 3)},
           {"planes", std::move(planes)},
           {"remedy", NameOf(alias.remedy)},
           {"advice", Advice(index, alias)}};

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "core/base/error.h"
@@ -61,23 +62,60 @@ std::vector<ShortlistedPlane> ShortlistElsewhere(const MapIndex& index, int plan
   return shortlist;
 }
 
-// A pair of planes by their index in the map, a < b.
+// A pair of planes by their index in the map.
 struct AlikePlanes {
   int a = 0;
   int b = 0;
   int inliers = 0;
+  double shared = 0;
 };
+
+std::vector<cv::Point2f> HullOf(const std::vector<Eigen::Vector2d>& outline) {
+  std::vector<cv::Point2f> hull;
+  for (const Eigen::Vector2d& x : outline) hull.emplace_back(x.x(), x.y());
+  return hull;
+}
+
+// Features of a plane that lie inside the outline of another one, seen through a homography;
+// `inside` is a point of the first plane that is certainly in front.
+int CountWithin(const Plane& plane, const Plane& other, const Eigen::Matrix3d& other_from_plane,
+                const Eigen::Vector2d& inside) {
+  const std::vector<cv::Point2f> hull = HullOf(other.outline);
+  if (hull.size() < 3) return 0;
+  return static_cast<int>(
+      std::count_if(plane.features.begin(), plane.features.end(), [&](const PlaneFeature& feature) {
+        const Eigen::Vector2d x(feature.reference.x_px, feature.reference.y_px);
+        if (!OnSameSide(other_from_plane, x, inside)) return false;
+        const Eigen::Vector2d y = Apply(other_from_plane, x);
+        return cv::pointPolygonTest(hull, cv::Point2f(y.x(), y.y()), false) >= 0;
+      }));
+}
+
+double SharedPart(const Plane& plane, const Plane& other, const Features& query,
+                  const VerifiedPlane& verified) {
+  const auto position = [](const Keypoint& k) { return Eigen::Vector2d(k.x_px, k.y_px); };
+  const Match& match = verified.inliers.front();
+  const Eigen::Matrix3d& other_from_plane = verified.reference_from_query.b_from_a;
+  const int within = CountWithin(plane, other, other_from_plane,
+                                 position(query.keypoints[match.a]));
+  const int within_other = CountWithin(other, plane, other_from_plane.inverse(),
+                                       position(other.features[match.b].reference));
+  const int both = std::max(1, std::min(within, within_other));
+  return std::min(1.0, static_cast<double>(verified.inliers.size()) / both);
+}
 
 std::vector<AlikePlanes> FindAlike(const MapIndex& index, int plane, const AuditOptions& options) {
   const Features query = AsQuery(index, plane, options.max_voters);
   if (query.size() < options.localize.gates.min_inliers) return {};
   const PackedFeatures packed(query);
+  const std::vector<Plane>& planes = index.map().planes;
   std::vector<AlikePlanes> alike;
   for (const ShortlistedPlane& candidate : ShortlistElsewhere(index, plane, query, options)) {
     const auto verified = VerifyPlane(index, packed, candidate.plane, options.localize);
     if (!verified || !verified->accepted) continue;
     alike.push_back({std::min(plane, candidate.plane), std::max(plane, candidate.plane),
-                     verified->distinct});
+                     verified->distinct,
+                     SharedPart(planes[plane], planes[candidate.plane], query, *verified)});
   }
   return alike;
 }
@@ -89,15 +127,15 @@ std::vector<AlikePlanes> FindAllAlike(const MapIndex& index, const AuditOptions&
   tbb::parallel_for(size_t{0}, count, [&](size_t plane) {
     of_plane[plane] = FindAlike(index, static_cast<int>(plane), options);
   });
-  std::map<std::pair<int, int>, int> best;
+  std::map<std::pair<int, int>, AlikePlanes> best;
   for (const auto& pairs : of_plane) {
     for (const AlikePlanes& pair : pairs) {
-      int& inliers = best[{pair.a, pair.b}];
-      inliers = std::max(inliers, pair.inliers);
+      AlikePlanes& known = best[{pair.a, pair.b}];
+      if (pair.inliers > known.inliers) known = pair;
     }
   }
   std::vector<AlikePlanes> all;
-  for (const auto& [pair, inliers] : best) all.push_back({pair.first, pair.second, inliers});
+  for (const auto& [ids, pair] : best) all.push_back(pair);
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& x, const auto& y) { return x.inliers > y.inliers; });
   return all;
@@ -121,7 +159,7 @@ std::vector<Group> GroupAlike(const MapIndex& index, const std::vector<AlikePlan
     Group& group = home == groups.end() ? groups.emplace_back() : *home;
     const bool turned = !(near(pair.a, group.empty() ? pair.a : group.front().a) &&
                           near(pair.b, group.empty() ? pair.b : group.front().b));
-    group.push_back(turned ? AlikePlanes{pair.b, pair.a, pair.inliers} : pair);
+    group.push_back(turned ? AlikePlanes{pair.b, pair.a, pair.inliers, pair.shared} : pair);
   }
   return groups;
 }
@@ -138,6 +176,16 @@ int InliersOf(const Group& group) {
   return inliers;
 }
 
+double MeanShared(const std::vector<AliasPlanes>& planes) {
+  double sum = 0;
+  double weights = 0;
+  for (const AliasPlanes& pair : planes) {
+    sum += pair.inliers * pair.shared;
+    weights += pair.inliers;
+  }
+  return sum / weights;
+}
+
 AliasPair Described(const MapIndex& index, const Group& group, const std::vector<KeyframeView>& views,
                     const AuditOptions& options) {
   const std::vector<Plane>& planes = index.map().planes;
@@ -149,14 +197,13 @@ AliasPair Described(const MapIndex& index, const Group& group, const std::vector
   for (const AlikePlanes& pair : group) {
     const Plane& a = planes[turned ? pair.b : pair.a];
     const Plane& b = planes[turned ? pair.a : pair.b];
-    const auto smaller = static_cast<double>(std::min(a.features.size(), b.features.size()));
-    alias.planes.push_back({a.id, b.id, pair.inliers, std::min(1.0, pair.inliers / smaller)});
+    alias.planes.push_back({a.id, b.id, pair.inliers, pair.shared});
   }
   alias.inliers = InliersOf(group);
   const int in_view = std::min(FeaturesInView(views, alias.a), FeaturesInView(views, alias.b));
   alias.of_view = std::min(1.0, static_cast<double>(alias.inliers) / std::max(1, in_view));
-  const bool same = alias.planes.front().shared >= options.same_surface_share;
-  alias.remedy = same ? Remedy::kJoin : Remedy::kMarker;
+  alias.shared = MeanShared(alias.planes);
+  alias.remedy = alias.shared >= options.same_surface_share ? Remedy::kJoin : Remedy::kMarker;
   return alias;
 }
 

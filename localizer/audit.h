@@ -20,9 +20,9 @@ struct AuditOptions {
   int votes_per_feature = 8;
   // Candidates whose homography is tried for each plane, 1 or more, best voted first.
   int max_candidates = 8;
-  // Two planes that share this part of the smaller one's features are taken for one surface that
-  // was mapped twice rather than for two things that look alike, 0 to 1.
-  double same_surface_share = 0.6;
+  // Two planes on which this share of the features is alike, where both of them were seen, are taken
+  // for one surface that was mapped twice rather than for two that bear the same thing, 0 to 1.
+  double same_surface_share = 0.15;
   // A keyframe with fewer features on planes in view is one that queries may not be recognised at,
   // 1 or more. A query finds a third to a half of them again and needs min_place_inliers.
   int min_view_features = 40;
@@ -49,7 +49,9 @@ struct AliasPlanes {
   PlaneId a;
   PlaneId b;
   int inliers = 0;    // distinct features of the one that fit the other
-  double shared = 0;  // inliers over the features of the smaller one, in [0, 1]
+  // Of the features that lie where both planes have some, the share that is alike, in [0, 1]: all
+  // over for one wall, little for two walls with the same poster.
+  double shared = 0;
 };
 
 // Two places that would answer for each other: no keyframe, edge or neighbour joins their planes.
@@ -61,6 +63,7 @@ struct AliasPair {
   // The part of the features in view at `a` or `b`, whichever is larger, that looks alike: with
   // LocalizeOptions' ambiguous_share or more, photos from there would be ambiguous. In [0, 1]
   double of_view = 0;
+  double shared = 0;  // mean of the planes', weighted by their inliers
   Remedy remedy = Remedy::kMarker;
 };
 
