@@ -7,7 +7,8 @@
 
 namespace waystone {
 
-// Writes the pictures of a walk through the demo's building, with their truth, into `dir`.
+// Writes the pictures of a walk through the demo's building, with their truth, into `dir`, and
+// photos with queries.csv, which says where they were taken, for `waystone eval`.
 void WriteDemoWalk(const std::filesystem::path& dir, const WriteProgress& progress);
 
 // The demo's three photos.
