@@ -13,8 +13,11 @@ std::string Counted(int count, const std::string& what) {
 
 std::string Percent(double share) { return std::to_string(std::lround(100 * share)) + " %"; }
 
+// As `waystone eval` takes it.
 std::string SourceOf(const MapIndex& index, KeyframeId id) {
-  return index.FindKeyframe(id)->source;
+  const Keyframe& keyframe = *index.FindKeyframe(id);
+  if (index.map().sequences.size() == 1) return keyframe.source;
+  return index.FindSequence(keyframe.sequence)->name + ":" + keyframe.source;
 }
 
 std::string Advice(const MapIndex& index, const AliasPair& alias) {
@@ -48,6 +51,16 @@ std::string AliasText(const MapIndex& index, const AliasPair& alias) {
     text += " " + std::to_string(planes.a.value) + "/" + std::to_string(planes.b.value);
   }
   return text + "\n    " + Advice(index, alias) + "\n";
+}
+
+constexpr const char* kTieAdvice =
+    "look at both keyframes: if they are two places, hang something else at one of them and build "
+    "again; if they are one, record a slower way through it";
+
+std::string TieText(const MapIndex& index, const LoneTie& tie) {
+  return "  " + SourceOf(index, tie.a) + " and " + SourceOf(index, tie.b) + ": plane " +
+         std::to_string(tie.plane.value) + " alone, " + Counted(tie.inliers, "feature") + "\n    " +
+         kTieAdvice + "\n";
 }
 
 std::string Cause(const WeakRun& run) {
@@ -84,14 +97,18 @@ Json AliasJson(const MapIndex& index, const AliasPair& alias) {
                       {"inliers", pair.inliers},
                       {"shared", Rounded(pair.shared, 3)}});
   }
-  return {{"a", KeyframeJson(index, alias.a)},
-          {"b", KeyframeJson(index, alias.b)},
-          {"inliers", alias.inliers},
-          {"of_view", Rounded(alias.of_view, 3)},
-          {"shared", Rounded(alias.shared, 3)},
-          {"planes", std::move(planes)},
-          {"remedy", NameOf(alias.remedy)},
-          {"advice", Advice(index, alias)}};
+  return {{"a", KeyframeJson(index, alias.a)},  {"b", KeyframeJson(index, alias.b)},
+          {"inliers", alias.inliers},           {"of_view", Rounded(alias.of_view, 3)},
+          {"shared", Rounded(alias.shared, 3)}, {"planes", std::move(planes)},
+          {"remedy", NameOf(alias.remedy)},     {"advice", Advice(index, alias)}};
+}
+
+Json TieJson(const MapIndex& index, const LoneTie& tie) {
+  return {{"plane", tie.plane.value},
+          {"a", KeyframeJson(index, tie.a)},
+          {"b", KeyframeJson(index, tie.b)},
+          {"inliers", tie.inliers},
+          {"advice", kTieAdvice}};
 }
 
 Json WeakJson(const MapIndex& index, const WeakRun& run) {
@@ -112,6 +129,9 @@ std::string AuditText(const MapIndex& index, const AuditReport& report) {
   std::string text = Counted(count(report.aliases.size()), "pair") +
                      " of places that would answer for each other\n";
   for (const AliasPair& alias : report.aliases) text += AliasText(index, alias);
+  text +=
+      Counted(count(report.ties.size()), "pair") + " of places that one plane alone makes one\n";
+  for (const LoneTie& tie : report.ties) text += TieText(index, tie);
   text += Counted(count(report.weak.size()), "run") +
           " of keyframes with too little to be recognised by\n";
   for (const WeakRun& run : report.weak) text += WeakText(index, run);
@@ -121,8 +141,10 @@ std::string AuditText(const MapIndex& index, const AuditReport& report) {
 Json AuditJson(const MapIndex& index, const AuditReport& report) {
   Json json;
   json["aliases"] = Json::array();
+  json["ties"] = Json::array();
   json["weak"] = Json::array();
   for (const AliasPair& alias : report.aliases) json["aliases"].push_back(AliasJson(index, alias));
+  for (const LoneTie& tie : report.ties) json["ties"].push_back(TieJson(index, tie));
   for (const WeakRun& run : report.weak) json["weak"].push_back(WeakJson(index, run));
   return json;
 }

@@ -102,8 +102,8 @@ std::filesystem::path Save(const std::filesystem::path& path, const std::vector<
 
 std::string Row(const std::string& image, size_t frame, const Eigen::Vector3d& position) {
   std::ostringstream row;
-  row << image << ',' << frame << ',' << position.x() << ',' << position.y() << ','
-      << position.z() << '\n';
+  row << image << ',' << frame << ',' << position.x() << ',' << position.y() << ',' << position.z()
+      << '\n';
   return row.str();
 }
 
@@ -117,8 +117,8 @@ void WriteQueries(const World& world, const Walk& walk, const std::filesystem::p
   for (size_t at = step / 2; at + 1 < walk.frames.size(); at += step) {
     const std::string name = std::to_string(at) + ".jpg";
     Save(dir / "queries" / name, PhotoAfter(world, walk, at));
-    rows += Row("queries/" + name, at,
-                PoseBetween(walk.frames[at], walk.frames[at + 1]).translation());
+    rows +=
+        Row("queries/" + name, at, PoseBetween(walk.frames[at], walk.frames[at + 1]).translation());
     Save(dir / "queries" / ("other-" + name), PhotoAfter(other, elsewhere, at));
     rows += "queries/other-" + name + ",,,,\n";
   }

@@ -57,8 +57,8 @@ std::vector<ScoredQuery> AskAll(const OpenMap& map, const std::vector<LabelledQu
   std::vector<ScoredQuery> scored;
   for (const LabelledQuery& query : queries) {
     scored.push_back(Ask(map, query, positions));
-    meter.Update({"queries", static_cast<int>(scored.size()), static_cast<int>(queries.size()),
-                  ""});
+    meter.Update(
+        {"queries", static_cast<int>(scored.size()), static_cast<int>(queries.size()), ""});
   }
   return scored;
 }
@@ -76,8 +76,7 @@ int RunEval(const EvalFlags& flags) {
     json["failures"] = FailuresJson(*map.index, scored);
     std::cout << Dump(json) << '\n';
   } else {
-    std::cout << map.name << ", " << EvaluationText(evaluation)
-              << MistakesText(*map.index, scored);
+    std::cout << map.name << ", " << EvaluationText(evaluation) << MistakesText(*map.index, scored);
   }
   return 0;
 }

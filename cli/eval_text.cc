@@ -113,8 +113,8 @@ Json PositionJson(const PositionErrors& p) {
 }  // namespace
 
 std::string EvaluationText(const Evaluation& evaluation) {
-  std::string text = CountsLines(evaluation) + ReliabilityLines(evaluation) +
-                     LatencyLines(evaluation.latency);
+  std::string text =
+      CountsLines(evaluation) + ReliabilityLines(evaluation) + LatencyLines(evaluation.latency);
   if (evaluation.position) text += PositionLines(*evaluation.position);
   return text;
 }

@@ -38,8 +38,8 @@ class KeyframeNames {
   const Sequence* FindSequence(const std::string& name) const {
     const std::vector<Sequence>& all = index_.map().sequences;
     if (name.empty()) return all.size() == 1 ? &all.front() : nullptr;
-    const auto found = std::find_if(all.begin(), all.end(),
-                                    [&](const Sequence& sequence) { return sequence.name == name; });
+    const auto found = std::find_if(
+        all.begin(), all.end(), [&](const Sequence& sequence) { return sequence.name == name; });
     return found == all.end() ? nullptr : &*found;
   }
 
@@ -49,7 +49,8 @@ class KeyframeNames {
     const Keyframe* after = nullptr;
     for (const Keyframe& keyframe : index_.map().keyframes) {
       if (keyframe.sequence != sequence) continue;
-      if (keyframe.frame <= frame && (!before || keyframe.frame > before->frame)) before = &keyframe;
+      if (keyframe.frame <= frame && (!before || keyframe.frame > before->frame))
+        before = &keyframe;
       if (keyframe.frame >= frame && (!after || keyframe.frame < after->frame)) after = &keyframe;
     }
     std::vector<KeyframeId> ids;
@@ -85,8 +86,9 @@ KeyframeId KeyframeNamed(const CsvFile& file, int line, const std::string& name,
              "the map has no keyframe \"" + name + "\"; see GET /v1/maps/{map}/keyframes");
   }
   if (found.size() > 1) {
-    FailName(file, line, "the map has " + std::to_string(found.size()) + " keyframes \"" + name +
-                             "\"; write sequence:source");
+    FailName(file, line,
+             "the map has " + std::to_string(found.size()) + " keyframes \"" + name +
+                 "\"; write sequence:source");
   }
   return found.front();
 }
@@ -109,9 +111,9 @@ FrameName ParseFrame(const CsvFile& file, int line, const std::string& cell,
   const Sequence* sequence = names.FindSequence(sequence_name);
   if (sequence == nullptr) {
     FailName(file, line,
-             sequence_name.empty() ? "the map has several sequences; write sequence:frame"
-                                   : "the map has no sequence \"" + sequence_name +
-                                         "\"; `waystone info` lists them");
+             sequence_name.empty()
+                 ? "the map has several sequences; write sequence:frame"
+                 : "the map has no sequence \"" + sequence_name + "\"; `waystone info` lists them");
   }
   return {sequence->id, std::stoi(number)};
 }
@@ -141,7 +143,8 @@ std::vector<KeyframeId> TruthOf(const CsvFile& file, const CsvFile::Row& row,
     }
     const FrameName frame = ParseFrame(file, row.line, name, names);
     const std::vector<KeyframeId> around = names.Around(frame.sequence, frame.frame);
-    if (around.empty()) FailName(file, row.line, "the sequence of frame " + name + " has no keyframe");
+    if (around.empty())
+      FailName(file, row.line, "the sequence of frame " + name + " has no keyframe");
     truth.insert(truth.end(), around.begin(), around.end());
   }
   return truth;
@@ -209,15 +212,17 @@ std::vector<LabelledQuery> ReadNegatives(const fs::path& folder) {
   fs::recursive_directory_iterator at(folder, error);
   for (; !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
     std::error_code unknown;
-    if (at->is_regular_file(unknown) && IsImage(at->path())) queries.push_back({at->path(), {}, {}});
+    if (at->is_regular_file(unknown) && IsImage(at->path()))
+      queries.push_back({at->path(), {}, {}});
   }
   if (error) {
     throw MapError(ErrorCode::kFileUnreadable,
                    folder.string() + ": " + error.message() + "; give a folder of images");
   }
   if (queries.empty()) {
-    throw MapError(ErrorCode::kBadSource,
-                   folder.string() + " has no image; give a folder with JPEG, PNG, BMP or PNM files");
+    throw MapError(
+        ErrorCode::kBadSource,
+        folder.string() + " has no image; give a folder with JPEG, PNG, BMP or PNM files");
   }
   std::sort(queries.begin(), queries.end(),
             [](const LabelledQuery& a, const LabelledQuery& b) { return a.image < b.image; });

@@ -12,6 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/homography/homography.h"
+#include "localizer/audit_ties.h"
 #include "localizer/audit_views.h"
 #include "localizer/decide.h"
 #include "localizer/shortlist.h"
@@ -26,9 +27,8 @@ Features AsQuery(const MapIndex& index, int plane_index, int max_voters) {
   const Keyframe& reference = *index.FindKeyframe(plane.reference);
   std::vector<int> rows(plane.features.size());
   std::iota(rows.begin(), rows.end(), 0);
-  std::stable_sort(rows.begin(), rows.end(), [&](int i, int j) {
-    return plane.features[i].votes > plane.features[j].votes;
-  });
+  std::stable_sort(rows.begin(), rows.end(),
+                   [&](int i, int j) { return plane.features[i].votes > plane.features[j].votes; });
   if (static_cast<int>(rows.size()) > max_voters) rows.resize(max_voters);
   const Descriptors descriptors = index.DescriptorsOf(plane_index);
   Features query;
@@ -53,8 +53,7 @@ std::vector<ShortlistedPlane> ShortlistElsewhere(const MapIndex& index, int plan
   all.max_candidates = std::max(1, static_cast<int>(planes.size()));
   std::vector<ShortlistedPlane> shortlist = ShortlistPlanes(index, query, all);
   std::erase_if(shortlist, [&](const ShortlistedPlane& candidate) {
-    return candidate.plane == plane ||
-           PlanesAreNear(index, planes[plane], planes[candidate.plane]);
+    return candidate.plane == plane || PlanesAreNear(index, planes[plane], planes[candidate.plane]);
   });
   if (static_cast<int>(shortlist.size()) > options.max_candidates) {
     shortlist.resize(options.max_candidates);
@@ -96,8 +95,8 @@ double SharedPart(const Plane& plane, const Plane& other, const Features& query,
   const auto position = [](const Keypoint& k) { return Eigen::Vector2d(k.x_px, k.y_px); };
   const Match& match = verified.inliers.front();
   const Eigen::Matrix3d& other_from_plane = verified.reference_from_query.b_from_a;
-  const int within = CountWithin(plane, other, other_from_plane,
-                                 position(query.keypoints[match.a]));
+  const int within =
+      CountWithin(plane, other, other_from_plane, position(query.keypoints[match.a]));
   const int within_other = CountWithin(other, plane, other_from_plane.inverse(),
                                        position(other.features[match.b].reference));
   const int both = std::max(1, std::min(within, within_other));
@@ -186,8 +185,8 @@ double MeanShared(const std::vector<AliasPlanes>& planes) {
   return sum / weights;
 }
 
-AliasPair Described(const MapIndex& index, const Group& group, const std::vector<KeyframeView>& views,
-                    const AuditOptions& options) {
+AliasPair Described(const MapIndex& index, const Group& group,
+                    const std::vector<KeyframeView>& views, const AuditOptions& options) {
   const std::vector<Plane>& planes = index.map().planes;
   AliasPair alias;
   alias.a = planes[group.front().a].reference;
@@ -261,7 +260,8 @@ void AuditOptions::Check() const {
 AuditReport AuditMap(const MapIndex& index, const AuditOptions& options) {
   options.Check();
   const std::vector<KeyframeView> views = ViewsOf(index.map());
-  return {FindAliases(index, views, options), FindWeakRuns(index.map(), views, options)};
+  return {FindAliases(index, views, options), FindLoneTies(index, views),
+          FindWeakRuns(index.map(), views, options)};
 }
 
 }  // namespace waystone

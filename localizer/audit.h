@@ -20,8 +20,9 @@ struct AuditOptions {
   int votes_per_feature = 8;
   // Candidates whose homography is tried for each plane, 1 or more, best voted first.
   int max_candidates = 8;
-  // Two planes on which this share of the features is alike, where both of them were seen, are taken
-  // for one surface that was mapped twice rather than for two that bear the same thing, 0 to 1.
+  // Two planes on which this share of the features is alike, where both of them were seen, are
+  // taken for one surface that was mapped twice rather than for two that bear the same thing, 0
+  // to 1.
   double same_surface_share = 0.15;
   // A keyframe with fewer features on planes in view is one that queries may not be recognised at,
   // 1 or more. A query finds a third to a half of them again and needs min_place_inliers.
@@ -48,7 +49,7 @@ const char* NameOf(Remedy remedy);
 struct AliasPlanes {
   PlaneId a;
   PlaneId b;
-  int inliers = 0;    // distinct features of the one that fit the other
+  int inliers = 0;  // distinct features of the one that fit the other
   // Of the features that lie where both planes have some, the share that is alike, in [0, 1]: all
   // over for one wall, little for two walls with the same poster.
   double shared = 0;
@@ -56,8 +57,8 @@ struct AliasPlanes {
 
 // Two places that would answer for each other: no keyframe, edge or neighbour joins their planes.
 struct AliasPair {
-  KeyframeId a;  // reference of the plane with the most inliers ...
-  KeyframeId b;  // ... and of the one that it looks like; a < b
+  KeyframeId a;                     // reference of the plane with the most inliers ...
+  KeyframeId b;                     // ... and of the one that it looks like; a < b
   std::vector<AliasPlanes> planes;  // most inliers first; each `a` is near the others', and `b` too
   int inliers = 0;                  // of planes that look alike, none counted twice
   // The part of the features in view at `a` or `b`, whichever is larger, that looks alike: with
@@ -86,8 +87,19 @@ struct WeakRun {
   Remedy remedy = Remedy::kMoreViews;
 };
 
+// Two visits that nothing but one plane ties to each other: no other plane was seen on both, and no
+// edge leads from one to the other. Either a place that was found again by a little, or two places
+// with the same thing on their walls that were fused.
+struct LoneTie {
+  PlaneId plane;
+  KeyframeId a;     // of the one visit, where most of the plane was seen ...
+  KeyframeId b;     // ... and of the other; a < b
+  int inliers = 0;  // features of the plane that were found in either
+};
+
 struct AuditReport {
   std::vector<AliasPair> aliases;  // most inliers first
+  std::vector<LoneTie> ties;       // in the order of the planes; at most one a plane
   std::vector<WeakRun> weak;       // in the map's order
 };
 

@@ -78,7 +78,7 @@ WeakRun Described(const MapData& map, const std::vector<KeyframeView>& views, co
   weak.planes = static_cast<int>(planes.size());
   weak.weakness = weakness;
   const bool too_fast = EndsAtBreak(map.keyframes, run);
-  weak.remedy = too_fast                            ? Remedy::kSlowerPass
+  weak.remedy = too_fast                             ? Remedy::kSlowerPass
                 : weak.keyframes < options.short_run ? Remedy::kMoreViews
                                                      : Remedy::kMarker;
   return weak;
@@ -104,9 +104,9 @@ std::vector<KeyframeView> ViewsOf(const MapData& map) {
 }
 
 int FeaturesInView(const std::vector<KeyframeView>& views, KeyframeId keyframe) {
-  const auto found = std::lower_bound(
-      views.begin(), views.end(), keyframe,
-      [](const KeyframeView& view, KeyframeId id) { return view.keyframe < id; });
+  const auto found =
+      std::lower_bound(views.begin(), views.end(), keyframe,
+                       [](const KeyframeView& view, KeyframeId id) { return view.keyframe < id; });
   return found == views.end() || found->keyframe != keyframe ? 0 : found->features;
 }
 
@@ -114,9 +114,8 @@ std::vector<WeakRun> FindWeakRuns(const MapData& map, const std::vector<Keyframe
                                   const AuditOptions& options) {
   const std::vector<Keyframe>& keyframes = map.keyframes;
   std::vector<WeakRun> weak;
-  for (const Run& stretch : Split(keyframes, [&](int a, int b) {
-         return SameStretch(keyframes[a], keyframes[b]);
-       })) {
+  for (const Run& stretch :
+       Split(keyframes, [&](int a, int b) { return SameStretch(keyframes[a], keyframes[b]); })) {
     const WeakRun whole = Described(map, views, stretch, Weakness::kFewPlanes, options);
     if (whole.planes > 0 && whole.planes < options.min_stretch_planes) weak.push_back(whole);
   }

@@ -108,9 +108,8 @@ bool IsRightPlace(const MapIndex& index, const std::vector<KeyframeId>& truth,
   if (std::find(truth.begin(), truth.end(), answered) != truth.end()) return true;
   const std::vector<Plane>& planes = index.map().planes;
   return std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
-    return Saw(plane, answered) && std::any_of(truth.begin(), truth.end(), [&](KeyframeId id) {
-             return Saw(plane, id);
-           });
+    return Saw(plane, answered) &&
+           std::any_of(truth.begin(), truth.end(), [&](KeyframeId id) { return Saw(plane, id); });
   });
 }
 

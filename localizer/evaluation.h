@@ -89,7 +89,7 @@ struct Evaluation {
   std::vector<ReliabilityBin> reliability;            // of all answers about readable images
   std::vector<ReliabilityBin> reliability_localized;  // of the localized ones
   Latency latency;                                    // of readable images
-  std::optional<PositionErrors> position;  // of localized positives whose error is known
+  std::optional<PositionErrors> position;             // of localized positives whose error is known
 };
 
 // The bins of the reliability tables, of equal width.

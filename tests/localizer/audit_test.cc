@@ -70,6 +70,34 @@ TEST(Audit, NeighboursAreNoAliases) {
   EXPECT_TRUE(AuditMap(*MapIndex::Build(map)).aliases.empty());
 }
 
+// The made map with plane 1 seen in keyframe 5 too, as if a poster there had been fused with it.
+MapData FusedMap() {
+  MapData map = MadeMap();
+  map.planes[0].views.push_back({KeyframeId{5}, Eigen::Matrix3d::Identity(), 30});
+  return map;
+}
+
+TEST(Audit, FusedPosterIsALoneTie) {
+  EXPECT_TRUE(AuditMap(*MadeIndex()).ties.empty());
+  const AuditReport report = AuditMap(*MapIndex::Build(FusedMap()));
+  ASSERT_EQ(report.ties.size(), 1u);
+  EXPECT_EQ(report.ties[0].plane, PlaneId{1});
+  EXPECT_EQ(report.ties[0].a, KeyframeId{3});
+  EXPECT_EQ(report.ties[0].b, KeyframeId{5});
+  EXPECT_EQ(report.ties[0].inliers, 30);
+}
+
+TEST(Audit, VisitsTiedByOtherPlanesAreOnePlace) {
+  MapData map = FusedMap();
+  map.planes[1].views.push_back({KeyframeId{5}, Eigen::Matrix3d::Identity(), 30});
+  EXPECT_TRUE(AuditMap(*MapIndex::Build(map)).ties.empty()) << "two planes were seen again";
+  map = FusedMap();
+  Edge edge = map.edges.back();
+  edge.b = PlaneId{4};
+  map.edges.push_back(edge);
+  EXPECT_TRUE(AuditMap(*MapIndex::Build(map)).ties.empty()) << "an edge leads from 2 to 4";
+}
+
 TEST(Audit, StretchWithOnePlaneIsWeak) {
   const AuditReport report = AuditMap(*MadeIndex());
   ASSERT_EQ(report.weak.size(), 1u);

@@ -43,12 +43,11 @@ TEST_F(EvaluationTest, RightIsTrueOrCovisible) {
 }
 
 TEST_F(EvaluationTest, OutcomesAreCounted) {
-  const Evaluation e = Measure({Localized({1}, 2, 0.9), Localized({1}, 6, 0.9),
-                                Localized({}, 6, 0.9), Query({1}, Verdict::kNotInMap, 0, 0),
-                                Query({1}, Verdict::kAmbiguous, 1, 0.5),
-                                Query({}, Verdict::kAmbiguous, 1, 0.5),
-                                Query({}, Verdict::kNotInMap, 0, 0),
-                                Query({2}, Verdict::kBadImage, 0, 0)});
+  const Evaluation e =
+      Measure({Localized({1}, 2, 0.9), Localized({1}, 6, 0.9), Localized({}, 6, 0.9),
+               Query({1}, Verdict::kNotInMap, 0, 0), Query({1}, Verdict::kAmbiguous, 1, 0.5),
+               Query({}, Verdict::kAmbiguous, 1, 0.5), Query({}, Verdict::kNotInMap, 0, 0),
+               Query({2}, Verdict::kBadImage, 0, 0)});
   EXPECT_EQ(e.queries, 8);
   EXPECT_EQ(e.positives, 5);
   EXPECT_EQ(e.negatives, 3);
@@ -63,9 +62,9 @@ TEST_F(EvaluationTest, OutcomesAreCounted) {
 }
 
 TEST_F(EvaluationTest, FullPrecisionCountsOnlyWhatIsSurerThanEveryFalseAnswer) {
-  const Evaluation e = Measure({Localized({1}, 1, 0.99), Localized({1}, 1, 0.9),
-                                Localized({2}, 2, 0.8), Localized({}, 6, 0.9),
-                                Localized({1}, 5, 0.3)});
+  const Evaluation e =
+      Measure({Localized({1}, 1, 0.99), Localized({1}, 1, 0.9), Localized({2}, 2, 0.8),
+               Localized({}, 6, 0.9), Localized({1}, 5, 0.3)});
   EXPECT_DOUBLE_EQ(e.threshold, 0.9);
   EXPECT_DOUBLE_EQ(e.recall_at_full_precision, 0.25) << "0.9 itself isn't above 0.9";
   EXPECT_DOUBLE_EQ(e.recall, 0.75);
@@ -79,10 +78,10 @@ TEST_F(EvaluationTest, WithoutFalseAnswersFullPrecisionIsRecall) {
 }
 
 TEST_F(EvaluationTest, ReliabilityComparesStatedWithObserved) {
-  const Evaluation e = Measure(
-      {Localized({1}, 1, 0.92), Localized({1}, 5, 0.98), Localized({1}, 1, 1.0),
-       Query({1}, Verdict::kNotInMap, 1, 0.25), Query({}, Verdict::kNotInMap, 1, 0.21),
-       Query({}, Verdict::kNotInMap, 0, 0), Query({1}, Verdict::kBadImage, 0, 0)});
+  const Evaluation e =
+      Measure({Localized({1}, 1, 0.92), Localized({1}, 5, 0.98), Localized({1}, 1, 1.0),
+               Query({1}, Verdict::kNotInMap, 1, 0.25), Query({}, Verdict::kNotInMap, 1, 0.21),
+               Query({}, Verdict::kNotInMap, 0, 0), Query({1}, Verdict::kBadImage, 0, 0)});
   ASSERT_EQ(e.reliability.size(), 10u);
   EXPECT_EQ(e.reliability[9].count, 3);
   EXPECT_NEAR(e.reliability[9].stated, 2.9 / 3, 1e-12);
