@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "core/base/error.h"
@@ -107,11 +108,21 @@ std::string Row(const std::string& image, size_t frame, const Eigen::Vector3d& p
   return row.str();
 }
 
-// Photos from between the walk's frames and from another building, for `waystone eval`.
-void WriteQueries(const World& world, const Walk& walk, const std::filesystem::path& dir) {
+}  // namespace
+
+void WriteDemoWalk(const std::filesystem::path& dir, const WriteProgress& progress) {
+  WriteWalkOptions options;
+  options.render = PhoneLook();
+  WriteWalk(DemoWorld(), ShortWalk(DemoPlan()), dir, options, progress);
+}
+
+void WriteDemoQueries(const std::filesystem::path& dir) {
+  const World world = DemoWorld();
+  const Walk walk = ShortWalk(DemoPlan());
   const World other = OtherWorld();
   const Walk elsewhere = ShortWalk(OtherPlan());
-  std::filesystem::create_directory(dir / "queries");
+  std::error_code seen_by_save;
+  std::filesystem::create_directory(dir / "queries", seen_by_save);
   std::string rows = "image,frame,x,y,z\n";
   const size_t step = walk.frames.size() / kQueries;
   for (size_t at = step / 2; at + 1 < walk.frames.size(); at += step) {
@@ -123,17 +134,6 @@ void WriteQueries(const World& world, const Walk& walk, const std::filesystem::p
     rows += "queries/other-" + name + ",,,,\n";
   }
   Save(dir / "queries.csv", {rows.begin(), rows.end()});
-}
-
-}  // namespace
-
-void WriteDemoWalk(const std::filesystem::path& dir, const WriteProgress& progress) {
-  WriteWalkOptions options;
-  options.render = PhoneLook();
-  const World world = DemoWorld();
-  const Walk walk = ShortWalk(DemoPlan());
-  WriteWalk(world, walk, dir, options, progress);
-  WriteQueries(world, walk, dir);
 }
 
 DemoPhotos WriteDemoPhotos(const std::filesystem::path& dir) {
