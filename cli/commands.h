@@ -14,6 +14,8 @@ using Run = std::function<int()>;
 void AddBuild(CLI::App& app, Run& run);
 void AddServe(CLI::App& app, Run& run);
 void AddLocalize(CLI::App& app, Run& run);
+void AddEval(CLI::App& app, Run& run);
+void AddAudit(CLI::App& app, Run& run);
 void AddInfo(CLI::App& app, Run& run);
 void AddCheck(CLI::App& app, Run& run);
 void AddMigrate(CLI::App& app, Run& run);

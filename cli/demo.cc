@@ -139,8 +139,11 @@ int AskAll(const std::string& url, const DemoPhotos& photos) {
 int RunDemo(const DemoFlags& flags) {
   if (!flags.write_folder.empty()) {
     WriteWalkWithProgress(flags.write_folder);
+    WriteDemoQueries(flags.write_folder);
     Say("The walk is in " + flags.write_folder + "; README.txt there says what each file is.\n" +
-        "Next: waystone build " + flags.write_folder + "/images -o demo.db");
+        "Next: waystone build " + flags.write_folder + "/images -o demo.db\n" +
+        "then: waystone eval demo.db " + flags.write_folder + "/queries.csv --poses " +
+        flags.write_folder + "/poses.csv");
     return 0;
   }
   const DemoFolder folder(flags.keep_folder);

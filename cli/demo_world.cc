@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "core/base/error.h"
@@ -21,6 +23,9 @@ constexpr uint64_t kOtherSeed = 77;
 // Where in the walk the photos are taken, as a share of its frames.
 constexpr double kPhotoAt = 0.4;
 constexpr uint64_t kPhotoNoiseSeed = 4242;
+
+// Photos of the walk's building, and as many of another one, that come with a written walk.
+constexpr size_t kQueries = 20;
 
 // Pictures of the walk: a demo should be over soon.
 constexpr size_t kPictures = 160;
@@ -68,15 +73,20 @@ Eigen::Isometry3d PoseBetween(const WalkFrame& a, const WalkFrame& b) {
   return pose;
 }
 
-std::vector<uint8_t> Photo(const World& world, const Walk& walk) {
-  const auto at = static_cast<size_t>(kPhotoAt * static_cast<double>(walk.frames.size()));
+// A photo from between a frame of the walk and the next one.
+std::vector<uint8_t> PhotoAfter(const World& world, const Walk& walk, size_t at) {
   RenderOptions look = PhoneLook();
-  look.noise_seed = kPhotoNoiseSeed;
+  look.noise_seed = kPhotoNoiseSeed + at;
   const RenderedFrame frame = Render(world, WriteWalkOptions().camera,
                                      PoseBetween(walk.frames.at(at), walk.frames.at(at + 1)), look);
   std::vector<uint8_t> jpeg;
   cv::imencode(".jpg", frame.grey, jpeg);
   return jpeg;
+}
+
+std::vector<uint8_t> Photo(const World& world, const Walk& walk) {
+  return PhotoAfter(world, walk,
+                    static_cast<size_t>(kPhotoAt * static_cast<double>(walk.frames.size())));
 }
 
 std::filesystem::path Save(const std::filesystem::path& path, const std::vector<uint8_t>& bytes) {
@@ -91,12 +101,39 @@ std::filesystem::path Save(const std::filesystem::path& path, const std::vector<
   return path;
 }
 
+std::string Row(const std::string& image, size_t frame, const Eigen::Vector3d& position) {
+  std::ostringstream row;
+  row << image << ',' << frame << ',' << position.x() << ',' << position.y() << ',' << position.z()
+      << '\n';
+  return row.str();
+}
+
 }  // namespace
 
 void WriteDemoWalk(const std::filesystem::path& dir, const WriteProgress& progress) {
   WriteWalkOptions options;
   options.render = PhoneLook();
   WriteWalk(DemoWorld(), ShortWalk(DemoPlan()), dir, options, progress);
+}
+
+void WriteDemoQueries(const std::filesystem::path& dir) {
+  const World world = DemoWorld();
+  const Walk walk = ShortWalk(DemoPlan());
+  const World other = OtherWorld();
+  const Walk elsewhere = ShortWalk(OtherPlan());
+  std::error_code seen_by_save;
+  std::filesystem::create_directory(dir / "queries", seen_by_save);
+  std::string rows = "image,frame,x,y,z\n";
+  const size_t step = walk.frames.size() / kQueries;
+  for (size_t at = step / 2; at + 1 < walk.frames.size(); at += step) {
+    const std::string name = std::to_string(at) + ".jpg";
+    Save(dir / "queries" / name, PhotoAfter(world, walk, at));
+    rows +=
+        Row("queries/" + name, at, PoseBetween(walk.frames[at], walk.frames[at + 1]).translation());
+    Save(dir / "queries" / ("other-" + name), PhotoAfter(other, elsewhere, at));
+    rows += "queries/other-" + name + ",,,,\n";
+  }
+  Save(dir / "queries.csv", {rows.begin(), rows.end()});
 }
 
 DemoPhotos WriteDemoPhotos(const std::filesystem::path& dir) {

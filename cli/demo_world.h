@@ -10,6 +10,10 @@ namespace waystone {
 // Writes the pictures of a walk through the demo's building, with their truth, into `dir`.
 void WriteDemoWalk(const std::filesystem::path& dir, const WriteProgress& progress);
 
+// Adds photos from between the walk's frames and of another building to a written walk, with
+// queries.csv, which says where they were taken. Throws MapError(kFileUnwritable).
+void WriteDemoQueries(const std::filesystem::path& dir);
+
 // The demo's three photos.
 struct DemoPhotos {
   std::filesystem::path right;      // of the same building, from between two of the walk's frames

@@ -19,13 +19,13 @@ OpenMap OpenMapFile(const std::filesystem::path& path, bool images) {
   return {MapNameOf(path), MapIndex::Build(ReadMap(path, options))};
 }
 
-std::vector<uint8_t> ReadBytes(const std::filesystem::path& path) {
+std::vector<uint8_t> ReadBytes(const std::filesystem::path& path, const std::string& wanted) {
   errno = 0;
   if (std::filesystem::is_directory(path)) errno = EISDIR;
   std::ifstream in(path, std::ios::binary);
   if (!in || errno == EISDIR) {
-    throw MapError(ErrorCode::kFileUnreadable, path.string() + ": " + std::strerror(errno) +
-                                                   "; give the path of an image file");
+    throw MapError(ErrorCode::kFileUnreadable,
+                   path.string() + ": " + std::strerror(errno) + "; give the path of " + wanted);
   }
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }

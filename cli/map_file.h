@@ -23,7 +23,9 @@ std::string MapNameOf(const std::filesystem::path& path);
 // Reads a map file and makes it ready for queries. Throws as ReadMap does.
 OpenMap OpenMapFile(const std::filesystem::path& path, bool images);
 
-// The bytes of a file. Throws MapError(kFileUnreadable) with the cause.
-std::vector<uint8_t> ReadBytes(const std::filesystem::path& path);
+// The bytes of a file. Throws MapError(kFileUnreadable) with the cause, and `wanted` as what to
+// give.
+std::vector<uint8_t> ReadBytes(const std::filesystem::path& path,
+                               const std::string& wanted = "an image file");
 
 }  // namespace waystone

@@ -54,6 +54,8 @@ int RunProgram(int argc, char** argv) {
   AddBuild(app, run);
   AddServe(app, run);
   AddLocalize(app, run);
+  AddEval(app, run);
+  AddAudit(app, run);
   AddInfo(app, run);
   AddCheck(app, run);
   AddMigrate(app, run);

@@ -45,6 +45,8 @@ plane_ids/      16 bit pictures: the id of the plane that each pixel of images/ 
 visible.csv     how many pixels of each plane each picture of images/ shows
 rig/            six cameras of 90 by 90 degrees at the same pose: front looks along the camera's z
 rig.yaml        their calibration and the rotation of each: x_rig = R(q) x_camera
+queries/        photos from between the frames, and of another building
+queries.csv     image, the frame before it (empty: another building), position: for waystone eval
 panorama/       equirectangular pictures: the middle looks along the camera's z, columns are azimuth
                 (growing to the right), rows elevation
 

@@ -3,10 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <string>
 
+#include "cli/audit_text.h"
 #include "cli/build_text.h"
+#include "cli/csv_file.h"
+#include "cli/eval_text.h"
 #include "cli/map_file.h"
 #include "cli/progress.h"
 #include "core/base/error.h"
@@ -33,6 +38,81 @@ TEST(MapNameOf, IsTheFilesNameAlone) {
   EXPECT_EQ(MapNameOf("/maps/lab.db"), "lab");
   EXPECT_EQ(MapNameOf("lab.v2.db"), "lab.v2");
   EXPECT_EQ(MapNameOf("lab"), "lab");
+}
+
+class CsvTest : public testing::Test {
+ protected:
+  ~CsvTest() override { std::filesystem::remove(path_); }
+  CsvFile Read(const std::string& text) const {
+    std::ofstream(path_, std::ios::binary) << text;
+    return CsvFile(path_);
+  }
+
+  const std::filesystem::path path_ =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string("waystone_") + testing::UnitTest::GetInstance()->current_test_info()->name() +
+       ".csv");
+};
+
+TEST_F(CsvTest, CellsByTheirColumn) {
+  const CsvFile file = Read("# about\n image , x\r\n\na b.jpg, -1.5e1\r\n,\n");
+  ASSERT_EQ(file.rows().size(), 2u);
+  EXPECT_EQ(file.Column("image"), 0u);
+  EXPECT_EQ(file.Column("z"), std::nullopt);
+  EXPECT_EQ(file.rows()[0].line, 4);
+  EXPECT_EQ(file.rows()[0].cells[0], "a b.jpg");
+  EXPECT_EQ(file.Number(file.rows()[0], 1), -15);
+  EXPECT_EQ(file.rows()[1].cells, (std::vector<std::string>{"", ""}));
+  EXPECT_THROW(file.Number(file.rows()[1], 1), MapError);
+}
+
+TEST_F(CsvTest, NumbersAreAllOfTheCell) {
+  const CsvFile file = Read("x,y,z,v\n1m,nan,inf,0x1\n");
+  for (size_t column = 0; column < 4; ++column) {
+    EXPECT_THROW(file.Number(file.rows()[0], column), MapError) << column;
+  }
+}
+
+TEST_F(CsvTest, LinesOfAnotherLengthAreNamed) {
+  try {
+    Read("a,b\n1,2\n1,2,3\n");
+    FAIL();
+  } catch (const MapError& error) {
+    EXPECT_NE(std::string(error.what()).find("line 3: 3 cells"), std::string::npos) << error.what();
+  }
+}
+
+TEST(EvaluationText, SaysWhatIsEmpty) {
+  const auto index = MapIndex::Build({});
+  const Evaluation evaluation = Evaluate(*index, {});
+  const Json json = EvaluationJson(evaluation);
+  EXPECT_TRUE(json["threshold"].is_null());
+  EXPECT_TRUE(json["position_m"].is_null());
+  EXPECT_TRUE(json["reliability"][9]["stated"].is_null());
+  EXPECT_EQ(json["latency_ms"]["total"]["p99"], 0.0);
+  EXPECT_NE(EvaluationText(evaluation).find("0 queries"), std::string::npos);
+  EXPECT_EQ(MistakesText(*index, {}), "");
+}
+
+TEST(AuditText, FindingsComeWithAdvice) {
+  MapData map;
+  map.sequences.push_back({SequenceId{1}, "hall", "folder", 9, 0, std::nullopt});
+  Keyframe keyframe;
+  keyframe.id = KeyframeId{1};
+  keyframe.sequence = SequenceId{1};
+  keyframe.source = "7.jpg";
+  map.keyframes.push_back(keyframe);
+  const auto index = MapIndex::Build(map);
+  AuditReport report;
+  report.weak.push_back({KeyframeId{1}, KeyframeId{1}, 1});
+  const std::string text = AuditText(*index, report);
+  EXPECT_NE(text.find("0 pairs of places"), std::string::npos) << text;
+  EXPECT_NE(text.find("1 run of keyframes"), std::string::npos) << text;
+  EXPECT_NE(text.find("7.jpg: no plane (1 keyframe)\n    pass again"), std::string::npos) << text;
+  const Json json = AuditJson(*index, report);
+  EXPECT_EQ(json["weak"][0]["weakness"], "no_plane");
+  EXPECT_EQ(json["weak"][0]["first"]["sequence"], "hall");
+  EXPECT_TRUE(json["aliases"].empty());
 }
 
 class ProgressTest : public testing::Test {

@@ -194,7 +194,8 @@ TEST_F(CliTest, UsageErrors) {
 }
 
 TEST_F(CliTest, HelpEndsWithAnExample) {
-  for (const char* command : {"build", "serve", "localize", "info", "check", "migrate", "demo"}) {
+  for (const char* command : {"build", "serve", "localize", "eval", "audit", "info", "check",
+                              "migrate", "demo"}) {
     const RunResult help = RunWaystone({command, "--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_NE(help.out.find("Example: waystone " + std::string(command)), std::string::npos)

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/audit.h"
+
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "cli/audit_text.h"
+#include "cli/commands.h"
+#include "cli/map_file.h"
+
+namespace waystone {
+namespace {
+
+struct AuditFlags {
+  std::string map;
+  bool json = false;
+};
+
+int RunAudit(const AuditFlags& flags) {
+  const OpenMap map = OpenMapFile(flags.map, false);
+  const AuditReport report = AuditMap(*map.index);
+  if (flags.json) {
+    Json json = {{"map", map.name}, {"map_version", map.index->map().info.version}};
+    json.update(AuditJson(*map.index, report));
+    std::cout << Dump(json) << '\n';
+  } else {
+    std::cout << map.name << ": " << AuditText(*map.index, report);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void AddAudit(CLI::App& app, Run& run) {
+  auto flags = std::make_shared<AuditFlags>();
+  CLI::App* command = app.add_subcommand(
+      "audit", "List the places of a map that look alike or are hardly recognised");
+  command->add_option("map", flags->map, "Map file")->required();
+  command->add_flag("--json", flags->json, "One JSON object");
+  command->footer(
+      "Each finding comes with what to do about it.\n"
+      "Example: waystone audit lab.db");
+  command->callback([flags, &run] { run = [flags] { return RunAudit(*flags); }; });
+}
+
+}  // namespace waystone

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/csv_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include "cli/map_file.h"
+
+namespace waystone {
+namespace {
+
+std::string Trimmed(const std::string& text) {
+  const char* const kSpace = " \t\r";
+  const size_t first = text.find_first_not_of(kSpace);
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+}
+
+std::vector<std::string> Cells(const std::string& line) {
+  std::vector<std::string> cells;
+  size_t start = 0;
+  while (true) {
+    const size_t comma = line.find(',', start);
+    cells.push_back(Trimmed(line.substr(start, comma - start)));
+    if (comma == std::string::npos) return cells;
+    start = comma + 1;
+  }
+}
+
+}  // namespace
+
+CsvFile::CsvFile(const std::filesystem::path& path) : path_(path) {
+  const std::vector<uint8_t> bytes = ReadBytes(path, "a CSV file");
+  std::istringstream text(std::string(bytes.begin(), bytes.end()));
+  int number = 0;
+  for (std::string line; std::getline(text, line);) {
+    ++number;
+    const std::string trimmed = Trimmed(line);
+    if (trimmed.empty() || trimmed.front() == '#') continue;
+    if (header_.empty()) {
+      header_ = Cells(trimmed);
+      continue;
+    }
+    rows_.push_back({number, Cells(trimmed)});
+    const size_t cells = rows_.back().cells.size();
+    if (cells == header_.size()) continue;
+    Fail(number, std::to_string(cells) + (cells == 1 ? " cell" : " cells") +
+                     " where the header has " + std::to_string(header_.size()) +
+                     "; a cell may be empty, but not its comma");
+  }
+  if (header_.empty()) Fail(1, "no header; begin with the names of the columns");
+}
+
+std::optional<size_t> CsvFile::Column(const std::string& name) const {
+  const auto found = std::find(header_.begin(), header_.end(), name);
+  if (found == header_.end()) return std::nullopt;
+  return static_cast<size_t>(found - header_.begin());
+}
+
+double CsvFile::Number(const Row& row, size_t column) const {
+  const std::string& cell = row.cells.at(column);
+  double value = 0;
+  const char* const end = cell.data() + cell.size();
+  const auto [stopped, error] = std::from_chars(cell.data(), end, value);
+  if (error == std::errc() && stopped == end && std::isfinite(value)) return value;
+  Fail(row.line, header_[column] + " is \"" + cell + "\"; it must be a number");
+}
+
+void CsvFile::Fail(int line, const std::string& cause) const {
+  throw MapError(ErrorCode::kBadRequest,
+                 path_.string() + ", line " + std::to_string(line) + ": " + cause);
+}
+
+}  // namespace waystone

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+
+namespace waystone {
+
+// A CSV file with a header: cells apart by commas, without quotes; empty lines and lines that start
+// with '#' don't count. White space around a cell is dropped.
+class CsvFile {
+ public:
+  struct Row {
+    int line = 0;  // from 1
+    std::vector<std::string> cells;
+  };
+
+  // Throws MapError: kFileUnreadable; kBadRequest for a file without a header or a line with more
+  // or fewer cells than it.
+  explicit CsvFile(const std::filesystem::path& path);
+
+  const std::filesystem::path& path() const { return path_; }
+  const std::vector<Row>& rows() const { return rows_; }
+  // Where the header has a name; nothing where it doesn't.
+  std::optional<size_t> Column(const std::string& name) const;
+  // The number that is all of a cell. Fails for anything else.
+  double Number(const Row& row, size_t column) const;
+
+  // Throws MapError(kBadRequest): "queries.csv, line 7: CAUSE".
+  [[noreturn]] void Fail(int line, const std::string& cause) const;
+
+ private:
+  std::filesystem::path path_;
+  std::vector<std::string> header_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace waystone

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/commands.h"
+#include "cli/eval_text.h"
+#include "cli/map_file.h"
+#include "cli/progress.h"
+#include "cli/query_set.h"
+#include "core/base/error.h"
+#include "localizer/evaluation.h"
+#include "localizer/localizer.h"
+
+namespace waystone {
+namespace {
+
+struct EvalFlags {
+  std::string map;
+  std::vector<std::string> queries;
+  std::vector<std::string> negatives;
+  std::string poses;
+  bool json = false;
+  bool quiet = false;
+};
+
+std::vector<LabelledQuery> ReadQueries(const EvalFlags& flags, const MapIndex& index) {
+  if (flags.queries.empty() && flags.negatives.empty()) {
+    throw MapError(ErrorCode::kUsage, "no queries; give a CSV file or --negatives DIR");
+  }
+  std::vector<LabelledQuery> all;
+  const auto add = [&all](std::vector<LabelledQuery> more) {
+    std::move(more.begin(), more.end(), std::back_inserter(all));
+  };
+  for (const std::string& path : flags.queries) add(ReadQuerySet(path, index));
+  for (const std::string& folder : flags.negatives) add(ReadNegatives(folder));
+  return all;
+}
+
+ScoredQuery Ask(const OpenMap& map, const LabelledQuery& query,
+                const KeyframePositions& positions) {
+  ScoredQuery scored;
+  scored.truth = query.truth;
+  scored.answer = Localize(*map.index, ReadBytes(query.image), query.image.string(), {});
+  if (!scored.answer.keyframe || !query.position_m) return scored;
+  const auto found = positions.find(scored.answer.keyframe->id);
+  if (found != positions.end()) scored.error_m = (found->second - *query.position_m).norm();
+  return scored;
+}
+
+// One after the other: the times are those of a query that has the machine to itself.
+std::vector<ScoredQuery> AskAll(const OpenMap& map, const std::vector<LabelledQuery>& queries,
+                                const KeyframePositions& positions, bool quiet) {
+  ProgressMeter meter(std::cerr, ProgressStyleByName("auto", quiet), ColoursWelcome());
+  std::vector<ScoredQuery> scored;
+  for (const LabelledQuery& query : queries) {
+    scored.push_back(Ask(map, query, positions));
+    meter.Update(
+        {"queries", static_cast<int>(scored.size()), static_cast<int>(queries.size()), ""});
+  }
+  return scored;
+}
+
+int RunEval(const EvalFlags& flags) {
+  const OpenMap map = OpenMapFile(flags.map, false);
+  const std::vector<LabelledQuery> queries = ReadQueries(flags, *map.index);
+  const KeyframePositions positions =
+      flags.poses.empty() ? KeyframePositions{} : ReadPositions(flags.poses, *map.index);
+  const std::vector<ScoredQuery> scored = AskAll(map, queries, positions, flags.quiet);
+  const Evaluation evaluation = Evaluate(*map.index, scored);
+  if (flags.json) {
+    Json json = {{"map", map.name}, {"map_version", map.index->map().info.version}};
+    json.update(EvaluationJson(evaluation));
+    json["failures"] = FailuresJson(*map.index, scored);
+    std::cout << Dump(json) << '\n';
+  } else {
+    std::cout << map.name << ", " << EvaluationText(evaluation) << MistakesText(*map.index, scored);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void AddEval(CLI::App& app, Run& run) {
+  auto flags = std::make_shared<EvalFlags>();
+  CLI::App* command =
+      app.add_subcommand("eval", "Measure how good a map's answers are, on labelled photos");
+  command->add_option("map", flags->map, "Map file")->required();
+  command->add_option("queries", flags->queries,
+                      "CSV files: image,keyframe or image,frame, and x,y,z where known");
+  command
+      ->add_option("--negatives", flags->negatives,
+                   "Folder of images that aren't in the map; may be given again")
+      ->allow_extra_args(false);
+  command->add_option("--poses", flags->poses,
+                      "CSV file with the keyframes' positions: keyframe,x,y,z or frame,x,y,z");
+  command->add_flag("--json", flags->json, "One JSON object");
+  command->add_flag("--quiet", flags->quiet, "No progress");
+  command->footer(
+      "An empty cell for the keyframe or frame means: not in the map.\n"
+      "Example: waystone eval lab.db queries.csv --negatives elsewhere --json");
+  command->callback([flags, &run] { run = [flags] { return RunEval(*flags); }; });
+}
+
+}  // namespace waystone

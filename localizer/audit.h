@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "core/base/ids.h"
+#include "localizer/map_index.h"
+#include "localizer/options.h"
+
+namespace waystone {
+
+struct AuditOptions {
+  // What queries will be asked with: its gates say which evidence makes a place answer.
+  LocalizeOptions localize;
+  // Features of a plane, best voted first, that are taken as a query, 8 or more. Bounds the cost on
+  // large planes; fewer miss small things that look alike.
+  int max_voters = 600;
+  // Nearest map features for which each of them votes, 2 or more: the first ones are the plane's
+  // own and those of its neighbours.
+  int votes_per_feature = 8;
+  // Candidates whose homography is tried for each plane, 1 or more, best voted first.
+  int max_candidates = 8;
+  // Two planes on which this share of the features is alike, where both of them were seen, are
+  // taken for one surface that was mapped twice rather than for two that bear the same thing, 0
+  // to 1.
+  double same_surface_share = 0.15;
+  // A keyframe with fewer features on planes in view is one that queries may not be recognised at,
+  // 1 or more. A query finds a third to a half of them again and needs min_place_inliers.
+  int min_view_features = 40;
+  // A stretch with fewer planes is one that queries are hardly recognised in, 0 or more.
+  int min_stretch_planes = 2;
+  // Fewer keyframes in a row than this are too few views rather than too little to see.
+  int short_run = 3;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// What to do about a finding.
+enum class Remedy {
+  kMarker,      // hang something there that is nowhere else
+  kJoin,        // one sequence from one to the other, so that the builder joins them
+  kMoreViews,   // pass again, from more positions
+  kSlowerPass,  // pass again, slower: the camera lost what it saw there
+};
+// "marker", "join", "more_views", "slower_pass".
+const char* NameOf(Remedy remedy);
+
+// A plane that looks like one elsewhere in the map.
+struct AliasPlanes {
+  PlaneId a;
+  PlaneId b;
+  int inliers = 0;  // distinct features of the one that fit the other
+  // Of the features that lie where both planes have some, the share that is alike, in [0, 1]: all
+  // over for one wall, little for two walls with the same poster.
+  double shared = 0;
+};
+
+// Two places that would answer for each other: no keyframe, edge or neighbour joins their planes.
+struct AliasPair {
+  KeyframeId a;                     // reference of the plane with the most inliers ...
+  KeyframeId b;                     // ... and of the one that it looks like; a < b
+  std::vector<AliasPlanes> planes;  // most inliers first; each `a` is near the others', and `b` too
+  int inliers = 0;                  // of planes that look alike, none counted twice
+  // The part of the features in view at `a` or `b`, whichever is larger, that looks alike: with
+  // LocalizeOptions' ambiguous_share or more, photos from there would be ambiguous. In [0, 1]
+  double of_view = 0;
+  double shared = 0;  // mean of the planes', weighted by their inliers
+  Remedy remedy = Remedy::kMarker;
+};
+
+enum class Weakness {
+  kNoPlane,      // its keyframes see no plane of the map
+  kFewFeatures,  // ... or too few features on planes
+  kFewPlanes,    // the whole stretch has fewer planes than it should
+};
+// "no_plane", "few_features", "few_planes".
+const char* NameOf(Weakness weakness);
+
+// Keyframes in a row, of one stretch, at which a query may not be recognised.
+struct WeakRun {
+  KeyframeId first;
+  KeyframeId last;
+  int keyframes = 0;
+  int planes = 0;    // seen by any of them
+  int features = 0;  // in view at the poorest of them
+  Weakness weakness = Weakness::kNoPlane;
+  Remedy remedy = Remedy::kMoreViews;
+};
+
+// Two visits that nothing but one plane ties to each other: no other plane was seen on both, and no
+// edge leads from one to the other. Either a place that was found again by a little, or two places
+// with the same thing on their walls that were fused.
+struct LoneTie {
+  PlaneId plane;
+  KeyframeId a;     // of the one visit, where most of the plane was seen ...
+  KeyframeId b;     // ... and of the other; a < b
+  int inliers = 0;  // features of the plane that were found in either
+};
+
+struct AuditReport {
+  std::vector<AliasPair> aliases;  // most inliers first
+  std::vector<LoneTie> ties;       // in the order of the planes; at most one a plane
+  std::vector<WeakRun> weak;       // in the map's order
+};
+
+// Where a map is weak: every plane is asked against all others as a query would, but for those near
+// it, and every keyframe for the features that it could be recognised by. Costs a query without
+// extraction for each plane, shared among TBB's threads. Deterministic on any number of threads;
+// thread-safe. Throws MapError(kBadOptions).
+AuditReport AuditMap(const MapIndex& index, const AuditOptions& options = {});
+
+}  // namespace waystone

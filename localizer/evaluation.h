@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "localizer/answer.h"
+#include "localizer/map_index.h"
+
+// How good answers are, measured on queries whose place is known. docs/evaluation.md defines the
+// figures.
+namespace waystone {
+
+// One query after it was answered. `truth` is empty for a query that isn't in the map.
+struct ScoredQuery {
+  std::vector<KeyframeId> truth;
+  Answer answer;
+  // Distance between where the query was taken and the answered keyframe, metres, where known.
+  std::optional<double> error_m;
+};
+
+// Whether a keyframe is one of the true ones or saw a plane that a true one saw as well.
+bool IsRightPlace(const MapIndex& index, const std::vector<KeyframeId>& truth, KeyframeId answered);
+
+// The best place of an answer, whatever its verdict: the keyframe when localized, the first of the
+// places when ambiguous, the refused candidate when not in the map. Nothing where there is none.
+std::optional<KeyframeId> BestPlace(const Answer& answer);
+
+// What became of a query.
+enum class Outcome {
+  kRight,          // localized at a true place
+  kWrong,          // localized elsewhere, though it is in the map
+  kFalseAccept,    // localized, though it isn't in the map
+  kMissed,         // in the map, and neither localized nor ambiguous
+  kUnsure,         // in the map or not, and ambiguous
+  kRightlyRefused  // not in the map, and not localized or ambiguous
+};
+// "right", "wrong", "false_accept", "missed", "unsure", "rightly_refused".
+const char* NameOf(Outcome outcome);
+Outcome OutcomeOf(const MapIndex& index, const ScoredQuery& query);
+
+// Answers whose stated probability lies in [from, to); the last bin includes 1.
+struct ReliabilityBin {
+  double from = 0;
+  double to = 0;
+  int count = 0;
+  double stated = 0;    // mean of the stated probabilities; 0 without answers
+  double observed = 0;  // share of the answers whose best place is right; 0 without answers
+};
+
+struct Percentiles {
+  double p50 = 0;
+  double p90 = 0;
+  double p99 = 0;
+};
+
+struct Latency {
+  Percentiles decode_ms, extract_ms, shortlist_ms, verify_ms, total_ms;
+};
+
+// Distances between queries and the keyframes that answered them, metres.
+struct PositionErrors {
+  int count = 0;
+  double mean_m = 0;
+  double rmse_m = 0;  // root mean square: the error of the trajectory that the answers make
+  double median_m = 0;
+  double p90_m = 0;
+  double max_m = 0;
+};
+
+struct Evaluation {
+  int queries = 0;
+  int positives = 0;  // in the map
+  int negatives = 0;  // not in the map
+  int right = 0;
+  int wrong = 0;
+  int false_accepts = 0;
+  int ambiguous_positives = 0;
+  int ambiguous_negatives = 0;
+  int bad_images = 0;
+  double recall = 0;     // right over positives; 0 without positives
+  double precision = 0;  // right over all localized; 1 without any
+  // Largest share of the positives that are answered right when only localized answers with a
+  // probability above `threshold` count, which is that of the surest false one (-1 without any).
+  double recall_at_full_precision = 0;
+  double threshold = -1;
+  std::vector<ReliabilityBin> reliability;            // of all answers about readable images
+  std::vector<ReliabilityBin> reliability_localized;  // of the localized ones
+  Latency latency;                                    // of readable images
+  std::optional<PositionErrors> position;             // of localized positives whose error is known
+};
+
+// The bins of the reliability tables, of equal width.
+inline constexpr int kReliabilityBins = 10;
+
+// The value below which a share of the values lies, the nearest rank; 0 for none.
+double Quantile(std::vector<double> values, double share);
+
+// Pure; thread-safe.
+Evaluation Evaluate(const MapIndex& index, const std::vector<ScoredQuery>& queries);
+
+}  // namespace waystone
