@@ -18,6 +18,9 @@ struct RotationOptions {
   double min_focal = 0.5;
   double max_focal = 3.0;
   int focal_steps = 60;
+  // Where the camera is known, matches farther than this from its optical axis don't count: made
+  // straight, the edge of a very wide image is mostly noise. rad, below a right angle
+  double max_angle_rad = 1.0;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
