@@ -2,6 +2,7 @@
 #include "cli/program.h"
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -45,6 +46,8 @@ int ExitOfParse(CLI::App& app, const CLI::ParseError& error) {
 }  // namespace
 
 int RunProgram(int argc, char** argv) {
+  // A file that may not grow is an error of the write then, which says what is wrong.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app(kDescription, "waystone");
   app.set_version_flag("--version", std::string("waystone ") + kVersion);
   app.require_subcommand(1);

@@ -2,13 +2,18 @@
 #include "schema/file_replacer.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "core/base/error.h"
@@ -20,6 +25,9 @@ namespace fs = std::filesystem;
 
 // Of the target's name in the temporary one: a name has at most 255 bytes.
 constexpr size_t kMaxNameBytes = 200;
+// What a process that this machine doesn't know left unchanged for so long is abandoned. Ids alone
+// don't tell: a process in another container or on another machine may share the folder.
+constexpr std::chrono::minutes kAbandonedAfter{10};
 
 [[noreturn]] void ThrowExists(const fs::path& path) {
   throw MapError(ErrorCode::kFileExists,
@@ -60,10 +68,47 @@ void CheckTarget(const fs::path& target, bool overwrite) {
   if (!overwrite) ThrowExists(target);
 }
 
-fs::path CreateTemporary(const fs::path& target) {
+// What the names of a target's temporaries begin with; "<process>-<number>" follows.
+std::string StemOf(const fs::path& target) {
   std::string name = target.filename().string();
   if (name.size() > kMaxNameBytes) name.resize(kMaxNameBytes);
-  const std::string stem = "." + name + ".tmp-" + std::to_string(getpid()) + "-";
+  return "." + name + ".tmp-";
+}
+
+// The process that a temporary belongs to, or nothing for a file that isn't one.
+std::optional<pid_t> OwnerOf(std::string_view name, std::string_view stem) {
+  if (!name.starts_with(stem)) return std::nullopt;
+  name.remove_prefix(stem.size());
+  const char* const end = name.data() + name.size();
+  pid_t process = 0;
+  const auto [dash, error] = std::from_chars(name.data(), end, process);
+  if (error != std::errc() || process <= 0 || dash == end || *dash != '-') return std::nullopt;
+  unsigned number = 0;
+  const auto [rest, number_error] = std::from_chars(dash + 1, end, number);
+  if (number_error != std::errc() || rest != end) return std::nullopt;
+  return process;
+}
+
+bool IsAlive(pid_t process) { return kill(process, 0) == 0 || errno != ESRCH; }
+
+// Removes what writes of the same target left behind that were killed. Whatever can't be looked at
+// or removed stays: that is no reason not to write.
+void RemoveAbandoned(const fs::path& target) {
+  const std::string stem = StemOf(target);
+  std::error_code error;
+  for (fs::directory_iterator entry(FolderOf(target), error), end; !error && entry != end;
+       entry.increment(error)) {
+    const auto owner = OwnerOf(entry->path().filename().string(), stem);
+    std::error_code ignored;
+    if (!owner || IsAlive(*owner) || !fs::is_regular_file(entry->symlink_status(ignored))) continue;
+    const fs::file_time_type changed = entry->last_write_time(ignored);
+    if (ignored || fs::file_time_type::clock::now() - changed < kAbandonedAfter) continue;
+    fs::remove(entry->path(), ignored);
+  }
+}
+
+fs::path CreateTemporary(const fs::path& target) {
+  const std::string stem = StemOf(target) + std::to_string(getpid()) + "-";
   for (int number = 0;; ++number) {
     const fs::path path = FolderOf(target) / (stem + std::to_string(number));
     const int file = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -123,6 +168,7 @@ MapError UnwritableError(const fs::path& path, const std::string& cause, int64_t
 FileReplacer::FileReplacer(const fs::path& target, bool overwrite)
     : target_(Resolved(target)), overwrite_(overwrite) {
   CheckTarget(target_, overwrite_);
+  RemoveAbandoned(target_);
   temporary_ = CreateTemporary(target_);
 }
 

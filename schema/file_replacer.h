@@ -12,7 +12,9 @@ namespace waystone {
 // Replaces a file as a whole: an empty file beside it to write into, renamed into place by Commit,
 // removed by the destructor without one. Whoever opens the target sees what was there or all of
 // what is new. A symbolic link is followed: the file that it names is replaced. Not thread-safe;
-// any number of them may replace the same file at the same time, and the last one wins.
+// any number of them may replace the same file at the same time, and the last one wins. What a
+// killed process left beside the target is removed by the next one of the same target, once ten
+// minutes old.
 class FileReplacer {
  public:
   // Throws MapError: kFileExists without `overwrite`; kFileUnwritable for a folder that is missing

@@ -19,78 +19,9 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
-using PlanePair = std::pair<PlaneId, PlaneId>;
-
-PlanePair Ordered(PlaneId a, PlaneId b) { return a < b ? PlanePair{a, b} : PlanePair{b, a}; }
 
 Vector2d PositionOf(const PlaneFeature& feature) {
   return {feature.reference.x_px, feature.reference.y_px};
-}
-
-// The features that may vote: those seen most often, at most `count`, ascending.
-std::vector<int> Voters(const Plane& plane, int count) {
-  std::vector<int> order(plane.features.size());
-  std::iota(order.begin(), order.end(), 0);
-  if (static_cast<int>(order.size()) <= count) return order;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return plane.features[a].votes > plane.features[b].votes; });
-  order.resize(count);
-  std::sort(order.begin(), order.end());
-  return order;
-}
-
-// All voters' descriptors in one block, and whose each is.
-struct Ballot {
-  Descriptors descriptors;
-  std::vector<int> plane;  // index of the plane of each row
-};
-
-Ballot CollectVoters(const std::vector<Plane>& planes, FeatureType type, int max_voters) {
-  Ballot ballot{Descriptors(DescriptorBytes(type)), {}};
-  for (int p = 0; p < static_cast<int>(planes.size()); ++p) {
-    for (int f : Voters(planes[p], max_voters)) {
-      ballot.descriptors.Append(planes[p].descriptors.row(f));
-      ballot.plane.push_back(p);
-    }
-  }
-  return ballot;
-}
-
-// Votes of one plane's voters for the others.
-std::map<int, int> VotesOf(const Ballot& ballot, int first, int last, FeatureType type,
-                           const FusionOptions& options) {
-  const int own = ballot.plane[first];
-  Descriptors queries(ballot.descriptors.bytes());
-  for (int row = first; row < last; ++row) queries.Append(ballot.descriptors.row(row));
-  // The nearest is the feature itself.
-  const int k = options.votes_per_feature + 1;
-  const std::vector<Neighbour> nearest = NearestNeighbours(queries, ballot.descriptors, type, k);
-  std::map<int, int> votes;
-  for (int q = 0; q < queries.rows(); ++q) {
-    std::set<int> voted;
-    for (int i = 0; i < k; ++i) {
-      const int row = nearest[static_cast<size_t>(q) * k + i].row;
-      if (row < 0 || ballot.plane[row] == own) continue;
-      if (voted.insert(ballot.plane[row]).second) ++votes[ballot.plane[row]];
-    }
-  }
-  return votes;
-}
-
-// Where each plane's rows begin in the ballot; one more for the end.
-std::vector<int> Starts(const Ballot& ballot, int planes) {
-  std::vector<int> starts(planes + 1, static_cast<int>(ballot.plane.size()));
-  for (int row = static_cast<int>(ballot.plane.size()) - 1; row >= 0; --row) {
-    starts[ballot.plane[row]] = row;
-  }
-  for (int p = planes - 1; p >= 0; --p) starts[p] = std::min(starts[p], starts[p + 1]);
-  return starts;
-}
-
-std::set<PlanePair> Covisible(const std::vector<Edge>& edges) {
-  std::set<PlanePair> pairs;
-  for (const Edge& edge : edges) pairs.insert(Ordered(edge.a, edge.b));
-  return pairs;
 }
 
 // Features of `plane` (mapped by to_from) inside the outline of another one, and how many of them
@@ -123,18 +54,21 @@ bool OverlapAgrees(const Plane& m, const Plane& n, const FusionMatch& match, dou
   }
   // The plane that was seen more often has more features than one look can find again: the better
   // of the two shares counts.
-  return std::max(OverlapShare(n, match.m_from_n, m, of_n),
-                  OverlapShare(m, match.m_from_n.inverse(), n, of_m)) >= min_overlap;
+  const Matrix3d& m_from_n = match.m_from_n.b_from_a;
+  return std::max(OverlapShare(n, m_from_n, m, of_n),
+                  OverlapShare(m, m_from_n.inverse(), n, of_m)) >= min_overlap;
 }
 
-// Share of n's features that lie in or near m's reference image. The others could only be expressed
-// by extrapolation.
+// Share of n's features that lie in or near m's reference image and where the matches determine
+// their position in it. The others could only be expressed by extrapolation.
 double ShareWithinReach(const Plane& n, const FusionMatch& match, const Keyframe& reference,
-                        double max_extrapolation) {
+                        const PlaneLayerOptions& options) {
   int within = 0;
   for (const PlaneFeature& feature : n.features) {
-    within += IsWithinReach(Apply(match.m_from_n, PositionOf(feature)), reference.width,
-                            reference.height, max_extrapolation);
+    const Vector2d x_n = PositionOf(feature);
+    within += IsWithinReach(Apply(match.m_from_n.b_from_a, x_n), reference.width, reference.height,
+                            options.max_extrapolation) &&
+              TransferSigma(match.m_from_n, x_n) <= options.fusion.max_moved_px;
   }
   return static_cast<double>(within) / static_cast<double>(n.features.size());
 }
@@ -152,6 +86,7 @@ Edge SameSurface(const Plane& m, const Plane& n) {
 
 // Moves n's features and views into m's reference image.
 void MergeInto(Plane& m, const Plane& n, const FusionMatch& match) {
+  const Matrix3d& m_from_n = match.m_from_n.b_from_a;
   std::set<int> same;
   for (const Match& inlier : match.inliers) {
     m.features[inlier.a].votes += n.features[inlier.b].votes;
@@ -161,7 +96,7 @@ void MergeInto(Plane& m, const Plane& n, const FusionMatch& match) {
   for (int f = 0; f < static_cast<int>(n.features.size()); ++f) {
     if (same.contains(f)) continue;
     PlaneFeature feature = n.features[f];
-    feature.reference = Transferred(match.m_from_n, feature.reference);
+    feature.reference = Transferred(m_from_n, feature.reference);
     if (!PositionOf(feature).allFinite()) continue;
     m.features.push_back(feature);
     m.descriptors.Append(n.descriptors.row(f));
@@ -171,7 +106,7 @@ void MergeInto(Plane& m, const Plane& n, const FusionMatch& match) {
                                    [&](const PlaneView& v) { return v.keyframe == view.keyframe; });
     if (known) continue;
     m.views.push_back(
-        {view.keyframe, Normalised(match.m_from_n * view.reference_from_keyframe), view.inliers});
+        {view.keyframe, Normalised(m_from_n * view.reference_from_keyframe), view.inliers});
   }
   std::sort(m.views.begin(), m.views.end(),
             [](const PlaneView& a, const PlaneView& b) { return a.keyframe < b.keyframe; });
@@ -213,51 +148,11 @@ std::vector<FusionCandidate> EveryPair(const std::vector<Plane>& planes,
   return candidates;
 }
 
-}  // namespace
-
-void FusionOptions::Check() const {
-  const bool good = min_votes >= 1 && votes_per_feature >= 1 && max_voters >= 1 &&
-                    min_inliers >= 5 && min_support >= 0 && min_support <= 1 && min_overlap >= 0 &&
-                    min_overlap <= 1 && min_within_reach >= 0 && min_within_reach <= 1;
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "fusion: an option is out of its range; leave them at their defaults");
-  }
-}
-
-std::vector<FusionCandidate> ProposeFusions(const std::vector<Plane>& planes,
-                                            const std::vector<Edge>& edges, FeatureType type,
-                                            const FusionOptions& options) {
-  options.Check();
-  const int count = static_cast<int>(planes.size());
-  const Ballot ballot = CollectVoters(planes, type, options.max_voters);
-  const std::vector<int> starts = Starts(ballot, count);
-  std::vector<std::map<int, int>> votes(count);
-  tbb::parallel_for(0, count, [&](int p) {
-    if (starts[p] < starts[p + 1]) {
-      votes[p] = VotesOf(ballot, starts[p], starts[p + 1], type, options);
-    }
-  });
-  std::map<PlanePair, int> sums;
-  for (int p = 0; p < count; ++p) {
-    for (const auto& [q, n] : votes[p]) sums[Ordered(planes[p].id, planes[q].id)] += n;
-  }
-  const std::set<PlanePair> covisible = Covisible(edges);
-  std::vector<FusionCandidate> candidates;
-  for (const auto& [pair, n] : sums) {
-    if (n >= options.min_votes && !covisible.contains(pair)) {
-      candidates.push_back({pair.first, pair.second, n});
-    }
-  }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& a, const auto& b) { return a.votes > b.votes; });
-  return candidates;
-}
-
-std::optional<FusionMatch> MatchPlanes(const Plane& m, const Plane& n, FeatureType type,
+// MatchPlanes with m's descriptors packed.
+std::optional<FusionMatch> MatchPacked(const Plane& m, const PackedRows& packed_m, const Plane& n,
                                        const PlaneLayerOptions& options) {
   const std::vector<Match> matches =
-      MatchDescriptors(m.descriptors, n.descriptors, type, options.match);
+      MatchDescriptors(packed_m, m.descriptors.rows(), n.descriptors, options.match);
   const FusionOptions& fusion = options.fusion;
   if (static_cast<int>(matches.size()) < fusion.min_inliers) return std::nullopt;
   MatchedPoints points;  // from n to m
@@ -283,9 +178,29 @@ std::optional<FusionMatch> MatchPlanes(const Plane& m, const Plane& n, FeatureTy
   }
   const auto refined = RefineHomography(pairs, fit->model.to_from);
   if (!refined) return std::nullopt;
-  result.m_from_n = refined->b_from_a;
+  result.m_from_n = *refined;
   if (!OverlapAgrees(m, n, result, fusion.min_overlap)) return std::nullopt;
   return result;
+}
+
+}  // namespace
+
+void FusionOptions::Check() const {
+  const bool good = min_votes >= 1 && votes_per_feature >= 1 && max_voters >= 1 &&
+                    min_inliers >= 5 && min_support >= 0 && min_support <= 1 && min_overlap >= 0 &&
+                    min_overlap <= 1 && min_within_reach >= 0 && min_within_reach <= 1 &&
+                    neighbours >= 2 && max_vote_distance > 0 && max_vote_distance <= 1 &&
+                    max_vote_ratio > 0 && max_vote_ratio <= 1 && probes >= 1 && max_moved_px > 0;
+  index.Check();
+  if (!good) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "fusion: an option is out of its range; leave them at their defaults");
+  }
+}
+
+std::optional<FusionMatch> MatchPlanes(const Plane& m, const Plane& n, FeatureType type,
+                                       const PlaneLayerOptions& options) {
+  return MatchPacked(m, PackedRows(type, m.descriptors), n, options);
 }
 
 // A set of planes that shrinks as pairs are merged.
@@ -295,35 +210,25 @@ class Fuser {
         FeatureType type, const PlaneLayerOptions& options)
       : edges_(std::move(edges)), type_(type), options_(options) {
     for (const Keyframe& keyframe : keyframes) keyframes_[keyframe.id] = &keyframe;
-    for (Plane& plane : planes) planes_[plane.id] = std::move(plane);
+    for (Plane& plane : planes) {
+      PackedRows packed(type_, plane.descriptors);
+      planes_[plane.id] = {std::move(plane), std::move(packed), false};
+    }
     covisible_ = Covisible(edges_);
   }
 
-  // Line 17: tries a pair, or what its planes have become.
-  void Try(const FusionCandidate& candidate) {
-    const auto [m, n] = Ordered(Root(candidate.m), Root(candidate.n));
-    if (m == n || covisible_.contains({m, n})) return;
-    Plane& plane_m = planes_.at(m);
-    Plane& plane_n = planes_.at(n);
-    const auto match = MatchPlanes(plane_m, plane_n, type_, options_);
-    if (!match) return;
-    const double share = ShareWithinReach(plane_n, *match, *keyframes_.at(plane_m.reference),
-                                          options_.max_extrapolation);
-    if (share < options_.fusion.min_within_reach) {
-      edges_.push_back(SameSurface(plane_m, plane_n));
-    } else {
-      MergeInto(plane_m, plane_n, *match);
-      planes_.erase(n);
-      merged_into_[n] = m;
-      PassEdges(m, n, edges_);
-    }
-    covisible_ = Covisible(edges_);
+  void Run(const std::vector<FusionCandidate>& candidates) {
+    // All pairs at once as they are now: few planes will have changed when it is their turn.
+    std::vector<std::optional<FusionMatch>> matches(candidates.size());
+    tbb::parallel_for(size_t{0}, candidates.size(),
+                      [&](size_t i) { matches[i] = MatchNow(candidates[i].m, candidates[i].n); });
+    for (size_t i = 0; i < candidates.size(); ++i) Try(candidates[i], matches[i]);
   }
 
   FusionResult Finish() {
     FusionResult result;
     result.fused = static_cast<int>(merged_into_.size());
-    for (auto& [id, plane] : planes_) result.planes.push_back(std::move(plane));
+    for (auto& [id, entry] : planes_) result.planes.push_back(std::move(entry.plane));
     std::sort(edges_.begin(), edges_.end(), [](const Edge& x, const Edge& y) {
       return std::pair(x.a, x.b) < std::pair(y.a, y.b);
     });
@@ -332,13 +237,48 @@ class Fuser {
   }
 
  private:
+  struct Entry {
+    Plane plane;
+    PackedRows packed;     // its descriptors
+    bool changed = false;  // since the beginning
+  };
+
+  std::optional<FusionMatch> MatchNow(PlaneId m, PlaneId n) const {
+    const Entry& entry_m = planes_.at(m);
+    return MatchPacked(entry_m.plane, entry_m.packed, planes_.at(n).plane, options_);
+  }
+
+  // Line 17: tries a pair, or what its planes have become. `first` is the match of what they were.
+  void Try(const FusionCandidate& candidate, const std::optional<FusionMatch>& first) {
+    const auto [m, n] = Ordered(Root(candidate.m), Root(candidate.n));
+    if (m == n || covisible_.contains({m, n})) return;
+    Entry& entry_m = planes_.at(m);
+    const Plane& plane_n = planes_.at(n).plane;
+    const bool as_before =
+        m == candidate.m && n == candidate.n && !entry_m.changed && !planes_.at(n).changed;
+    const std::optional<FusionMatch> match = as_before ? first : MatchNow(m, n);
+    if (!match) return;
+    const Keyframe& reference = *keyframes_.at(entry_m.plane.reference);
+    if (ShareWithinReach(plane_n, *match, reference, options_) < options_.fusion.min_within_reach) {
+      edges_.push_back(SameSurface(entry_m.plane, plane_n));
+    } else {
+      MergeInto(entry_m.plane, plane_n, *match);
+      entry_m.packed = PackedRows(type_, entry_m.plane.descriptors);
+      entry_m.changed = true;
+      planes_.erase(n);
+      merged_into_[n] = m;
+      PassEdges(m, n, edges_);
+    }
+    covisible_ = Covisible(edges_);
+  }
+
   PlaneId Root(PlaneId id) const {
     while (merged_into_.contains(id)) id = merged_into_.at(id);
     return id;
   }
 
   std::map<KeyframeId, const Keyframe*> keyframes_;
-  std::map<PlaneId, Plane> planes_;
+  std::map<PlaneId, Entry> planes_;
   std::map<PlaneId, PlaneId> merged_into_;
   std::vector<Edge> edges_;
   std::set<PlanePair> covisible_;
@@ -352,7 +292,7 @@ FusionResult FusePlanes(std::vector<Plane> planes, std::vector<Edge> edges,
   const std::vector<FusionCandidate> candidates =
       exhaustive ? EveryPair(planes, edges) : ProposeFusions(planes, edges, type, options.fusion);
   Fuser fuser(std::move(planes), std::move(edges), keyframes, type, options);
-  for (const FusionCandidate& candidate : candidates) fuser.Try(candidate);
+  fuser.Run(candidates);
   return fuser.Finish();
 }
 

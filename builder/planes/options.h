@@ -5,6 +5,7 @@
 
 #include "core/features/match.h"
 #include "core/homography/segment_planes.h"
+#include "core/search/inverted_file.h"
 
 namespace waystone {
 
@@ -18,6 +19,9 @@ struct RotationOptions {
   double min_focal = 0.5;
   double max_focal = 3.0;
   int focal_steps = 60;
+  // Where the camera is known, matches farther than this from its optical axis don't count: made
+  // straight, the edge of a very wide image is mostly noise. rad, below a right angle
+  double max_angle_rad = 1.0;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -25,11 +29,23 @@ struct RotationOptions {
 // Fusion of planes seen again (sec. III-A).
 struct FusionOptions {
   // Descriptor votes that make a pair of planes a candidate. Lower tries more pairs.
-  int min_votes = 6;
-  // Neighbours of a feature that vote, nearest first.
-  int votes_per_feature = 3;
+  int min_votes = 5;
+  // Planes that a feature votes for, nearest first.
+  int votes_per_feature = 4;
+  // Neighbours of a feature that are looked at. The farthest of them says how near descriptors come
+  // to it by chance.
+  int neighbours = 16;
+  // A neighbour counts that is at most this far, as a share of the largest distance of its type ...
+  double max_vote_distance = 0.25;
+  // ... or at most this far in relation to what is there by chance. Both higher: more votes for
+  // planes that are worse to see, and more by chance, so that more pairs have to be tried.
+  double max_vote_ratio = 0.8;
   // Features a plane, best seen first, that vote. Bounds the cost on large planes.
   int max_voters = 400;
+  // How the voters are sorted for searching: coarser than a map's own index, it is used only once.
+  InvertedFileOptions index = {.training_rows = 16, .rounds = 4};
+  // Lists of it that are searched. More miss fewer neighbours and take longer.
+  int probes = 24;
   // Matches that must support the homography between the two planes ...
   int min_inliers = 14;
   // ... and the share of all matches between them ("most of the matches").
@@ -40,6 +56,9 @@ struct FusionOptions {
   // Share of a plane's features that the other one's reference image must reach. Fused beyond that,
   // they would be extrapolated; the planes stay two and are joined by an edge instead.
   double min_within_reach = 0.9;
+  // A feature counts as out of reach too where the noise of the homography between the two planes
+  // moves it by more than this (a standard deviation): what supports it may be far away. px
+  double max_moved_px = 2.0;
 
   void Check() const;  // throws MapError(kBadOptions)
 };

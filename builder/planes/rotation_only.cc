@@ -2,7 +2,9 @@
 #include "builder/planes/rotation_only.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "core/base/error.h"
@@ -53,14 +55,32 @@ Matrix3d Calibration(double f, double cx, double cy) {
   return k;
 }
 
-// Calibration matrices to try: the camera's own, or a range of focal lengths.
-std::vector<Matrix3d> Calibrations(int width, int height, const std::optional<Camera>& camera,
-                                   const RotationOptions& options) {
-  if (camera && camera->model == CameraModel::kPinhole) {
-    Matrix3d k = Calibration(camera->params[0], camera->params[2], camera->params[3]);
-    k(1, 1) = camera->params[1];
-    return {k};
+// A pinhole camera with about as many pixels a radian, in the middle of the image, as this one.
+Matrix3d PinholeOf(const Camera& camera) {
+  const double focal = camera.model == CameraModel::kEquirectangular
+                           ? camera.width / (2 * std::numbers::pi)
+                           : camera.params[0];
+  return Calibration(focal, 0.5 * (camera.width - 1), 0.5 * (camera.height - 1));
+}
+
+// The matches as `k`, a pinhole camera in the same place, would have seen them; without those that
+// are farther than max_angle_rad from the optical axis, where it stretches noise beyond all bounds.
+MatchedPoints Undistorted(const MatchedPoints& points, const Camera& camera, const Matrix3d& k,
+                          double max_angle_rad) {
+  const double least_z = std::cos(max_angle_rad);
+  MatchedPoints undistorted;
+  for (int i = 0; i < points.size(); ++i) {
+    const Vector3d from = Unproject(camera, points.from[i]);
+    const Vector3d to = Unproject(camera, points.to[i]);
+    if (from.z() < least_z || to.z() < least_z) continue;
+    undistorted.from.emplace_back((k * from).hnormalized());
+    undistorted.to.emplace_back((k * to).hnormalized());
   }
+  return undistorted;
+}
+
+// Calibration matrices to try where the camera isn't known: a range of focal lengths.
+std::vector<Matrix3d> Calibrations(int width, int height, const RotationOptions& options) {
   std::vector<Matrix3d> calibrations;
   const double longer = std::max(width, height);
   const double factor =
@@ -72,11 +92,33 @@ std::vector<Matrix3d> Calibrations(int width, int height, const std::optional<Ca
   return calibrations;
 }
 
+// Whether one homography explains nearly all matches and, under one of the calibration matrices, a
+// rotation does so as well.
+bool IsRotation(const MatchedPoints& points, const std::vector<Matrix3d>& calibrations,
+                const RotationOptions& options, const LocalRansacOptions& ransac, uint64_t seed) {
+  std::vector<int> all(points.size());
+  std::iota(all.begin(), all.end(), 0);
+  // Samples from anywhere: a rotation's homography holds all over the image.
+  LocalRansacOptions wide = ransac;
+  wide.neighbourhood = std::max(3, points.size() - 1);
+  const Neighbourhoods neighbourhoods(points.from, wide.neighbourhood);
+  Random random(seed);
+  const std::optional<PlaneFit> fit = FindPlane(points, all, neighbourhoods, wide, random);
+  if (!fit || fit->inliers.size() < options.min_share * static_cast<double>(all.size())) {
+    return false;
+  }
+  const double free = std::sqrt(MeanError2(points, fit->inliers, fit->model.to_from));
+  return std::any_of(calibrations.begin(), calibrations.end(), [&](const Matrix3d& k) {
+    return RotationError(points, fit->inliers, k) <= options.max_excess * free;
+  });
+}
+
 }  // namespace
 
 void RotationOptions::Check() const {
   const bool good = min_share > 0 && min_share <= 1 && max_excess >= 1 && min_focal > 0 &&
-                    max_focal > min_focal && focal_steps >= 2;
+                    max_focal > min_focal && focal_steps >= 2 && max_angle_rad > 0 &&
+                    max_angle_rad < std::numbers::pi / 2;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "rotation: an option is out of its range; leave them at their defaults");
@@ -86,23 +128,13 @@ void RotationOptions::Check() const {
 bool RotatesOnly(const MatchedPoints& points, int width, int height,
                  const std::optional<Camera>& camera, const RotationOptions& options,
                  const LocalRansacOptions& ransac, uint64_t seed) {
-  std::vector<int> all(points.size());
-  std::iota(all.begin(), all.end(), 0);
-  // Samples from anywhere: a rotation's homography holds all over the image.
-  LocalRansacOptions wide = ransac;
-  wide.neighbourhood = std::max(3, points.size() - 1);
-  const Neighbourhoods neighbourhoods(points.from, wide.neighbourhood);
-  const MatchedPoints pair{points.from, points.to, {}};
-  Random random(seed);
-  const std::optional<PlaneFit> fit = FindPlane(pair, all, neighbourhoods, wide, random);
-  if (!fit || fit->inliers.size() < options.min_share * static_cast<double>(all.size())) {
-    return false;
+  if (!camera) {
+    return IsRotation({points.from, points.to, {}}, Calibrations(width, height, options), options,
+                      ransac, seed);
   }
-  const double free = std::sqrt(MeanError2(pair, fit->inliers, fit->model.to_from));
-  for (const Matrix3d& k : Calibrations(width, height, camera, options)) {
-    if (RotationError(pair, fit->inliers, k) <= options.max_excess * free) return true;
-  }
-  return false;
+  const Matrix3d k = PinholeOf(*camera);
+  return IsRotation(Undistorted(points, *camera, k, options.max_angle_rad), {k}, options, ransac,
+                    seed);
 }
 
 }  // namespace waystone

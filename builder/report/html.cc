@@ -9,6 +9,7 @@
 
 #include "builder/report/colours.h"
 #include "builder/report/graph_layout.h"
+#include "core/base/text.h"
 
 namespace waystone {
 namespace {
@@ -39,29 +40,6 @@ constexpr double kGraphMargin = 45;
 constexpr double kSmallestNode = 9;
 // A node's area grows with its features; the largest plane's node has this radius.
 constexpr double kLargestNode = 30;
-
-std::string Escape(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 std::string Chip(PlaneId id) {
   return "<span class=chip style=\"background:" + CssColourOf(id) + "\">" +
@@ -142,7 +120,7 @@ std::string SecondsTable(const BuildReport& report) {
 std::string BytesTable(const std::vector<TableSize>& tables) {
   std::string html = "<table><tr><th>Table<th>Rows<th>Bytes\n";
   for (const TableSize& table : tables) {
-    html += "<tr><td>" + Escape(table.table) + "<td>" + std::to_string(table.rows) + "<td>" +
+    html += "<tr><td>" + EscapeHtml(table.table) + "<td>" + std::to_string(table.rows) + "<td>" +
             std::to_string(table.bytes) + "\n";
   }
   return html + "</table>\n";
@@ -159,7 +137,7 @@ std::string PlanesTable(const MapData& map) {
   std::string html = "<table><tr><th>Plane<th>Features<th>Keyframes<th>Reference<th>Neighbours\n";
   for (const Plane& plane : map.planes) {
     html += "<tr><td>" + Chip(plane.id) + "<td>" + std::to_string(plane.features.size()) + "<td>" +
-            std::to_string(plane.views.size()) + "<td>" + Escape(sources[plane.reference]) +
+            std::to_string(plane.views.size()) + "<td>" + EscapeHtml(sources[plane.reference]) +
             "<td>" + neighbours[plane.id] + "\n";
   }
   return html + "</table>\n";
@@ -172,7 +150,7 @@ std::string Gallery(const MapData& map) {
   }
   std::string html = "<div class=gallery>\n";
   for (const Keyframe& keyframe : map.keyframes) {
-    const std::string name = Escape(keyframe.source);
+    const std::string name = EscapeHtml(keyframe.source);
     html += "<figure><img loading=lazy src=\"" + ImageName(keyframe.id) + "\" alt=\"" + name +
             " with its planes\"><figcaption>" + std::to_string(keyframe.id.value) + " · " + name +
             " " + seen[keyframe.id] + "</figcaption></figure>\n";
@@ -186,13 +164,13 @@ std::string ImageName(KeyframeId id) { return "images/" + std::to_string(id.valu
 
 std::string ReportHtml(const MapData& map, const BuildReport& report,
                        const std::vector<TableSize>& tables) {
-  const std::string name = Escape(map.info.name);
+  const std::string name = EscapeHtml(map.info.name);
   return "<!doctype html>\n<html lang=en><meta charset=utf-8>\n"
          "<meta name=viewport content=\"width=device-width\">\n<title>" +
          name + " - Waystone map</title>\n<style>" + kStyle + "</style>\n<h1>" + name +
          "</h1>\n<p class=sub>" + std::to_string(map.keyframes.size()) + " keyframes, " +
          std::to_string(map.planes.size()) + " planes, " + std::to_string(map.edges.size()) +
-         " edges; built by " + Escape(map.info.program) + "</p>\n<h2>Graph of planes</h2>\n" +
+         " edges; built by " + EscapeHtml(map.info.program) + "</p>\n<h2>Graph of planes</h2>\n" +
          GraphSvg(map) +
          "<p class=sub>A node is a plane, larger with more features; an edge joins two planes that "
          "were seen together with a valid homology.</p>\n<div class=row>\n<div><h2>Counts</h2>\n" +

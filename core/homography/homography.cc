@@ -298,6 +298,17 @@ HomographyEstimate Composed(const Matrix3d& c_from_b, const HomographyEstimate& 
   return composed;
 }
 
+double TransferSigma(const HomographyEstimate& b_from_a, const Vector2d& x_a) {
+  const Eigen::Vector3d x = x_a.homogeneous();
+  const Eigen::Vector3d y = b_from_a.b_from_a * x;
+  double variance = 0;  // the sum over the independent causes of noise, to first order
+  for (int cause = 0; cause < b_from_a.spread.cols(); ++cause) {
+    const Eigen::Vector3d dy = FromVector(b_from_a.spread.col(cause)) * x;
+    variance += (dy.head<2>() - y.hnormalized() * dy.z()).squaredNorm() / (y.z() * y.z());
+  }
+  return std::sqrt(variance);
+}
+
 Matrix3d Perturbed(const HomographyEstimate& estimate, const Vector8d& z) {
   return estimate.b_from_a + FromVector(estimate.spread * z);
 }

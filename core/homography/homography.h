@@ -69,6 +69,10 @@ std::optional<HomographyEstimate> RefineHomography(const PointPairs& pairs,
 // c_from_b after an estimate of b_from_a, with the estimate's noise (c_from_b is taken as exact).
 HomographyEstimate Composed(const Eigen::Matrix3d& c_from_b, const HomographyEstimate& b_from_a);
 
+// How far the estimate's noise moves the image of a point: a standard deviation (of the distance),
+// px in b. Infinite or NaN for a point on the line that is sent to infinity.
+double TransferSigma(const HomographyEstimate& b_from_a, const Eigen::Vector2d& x_a);
+
 // A homography drawn from the estimate's distribution; z are eight standard normals.
 Eigen::Matrix3d Perturbed(const HomographyEstimate& estimate, const Eigen::Matrix<double, 8, 1>& z);
 

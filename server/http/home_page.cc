@@ -4,6 +4,8 @@
 #include <cctype>
 #include <string_view>
 
+#include "core/base/text.h"
+
 namespace waystone {
 namespace {
 
@@ -27,32 +29,6 @@ std::string Link(const std::string& address, const std::string& text) {
 }
 
 }  // namespace
-
-std::string EscapeHtml(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 std::string EncodeSegment(const std::string& text) {
   static constexpr std::string_view kHex = "0123456789ABCDEF";

@@ -9,9 +9,6 @@ namespace waystone {
 // The page at "/": which maps there are and how to ask them. Self-contained HTML, no scripts.
 std::string HomePage(const std::vector<std::string>& map_names, const std::string& host);
 
-// `text` with the five characters that mean something in HTML escaped.
-std::string EscapeHtml(const std::string& text);
-
 // `text` as one segment of a URL's path: all but letters, digits and "-._~" as %XX.
 std::string EncodeSegment(const std::string& text);
 

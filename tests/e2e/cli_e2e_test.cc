@@ -68,6 +68,16 @@ TEST_F(CliTest, SameBytesWithOneThreadAndTwo) {
   EXPECT_TRUE(one == ReadFile(TheMap().map));
 }
 
+TEST_F(CliTest, AFileSizeLimitIsAnErrorLikeAFullDisk) {
+  fs::create_directory(folder_ / "maps");
+  const fs::path out = folder_ / "maps" / "room.db";
+  // Blocks of 512 bytes or of 1024, depending on the shell: either is too few for a map.
+  const RunResult result = RunWaystone(
+      {"build", TheMap().images, "-o", out, "--every", "4", "--quiet"}, "ulimit -f 64;");
+  ExpectFailure(result, 3, out.string());
+  EXPECT_EQ(FilesIn(folder_ / "maps"), 0u) << "a part of a map was left behind";
+}
+
 TEST_F(CliTest, ReportIsWritten) {
   const RunResult result = RunWaystone({"build", TheMap().images, "-o", folder_ / "r.db", "--every",
                                         "2", "--report", folder_ / "report"});

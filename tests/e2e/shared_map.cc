@@ -108,9 +108,9 @@ const SharedMap& TheMap() {
   return shared;
 }
 
-RunResult RunWaystone(const std::vector<std::string>& arguments) {
+RunResult RunWaystone(const std::vector<std::string>& arguments, const std::string& limits) {
   const fs::path folder = FreshFolder();
-  std::string command = Quoted(WAYSTONE_PROGRAM);
+  std::string command = limits + " " + Quoted(WAYSTONE_PROGRAM);
   for (const std::string& argument : arguments) command += " " + Quoted(argument);
   command += " >" + Quoted(folder / "out") + " 2>" + Quoted(folder / "err") + " </dev/null";
   const int status = std::system(command.c_str());  // NOLINT(cert-env33-c): all of it is quoted

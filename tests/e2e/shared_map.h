@@ -16,7 +16,8 @@ struct RunResult {
 };
 
 // Runs the real program with these arguments (each is quoted for the shell) and waits.
-RunResult RunWaystone(const std::vector<std::string>& arguments);
+// `limits` is put in front of it in the shell ("ulimit -f 8;").
+RunResult RunWaystone(const std::vector<std::string>& arguments, const std::string& limits = "");
 
 // A small walk through a made room, its map, and photos: made once, for all tests of this program.
 // Read-only for the tests.

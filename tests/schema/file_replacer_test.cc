@@ -2,6 +2,10 @@
 #include "schema/file_replacer.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
 
 #include "tests/schema/made_map.h"
 
@@ -53,6 +57,50 @@ TEST(FileReplacer, WithoutOverwriteALateFileStays) {
   }
   EXPECT_EQ(ReadFile(folder / "a"), "somebody else's");
   EXPECT_EQ(folder.Names(), Names{"a"});
+}
+
+// The id of a process that has ended.
+pid_t DeadProcess() {
+  const pid_t child = fork();
+  if (child == 0) _exit(0);
+  waitpid(child, nullptr, 0);
+  return child;
+}
+
+void MakeOld(const fs::path& path) {
+  fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::hours(1));
+}
+
+TEST(FileReplacer, WhatAKilledProcessLeftIsRemoved) {
+  const TemporaryFolder folder;
+  const std::string dead = std::to_string(DeadProcess());
+  const std::string living = std::to_string(getpid());
+  const Names kept = {".a.db.tmp-" + dead + "-1",  // too young: its process may be elsewhere
+                      ".a.db.tmp-" + living + "-7",
+                      ".a.db.tmp-" + dead,
+                      ".a.db.tmp-" + dead + "-0.old",
+                      ".a.db.tmp--3-0",
+                      ".a.db.tmp-x-0",
+                      ".aa.db.tmp-" + dead + "-0",
+                      "a.db.tmp-" + dead + "-0"};
+  const Names gone = {".a.db.tmp-" + dead + "-0", ".a.db.tmp-" + dead + "-12"};
+  for (const Names& names : {kept, gone}) {
+    for (const std::string& name : names) {
+      WriteFile(folder / name, "half");
+      if (name != kept[0]) MakeOld(folder / name);
+    }
+  }
+  fs::create_directory(folder / (".a.db.tmp-" + dead + "-2"));
+  MakeOld(folder / (".a.db.tmp-" + dead + "-2"));
+  {
+    FileReplacer file(folder / "a.db", false);
+    WriteFile(file.temporary(), "new");
+    file.Commit();
+  }
+  for (const std::string& name : kept) EXPECT_TRUE(fs::exists(folder / name)) << name;
+  for (const std::string& name : gone) EXPECT_FALSE(fs::exists(folder / name)) << name;
+  EXPECT_EQ(ReadFile(folder / "a.db"), "new");
+  EXPECT_EQ(folder.Names().size(), kept.size() + 2) << "a folder isn't ours, the map is";
 }
 
 TEST(FileReplacer, TargetsThatCantBe) {

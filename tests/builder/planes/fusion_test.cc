@@ -140,7 +140,9 @@ TEST(MatchPlanes, FindsTheHomographyBetweenTwoLooks) {
     const Matrix3d truth = scene.h.inverse();
     for (const Vector2d& x : scene.wall.points) {
       EXPECT_LT(
-          (Apply(match->m_from_n, Apply(scene.h, x)) - Apply(truth, Apply(scene.h, x))).norm(), 1);
+          (Apply(match->m_from_n.b_from_a, Apply(scene.h, x)) - Apply(truth, Apply(scene.h, x)))
+              .norm(),
+          1);
     }
   }
 }
@@ -244,6 +246,7 @@ TEST(FusePlanes, APosterOnTwoWallsDoesNotMakeThemOne) {
   EXPECT_EQ(FusePlanes(planes, {}, Keyframes(10), kType, {}).fused, 0);
   PlaneLayerOptions careless;
   careless.fusion.min_overlap = 0;
+  careless.fusion.max_moved_px = 1e6;  // a poster says little of where the wall's far end is
   EXPECT_EQ(FusePlanes(planes, {}, Keyframes(10), kType, careless).fused, 1)
       << "it is the overlap that tells them apart";
 }
@@ -267,6 +270,41 @@ TEST(FusePlanes, TheSameSurfaceBeyondReachGetsAnEdge) {
   PlaneLayerOptions far;
   far.max_extrapolation = 1;
   EXPECT_EQ(FusePlanes(planes, {}, Keyframes(10), kType, far).fused, 1);
+}
+
+// Where two looks share but a small part, the rest of the second lies within the first one's image
+// and is still beyond what the matches determine.
+TEST(FusePlanes, WhatFewCloseMatchesDontDetermineGetsAnEdge) {
+  Random random(12);
+  Surface shared;
+  shared.Add(40, {40, 60}, {110, 130}, random);
+  Surface first = shared;
+  Surface second = shared;
+  second.Add(100, {300, 60}, {600, 420}, random);
+  const std::vector<Plane> planes = {PlaneOf(1, 1, first, Matrix3d::Identity(), random),
+                                     PlaneOf(2, 4, second, MildHomography(random), random)};
+  const FusionResult result = FusePlanes(planes, {}, Keyframes(10), kType, {});
+  EXPECT_EQ(result.fused, 0);
+  EXPECT_EQ(PairsOf(result.edges), (Pairs{{1, 2}}));
+  PlaneLayerOptions careless;
+  careless.fusion.max_moved_px = 1e6;
+  careless.max_extrapolation = 10;
+  EXPECT_EQ(FusePlanes(planes, {}, Keyframes(10), kType, careless).fused, 1)
+      << "it is the noise that keeps them apart";
+}
+
+// As many looks at one surface as neighbours that are asked for: nothing is there by chance then.
+TEST(FusePlanes, ASurfaceSeenOverAndOverBecomesOne) {
+  Random random(13);
+  const Surface wall = RandomSurface(random, 60);
+  std::vector<Plane> planes;
+  for (int i = 0; i < 20; ++i) {
+    planes.push_back(PlaneOf(i + 1, 2 * i + 1, wall, MildHomography(random), random));
+  }
+  const FusionResult result = FusePlanes(planes, {}, Keyframes(64), kType, {});
+  EXPECT_EQ(result.fused, 19);
+  ASSERT_EQ(result.planes.size(), 1u);
+  EXPECT_LE(result.planes[0].features.size(), 63u) << "points are there more than once";
 }
 
 TEST(FusePlanes, APlaneSeenThreeTimesBecomesOne) {
@@ -329,12 +367,24 @@ TEST(ProposeFusions, NamesEveryPairThatIsOne) {
     }
     EXPECT_EQ(pairs.size(), proposed.size()) << "a pair is there twice";
     EXPECT_TRUE(std::includes(pairs.begin(), pairs.end(), map.same.begin(), map.same.end()));
+    EXPECT_LT(pairs.size(), 2 * map.same.size()) << "most pairs are proposed by chance";
     for (size_t i = 0; i < map.same.size(); ++i) {
       EXPECT_TRUE(map.same.contains({proposed[i].m.value, proposed[i].n.value}))
           << "the most votes are for planes that are one";
     }
     for (const auto& pair : PairsOf(map.edges)) EXPECT_FALSE(pairs.contains(pair));
   }
+}
+
+TEST(ProposeFusions, NamesThemInALargeMapToo) {
+  RandomMap map = MakeRandomMap(4);
+  PlaneLayerOptions options;
+  options.fusion.index.min_rows = 500;  // searched by lists then
+  options.fusion.probes = 8;
+  const auto proposed = ProposeFusions(map.planes, map.edges, kType, options.fusion);
+  std::set<std::pair<int64_t, int64_t>> pairs;
+  for (const FusionCandidate& c : proposed) pairs.emplace(c.m.value, c.n.value);
+  EXPECT_TRUE(std::includes(pairs.begin(), pairs.end(), map.same.begin(), map.same.end()));
 }
 
 TEST(FusePlanes, FindsWhatTryingEveryPairFinds) {
@@ -366,6 +416,12 @@ TEST(FusionOptions, OutOfTheirRangeAreRefused) {
   expect_refused([](auto& o) { o.min_support = 1.1; });
   expect_refused([](auto& o) { o.min_overlap = -0.1; });
   expect_refused([](auto& o) { o.min_within_reach = 1.1; });
+  expect_refused([](auto& o) { o.neighbours = 1; });
+  expect_refused([](auto& o) { o.max_vote_distance = 0; });
+  expect_refused([](auto& o) { o.max_vote_ratio = 1.1; });
+  expect_refused([](auto& o) { o.index.training_rows = 0; });
+  expect_refused([](auto& o) { o.probes = 0; });
+  expect_refused([](auto& o) { o.max_moved_px = 0; });
   EXPECT_NO_THROW(FusionOptions{}.Check());
 }
 

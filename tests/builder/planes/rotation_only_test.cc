@@ -93,6 +93,79 @@ TEST(RotatesOnly, IsFalseForTwoWallsAndAStep) {
   EXPECT_FALSE(Rotates(points, std::nullopt));
 }
 
+// What the same views look like through another camera in place of the made one; what it can't see
+// is left out.
+MatchedPoints Through(const Camera& camera, const MatchedPoints& seen) {
+  MatchedPoints points;
+  for (int i = 0; i < seen.size(); ++i) {
+    const auto from = Project(camera, Unproject(MadeCamera(), seen.from[i]));
+    const auto to = Project(camera, Unproject(MadeCamera(), seen.to[i]));
+    if (!from || !to) continue;
+    points.from.push_back(*from);
+    points.to.push_back(*to);
+  }
+  return points;
+}
+
+std::vector<Camera> CamerasOfEveryModel() {
+  return {{CameraModel::kSimplePinhole, 640, 480, {500, 300, 250}},
+          {CameraModel::kPinhole, 640, 480, {420, 560, 330, 230}},
+          {CameraModel::kSimpleRadial, 640, 480, {500, 319.5, 239.5, -0.25}},
+          {CameraModel::kRadial, 640, 480, {480, 310, 245, -0.3, 0.1}},
+          {CameraModel::kOpenCv, 640, 480, {500, 505, 315, 235, -0.28, 0.07, 1e-3, -5e-4}},
+          {CameraModel::kFullOpenCv,
+           640,
+           480,
+           {500, 500, 319.5, 239.5, -0.3, 0.09, 0, 0, 0.01, 0.02, 0, 0}},
+          {CameraModel::kOpenCvFisheye, 640, 480, {400, 400, 319.5, 239.5, 0.02, -0.01, 0, 0}},
+          {CameraModel::kEquirectangular, 2400, 1200, {}}};
+}
+
+TEST(RotatesOnly, TakesTheDistortionOfEveryModelOut) {
+  for (const Camera& camera : CamerasOfEveryModel()) {
+    for (uint64_t seed = 1; seed <= 3; ++seed) {
+      MadeScene scene = Corner(seed);
+      const MatchedPoints turn =
+          Through(camera, MatchesOf(scene, PoseAt(0, 0, 0), PoseAt(0, 0, 0, 0.2)));
+      ASSERT_GT(turn.size(), 60) << NameOf(camera.model);
+      EXPECT_TRUE(Rotates(turn, camera)) << NameOf(camera.model) << ", seed " << seed;
+      MadeScene wall = OneWall(seed);
+      const MatchedPoints step =
+          Through(camera, MatchesOf(wall, PoseAt(0, 0, 0), PoseAt(0.3, 0.1, 0.2, 0.1)));
+      EXPECT_FALSE(Rotates(step, camera)) << NameOf(camera.model) << ", seed " << seed;
+    }
+  }
+}
+
+TEST(RotatesOnly, NeedsTheDistortionOfAStrongLens) {
+  MadeScene scene = Corner(9);
+  const Camera lens{CameraModel::kSimpleRadial, 640, 480, {500, 319.5, 239.5, -0.25}};
+  const MatchedPoints turn = Through(lens, MatchesOf(scene, PoseAt(0, 0, 0), PoseAt(0, 0, 0, 0.2)));
+  EXPECT_TRUE(Rotates(turn, lens));
+  EXPECT_FALSE(Rotates(turn, MadeCamera())) << "a lens that changes nothing shows nothing";
+}
+
+// A panorama sees all around; only what lies ahead can be made straight.
+TEST(RotatesOnly, LeavesOutWhatLiesBehind) {
+  const Camera panorama{CameraModel::kEquirectangular, 2400, 1200, {}};
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  Random random(10);
+  MatchedPoints all;
+  MatchedPoints behind;
+  for (int i = 0; i < 600; ++i) {
+    const Eigen::Vector3d ray =
+        Eigen::Vector3d(random.Normal(), random.Normal(), random.Normal()).normalized();
+    const Eigen::Vector2d noise(0.2 * random.Normal(), 0.2 * random.Normal());
+    for (MatchedPoints* points : {&all, &behind}) {
+      if (points == &behind && ray.z() > -0.2) continue;
+      points->from.push_back(*Project(panorama, ray));
+      points->to.push_back(*Project(panorama, turn * ray) + noise);
+    }
+  }
+  EXPECT_TRUE(RotatesOnly(all, 2400, 1200, panorama, {}, {}, 1));
+  EXPECT_FALSE(RotatesOnly(behind, 2400, 1200, panorama, {}, {}, 1));
+}
+
 TEST(RotatesOnly, IsFalseForFewMatches) {
   MadeScene scene = Corner(8);
   const MatchedPoints all = MatchesOf(scene, PoseAt(0, 0, 0), PoseAt(0, 0, 0, 0.1));
@@ -101,6 +174,7 @@ TEST(RotatesOnly, IsFalseForFewMatches) {
     few.from.assign(all.from.begin(), all.from.begin() + count);
     few.to.assign(all.to.begin(), all.to.begin() + count);
     EXPECT_FALSE(Rotates(few, std::nullopt)) << count;
+    EXPECT_FALSE(Rotates(few, MadeCamera())) << count;
   }
 }
 
@@ -115,6 +189,8 @@ TEST(RotationOptions, OutOfTheirRangeAreRefused) {
   expect_refused([](auto& o) { o.min_focal = 0; });
   expect_refused([](auto& o) { o.max_focal = o.min_focal; });
   expect_refused([](auto& o) { o.focal_steps = 1; });
+  expect_refused([](auto& o) { o.max_angle_rad = 0; });
+  expect_refused([](auto& o) { o.max_angle_rad = 1.6; });
   EXPECT_NO_THROW(RotationOptions{}.Check());
 }
 

@@ -241,5 +241,24 @@ TEST(Composed, WithTheIdentityChangesNothing) {
   EXPECT_TRUE(composed.spread.isApprox(estimate->spread, 1e-9));
 }
 
+// To first order it is the deviation of the drawn homographies' images.
+TEST(TransferSigma, IsTheDeviationOfDrawnHomographies) {
+  Random random(21);
+  const Matrix3d truth = RandomHomography(random);
+  const Box box{100, 100, 300, 200};
+  const auto estimate = RefineHomography(PairsOf(truth, 60, 0.3, random, box), truth);
+  ASSERT_TRUE(estimate);
+  for (const Vector2d& x : {Vector2d(250, 200), Vector2d(110, 290), Vector2d(500, 350)}) {
+    constexpr int kDraws = 4000;
+    double square = 0;
+    for (int draw = 0; draw < kDraws; ++draw) {
+      const Matrix3d drawn = Perturbed(*estimate, Normals(random));
+      square += (Apply(drawn, x) - Apply(estimate->b_from_a, x)).squaredNorm() / kDraws;
+    }
+    EXPECT_NEAR(TransferSigma(*estimate, x), std::sqrt(square), 0.05 * std::sqrt(square));
+  }
+  EXPECT_GT(TransferSigma(*estimate, {500, 350}), 2 * TransferSigma(*estimate, {250, 200}));
+}
+
 }  // namespace
 }  // namespace waystone

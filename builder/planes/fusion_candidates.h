@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "builder/planes/options.h"
+#include "schema/map_data.h"
+
+namespace waystone {
+
+using PlanePair = std::pair<PlaneId, PlaneId>;  // the lower id first
+
+// A pair of planes that may be one, and how many descriptor votes say so.
+struct FusionCandidate {
+  PlaneId m;  // m < n
+  PlaneId n;
+  int votes = 0;
+};
+
+// Pairs that are not covisible (A(m,n) = 0) and whose features look alike, most votes first. Every
+// feature votes for the planes of descriptors that are like its own, and more like it than others
+// of the map are by chance, so that no pair has to be tried in full. Deterministic on any number of
+// threads (it uses TBB's).
+std::vector<FusionCandidate> ProposeFusions(const std::vector<Plane>& planes,
+                                            const std::vector<Edge>& edges, FeatureType type,
+                                            const FusionOptions& options);
+
+// The pairs that share an edge.
+std::set<PlanePair> Covisible(const std::vector<Edge>& edges);
+PlanePair Ordered(PlaneId a, PlaneId b);
+
+}  // namespace waystone
