@@ -210,7 +210,7 @@ std::vector<AliasPair> FindAliases(const MapIndex& index, const std::vector<Keyf
                                    const AuditOptions& options) {
   std::vector<AliasPair> aliases;
   for (const Group& group : GroupAlike(index, FindAllAlike(index, options))) {
-    if (InliersOf(group) < options.localize.gates.min_place_inliers) continue;
+    if (InliersOf(group) < options.min_alias_inliers) continue;
     aliases.push_back(Described(index, group, views, options));
   }
   std::stable_sort(aliases.begin(), aliases.end(),

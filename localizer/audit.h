@@ -10,6 +10,8 @@
 namespace waystone {
 
 struct AuditOptions {
+  // Inliers that two places must share to answer for each other. Lower lists more pairs.
+  int min_alias_inliers = 15;
   // What queries will be asked with: its gates say which evidence makes a place answer.
   LocalizeOptions localize;
   // Features of a plane, best voted first, that are taken as a query, 8 or more. Bounds the cost on
