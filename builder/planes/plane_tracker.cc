@@ -16,9 +16,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-// Of a keypoint, in place of a feature: it carries none, or moved off the plane (Confirm).
 constexpr int kNone = -1;
-constexpr int kRefused = -2;
 
 Vector2d PositionOf(const Keypoint& keypoint) { return {keypoint.x_px, keypoint.y_px}; }
 
@@ -87,7 +85,7 @@ std::optional<PlaneTracker::Tracked> PlaneTracker::Track(const OpenPlane& open, 
   std::vector<int> rows;
   for (int row = 0; row < static_cast<int>(step.matches.size()); ++row) {
     const int feature = open.feature_at[step.matches[row].b];
-    if (feature < 0) continue;
+    if (feature == kNone) continue;
     rows.push_back(row);
     points.from.push_back(step.points.from[row]);
     points.to.push_back(step.points.to[row]);
@@ -132,7 +130,7 @@ void PlaneTracker::Reacquire(const OpenPlane& open, const Step& step, Tracked& t
       open.plane.features[tracked.feature_at[step.matches[tracked.segment.rows[0]].a]].reference);
   std::vector<char> found(open.plane.features.size(), 0);
   for (int feature : tracked.feature_at) {
-    if (feature >= 0) found[feature] = 1;
+    if (feature != kNone) found[feature] = 1;
   }
   const double limit = DistanceAt(step.current.type, options_.reacquire_distance);
   for (int f = 0; f < static_cast<int>(open.plane.features.size()); ++f) {
@@ -193,8 +191,7 @@ void PlaneTracker::Advance(const Step& step) {
 
 // A match that carries a feature of the plane but doesn't fit it, between the last two keyframes or
 // to the reference image, is no growth; what is more, it is a vote against the feature, which lay
-// close to the plane only as long as the camera hadn't moved enough to tell. Nor does its keypoint
-// become growth later, when two keyframes are too close to tell again.
+// close to the plane only as long as the camera hadn't moved enough to tell.
 void PlaneTracker::Confirm(const Step& step, OpenPlane& open, Tracked& tracked,
                            std::vector<int>& rows) {
   const std::vector<int>& triple = tracked.segment.rows;
@@ -204,14 +201,10 @@ void PlaneTracker::Confirm(const Step& step, OpenPlane& open, Tracked& tracked,
     if (feature == kNone) continue;
     const auto own = std::lower_bound(rows.begin(), rows.end(), row);
     const bool is_own = own != rows.end() && *own == row;
-    if (feature == kRefused) {
-      if (tracked.feature_at[match.a] >= 0) continue;  // back where the plane expects a feature
-    } else {
-      if (is_own && std::binary_search(triple.begin(), triple.end(), row)) continue;
-      int& votes = open.plane.features[feature].votes;
-      votes = std::max(0, votes - 1);
-    }
-    tracked.feature_at[match.a] = kRefused;
+    if (is_own && std::binary_search(triple.begin(), triple.end(), row)) continue;
+    tracked.feature_at[match.a] = kNone;
+    int& votes = open.plane.features[feature].votes;
+    votes = std::max(0, votes - 1);
     if (is_own) rows.erase(own);
   }
 }
@@ -220,7 +213,7 @@ void PlaneTracker::Confirm(const Step& step, OpenPlane& open, Tracked& tracked,
 bool PlaneTracker::WantsRenewal(const OpenPlane& open, const std::vector<int>& rows) const {
   if (static_cast<int>(rows.size()) < options_.segmentation.min_inliers) return false;
   int anchored = 0;
-  for (int feature : open.feature_at) anchored += feature >= 0 && open.anchored[feature];
+  for (int feature : open.feature_at) anchored += feature != kNone && open.anchored[feature];
   return anchored < options_.min_anchored * static_cast<double>(rows.size());
 }
 
@@ -272,7 +265,7 @@ std::vector<int> PlaneTracker::Grow(OpenPlane& open, const Step& step, const Tra
 
 void PlaneTracker::CountVotes(OpenPlane& open, const Step& step, const Tracked& tracked) const {
   for (int feature : open.feature_at) {
-    if (feature >= 0) ++open.plane.features[feature].votes;
+    if (feature != kNone) ++open.plane.features[feature].votes;
   }
   const Matrix3d current_from_reference = tracked.reference_from_current.inverse();
   for (PlaneFeature& feature : open.plane.features) {

@@ -47,7 +47,7 @@ class PlaneTracker {
     Plane plane;
     std::shared_ptr<const Features> reference;  // all that the reference image shows
     std::vector<char> anchored;                 // of each feature: the reference image shows it
-    std::vector<int> feature_at;  // of each keypoint of the last keyframe: plane feature or < 0
+    std::vector<int> feature_at;  // of each keypoint of the last keyframe: plane feature or -1
     bool renewed = false;         // a plane with a newer reference image goes on in its place
   };
 

@@ -256,6 +256,9 @@ TEST(PlaneTracker, AFeatureThatMovesOffItsPlaneLosesVotes) {
     const Plane& plane = found.planes[0];
     EXPECT_EQ(plane.views.size(), static_cast<size_t>(kFrames));
     for (int f = 0; f < static_cast<int>(plane.features.size()); ++f) {
+      // What the plane grew by after they moved is another matter: keyframes too close to tell can
+      // bring a point back as a new feature.
+      if (plane.features[f].visible <= kFrames - kOff) continue;
       EXPECT_LT(on.PointOf(plane.descriptors.row(f)), kPointsOfWall)
           << "seed " << seed << ": " << plane.features[f].votes << " votes of "
           << plane.features[f].visible;
