@@ -22,6 +22,10 @@ const ErrorInfo& InfoOf(ErrorCode code) {
   static constexpr ErrorInfo kMedia{"unsupported_media_type", "Send the image itself", 3, 415};
   static constexpr ErrorInfo kMethod{"method_not_allowed", "Use another method", 3, 405};
   static constexpr ErrorInfo kBusy{"busy", "Too many queries at once", 3, 429};
+  static constexpr ErrorInfo kUnauthorized{"unauthorized", "Show who you are", 3, 401};
+  static constexpr ErrorInfo kTooSlow{"too_slow", "The body came too slowly", 3, 408};
+  static constexpr ErrorInfo kNotAvailable{"not_available", "The map doesn't have this", 3, 422};
+  static constexpr ErrorInfo kNotReady{"not_ready", "The server is not ready", 3, 503};
   static constexpr ErrorInfo kInterrupted{"interrupted", "Interrupted", 130, 503};
   static constexpr ErrorInfo kInternal{"internal", "A bug in Waystone", 5, 500};
   switch (code) {
@@ -61,6 +65,14 @@ const ErrorInfo& InfoOf(ErrorCode code) {
       return kMethod;
     case ErrorCode::kBusy:
       return kBusy;
+    case ErrorCode::kUnauthorized:
+      return kUnauthorized;
+    case ErrorCode::kTooSlow:
+      return kTooSlow;
+    case ErrorCode::kNotAvailable:
+      return kNotAvailable;
+    case ErrorCode::kNotReady:
+      return kNotReady;
     case ErrorCode::kInterrupted:
       return kInterrupted;
     case ErrorCode::kInternal:

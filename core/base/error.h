@@ -28,6 +28,10 @@ enum class ErrorCode {
   kUnsupportedMedia,  // a body of a kind that is not taken
   kMethodNotAllowed,  // a known path asked with another method
   kBusy,              // the queue of queries is full
+  kUnauthorized,      // no token, or not one of ours
+  kTooSlow,           // a body that takes longer than the server waits
+  kNotAvailable,      // what this map's layers can't give
+  kNotReady,          // a server that has no map yet, or ends
   kInterrupted,       // Ctrl-C
   kInternal,          // a bug of ours
 };

@@ -20,6 +20,8 @@ struct Id {
 using SequenceId = Id<struct SequenceTag>;
 using KeyframeId = Id<struct KeyframeTag>;
 using PlaneId = Id<struct PlaneTag>;
+using AppearanceNodeId = Id<struct AppearanceNodeTag>;
+using OrientationFrameId = Id<struct OrientationFrameTag>;
 
 }  // namespace waystone
 

@@ -104,7 +104,6 @@ PlaneFit Evaluate(const MatchedPoints& points, std::span<const int> active, cons
 
 // Standard deviation of the errors' coordinates, from their median: outliers don't move it much.
 double RobustSigma(const MatchedPoints& points, const PlaneFit& fit) {
-  constexpr double kRayleighMedian = 1.1774;  // of a unit standard deviation, sqrt(2 ln 2)
   const PlaneModel inverse = Inverse(fit.model);
   std::vector<double> errors2;
   for (int row : fit.inliers) errors2.push_back(PlaneError2(points, fit.model, inverse, row));

@@ -101,6 +101,10 @@ PlaneFit Regrow(const MatchedPoints& points, std::span<const int> active, const 
 // (of a coordinate), px.
 double ErrorBound(double sigma_px, const LocalRansacOptions& options);
 
+// Median of the length of an error whose two coordinates have unit standard deviation,
+// sqrt(2 ln 2): outliers don't move the median much.
+inline constexpr double kRayleighMedian = 1.1774;
+
 // Number of samples so that with probability `confidence` one is made of inliers alone, eq. (1):
 // k = log(1 - p) / log(1 - w^4), where w^4 is the probability that a sample is. Local samples make
 // it likelier than w^4, so the caller gives it.

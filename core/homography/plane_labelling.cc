@@ -8,16 +8,10 @@
 #include "core/base/error.h"
 
 namespace waystone {
-namespace {
-
-constexpr double kRayleighMedian = 1.1774;  // of a unit standard deviation, sqrt(2 ln 2)
-
-}  // namespace
-
 void LabellingOptions::Check() const {
-  const bool good = min_deviations > 0 && max_deviations >= min_deviations && min_sigma_px > 0 &&
-                    max_sigma_px >= min_sigma_px && smoothness >= 0 && companions >= 1 &&
-                    rounds >= 1;
+  const bool good = min_deviations > 0 && max_deviations >= std::max(1.0, min_deviations) &&
+                    min_sigma_px > 0 && max_sigma_px >= min_sigma_px && tail > 0 &&
+                    plane_cost >= 0 && smoothness >= 0 && companions >= 1 && rounds >= 1;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "plane labels: an option is out of its range; leave them at their defaults");

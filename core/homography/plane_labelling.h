@@ -39,7 +39,9 @@ struct LabellingOptions {
 
 // Planes of two images and the matches that belong to them, all matches labelled anew whenever a
 // plane is added, taken away or refitted (Isack and Boykov 2012, "energy-based geometric
-// multi-model fitting", with labels improved one by one). Not thread-safe.
+// multi-model fitting", with labels improved one by one). Planes are numbered from 0 in the order
+// in which they were added; rows are those of the matches. Errors are symmetric transfer errors,
+// px. Deterministic; not thread-safe.
 class PlaneLabelling {
  public:
   // Keeps references to `points` and `neighbourhoods`.
@@ -48,12 +50,13 @@ class PlaneLabelling {
 
   // A plane that is `fixed` keeps its homography and noise.
   void Add(const Eigen::Matrix3d& to_from, double sigma_px, bool fixed);
+  // Its matches are of no plane then, and the planes after it move up.
   void Remove(int plane);
+  // Another homography and noise for a plane; it stays fixed, or not.
   void Replace(int plane, const Eigen::Matrix3d& to_from, double sigma_px);
   int planes() const { return static_cast<int>(planes_.size()); }
   const Eigen::Matrix3d& to_from(int plane) const { return planes_[plane].to_from; }
   double sigma_px(int plane) const { return planes_[plane].sigma_px; }
-  double bound_px(int plane) const { return deviations_ * planes_[plane].sigma_px; }
 
   // Labels all matches and refits the planes, in rounds, until neither changes.
   void Settle();
@@ -73,6 +76,7 @@ class PlaneLabelling {
     std::vector<float> errors_px;  // of every match
   };
 
+  double bound_px(int plane) const { return deviations_ * planes_[plane].sigma_px; }
   void Measure(Labelled& plane) const;
   void EstimateDeviations();
   bool Label();

@@ -328,6 +328,9 @@ TEST(SegmentationOptions, OutOfTheirRangeAreRefused) {
   expect_refused([](auto& o) { o.patch = 4; });
   expect_refused([](auto& o) { o.labelling.companions = 0; });
   expect_refused([](auto& o) { o.labelling.min_sigma_px = 0; });
+  expect_refused([](auto& o) { o.labelling.tail = 0; });
+  expect_refused([](auto& o) { o.labelling.plane_cost = -1; });
+  expect_refused([](auto& o) { o.labelling.min_deviations = o.labelling.max_deviations = 0.5; });
   expect_refused([](auto& o) { o.labelling.max_deviations = o.labelling.min_deviations - 1; });
   EXPECT_NO_THROW(SegmentationOptions{}.Check());
 }

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/camera/panorama.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+#include "core/base/check.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr int kMinColumns = 64;
+constexpr int kMinRows = 8;
+constexpr double kMinDeviation = 1;        // grey levels: less is an image of nothing
+constexpr double kAspectTolerance = 0.02;  // of twice as wide as high
+constexpr double kUsualColumns = 0.98;     // share of the columns whose differences are usual
+// The mirror's search: on an image of this many pixels a side, then on finer ones.
+constexpr int kCoarseSide_px = 96;
+constexpr int kAngles = 90;           // around a circle
+constexpr double kReach_share = 0.2;  // of the side: how far its centre lies from the image's
+constexpr double kMinOuter_share = 0.2;
+constexpr double kMaxOuter_share = 0.52;
+constexpr double kMaxInner_share = 0.5;  // of the outer radius
+constexpr double kMinInner_share = 0.08;
+constexpr double kUsualInner_share = 0.25;
+
+[[noreturn]] void Refuse(const std::string& message) {
+  throw MapError(ErrorCode::kBadImage, message);
+}
+
+std::string Rounded(double value) {
+  const std::string text = std::to_string(value);
+  return text.substr(0, text.find('.') + 2);
+}
+
+std::string SizeOf(const cv::Mat& image) {
+  return std::to_string(image.cols) + "x" + std::to_string(image.rows);
+}
+
+void CheckRange(const std::string& name, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw MapError(ErrorCode::kBadOptions, name + " is " + std::to_string(value) + "; give " +
+                                             std::to_string(low) + " to " + std::to_string(high));
+}
+
+cv::Mat GreyOf(const cv::Mat& image) {
+  WS_CHECK(image.type() == CV_8UC1 || image.type() == CV_8UC3 || image.type() == CV_8UC4,
+           "an image of another type than 8-bit grey, BGR or BGRA");
+  if (image.channels() == 1) return image;
+  cv::Mat grey;
+  cv::cvtColor(image, grey, image.channels() == 3 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGRA2GRAY);
+  return grey;
+}
+
+void CheckContent(const cv::Mat& grey) {
+  if (grey.cols < kMinColumns || grey.rows < kMinRows) {
+    Refuse("the image has " + SizeOf(grey) + " pixels, too few for a panorama; give at least " +
+           std::to_string(kMinColumns) + "x" + std::to_string(kMinRows));
+  }
+  cv::Scalar mean;
+  cv::Scalar deviation;
+  cv::meanStdDev(grey, mean, deviation);
+  if (deviation[0] < kMinDeviation) {
+    Refuse("the image shows nothing: all its grey levels are near " + Rounded(mean[0]) +
+           "; uncover the lens or lengthen the exposure");
+  }
+}
+
+// Mean difference of two columns.
+double ColumnDifference(const cv::Mat& grey, int a, int b) {
+  return cv::norm(grey.col(a), grey.col(b), cv::NORM_L1) / grey.rows;
+}
+
+float ValueAt(const cv::Mat& grey, const cv::Point2d& at) {
+  const int x = std::clamp(cvRound(at.x), 0, grey.cols - 1);
+  const int y = std::clamp(cvRound(at.y), 0, grey.rows - 1);
+  return grey.at<uint8_t>(y, x);
+}
+
+// How much brighter it is just inside a circle than just outside; parts outside the image count
+// as no difference.
+double ContrastOf(const cv::Mat& grey, const cv::Point2d& centre, double radius) {
+  constexpr double kBeside_px = 1.5;
+  double sum = 0;
+  for (int i = 0; i < kAngles; ++i) {
+    const cv::Point2d ray(std::cos(2 * kPi * i / kAngles), std::sin(2 * kPi * i / kAngles));
+    const cv::Point2d outside = centre + ray * (radius + kBeside_px);
+    if (outside.x < 0 || outside.y < 0 || outside.x > grey.cols - 1 || outside.y > grey.rows - 1) {
+      continue;
+    }
+    sum += ValueAt(grey, centre + ray * (radius - kBeside_px)) - ValueAt(grey, outside);
+  }
+  return sum / kAngles;
+}
+
+struct Circle {
+  cv::Point2d centre;
+  double radius = 0;
+  double contrast = -1e9;
+};
+
+// The best circle within `reach` of the given centre, with radii from low to high, in steps.
+Circle BestCircle(const cv::Mat& grey, const cv::Point2d& around, double reach, double low,
+                  double high, double step) {
+  Circle best;
+  for (double y = around.y - reach; y <= around.y + reach; y += step) {
+    for (double x = around.x - reach; x <= around.x + reach; x += step) {
+      for (double radius = low; radius <= high; radius += step) {
+        const double contrast = ContrastOf(grey, {x, y}, radius);
+        if (contrast > best.contrast) best = {{x, y}, radius, contrast};
+      }
+    }
+  }
+  return best;
+}
+
+// Coarse-to-fine: all circles on a small image, then the neighbours of the best on larger ones.
+Circle FindCircle(const cv::Mat& grey) {
+  const int side = std::min(grey.cols, grey.rows);
+  double scale = std::min(1.0, static_cast<double>(kCoarseSide_px) / side);
+  const auto level = [&] {
+    cv::Mat small;
+    cv::resize(grey, small, {}, scale, scale, cv::INTER_AREA);
+    return small;
+  };
+  cv::Mat small = level();
+  const double small_side = side * scale;
+  Circle circle = BestCircle(small, {small.cols / 2.0, small.rows / 2.0}, kReach_share * small_side,
+                             kMinOuter_share * small_side, kMaxOuter_share * small_side, 2);
+  circle = BestCircle(small, circle.centre, 2, circle.radius - 2, circle.radius + 2, 0.5);
+  while (scale < 1) {
+    const double finer = std::min(1.0, 2 * scale);
+    const double factor = finer / scale;
+    scale = finer;
+    small = level();
+    circle = BestCircle(small, circle.centre * factor, 2, circle.radius * factor - 2,
+                        circle.radius * factor + 2, 1);
+  }
+  return circle;
+}
+
+// The strongest edge of either sign around the same centre.
+double InnerRadius(const cv::Mat& grey, const Circle& outer, double min_contrast) {
+  double best = min_contrast;
+  double radius = kUsualInner_share * outer.radius;
+  for (double r = kMinInner_share * outer.radius; r < kMaxInner_share * outer.radius; ++r) {
+    const double contrast = std::abs(ContrastOf(grey, outer.centre, r));
+    if (contrast <= best) continue;
+    best = contrast;
+    radius = r;
+  }
+  return radius;
+}
+
+double AspectOf(const cv::Mat& image) { return static_cast<double>(image.cols) / image.rows; }
+
+void CheckSeam(const cv::Mat& grey, double max_seam) {
+  const double ratio = SeamRatio(grey);
+  if (ratio <= max_seam) return;
+  Refuse("the image isn't 360 degrees wide: its left and right edge differ " + Rounded(ratio) +
+         " times as much as neighbouring columns do, more than " + Rounded(max_seam) +
+         "; give a whole panorama, or raise max_seam");
+}
+
+}  // namespace
+
+void PanoramaOptions::Check() const {
+  CheckRange("columns", columns, 16, 16384);
+  CheckRange("mirror_band's top", mirror_band.top_rad, -kPi / 2, kPi / 2);
+  CheckRange("mirror_band's bottom", mirror_band.bottom_rad, -kPi / 2, mirror_band.top_rad - 0.01);
+  CheckRange("max_seam", max_seam, 1, 100);
+  CheckRange("min_mirror_contrast", min_mirror_contrast, 1, 100);
+  if (mirror && !(mirror->inner_px >= 0 && mirror->outer_px >= mirror->inner_px + 1)) {
+    throw MapError(ErrorCode::kBadOptions, "the mirror's radii are " + Rounded(mirror->inner_px) +
+                                               " and " + Rounded(mirror->outer_px) +
+                                               " px; give the inner first, then a larger outer");
+  }
+}
+
+PanoramaKind KindOf(const cv::Mat& image, const PanoramaOptions& options) {
+  if (options.mirror) return PanoramaKind::kMirror;
+  const double share = AspectOf(image) / 2;
+  if (std::abs(share - 1) <= kAspectTolerance) return PanoramaKind::kEquirectangular;
+  return share > 1 ? PanoramaKind::kStrip : PanoramaKind::kMirror;
+}
+
+double SeamRatio(const cv::Mat& grey) {
+  std::vector<double> differences;
+  for (int x = 0; x + 1 < grey.cols; ++x) differences.push_back(ColumnDifference(grey, x, x + 1));
+  const auto usual = differences.begin() + static_cast<std::ptrdiff_t>(
+                                               kUsualColumns * static_cast<double>(grey.cols - 2));
+  std::nth_element(differences.begin(), usual, differences.end());
+  return ColumnDifference(grey, 0, grey.cols - 1) / std::max(*usual, 1.0);
+}
+
+MirrorRing FindMirror(const cv::Mat& grey, const PanoramaOptions& options) {
+  options.Check();
+  WS_CHECK(grey.type() == CV_8UC1, "a mirror's image must be grey");
+  const Circle outer = FindCircle(grey);
+  if (outer.contrast < options.min_mirror_contrast) {
+    Refuse("the image of " + SizeOf(grey) +
+           " pixels is neither a panorama (twice as wide as high) nor that of a mirror (its best "
+           "circle has a contrast of " +
+           Rounded(outer.contrast) + ", less than " + Rounded(options.min_mirror_contrast) +
+           "); give a 360 degree image, or the mirror's centre and radii");
+  }
+  return {outer.centre, InnerRadius(grey, outer, options.min_mirror_contrast), outer.radius};
+}
+
+Panorama Unwrap(const cv::Mat& grey, const MirrorRing& mirror, const PanoramaOptions& options) {
+  options.Check();
+  const double height = mirror.outer_px - mirror.inner_px;
+  const int rows = std::max(kMinRows, cvRound(height));
+  cv::Mat xs(rows, options.columns, CV_32FC1);
+  cv::Mat ys(rows, options.columns, CV_32FC1);
+  for (int y = 0; y < rows; ++y) {
+    const double radius = mirror.outer_px - (y + 0.5) * height / rows;
+    for (int x = 0; x < options.columns; ++x) {
+      const double azimuth = 2 * kPi * (x + 0.5) / options.columns - kPi;
+      const double angle = options.mirror_clockwise ? azimuth : -azimuth;
+      xs.at<float>(y, x) = static_cast<float>(mirror.centre_px.x + radius * std::sin(angle));
+      ys.at<float>(y, x) = static_cast<float>(mirror.centre_px.y - radius * std::cos(angle));
+    }
+  }
+  Panorama panorama;
+  panorama.band = options.mirror_band;
+  cv::remap(grey, panorama.grey, xs, ys, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return panorama;
+}
+
+Panorama ToPanorama(const cv::Mat& image, const PanoramaOptions& options) {
+  options.Check();
+  const cv::Mat grey = GreyOf(image);
+  CheckContent(grey);
+  switch (KindOf(grey, options)) {
+    case PanoramaKind::kMirror:
+      return Unwrap(grey, options.mirror ? *options.mirror : FindMirror(grey, options), options);
+    case PanoramaKind::kStrip: {
+      CheckSeam(grey, options.max_seam);
+      const double half_rad = kPi / AspectOf(grey);
+      return {grey, {half_rad, -half_rad}};
+    }
+    case PanoramaKind::kEquirectangular:
+      break;
+  }
+  CheckSeam(grey, options.max_seam);
+  return {grey, {}};
+}
+
+}  // namespace waystone

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <numbers>
+#include <opencv2/core.hpp>
+#include <optional>
+
+namespace waystone {
+
+// Elevations are angles above the horizon: up is positive (camera.h's asin(Y / |x|) is minus that).
+struct ElevationBand {
+  double top_rad = std::numbers::pi / 2;
+  double bottom_rad = -std::numbers::pi / 2;
+
+  bool operator==(const ElevationBand&) const = default;
+};
+
+// A panorama: columns are azimuth over the whole circle, growing clockwise seen from above (to the
+// right), the middle of the image looks to the front and the seam is behind; rows are elevation,
+// linear from the image's upper edge (band.top_rad) to its lower edge (band.bottom_rad). A whole
+// equirectangular image (camera.h) has the default band.
+struct Panorama {
+  cv::Mat grey;  // CV_8UC1
+  ElevationBand band;
+};
+
+// The circle of a catadioptric camera's mirror in its image, and the camera's own picture within.
+struct MirrorRing {
+  cv::Point2d centre_px;
+  double inner_px = 0;  // radii
+  double outer_px = 0;
+};
+
+struct PanoramaOptions {
+  // Columns of a panorama that is made from a mirror's image or from faces, 16 to 16384. More keep
+  // more detail; those of a mirror's image are seldom worth more than 2 pi outer_px.
+  int columns = 1024;
+  // A mirror's elevations at its outer and inner radius, pi / 2 to -pi / 2; between them elevation
+  // goes with the radius. Depends on the mirror: its data sheet tells.
+  ElevationBand mirror_band = {0.35, -0.9};
+  // Where the mirror is; found in the image when not given.
+  std::optional<MirrorRing> mirror;
+  // Whether azimuth grows clockwise in the mirror's image (a camera that looks up into it sees it
+  // counter-clockwise). The front is the image's upper side.
+  bool mirror_clockwise = true;
+  // How much more the two sides of the seam differ than nearly all (98 %) of the other
+  // neighbouring columns before the image counts as less than 360 degrees wide, 1 to 100. Less
+  // refuses panoramas whose seam runs along an edge.
+  double max_seam = 3;
+  // Grey levels by which a mirror's image is brighter inside its circle than outside, 1 to 100,
+  // before a circle is believed.
+  double min_mirror_contrast = 12;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+enum class PanoramaKind { kEquirectangular, kStrip, kMirror };
+
+// An image as a panorama. Twice as wide as high (to 2 %): equirectangular. Wider: a strip of one
+// around the horizon, as many radians high as its pixels are. Less wide, or with a mirror given: a
+// catadioptric camera's image, which is unwrapped. Grey (CV_8UC1), BGR (CV_8UC3) and BGRA (CV_8UC4,
+// whose alpha is dropped) are taken. Throws MapError(kBadImage), with what to do about it, for an
+// image that is too small (64 columns, 8 rows), has no texture (all black), isn't 360 degrees wide
+// (the seam's sides differ) or is neither a panorama nor a mirror's image. Thread-safe.
+Panorama ToPanorama(const cv::Mat& image, const PanoramaOptions& options = {});
+
+// Which of them ToPanorama takes an image for.
+PanoramaKind KindOf(const cv::Mat& image, const PanoramaOptions& options = {});
+
+// How much the seam's sides differ, over what nearly all neighbouring columns differ by: about 1
+// for a panorama, several for another image.
+double SeamRatio(const cv::Mat& grey);
+
+// The mirror's circle: the one that is brightest inside against outside; the inner radius is the
+// strongest concentric edge, or a quarter of the outer. Throws MapError(kBadImage) when no circle
+// has the contrast.
+MirrorRing FindMirror(const cv::Mat& grey, const PanoramaOptions& options = {});
+
+// A mirror's image unwrapped: rows from the outer radius (top) to the inner.
+Panorama Unwrap(const cv::Mat& grey, const MirrorRing& mirror, const PanoramaOptions& options = {});
+
+}  // namespace waystone

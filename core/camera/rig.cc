@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/camera/rig.h"
+
+#include <Eigen/LU>
+#include <set>
+
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+constexpr size_t kMaxCameras = 64;
+constexpr int kMaxFaceWidth = 8192;  // px
+constexpr double kMaxSkew = 1e-6;    // of a rotation matrix, entry by entry
+
+[[noreturn]] void Refuse(const std::string& cause) { throw MapError(ErrorCode::kBadCamera, cause); }
+
+bool IsRotation(const Eigen::Matrix3d& r) {
+  return r.allFinite() && (r.transpose() * r).isIdentity(kMaxSkew) && r.determinant() > 0;
+}
+
+// The camera looks along right x down.
+RigCamera Face(const char* name, const Camera& camera, const Eigen::Vector3d& right,
+               const Eigen::Vector3d& down) {
+  RigCamera face{.name = name, .camera = camera};
+  face.head_from_camera.linear() << right, down, right.cross(down);
+  return face;
+}
+
+}  // namespace
+
+void CheckRig(const Rig& rig) {
+  if (rig.cameras.empty() || rig.cameras.size() > kMaxCameras) {
+    Refuse("a rig of " + std::to_string(rig.cameras.size()) + " cameras; give 1 to " +
+           std::to_string(kMaxCameras));
+  }
+  std::set<std::string> names;
+  for (const RigCamera& camera : rig.cameras) {
+    const std::string name = "camera '" + camera.name + "'";
+    if (!names.insert(camera.name).second) Refuse(name + " is there twice; rename one of them");
+    try {
+      CheckCamera(camera.camera);
+    } catch (const MapError& error) {
+      Refuse(name + ": " + error.what());
+    }
+    if (!IsRotation(camera.head_from_camera.linear()) ||
+        !camera.head_from_camera.translation().allFinite()) {
+      Refuse(name + ": its pose in the head is no rotation and finite translation; correct it");
+    }
+  }
+}
+
+void CheckImageSize(const RigCamera& camera, int width, int height) {
+  const auto size = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
+  if (width == camera.camera.width && height == camera.camera.height) return;
+  throw MapError(ErrorCode::kBadImage, "an image of " + size(width, height) +
+                                           " pixels, but camera '" + camera.name + "' takes " +
+                                           size(camera.camera.width, camera.camera.height) +
+                                           "; calibrate at the images' size");
+}
+
+Rig RigOfOne(const Camera& camera) { return {.cameras = {{.name = "camera", .camera = camera}}}; }
+
+Rig CubeRig(int width_px) {
+  if (width_px < 1 || width_px > kMaxFaceWidth) {
+    Refuse("faces " + std::to_string(width_px) + " px wide; give 1 to " +
+           std::to_string(kMaxFaceWidth));
+  }
+  const double focal_px = 0.5 * width_px;
+  const double middle_px = 0.5 * (width_px - 1);
+  const Camera camera{.model = CameraModel::kPinhole,
+                      .width = width_px,
+                      .height = width_px,
+                      .params = {focal_px, focal_px, middle_px, middle_px}};
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d y = Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  return {.cameras = {Face("front", camera, x, y), Face("right", camera, -z, y),
+                      Face("back", camera, -x, y), Face("left", camera, z, y),
+                      Face("up", camera, x, z), Face("down", camera, x, -z)}};
+}
+
+}  // namespace waystone

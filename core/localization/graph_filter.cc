@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/graph_filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "core/base/check.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+void CheckRange(const std::string& name, double value, double low, double high) {
+  if (value >= low && value <= high) return;  // not for NaN
+  throw MapError(ErrorCode::kBadOptions, name + " is " + std::to_string(value) + "; give " +
+                                             std::to_string(low) + " to " + std::to_string(high));
+}
+
+void CheckPrevious(const FilterState& previous, size_t nodes) {
+  double sum = 0;
+  for (const Belief& belief : previous) {
+    const bool possible = belief.node >= 0 && belief.node < static_cast<int>(nodes) &&
+                          belief.probability >= 0 && std::isfinite(belief.heading_rad) &&
+                          belief.deviation_rad > 0 && std::isfinite(belief.deviation_rad);
+    if (!possible) {
+      throw MapError(ErrorCode::kBadRequest, "the previous answer has a belief in node " +
+                                                 std::to_string(belief.node) +
+                                                 " that this map can't have given; leave it out");
+    }
+    sum += belief.probability;
+  }
+  if (sum <= 1 + 1e-6) return;
+  throw MapError(ErrorCode::kBadRequest, "the previous answer's probabilities sum to " +
+                                             std::to_string(sum) + "; leave it out");
+}
+
+double NormalDensity(double x, double deviation) {
+  const double z = x / deviation;
+  return std::exp(-0.5 * z * z) / (deviation * std::sqrt(2 * std::numbers::pi));
+}
+
+// A node before the image is looked at, with the mean and deviation of its heading.
+struct Prior {
+  double weight = 0;
+  double heading_x = 0;  // weighted sum of unit vectors
+  double heading_y = 0;
+  double variance = 0;  // weighted sum
+};
+
+class Update {
+ public:
+  Update(const std::vector<Pose2>& poses, const std::vector<NodeEvidence>& evidence,
+         const GraphFilterOptions& options)
+      : poses_(poses), evidence_(evidence), options_(options), priors_(poses.size()) {}
+
+  // The share of the belief that moves with the robot.
+  void Move(const FilterState& previous, const std::optional<Pose2>& odometry) {
+    for (const Belief& belief : previous) MoveOne(belief, odometry);
+    double moved = 0;
+    for (const Prior& prior : priors_) moved += prior.weight;
+    double known = 0;
+    for (const Belief& belief : previous) known += belief.probability;
+    // Where the way leads off the graph nothing can be predicted.
+    const double share = moved > 0 ? (1 - options_.kidnapped) * known / moved : 0;
+    for (Prior& prior : priors_) {
+      prior.weight *= share;
+      prior.heading_x *= share;
+      prior.heading_y *= share;
+      prior.variance *= share;
+    }
+    anywhere_ = (moved > 0 ? 1 - (1 - options_.kidnapped) * known : 1.0) /
+                static_cast<double>(poses_.size());
+  }
+
+  FilterAnswer Look() const {
+    double best = -std::numeric_limits<double>::infinity();
+    for (const NodeEvidence& evidence : evidence_) best = std::max(best, evidence.log_likelihood);
+    if (!std::isfinite(best)) {
+      throw MapError(ErrorCode::kBadRequest,
+                     "the image is impossible at every node; ask without the previous answer");
+    }
+    FilterAnswer answer;
+    double sum = 0;
+    for (size_t i = 0; i < poses_.size(); ++i) {
+      answer.state.push_back(Posterior(i, best));
+      sum += answer.state.back().probability;
+    }
+    double entropy = 0;
+    for (Belief& belief : answer.state) {
+      const double p = belief.probability /= sum;
+      if (p > 0) entropy -= p * std::log(p);
+    }
+    answer.effective_nodes = std::exp(entropy);
+    KeepLikeliest(answer.state);
+    return answer;
+  }
+
+ private:
+  void MoveOne(const Belief& from, const std::optional<Pose2>& odometry) {
+    const Pose2& at = poses_[from.node];
+    Pose2 robot{at.x, at.y, from.heading_rad};
+    double reach = std::hypot(options_.position_deviation, options_.step_deviation);
+    double variance = std::pow(std::numbers::pi, 2);  // without odometry any turn is possible
+    if (odometry) {
+      robot = robot * *odometry;
+      const double way = std::hypot(odometry->x, odometry->y);
+      // A heading that is off leads the way aside.
+      reach = std::hypot(options_.position_deviation, options_.share_of_way * way,
+                         from.deviation_rad * way);
+      variance = std::pow(from.deviation_rad, 2) + std::pow(options_.turn_deviation_rad, 2);
+    }
+    double sum = 0;
+    std::vector<double> weights(poses_.size());
+    for (size_t i = 0; i < poses_.size(); ++i) {
+      const double d = std::hypot(poses_[i].x - robot.x, poses_[i].y - robot.y) / reach;
+      sum += weights[i] = std::exp(-0.5 * d * d);
+    }
+    if (sum <= 0) return;
+    for (size_t i = 0; i < poses_.size(); ++i) {
+      const double weight = from.probability * weights[i] / sum;
+      priors_[i].weight += weight;
+      priors_[i].heading_x += weight * std::cos(robot.theta_rad);
+      priors_[i].heading_y += weight * std::sin(robot.theta_rad);
+      priors_[i].variance += weight * variance;
+    }
+  }
+
+  // Bayes' rule for a node: how well place and heading fit, and both headings fused.
+  Belief Posterior(size_t i, double best) const {
+    const NodeEvidence& seen = evidence_[i];
+    const Prior& prior = priors_[i];
+    const double likelihood = std::exp(seen.log_likelihood - best);
+    const double flat = 1 / (2 * std::numbers::pi);  // the density of an unknown heading
+    Belief belief{static_cast<int>(i), likelihood * anywhere_ * flat,
+                  WrappedAngle(seen.heading_rad), seen.deviation_rad};
+    if (prior.weight <= 0) return belief;
+    const double mean = std::atan2(prior.heading_y, prior.heading_x);
+    const double variance = prior.variance / prior.weight;
+    const double off = WrappedAngle(seen.heading_rad - mean);
+    const double seen_variance = seen.deviation_rad * seen.deviation_rad;
+    const bool unknown = std::sqrt(variance) >= std::numbers::pi;
+    const double fit = unknown ? flat : NormalDensity(off, std::sqrt(variance + seen_variance));
+    const double moved = likelihood * prior.weight * fit;
+    belief.probability += moved;
+    if (unknown || moved < 0.5 * belief.probability) return belief;  // the image alone knows
+    belief.heading_rad = WrappedAngle(mean + off * variance / (variance + seen_variance));
+    belief.deviation_rad = std::sqrt(variance * seen_variance / (variance + seen_variance));
+    return belief;
+  }
+
+  void KeepLikeliest(FilterState& state) const {
+    std::erase_if(state, [](const Belief& belief) { return belief.probability <= 0; });
+    std::stable_sort(state.begin(), state.end(), [](const Belief& a, const Belief& b) {
+      return a.probability > b.probability;
+    });
+    if (std::ssize(state) > options_.max_beliefs) state.resize(options_.max_beliefs);
+  }
+
+  const std::vector<Pose2>& poses_;
+  const std::vector<NodeEvidence>& evidence_;
+  const GraphFilterOptions& options_;
+  std::vector<Prior> priors_;
+  double anywhere_ = 0;  // weight of every node for a robot that may be anywhere
+};
+
+}  // namespace
+
+void GraphFilterOptions::Check() const {
+  CheckRange("position_deviation", position_deviation, 1e-9, 1e9);
+  CheckRange("share_of_way", share_of_way, 0, 1);
+  CheckRange("step_deviation", step_deviation, 1e-9, 1e9);
+  CheckRange("turn_deviation_rad", turn_deviation_rad, 0.001, 3);
+  CheckRange("kidnapped", kidnapped, 1e-9, 0.5);
+  CheckRange("max_beliefs", max_beliefs, 1, 10'000);
+}
+
+FilterAnswer UpdateBelief(const std::vector<Pose2>& poses,
+                          const std::vector<NodeEvidence>& evidence, const FilterState& previous,
+                          const std::optional<Pose2>& odometry, const GraphFilterOptions& options) {
+  options.Check();
+  WS_CHECK(!poses.empty() && poses.size() == evidence.size(),
+           std::to_string(evidence.size()) + " pieces of evidence for " +
+               std::to_string(poses.size()) + " nodes");
+  CheckPrevious(previous, poses.size());
+  Update update(poses, evidence, options);
+  update.Move(previous, odometry);
+  return update.Look();
+}
+
+}  // namespace waystone

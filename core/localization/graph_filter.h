@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/base/pose2.h"
+
+// Localization over a graph of nodes with poses for a series of images: a Bayes filter whose places
+// are the nodes, each with a normal distribution of the heading. It is what Monte-Carlo
+// localization (Fernandez et al. 2010) approaches with many particles, so nothing is drawn at
+// random.
+namespace waystone {
+
+struct GraphFilterOptions {
+  // Standard deviation of where an image is taken around the predicted place, in the poses' units,
+  // besides share_of_way; above 0. At least the distance between nodes: a robot is rarely at one.
+  double position_deviation = 0.3;
+  // The same per unit of way that the odometry reports, 0 to 1.
+  double share_of_way = 0.1;
+  // Standard deviation of how far a robot gets between two images without odometry, above 0. More
+  // bear fast robots; less resolves likenesses sooner.
+  double step_deviation = 1.0;
+  // Standard deviation of a turn that the odometry reports, rad, 0.001 to 3.
+  double turn_deviation_rad = 0.1;
+  // Chance that the robot was carried elsewhere between two images, 1e-9 to 0.5. More recover
+  // sooner from an error; less holds on to what is known.
+  double kidnapped = 1e-3;
+  // Beliefs that a state keeps, 1 to 10,000. Fewer make smaller states and faster updates and lose
+  // places that were unlikely at first.
+  int max_beliefs = 64;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// What an image says about one node.
+struct NodeEvidence {
+  double log_likelihood = 0;   // of the image at this node, up to a constant; -infinity: impossible
+  double heading_rad = 0;      // the robot's heading in the graph's frame if it is there
+  double deviation_rad = 0.1;  // of that heading, above 0
+};
+
+struct Belief {
+  int node = 0;
+  double probability = 0;
+  double heading_rad = 0;  // in the graph's frame
+  double deviation_rad = 0;
+
+  bool operator==(const Belief&) const = default;
+};
+
+// What is known after some images: the likeliest nodes, the likeliest first (ties by node). They
+// are all that the next update needs; what they lack of 1 is anywhere.
+using FilterState = std::vector<Belief>;
+
+struct FilterAnswer {
+  FilterState state;           // the first is the answer; never empty
+  double effective_nodes = 1;  // e to the entropy of the whole belief: 1 is certain, the number of
+                               // nodes is not knowing
+};
+
+// The belief after an image. `poses` are graph_from_node, `evidence[i]` is of node i. `previous` is
+// the state before (empty for the first image), `odometry` previous_from_now where it is known.
+// Time is nodes times beliefs. Pure; thread-safe. Throws MapError: kBadOptions; kBadRequest when
+// the previous state names nodes that aren't there or isn't made of probabilities, or when the
+// image is impossible everywhere. No nodes or evidence of another number are programmer's errors.
+FilterAnswer UpdateBelief(const std::vector<Pose2>& poses,
+                          const std::vector<NodeEvidence>& evidence, const FilterState& previous,
+                          const std::optional<Pose2>& odometry,
+                          const GraphFilterOptions& options = {});
+
+}  // namespace waystone

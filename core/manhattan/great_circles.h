@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "core/camera/rig.h"
+#include "core/manhattan/segments.h"
+
+namespace waystone {
+
+// A segment as an arc on the unit sphere around the head's centre. All vectors are unit vectors of
+// the head's frame, perpendicular to each other: normal = middle x along.
+struct GreatCircle {
+  Eigen::Vector3d normal;  // of the plane through the centre and the line, l = x1 x x2 (sec. II-A)
+  Eigen::Vector3d middle;  // ray through the middle of the arc
+  Eigen::Vector3d along;   // tangent of the arc at its middle
+  double length_rad = 0;   // angle between the rays of the end points
+  double end_sigma_rad = 0;  // standard deviation of an end point's ray across the arc
+  int camera = 0;            // index in the rig
+  ImageSegment segment;      // where it was seen, distorted pixels of that camera
+};
+
+struct GreatCircleOptions {
+  // Standard deviation of a segment's end point across the segment, 0.05 to 5. Higher trusts short
+  // segments less. px
+  double end_sigma_px = 0.5;
+  // How far a segment's middle may lie from the great circle of its ends, 0.1 to 20. A segment that
+  // is straight in a distorted image isn't straight in the world. px
+  double max_sag_px = 1.0;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// The arcs of one camera's segments. The camera's place in the head is ignored: directions of lines
+// don't depend on it. Segments whose ends have one ray, and those that sag, are left out.
+std::vector<GreatCircle> GreatCirclesOf(const Rig& rig, int camera,
+                                        std::span<const ImageSegment> segments,
+                                        const GreatCircleOptions& options = {});
+
+}  // namespace waystone

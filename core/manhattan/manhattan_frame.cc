@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/manhattan/manhattan_frame.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/option_range.h"
+#include "core/base/random.h"
+#include "core/manhattan/cube_rotations.h"
+#include "core/manhattan/line_model.h"
+
+namespace waystone {
+namespace {
+
+// Sine of the angle between two normals below which their lines are one and have no crossing.
+constexpr double kSameLine = 0.02;
+// Least lines a frame is looked for with: two directions take three.
+constexpr int kLeastLines = 3;
+
+struct ScoredFrame {
+  Eigen::Matrix3d head_from_axes;
+  double support = 0;
+};
+
+// Draws lines with a probability in proportion to their weights.
+class WeightedDraw {
+ public:
+  explicit WeightedDraw(std::span<const Line> lines) {
+    double sum = 0;
+    for (const Line& line : lines) sums_.push_back(sum += line.weight);
+  }
+  int Draw(Random& random) const {
+    const double at = random.Uniform() * sums_.back();
+    const auto found = std::ranges::upper_bound(sums_, at);
+    return static_cast<int>(std::min<size_t>(found - sums_.begin(), sums_.size() - 1));
+  }
+
+ private:
+  std::vector<double> sums_;
+};
+
+// Putative vanishing points v_m = l_i x l_j: of all pairs, or of drawn ones.
+std::vector<Eigen::Vector3d> PutativePoints(std::span<const Line> lines,
+                                            const ManhattanOptions& options) {
+  std::vector<Eigen::Vector3d> points;
+  const auto add = [&](int i, int j) {
+    const Eigen::Vector3d cross = lines[i].normal.cross(lines[j].normal);
+    if (cross.norm() > kSameLine) points.push_back(cross.normalized());
+  };
+  const int n = static_cast<int>(lines.size());
+  if (static_cast<int64_t>(n) * (n - 1) / 2 <= options.max_pairs) {
+    for (int i = 0; i < n; ++i) {
+      for (int j = i + 1; j < n; ++j) add(i, j);
+    }
+    return points;
+  }
+  const WeightedDraw draw(lines);
+  Random random(options.seed);
+  for (int pair = 0; pair < options.max_pairs; ++pair) {
+    const int i = draw.Draw(random);
+    const int j = draw.Draw(random);
+    if (i != j) add(i, j);
+  }
+  return points;
+}
+
+// The rotation about a first direction that most lines vote for. A line l meets the circle across
+// the direction at v x l, which may be the second axis or the third: angles count modulo a quarter
+// turn.
+Eigen::Matrix3d CompleteFrame(std::span<const Line> lines, const Eigen::Vector3d& first,
+                              const ManhattanOptions& options) {
+  const double quarter = 0.5 * std::numbers::pi;
+  const int bins = std::max(4, static_cast<int>(std::ceil(quarter / options.vote_bin_rad)));
+  std::vector<double> votes(bins, 0.0);
+  std::vector<double> offsets(bins, 0.0);  // votes times their place within the bin
+  const Eigen::Vector3d x = first.unitOrthogonal();
+  const Eigen::Vector3d y = first.cross(x);
+  for (const Line& line : lines) {
+    const double on_x = line.normal.dot(x);
+    const double on_y = line.normal.dot(y);
+    // The crossing is the less certain the nearer the normal is to the first direction.
+    const double say = line.weight * (on_x * on_x + on_y * on_y);
+    double angle = std::atan2(on_y, on_x);  // v x l is a quarter turn on: the same modulo that
+    angle -= quarter * std::floor(angle / quarter);
+    const double place = angle / quarter * bins;
+    const int bin = std::min(bins - 1, static_cast<int>(place));
+    votes[bin] += say;
+    offsets[bin] += say * (place - bin);
+  }
+  const auto around = [&](const std::vector<double>& v, int bin) {
+    return v[(bin + bins - 1) % bins] + v[bin] + v[(bin + 1) % bins];
+  };
+  int best = 0;
+  for (int bin = 1; bin < bins; ++bin) {
+    if (around(votes, bin) > around(votes, best)) best = bin;
+  }
+  const double sum = around(votes, best);
+  const double shift = votes[(best + 1) % bins] - votes[(best + bins - 1) % bins];
+  const double place = sum > 0 ? best + (around(offsets, best) + shift) / sum : best;
+  const double angle = place / bins * quarter;
+  Eigen::Matrix3d frame;
+  frame.col(0) = first;
+  frame.col(1) = std::cos(angle) * x + std::sin(angle) * y;
+  frame.col(2) = first.cross(frame.col(1));
+  return frame;
+}
+
+void SortBySupport(std::vector<ScoredFrame>& frames) {
+  std::ranges::stable_sort(frames, std::greater<>(), &ScoredFrame::support);
+}
+
+// Frames by their support, the best first, each turned from better ones by more than `apart_rad`.
+std::vector<ScoredFrame> Distinct(std::vector<ScoredFrame> frames, double apart_rad, int most) {
+  SortBySupport(frames);
+  std::vector<ScoredFrame> kept;
+  for (const ScoredFrame& frame : frames) {
+    if (static_cast<int>(kept.size()) == most) break;
+    const bool near = std::ranges::any_of(kept, [&](const ScoredFrame& better) {
+      return CubeAngle(better.head_from_axes, frame.head_from_axes) < apart_rad;
+    });
+    if (!near) kept.push_back(frame);
+  }
+  return kept;
+}
+
+FrameTrouble TroubleOf(const ManhattanFrame& frame, const ManhattanOptions& options) {
+  std::array<int, 3> counts = frame.lines;
+  std::ranges::sort(counts, std::greater<>());
+  if (counts[0] < options.min_second_lines) return FrameTrouble::kFewLines;
+  if (counts[1] < options.min_second_lines) return FrameTrouble::kOneDirection;
+  const double support = frame.support[0] + frame.support[1] + frame.support[2];
+  if (support < options.min_support) return FrameTrouble::kLittleSupport;
+  if (frame.rival > options.max_rival) return FrameTrouble::kRival;
+  if (frame.sigma_rad() > options.max_sigma_rad) return FrameTrouble::kUncertain;
+  return FrameTrouble::kNone;
+}
+
+ManhattanFrame Describe(std::span<const Line> lines, size_t all_lines,
+                        const RefinedRotation& refined, const ManhattanOptions& options) {
+  ManhattanFrame frame;
+  frame.head_from_axes = refined.head_from_axes;
+  frame.covariance = refined.covariance;
+  frame.axis_of_line.assign(all_lines, -1);
+  for (const Line& line : lines) {
+    const int axis = SupportOf(line, refined.head_from_axes, options).axis;
+    if (axis < 0) continue;
+    frame.axis_of_line[line.index] = axis;
+    ++frame.lines[axis];
+    frame.support[axis] += line.weight;
+  }
+  return frame;
+}
+
+}  // namespace
+
+double ManhattanFrame::sigma_rad() const {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
+}
+
+ManhattanFrame FindManhattanFrame(std::span<const GreatCircle> circles,
+                                  const ManhattanOptions& options) {
+  options.Check();
+  const std::vector<Line> lines = LinesOf(circles, options.max_lines);
+  ManhattanFrame none;
+  none.axis_of_line.assign(circles.size(), -1);
+  if (static_cast<int>(lines.size()) < kLeastLines) return none;
+  std::vector<ScoredFrame> voted;
+  for (const Eigen::Vector3d& point : PutativePoints(lines, options)) {
+    const Eigen::Matrix3d frame = CompleteFrame(lines, point, options);
+    voted.push_back({frame, TotalSupport(lines, frame, options)});
+  }
+  if (voted.empty()) return none;
+  std::vector<ScoredFrame> refined;
+  for (const ScoredFrame& start :
+       Distinct(std::move(voted), 0.5 * options.rival_angle_rad, options.refined_frames)) {
+    const RefinedRotation better = RefineRotation(lines, start.head_from_axes, options);
+    refined.push_back({better.head_from_axes, TotalSupport(lines, better.head_from_axes, options)});
+  }
+  const std::vector<ScoredFrame> rivals = Distinct(std::move(refined), options.rival_angle_rad, 2);
+  ManhattanFrame frame = Describe(
+      lines, circles.size(), RefineRotation(lines, rivals[0].head_from_axes, options), options);
+  if (rivals.size() > 1 && rivals[0].support > 0) {
+    frame.rival = rivals[1].support / rivals[0].support;
+  }
+  frame.trouble = TroubleOf(frame, options);
+  return frame;
+}
+
+ManhattanFrame FindManhattanFrameNear(std::span<const GreatCircle> circles,
+                                      const Eigen::Matrix3d& head_from_axes,
+                                      const ManhattanOptions& options) {
+  options.Check();
+  const std::vector<Line> lines = LinesOf(circles, options.max_lines);
+  ManhattanFrame frame;
+  frame.head_from_axes = head_from_axes;
+  frame.axis_of_line.assign(circles.size(), -1);
+  if (static_cast<int>(lines.size()) < kLeastLines) return frame;
+  frame = Describe(lines, circles.size(), RefineRotation(lines, head_from_axes, options), options);
+  frame.trouble = TroubleOf(frame, options);
+  return frame;
+}
+
+ManhattanFrame Renumbered(ManhattanFrame frame, const Eigen::Matrix3d& previous) {
+  const Eigen::Matrix3d nearest = NearestOfCube(frame.head_from_axes, previous);
+  // Column i of the nearest is plus or minus column from[i] of what it was.
+  const Eigen::Matrix3d cube = frame.head_from_axes.transpose() * nearest;
+  std::array<int, 3> to{};
+  const ManhattanFrame before = frame;
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::Index from = 0;
+    cube.col(axis).cwiseAbs().maxCoeff(&from);
+    to[from] = axis;
+    frame.lines[axis] = before.lines[from];
+    frame.support[axis] = before.support[from];
+  }
+  for (int& axis : frame.axis_of_line) {
+    if (axis >= 0) axis = to[axis];
+  }
+  frame.head_from_axes = nearest;
+  return frame;
+}
+
+void ManhattanOptions::Check() const {
+  CheckRange("max_pairs", max_pairs, 10, 100'000);
+  CheckRange("max_lines", max_lines, 10, 10'000);
+  CheckRange("line_sigma_rad", line_sigma_rad, 1e-4, 0.1);
+  CheckRange("axis_sigma_rad", axis_sigma_rad, 0, 0.1);
+  CheckRange("max_deviations", max_deviations, 1, 10);
+  CheckRange("vote_bin_rad", vote_bin_rad, 0.001, 0.1);
+  CheckRange("refined_frames", refined_frames, 1, 100);
+  CheckRange("max_steps", max_steps, 1, 100);
+  CheckRange("min_second_lines", min_second_lines, 1, 100);
+  CheckRange("min_support", min_support, 0, 1);
+  CheckRange("max_sigma_rad", max_sigma_rad, 1e-4, 1);
+  CheckRange("max_rival", max_rival, 0, 1);
+  CheckRange("rival_angle_rad", rival_angle_rad, 0.01, 0.7);
+}
+
+std::string_view NameOf(FrameTrouble trouble) {
+  switch (trouble) {
+    case FrameTrouble::kNone:
+      return "none";
+    case FrameTrouble::kFewLines:
+      return "few_lines";
+    case FrameTrouble::kOneDirection:
+      return "one_direction";
+    case FrameTrouble::kLittleSupport:
+      return "little_support";
+    case FrameTrouble::kRival:
+      return "rival_frame";
+    default:
+      return "uncertain";
+  }
+}
+
+std::string_view SentenceOf(FrameTrouble trouble) {
+  switch (trouble) {
+    case FrameTrouble::kNone:
+      return "reliable";
+    case FrameTrouble::kFewLines:
+      return "there are hardly any straight lines";
+    case FrameTrouble::kOneDirection:
+      return "the lines show one direction only";
+    case FrameTrouble::kLittleSupport:
+      return "most lines belong to no common frame";
+    case FrameTrouble::kRival:
+      return "another frame fits nearly as well";
+    default:
+      return "the lines don't determine the rotation well enough";
+  }
+}
+
+}  // namespace waystone

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+
+#include "core/camera/panorama.h"
+
+namespace waystone {
+
+using HalfMatrix = Eigen::Matrix<Eigen::half, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// The Fourier signature of a panorama (Fernandez et al. 2011, sec. III-A; after Menegatti 2004):
+// the discrete Fourier transform of each row, cut to its low frequencies. Row 0 is the uppermost;
+// column l is frequency l, l cycles around the horizon, from l = 0, the row's mean.
+// The azimuth is measured clockwise from the front (the middle of the image), so that a signature
+// doesn't depend on how many columns the panorama has:
+//   row(azimuth) = m_0 cos(p_0) + 2 sum_{l > 0} m_l cos(l azimuth + p_l).
+// Turning the camera by h counter-clockwise (seen from above) keeps the magnitudes and takes l h
+// from the phases, which is the paper's eq. (1) with q = h N_y / (2 pi).
+// 16-bit floats: 2^-11 relative.
+struct FourierSignature {
+  HalfMatrix magnitudes;  // rows x k1: |A_l| / N_y; grey levels, or the band's deviations when
+                          // photometrically normalised
+  HalfMatrix phases;      // rows x k2, radians in [-pi, pi]; column 0 is 0 or pi: the mean's sign
+
+  bool operator==(const FourierSignature& other) const;
+};
+
+struct SignatureOptions {
+  // Rows of the signature, 1 to 1024, spread evenly over the band. More tell elevations better and
+  // cost time and map size: a signature takes 2 rows (k1 + k2) bytes.
+  int rows = 64;
+  // Magnitudes a row, 2 to 4096: what places are compared by. More tell places apart that are near
+  // each other; few bear changes better.
+  int k1 = 64;
+  // Phases a row, 2 to 4096: what headings come from. More give finer headings. The compass uses
+  // the frequencies that have both magnitude and phase.
+  int k2 = 64;
+  // Elevations that are used, from pi / 2 to -pi / 2; what the panorama doesn't show of them is
+  // left out. A narrow band sees what is far away, and less of the camera's carrier and the floor.
+  ElevationBand band = {0.6, -0.6};
+  // Photometric normalisation: the band less its mean, over its standard deviation. Bears changes
+  // of exposure; loses the brightness, which may tell places apart.
+  bool normalise = true;
+
+  void Check() const;  // throws MapError(kBadOptions)
+  bool operator==(const SignatureOptions&) const = default;
+};
+
+// The options' band as far as the panorama shows it: what the signature's rows span. Throws
+// MapError(kBadImage) when that is less than a row of pixels. Thread-safe, as all here.
+ElevationBand UsedBand(const Panorama& panorama, const SignatureOptions& options);
+
+// The band of the panorama that the signature sees: options.rows x the panorama's columns,
+// CV_32FC1, each row the mean over its elevations, normalised if so asked. Turning the panorama by
+// columns turns it by the same columns exactly. Throws MapError(kBadImage) as UsedBand does, when
+// the panorama has too few columns for the frequencies (2 max(k1, k2)),
+// or its band has no texture.
+cv::Mat BandOf(const Panorama& panorama, const SignatureOptions& options);
+
+// The signature of a band, CV_32FC1 of any number of rows, at least 2 max(k1, k2) columns.
+FourierSignature SignatureOfBand(const cv::Mat& band, const SignatureOptions& options);
+
+// Both steps.
+FourierSignature Signature(const Panorama& panorama, const SignatureOptions& options = {});
+// The same for a whole equirectangular image: CV_8UC1, or CV_8UC3 (BGR), which becomes grey.
+FourierSignature Signature(const cv::Mat& panorama, const SignatureOptions& options = {});
+
+}  // namespace waystone

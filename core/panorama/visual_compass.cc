@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/panorama/visual_compass.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <string>
+
+#include "core/base/check.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr int kNewtonSteps = 5;                             // from within a step of a smooth peak
+constexpr double kUnknown_rad = kPi / std::numbers::sqrt3;  // deviation of a uniform direction
+
+void CheckRange(const std::string& name, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw MapError(ErrorCode::kBadOptions, name + " is " + std::to_string(value) + "; give " +
+                                             std::to_string(low) + " to " + std::to_string(high));
+}
+
+double Wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * kPi); }
+
+// The sum over the rows of the weighted phase differences of each frequency, over all weights.
+std::vector<std::complex<double>> CrossSpectrum(const FourierSignature& a,
+                                                const FourierSignature& b,
+                                                const PhaseCompassOptions& options) {
+  const int count = std::min({options.frequencies, CommonFrequencies(a), CommonFrequencies(b)});
+  std::vector<std::complex<double>> spectrum(count);
+  double weights = 0;
+  for (Eigen::Index row = 0; row < a.magnitudes.rows(); ++row) {
+    for (int l = 1; l < count; ++l) {
+      const float product =
+          static_cast<float>(a.magnitudes(row, l)) * static_cast<float>(b.magnitudes(row, l));
+      const double weight = std::pow(product, options.power);
+      const float turn =
+          static_cast<float>(a.phases(row, l)) - static_cast<float>(b.phases(row, l));
+      spectrum[l] += std::polar(weight, static_cast<double>(turn));
+      weights += weight;
+    }
+  }
+  for (auto& term : spectrum) term /= std::max(weights, 1e-300);
+  return spectrum;
+}
+
+// The score of a turn and its first two derivatives.
+struct Score {
+  double value = 0;
+  double slope = 0;
+  double bend = 0;
+};
+
+Score ScoreAt(const std::vector<std::complex<double>>& spectrum, double turn_rad) {
+  Score score;
+  for (size_t l = 1; l < spectrum.size(); ++l) {
+    const auto frequency = static_cast<double>(l);
+    const std::complex<double> term = spectrum[l] * std::polar(1.0, -frequency * turn_rad);
+    score.value += term.real();
+    score.slope += frequency * term.imag();
+    score.bend -= frequency * frequency * term.real();
+  }
+  return score;
+}
+
+// Minus the scores of so many turns around the circle: a Fourier transform of the spectrum.
+std::vector<double> Losses(const std::vector<std::complex<double>>& spectrum, int steps) {
+  cv::Mat terms(1, steps, CV_64FC2, cv::Scalar::all(0));
+  for (size_t l = 1; l < spectrum.size(); ++l) {
+    // Above steps - 1 a frequency looks like a lower one.
+    terms.at<cv::Vec2d>(0, static_cast<int>(l) % steps) +=
+        cv::Vec2d(spectrum[l].real(), spectrum[l].imag());
+  }
+  cv::dft(terms, terms);
+  std::vector<double> losses(steps);
+  for (int i = 0; i < steps; ++i) losses[i] = -terms.at<cv::Vec2d>(0, i)[0];
+  return losses;
+}
+
+// Newton's steps up to the peak next to `turn_rad`, at most `reach_rad` away.
+CompassPeak Refined(const std::vector<std::complex<double>>& spectrum, double turn_rad,
+                    double reach_rad) {
+  double offset = 0;
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    const Score score = ScoreAt(spectrum, turn_rad + offset);
+    if (score.bend >= 0) break;
+    offset = std::clamp(offset - score.slope / score.bend, -reach_rad, reach_rad);
+  }
+  return {Wrapped(turn_rad + offset), ScoreAt(spectrum, turn_rad + offset).value};
+}
+
+// The index of the least value that lies off `from` by `separation_rad` at least, on a circle.
+int LeastBeyond(const std::vector<double>& values, int from, double separation_rad) {
+  const double step_rad = 2 * kPi / static_cast<double>(values.size());
+  int least = -1;
+  for (int i = 0; i < static_cast<int>(values.size()); ++i) {
+    if (std::abs(Wrapped((i - from) * step_rad)) < separation_rad) continue;
+    if (least < 0 || values[i] < values[least]) least = i;
+  }
+  return least;
+}
+
+// The deviation from the angle of the least cost, over a circle of costs, when a hypothesis
+// becomes e times less likely by `cost_per_e` (of all columns together). Angles within `near_rad`
+// count as right.
+double SpreadOf(const std::vector<double>& costs, double cost_per_e, double near_rad) {
+  const auto least = std::ranges::min_element(costs) - costs.begin();
+  const auto n = static_cast<double>(costs.size());
+  double weights = 0;
+  double squares = 0;
+  for (size_t i = 0; i < costs.size(); ++i) {
+    const double off_rad =
+        Wrapped((static_cast<double>(i) - static_cast<double>(least)) * 2 * kPi / n);
+    const double weight = std::exp(-(costs[i] - costs[least]) * n / cost_per_e);
+    weights += weight;
+    if (std::abs(off_rad) > near_rad) squares += weight * off_rad * off_rad;
+  }
+  return std::sqrt(squares / weights);
+}
+
+MotionDirection MotionOf(const SmallMotion& small, const CompassOptions& options) {
+  const double length = small.motion.norm();
+  const Eigen::Vector2d across(-small.motion.y(), small.motion.x());
+  const double deviation =
+      std::sqrt(across.dot(small.motion_covariance * across)) / std::max(length * length, 1e-12);
+  return {-std::atan2(small.motion.y(), small.motion.x()),
+          std::min(std::hypot(deviation, options.uneven_depth), kUnknown_rad), length};
+}
+
+MotionDirection MotionOf(const Warping& warping, const CompassOptions& options) {
+  const double spread = SpreadOf(warping.motion_costs, options.cost_per_e, 0);
+  return {Wrapped(-warping.motion_rad), std::hypot(spread, options.warping_deviation_rad), {}};
+}
+
+// The motion over its deviation: chi with two degrees of freedom.
+double MotionDeviations(const SmallMotion& small) {
+  return std::sqrt(small.motion.dot(small.motion_covariance.ldlt().solve(small.motion)));
+}
+
+double DeviationOf(const SmallMotion& small, const CompassOptions& options) {
+  return std::hypot(small.turn_deviation_rad, options.uneven_depth * small.motion.norm());
+}
+
+// From both starts, whichever explains more: the warping search's heading is coarse, that of the
+// phases is far off after a motion.
+SmallMotion BestSmallMotion(const FourierSignature& a, const FourierSignature& b,
+                            const Warping& warping, const PhaseCompass& phases,
+                            const CompassOptions& options) {
+  const SmallMotion small =
+      RefineSmallMotion(a, b, options.band, warping.turn_rad, options.small_motion);
+  if (std::abs(Wrapped(phases.best.heading_rad - warping.turn_rad)) > options.agreement_rad) {
+    return small;
+  }
+  SmallMotionOptions fine = options.small_motion;
+  fine.coarse_frequencies = options.still_frequencies;
+  const SmallMotion other = RefineSmallMotion(a, b, options.band, phases.best.heading_rad, fine);
+  return other.correlation > small.correlation ? other : small;
+}
+
+bool Fits(const SmallMotion& small, const Warping& warping, const CompassOptions& options) {
+  return small.correlation >= options.min_correlation &&
+         std::abs(Wrapped(small.turn_rad - warping.turn_rad)) <= options.agreement_rad;
+}
+
+}  // namespace
+
+void PhaseCompassOptions::Check() const {
+  CheckRange("power", power, 0, 1);
+  CheckRange("frequencies", frequencies, 2, 4096);
+  CheckRange("steps", steps, 16, 65536);
+  CheckRange("separation_rad", separation_rad, 0.01, 3);
+}
+
+void CompassOptions::Check() const {
+  phases.Check();
+  warping.Check();
+  small_motion.Check();
+  CheckRange("separation_rad", separation_rad, 0.01, 3);
+  CheckRange("cost_per_e", cost_per_e, 0.01, 100);
+  CheckRange("warping_deviation_rad", warping_deviation_rad, 0.001, 0.5);
+  CheckRange("min_correlation", min_correlation, 0, 1);
+  CheckRange("agreement_rad", agreement_rad, 0.001, 1);
+  CheckRange("still_frequencies", still_frequencies, 2, 64);
+  CheckRange("still_deviations", still_deviations, 0, 100);
+  CheckRange("uneven_depth", uneven_depth, 0, 1);
+  CheckRange("max_motion_deviation_rad", max_motion_deviation_rad, 0.01, 1.8);
+}
+
+PhaseCompass TurnByPhases(const FourierSignature& a, const FourierSignature& b,
+                          const PhaseCompassOptions& options) {
+  options.Check();
+  WS_CHECK(a.magnitudes.rows() == b.magnitudes.rows(), "signatures of different rows");
+  const auto spectrum = CrossSpectrum(a, b, options);
+  const double step_rad = 2 * kPi / options.steps;
+  const std::vector<double> losses = Losses(spectrum, options.steps);
+  const auto best = static_cast<int>(std::ranges::min_element(losses) - losses.begin());
+  PhaseCompass compass;
+  compass.best = Refined(spectrum, best * step_rad, step_rad);
+  const int second = LeastBeyond(losses, best, options.separation_rad);
+  compass.runner_up = {Wrapped(second * step_rad), -losses[second]};
+  compass.sharpness = compass.best.score - compass.runner_up.score;
+  return compass;
+}
+
+CompassHeading RelativeHeading(const FourierSignature& a, const FourierSignature& b,
+                               const CompassOptions& options) {
+  options.Check();
+  const Warping warping = SearchWarping(a, b, options.band, options.warping);
+  const PhaseCompass phases = TurnByPhases(a, b, options.phases);
+  const SmallMotion small = BestSmallMotion(a, b, warping, phases, options);
+  const auto columns = static_cast<int>(warping.turn_costs.size());
+  const double step_rad = 2 * kPi / columns;
+  const auto best =
+      static_cast<int>(std::ranges::min_element(warping.turn_costs) - warping.turn_costs.begin());
+  const int second = LeastBeyond(warping.turn_costs, best, options.separation_rad);
+  const double wrong_rad = SpreadOf(warping.turn_costs, options.cost_per_e, 1.5 * step_rad);
+  CompassHeading heading;
+  heading.small_motion = Fits(small, warping, options);
+  const bool still =
+      heading.small_motion && MotionDeviations(small) < options.still_deviations &&
+      std::abs(Wrapped(small.turn_rad - phases.best.heading_rad)) <= options.agreement_rad;
+  heading.heading_rad = still                  ? phases.best.heading_rad
+                        : heading.small_motion ? Wrapped(small.turn_rad)
+                                               : Wrapped(warping.turn_rad);
+  heading.deviation_rad =
+      std::hypot(wrong_rad, heading.small_motion ? DeviationOf(small, options)
+                                                 : options.warping_deviation_rad);
+  heading.runner_up_rad = Wrapped(second * step_rad);
+  heading.sharpness = warping.turn_costs[second] - warping.turn_costs[best];
+  const MotionDirection motion =
+      heading.small_motion ? MotionOf(small, options) : MotionOf(warping, options);
+  if (motion.deviation_rad <= options.max_motion_deviation_rad) heading.motion = motion;
+  return heading;
+}
+
+}  // namespace waystone

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "core/panorama/row_images.h"
+
+namespace waystone {
+
+struct WarpingOptions {
+  // Columns that the circle is cut into, 24 to 360: the grid of turns and of directions of motion.
+  // More are finer; time grows with the cube.
+  int columns = 72;
+  // Frequencies used, 4 to 4096; those beyond the signature's or the columns' are left out.
+  // Fewer bear tilt and change, more are sharper.
+  int frequencies = 64;
+  // How far a landmark may move sideways through the motion, radians, 0.05 to 1.5. More reaches
+  // farther; also lets what doesn't belong together match.
+  double max_shift_rad = 0.9;
+  // Largest ratio of a landmark's distances before and after the motion, 1.1 to 5.
+  double max_scale = 2.5;
+  // Steps from 1 / max_scale to max_scale, odd, 3 to 41. More fit better; time grows with them.
+  int scales = 11;
+  // Cost of a column of sideways shift, 0 to 0.5 of the cost of columns without any correlation:
+  // the landmarks of a room are rather far than near.
+  double shift_cost = 0.01;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// The search's answer. Angles are clockwise, as azimuths are.
+struct Warping {
+  double turn_rad = 0;    // azimuths in b are those in a plus this
+  double motion_rad = 0;  // azimuth in a of the direction to b
+  double cost = 0;        // mean over the columns, 0 (the same) to 1 (uncorrelated) and beyond
+  double still_cost = 0;  // the least cost of any turn without motion
+  // The least cost of each turn (columns of them), and of each direction with the best turn.
+  std::vector<double> turn_costs;
+  std::vector<double> motion_costs;
+};
+
+// Min-warping (Moeller, Krzykawski and Gerstmayr 2010) on what two signatures hold: for each turn
+// and direction of motion, each column of a is matched to the best of the columns of b that the
+// hypothesis allows it to move to, with the vertical scale that belongs to the shift: a landmark at
+// angle x from the direction of motion comes to x' between x and pi, and its distance shrinks by
+// sin(x') / sin(x). Columns are compared by the correlation of their vertical gradients, so
+// brightness and contrast of a column don't matter. `band` is what the rows span.
+// Both signatures must have the same rows (CheckFailure). Thread-safe.
+Warping SearchWarping(const FourierSignature& a, const FourierSignature& b,
+                      const ElevationBand& band, const WarpingOptions& options);
+
+}  // namespace waystone

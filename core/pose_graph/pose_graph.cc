@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/pose_graph/pose_graph.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <string>
+
+#include "core/base/check.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+// From one width of the robust loss to the next.
+constexpr double kNarrowing = 2;
+
+using Block = std::array<double, 3>;  // x, y, theta
+
+void CheckRange(const std::string& name, double value, double low, double high) {
+  if (value >= low && value <= high) return;  // not for NaN
+  throw MapError(ErrorCode::kBadOptions, name + " is " + std::to_string(value) + "; give " +
+                                             std::to_string(low) + " to " + std::to_string(high));
+}
+
+template <class T>
+T Wrapped(const T& angle) {
+  using std::floor;
+  constexpr double kTurn = 2 * std::numbers::pi;
+  return angle - kTurn * floor((angle + std::numbers::pi) / kTurn);
+}
+
+// What is left between an edge and two poses, in the edge's deviations.
+struct EdgeResidual {
+  const PoseEdge& edge;
+
+  template <class T>
+  bool operator()(const T* a, const T* b, const T* log_scale, T* residual) const {
+    using std::cos;
+    using std::exp;
+    using std::sin;
+    const T c = cos(a[2]);
+    const T s = sin(a[2]);
+    const T dx = b[0] - a[0];
+    const T dy = b[1] - a[1];
+    const T scale = exp(*log_scale);
+    residual[0] = (c * dx + s * dy - scale * edge.a_from_b.x) / edge.position_deviation;
+    residual[1] = (c * dy - s * dx - scale * edge.a_from_b.y) / edge.position_deviation;
+    residual[2] = Wrapped(b[2] - a[2] - edge.a_from_b.theta_rad) / edge.heading_deviation_rad;
+    return true;
+  }
+};
+
+struct ScalePrior {
+  double deviation;
+
+  template <class T>
+  bool operator()(const T* log_scale, T* residual) const {
+    residual[0] = *log_scale / deviation;
+    return true;
+  }
+};
+
+// The lowest pose of the connected part that each pose belongs to.
+std::vector<int> PartOfPoses(int poses, const std::vector<PoseEdge>& edges) {
+  std::vector<int> parent(poses);
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const PoseEdge& edge : edges) {
+    const int a = root(edge.a);
+    const int b = root(edge.b);
+    parent[std::max(a, b)] = std::min(a, b);
+  }
+  std::vector<int> part;
+  for (int i = 0; i < poses; ++i) part.push_back(root(i));
+  return part;
+}
+
+class Optimiser {
+ public:
+  Optimiser(const std::vector<Pose2>& start, const std::vector<PoseEdge>& edges,
+            const PoseGraphOptions& options)
+      : edges_(edges), options_(options) {
+    for (const Pose2& pose : start) blocks_.push_back({pose.x, pose.y, pose.theta_rad});
+    int groups = 1;
+    for (const PoseEdge& edge : edges) groups = std::max(groups, edge.scale_group + 1);
+    log_scales_.assign(groups, 0.0);
+    result_.rejected.assign(edges.size(), false);
+  }
+
+  PoseGraphResult Run() {
+    const bool has_loops =
+        std::any_of(edges_.begin(), edges_.end(), [](const PoseEdge& edge) { return edge.loop; });
+    const double start_cost = Cost();
+    result_.initial_cost = start_cost;
+    if (has_loops) {
+      const std::vector<Block> start = blocks_;
+      SolveRobustly();
+      RejectLoops();
+      // What the start costs with the edges that stayed.
+      const std::vector<Block> robust = blocks_;
+      blocks_ = start;
+      result_.initial_cost = Cost();
+      blocks_ = robust;
+    }
+    Solve({});
+    return Finish();
+  }
+
+ private:
+  // Graduated non-convexity (Yang et al. 2020): a drift of many deviations would let the robust
+  // loss give up right loops at once, so at first it is as wide as the worst of them and then
+  // narrows.
+  void SolveRobustly() {
+    double width = options_.loop_loss;
+    for (const PoseEdge& edge : edges_) {
+      if (edge.loop) width = std::max(width, Residual(edge));
+    }
+    for (; width > options_.loop_loss; width /= kNarrowing) Solve(width);
+    Solve(options_.loop_loss);
+  }
+
+  // With a loss of this width on loop edges, or without.
+  void Solve(std::optional<double> loop_loss) {
+    ceres::Problem problem;
+    AddScales(problem);
+    for (size_t i = 0; i < edges_.size(); ++i) {
+      if (!result_.rejected[i]) AddEdge(edges_[i], loop_loss, problem);
+    }
+    const std::vector<int> part = PartOfPoses(static_cast<int>(blocks_.size()), KeptEdges());
+    for (size_t i = 0; i < blocks_.size(); ++i) {
+      double* block = blocks_[i].data();
+      if (part[i] == static_cast<int>(i) && problem.HasParameterBlock(block)) {
+        problem.SetParameterBlockConstant(block);
+      }
+    }
+    ceres::Solver::Options solver;
+    solver.num_threads = 1;
+    solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    solver.max_num_iterations = options_.max_iterations;
+    solver.function_tolerance = 1e-10;
+    solver.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem, &summary);
+    result_.iterations += static_cast<int>(summary.iterations.size());
+    result_.converged = summary.termination_type == ceres::CONVERGENCE;
+  }
+
+  void AddScales(ceres::Problem& problem) {
+    for (size_t group = 0; group < log_scales_.size(); ++group) {
+      problem.AddParameterBlock(&log_scales_[group], 1);
+      if (group == 0) {
+        problem.SetParameterBlockConstant(&log_scales_[0]);
+        continue;
+      }
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ScalePrior, 1, 1>(
+                                   new ScalePrior{options_.log_scale_deviation}),
+                               nullptr, &log_scales_[group]);
+    }
+  }
+
+  void AddEdge(const PoseEdge& edge, std::optional<double> loop_loss, ceres::Problem& problem) {
+    ceres::LossFunction* loss =
+        loop_loss && edge.loop ? new ceres::CauchyLoss(*loop_loss) : nullptr;
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<EdgeResidual, 3, 3, 3, 1>(new EdgeResidual{edge}), loss,
+        blocks_[edge.a].data(), blocks_[edge.b].data(), &log_scales_[edge.scale_group]);
+  }
+
+  std::vector<PoseEdge> KeptEdges() const {
+    std::vector<PoseEdge> kept;
+    for (size_t i = 0; i < edges_.size(); ++i) {
+      if (!result_.rejected[i]) kept.push_back(edges_[i]);
+    }
+    return kept;
+  }
+
+  double Residual(const PoseEdge& edge) const {
+    std::array<double, 3> r{};
+    EdgeResidual{edge}(blocks_[edge.a].data(), blocks_[edge.b].data(),
+                       &log_scales_[edge.scale_group], r.data());
+    return std::hypot(r[0], r[1], r[2]);
+  }
+
+  void RejectLoops() {
+    for (size_t i = 0; i < edges_.size(); ++i) {
+      result_.rejected[i] = edges_[i].loop && Residual(edges_[i]) > options_.reject_beyond;
+    }
+  }
+
+  double Cost() const {
+    double cost = 0;
+    for (const PoseEdge& edge : KeptEdges()) cost += 0.5 * std::pow(Residual(edge), 2);
+    return cost;
+  }
+
+  PoseGraphResult Finish() {
+    for (const Block& block : blocks_) {
+      result_.poses.push_back({block[0], block[1], WrappedAngle(block[2])});
+    }
+    for (const double log_scale : log_scales_) result_.scales.push_back(std::exp(log_scale));
+    for (const PoseEdge& edge : edges_) result_.residuals.push_back(Residual(edge));
+    result_.final_cost = Cost();
+    return std::move(result_);
+  }
+
+  const std::vector<PoseEdge>& edges_;
+  const PoseGraphOptions& options_;
+  std::vector<Block> blocks_;
+  std::vector<double> log_scales_;
+  PoseGraphResult result_;
+};
+
+}  // namespace
+
+void PoseGraphOptions::Check() const {
+  CheckRange("loop_loss", loop_loss, 0.1, 100);
+  CheckRange("reject_beyond", reject_beyond, 1, 1000);
+  CheckRange("log_scale_deviation", log_scale_deviation, 0.001, 10);
+  CheckRange("max_iterations", max_iterations, 1, 1000);
+}
+
+PoseGraphResult OptimisePoseGraph(const std::vector<Pose2>& start,
+                                  const std::vector<PoseEdge>& edges,
+                                  const PoseGraphOptions& options) {
+  options.Check();
+  const int count = static_cast<int>(start.size());
+  for (const PoseEdge& edge : edges) {
+    WS_CHECK(edge.a >= 0 && edge.b >= 0 && edge.a < count && edge.b < count && edge.a != edge.b,
+             "an edge from " + std::to_string(edge.a) + " to " + std::to_string(edge.b));
+    WS_CHECK(edge.position_deviation > 0 && edge.heading_deviation_rad > 0 && edge.scale_group >= 0,
+             "an edge without deviations or with a scale group below 0");
+  }
+  return Optimiser(start, edges, options).Run();
+}
+
+}  // namespace waystone

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/base/pose2.h"
+#include "core/trajectory/shape_difference.h"
+
+namespace waystone {
+
+// A drive on the ground, in order.
+struct Trajectory {
+  std::vector<double> times_s;  // as many as poses, ascending, or none
+  std::vector<Pose2> poses;
+  bool has_headings = false;  // whether the poses' angles mean anything
+};
+
+struct AssociationOptions {
+  // Time stamps of one moment differ by at most this, s, above 0. More pairs more and blurs fast
+  // motion.
+  double max_difference_s = 0.02;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Which pose of the truth (second) belongs to which of the estimate (first): that of the nearest
+// time stamp where both have some, else the one at the same place in the order. Throws
+// MapError(kBadSource) when neither gives at least 3 pairs.
+std::vector<std::pair<size_t, size_t>> Associate(const Trajectory& estimate,
+                                                 const Trajectory& truth,
+                                                 const AssociationOptions& options = {});
+
+// How far an estimate is from the truth.
+struct TrajectoryError {
+  size_t pairs = 0;
+  ShapeDifference shape;
+  // Absolute trajectory error (Sturm et al. 2012): the root of the mean squared distance, metres,
+  // after turning and shifting alone, and with scale and reflection.
+  double ate_m = 0;
+  double ate_scaled_m = 0;
+  // Relative pose error from a pair to the next, root mean square; nothing without headings.
+  std::optional<double> rpe_m;
+  std::optional<double> rpe_rad;
+};
+
+// Throws what Associate and Align throw. Pure; thread-safe.
+TrajectoryError CompareTrajectories(const Trajectory& estimate, const Trajectory& truth,
+                                    const AssociationOptions& options = {});
+
+}  // namespace waystone

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <vector>
+
+namespace waystone {
+
+// The essential matrices (at most 10) of five matched rays of whole spheres, x_b^T E x_a = 0, by
+// OpenCV's solver (Nister 2004). Deterministic; thread-safe.
+std::vector<Eigen::Matrix3d> SolveFivePoints(const std::array<Eigen::Vector3d, 5>& a,
+                                             const std::array<Eigen::Vector3d, 5>& b);
+
+// The four motions x_b = R x_a + t of an essential matrix, |t| = 1.
+struct Motion {
+  Eigen::Matrix3d b_from_a;
+  Eigen::Vector3d translation;
+};
+std::array<Motion, 4> MotionsOf(const Eigen::Matrix3d& essential);
+
+}  // namespace waystone

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/two_view/relative_rotation.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/option_range.h"
+#include "core/base/random.h"
+#include "core/two_view/five_point.h"
+
+namespace waystone {
+namespace {
+
+constexpr int kSample = 5;
+constexpr double kTiny = 1e-12;
+// Length of a step at which refinement has arrived, rad.
+constexpr double kArrived = 1e-8;
+// Refits of a promising sample on its growing inliers.
+constexpr int kRegrowths = 3;
+// A translation that the rays leave free has this variance (its direction is a unit vector).
+constexpr double kFreeVariance = 1.0;
+
+using Vector5d = Eigen::Matrix<double, 5, 1>;
+using Matrix5d = Eigen::Matrix<double, 5, 5>;
+
+// x_b^T E x_a and what it is divided by: E x_a and E^T x_b say how it grows when a ray moves.
+double ErrorOf(const Eigen::Matrix3d& e, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const Eigen::Vector3d ea = e * a;
+  const Eigen::Vector3d eb = e.transpose() * b;
+  const double scale = std::sqrt(ea.squaredNorm() + eb.squaredNorm());
+  return std::abs(b.dot(ea)) / std::max(scale, kTiny);
+}
+
+Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& t) {
+  Eigen::Matrix3d cross;
+  cross << 0, -t.z(), t.y(), t.z(), 0, -t.x(), -t.y(), t.x(), 0;
+  return cross;
+}
+
+Eigen::Matrix3d EssentialOf(const Motion& motion) {
+  return CrossMatrix(motion.translation) * motion.b_from_a;
+}
+
+// Whether the point that both rays see lies ahead on both, or so far away that it can't be told.
+bool Ahead(const Motion& motion, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+           double max_error) {
+  const Eigen::Vector3d ra = motion.b_from_a * a;
+  const Eigen::Vector3d parallax = ra.cross(b);
+  if (parallax.norm() < max_error && ra.dot(b) > 0) return true;
+  // s_b b = s_a R a + t, crossed with b and with R a.
+  return motion.translation.cross(b).dot(parallax) < 0 &&
+         motion.translation.cross(ra).dot(parallax) < 0;
+}
+
+double ScoreOf(const MatchedRays& rays, const Eigen::Matrix3d& e, double max_error) {
+  double score = 0;
+  for (int i = 0; i < rays.size(); ++i) {
+    const double ratio = ErrorOf(e, rays.a[i], rays.b[i]) / max_error;
+    score += std::max(0.0, 1 - ratio * ratio);
+  }
+  return score;
+}
+
+struct Fit {
+  Motion motion{Eigen::Matrix3d::Identity(), Eigen::Vector3d::UnitZ()};
+  std::vector<int> inliers;
+  double score = 0;
+};
+
+Fit FitOf(const MatchedRays& rays, const Motion& motion, double max_error) {
+  Fit fit{.motion = motion, .inliers = {}};
+  const Eigen::Matrix3d e = EssentialOf(motion);
+  for (int i = 0; i < rays.size(); ++i) {
+    const double ratio = ErrorOf(e, rays.a[i], rays.b[i]) / max_error;
+    if (!(ratio < 1) || !Ahead(motion, rays.a[i], rays.b[i], max_error)) continue;
+    fit.inliers.push_back(i);
+    fit.score += 1 - ratio * ratio;
+  }
+  return fit;
+}
+
+// The equations of a step (w, s): R becomes exp(w) R and t becomes t + basis s.
+struct Equations {
+  Matrix5d h = Matrix5d::Zero();
+  Vector5d g = Vector5d::Zero();
+  double error2 = 0;  // weighted sum of squared errors, rad^2
+  double weight = 0;
+};
+
+// With n = x_b^T [t]x R x_a: dn/dw = R x_a x (x_b x t), dn/dt = R x_a x x_b; the divisor is kept.
+// Cauchy's kernel at half the largest error.
+Equations Linearise(const MatchedRays& rays, const std::vector<int>& rows, const Motion& motion,
+                    const Eigen::Matrix<double, 3, 2>& basis, double max_error) {
+  Equations sum;
+  const Eigen::Matrix3d e = EssentialOf(motion);
+  for (const int i : rows) {
+    const Eigen::Vector3d& b = rays.b[i];
+    const Eigen::Vector3d ra = motion.b_from_a * rays.a[i];
+    const Eigen::Vector3d ea = e * rays.a[i];
+    const double scale =
+        std::max(std::sqrt(ea.squaredNorm() + (e.transpose() * b).squaredNorm()), kTiny);
+    const double error = b.dot(ea) / scale;
+    Vector5d j;
+    j << ra.cross(b.cross(motion.translation)), basis.transpose() * ra.cross(b);
+    j /= scale;
+    const double ratio = 2 * error / max_error;
+    const double weight = 1 / (1 + ratio * ratio);
+    sum.h += weight * j * j.transpose();
+    sum.g += weight * error * j;
+    sum.error2 += weight * error * error;
+    sum.weight += weight;
+  }
+  return sum;
+}
+
+Eigen::Matrix<double, 3, 2> TangentBasis(const Eigen::Vector3d& t) {
+  Eigen::Matrix<double, 3, 2> basis;
+  basis.col(0) = t.unitOrthogonal();
+  basis.col(1) = t.cross(basis.col(0));
+  return basis;
+}
+
+// What keeps a free translation from making the equations singular, in the errors' unit.
+Matrix5d Damping(double max_error) {
+  return Matrix5d::Identity() * (max_error * max_error / kFreeVariance);
+}
+
+Motion Refine(const MatchedRays& rays, const std::vector<int>& rows, Motion motion,
+              const RelativeOptions& options) {
+  for (int step = 0; step < options.max_steps; ++step) {
+    const Eigen::Matrix<double, 3, 2> basis = TangentBasis(motion.translation);
+    const Equations sum = Linearise(rays, rows, motion, basis, options.max_error_rad);
+    const Vector5d x = -(sum.h + Damping(options.max_error_rad)).ldlt().solve(sum.g);
+    if (!x.allFinite()) break;
+    const double angle = x.head<3>().norm();
+    if (angle > 0) {
+      const Eigen::AngleAxisd turn(angle, x.head<3>() / angle);
+      motion.b_from_a = turn.toRotationMatrix() * motion.b_from_a;
+    }
+    motion.translation = (motion.translation + basis * x.tail<2>()).normalized();
+    if (x.norm() < kArrived) break;
+  }
+  motion.b_from_a = Eigen::Quaterniond(motion.b_from_a).normalized().toRotationMatrix();
+  return motion;
+}
+
+// Refits on its own inliers while they gain.
+Fit Regrow(const MatchedRays& rays, Fit fit, const RelativeOptions& options) {
+  for (int round = 0; round < kRegrowths; ++round) {
+    if (static_cast<int>(fit.inliers.size()) < kSample) break;
+    const Motion better = Refine(rays, fit.inliers, fit.motion, options);
+    Fit next = FitOf(rays, better, options.max_error_rad);
+    if (next.score <= fit.score) break;
+    fit = std::move(next);
+  }
+  return fit;
+}
+
+Fit BestMotion(const MatchedRays& rays, const Eigen::Matrix3d& essential, double max_error) {
+  Fit best;
+  for (const Motion& motion : MotionsOf(essential)) {
+    Fit fit = FitOf(rays, motion, max_error);
+    if (fit.score > best.score) best = std::move(fit);
+  }
+  return best;
+}
+
+// Samples so that with the wanted confidence one is made of inliers alone.
+double SamplesFor(double inlier_share, double confidence) {
+  const double good = std::pow(inlier_share, kSample);
+  if (good >= 1) return 1;
+  return good > 0 ? std::log(1 - confidence) / std::log1p(-good) : INFINITY;
+}
+
+std::vector<Eigen::Matrix3d> Sampled(const MatchedRays& rays, Random& random) {
+  std::array<int, kSample> rows;
+  for (int i = 0; i < kSample; ++i) {
+    do {
+      rows[i] = random.Below(rays.size());
+    } while (std::find(rows.begin(), rows.begin() + i, rows[i]) != rows.begin() + i);
+  }
+  std::array<Eigen::Vector3d, kSample> a;
+  std::array<Eigen::Vector3d, kSample> b;
+  for (int i = 0; i < kSample; ++i) {
+    a[i] = rays.a[rows[i]];
+    b[i] = rays.b[rows[i]];
+  }
+  return SolveFivePoints(a, b);
+}
+
+// Bound on the chance that `inliers` of `matches` unrelated ones fit some of the motions tried
+// (Chernoff's for the binomial tail). A ray lies within e of a given plane with chance sin e.
+double Log10Chance(int matches, int inliers, double max_error, int samples) {
+  constexpr double kSolutions = 10;
+  const int free = matches - kSample;
+  const double share = std::min(1.0, static_cast<double>(inliers - kSample) / std::max(free, 1));
+  // Sampson's distance halves the square: each of two rays moves, so the band is wider by sqrt 2.
+  const double chance = std::sin(std::min(1.0, std::sqrt(2.0) * max_error));
+  if (share <= chance) return 0;
+  double divergence = share * std::log(share / chance);
+  if (share < 1) divergence += (1 - share) * std::log((1 - share) / (1 - chance));
+  return std::min(0.0, (std::log(kSolutions * samples) - free * divergence) / std::log(10.0));
+}
+
+// The errors' variance is measured, but no better than a hundredth of the bound: with few inliers
+// they may fit by accident.
+Eigen::Matrix3d CovarianceOf(const MatchedRays& rays, const Fit& fit, double max_error) {
+  const Equations sum =
+      Linearise(rays, fit.inliers, fit.motion, TangentBasis(fit.motion.translation), max_error);
+  const double freedom = std::max(1.0, sum.weight - kSample);
+  const double variance = std::max(sum.error2 / freedom, 1e-4 * max_error * max_error);
+  const Matrix5d inverse = (sum.h + variance / kFreeVariance * Matrix5d::Identity()).inverse();
+  return variance * inverse.topLeftCorner<3, 3>();
+}
+
+RelativeTrouble TroubleOf(const RelativePose& pose, const RelativeOptions& options) {
+  if (static_cast<int>(pose.inliers.size()) < options.min_inliers) {
+    return RelativeTrouble::kFewInliers;
+  }
+  if (pose.log10_chance > options.max_log10_chance) return RelativeTrouble::kChance;
+  if (pose.sigma_rad() > options.max_sigma_rad) return RelativeTrouble::kUncertain;
+  return RelativeTrouble::kNone;
+}
+
+}  // namespace
+
+void RelativeOptions::Check() const {
+  CheckRange("max_error_rad", max_error_rad, 1e-5, 0.1);
+  CheckRange("confidence", confidence, 0.5, 0.999999);
+  CheckRange("max_samples", max_samples, 1, 100'000);
+  CheckRange("min_samples", min_samples, 1, 100'000);
+  CheckRange("max_steps", max_steps, 1, 100);
+  CheckRange("min_inliers", min_inliers, kSample, 10'000);
+  CheckRange("max_log10_chance", max_log10_chance, -300, 0);
+  CheckRange("max_sigma_rad", max_sigma_rad, 1e-5, 1);
+}
+
+std::string_view NameOf(RelativeTrouble trouble) {
+  switch (trouble) {
+    case RelativeTrouble::kNone:
+      return "none";
+    case RelativeTrouble::kFewInliers:
+      return "few_inliers";
+    case RelativeTrouble::kChance:
+      return "chance";
+    default:
+      return "uncertain";
+  }
+}
+
+double RelativePose::sigma_rad() const {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
+}
+
+double EpipolarError(const Eigen::Matrix3d& b_from_a, const Eigen::Vector3d& translation,
+                     const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return ErrorOf(EssentialOf({b_from_a, translation}), a, b);
+}
+
+RelativePose FindRelativePose(const MatchedRays& rays, const RelativeOptions& options) {
+  options.Check();
+  RelativePose pose;
+  if (rays.size() < options.min_inliers) return pose;
+  Random random(options.seed);
+  Fit best;
+  double needed = options.max_samples;
+  while (pose.samples < std::max<double>(needed, options.min_samples) &&
+         pose.samples < options.max_samples) {
+    ++pose.samples;
+    for (const Eigen::Matrix3d& e : Sampled(rays, random)) {
+      if (ScoreOf(rays, e, options.max_error_rad) <= best.score) continue;
+      Fit fit = Regrow(rays, BestMotion(rays, e, options.max_error_rad), options);
+      if (fit.score <= best.score) continue;
+      best = std::move(fit);
+      needed =
+          SamplesFor(static_cast<double>(best.inliers.size()) / rays.size(), options.confidence);
+    }
+  }
+  if (best.inliers.empty()) return pose;
+  pose.b_from_a = best.motion.b_from_a;
+  pose.translation = best.motion.translation;
+  pose.inliers = best.inliers;
+  pose.log10_chance = Log10Chance(rays.size(), static_cast<int>(best.inliers.size()),
+                                  options.max_error_rad, pose.samples);
+  pose.covariance = CovarianceOf(rays, best, options.max_error_rad);
+  pose.trouble = TroubleOf(pose, options);
+  return pose;
+}
+
+}  // namespace waystone

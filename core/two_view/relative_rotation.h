@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/two_view/bearings.h"
+
+namespace waystone {
+
+struct RelativeOptions {
+  // Largest error of an inlier (EpipolarError), 1e-5 to 0.1. Higher accepts blurred and
+  // badly calibrated images, and more wrong matches. rad
+  double max_error_rad = 0.003;
+  // Probability that one sample at least is made of inliers alone, 0.5 to 0.999999.
+  double confidence = 0.999;
+  // Samples at most and at least, 1 to 100,000. The first bounds the time.
+  int max_samples = 600;
+  int min_samples = 30;
+  // Refinement steps, 1 to 100.
+  int max_steps = 15;
+  // Correspondences that the rotation needs, 5 to 10,000; the paper asks for 10 (sec. III-C).
+  int min_inliers = 10;
+  // Chance that matches without any truth would have given as many inliers, as a power of ten, -300
+  // to 0. Lower refuses more. Among many wrong matches some lie on epipolar planes by accident.
+  double max_log10_chance = -6.0;
+  // Largest standard deviation of the rotation about its worst-known direction, 1e-5 to 1. rad
+  double max_sigma_rad = 0.01;
+  uint64_t seed = 1;  // of the samples
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Why two heads have no relative rotation.
+enum class RelativeTrouble {
+  kNone,
+  kFewInliers,  // fewer correspondences fit one motion than are asked for
+  kChance,      // so many would fit by accident
+  kUncertain,   // they don't determine the rotation
+};
+// "none", "few_inliers", "chance", "uncertain".
+std::string_view NameOf(RelativeTrouble trouble);
+
+// The motion between two heads from matched rays: x_b = b_from_a x_a + s * translation.
+struct RelativePose {
+  Eigen::Matrix3d b_from_a = Eigen::Matrix3d::Identity();
+  // Unit vector, b's frame; without a meaning when the heads hardly moved.
+  Eigen::Vector3d translation = Eigen::Vector3d::UnitZ();
+  // Of the rotation vector w, b's frame, rad^2: R_true = exp(w) R. The identity where nothing is
+  // known.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+  std::vector<int> inliers;  // rows of the matched rays, ascending
+  double log10_chance = 0;   // of as many inliers without any true motion
+  int samples = 0;           // that were drawn
+  RelativeTrouble trouble = RelativeTrouble::kFewInliers;
+
+  bool accepted() const { return trouble == RelativeTrouble::kNone; }
+  double sigma_rad() const;
+};
+
+// Error of a match under E = [t]x R, rad: x_b^T E x_a over its length when both rays move by one
+// radian (Sampson's distance on the sphere). 0 for a perfect match, about the angle that each ray
+// has to move for small errors.
+double EpipolarError(const Eigen::Matrix3d& b_from_a, const Eigen::Vector3d& translation,
+                     const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+
+// The essential matrix over rays of whole spheres (sec. II-B.2): RANSAC over samples of five
+// matches, each promising one refined on its inliers by robust least squares on rotation and
+// direction. Always gives the best motion it found; `trouble` says whether to believe it.
+// Deterministic; thread-safe.
+RelativePose FindRelativePose(const MatchedRays& rays, const RelativeOptions& options = {});
+
+}  // namespace waystone

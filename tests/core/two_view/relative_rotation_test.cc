@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/two_view/relative_rotation.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <numbers>
+
+#include "core/base/error.h"
+#include "core/base/random.h"
+#include "core/two_view/five_point.h"
+
+namespace waystone {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+Eigen::Vector3d RandomUnit(Random& random) {
+  return Eigen::Vector3d(random.Normal(), random.Normal(), random.Normal()).normalized();
+}
+
+struct Scene {
+  Eigen::Matrix3d b_from_a;
+  Eigen::Vector3d translation;  // b's frame
+  MatchedRays rays;
+};
+
+// Points all around two heads, seen with errors, and matches of nothing with nothing.
+Scene MakeScene(Random& random, int good, int wrong, double noise_rad, double step_m) {
+  Scene scene;
+  scene.b_from_a =
+      Eigen::AngleAxisd(random.Uniform(0, std::numbers::pi), RandomUnit(random)).toRotationMatrix();
+  scene.translation = RandomUnit(random) * step_m;
+  const auto seen = [&](const Eigen::Vector3d& ray) -> Eigen::Vector3d {
+    return (ray.normalized() +
+            noise_rad * Eigen::Vector3d(random.Normal(), random.Normal(), random.Normal()))
+        .normalized();
+  };
+  for (int i = 0; i < good; ++i) {
+    const Eigen::Vector3d x_a = RandomUnit(random) * random.Uniform(2, 8);
+    scene.rays.a.push_back(seen(x_a));
+    scene.rays.b.push_back(seen(scene.b_from_a * x_a + scene.translation));
+  }
+  for (int i = 0; i < wrong; ++i) {
+    scene.rays.a.push_back(RandomUnit(random));
+    scene.rays.b.push_back(RandomUnit(random));
+  }
+  return scene;
+}
+
+double RotationError(const Scene& scene, const RelativePose& pose) {
+  return Eigen::AngleAxisd(Eigen::Matrix3d(scene.b_from_a * pose.b_from_a.transpose())).angle();
+}
+
+TEST(FivePoints, TruthIsAmongTheSolutions) {
+  Random random(1);
+  int found = 0;
+  for (int trial = 0; trial < 50; ++trial) {
+    const Scene scene = MakeScene(random, 5, 0, 0, 1);
+    std::array<Eigen::Vector3d, 5> a;
+    std::array<Eigen::Vector3d, 5> b;
+    std::copy_n(scene.rays.a.begin(), 5, a.begin());
+    std::copy_n(scene.rays.b.begin(), 5, b.begin());
+    double nearest = 10;
+    for (const Eigen::Matrix3d& e : SolveFivePoints(a, b)) {
+      for (const Motion& motion : MotionsOf(e)) {
+        nearest = std::min(nearest, (motion.b_from_a - scene.b_from_a).norm() +
+                                        (motion.translation - scene.translation).norm());
+      }
+    }
+    found += nearest < 1e-4 ? 1 : 0;
+  }
+  EXPECT_GE(found, 48) << "the solver may miss a root that almost coincides with another";
+}
+
+TEST(RelativePose, FindsAnyMotionAmongWrongMatches) {
+  Random random(2);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Scene scene = MakeScene(random, 60, 60, 0.0005, 1);
+    const RelativePose pose = FindRelativePose(scene.rays);
+    ASSERT_TRUE(pose.accepted()) << NameOf(pose.trouble);
+    EXPECT_LT(RotationError(scene, pose), 0.15 * kDegree) << trial;
+    EXPECT_GT(pose.translation.dot(scene.translation), std::cos(1 * kDegree)) << trial;
+    EXPECT_GE(pose.inliers.size(), 55u);
+    EXPECT_LE(pose.inliers.size(), 64u);
+  }
+}
+
+TEST(RelativePose, ExactRaysGiveTheExactMotion) {
+  Random random(3);
+  const Scene scene = MakeScene(random, 30, 0, 0, 1);
+  const RelativePose pose = FindRelativePose(scene.rays);
+  EXPECT_LT(RotationError(scene, pose), 1e-6);
+  EXPECT_EQ(pose.inliers.size(), 30u);
+}
+
+TEST(RelativePose, TurningOnTheSpotHasARotation) {
+  Random random(4);
+  const Scene scene = MakeScene(random, 60, 20, 0.0005, 0);
+  const RelativePose pose = FindRelativePose(scene.rays);
+  EXPECT_TRUE(pose.accepted());
+  EXPECT_LT(RotationError(scene, pose), 0.15 * kDegree);
+}
+
+TEST(RelativePose, CovarianceCoversTheErrors) {
+  Random random(5);
+  double sum = 0;
+  constexpr int kTrials = 25;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Scene scene = MakeScene(random, 80, 20, 0.0005, 1);
+    const RelativePose pose = FindRelativePose(scene.rays);
+    const Eigen::AngleAxisd turn(Eigen::Matrix3d(scene.b_from_a * pose.b_from_a.transpose()));
+    const Eigen::Vector3d w = turn.angle() * turn.axis();
+    sum += w.dot(pose.covariance.ldlt().solve(w)) / 3;
+  }
+  EXPECT_GT(sum / kTrials, 0.5);
+  EXPECT_LT(sum / kTrials, 2.0);
+}
+
+TEST(RelativePose, RefusesMatchesOfNothing) {
+  Random random(6);
+  for (const int wrong : {0, 5, 12, 100}) {
+    const Scene scene = MakeScene(random, 0, wrong, 0, 1);
+    EXPECT_FALSE(FindRelativePose(scene.rays).accepted()) << wrong;
+  }
+  const Scene few = MakeScene(random, 9, 0, 0, 1);
+  EXPECT_EQ(FindRelativePose(few.rays).trouble, RelativeTrouble::kFewInliers);
+}
+
+TEST(RelativePose, SameSeedSamePose) {
+  Random random(7);
+  const Scene scene = MakeScene(random, 40, 60, 0.001, 1);
+  const RelativePose one = FindRelativePose(scene.rays);
+  const RelativePose two = FindRelativePose(scene.rays);
+  EXPECT_EQ(one.b_from_a, two.b_from_a);
+  EXPECT_EQ(one.inliers, two.inliers);
+}
+
+TEST(RelativePose, ErrorIsTheAngleARayIsOff) {
+  // Straight ahead by one metre; a point at the side, one ray lifted by 1 mrad off the plane.
+  const Eigen::Vector3d forward(0, 0, 1);
+  const Eigen::Vector3d a = Eigen::Vector3d(1, 0, 0);
+  const Eigen::Vector3d b = Eigen::Vector3d(1, 0.001, -0.1).normalized();
+  EXPECT_NEAR(EpipolarError(Eigen::Matrix3d::Identity(), forward, a, b), 0.001 / std::sqrt(2.0),
+              2e-5);
+}
+
+TEST(RelativeOptions, OutOfRangeIsRefused) {
+  EXPECT_THROW((RelativeOptions{.max_error_rad = 0}.Check()), MapError);
+  EXPECT_THROW((RelativeOptions{.min_inliers = 4}.Check()), MapError);
+}
+
+}  // namespace
+}  // namespace waystone
