@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "world/option_range.h"
+#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/check.h"
-#include "world/option_range.h"
+#include "core/base/option_range.h"
 #include "world/texture.h"
 
 namespace waystone {

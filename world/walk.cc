@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "world/option_range.h"
+#include "core/base/option_range.h"
 #include "world/path.h"
 
 namespace waystone {

@@ -16,7 +16,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "world/option_range.h"
+#include "core/base/option_range.h"
 #include "world/texture.h"
 #include "world/truth.h"
 
@@ -46,6 +46,8 @@ visible.csv     how many pixels of each plane each picture of images/ shows
 rig/            six cameras of 90 by 90 degrees at the same pose: front looks along the camera's z
 rig.yaml        their calibration and the rotation of each: x_rig = R(q) x_camera
 queries/        photos from between the frames, and of another building
+odometry.csv    frame, time in seconds, x, y, theta: what a robot's wheels would report, in the frame of
+                the first picture (x ahead, y to the left), with their errors
 queries.csv     image, the frame before it (empty: another building), position: for waystone eval
 panorama/       equirectangular pictures: the middle looks along the camera's z, columns are azimuth
                 (growing to the right), rows elevation

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/pose2.h"
+#include "world/floor_plan.h"
+#include "world/walk.h"
+#include "world/world.h"
+
+// The two settings in which Fernandez et al. (2011) drove their robot (sec. V, figs. 4 and 5), as
+// made buildings, and what the robot's wheels would say of such a drive.
+namespace waystone {
+
+// A drive through a made building: a panorama every 10 cm, the camera level at a robot's height,
+// looking along the motion.
+struct Setting {
+  std::string name;
+  FloorPlan plan;
+  WorldOptions look;
+  Walk walk;
+};
+
+// 200 panoramas around a loop through three rooms; it closes about 17 m on and then follows its
+// beginning for another 3 m.
+Setting OfficeSetting();
+// 150 panoramas through one large room with pillars and cupboards, back to near the beginning. The
+// paper's robot took a new image when it differed enough from the last; here they are as far apart
+// as in the office.
+Setting LaboratorySetting();
+
+// The setting of a name, "office" or "laboratory". Throws MapError(kBadOptions) for another.
+Setting SettingByName(std::string_view name);
+
+struct OdometryOptions {
+  // Standard deviation of a wheel's slip: relative, per step, 0 to 0.5.
+  double distance_noise = 0.05;
+  // Standard deviation of the error of the heading, rad per square root of a metre, 0 to 1.
+  double turn_noise = 0.05;
+  // Constant error of the heading, as by wheels of unequal size: rad/m, -1 to 1.
+  double turn_bias = 0.05;
+  // All noise follows from it.
+  uint64_t seed = 1;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// What wheels would report of a walk: a pose a frame in the frame of the first one, whose x is
+// along the first gaze; errors add up. Pure.
+std::vector<Pose2> WheelOdometry(const Walk& walk, const OdometryOptions& options = {});
+
+// The true poses on the ground, world frame: a robot's x is along the gaze.
+std::vector<Pose2> GroundPoses(const Walk& walk);
+
+}  // namespace waystone
