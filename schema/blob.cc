@@ -138,11 +138,11 @@ Bytes EncodeParameters(const std::vector<double>& parameters) {
   return out;
 }
 
-Bytes EncodeHomography(const Eigen::Matrix3d& h) {
+Bytes EncodeMatrix(const Eigen::Matrix3d& matrix) {
   Bytes out;
-  out.reserve(kHomographyBytes);
+  out.reserve(kMatrixBytes);
   for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) AppendDouble(out, h(row, column));
+    for (int column = 0; column < 3; ++column) AppendDouble(out, matrix(row, column));
   }
   return out;
 }
@@ -151,6 +151,25 @@ Bytes EncodeLists(const std::vector<uint16_t>& list_of_row) {
   Bytes out;
   out.reserve(list_of_row.size() * kListBytes);
   for (const uint16_t list : list_of_row) Append(out, list);
+  return out;
+}
+
+Bytes EncodeHalves(const HalfMatrix& matrix) {
+  Bytes out;
+  out.reserve(matrix.size() * kHalfBytes);
+  for (Eigen::Index i = 0; i < matrix.size(); ++i) {
+    Append(out, Eigen::numext::bit_cast<uint16_t>(matrix.data()[i]));
+  }
+  return out;
+}
+
+Bytes EncodeBearings(const std::vector<Bearing>& bearings) {
+  Bytes out;
+  out.reserve(bearings.size() * kBearingBytes);
+  for (const Bearing& bearing : bearings) {
+    AppendFloat(out, bearing.azimuth_rad);
+    AppendFloat(out, bearing.elevation_rad);
+  }
   return out;
 }
 
@@ -184,11 +203,29 @@ std::vector<double> DecodeParameters(BytesView blob) {
   return parameters;
 }
 
-Eigen::Matrix3d DecodeHomography(BytesView blob) {
-  WS_CHECK(blob.size() == kHomographyBytes, "a homography's blob");
-  Eigen::Matrix3d h;
-  for (int i = 0; i < 9; ++i) h(i / 3, i % 3) = DoubleAt(blob, i);
-  return h;
+Eigen::Matrix3d DecodeMatrix(BytesView blob) {
+  WS_CHECK(blob.size() == kMatrixBytes, "a matrix's blob");
+  Eigen::Matrix3d matrix;
+  for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = DoubleAt(blob, i);
+  return matrix;
+}
+
+HalfMatrix DecodeHalves(BytesView blob, int rows, int columns) {
+  WS_CHECK(std::ssize(blob) == int64_t{rows} * columns * kHalfBytes, "a half matrix's blob");
+  HalfMatrix matrix(rows, columns);
+  for (Eigen::Index i = 0; i < matrix.size(); ++i) {
+    matrix.data()[i] = Eigen::numext::bit_cast<Eigen::half>(At<uint16_t>(blob, i));
+  }
+  return matrix;
+}
+
+std::vector<Bearing> DecodeBearings(BytesView blob) {
+  CheckWhole(blob, kBearingBytes);
+  std::vector<Bearing> bearings(blob.size() / kBearingBytes);
+  for (size_t i = 0; i < bearings.size(); ++i) {
+    bearings[i] = {FloatAt(blob, 2 * i), FloatAt(blob, 2 * i + 1)};
+  }
+  return bearings;
 }
 
 std::vector<uint16_t> DecodeLists(BytesView blob) {

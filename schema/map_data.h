@@ -11,6 +11,8 @@
 #include "core/camera/camera.h"
 #include "core/features/features.h"
 #include "core/search/inverted_file.h"
+#include "schema/appearance_layer.h"
+#include "schema/orientation_layer.h"
 
 // A map as values: what the builder hands to MapStore and what the localizer gets from it.
 // FORMAT.md says how each field is stored.
@@ -122,7 +124,9 @@ struct MapData {
   // The descriptors of all planes, plane after plane, sorted for searching (IndexFeatures). Nothing
   // for a map that is small or whose index has a format that this program doesn't know.
   std::optional<InvertedFile> index;
-  std::optional<VerdictModel> verdict;  // nothing for a map that was never calibrated
+  std::optional<VerdictModel> verdict;          // nothing for a map that was never calibrated
+  std::optional<AppearanceLayer> appearance;    // nothing for a map without panoramas
+  std::optional<OrientationLayer> orientation;  // nothing for a map without a calibrated camera
 
   bool operator==(const MapData&) const = default;
 };

@@ -13,6 +13,7 @@
 #include "core/base/error.h"
 #include "schema/blob.h"
 #include "schema/index_features.h"
+#include "schema/layer_problems.h"
 
 namespace waystone {
 namespace {
@@ -70,6 +71,7 @@ class Finder {
     for (const Plane& plane : map_.planes) CheckPlane(plane);
     CheckEdges();
     CheckIndex();
+    FindLayerProblems(map_, problems_);
     return std::move(problems_);
   }
 

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "schema/map_reader.h"
 
-#include <SQLiteCpp/Exception.h>
-#include <SQLiteCpp/Statement.h>
-
 #include <array>
 #include <string>
 #include <unordered_map>
 
 #include "core/base/error.h"
 #include "schema/blob.h"
-#include "schema/row.h"
+#include "schema/layer_rows.h"
+#include "schema/table_rows.h"
 
 namespace waystone {
 namespace {
@@ -48,27 +46,10 @@ class Reader {
   void ReadVerdictModel();
 
  private:
-  // Calls `read` for every row; what it throws becomes a problem of that row, and what SQLite
-  // throws a problem of the table.
   template <class Read>
   void ForEachRow(const char* table, const std::string& columns, int key_columns, Read read) {
-    try {
-      SQLite::Statement statement(
-          database_, "SELECT " + columns + " FROM " + table + " ORDER BY " + KeyOrder(key_columns));
-      while (statement.executeStep()) {
-        Row row(statement, table, key_columns);
-        try {
-          read(row);
-        } catch (const MapError& error) {
-          reading_.problems.push_back({row.Where(), error.what()});
-        }
-      }
-    } catch (const SQLite::Exception& error) {
-      reading_.problems.push_back({table, error.what()});
-    }
+    waystone::ForEachRow(database_, reading_.problems, table, columns, key_columns, read);
   }
-
-  static std::string KeyOrder(int key_columns) { return key_columns == 1 ? "1" : "1, 2"; }
 
   Keyframe& KeyframeOf(int64_t id);
   Plane& PlaneOf(int64_t id);
@@ -206,7 +187,7 @@ void Reader::ReadViews() {
                PlaneView view;
                view.keyframe = {row.Int64(1)};
                view.inliers = row.Int();
-               view.reference_from_keyframe = DecodeHomography(row.Blob(kHomographyBytes));
+               view.reference_from_keyframe = DecodeMatrix(row.Blob(kMatrixBytes));
                plane.views.push_back(view);
              });
 }
@@ -221,7 +202,7 @@ void Reader::ReadEdges() {
                edge.from = {row.Int64(1)};
                edge.to = {row.Int64(1)};
                edge.third_eigenvalue = row.Real();
-               edge.homology = DecodeHomography(row.Blob(kHomographyBytes));
+               edge.homology = DecodeMatrix(row.Blob(kMatrixBytes));
                map_.edges.push_back(edge);
              });
 }
@@ -278,6 +259,9 @@ Reading ReadDatabase(SQLite::Database& database, const ReadOptions& options) {
   reader.ReadEdges();
   reader.ReadIndex();
   reader.ReadVerdictModel();
+  MapData& map = reading.map;
+  map.appearance = ReadAppearance(database, map.info.feature_type, options, reading.problems);
+  map.orientation = ReadOrientation(database, options, reading.problems);
   return reading;
 }
 

@@ -79,7 +79,8 @@ bool SameMap(const MapData& a, const MapData& b) {
   return a.info.name == b.info.name && a.info.program == b.info.program &&
          a.info.feature_type == b.info.feature_type && a.info.options_json == b.info.options_json &&
          a.sequences == b.sequences && a.keyframes == b.keyframes && a.edges == b.edges &&
-         a.index == b.index &&
+         a.index == b.index && a.verdict == b.verdict && a.appearance == b.appearance &&
+         a.orientation == b.orientation &&
          std::equal(a.planes.begin(), a.planes.end(), b.planes.begin(), b.planes.end(), SamePlane);
 }
 

@@ -2,59 +2,17 @@
 #include "schema/map_writer.h"
 
 #include <SQLiteCpp/Exception.h>
-#include <SQLiteCpp/Statement.h>
 #include <SQLiteCpp/Transaction.h>
 
 #include <string>
 
 #include "schema/blob.h"
+#include "schema/insert.h"
+#include "schema/layer_rows.h"
 #include "schema/map_database.h"
 
 namespace waystone {
 namespace {
-
-// A blob and the CRC in the column before it.
-struct CheckedBlob {
-  BytesView bytes;
-};
-
-// A prepared INSERT. Values are given in the order of the table's columns.
-class Insert {
- public:
-  Insert(SQLite::Database& database, const std::string& table, int columns)
-      : statement_(database, "INSERT INTO " + table + " VALUES (?" + Repeated(columns - 1) + ")") {}
-
-  template <class... Values>
-  void Row(const Values&... values) {
-    next_ = 1;
-    (Bind(values), ...);
-    statement_.exec();
-    statement_.reset();
-  }
-
- private:
-  static std::string Repeated(int times) {
-    std::string marks;
-    for (int i = 0; i < times; ++i) marks += ", ?";
-    return marks;
-  }
-
-  void Bind(int64_t value) { statement_.bind(next_++, value); }
-  void Bind(int value) { statement_.bind(next_++, static_cast<int64_t>(value)); }
-  void Bind(double value) { statement_.bind(next_++, value); }
-  void Bind(const std::string& value) { statement_.bindNoCopy(next_++, value); }
-  void Bind(std::nullptr_t) { statement_.bind(next_++); }
-  void Bind(const std::optional<double>& value) { value ? Bind(*value) : Bind(nullptr); }
-  void Bind(const CheckedBlob& blob) {
-    statement_.bind(next_++, static_cast<int64_t>(Crc32c(blob.bytes)));
-    // A null pointer would become NULL, even for no bytes.
-    const void* data = blob.bytes.empty() ? "" : static_cast<const void*>(blob.bytes.data());
-    statement_.bindNoCopy(next_++, data, static_cast<int>(blob.bytes.size()));
-  }
-
-  SQLite::Statement statement_;
-  int next_ = 1;
-};
 
 void WriteInfo(const MapInfo& info, SQLite::Database& database) {
   Insert(database, "map", 5)
@@ -119,7 +77,7 @@ void WriteViews(const MapData& map, SQLite::Database& database) {
   Insert insert(database, "plane_views", 5);
   for (const Plane& plane : map.planes) {
     for (const PlaneView& view : plane.views) {
-      const Bytes homography = EncodeHomography(view.reference_from_keyframe);
+      const Bytes homography = EncodeMatrix(view.reference_from_keyframe);
       insert.Row(plane.id.value, view.keyframe.value, view.inliers, CheckedBlob{homography});
     }
   }
@@ -128,7 +86,7 @@ void WriteViews(const MapData& map, SQLite::Database& database) {
 void WriteEdges(const MapData& map, SQLite::Database& database) {
   Insert insert(database, "edges", 7);
   for (const Edge& edge : map.edges) {
-    const Bytes homology = EncodeHomography(edge.homology);
+    const Bytes homology = EncodeMatrix(edge.homology);
     insert.Row(edge.a.value, edge.b.value, edge.from.value, edge.to.value, edge.third_eigenvalue,
                CheckedBlob{homology});
   }
@@ -164,6 +122,27 @@ void WriteTables(const MapData& map, SQLite::Database& database) {
   WriteEdges(map, database);
   WriteIndex(map, database);
   WriteVerdictModel(map, database);
+  if (map.appearance) WriteAppearance(*map.appearance, database);
+  if (map.orientation) WriteOrientation(*map.orientation, database);
+}
+
+constexpr int64_t kRow = 100;  // bytes of a row besides its blobs
+
+int64_t BytesOf(const AppearanceLayer& layer) {
+  int64_t bytes = std::ssize(layer.edges) * kRow;
+  for (const AppearanceNode& node : layer.nodes) {
+    const int64_t values = node.signature.magnitudes.size() + node.signature.phases.size();
+    bytes += 2 * kRow + values * kHalfBytes + std::ssize(node.jpeg) +
+             std::ssize(node.features.bearings) * kBearingBytes +
+             std::ssize(node.features.descriptors.data());
+  }
+  return bytes;
+}
+
+int64_t BytesOf(const OrientationLayer& layer) {
+  int64_t bytes = std::ssize(layer.edges) * kRow;
+  for (const OrientationNode& node : layer.nodes) bytes += kRow + std::ssize(node.jpeg);
+  return bytes + std::ssize(layer.frames) * (kRow + kMatrixBytes);
 }
 
 }  // namespace
@@ -183,8 +162,7 @@ void WriteDatabase(const MapData& map, const std::filesystem::path& path) {
 }
 
 int64_t EstimatedBytes(const MapData& map) {
-  constexpr int64_t kEmptyFile = 30'000;
-  constexpr int64_t kRow = 100;
+  constexpr int64_t kEmptyFile = 60'000;
   int64_t bytes = kEmptyFile;
   for (const Keyframe& keyframe : map.keyframes) bytes += kRow + std::ssize(keyframe.jpeg);
   for (const Plane& plane : map.planes) {
@@ -195,6 +173,8 @@ int64_t EstimatedBytes(const MapData& map) {
     bytes +=
         std::ssize(map.index->centres.data()) + std::ssize(map.index->list_of_row) * kListBytes;
   }
+  if (map.appearance) bytes += BytesOf(*map.appearance);
+  if (map.orientation) bytes += BytesOf(*map.orientation);
   return bytes + std::ssize(map.edges) * kRow;
 }
 

@@ -51,8 +51,8 @@ TEST(Blob, HomographyByteByByte) {
   expected[22] = 0x08, expected[23] = 0xc0;  // h13 = -3
   expected[38] = 0xe0, expected[39] = 0x3f;  // h22 = 0.5
   expected[70] = 0xf0, expected[71] = 0x3f;  // h33 = 1
-  EXPECT_EQ(EncodeHomography(h), expected);
-  EXPECT_EQ(DecodeHomography(expected), h);
+  EXPECT_EQ(EncodeMatrix(h), expected);
+  EXPECT_EQ(DecodeMatrix(expected), h);
 }
 
 TEST(Blob, OutlineAndParametersByteByByte) {
@@ -73,8 +73,20 @@ TEST(Blob, WhatIsEncodedDecodesToTheSame) {
   EXPECT_EQ(DecodeParameters(EncodeParameters(extremes)), extremes);
 }
 
+TEST(Blob, HalvesAndBearingsByteByByte) {
+  HalfMatrix matrix(2, 2);
+  matrix << Eigen::half(1), Eigen::half(-2), Eigen::half(0), Eigen::half(65504);
+  const Bytes expected{0, 0x3c, 0, 0xc0, 0, 0, 0xff, 0x7b};  // row after row
+  EXPECT_EQ(EncodeHalves(matrix), expected);
+  EXPECT_EQ(DecodeHalves(expected, 2, 2), matrix);
+  const std::vector<Bearing> bearings = {{1.0F, -2.0F}};
+  EXPECT_EQ(EncodeBearings(bearings), (Bytes{0, 0, 0x80, 0x3f, 0, 0, 0, 0xc0}));
+  EXPECT_EQ(DecodeBearings(EncodeBearings(bearings)), bearings);
+  EXPECT_THROW(DecodeHalves(Bytes(7), 2, 2), CheckFailure);
+}
+
 TEST(Blob, LengthsAndVotesThatCantBeAreProgrammersErrors) {
-  EXPECT_THROW(DecodeHomography(Bytes(71)), CheckFailure);
+  EXPECT_THROW(DecodeMatrix(Bytes(71)), CheckFailure);
   EXPECT_THROW(DecodeFeatures(Bytes(16), Bytes(3)), CheckFailure);
   EXPECT_THROW(DecodeOutline(Bytes(15)), CheckFailure);
   EXPECT_THROW(EncodeVotes({{{}, 70000, 1}}), CheckFailure);

@@ -120,6 +120,28 @@ TEST_F(CheckMapTest, ADamagedSearchIndex) {
               "CRC-32C");
 }
 
+TEST_F(CheckMapTest, DamagedLayers) {
+  ExpectFound("UPDATE appearance_signatures SET phases = zeroblob(length(phases))",
+              "appearance_signatures ", "CRC-32C");
+  ExpectFound("UPDATE appearance_layer SET k1 = 2000", "appearance_signatures ", "belong there");
+  ExpectFound("UPDATE appearance_layer SET k1 = 20000", "appearance_layer 1", "k1 is 20000");
+  ExpectFound("DELETE FROM appearance_layer", "appearance_nodes 2", "has no row");
+  ExpectFound("DELETE FROM appearance_signatures WHERE node = 5", "appearance_signatures 5", "0x0");
+  ExpectFound("UPDATE appearance_edges SET kind = 2", "appearance_edges 2/5", "kind is 2");
+  ExpectFound("UPDATE appearance_edges SET heading_rad = 0.5", "appearance_edges", "values");
+  ExpectFound("DELETE FROM appearance_verdict", "appearance_verdict_terms 1", "has no row");
+  ExpectFound("DELETE FROM orientation_layer", "orientation_frames 1", "has no row");
+  ExpectFound("UPDATE orientation_frames SET qy = NULL WHERE id = 2", "orientation_frames 2",
+              "qy is NULL");
+  ExpectFound("UPDATE orientation_frames SET covariance = zeroblob(72)", "orientation_frames 1",
+              "CRC-32C");
+  ExpectFound("UPDATE orientation_turns SET confirmed = 2", "orientation_turns 3",
+              "confirmed is 2");
+  ExpectFound("DELETE FROM orientation_nodes WHERE frame = 5", "orientation_images 5",
+              "no orientation node 5");
+  ExpectFound("UPDATE corridors SET axis = 7", "corridors 1", "axis is 7");
+}
+
 TEST_F(CheckMapTest, ValuesChanged) {
   ExpectFound("UPDATE keyframes SET time_s = 12345.5", "keyframes", "values");
   ExpectFound("UPDATE sequences SET name = 'renamed'", "sequences", "values");

@@ -105,6 +105,78 @@ Edge MadeEdge(Random& random, const Plane& a, const Plane& b, const MapData& map
           1 + v.dot(p)};
 }
 
+HalfMatrix RandomHalves(Random& random, int rows, int columns, double low, double high) {
+  HalfMatrix matrix(rows, columns);
+  for (Eigen::Index i = 0; i < matrix.size(); ++i) {
+    matrix.data()[i] = static_cast<Eigen::half>(random.Uniform(low, high));
+  }
+  return matrix;
+}
+
+Pose2 RandomPose(Random& random) {
+  return {random.Uniform(-9, 9), random.Uniform(-9, 9), random.Uniform(-3, 3)};
+}
+
+AppearanceNode MadeNode(Random& random, int64_t id, const MapData& map,
+                        const SignatureOptions& described, const MapShape& shape) {
+  AppearanceNode node{{id}, map.sequences[0].id, random.Below(9), OddName(random), {}, {}, {}, {},
+                      {}};
+  if (random.Below(2) == 0) node.time_s = random.Uniform(0, 9);
+  node.pose = RandomPose(random);
+  node.signature = {RandomHalves(random, described.rows, described.k1, 0, 200),
+                    RandomHalves(random, described.rows, described.k2, -3.1, 3.1)};
+  if (shape.jpeg_bytes > 0) node.jpeg = RandomBytes(random, random.Below(shape.jpeg_bytes));
+  const int features = random.Below(4);
+  for (int i = 0; i < features; ++i) {
+    node.features.bearings.push_back(
+        {static_cast<float>(random.Uniform(-3, 3)), static_cast<float>(random.Uniform(-1.5, 1.5))});
+  }
+  const int bytes = DescriptorBytes(shape.type);
+  node.features.descriptors = Descriptors(bytes, RandomBytes(random, features * bytes));
+  return node;
+}
+
+AppearanceLayer MadeAppearance(Random& random, const MapData& map, const MapShape& shape) {
+  AppearanceLayer layer;
+  layer.described = {.rows = 4, .k1 = 5, .k2 = 3, .band = {0.5, -0.25}, .normalise = true};
+  if (random.Below(2) == 0) layer.metres_per_unit = random.Uniform(0.1, 2);
+  layer.dropped = random.Below(9);
+  for (int64_t id = 2; id <= 11; id += 3) {
+    layer.nodes.push_back(MadeNode(random, id, map, layer.described, shape));
+    if (id == 2) continue;
+    const auto kind = static_cast<AppearanceEdgeKind>(random.Below(2));
+    layer.edges.push_back({{id - 3}, {id}, kind, random.Uniform(), RandomPose(random), 0.02});
+  }
+  layer.verdict = AppearanceVerdict{-3.5, {{"distance", -2.0}, {"sharpness", 0.5}}, 12, 30};
+  return layer;
+}
+
+OrientationLayer MadeOrientation(Random& random, const MapData& map, const MapShape& shape) {
+  OrientationLayer layer;
+  layer.step = 1 + random.Below(5);
+  for (int64_t id = 1; id <= 10; ++id) {
+    OrientationFrame frame{
+        {id}, map.sequences[0].id, static_cast<int>(id), OddName(random), {}, id % 4 != 0,
+        {},   {3, 20, 7}};
+    if (id % 2 == 0) frame.time_s = random.Uniform(0, 9);
+    if (id % 8 != 0) {
+      const Eigen::Quaterniond q(
+          Eigen::AngleAxisd(random.Uniform(0, 3), Eigen::Vector3d(0.6, 0, 0.8)));
+      frame.rotation = BuildingRotation{q, Eigen::Vector3d(1e-4, 2e-4, 0).asDiagonal()};
+    }
+    layer.frames.push_back(frame);
+  }
+  layer.turns = {{{3}, 1, 1.46, true, 1}, {{6}, -1, -1.53, false, 1}};
+  layer.nodes = {{{3}, OrientationNodeKind::kTurn, {1, 2, 3, 4}, {}},
+                 {{5}, OrientationNodeKind::kTraversable, {0, 0, 0, 9}, {}},
+                 {{10}, OrientationNodeKind::kTraversable, {}, {}}};
+  if (shape.jpeg_bytes > 0) layer.nodes[1].jpeg = RandomBytes(random, shape.jpeg_bytes);
+  layer.edges = {{{3}, {5}, OrientationEdgeKind::kTraversable, 31},
+                 {{3}, {10}, OrientationEdgeKind::kLoop, 46}};
+  layer.corridors = {{{1}, {2}, 0}, {{4}, {9}, 1}};
+  return layer;
+}
+
 }  // namespace
 
 MapData MadeMap(uint64_t seed, const MapShape& shape) {
@@ -132,6 +204,8 @@ MapData MadeMap(uint64_t seed, const MapShape& shape) {
   }
   map.index = IndexFeatures(map, {.min_rows = 1});
   map.verdict = VerdictModel{-12.5, 5.25, 2.75, 60, 120};
+  map.appearance = MadeAppearance(random, map, shape);
+  map.orientation = MadeOrientation(random, map, shape);
   return map;
 }
 

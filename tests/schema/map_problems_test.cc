@@ -44,6 +44,137 @@ MapData SmallMap() {
   return map;
 }
 
+constexpr Eigen::half kHalfNan = Eigen::NumTraits<Eigen::half>::quiet_NaN();
+
+// The same with three panoramas and three frames of the orientation layer.
+MapData LayeredMap() {
+  MapData map = SmallMap();
+  map.appearance.emplace();
+  map.appearance->described = {.rows = 2, .k1 = 3, .k2 = 2, .band = {}, .normalise = false};
+  for (int64_t id = 1; id <= 3; ++id) {
+    AppearanceNode node;
+    node.id = {id};
+    node.sequence = {1};
+    node.signature = {HalfMatrix::Ones(2, 3), HalfMatrix::Zero(2, 2)};
+    node.features = {{{0.5F, 0.1F}}, Descriptors(128, std::vector<uint8_t>(128, 5))};
+    map.appearance->nodes.push_back(node);
+  }
+  map.appearance->edges = {{{1}, {2}, AppearanceEdgeKind::kConsecutive, 0.1, {1, 0, 0}, 0.01},
+                           {{1}, {3}, AppearanceEdgeKind::kLoop, 0.1, {1, 0, 0}, 0.01}};
+  map.appearance->verdict = AppearanceVerdict{-1, {{"a", 1.0}, {"b", 2.0}}, 1, 1};
+  map.orientation.emplace();
+  for (int64_t id = 1; id <= 3; ++id) {
+    map.orientation->frames.push_back(
+        {{id}, {1}, static_cast<int>(id), "x", {}, true, BuildingRotation{}, {1, 2, 3}});
+  }
+  map.orientation->turns = {{{2}, 1, 1.5, true, 0}, {{3}, -1, -1.5, false, 0}};
+  map.orientation->nodes = {{{1}, OrientationNodeKind::kTraversable, {}, {}},
+                            {{2}, OrientationNodeKind::kTurn, {}, {}}};
+  map.orientation->edges = {{{1}, {2}, OrientationEdgeKind::kTraversable, 10}};
+  map.orientation->corridors = {{{1}, {2}, 0}};
+  return map;
+}
+
+const std::vector<Fault>& AppearanceFaults() {
+  static const std::vector<Fault> faults = {
+      {"no rows", "appearance_layer 1", [](MapData& m) { m.appearance->described.rows = 0; }},
+      {"empty band", "appearance_layer 1",
+       [](MapData& m) {
+         m.appearance->described.band = {-1, 1};
+       }},
+      {"no scale", "appearance_layer 1", [](MapData& m) { m.appearance->metres_per_unit = 0; }},
+      {"dropped below 0", "appearance_layer 1", [](MapData& m) { m.appearance->dropped = -1; }},
+      {"id twice", "appearance_nodes 2", [](MapData& m) { m.appearance->nodes[2].id = {2}; }},
+      {"no such sequence", "appearance_nodes 1",
+       [](MapData& m) { m.appearance->nodes[0].sequence = {9}; }},
+      {"time NaN", "appearance_nodes 1", [](MapData& m) { m.appearance->nodes[0].time_s = kNan; }},
+      {"pose NaN", "appearance_nodes 1", [](MapData& m) { m.appearance->nodes[0].pose.x = kNan; }},
+      {"angle not wrapped", "appearance_nodes 1",
+       [](MapData& m) { m.appearance->nodes[0].pose.theta_rad = 4; }},
+      {"magnitudes missing", "appearance_signatures 1",
+       [](MapData& m) { m.appearance->nodes[0].signature.magnitudes.resize(2, 2); }},
+      {"magnitude below 0", "appearance_signatures 1",
+       [](MapData& m) { m.appearance->nodes[0].signature.magnitudes(0, 1) = Eigen::half(-1); }},
+      {"magnitude NaN", "appearance_signatures 1",
+       [](MapData& m) { m.appearance->nodes[0].signature.magnitudes(0, 1) = kHalfNan; }},
+      {"phase out of range", "appearance_signatures 1",
+       [](MapData& m) { m.appearance->nodes[0].signature.phases(1, 1) = Eigen::half(3.2); }},
+      {"descriptors missing", "appearance_features 1",
+       [](MapData& m) { m.appearance->nodes[0].features.descriptors = {}; }},
+      {"descriptors of another kind", "appearance_features 1",
+       [](MapData& m) {
+         m.appearance->nodes[0].features.descriptors = Descriptors(32, std::vector<uint8_t>(32));
+       }},
+      {"bearing under the floor", "appearance_features 1",
+       [](MapData& m) { m.appearance->nodes[0].features.bearings[0].elevation_rad = -1.7F; }},
+      {"edge backwards", "appearance_edges 2/1",
+       [](MapData& m) { std::swap(m.appearance->edges[0].a, m.appearance->edges[0].b); }},
+      {"edge twice", "appearance_edges 1/2", [](MapData& m) { m.appearance->edges[1].b = {2}; }},
+      {"edge to no node", "appearance_edges 1/7",
+       [](MapData& m) { m.appearance->edges[1].b = {7}; }},
+      {"distance below 0", "appearance_edges 1/2",
+       [](MapData& m) { m.appearance->edges[0].distance = -1; }},
+      {"heading NaN", "appearance_edges 1/2",
+       [](MapData& m) { m.appearance->edges[0].a_from_b.theta_rad = kNan; }},
+      {"deviation below 0", "appearance_edges 1/2",
+       [](MapData& m) { m.appearance->edges[0].deviation_rad = -0.1; }},
+      {"term twice", "appearance_verdict 1",
+       [](MapData& m) { m.appearance->verdict->terms[1].name = "a"; }},
+      {"weight NaN", "appearance_verdict 1",
+       [](MapData& m) { m.appearance->verdict->terms[1].weight = kNan; }},
+  };
+  return faults;
+}
+
+const std::vector<Fault>& OrientationFaults() {
+  static const std::vector<Fault> faults = {
+      {"no step", "orientation_layer 1", [](MapData& m) { m.orientation->step = 0; }},
+      {"id twice", "orientation_frames 2", [](MapData& m) { m.orientation->frames[2].id = {2}; }},
+      {"no such sequence", "orientation_frames 1",
+       [](MapData& m) { m.orientation->frames[0].sequence = {9}; }},
+      {"frames out of order", "orientation_frames 2",
+       [](MapData& m) { m.orientation->frames[1].frame = 1; }},
+      {"lines below 0", "orientation_frames 1",
+       [](MapData& m) { m.orientation->frames[0].lines[2] = -1; }},
+      {"reliable without a rotation", "orientation_frames 1",
+       [](MapData& m) { m.orientation->frames[0].rotation.reset(); }},
+      {"quaternion of another norm", "orientation_frames 1",
+       [](MapData& m) { m.orientation->frames[0].rotation->building_from_head.x() = 0.1; }},
+      {"covariance below 0", "orientation_frames 1",
+       [](MapData& m) { m.orientation->frames[0].rotation->covariance(1, 1) = -1; }},
+      {"covariance not symmetric", "orientation_frames 1",
+       [](MapData& m) { m.orientation->frames[0].rotation->covariance(0, 1) = 1e-3; }},
+      {"turn of no frame", "orientation_turns 8",
+       [](MapData& m) { m.orientation->turns[1].frame = {8}; }},
+      {"turn without a direction", "orientation_turns 3",
+       [](MapData& m) { m.orientation->turns[1].direction = 0; }},
+      {"turn by too much", "orientation_turns 3",
+       [](MapData& m) { m.orientation->turns[1].angle_rad = 3.2; }},
+      {"turn without a node", "orientation_turns 3",
+       [](MapData& m) { m.orientation->turns[1].confirmed = true; }},
+      {"node of another kind", "orientation_nodes 1",
+       [](MapData& m) { m.orientation->nodes[0].kind = OrientationNodeKind::kTurn; }},
+      {"directions below 0", "orientation_nodes 1",
+       [](MapData& m) { m.orientation->nodes[0].directions[3] = -1; }},
+      {"edge to no node", "orientation_edges 1/3",
+       [](MapData& m) { m.orientation->edges[0].b = {3}; }},
+      {"edge to itself", "orientation_edges 1/1",
+       [](MapData& m) { m.orientation->edges[0].b = {1}; }},
+      {"corridor backwards", "corridors 2",
+       [](MapData& m) {
+         m.orientation->corridors[0] = {{2}, {1}, 0};
+       }},
+      {"corridor without an end", "corridors 1",
+       [](MapData& m) { m.orientation->corridors[0].last = {8}; }},
+      {"corridors that overlap", "corridors 2",
+       [](MapData& m) {
+         m.orientation->corridors.push_back({{2}, {3}, 1});
+       }},
+      {"corridor along z", "corridors 1", [](MapData& m) { m.orientation->corridors[0].axis = 2; }},
+  };
+  return faults;
+}
+
 const std::vector<Fault>& Faults() {
   static const std::vector<Fault> faults = {
       {"repeated id", "keyframes 2", [](MapData& m) { m.keyframes[2].id = {2}; }},
@@ -107,6 +238,7 @@ const std::vector<Fault>& Faults() {
 
 TEST(MapProblems, ASoundMapHasNone) {
   EXPECT_TRUE(FindMapProblems(SmallMap()).empty());
+  EXPECT_TRUE(FindMapProblems(LayeredMap()).empty());
   EXPECT_TRUE(FindMapProblems({}).empty());
   for (uint64_t seed = 0; seed < 50; ++seed) {
     for (const MapProblem& problem : FindMapProblems(MadeMap(seed))) {
@@ -116,8 +248,12 @@ TEST(MapProblems, ASoundMapHasNone) {
 }
 
 TEST(MapProblems, EveryFaultIsFoundWhereItIs) {
-  for (const Fault& fault : Faults()) {
-    MapData map = SmallMap();
+  std::vector<Fault> faults = Faults();
+  for (const auto* more : {&AppearanceFaults(), &OrientationFaults()}) {
+    faults.insert(faults.end(), more->begin(), more->end());
+  }
+  for (const Fault& fault : faults) {
+    MapData map = LayeredMap();
     fault.make(map);
     const std::vector<MapProblem> problems = FindMapProblems(map);
     bool found = false;

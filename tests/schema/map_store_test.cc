@@ -57,6 +57,8 @@ TEST(MapStore, LeavesImagesOutWhenAsked) {
   MapData map = MadeMap(5);
   WriteMap(map, folder / "m.db", {});
   for (Keyframe& keyframe : map.keyframes) keyframe.jpeg.clear();
+  for (AppearanceNode& node : map.appearance->nodes) node.jpeg.clear();
+  for (OrientationNode& node : map.orientation->nodes) node.jpeg.clear();
   EXPECT_EQ(WithoutVersion(ReadMap(folder / "m.db", {.images = false})), map);
 }
 
@@ -178,10 +180,34 @@ TEST(MapStore, TheFileIsFinishedAndCompact) {
                std::ssize(plane.views) * 72;
   }
   payload += std::ssize(map.index->centres.data()) + std::ssize(map.index->list_of_row) * 2;
+  for (const AppearanceNode& node : map.appearance->nodes) payload += std::ssize(node.jpeg);
+  for (const OrientationNode& node : map.orientation->nodes) payload += std::ssize(node.jpeg);
   const std::string bytes = ReadFile(folder / "m.db");
   EXPECT_EQ(bytes[18], 1) << "the file is in WAL mode";
   EXPECT_EQ(bytes[19], 1) << "the file is in WAL mode";
-  EXPECT_LT(std::ssize(bytes), payload + payload / 33 + 30'000);
+  // A page of 1024 bytes for each of the layers' 15 tables.
+  EXPECT_LT(std::ssize(bytes), payload + payload / 33 + 30'000 + 15 * 1024);
+}
+
+// 64 rows of 64 magnitudes and 64 phases of 2 bytes each.
+TEST(MapStore, APanoramaTakesItsSignatureAndLittleMore) {
+  const TemporaryFolder folder;
+  const auto bytes_with = [&](int nodes) {
+    MapData map;
+    map.sequences = {{{1}, "a", "folder", nodes, 0, {}}};
+    map.appearance.emplace();
+    const SignatureOptions& d = map.appearance->described;
+    for (int64_t id = 1; id <= nodes; ++id) {
+      AppearanceNode node{{id}, {1}, 0, "000120.jpg", 4.0, {}, {}, {}, {}};
+      node.signature = {HalfMatrix::Ones(d.rows, d.k1), HalfMatrix::Ones(d.rows, d.k2)};
+      map.appearance->nodes.push_back(node);
+    }
+    WriteMap(map, folder / "m.db", {.overwrite = true});
+    return std::ssize(ReadFile(folder / "m.db"));
+  };
+  const int64_t each = (bytes_with(60) - bytes_with(10)) / 50;
+  EXPECT_GT(each, 16'384);
+  EXPECT_LT(each, 17'000);
 }
 
 TEST(MapStore, TableSizesAddUpToTheFile) {
@@ -272,7 +298,14 @@ TEST(MapStore, ViewsForPeopleShowCountsAndNames) {
              " AND " + "(SELECT count(*) FROM edge_list WHERE a < b) = " +
              std::to_string(map.edges.size()) + " AND " +
              "(SELECT count(*) FROM sequence_list) = " + std::to_string(map.sequences.size()) +
-             " AS ok;" + "CREATE TABLE p.check_ok (x CHECK (x = 1)); ");
+             " AND (SELECT sum(edges) FROM appearance_node_list) = 6" +
+             " AND (SELECT count(*) FROM appearance_edge_list WHERE kind IS NOT NULL) = 3" +
+             " AND (SELECT count(heading_deg) FROM orientation_frame_list) = 9" +
+             " AND (SELECT group_concat(direction || ' ' || verdict) FROM turn_list) = " +
+             "'left turn,right false turn'" +
+             " AND (SELECT sum(edges) FROM orientation_node_list) = 4" +
+             " AND (SELECT group_concat(axis) FROM corridor_list) = 'x,y'" + " AS ok;" +
+             "CREATE TABLE p.check_ok (x CHECK (x = 1)); ");
   // The CHECK makes a wrong count an error here.
   RunSql(people, "PRAGMA ignore_check_constraints = OFF; INSERT INTO check_ok SELECT ok FROM t;");
 }

@@ -5,6 +5,8 @@
 #include <SQLiteCpp/Statement.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "schema/map_database.h"
 #include "schema/map_store.h"
 #include "tests/schema/made_map.h"
@@ -35,6 +37,20 @@ class MigrateTest : public testing::Test {
   double Number(const std::string& sql) {
     SQLite::Database database(path_.string());
     return database.execAndGet(sql).getDouble();
+  }
+
+  // Takes away what versions after this one brought.
+  void MakeVersion(int version) {
+    std::set<std::string> kept;
+    for (const SchemaObject& object : ExpectedObjects(Migrations().first(version))) {
+      kept.insert(object.name);
+    }
+    for (const SchemaObject& object : ExpectedObjects(Migrations())) {
+      if (kept.contains(object.name)) continue;
+      RunSql(path_, "DROP " + object.type + " " + object.name);
+      RunSql(path_, "DELETE FROM contents WHERE table_name = '" + object.name + "'");
+    }
+    RunSql(path_, "PRAGMA user_version = " + std::to_string(version) + "; VACUUM");
   }
 
   TemporaryFolder folder_;
@@ -77,19 +93,43 @@ TEST_F(MigrateTest, OnlyTheMissingStepsAreApplied) {
   EXPECT_EQ(MigrateFile(path_, steps, kNoCheck), kSchemaVersion + 2);
 }
 
-// A map of version 1 is one without the table that version 2 brought.
+// A map of an older version is one without the tables and views that later ones brought.
 TEST_F(MigrateTest, AMapOfVersionOneKeepsEverythingButHasNoIndex) {
-  RunSql(path_,
-         "DROP TABLE search_index; DELETE FROM contents WHERE table_name = 'search_index';"
-         "DROP TABLE verdict_model; DELETE FROM contents WHERE table_name = 'verdict_model';"
-         "PRAGMA user_version = 1; VACUUM");
+  MakeVersion(1);
   EXPECT_EQ(ErrorOf([&] { ReadMap(path_); }).code(), ErrorCode::kMapVersion);
   EXPECT_EQ(MigrateMap(path_), 1);
   EXPECT_TRUE(CheckMap(path_).empty());
   MapData expected = MadeMap(31);
   expected.index.reset();
   expected.verdict.reset();
+  expected.appearance.reset();
+  expected.orientation.reset();
   EXPECT_EQ(WithoutVersion(ReadMap(path_)), expected);
+}
+
+TEST_F(MigrateTest, AMapOfVersionTwoKeepsEverythingButHasNoFurtherLayers) {
+  MakeVersion(2);
+  EXPECT_EQ(Number("SELECT count(*) FROM sqlite_schema WHERE tbl_name LIKE 'appearance%'"), 0);
+  EXPECT_EQ(ErrorOf([&] { ReadMap(path_); }).code(), ErrorCode::kMapVersion);
+  EXPECT_EQ(MigrateMap(path_), 2);
+  EXPECT_TRUE(CheckMap(path_).empty());
+  MapData expected = MadeMap(31);
+  expected.appearance.reset();
+  expected.orientation.reset();
+  EXPECT_EQ(WithoutVersion(ReadMap(path_)), expected);
+}
+
+// Written anew, a migrated map has the bytes that the same data have without a migration.
+TEST_F(MigrateTest, AMigratedMapIsLikeOneWrittenToday) {
+  MakeVersion(2);
+  MigrateMap(path_);
+  const MapData migrated = ReadMap(path_);
+  MapData today = MadeMap(31);
+  today.appearance.reset();
+  today.orientation.reset();
+  WriteMap(migrated, folder_ / "migrated.db", {});
+  WriteMap(today, folder_ / "today.db", {});
+  EXPECT_EQ(ReadFile(folder_ / "migrated.db"), ReadFile(folder_ / "today.db"));
 }
 
 TEST_F(MigrateTest, FromAnEmptyDatabase) {
