@@ -8,12 +8,14 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
+#include <sstream>
 
 #include "builder/calibrate.h"
 #include "builder/extract_frames.h"
 #include "builder/planes/fusion.h"
 #include "builder/planes/plane_features.h"
 #include "builder/planes/plane_tracker.h"
+#include "builder/rendered_negatives.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
 #include "schema/index_features.h"
@@ -47,8 +49,26 @@ std::string OptionsJson(const BuildOptions& options) {
         {"max_error_px", planes.segmentation.ransac.max_error_px},
         {"min_inliers", planes.segmentation.min_inliers},
         {"min_vote_share", planes.min_vote_share},
-        {"min_features", planes.min_features}}}};
+        {"plenty_of_features", planes.plenty_of_features},
+        {"votes_in_plenty", planes.votes_in_plenty},
+        {"min_features", planes.min_features}}},
+      {"appearance",
+       {{"rows", options.appearance.describe.signature.rows},
+        {"k1", options.appearance.describe.signature.k1},
+        {"k2", options.appearance.describe.signature.k2},
+        {"max_span", options.appearance.odometry.max_span},
+        {"close_loops", options.appearance.close_loops},
+        {"max_loss", options.appearance.redundancy.max_loss}}}};
   return json.dump();
+}
+
+MapInfo InfoOf(const BuildOptions& options) {
+  MapInfo info;
+  info.name = options.map_name;
+  info.program = std::string("waystone ") + kVersion;
+  info.feature_type = options.features.type;
+  info.options_json = OptionsJson(options);
+  return info;
 }
 
 // The state of a build: what the serial end of the pipeline feeds.
@@ -87,15 +107,12 @@ class MapBuilder {
     map_.planes = std::move(fusion.planes);
     map_.edges = std::move(fusion.edges);
     report_.planes_fused = fusion.fused;
+    DropSparse();
     report_.fusion_s = SecondsSince(start);
     Renumber();
-    map_.info.name = options_.map_name;
-    map_.info.program = std::string("waystone ") + kVersion;
-    map_.info.feature_type = options_.features.type;
-    map_.info.options_json = OptionsJson(options_);
+    map_.info = InfoOf(options_);
     map_.index = IndexFeatures(map_);
     Calibrate();
-    report_.total_s = SecondsSince(start_);
     if (!Report("fusion", 1, 1)) Interrupt();
     return {std::move(map_), std::move(report_)};
   }
@@ -162,13 +179,25 @@ class MapBuilder {
     map_.keyframes.push_back(std::move(keyframe));
   }
 
+  // Last, so that fusion sees all that planes have in common.
+  void DropSparse() {
+    for (Plane& plane : map_.planes) {
+      const size_t before = plane.features.size();
+      DropSparseFeatures(options_.planes.plenty_of_features, options_.planes.votes_in_plenty,
+                         plane);
+      report_.features_dropped += static_cast<int>(before - plane.features.size());
+    }
+  }
+
   // Asks the finished map for its own keyframes.
   void Calibrate() {
     const Clock::time_point start = Clock::now();
     MapData copy = map_;
     for (Keyframe& keyframe : copy.keyframes) keyframe.jpeg.clear();
-    map_.verdict = CalibrateVerdict(*MapIndex::Build(std::move(copy)), calibration_.queries(),
-                                    options_.calibration);
+    map_.verdict = CalibrateVerdict(
+        *MapIndex::Build(std::move(copy)), calibration_.queries(),
+        RenderedNegatives(options_.calibration.rendered_negatives, options_.features),
+        options_.calibration);
     report_.calibrate_s = SecondsSince(start);
   }
 
@@ -234,15 +263,87 @@ class MapBuilder {
   CalibrationSample calibration_;
   MapData map_;
   BuildReport report_;
-  Clock::time_point start_ = Clock::now();
 };
 
+// Adds the appearance layer of the sources; its sequences come after those that are there.
+void AddAppearance(const std::vector<Source*>& sources, const BuildOptions& options,
+                   const std::function<bool(const BuildProgress&)>& progress, BuildResult& result) {
+  int panoramas = 0;
+  const AppearanceProgress report = [&](const std::string& stage, int done, int total) {
+    if (stage == "panoramas") panoramas = done;
+    return !progress || progress({stage, done, total, static_cast<int>(result.map.keyframes.size()),
+                                  static_cast<int>(result.map.planes.size()), panoramas});
+  };
+  AppearanceOptions appearance = options.appearance;
+  if (!options.images) appearance.describe.image_width = 0;
+  AppearanceResult built = BuildAppearanceLayer(sources, appearance, report);
+  const int64_t before = std::ssize(result.map.sequences);
+  for (Sequence& sequence : built.sequences) {
+    sequence.id.value += before;
+    result.map.sequences.push_back(std::move(sequence));
+  }
+  for (AppearanceNode& node : built.layer.nodes) node.sequence.value += before;
+  result.map.appearance = std::move(built.layer);
+  result.report.appearance = std::move(built.report);
+}
+
+BuildResult BuildPlanes(const std::vector<Source*>& sources, const BuildOptions& options,
+                        const std::function<bool(const BuildProgress&)>& progress) {
+  MapBuilder builder(options, progress);
+  for (Source* source : sources) builder.AddSource(*source);
+  return builder.Finish();
+}
+
+// The sources of each layer. A layer that was asked for and gets none is a mistake.
+std::vector<Source*> SourcesOf(LayerKind kind, bool asked, const char* what,
+                               const std::vector<std::unique_ptr<Source>>& sources,
+                               const LayerChoice& layers) {
+  std::vector<Source*> fitting;
+  for (const std::unique_ptr<Source>& source : sources) {
+    if (LayerOf(*source, layers) == kind) fitting.push_back(source.get());
+  }
+  if (asked && fitting.empty()) {
+    throw MapError(ErrorCode::kBadSource,
+                   "none of the " + std::to_string(sources.size()) + " sources " + what);
+  }
+  return fitting;
+}
+
 }  // namespace
+
+LayerChoice LayerChoiceByNames(const std::string& names) {
+  LayerChoice layers;
+  if (names == "auto") return layers;
+  layers.automatic = false;
+  std::istringstream list(names);
+  std::string name;
+  while (std::getline(list, name, ',')) {
+    if (name == "planes") {
+      layers.planes = true;
+    } else if (name == "appearance") {
+      layers.appearance = true;  // the place of "orientation" is beside this
+    } else {
+      throw MapError(ErrorCode::kBadOptions, "there is no layer '" + name +
+                                                 "'; give auto, or planes and appearance with a "
+                                                 "comma between them");
+    }
+  }
+  if (layers.planes || layers.appearance) return layers;
+  throw MapError(ErrorCode::kBadOptions, "no layer is named; give auto, planes or appearance");
+}
+
+LayerKind LayerOf(const Source& source, const LayerChoice& layers) {
+  if (!layers.automatic && layers.planes != layers.appearance) {
+    return layers.planes ? LayerKind::kPlanes : LayerKind::kAppearance;
+  }
+  return LooksPanoramic(source) ? LayerKind::kAppearance : LayerKind::kPlanes;
+}
 
 void BuildOptions::Check() const {
   features.Check();
   keyframes.Check();
   planes.Check();
+  appearance.Check();
   calibration.Check();
   if (image_width < 16 || image_width > 4096) {
     throw MapError(ErrorCode::kBadOptions, "image_width is " + std::to_string(image_width) +
@@ -259,12 +360,25 @@ BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
                      const std::function<bool(const BuildProgress&)>& progress) {
   options.Check();
   if (sources.empty()) throw MapError(ErrorCode::kBadSource, "no source given; give one at least");
+  const Clock::time_point start = Clock::now();
   cv::setNumThreads(1);  // frames are what runs in parallel
   tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : options.threads);
   return arena.execute([&] {
-    MapBuilder builder(options, progress);
-    for (const std::unique_ptr<Source>& source : sources) builder.AddSource(*source);
-    return builder.Finish();
+    const LayerChoice& layers = options.layers;
+    const auto planes = SourcesOf(LayerKind::kPlanes, layers.planes,
+                                  "are ordinary images, which planes take", sources, layers);
+    const auto panoramas =
+        SourcesOf(LayerKind::kAppearance, layers.appearance,
+                  "are panoramas (twice as wide as high, or rigs), which appearance takes; name "
+                  "that layer alone to take others for panoramas",
+                  sources, layers);
+    BuildResult result;
+    if (!planes.empty()) result = BuildPlanes(planes, options, progress);
+    result.map.info = InfoOf(options);
+    if (!panoramas.empty()) AddAppearance(panoramas, options, progress, result);
+    // The orientation layer's place: AddOrientation(sources of calibrated cameras, ...).
+    result.report.total_s = SecondsSince(start);
+    return result;
   });
 }
 

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "builder/appearance/build_appearance.h"
 #include "builder/calibrate.h"
 #include "builder/keyframes/keyframe_selector.h"
 #include "builder/planes/options.h"
@@ -16,11 +18,27 @@
 
 namespace waystone {
 
+// The layers that a map gets.
+struct LayerChoice {
+  // Panoramas give the appearance layer, other images the plane layer; the rest is ignored.
+  bool automatic = true;
+  bool planes = false;
+  bool appearance = false;
+
+  bool operator==(const LayerChoice&) const = default;
+};
+
+// "auto", or names with commas between them: "planes", "appearance". Throws MapError(kBadOptions)
+// for others.
+LayerChoice LayerChoiceByNames(const std::string& names);
+
 struct BuildOptions {
   std::string map_name = "map";
   FeatureOptions features;
   KeyframeOptions keyframes;
   PlaneLayerOptions planes;
+  AppearanceOptions appearance;
+  LayerChoice layers;
   CalibrationOptions calibration;
   // Keep a smaller JPEG of each keyframe in the map, for people.
   bool images = true;
@@ -34,11 +52,12 @@ struct BuildOptions {
 
 // How far a build is; handed to the progress callback, one call at a time but from any thread.
 struct BuildProgress {
-  std::string stage;  // "frames", "fusion"
+  std::string stage;  // "frames", "fusion"; "panoramas", "odometry", "loops", "poses"
   int done = 0;
   int total = 0;  // 0 when not known
   int keyframes = 0;
   int planes = 0;
+  int panoramas = 0;  // read so far
 };
 
 // What a build did: for the report and the benches.
@@ -60,7 +79,8 @@ struct BuildReport {
   double choose_s = 0;       // of it, keyframe choice
   double fusion_s = 0;
   double calibrate_s = 0;
-  double total_s = 0;  // wall clock
+  double total_s = 0;                          // wall clock
+  std::optional<AppearanceReport> appearance;  // where that layer was built
 };
 
 struct BuildResult {
@@ -68,9 +88,15 @@ struct BuildResult {
   BuildReport report;
 };
 
-// Algorithm 1 of the paper over one or several sequences: reads like it. `progress` may be empty;
+// What a source is used for: the appearance layer when it looks panoramic, else the plane layer.
+// With one layer chosen, all sources go to it.
+enum class LayerKind { kPlanes, kAppearance };
+LayerKind LayerOf(const Source& source, const LayerChoice& layers);
+
+// The layers of a map over one or several sequences: Algorithm 1 of the paper for the planes, which
+// reads like it, and BuildAppearanceLayer for panoramas. `progress` may be empty;
 // when it returns false, the build stops with MapError(kInterrupted).
-// Throws MapError(kBadSource) when no source has a usable frame.
+// Throws MapError(kBadSource) when no source has a usable frame, or none fits a layer chosen.
 BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
                      const BuildOptions& options,
                      const std::function<bool(const BuildProgress&)>& progress);

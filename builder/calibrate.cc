@@ -120,9 +120,10 @@ CalibrationOptions WithOpenGates(CalibrationOptions options) {
 
 void CalibrationOptions::Check() const {
   localize.Check();
-  if (max_keyframes < 2) {
+  if (max_keyframes < 2 || rendered_negatives < 0) {
     throw MapError(ErrorCode::kBadOptions,
-                   "calibration: max_keyframes must be 2 or more; leave it at its default");
+                   "calibration: max_keyframes must be 2 or more and rendered_negatives 0 or more; "
+                   "leave them at their defaults");
   }
 }
 
@@ -140,6 +141,7 @@ void CalibrationSample::Add(KeyframeId keyframe, const Features& features) {
 }
 
 VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<CalibrationQuery>& queries,
+                              const std::vector<Features>& outside,
                               const CalibrationOptions& given) {
   given.Check();
   const CalibrationOptions options = WithOpenGates(given);
@@ -147,6 +149,10 @@ VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<Calibrati
   std::vector<std::vector<VerdictSample>> asked(queries.size());
   tbb::parallel_for(size_t{0}, queries.size(),
                     [&](size_t q) { asked[q] = Ask(index, in_map, queries[q], options); });
+  std::vector<std::vector<VerdictSample>> refused(outside.size());
+  tbb::parallel_for(size_t{0}, outside.size(),
+                    [&](size_t q) { AskWrong(index, outside[q], options.localize, refused[q]); });
+  asked.insert(asked.end(), refused.begin(), refused.end());
   std::vector<VerdictSample> samples;
   for (const auto& of_query : asked)
     samples.insert(samples.end(), of_query.begin(), of_query.end());

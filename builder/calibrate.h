@@ -11,6 +11,9 @@ namespace waystone {
 struct CalibrationOptions {
   // Keyframes that are asked for again. More tell the model better, and cost about 30 ms each.
   int max_keyframes = 40;
+  // Pictures of a made building that are asked for too, 0 or more: what isn't in the map. They cost
+  // about 100 ms each.
+  int rendered_negatives = 8;
   LocalizeOptions localize;
   uint64_t seed = 1;
 
@@ -42,10 +45,12 @@ class CalibrationSample {
 // The model of the verdict, fitted to answers of the map itself. Each keyframe is asked for without
 // the features that the map has from it (leave one out): the place that it shows is a right one.
 // The best plane for the same features with their positions exchanged is a wrong one: what matches
-// looks alike, but fits by chance alone. Places elsewhere that fit are no wrong ones to learn from:
-// often they are the same surface, seen another time, and where they aren't the answer is
-// `ambiguous`. Deterministic on any number of threads.
+// looks alike, but fits by chance alone; so is the best plane for each of `outside`, pictures of
+// what the map doesn't show (RenderedNegatives). Places elsewhere that fit are no wrong ones to
+// learn from: often they are the same surface, seen another time, and where they aren't the answer
+// is `ambiguous`. Deterministic on any number of threads.
 VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<CalibrationQuery>& queries,
+                              const std::vector<Features>& outside,
                               const CalibrationOptions& options);
 
 }  // namespace waystone

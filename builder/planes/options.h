@@ -84,6 +84,11 @@ struct PlaneLayerOptions {
   double min_anchored = 0.5;
   // A feature is kept if it was found in this share of the keyframes that should have seen it.
   double min_vote_share = 0.6;
+  // A plane with more features than this keeps those that fewer than votes_in_plenty keyframes
+  // found only up to it, those with most votes first. Lower: smaller maps and faster queries, at
+  // fewer inliers an answer.
+  int plenty_of_features = 150;
+  int votes_in_plenty = 3;
   // A plane with fewer features left after the votes is dropped.
   int min_features = 16;
   // A plane that was started and lost again at once, so that no triple match ever confirmed it,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "core/features/distance.h"
@@ -52,6 +53,16 @@ void KeepFeatures(std::span<const int> kept, Plane& plane) {
   }
   plane.features = std::move(features);
   plane.descriptors = std::move(descriptors);
+}
+
+void DropSparseFeatures(int plenty, int min_votes, Plane& plane) {
+  std::vector<int> kept(plane.features.size());
+  std::iota(kept.begin(), kept.end(), 0);
+  const auto votes = [&](int f) { return plane.features[f].votes; };
+  std::stable_sort(kept.begin(), kept.end(), [&](int a, int b) { return votes(a) > votes(b); });
+  while (std::ssize(kept) > plenty && votes(kept.back()) < min_votes) kept.pop_back();
+  std::sort(kept.begin(), kept.end());
+  KeepFeatures(kept, plane);
 }
 
 bool IsWithinReach(const Eigen::Vector2d& reference, int width, int height,

@@ -21,6 +21,10 @@ Keypoint Transferred(const Eigen::Matrix3d& b_from_a, const Keypoint& keypoint_a
 // Keeps the features `kept` (ascending) and their descriptors, drops the others.
 void KeepFeatures(std::span<const int> kept, Plane& plane);
 
+// Of a plane with more than `plenty` features, drops those with fewer than `min_votes` votes, those
+// with fewest first, as long as more than `plenty` are left. The order stays.
+void DropSparseFeatures(int plenty, int min_votes, Plane& plane);
+
 // Whether a position in a reference image of width x height pixels is in it or at most
 // `max_extrapolation` image sizes outside.
 bool IsWithinReach(const Eigen::Vector2d& reference, int width, int height,

@@ -36,6 +36,7 @@ void PlaneLayerOptions::Check() const {
   const bool good = min_tracked >= 5 && reacquire_px > 0 && reacquire_distance > 0 &&
                     reacquire_distance <= 1 && max_extrapolation >= 0 && min_anchored >= 0 &&
                     min_anchored <= 1 && min_vote_share >= 0 && min_vote_share <= 1 &&
+                    plenty_of_features >= min_features && votes_in_plenty >= 0 &&
                     min_features >= 4 && min_features_unconfirmed >= min_features;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,

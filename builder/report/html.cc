@@ -7,6 +7,7 @@
 #include <sstream>
 #include <unordered_map>
 
+#include "builder/report/appearance_svg.h"
 #include "builder/report/colours.h"
 #include "builder/report/graph_layout.h"
 #include "core/base/text.h"
@@ -158,6 +159,22 @@ std::string Gallery(const MapData& map) {
   return html + "</div>\n";
 }
 
+std::string PlanesSection(const MapData& map) {
+  if (map.planes.empty()) return "";
+  return "<h2>Graph of planes</h2>\n" + GraphSvg(map) +
+         "<p class=sub>A node is a plane, larger with more features; an edge joins two planes that "
+         "were seen together with a valid homology.</p>\n";
+}
+
+std::string AppearanceSection(const MapData& map) {
+  if (!map.appearance) return "";
+  const AppearanceLayer& layer = *map.appearance;
+  return "<h2>Way of the panoramas</h2>\n" + AppearanceSvg(layer) + "<p class=sub>" +
+         std::to_string(layer.nodes.size()) + " panoramas, " + std::to_string(layer.dropped) +
+         " redundant ones left out. A dot is a panorama, the way joins those that follow each "
+         "other, orange lines are loops: places that the camera came back to.</p>\n";
+}
+
 }  // namespace
 
 std::string ImageName(KeyframeId id) { return "images/" + std::to_string(id.value) + ".jpg"; }
@@ -170,13 +187,10 @@ std::string ReportHtml(const MapData& map, const BuildReport& report,
          name + " - Waystone map</title>\n<style>" + kStyle + "</style>\n<h1>" + name +
          "</h1>\n<p class=sub>" + std::to_string(map.keyframes.size()) + " keyframes, " +
          std::to_string(map.planes.size()) + " planes, " + std::to_string(map.edges.size()) +
-         " edges; built by " + EscapeHtml(map.info.program) + "</p>\n<h2>Graph of planes</h2>\n" +
-         GraphSvg(map) +
-         "<p class=sub>A node is a plane, larger with more features; an edge joins two planes that "
-         "were seen together with a valid homology.</p>\n<div class=row>\n<div><h2>Counts</h2>\n" +
-         CountsTable(map, report) + "</div><div><h2>Seconds</h2>\n" + SecondsTable(report) +
-         "</div><div><h2>Bytes</h2>\n" + BytesTable(tables) +
-         "</div></div>\n<h2>Keyframes and their planes</h2>\n" + Gallery(map) +
+         " edges; built by " + EscapeHtml(map.info.program) + "</p>\n" + AppearanceSection(map) +
+         PlanesSection(map) + "<div class=row>\n<div><h2>Counts</h2>\n" + CountsTable(map, report) +
+         "</div><div><h2>Seconds</h2>\n" + SecondsTable(report) + "</div><div><h2>Bytes</h2>\n" +
+         BytesTable(tables) + "</div></div>\n<h2>Keyframes and their planes</h2>\n" + Gallery(map) +
          "<h2>Planes</h2>\n<div class=scroll>" + PlanesTable(map) + "</div>\n</html>\n";
 }
 

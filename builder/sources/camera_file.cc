@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <initializer_list>
 
+#include "builder/sources/camera_section.h"
 #include "builder/sources/colmap_camera.h"
 #include "builder/sources/files.h"
 #include "builder/sources/source.h"
@@ -15,8 +13,6 @@ namespace waystone {
 namespace {
 
 namespace fs = std::filesystem;
-
-using Names = std::initializer_list<const char*>;
 
 // Names that the formats give the same thing.
 constexpr Names kWidth = {"image_width", "image_Width", "width"};
@@ -29,104 +25,14 @@ constexpr Names kCoefficients = {"distortion_coefficients",
                                  "D",
                                  "d"};
 
-// A mapping of a camera file that names the file and the key in what it throws.
-class Section {
- public:
-  Section(const fs::path& path, YAML::Node node) : path_(path), node_(std::move(node)) {}
-
-  [[noreturn]] void Refuse(const std::string& cause) const {
-    throw MapError(ErrorCode::kBadCamera, Quoted(path_) + ": " + cause);
-  }
-
-  bool Has(Names names) const { return Find(names).IsDefined(); }
-
-  std::string Text(const char* name) const {
-    const YAML::Node value = Find({name});
-    return value.IsDefined() && value.IsScalar() ? value.Scalar() : "";
-  }
-
-  double Number(Names names) const {
-    const YAML::Node value = Need(names);
-    const auto number = value.IsScalar() ? ToNumber(value.Scalar()) : std::nullopt;
-    if (!number) Refuse(std::string(*names.begin()) + " is no number; correct it");
-    return *number;
-  }
-
-  int Size(Names names) const {
-    const double number = Number(names);
-    if (number != std::floor(number) || std::abs(number) > INT32_MAX) {
-      Refuse(std::string(*names.begin()) + " is no whole number of pixels; correct it");
-    }
-    return static_cast<int>(number);
-  }
-
-  // A list, or a matrix: a mapping with rows, cols and data.
-  std::vector<double> Numbers(Names names) const {
-    const YAML::Node value = Need(names);
-    const YAML::Node list = value.IsMap() ? value["data"] : value;
-    if (!list.IsDefined() || !list.IsSequence()) {
-      Refuse(std::string(*names.begin()) + " is no list of numbers; correct it");
-    }
-    std::vector<double> numbers;
-    for (const YAML::Node& item : list) {
-      const auto number = item.IsScalar() ? ToNumber(item.Scalar()) : std::nullopt;
-      if (!number) {
-        Refuse(std::string(*names.begin()) + " holds what is no number, at place " +
-               std::to_string(numbers.size() + 1) + "; correct it");
-      }
-      numbers.push_back(*number);
-    }
-    return numbers;
-  }
-
-  std::vector<double> Numbers(Names names, size_t count) const {
-    std::vector<double> numbers = Numbers(names);
-    if (numbers.size() != count) {
-      Refuse(std::string(*names.begin()) + " has " + std::to_string(numbers.size()) +
-             " numbers, not " + std::to_string(count) + "; correct it");
-    }
-    return numbers;
-  }
-
-  std::string Keys() const {
-    constexpr size_t kShown = 8;
-    std::string keys;
-    size_t count = 0;
-    for (const auto& item : node_) {
-      if (count++ == kShown) return keys + " ...";
-      keys += (keys.empty() ? "" : " ") + (item.first.IsScalar() ? item.first.Scalar() : "?");
-    }
-    return keys;
-  }
-
- private:
-  YAML::Node Find(Names names) const {
-    const YAML::Node& node = node_;  // the const operator[] doesn't insert
-    for (const char* name : names) {
-      if (node[name].IsDefined()) return node[name];
-    }
-    return YAML::Node(YAML::NodeType::Undefined);
-  }
-
-  YAML::Node Need(Names names) const {
-    YAML::Node value = Find(names);
-    if (!value.IsDefined()) {
-      Refuse(std::string("the key ") + *names.begin() + " is missing; add it");
-    }
-    return value;
-  }
-
-  fs::path path_;
-  YAML::Node node_;
-};
-
 bool AllZero(const std::vector<double>& numbers, size_t from) {
   return std::all_of(numbers.begin() + std::min(from, numbers.size()), numbers.end(),
                      [](double number) { return number == 0; });
 }
 
 // fx fy cx cy and OpenCV's k1 k2 p1 p2 [k3 [k4 k5 k6 ...]] as the model that holds them.
-Camera RadialTangential(const Section& file, Camera camera, const std::vector<double>& distortion) {
+Camera RadialTangential(const CameraSection& file, Camera camera,
+                        const std::vector<double>& distortion) {
   constexpr size_t kHeld = 8;
   const size_t count = distortion.size();
   if (count == 0) return camera;
@@ -146,7 +52,7 @@ Camera RadialTangential(const Section& file, Camera camera, const std::vector<do
   return camera;
 }
 
-Camera Fisheye(const Section& file, Camera camera, const std::vector<double>& distortion) {
+Camera Fisheye(const CameraSection& file, Camera camera, const std::vector<double>& distortion) {
   if (distortion.size() != 4) {
     file.Refuse("there are " + std::to_string(distortion.size()) +
                 " distortion coefficients, and a fisheye has 4; correct them");
@@ -157,7 +63,7 @@ Camera Fisheye(const Section& file, Camera camera, const std::vector<double>& di
 }
 
 // By what ROS, Kalibr and EuRoC call the distortion.
-Camera Distorted(const Section& file, Camera camera, const std::string& kind,
+Camera Distorted(const CameraSection& file, Camera camera, const std::string& kind,
                  const std::vector<double>& distortion) {
   static constexpr std::array<std::string_view, 6> kRadial{
       "", "plumb_bob", "rational_polynomial", "radtan", "radial-tangential", "none"};
@@ -173,7 +79,7 @@ Camera Distorted(const Section& file, Camera camera, const std::string& kind,
 }
 
 // OpenCV and ROS: a 3x3 matrix and coefficients.
-Camera ReadMatrixCamera(const Section& file) {
+Camera ReadMatrixCamera(const CameraSection& file) {
   const std::vector<double> k = file.Numbers(kMatrix, 9);
   if (k[1] != 0) file.Refuse("the camera matrix has a skew, which isn't known; calibrate without");
   Camera camera{.model = CameraModel::kPinhole,
@@ -189,7 +95,7 @@ Camera ReadMatrixCamera(const Section& file) {
 }
 
 // Kalibr and EuRoC: a list of intrinsics, a list of coefficients and a resolution.
-Camera ReadKalibrCamera(const Section& file) {
+Camera ReadKalibrCamera(const CameraSection& file) {
   const std::string model = file.Text("camera_model");
   if (model != "pinhole") {
     file.Refuse("the camera_model '" + model + "' isn't known; calibrate with pinhole");
@@ -208,7 +114,7 @@ Camera ReadKalibrCamera(const Section& file) {
 }
 
 // Distortion that the file gives and the model lacks would silently be left out.
-void RefuseStrayParameters(const Section& file, const std::vector<std::string>& used,
+void RefuseStrayParameters(const CameraSection& file, const std::vector<std::string>& used,
                            const std::string& model) {
   for (const char* name : {"k", "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"}) {
     const bool known = std::ranges::find(used, name) != used.end();
@@ -220,7 +126,7 @@ void RefuseStrayParameters(const Section& file, const std::vector<std::string>& 
 }
 
 // Our own: the model by COLMAP's name, and its parameters by theirs.
-Camera ReadOwnCamera(const Section& file) {
+Camera ReadOwnCamera(const CameraSection& file) {
   const std::string name = file.Text("camera_model");
   const auto model = CameraModelByName(name);
   if (!model) {
@@ -240,17 +146,6 @@ Camera ReadOwnCamera(const Section& file) {
   return camera;
 }
 
-Camera ReadSection(const Section& file, const YAML::Node& root, const fs::path& path) {
-  if (file.Has({"cam0"})) return ReadKalibrCamera(Section(path, root["cam0"]));
-  if (file.Has({"intrinsics"})) return ReadKalibrCamera(file);
-  // A `k` may be a matrix, or a coefficient of our own format.
-  if (file.Has({"camera_model"}) && !file.Has({"camera_matrix"})) return ReadOwnCamera(file);
-  if (file.Has(kMatrix)) return ReadMatrixCamera(file);
-  file.Refuse("its keys (" + file.Keys() +
-              ") are those of no camera file we know; give one of OpenCV, ROS, Kalibr or COLMAP, "
-              "or camera_model, image_width, image_height, fx, fy, cx, cy");
-}
-
 // OpenCV writes "%YAML:1.0", which is no directive of YAML's; the line stays, empty, so that line
 // numbers keep.
 std::string WithoutDirectives(const std::vector<uint8_t>& bytes) {
@@ -263,25 +158,39 @@ std::string WithoutDirectives(const std::vector<uint8_t>& bytes) {
   return text;
 }
 
-Camera ReadYamlCamera(const fs::path& path) {
+}  // namespace
+
+Camera ReadCameraSection(const CameraSection& file) {
+  if (file.Has({"intrinsics"})) return ReadKalibrCamera(file);
+  // A `k` may be a matrix, or a coefficient of our own format.
+  if (file.Has({"camera_model"}) && !file.Has({"camera_matrix"})) return ReadOwnCamera(file);
+  if (file.Has(kMatrix)) return ReadMatrixCamera(file);
+  file.Refuse("its keys (" + file.Keys() +
+              ") are those of no camera file we know; give one of OpenCV, ROS, Kalibr or COLMAP, "
+              "or camera_model, image_width, image_height, fx, fy, cx, cy");
+}
+
+CameraSection OpenCameraYaml(const fs::path& path) {
   constexpr int64_t kMaxBytes = 1 << 20;  // a calibration has a few kilobytes
   const std::string text = WithoutDirectives(ReadFile(path, kMaxBytes, ErrorCode::kBadCamera));
-  const Section nothing(path, {});
+  const CameraSection nothing(path, {});
   if (text.starts_with('<')) nothing.Refuse("it is XML, which isn't read; write it as YAML");
   try {
     const YAML::Node root = YAML::Load(text);
     if (!root.IsMap()) nothing.Refuse("it has no keys and values; give a camera file as YAML");
-    return ReadSection(Section(path, root), root, path);
+    return {path, root};
   } catch (const YAML::Exception& error) {
     nothing.Refuse("line " + std::to_string(error.mark.line + 1) + " is no YAML (" + error.msg +
                    "); correct it");
   }
 }
 
-}  // namespace
-
 Camera ReadCameraFile(const fs::path& path) {
-  Camera camera = LooksLikeColmap(path) ? ReadColmapCamera(path) : ReadYamlCamera(path);
+  const auto read_yaml = [&] {
+    const CameraSection file = OpenCameraYaml(path);
+    return file.Has({"cam0"}) ? ReadKalibrCamera(file.Under("cam0")) : ReadCameraSection(file);
+  };
+  Camera camera = LooksLikeColmap(path) ? ReadColmapCamera(path) : read_yaml();
   try {
     CheckCamera(camera);
   } catch (const MapError& error) {

@@ -48,6 +48,7 @@ class ImageListSource : public Source {
   const std::string& name() const override { return list_.name; }
   int size() const override { return range_.size(); }
   const std::optional<Camera>& camera() const override { return camera_; }
+  cv::Size frame_size() const override { return size_; }
 
   std::string Announcement() const override {
     const int frames = static_cast<int>(list_.images.size());

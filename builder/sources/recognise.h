@@ -17,6 +17,12 @@ std::optional<ImageList> RecogniseTum(const std::filesystem::path& folder);
 std::optional<ImageList> RecogniseKitti(const std::filesystem::path& folder);
 std::optional<ImageList> RecogniseEuroc(const std::filesystem::path& folder);
 
+// A folder with the faces of a rig (front, right, back, left and perhaps up and down), a folder a
+// moment or a folder a face, as panoramas; nothing for another folder. Throws MapError(kBadSource)
+// when a face is missing somewhere.
+std::unique_ptr<Source> RecogniseRigPanoramas(const std::filesystem::path& folder,
+                                              const SourceOptions& options);
+
 // The images in a folder, or of a pattern. Throw MapError(kBadSource) when there are none.
 ImageList ListFolder(const std::filesystem::path& folder);
 ImageList ListPattern(const std::string& pattern);

@@ -60,18 +60,21 @@ struct SourceOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// A sequence of images in order: a folder, a glob, a video, TUM RGB-D, KITTI odometry, EuRoC.
+// A sequence of images in order: a folder, a glob, a video, TUM RGB-D, KITTI odometry, EuRoC, the
+// panoramas of a rig.
 // Sequential: NextEncoded() gives frame after frame. Not thread-safe; what it gives is.
 class Source {
  public:
   virtual ~Source() = default;
 
-  virtual const std::string& kind() const = 0;  // "folder", "video", "tum", "kitti", "euroc"
+  virtual const std::string& kind() const = 0;  // "folder", "video", "tum", "kitti", "euroc", "rig"
   virtual const std::string& name() const = 0;  // of the folder or file, without its path
   virtual int size() const = 0;                 // frames that NextEncoded() will give (an estimate
                                                 // for videos, whose headers may be wrong)
   // For images of the size of the source's frames.
   virtual const std::optional<Camera>& camera() const = 0;
+  // Of the source's frames, px; 0 by 0 where it can't be told without decoding one.
+  virtual cv::Size frame_size() const { return {}; }
   // "TUM sequence, 1000 frames 640x480": what was recognised; with ", 100 of them used" behind it
   // when options leave some out.
   virtual std::string Announcement() const = 0;
@@ -89,6 +92,8 @@ class Source {
 //   a folder with image_0/ or image_2/ and     KITTI odometry; the camera is P0 or P2 of calib.txt
 //     times.txt or calib.txt
 //   a folder with mav0/cam0/data.csv           EuRoC (also its mav0 or cam0); cam0/sensor.yaml
+//   a folder with front, right, back, left     the panoramas of a rig of 90 degree faces (perhaps
+//     (a folder each, or in numbered folders)    up and down too)
 //   a folder with images                       in natural order (img2 before img10); camera.yaml in
 //                                              it, or beside it when it is called images
 //   a folder with images/                      the same

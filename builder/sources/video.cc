@@ -54,6 +54,7 @@ class VideoSource : public Source {
   const std::string& name() const override { return name_; }
   int size() const override { return size_estimate_; }
   const std::optional<Camera>& camera() const override { return camera_; }
+  cv::Size frame_size() const override { return size_; }
 
   std::string Announcement() const override {
     return "Video, " + std::to_string(frames_) + (frames_ == 1 ? " frame " : " frames ") +

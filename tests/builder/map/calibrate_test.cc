@@ -6,6 +6,7 @@
 
 #include <set>
 
+#include "builder/rendered_negatives.h"
 #include "core/base/error.h"
 #include "core/features/features.h"
 #include "localizer/verdict_model.h"
@@ -44,7 +45,7 @@ std::vector<CalibrationQuery> QueriesOf(const MapData& map) {
 
 TEST(CalibrateVerdict, TellsTheMapsOwnPlacesFromChance) {
   const MapData& map = TheMap().map;
-  const VerdictModel model = CalibrateVerdict(*MapIndex::Build(map), QueriesOf(map), {});
+  const VerdictModel model = CalibrateVerdict(*MapIndex::Build(map), QueriesOf(map), {}, {});
   EXPECT_GE(model.positives, static_cast<int>(map.keyframes.size()) / 2);
   EXPECT_GE(model.negatives, 1);
   EXPECT_GT(ProbabilityOf({60, 0.7}, model), 0.95);
@@ -55,13 +56,40 @@ TEST(CalibrateVerdict, IsTheSameOnAnyNumberOfThreads) {
   const MapData& map = TheMap().map;
   const auto index = MapIndex::Build(map);
   const std::vector<CalibrationQuery> queries = QueriesOf(map);
-  const VerdictModel all = CalibrateVerdict(*index, queries, {});
+  const VerdictModel all = CalibrateVerdict(*index, queries, {}, {});
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  EXPECT_EQ(CalibrateVerdict(*index, queries, {}), all);
+  EXPECT_EQ(CalibrateVerdict(*index, queries, {}, {}), all);
 }
 
 TEST(CalibrateVerdict, WithoutQueriesTheGeneralModelHolds) {
-  EXPECT_EQ(CalibrateVerdict(*MapIndex::Build(TheMap().map), {}, {}), VerdictModel{});
+  EXPECT_EQ(CalibrateVerdict(*MapIndex::Build(TheMap().map), {}, {}, {}), VerdictModel{});
+}
+
+TEST(CalibrateVerdict, LearnsThatAnotherBuildingIsNotInTheMap) {
+  const MapData& map = TheMap().map;
+  const auto index = MapIndex::Build(map);
+  const std::vector<CalibrationQuery> queries = QueriesOf(map);
+  const std::vector<Features> outside = RenderedNegatives(3, FeatureOptions{});
+  // The map's own photos, taken for photos of another building, are negatives that fit well.
+  std::vector<Features> own;
+  for (const CalibrationQuery& query : queries) own.push_back(query.features);
+  const VerdictModel plain = CalibrateVerdict(*index, queries, {}, {});
+  const VerdictModel with = CalibrateVerdict(*index, queries, outside, {});
+  EXPECT_GE(with.negatives, plain.negatives);
+  EXPECT_LT(ProbabilityOf({5, 0.1}, with), 0.3);
+  EXPECT_LT(ProbabilityOf({60, 0.7}, CalibrateVerdict(*index, queries, own, {})),
+            ProbabilityOf({60, 0.7}, with));
+}
+
+TEST(RenderedNegatives, AreTheSameOnAnyNumberOfThreads) {
+  const auto all = RenderedNegatives(2, FeatureOptions{});
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const auto again = RenderedNegatives(2, FeatureOptions{});
+  ASSERT_EQ(again.size(), all.size());
+  for (size_t i = 0; i < all.size(); ++i) {
+    EXPECT_GT(all[i].size(), 200);
+    EXPECT_EQ(again[i].keypoints, all[i].keypoints);
+  }
 }
 
 TEST(BuildMap, StoresTheModelOfItsVerdict) {
@@ -72,6 +100,9 @@ TEST(BuildMap, StoresTheModelOfItsVerdict) {
 TEST(CalibrationOptions, OutOfTheirRangeAreRefused) {
   CalibrationOptions options;
   options.max_keyframes = 1;
+  EXPECT_THROW(options.Check(), MapError);
+  options = CalibrationOptions{};
+  options.rendered_negatives = -1;
   EXPECT_THROW(options.Check(), MapError);
 }
 

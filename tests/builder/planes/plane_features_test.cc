@@ -74,6 +74,30 @@ TEST(Transferred, GrowsWhereAHomographyComesNearer) {
   EXPECT_GT(Transferred(h, {500, 240, 10, 0}).scale_px, Transferred(h, {100, 240, 10, 0}).scale_px);
 }
 
+TEST(DropSparseFeatures, KeepsPlentyAndWhatManySaw) {
+  Plane plane;
+  plane.descriptors = Descriptors(DescriptorBytes(FeatureType::kSift));
+  const std::vector<int> votes = {2, 5, 2, 3, 2, 2, 4};
+  for (int v : votes) {
+    plane.features.push_back({.votes = v, .visible = 5});
+    plane.descriptors.Append(std::vector<uint8_t>(plane.descriptors.bytes(), v).data());
+  }
+  const auto kept = [&](int plenty, int min_votes) {
+    Plane thinned = plane;
+    DropSparseFeatures(plenty, min_votes, thinned);
+    std::vector<int> left;
+    for (size_t f = 0; f < thinned.features.size(); ++f) {
+      left.push_back(thinned.features[f].votes);
+      EXPECT_EQ(thinned.descriptors.row(static_cast<int>(f))[0], left.back());
+    }
+    return left;
+  };
+  EXPECT_EQ(kept(7, 3), votes) << "not more than plenty";
+  EXPECT_EQ(kept(5, 3), (std::vector<int>{2, 5, 2, 3, 4})) << "the first of those alike stay";
+  EXPECT_EQ(kept(1, 3), (std::vector<int>{5, 3, 4})) << "enough keyframes found them";
+  EXPECT_EQ(kept(2, 5), (std::vector<int>{5, 4}));
+}
+
 TEST(KeepFeatures, KeepsFeaturesWithTheirDescriptors) {
   Random random(2);
   Plane plane;

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/appearance/visual_odometry.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <string>
+
+#include "core/base/check.h"
+#include "core/base/option_range.h"
+
+namespace waystone {
+namespace {
+
+// Panoramas that are exactly alike: deviations must be above 0.
+constexpr double kLeastLength = 1e-6;
+constexpr double kLeastDeviation_rad = 1e-6;
+
+bool StoodStill(const CompassHeading& heading) { return heading.small_motion && !heading.motion; }
+
+double DirectionOf(const CompassHeading& heading) {
+  return heading.motion ? heading.motion->direction_rad : heading.heading_rad / 2;
+}
+
+Pose2 Step(double length, const CompassHeading& heading) {
+  const double direction = DirectionOf(heading);
+  return {length * std::cos(direction), length * std::sin(direction), heading.heading_rad};
+}
+
+PoseEdge EdgeOf(int a, int b, const Pose2& a_from_b, double position_deviation,
+                const CompassHeading& heading) {
+  PoseEdge edge;
+  edge.a = a;
+  edge.b = b;
+  edge.a_from_b = a_from_b;
+  edge.position_deviation = std::max(position_deviation, kLeastLength);
+  edge.heading_deviation_rad = std::max(heading.deviation_rad, kLeastDeviation_rad);
+  return edge;
+}
+
+class Follower {
+ public:
+  Follower(const std::vector<FourierSignature>& signatures, const ElevationBand& band,
+           const VisualOdometryOptions& options)
+      : signatures_(signatures), options_(options), compass_(options.compass) {
+    compass_.band = band;
+  }
+
+  VisualOdometry Run() {
+    if (signatures_.empty()) return {};
+    AddSteps();
+    for (int span = 2; span <= options_.max_span; span *= 2) AddSpans(span);
+    if (way_.edges.size() > way_.steps.size()) {
+      way_.poses = OptimisePoseGraph(way_.poses, way_.edges).poses;
+    }
+    return std::move(way_);
+  }
+
+ private:
+  int size() const { return static_cast<int>(signatures_.size()); }
+
+  std::vector<CompassHeading> HeadingsOver(int span) const {
+    std::vector<CompassHeading> headings(std::max(0, size() - span));
+    tbb::parallel_for(size_t{0}, headings.size(), [&](size_t a) {
+      headings[a] = RelativeHeading(signatures_[a], signatures_[a + span], compass_);
+    });
+    return headings;
+  }
+
+  void AddSteps() {
+    const std::vector<CompassHeading> headings = HeadingsOver(1);
+    way_.poses.emplace_back();
+    double way = 0;
+    for (int a = 0; a + 1 < size(); ++a) {
+      const CompassHeading& heading = headings[a];
+      const double distance = SignatureDistance(signatures_[a], signatures_[a + 1], options_.k1);
+      const Pose2 a_from_b = Step(StoodStill(heading) ? 0 : distance, heading);
+      way_.steps.push_back({a, a + 1, distance, heading, a_from_b});
+      way_.edges.push_back(
+          EdgeOf(a, a + 1, a_from_b, options_.length_deviation * distance, heading));
+      way_.poses.push_back(way_.poses.back() * a_from_b);
+      way_.uncertain += heading.deviation_rad > options_.max_deviation_rad;
+      way += std::hypot(a_from_b.x, a_from_b.y);
+    }
+    way_.mean_step = way / std::max(1, size() - 1);
+  }
+
+  void AddSpans(int span) {
+    const std::vector<CompassHeading> headings = HeadingsOver(span);
+    for (int a = 0; a + span < size(); ++a) {
+      const Pose2 by_steps = Inverse(way_.poses[a]) * way_.poses[a + span];
+      const double length = std::hypot(by_steps.x, by_steps.y);
+      const double deviation = options_.span_deviation * std::max(length, way_.mean_step);
+      way_.edges.push_back(EdgeOf(a, a + span, Step(length, headings[a]), deviation, headings[a]));
+    }
+  }
+
+  const std::vector<FourierSignature>& signatures_;
+  const VisualOdometryOptions& options_;
+  CompassOptions compass_;
+  VisualOdometry way_;
+};
+
+}  // namespace
+
+void VisualOdometryOptions::Check() const {
+  compass.Check();
+  CheckRange("odometry k1", k1, 1, 4096);
+  CheckRange("max_span", max_span, 1, 64);
+  CheckRange("length_deviation", length_deviation, 0.01, 10);
+  CheckRange("span_deviation", span_deviation, 0.01, 10);
+  CheckRange("max_deviation_rad", max_deviation_rad, 0.01, 3);
+}
+
+double SignatureDistance(const FourierSignature& a, const FourierSignature& b, int k1) {
+  WS_CHECK(a.magnitudes.rows() == b.magnitudes.rows() && a.magnitudes.cols() == b.magnitudes.cols(),
+           "signatures of two sizes");
+  const Eigen::Index columns = std::min<Eigen::Index>(k1, a.magnitudes.cols());
+  return (a.magnitudes.leftCols(columns).cast<float>() -
+          b.magnitudes.leftCols(columns).cast<float>())
+      .norm();
+}
+
+VisualOdometry FollowPanoramas(const std::vector<FourierSignature>& signatures,
+                               const ElevationBand& band, const VisualOdometryOptions& options) {
+  options.Check();
+  return Follower(signatures, band, options).Run();
+}
+
+}  // namespace waystone

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "builder/orientation/traversability.h"
+
+namespace waystone {
+
+// A node as loop closing sees it; in order of frame ids.
+struct LoopNode {
+  OrientedFeatures features;
+};
+
+// Loop closures (sec. III-C.2): nodes that have the orientation of an earlier node and enough
+// verified correspondences with it. Earlier nodes are ranked by the matches of their strongest
+// features, and the best are verified. Nodes of different sequences may differ by a quarter turn in
+// their axes. Ordered by (a, b). Runs on TBB's threads; deterministic.
+std::vector<OrientationEdge> FindLoops(std::span<const LoopNode> nodes,
+                                       const OrientationLoopOptions& options,
+                                       const TraversabilityOptions& traversability);
+
+}  // namespace waystone

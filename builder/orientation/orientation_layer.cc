@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/orientation/orientation_layer.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <opencv2/imgcodecs.hpp>
+#include <utility>
+
+#include "builder/orientation/loops.h"
+#include "builder/orientation/sequence_mapper.h"
+#include "builder/orientation/traversable_directions.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Progress = std::function<bool(const OrientationProgress&)>;
+
+constexpr size_t kNamed = 20;  // unreadable frames that a report names
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+struct TimedView {
+  OrientationViewPtr view;
+  double look_s = 0;
+};
+
+void Count(const OrientationView& view, OrientationReport& report) {
+  ++report.frames;
+  if (view.error.empty()) return;
+  ++report.unreadable;
+  if (report.unreadable_names.size() < kNamed) {
+    report.unreadable_names.push_back(view.info.source + ": " + view.error);
+  }
+}
+
+void Report(const Progress& progress, const std::string& stage, int done) {
+  if (progress && !progress({.stage = stage, .done = done})) {
+    throw MapError(ErrorCode::kInterrupted,
+                   "stopped while making the orientation layer; the map "
+                   "was not written");
+  }
+}
+
+// Looks at the frames on all threads, two a worker in flight; the mapper takes them in order.
+MappedSequence MapSequence(const OrientationSequence& sequence, int64_t first_id,
+                           const OrientationOptions& options, const Progress& progress,
+                           OrientationReport& report) {
+  SequenceMapper mapper(sequence.id, first_id, options);
+  const auto next = [&](tbb::flow_control& control) {
+    auto moment = std::make_shared<std::optional<OrientationMoment>>(sequence.next());
+    if (!*moment) control.stop();
+    return moment;
+  };
+  const auto look = [&](const std::shared_ptr<std::optional<OrientationMoment>>& moment) {
+    const Clock::time_point start = Clock::now();
+    auto view = std::make_shared<OrientationView>(LookAt(sequence.rig, **moment, options));
+    return std::make_shared<TimedView>(std::move(view), SecondsSince(start));
+  };
+  const auto take = [&](const std::shared_ptr<TimedView>& timed) {
+    const Clock::time_point start = Clock::now();
+    report.look_s += timed->look_s;
+    Count(*timed->view, report);
+    mapper.Add(timed->view);
+    report.follow_s += SecondsSince(start);
+    Report(progress, "frames", report.frames);
+  };
+  const size_t in_flight = 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 1;
+  using Moment = std::shared_ptr<std::optional<OrientationMoment>>;
+  using View = std::shared_ptr<TimedView>;
+  tbb::parallel_pipeline(in_flight,
+                         tbb::make_filter<void, Moment>(tbb::filter_mode::serial_in_order, next) &
+                             tbb::make_filter<Moment, View>(tbb::filter_mode::parallel, look) &
+                             tbb::make_filter<View, void>(tbb::filter_mode::serial_in_order, take));
+  MappedSequence mapped = mapper.Finish();
+  report.tests += mapped.tests;
+  return mapped;
+}
+
+OrientedFeatures Oriented(const MappedSequence& mapped, const NodeInWork& node) {
+  return {.features = &node.view->features, .frame = &mapped.frames[node.frame]};
+}
+
+// The way's axis at a node: that of the motion there, else the one nearest to the view ahead.
+int WayAt(const MappedSequence& mapped, const NodeInWork& node) {
+  constexpr double kQuarter = 1.5707963267948966;
+  for (const SettledMotion& motion : mapped.motions) {
+    if (motion.last >= node.frame) return motion.quarter_turns;
+  }
+  if (!mapped.motions.empty()) return mapped.motions.back().quarter_turns;
+  const double heading = HeadingOf(mapped.frames[node.frame]).value_or(0);
+  return static_cast<int>(std::lround(heading / kQuarter) + 4) % 4;
+}
+
+OrientationNode NodeOf(const MappedSequence& mapped, const NodeInWork& work) {
+  const OrientationFrame& frame = mapped.frames[work.frame];
+  OrientationNode node{.frame = frame.id, .kind = work.kind, .directions = {}, .jpeg = {}};
+  if (frame.reliable) {
+    node.directions = TraversableDirections(work.view->lines, work.axes.axis_of_line,
+                                            frame.rotation->building_from_head.toRotationMatrix(),
+                                            WayAt(mapped, work));
+  }
+  if (!work.view->thumbnail.empty()) cv::imencode(".jpg", work.view->thumbnail, node.jpeg);
+  return node;
+}
+
+// Consecutive nodes are joined where the last step to the later one is traversable, or it is seen
+// from the earlier one.
+std::vector<OrientationEdge> WayEdges(const MappedSequence& mapped,
+                                      const OrientationOptions& options) {
+  if (mapped.nodes.empty()) return {};
+  std::vector<int> matches(mapped.nodes.size() - 1);
+  tbb::parallel_for(size_t{0}, matches.size(), [&](size_t i) {
+    const NodeInWork& to = mapped.nodes[i + 1];
+    matches[i] = to.step_matches;
+    if (matches[i] > 0) return;
+    const Traversal direct = TestTraversability(Oriented(mapped, mapped.nodes[i]),
+                                                Oriented(mapped, to), options.traversability);
+    if (direct.connected) matches[i] = direct.matches;
+  });
+  std::vector<OrientationEdge> edges;
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (matches[i] == 0) continue;
+    edges.push_back({.a = mapped.frames[mapped.nodes[i].frame].id,
+                     .b = mapped.frames[mapped.nodes[i + 1].frame].id,
+                     .kind = OrientationEdgeKind::kTraversable,
+                     .matches = matches[i]});
+  }
+  return edges;
+}
+
+// A loop between nodes that the way joins already is no news.
+void AddLoops(const std::vector<MappedSequence>& sequences, const OrientationOptions& options,
+              OrientationLayer& layer) {
+  std::vector<LoopNode> nodes;
+  for (const MappedSequence& mapped : sequences) {
+    for (const NodeInWork& node : mapped.nodes) nodes.push_back({Oriented(mapped, node)});
+  }
+  const auto key = [](const OrientationEdge& edge) { return std::pair(edge.a, edge.b); };
+  for (const OrientationEdge& loop : FindLoops(nodes, options.loops, options.traversability)) {
+    if (std::ranges::find(layer.edges, key(loop), key) == layer.edges.end()) {
+      layer.edges.push_back(loop);
+    }
+  }
+  std::ranges::sort(layer.edges, {}, key);
+}
+
+void AddSequence(const MappedSequence& mapped, const OrientationOptions& options,
+                 OrientationLayer& layer) {
+  layer.frames.insert(layer.frames.end(), mapped.frames.begin(), mapped.frames.end());
+  for (const DecidedTurn& turn : mapped.turns) {
+    layer.turns.push_back({.frame = mapped.frames[turn.jump.frame].id,
+                           .direction = turn.direction,
+                           .angle_rad = turn.jump.angle_rad,
+                           .confirmed = turn.confirmed,
+                           .axis_after = turn.axis_after});
+  }
+  for (const NodeInWork& node : mapped.nodes) layer.nodes.push_back(NodeOf(mapped, node));
+  const std::vector<OrientationEdge> edges = WayEdges(mapped, options);
+  layer.edges.insert(layer.edges.end(), edges.begin(), edges.end());
+  layer.corridors.insert(layer.corridors.end(), mapped.corridors.begin(), mapped.corridors.end());
+}
+
+OrientationResult Build(std::span<const OrientationSequence> sequences,
+                        const OrientationOptions& options, const Progress& progress) {
+  const Clock::time_point start = Clock::now();
+  OrientationResult result;
+  OrientationReport& report = result.report;
+  std::vector<MappedSequence> mapped;
+  for (const OrientationSequence& sequence : sequences) {
+    mapped.push_back(MapSequence(sequence, report.frames + 1, options, progress, report));
+  }
+  if (report.frames == report.unreadable) {
+    throw MapError(ErrorCode::kBadSource,
+                   "none of " + std::to_string(report.frames) + " frames can be read" +
+                       (report.frames > 0 ? ": " + report.unreadable_names[0] : ""));
+  }
+  const Clock::time_point finish = Clock::now();
+  Report(progress, "loops", report.frames);
+  result.layer.step = options.step;
+  for (const MappedSequence& sequence : mapped) AddSequence(sequence, options, result.layer);
+  AddLoops(mapped, options, result.layer);
+  report.unreliable = static_cast<int>(std::ranges::count(result.layer.frames, false,
+                                                          &OrientationFrame::reliable)) -
+                      report.unreadable;
+  report.finish_s = SecondsSince(finish);
+  report.total_s = SecondsSince(start);
+  return result;
+}
+
+}  // namespace
+
+OrientationResult BuildOrientationLayer(std::span<const OrientationSequence> sequences,
+                                        const OrientationOptions& options,
+                                        const Progress& progress) {
+  options.Check();
+  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  return arena.execute([&] { return Build(sequences, options, progress); });
+}
+
+}  // namespace waystone

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/orientation/traversability.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/manhattan/cube_rotations.h"
+
+namespace waystone {
+namespace {
+
+double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+// Median angle by which inliers move besides the rotation.
+double Parallax(const MatchedRays& rays, const RelativePose& pose) {
+  if (pose.inliers.empty()) return 0;
+  std::vector<double> angles;
+  for (const int i : pose.inliers) {
+    angles.push_back(AngleBetween(pose.b_from_a * rays.a[i], rays.b[i]));
+  }
+  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
+  std::ranges::nth_element(angles, middle);
+  return *middle;
+}
+
+// Azimuth around the building's vertical as the head sees it: 0 ahead, growing to the left.
+double Azimuth(const Eigen::Vector3d& ray, const Eigen::Vector3d& up) {
+  const Eigen::Vector3d left = up.cross(Eigen::Vector3d::UnitZ());
+  const Eigen::Vector3d ahead = left.cross(up);
+  return std::atan2(ray.dot(left), ray.dot(ahead));
+}
+
+Eigen::Vector3d UpOf(const OrientationFrame& frame) {
+  if (!frame.rotation) return -Eigen::Vector3d::UnitY();
+  return frame.rotation->building_from_head.conjugate() * Eigen::Vector3d::UnitZ();
+}
+
+double Flow(const MatchedRays& rays, const std::vector<int>& inliers, const OrientationFrame& a,
+            const OrientationFrame& b) {
+  double sum = 0;
+  for (const int i : inliers) {
+    const double moved = Azimuth(rays.b[i], UpOf(b)) - Azimuth(rays.a[i], UpOf(a));
+    sum += std::remainder(moved, 2 * std::numbers::pi);
+  }
+  return inliers.empty() ? 0 : sum / static_cast<double>(inliers.size());
+}
+
+std::optional<double> Disagreement(const OrientationFrame& a, const OrientationFrame& b,
+                                   const RelativePose& pose) {
+  if (!a.reliable || !b.reliable) return std::nullopt;
+  const Eigen::Matrix3d a_from_axes = a.rotation->building_from_head.conjugate().toRotationMatrix();
+  const Eigen::Matrix3d b_from_axes = b.rotation->building_from_head.conjugate().toRotationMatrix();
+  // Only the axes count, not their numbers: these may differ between sequences.
+  const Eigen::Matrix3d nearest = NearestOfCube(b_from_axes, pose.b_from_a * a_from_axes);
+  return RotationAngle(nearest * a_from_axes.transpose(), pose.b_from_a);
+}
+
+}  // namespace
+
+Traversal TestTraversability(const OrientedFeatures& a, const OrientedFeatures& b,
+                             const TraversabilityOptions& options) {
+  Traversal traversal;
+  if (a.features->size() == 0 || b.features->size() == 0) return traversal;
+  const MatchedRays rays = MatchBearings(*a.features, *b.features, options.matching);
+  traversal.pose = FindRelativePose(rays, options.relative);
+  const RelativePose& pose = traversal.pose;
+  traversal.matches = static_cast<int>(pose.inliers.size());
+  traversal.flow_rad = Flow(rays, pose.inliers, *a.frame, *b.frame);
+  if (!pose.accepted()) return traversal;
+  traversal.disagreement_rad = Disagreement(*a.frame, *b.frame, pose);
+  traversal.connected = traversal.disagreement_rad.value_or(0) <= options.max_disagreement_rad;
+  if (b.frame->rotation && Parallax(rays, pose) >= options.min_parallax_rad) {
+    // a's centre lies at t in b's frame: the head went the other way.
+    const Eigen::Vector3d motion = b.frame->rotation->building_from_head * -pose.translation;
+    traversal.motion_rad = std::atan2(motion.y(), motion.x());
+  }
+  return traversal;
+}
+
+}  // namespace waystone

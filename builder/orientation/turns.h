@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "builder/orientation/options.h"
+
+namespace waystone {
+
+// A change of about pi / 2 of the angle of the main horizontal axis between two frames: which of
+// the building's axes is nearest to the view ahead has changed.
+struct HeadingJump {
+  int frame = 0;          // index in the sequence: the one after the jump
+  int quarter_turns = 0;  // 1 to the left, -1 to the right, 2 about; by the heading
+  double angle_rad = 0;   // change of the angle to the nearest axis
+};
+
+// Watches the heading of frame after frame.
+class JumpWatch {
+ public:
+  explicit JumpWatch(const TurnOptions& options) : options_(options) {}
+
+  std::optional<HeadingJump> Next(int frame, double heading_rad);
+
+ private:
+  TurnOptions options_;
+  std::optional<int> sector_;  // quarter turns from x to the main horizontal axis, 0 to 3
+  double last_rad_ = 0;
+};
+
+// A jump and what the test between the frames `reach` before and after it said.
+struct TestedJump {
+  HeadingJump jump;
+  bool connected = false;
+  double flow_rad = 0;  // mean motion of the features, above 0 to the left
+};
+
+// The motion's heading in the building around a frame; nothing where it hardly moved.
+struct MotionSample {
+  int frame = 0;
+  std::optional<double> heading_rad;
+};
+
+// Frames in which the motion follows one axis in one sense.
+struct SettledMotion {
+  int first = 0;
+  int last = 0;
+  int quarter_turns = 0;  // from x, 0 to 3
+};
+
+// Neighbours differ in their axis or sense. Samples in order of frames.
+std::vector<SettledMotion> SettledMotions(std::span<const MotionSample> samples,
+                                          const TurnOptions& options);
+
+struct DecidedTurn {
+  HeadingJump jump;
+  int direction = 1;  // 1 left, -1 right
+  bool confirmed = false;
+  int axis_after = 0;  // 0 x, 1 y
+};
+
+// Which jumps are turns (sec. II-B.1): a jump is one where the motion settles along another axis
+// around it, in the sense in which the head turned. The paper's test alone, not connected means
+// turned, decides where the motion isn't known before or after it: cameras that see all around stay
+// connected through a turn. Pure.
+std::vector<DecidedTurn> DecideTurns(std::span<const TestedJump> jumps,
+                                     std::span<const SettledMotion> motions,
+                                     const TurnOptions& options);
+
+}  // namespace waystone

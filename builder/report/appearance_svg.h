@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "schema/appearance_layer.h"
+
+namespace waystone {
+
+// The way of a layer's panoramas from above, x to the right, y up, with its loops, as one <svg>.
+std::string AppearanceSvg(const AppearanceLayer& layer);
+
+}  // namespace waystone

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "builder/sources/rig_source.h"
+
+// How folders hold a rig's images: inside builder/sources only.
+namespace waystone {
+
+struct NamedImage {
+  std::string moment;  // what its moment is called: the folder's or the file's name
+  std::filesystem::path path;
+};
+
+// Images by camera, as they lie in a folder.
+struct CameraImages {
+  std::string layout;
+  std::vector<std::string> cameras;
+  std::vector<std::vector<NamedImage>> images;  // a camera, in natural order
+};
+
+// Looks for images of cameras of these names, in folders or files that are called like them.
+// Nothing when there is none of them; cameras that aren't there are left out.
+std::optional<CameraImages> FindCameraImages(const std::filesystem::path& folder,
+                                             const std::vector<std::string>& names);
+
+// Each moment's image of every camera of the rig. Throws MapError(kBadSource) for a camera without
+// images, a moment without an image of a camera, and folders of different lengths.
+std::vector<RigMoment> MomentsOf(const CameraImages& found, const Rig& rig,
+                                 const std::filesystem::path& folder, double max_time_gap_s);
+
+// A folder's images, or those of images/ in it, a moment each.
+std::vector<RigMoment> ListMoments(const std::filesystem::path& folder);
+
+}  // namespace waystone

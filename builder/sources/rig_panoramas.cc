@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+
+#include "builder/sources/files.h"
+#include "builder/sources/recognise.h"
+#include "builder/sources/rig_layouts.h"
+#include "core/base/error.h"
+#include "core/camera/cube_faces.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kSideFaces = 4;  // front, right, back, left: always there
+
+std::vector<std::string> FaceNames() {
+  std::vector<std::string> names;
+  for (int i = 0; i < kCubeFaces; ++i) names.emplace_back(NameOf(static_cast<CubeFace>(i)));
+  return names;
+}
+
+bool HasSides(const CameraImages& found) {
+  const std::vector<std::string> names = FaceNames();
+  return std::all_of(names.begin(), names.begin() + kSideFaces, [&](const std::string& name) {
+    return std::ranges::find(found.cameras, name) != found.cameras.end();
+  });
+}
+
+cv::Mat LoadPanorama(const std::array<fs::path, kCubeFaces>& paths, const DecodeLimits& limits) {
+  constexpr int64_t kBytesPerPixel = 6;  // 16 bits in three colours
+  FaceImages faces;
+  for (int i = 0; i < kCubeFaces; ++i) {
+    if (paths[i].empty()) continue;
+    faces[i] = DecodeGrey(
+        ReadFile(paths[i], limits.max_pixels * kBytesPerPixel, ErrorCode::kBadImage), limits);
+  }
+  return FromFaces(faces).grey;
+}
+
+// The faces of six (or four, or five) cameras as the panoramas that they see together.
+class RigPanoramaSource : public Source {
+ public:
+  RigPanoramaSource(const fs::path& folder, CameraImages found, const SourceOptions& options)
+      : name_(NameOfPath(folder)),
+        found_(std::move(found)),
+        limits_(options.limits),
+        frames_(Frames(folder)),
+        range_(RangeOf(options, frames_, folder.string())),
+        next_(range_.first) {}
+
+  const std::string& kind() const override { return kind_; }
+  const std::string& name() const override { return name_; }
+  int size() const override { return range_.size(); }
+  const std::optional<Camera>& camera() const override { return camera_; }
+
+  std::string Announcement() const override {
+    return "Rig of " + std::to_string(found_.cameras.size()) + " faces, " +
+           std::to_string(frames_) + (frames_ == 1 ? " panorama" : " panoramas") +
+           UsedPart(size(), frames_);
+  }
+
+  std::optional<EncodedFrame> NextEncoded() override {
+    if (next_ > range_.last) return std::nullopt;
+    FrameInfo info{next_, found_.images.front()[next_].moment, std::nullopt};
+    std::array<fs::path, kCubeFaces> paths;
+    const std::vector<std::string> names = FaceNames();
+    for (size_t c = 0; c < found_.cameras.size(); ++c) {
+      const auto face = std::ranges::find(names, found_.cameras[c]) - names.begin();
+      paths[face] = found_.images[c][next_].path;
+    }
+    next_ += range_.every;
+    return EncodedFrame(std::move(info), [paths = std::move(paths), limits = limits_] {
+      return LoadPanorama(paths, limits);
+    });
+  }
+
+ private:
+  int Frames(const fs::path& folder) const {
+    const size_t frames = found_.images.front().size();
+    for (size_t c = 0; c < found_.cameras.size(); ++c) {
+      if (found_.images[c].size() == frames) continue;
+      throw MapError(ErrorCode::kBadSource, Quoted(folder) + " has " + std::to_string(frames) +
+                                                " images of " + found_.cameras.front() + " and " +
+                                                std::to_string(found_.images[c].size()) + " of " +
+                                                found_.cameras[c] +
+                                                "; every moment takes one of each face");
+    }
+    return static_cast<int>(frames);
+  }
+
+  std::string kind_ = "rig";
+  std::string name_;
+  std::optional<Camera> camera_;
+  CameraImages found_;
+  DecodeLimits limits_;
+  int frames_;
+  FrameRange range_;
+  int next_;
+};
+
+}  // namespace
+
+std::unique_ptr<Source> RecogniseRigPanoramas(const fs::path& folder,
+                                              const SourceOptions& options) {
+  auto found = FindCameraImages(folder, FaceNames());
+  if (!found || !HasSides(*found)) return nullptr;
+  return std::make_unique<RigPanoramaSource>(folder, std::move(*found), options);
+}
+
+}  // namespace waystone

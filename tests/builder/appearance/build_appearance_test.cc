@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/appearance/build_appearance.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include "builder/build_map.h"
+#include "core/base/error.h"
+#include "schema/map_store.h"
+#include "tests/builder/appearance/drive.h"
+
+namespace waystone {
+namespace {
+
+AppearanceOptions ShortDrive() {
+  AppearanceOptions options;
+  options.loops.min_gap = 20;
+  options.odometry.max_span = 1;  // fast
+  return options;
+}
+
+AppearanceResult Build(const std::vector<cv::Mat>& images,
+                       const AppearanceOptions& options = ShortDrive()) {
+  ImagesSource source(images);
+  return BuildAppearanceLayer({&source}, options);
+}
+
+std::vector<cv::Mat> First(int count) {
+  const auto& all = TheDrive().panoramas;
+  return {all.begin(), all.begin() + count};
+}
+
+// A new image: assigning zeros to one would blacken all that share its pixels.
+cv::Mat Black(const cv::Size& size) { return {size, CV_8UC1, cv::Scalar(0)}; }
+
+void ExpectRefused(const std::vector<cv::Mat>& images, const std::vector<std::string>& parts) {
+  try {
+    Build(images);
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const MapError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kBadSource) << error.what();
+    for (const std::string& part : parts) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(BuildAppearanceTest, LoopsBringTheWayNearerToTheTruth) {
+  const AppearanceResult result = Build(TheDrive().panoramas);
+  const Points2 truth = PlacesOf(TheDrive().truth);
+  const AppearanceReport& report = result.report;
+  EXPECT_EQ(report.panoramas, Drive::kFrames);
+  EXPECT_GE(report.loops_supported - report.loops_rejected, 3);
+  EXPECT_LT(CompareShapes(truth, PlacesOf(report.poses)).mu, 0.02);
+  EXPECT_LE(CompareShapes(truth, PlacesOf(report.poses)).mu,
+            CompareShapes(truth, PlacesOf(report.odometry)).mu);
+}
+
+TEST(BuildAppearanceTest, IsTheSameForAnyNumberOfThreads) {
+  const AppearanceResult many = Build(First(12));
+  tbb::task_arena one(1);
+  EXPECT_EQ(one.execute([] { return Build(First(12)); }).layer, many.layer);
+}
+
+TEST(BuildAppearanceTest, LeavesOutWhatIsRedundant) {
+  AppearanceOptions options = ShortDrive();
+  options.redundancy.max_loss = 0.6;
+  const AppearanceResult result = Build(TheDrive().panoramas, options);
+  EXPECT_GT(result.layer.dropped, 0);
+  EXPECT_EQ(std::ssize(result.layer.nodes) + result.layer.dropped, Drive::kFrames);
+  EXPECT_GE(result.layer.edges.size(), result.layer.nodes.size() - 1);
+}
+
+TEST(BuildAppearanceTest, TiesSequencesTogetherByTheirLoops) {
+  const auto& all = TheDrive().panoramas;
+  ImagesSource first({all.begin(), all.begin() + 28}, "first");
+  ImagesSource second({all.begin() + 16, all.end()}, "second");
+  const AppearanceResult result = BuildAppearanceLayer({&first, &second}, ShortDrive());
+  ASSERT_EQ(result.report.poses.size(), 28 + 32);
+  Points2 truth = PlacesOf({TheDrive().truth.begin(), TheDrive().truth.begin() + 28});
+  for (int i = 16; i < Drive::kFrames; ++i) {
+    truth.emplace_back(TheDrive().truth[i].x, TheDrive().truth[i].y);
+  }
+  EXPECT_LT(CompareShapes(truth, PlacesOf(result.report.poses)).mu, 0.03);
+}
+
+TEST(BuildAppearanceTest, SkipsAndNamesABlackPanorama) {
+  std::vector<cv::Mat> images = First(6);
+  images[2] = Black(images[2].size());
+  const AppearanceResult result = Build(images);
+  EXPECT_EQ(result.report.skipped, 1);
+  EXPECT_EQ(result.sequences[0].skipped, 1);
+  EXPECT_EQ(result.layer.nodes.size(), 5);
+  ASSERT_EQ(result.report.skipped_names.size(), 1);
+  EXPECT_NE(result.report.skipped_names[0].find("image 2: "), std::string::npos);
+}
+
+TEST(BuildAppearanceTest, RefusesASequenceOfOne) {
+  ExpectRefused(First(1), {"'drive' has 1 usable panorama of 1 frame", "two at least"});
+}
+
+TEST(BuildAppearanceTest, RefusesASequenceThatIsAllBlack) {
+  ExpectRefused(std::vector<cv::Mat>(3, cv::Mat::zeros(128, 256, CV_8UC1)),
+                {"0 usable panoramas of 3 frames", "first: image 0"});
+}
+
+TEST(BuildAppearanceTest, RefusesASequenceThatIsMostlyUnusable) {
+  std::vector<cv::Mat> images = First(6);
+  for (int i = 0; i < 4; ++i) images[i] = Black(images[i].size());
+  ExpectRefused(images, {"2 usable panoramas of 6 frames", "show something"});
+}
+
+TEST(BuildAppearanceTest, StopsWhenToldTo) {
+  ImagesSource source(First(6));
+  const auto stop = [](const std::string&, int, int) { return false; };
+  try {
+    BuildAppearanceLayer({&source}, ShortDrive(), stop);
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const MapError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInterrupted);
+  }
+}
+
+TEST(BuildMapTest, PanoramasBecomeTheAppearanceLayerOfASoundMap) {
+  std::vector<std::unique_ptr<Source>> sources;
+  sources.push_back(std::make_unique<ImagesSource>(First(8)));
+  BuildResult result = BuildMap(sources, {}, {});
+  ASSERT_TRUE(result.map.appearance.has_value());
+  EXPECT_TRUE(result.map.planes.empty());
+  ASSERT_TRUE(result.report.appearance.has_value());
+  const auto path = std::filesystem::path(testing::TempDir()) / "waystone_appearance.db";
+  WriteMap(result.map, path, {.overwrite = true});
+  EXPECT_TRUE(CheckMap(path).empty());
+  EXPECT_EQ(ReadMap(path).appearance, result.map.appearance);
+  std::filesystem::remove(path);
+}
+
+TEST(BuildMapTest, LayersAreNamedOrFoundOut) {
+  const ImagesSource panoramas(First(1));
+  const ImagesSource photos(std::vector<cv::Mat>{cv::Mat(48, 64, CV_8UC1)});
+  EXPECT_EQ(LayerOf(panoramas, {}), LayerKind::kAppearance);
+  EXPECT_EQ(LayerOf(photos, {}), LayerKind::kPlanes);
+  EXPECT_EQ(LayerOf(photos, LayerChoiceByNames("appearance")), LayerKind::kAppearance);
+  EXPECT_EQ(LayerOf(panoramas, LayerChoiceByNames("planes")), LayerKind::kPlanes);
+  EXPECT_EQ(LayerOf(photos, LayerChoiceByNames("planes,appearance")), LayerKind::kPlanes);
+  EXPECT_THROW(LayerChoiceByNames("plains"), MapError);
+  EXPECT_THROW(LayerChoiceByNames(""), MapError);
+}
+
+TEST(BuildMapTest, RefusesALayerThatNoSourceFits) {
+  std::vector<std::unique_ptr<Source>> sources;
+  sources.push_back(std::make_unique<ImagesSource>(First(3)));
+  BuildOptions options;
+  options.layers = LayerChoiceByNames("planes,appearance");
+  try {
+    BuildMap(sources, options, {});
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const MapError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kBadSource);
+  }
+}
+
+}  // namespace
+}  // namespace waystone
