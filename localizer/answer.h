@@ -7,13 +7,15 @@
 #include <vector>
 
 #include "core/base/ids.h"
+#include "core/base/pose2.h"
+#include "localizer/explanation.h"
 
 namespace waystone {
 
-// How a query ends. All four are answers, not errors.
-enum class Verdict { kLocalized, kAmbiguous, kNotInMap, kBadImage };
+// How a query ends. All are answers, not errors. kUndecided comes only to those who set a deadline.
+enum class Verdict { kLocalized, kAmbiguous, kNotInMap, kBadImage, kUndecided };
 
-// "localized", "ambiguous", "not_in_map", "bad_image".
+// "localized", "ambiguous", "not_in_map", "bad_image", "undecided".
 const char* NameOf(Verdict verdict);
 
 // A keyframe as an answer names it.
@@ -45,10 +47,43 @@ struct PlaceCandidate {
   int inliers = 0;
 };
 
+// A plane whose homography was tried: why a query was or wasn't recognised.
+struct TriedPlane {
+  PlaneId id;
+  int matches = 0;  // that the homography was looked for in
+  int inliers = 0;  // of them, at distinct positions of the query
+  bool accepted = false;
+};
+
 struct Heading {
   double rad = 0;
   double deviation_rad = 0;
-  std::string of;  // "keyframe" or "building"
+  std::string of;  // "keyframe", "building" or "layer": counter-clockwise from the layer's x axis
+};
+
+// A node of the appearance layer as an answer names it.
+struct NodeRef {
+  AppearanceNodeId id;
+  std::string sequence;  // name
+  std::string source;
+  std::optional<double> time_s;
+  Pose2 pose;  // in the layer's frame and units
+};
+
+// A node that was considered.
+struct NodeCandidate {
+  NodeRef node;
+  double probability = 0;  // in [0, 1]
+  double cost = 0;         // of appearance: 0 the same view, about 1 another place
+  int inliers = 0;         // features that fit one motion; 0 when it wasn't verified
+};
+
+// Where a panorama was taken.
+struct LayerPlace {
+  NodeRef node;                           // the nearest
+  Pose2 pose;                             // of the query, in the layer's frame and units
+  double deviation = 0;                   // of the position, in the layer's units
+  std::optional<double> metres_per_unit;  // nothing when the layer's scale isn't known
 };
 
 // Milliseconds by stage. Stages that were not reached are 0.
@@ -71,9 +106,21 @@ struct Answer {
   std::vector<RecognisedPlane> planes;  // most inliers first
   std::vector<PlaceCandidate> places;   // when ambiguous: all that look alike, best first
   std::optional<PlaceCandidate> runner_up;
+  std::vector<PlaceCandidate> candidates;  // every place that was considered, best first
+  std::vector<TriedPlane> tried;           // in the order of the trials
+  int shortlisted = 0;                     // planes that got enough votes to be tried
+  // Answers from the appearance layer: the place, which is to be believed only when localized, and
+  // the nodes that were considered, best first; those near the best are there as well.
+  std::optional<LayerPlace> panorama;
+  std::vector<NodeCandidate> nodes;
+  std::optional<NodeCandidate> node_runner_up;  // the best node elsewhere
   std::string decided_by;  // name of the gate that decided, e.g. "homography_inliers"
   std::string message;     // one line for people: why it isn't localized, and what would help
+  // The last stage that was finished: "queue", "decode", "extract", "shortlist", "verify" or
+  // "decide". Empty unless the query had a deadline.
+  std::string stage;
   StageTimes timing;
+  std::optional<Explanation> explanation;  // only with LocalizeOptions::explain
 };
 
 }  // namespace waystone

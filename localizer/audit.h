@@ -10,7 +10,7 @@
 namespace waystone {
 
 struct AuditOptions {
-  // Inliers that two places must share to answer for each other. Lower lists more pairs.
+  // Inliers that two places must share to answer for each other, 5 or more. Lower lists more pairs.
   int min_alias_inliers = 15;
   // What queries will be asked with: its gates say which evidence makes a place answer.
   LocalizeOptions localize;
@@ -27,7 +27,8 @@ struct AuditOptions {
   // to 1.
   double same_surface_share = 0.15;
   // A keyframe with fewer features on planes in view is one that queries may not be recognised at,
-  // 1 or more. A query finds a third to a half of them again and needs min_place_inliers.
+  // 1 or more. A query finds a third to a half of them again, and a place of fewer than about a
+  // dozen inliers is refused.
   int min_view_features = 40;
   // A stretch with fewer planes is one that queries are hardly recognised in, 0 or more.
   int min_stretch_planes = 2;

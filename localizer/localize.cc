@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
+#include <map>
+#include <utility>
 
 #include "core/base/error.h"
+#include "localizer/appearance.h"
 #include "localizer/decide.h"
+#include "localizer/explain.h"
 #include "localizer/localizer.h"
 #include "localizer/shortlist.h"
 #include "localizer/verify.h"
@@ -24,12 +28,39 @@ class LapTimer {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+// The deadline passed after `stage`.
+Answer Undecided(const std::string& stage) {
+  Answer answer;
+  answer.verdict = Verdict::kUndecided;
+  answer.decided_by = "deadline";
+  answer.stage = stage;
+  answer.message = "the deadline passed after the stage '" + stage + "'; ask with a later one";
+  return answer;
+}
+
 void Sign(const MapIndex& index, Answer& answer) {
   answer.map = index.map().info.name;
   answer.map_version = index.map().info.version;
 }
 
-// Whether a plane that settled where the query is makes it pointless to try a candidate.
+// A photo for a map that has panoramas alone.
+Answer RefusePhoto(const MapIndex& index) {
+  Answer answer;
+  Sign(index, answer);
+  answer.decided_by = "panorama_shape";
+  answer.message =
+      "this map knows panoramas alone, and the image isn't twice as wide as high; send a panorama, "
+      "or build the map with its planes too";
+  return answer;
+}
+
+// Whether the map's panoramas are asked rather than its planes.
+bool AsksPanoramas(const MapIndex& index, const cv::Mat& grey) {
+  return index.HasAppearance() && (IsPanoramic(grey) || index.map().planes.empty());
+}
+
+}  // namespace
+
 bool IsBeaten(const MapIndex& index, const ShortlistedPlane& candidate, const VerifiedPlane& best,
               const LocalizeOptions& options) {
   if (best.distinct < options.settled_inliers) return false;
@@ -38,8 +69,6 @@ bool IsBeaten(const MapIndex& index, const ShortlistedPlane& candidate, const Ve
   return !PlanesAreNear(index, planes[best.plane], planes[candidate.plane]);
 }
 
-}  // namespace
-
 std::vector<VerifiedPlane> TryPlanes(const MapIndex& index, const Features& query,
                                      const std::vector<ShortlistedPlane>& shortlist,
                                      const LocalizeOptions& options) {
@@ -47,6 +76,7 @@ std::vector<VerifiedPlane> TryPlanes(const MapIndex& index, const Features& quer
   std::vector<VerifiedPlane> tried;
   int best = -1;  // of those that were accepted
   for (const ShortlistedPlane& candidate : shortlist) {
+    if (options.TooLate()) break;
     if (best >= 0 && IsBeaten(index, candidate, tried[best], options)) continue;
     auto verified = VerifyPlane(index, packed, candidate.plane, options);
     if (!verified) continue;
@@ -69,6 +99,8 @@ const char* NameOf(Verdict verdict) {
       return "not_in_map";
     case Verdict::kBadImage:
       return "bad_image";
+    case Verdict::kUndecided:
+      return "undecided";
   }
   WS_CHECK(false, "unknown verdict");
 }
@@ -90,6 +122,7 @@ void LocalizeOptions::Check() const {
   ransac.Check();
   homology.Check();
   gates.Check();
+  panorama.Check();
   if (settled_inliers < 1 || !(settled_share >= 0 && settled_share <= gates.ambiguous_share)) {
     throw MapError(ErrorCode::kBadOptions,
                    "settled_inliers must be positive and settled_share lie between 0 and "
@@ -110,46 +143,123 @@ Answer LocalizeFeatures(const MapIndex& index, const Features& query,
   const std::vector<ShortlistedPlane> shortlist = ShortlistPlanes(index, query, options);
   const double shortlist_ms = timer.Lap();
   const std::vector<VerifiedPlane> tried = TryPlanes(index, query, shortlist, options);
-  Answer answer = Decide(index, query, static_cast<int>(shortlist.size()), tried, options);
+  Answer answer = options.TooLate()
+                      ? Undecided("shortlist")
+                      : Decide(index, query, static_cast<int>(shortlist.size()), tried, options);
+  if (options.deadline && answer.stage.empty()) answer.stage = "decide";
   Sign(index, answer);
   answer.timing.shortlist_ms = shortlist_ms;
   answer.timing.verify_ms = timer.Lap();
+  if (options.explain) answer.explanation = Explain(index, query, shortlist, tried, options);
   answer.timing.total_ms = answer.timing.shortlist_ms + answer.timing.verify_ms;
   return answer;
 }
 
 Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
   options.Check();
+  if (AsksPanoramas(index, grey)) {
+    if (!IsPanoramic(grey)) return RefusePhoto(index);
+    return LocalizePanorama(index, grey, options.panorama);
+  }
   LapTimer timer;
   const Features query = ExtractFeatures(
       grey, {index.map().info.feature_type, options.max_features, options.contrast_threshold});
   const double extract_ms = timer.Lap();
-  Answer answer = LocalizeFeatures(index, query, options);
+  Answer answer =
+      options.TooLate() ? Undecided("extract") : LocalizeFeatures(index, query, options);
+  Sign(index, answer);
   answer.timing.extract_ms = extract_ms;
   answer.timing.total_ms += extract_ms;
   return answer;
 }
 
-Answer Localize(const MapIndex& index, std::span<const uint8_t> bytes, const std::string& name,
-                const LocalizeOptions& options) {
+namespace {
+
+// What came of decoding, which no map has a part in.
+struct Decoded {
+  cv::Mat grey;
+  std::optional<Answer> refusal;  // instead of the image
+  double ms = 0;
+};
+
+Decoded Decode(std::span<const uint8_t> bytes, const LocalizeOptions& options) {
   LapTimer timer;
-  Answer answer;
+  Decoded decoded;
   try {
-    const cv::Mat grey = DecodeGrey(bytes, options.limits);
-    const double decode_ms = timer.Lap();
-    answer = LocalizeImage(index, grey, options);
-    answer.timing.decode_ms = decode_ms;
-    answer.timing.total_ms += decode_ms;
+    decoded.grey = DecodeGrey(bytes, options.limits);
+    if (options.TooLate()) decoded.refusal = Undecided("decode");
   } catch (const MapError& error) {
     if (error.code() != ErrorCode::kBadImage && error.code() != ErrorCode::kImageTooLarge) throw;
-    answer.verdict = Verdict::kBadImage;
-    answer.decided_by = InfoOf(error.code()).name;
-    answer.message = error.what();
-    answer.timing.decode_ms = answer.timing.total_ms = timer.Lap();
-    Sign(index, answer);
+    decoded.refusal.emplace();
+    decoded.refusal->verdict = Verdict::kBadImage;
+    decoded.refusal->decided_by = InfoOf(error.code()).name;
+    decoded.refusal->message = error.what();
   }
+  decoded.ms = timer.Lap();
+  return decoded;
+}
+
+void Finish(const MapIndex& index, const std::string& name, double decode_ms, Answer& answer) {
+  Sign(index, answer);
   answer.image = name;
+  answer.timing.decode_ms = decode_ms;
+  answer.timing.total_ms += decode_ms;
+}
+
+// Features of an image by their type, and how long they took.
+class FeatureCache {
+ public:
+  explicit FeatureCache(const cv::Mat& grey) : grey_(grey) {}
+
+  const std::pair<Features, double>& Of(FeatureType type, const LocalizeOptions& options) {
+    const auto it = cache_.find(type);
+    if (it != cache_.end()) return it->second;
+    LapTimer timer;
+    Features features =
+        ExtractFeatures(grey_, {type, options.max_features, options.contrast_threshold});
+    const double ms = timer.Lap();
+    return cache_.emplace(type, std::pair(std::move(features), ms)).first->second;
+  }
+
+ private:
+  const cv::Mat& grey_;
+  std::map<FeatureType, std::pair<Features, double>> cache_;
+};
+
+}  // namespace
+
+Answer Localize(const MapIndex& index, std::span<const uint8_t> bytes, const std::string& name,
+                const LocalizeOptions& options) {
+  const Decoded decoded = Decode(bytes, options);
+  Answer answer = decoded.refusal ? *decoded.refusal : LocalizeImage(index, decoded.grey, options);
+  Finish(index, name, decoded.ms, answer);
   return answer;
+}
+
+std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps,
+                                   std::span<const uint8_t> bytes, const std::string& name,
+                                   const LocalizeOptions& options) {
+  options.Check();
+  const Decoded decoded = Decode(bytes, options);
+  FeatureCache cache(decoded.grey);
+  std::vector<Answer> answers;
+  for (const MapIndex* index : maps) {
+    Answer answer;
+    if (decoded.refusal) {
+      answer = *decoded.refusal;
+    } else if (AsksPanoramas(*index, decoded.grey)) {
+      answer = LocalizeImage(*index, decoded.grey, options);
+    } else {
+      const auto& [features, extract_ms] = cache.Of(index->map().info.feature_type, options);
+      answer =
+          options.TooLate() ? Undecided("extract") : LocalizeFeatures(*index, features, options);
+      answer.timing.extract_ms = extract_ms;
+      answer.timing.total_ms += extract_ms;
+    }
+    Finish(*index, name, decoded.ms, answer);
+    answers.push_back(std::move(answer));
+  }
+  return answers;
 }
 
 }  // namespace waystone

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/features/features.h"
 #include "core/image/decode.h"
@@ -21,7 +22,15 @@ namespace waystone {
 Answer Localize(const MapIndex& index, std::span<const uint8_t> bytes, const std::string& name,
                 const LocalizeOptions& options);
 
-// The same for an image that is decoded already (8-bit grey), ...
+// The same asked of several maps, whose answers come in their order: the image is decoded once, and
+// its features are extracted once for each type.
+std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps,
+                                   std::span<const uint8_t> bytes, const std::string& name,
+                                   const LocalizeOptions& options);
+
+// The same for an image that is decoded already (8-bit grey). An image twice as wide as high is
+// answered by the map's appearance layer where it has one (LocalizePanorama), all others by its
+// planes. ...
 Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options);
 
 // ... and for features that were extracted already (of the map's type).

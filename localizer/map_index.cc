@@ -29,6 +29,7 @@ MapIndex::MapIndex(MapData map) : map_(std::move(map)) {
   for (size_t i = 0; i < map_.planes.size(); ++i) plane_index_[map_.planes[i].id] = i;
   CheckReferences();
   TakeDescriptors();
+  if (map_.appearance) appearance_ = AppearanceIndex(*map_.appearance);
   for (const Edge& edge : map_.edges) {
     neighbours_[edge.a].push_back(edge.b);
     neighbours_[edge.b].push_back(edge.a);
@@ -91,12 +92,29 @@ void MapIndex::CheckReferences() const {
       if (!FindPlane(id)) FailReference("an edge leads to plane " + std::to_string(id.value));
     }
   }
+  CheckSignatures();
   if (!map_.index) return;
   const std::string problem =
       InvertedFileProblem(*map_.index, CountFeatures(map_), map_.info.feature_type);
   if (problem.empty()) return;
   throw MapError(ErrorCode::kMapDamaged,
                  "the search index: " + problem + "; run `waystone check` on the map");
+}
+
+void MapIndex::CheckSignatures() const {
+  if (!map_.appearance) return;
+  const SignatureOptions& described = map_.appearance->described;
+  for (const AppearanceNode& node : map_.appearance->nodes) {
+    const HalfMatrix& magnitudes = node.signature.magnitudes;
+    const HalfMatrix& phases = node.signature.phases;
+    if (magnitudes.rows() == described.rows && magnitudes.cols() == described.k1 &&
+        phases.rows() == described.rows && phases.cols() == described.k2) {
+      continue;
+    }
+    throw MapError(ErrorCode::kMapDamaged, "appearance node " + std::to_string(node.id.value) +
+                                               " has a signature of another shape than the layer "
+                                               "says; run `waystone check` on the map");
+  }
 }
 
 const Plane* MapIndex::FindPlane(PlaneId id) const {

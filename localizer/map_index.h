@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/search/search_index.h"
+#include "localizer/appearance_index.h"
 #include "schema/map_data.h"
 
 namespace waystone {
@@ -33,13 +34,19 @@ class MapIndex {
   // Descriptors of map().planes[plane], row i belonging to its feature i.
   Descriptors DescriptorsOf(int plane) const;
 
+  // The appearance layer's signatures, node by node as in map().appearance; empty without one.
+  const AppearanceIndex& appearance() const { return appearance_; }
+  bool HasAppearance() const { return appearance_.size() > 0; }
+
  private:
   explicit MapIndex(MapData map);
   void CheckReferences() const;
+  void CheckSignatures() const;
   void TakeDescriptors();
 
   MapData map_;
   SearchIndex search_;
+  AppearanceIndex appearance_;
   std::vector<int> plane_of_row_;
   std::vector<int> first_row_;  // of each plane, and one more for the end
   std::unordered_map<PlaneId, int> plane_index_;

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <optional>
 
 #include "core/features/match.h"
 #include "core/homography/homology.h"
 #include "core/homography/local_ransac.h"
 #include "core/image/decode.h"
+#include "core/panorama/visual_compass.h"
+#include "core/two_view/relative_rotation.h"
+#include "localizer/panorama_features.h"
 
 namespace waystone {
 
@@ -27,6 +32,46 @@ struct GateOptions {
   double max_scale = 8.0;
   // A second place with this share of the first one's inliers makes the answer ambiguous.
   double ambiguous_share = 0.7;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// What a panorama is asked by.
+struct PanoramaQueryOptions {
+  // Nodes that are compared, nearest signature first, 1 to 1000: by their phases, and by their
+  // features where they have some. More find more places and cost time, mostly of features.
+  int candidates = 8;
+  int verified_candidates = 16;
+  // Weight of the phases' disagreement (0 to 1) beside the signatures' distance, 0 to 10. More
+  // trusts what is seen at the same height and angle; less bears motion.
+  double phase_weight = 0.5;
+  // Few frequencies: places near each other agree in these alone.
+  PhaseCompassOptions phases{.frequencies = 12};
+  // Whether the heading is refined by the warping search, which costs about 8 ms. Without it, it
+  // is the phases', which is exact for a pure turn alone.
+  bool fine_heading = true;
+  CompassOptions compass;
+  // Standard deviation of the phases' heading, 0.001 to 3, where it isn't refined.
+  double phase_deviation_rad = 0.3;
+  // Whether candidates are verified by features, where the nodes have some. Costs the extraction.
+  bool verify = true;
+  PanoramaFeatureOptions features;
+  MatchOptions match{0.8, true};
+  // Candidates whose relative pose is looked for, most matches first, 1 to 1000.
+  int max_poses = 4;
+  RelativeOptions relative{.max_samples = 200};
+  // Costs by which a neighbour counts e times less for the position, 0.001 to 10. More interpolates
+  // more widely.
+  double interpolation_cost = 0.1;
+  // Standard deviation of a direction between two panoramas, 0.001 to 1. More trusts the nodes'
+  // places instead.
+  double direction_deviation_rad = 0.03;
+  // Nodes farther apart than so many spacings are different places, 1 to 1000.
+  double elsewhere_spacings = 4;
+  // A margin beyond this says no more, 0.001 to 10.
+  double max_margin = 0.3;
+  // The probability from which on an answer is given, between 0 and 1. Higher refuses more.
+  double min_probability = 0.9;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -57,8 +102,19 @@ struct LocalizeOptions {
   LocalRansacOptions ransac{.max_error_px = 3.0, .max_samples = 500};
   HomologyOptions homology;
   GateOptions gates;
+  PanoramaQueryOptions panorama;
+  // Say in the answer what became of every shortlisted plane. Changes nothing else; makes the
+  // answer some 50 KB larger.
+  bool explain = false;
   // Seed of the sampling: the same query, map and options give the same answer.
   uint64_t seed = 1;
+  // When an answer is no use any more. It is looked at between stages and between planes; the
+  // verdict is kUndecided from then on. An answer depends on the machine's speed with it, and not
+  // without.
+  std::optional<std::chrono::steady_clock::time_point> deadline;
+
+  // Whether there is a deadline and it has passed.
+  bool TooLate() const { return deadline && std::chrono::steady_clock::now() >= *deadline; }
 
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -43,6 +43,14 @@ bool ScalesSensibly(const VerifiedPlane& verified, const Features& query, double
   return true;
 }
 
+Gate FirstFailedGate(const VerifiedPlane& verified, const Features& query,
+                     const GateOptions& gates) {
+  if (verified.distinct < gates.min_inliers) return Gate::kMinInliers;
+  if (verified.distinct < gates.min_inlier_share * verified.matches) return Gate::kMinInlierShare;
+  if (!ScalesSensibly(verified, query, gates.max_scale)) return Gate::kMaxScale;
+  return Gate::kPassed;
+}
+
 }  // namespace
 
 std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeatures& packed,
@@ -74,9 +82,8 @@ std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeat
   verified.reference_from_query = *refined;
   verified.matches = static_cast<int>(matches.size());
   verified.distinct = CountDistinct(query, verified.inliers, options.gates.distinct_px);
-  verified.accepted = verified.distinct >= options.gates.min_inliers &&
-                      verified.distinct >= options.gates.min_inlier_share * verified.matches &&
-                      ScalesSensibly(verified, query, options.gates.max_scale);
+  verified.stopped_by = FirstFailedGate(verified, query, options.gates);
+  verified.accepted = verified.stopped_by == Gate::kPassed;
   return verified;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/homography/homography.h"
+#include "localizer/explanation.h"
 #include "localizer/map_index.h"
 #include "localizer/options.h"
 #include "localizer/shortlist.h"
@@ -15,10 +16,11 @@ namespace waystone {
 struct VerifiedPlane {
   int plane = 0;  // index in the map's planes
   HomographyEstimate reference_from_query;
-  std::vector<Match> inliers;  // a: query keypoint, b: feature of the plane
-  int matches = 0;             // that the homography was looked for in
-  int distinct = 0;            // inliers at distinct positions of the query
-  bool accepted = false;       // passed the plane's gates
+  std::vector<Match> inliers;             // a: query keypoint, b: feature of the plane
+  int matches = 0;                        // that the homography was looked for in
+  int distinct = 0;                       // inliers at distinct positions of the query
+  bool accepted = false;                  // passed the plane's gates
+  Gate stopped_by = Gate::kNoHomography;  // the first gate that it failed; kPassed when accepted
 };
 
 // A query's features, packed once for all planes that they are matched with.
@@ -34,6 +36,10 @@ struct PackedFeatures {
 // there is no homography at all.
 std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeatures& query,
                                          int plane, const LocalizeOptions& options);
+
+// Whether a plane that settled where the query is makes it pointless to try a candidate.
+bool IsBeaten(const MapIndex& index, const ShortlistedPlane& candidate, const VerifiedPlane& best,
+              const LocalizeOptions& options);
 
 // The homographies of the shortlisted planes, in their order. Planes elsewhere are left out once
 // one has settled where the query is (LocalizeOptions::settled_inliers).

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "localizer/answer.h"
+#include "localizer/appearance_match.h"
+#include "localizer/map_index.h"
+#include "localizer/options.h"
+
+// Answers about panoramas from a map's appearance layer.
+namespace waystone {
+
+// The panorama as the layer describes its own.
+// Throws MapError(kBadImage) for an image that is no panorama or shows other elevations than the
+// layer's (ToPanorama, UsedBand). The map has an appearance layer (WS_CHECK).
+PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,
+                            const PanoramaQueryOptions& options);
+
+// Whether an image is for the appearance layer: twice as wide as high, to 2 %.
+bool IsPanoramic(const cv::Mat& image);
+
+// Where was this panorama taken? The nearest signatures are ranked again by the phases (eq. 1's
+// turn); where the nodes have features, they are verified by relative poses over bearings. The
+// place is interpolated among those that agree, or intersected from the directions in which they
+// see the query. `left_out` passes over nodes, as for AppearanceIndex::Nearest. Thread-safe,
+// deterministic. The map has an appearance layer (WS_CHECK).
+Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
+                      const PanoramaQueryOptions& options, const std::vector<bool>& left_out = {});
+
+// Both steps, with times; nothing is thrown for a bad panorama: the verdict is kBadImage.
+Answer LocalizePanorama(const MapIndex& index, const cv::Mat& grey,
+                        const PanoramaQueryOptions& options);
+
+}  // namespace waystone

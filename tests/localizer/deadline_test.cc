@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// Queries with a deadline, queries of several maps, and what an answer says about the way to it.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "localizer/localizer.h"
+#include "tests/localizer/made_map.h"
+
+namespace waystone {
+namespace {
+
+LocalizeOptions WithDeadline(std::chrono::milliseconds from_now) {
+  LocalizeOptions options;
+  options.deadline = std::chrono::steady_clock::now() + from_now;
+  return options;
+}
+
+std::vector<uint8_t> FlatImage() {
+  const std::string text = "P5\n64 48\n255\n" + std::string(64 * 48, '\x80');
+  return {text.begin(), text.end()};
+}
+
+TEST(Deadline, ThatPassedLeavesAQueryUndecided) {
+  const MapData map = MadeMap();
+  const auto index = MapIndex::Build(map);
+  const LocalizeOptions late = WithDeadline(std::chrono::milliseconds(-1));
+  const Answer answer = LocalizeFeatures(*index, QueryOf(map, {1, 2}, PoseOf(2), 200, 1), late);
+  EXPECT_EQ(answer.verdict, Verdict::kUndecided);
+  EXPECT_EQ(answer.stage, "shortlist");
+  EXPECT_EQ(answer.decided_by, "deadline");
+  EXPECT_EQ(answer.map, "made");
+  EXPECT_EQ(Localize(*index, FlatImage(), "q", late).stage, "decode");
+  EXPECT_EQ(Localize(*index, {}, "q", late).verdict, Verdict::kBadImage);
+}
+
+TEST(Deadline, ThatIsFarChangesNothingButTheStage) {
+  const MapData map = MadeMap();
+  const auto index = MapIndex::Build(map);
+  const Features query = QueryOf(map, {1, 2}, PoseOf(2), 200, 1);
+  const Answer with =
+      LocalizeFeatures(*index, query, WithDeadline(std::chrono::milliseconds(3'600'000)));
+  const Answer without = LocalizeFeatures(*index, query, {});
+  EXPECT_EQ(with.verdict, Verdict::kLocalized);
+  EXPECT_EQ(with.stage, "decide");
+  EXPECT_EQ(without.stage, "");
+  EXPECT_EQ(with.probability, without.probability);
+}
+
+TEST(Answer, TellsWhatWasConsidered) {
+  const MapData map = MadeMap();
+  const auto index = MapIndex::Build(map);
+  const Answer answer = LocalizeFeatures(*index, QueryOf(map, {1, 2}, PoseOf(2), 200, 1), {});
+  ASSERT_FALSE(answer.candidates.empty());
+  EXPECT_EQ(answer.candidates[0].keyframe.id, answer.keyframe->id);
+  EXPECT_EQ(answer.candidates[0].probability, answer.probability);
+  EXPECT_GE(answer.shortlisted, static_cast<int>(answer.tried.size()));
+  int accepted = 0;
+  for (const TriedPlane& plane : answer.tried) {
+    EXPECT_GE(plane.matches, plane.inliers);
+    accepted += plane.accepted;
+  }
+  EXPECT_GE(accepted, static_cast<int>(answer.planes.size()));
+}
+
+TEST(LocalizeAcross, AnswersAsEachMapDoes) {
+  const auto index = MapIndex::Build(MadeMap());
+  const std::vector<Answer> answers =
+      LocalizeAcross({index.get(), index.get()}, FlatImage(), "q", {});
+  const Answer alone = Localize(*index, FlatImage(), "q", {});
+  ASSERT_EQ(answers.size(), 2u);
+  for (const Answer& answer : answers) {
+    EXPECT_EQ(answer.verdict, alone.verdict);
+    EXPECT_EQ(answer.message, alone.message);
+    EXPECT_EQ(answer.image, "q");
+    EXPECT_GT(answer.timing.total_ms, 0);
+  }
+  EXPECT_EQ(LocalizeAcross({index.get()}, {}, "q", {})[0].verdict, Verdict::kBadImage);
+}
+
+}  // namespace
+}  // namespace waystone
