@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/answer_json.h"
 
+#include "server/http/explanation_json.h"
+
 namespace waystone {
 namespace {
 
@@ -33,18 +35,49 @@ Json PlaneJson(const RecognisedPlane& plane) {
   return json;
 }
 
-Json PlaceJson(const PlaceCandidate& place) {
-  Json json;
-  json["keyframe"] = KeyframeJson(place.keyframe);
-  json["probability"] = Rounded(place.probability, 4);
-  json["inliers"] = place.inliers;
-  return json;
-}
-
 Json RunnerUpJson(const PlaceCandidate& place) {
   Json json;
   json["keyframe"]["id"] = place.keyframe.id.value;
   json["probability"] = Rounded(place.probability, 4);
+  return json;
+}
+
+Json NodeJson(const NodeRef& ref) {
+  Json json;
+  json["id"] = ref.id.value;
+  json["sequence"] = ref.sequence;
+  json["source"] = ref.source;
+  json["time_s"] = OrNull(ref.time_s);
+  return json;
+}
+
+Json CandidateJson(const NodeCandidate& candidate) {
+  Json json;
+  json["node"] = NodeJson(candidate.node);
+  json["probability"] = Rounded(candidate.probability, 4);
+  json["cost"] = Rounded(candidate.cost, 4);
+  json["inliers"] = candidate.inliers;
+  return json;
+}
+
+Json PositionJson(const LayerPlace& place) {
+  Json json;
+  json["x"] = Rounded(place.pose.x, 4);
+  json["y"] = Rounded(place.pose.y, 4);
+  json["deviation"] = Rounded(place.deviation, 4);
+  json["metres_per_unit"] = OrNull(place.metres_per_unit);
+  return json;
+}
+
+// Where it isn't localized, there are candidates and no place.
+Json PanoramaJson(const Answer& answer) {
+  const bool localized = answer.verdict == Verdict::kLocalized;
+  Json json;
+  json["node"] = localized ? NodeJson(answer.panorama->node) : Json(nullptr);
+  json["position"] = localized ? PositionJson(*answer.panorama) : Json(nullptr);
+  json["candidates"] = Json::array();
+  for (const NodeCandidate& node : answer.nodes) json["candidates"].push_back(CandidateJson(node));
+  json["runner_up"] = answer.node_runner_up ? CandidateJson(*answer.node_runner_up) : Json(nullptr);
   return json;
 }
 
@@ -60,6 +93,14 @@ Json TimingJson(const StageTimes& times) {
 
 }  // namespace
 
+Json ToJson(const PlaceCandidate& place) {
+  Json json;
+  json["keyframe"] = KeyframeJson(place.keyframe);
+  json["probability"] = Rounded(place.probability, 4);
+  json["inliers"] = place.inliers;
+  return json;
+}
+
 Json ToJson(const Answer& answer) {
   Json json;
   json["verdict"] = NameOf(answer.verdict);
@@ -71,14 +112,16 @@ Json ToJson(const Answer& answer) {
   json["heading"] = answer.heading ? HeadingJson(*answer.heading) : Json(nullptr);
   json["planes"] = Json::array();
   for (const RecognisedPlane& plane : answer.planes) json["planes"].push_back(PlaneJson(plane));
+  if (answer.panorama) json["panorama"] = PanoramaJson(answer);
   if (answer.verdict == Verdict::kAmbiguous) {
     json["places"] = Json::array();
-    for (const PlaceCandidate& place : answer.places) json["places"].push_back(PlaceJson(place));
+    for (const PlaceCandidate& place : answer.places) json["places"].push_back(ToJson(place));
   }
   json["runner_up"] = answer.runner_up ? RunnerUpJson(*answer.runner_up) : Json(nullptr);
   json["decided_by"] = answer.decided_by;
   if (answer.verdict != Verdict::kLocalized) json["message"] = answer.message;
   json["timing_ms"] = TimingJson(answer.timing);
+  if (answer.explanation) json["explanation"] = ToJson(*answer.explanation);
   return json;
 }
 

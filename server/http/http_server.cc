@@ -2,12 +2,18 @@
 #include "server/http/http_server.h"
 
 #include <httplib.h>
+#include <strings.h>
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <condition_variable>
 #include <cstring>
+#include <functional>
+#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -27,14 +33,50 @@ bool IsLoopback(const std::string& host) {
   return host == "localhost" || host == "::1" || host.starts_with("127.");
 }
 
+// A path may have a line break in it, which the usual dot doesn't stand for.
+constexpr const char* kAnyPath = "[\\s\\S]*";
+
+using Clock = std::chrono::steady_clock;
+
+// Bytes of all bodies that are in memory.
+class BodyBudget {
+ public:
+  explicit BodyBudget(int64_t limit) : limit_(limit) {}
+  bool Take(int64_t bytes) { return (used_ += bytes) <= limit_; }
+  void Return(int64_t bytes) { used_ -= bytes; }
+
+ private:
+  const int64_t limit_;
+  std::atomic<int64_t> used_ = 0;
+};
+
 // The body of one request, read at most once.
 class Body {
  public:
-  Body(const httplib::ContentReader& reader, int64_t limit) : reader_(reader), limit_(limit) {}
+  Body(const httplib::ContentReader& reader, const HttpOptions& options, BodyBudget& budget)
+      : reader_(reader),
+        budget_(budget),
+        limit_(options.max_body_bytes),
+        end_(Clock::now() + std::chrono::seconds(options.body_timeout_s)) {}
+  ~Body() { budget_.Return(taken_); }
+  Body(const Body&) = delete;
+  Body& operator=(const Body&) = delete;
 
   std::string Read() {
     std::string bytes;
-    bool complete = ReadInto([&](const char* data, size_t size) { bytes.append(data, size); });
+    const bool complete = ReadInto([&](const char* data, size_t size) {
+      taken_ += static_cast<int64_t>(size);
+      crowded_ |= !budget_.Take(static_cast<int64_t>(size));
+      if (!crowded_) bytes.append(data, size);
+    });
+    if (late_) {
+      throw MapError(ErrorCode::kTooSlow,
+                     "the body took longer than the server waits; send a "
+                     "smaller image or use a faster link");
+    }
+    if (crowded_) {
+      throw MapError(ErrorCode::kBusy, "too many bodies are being read at once; try again");
+    }
     if (count_ > limit_) {
       throw MapError(ErrorCode::kPayloadTooLarge,
                      "the body is over " + std::to_string(limit_) + " bytes; send a smaller image");
@@ -56,6 +98,8 @@ class Body {
     started_ = true;
     complete_ = reader_([&](const char* data, size_t size) {
       count_ += static_cast<int64_t>(size);
+      late_ |= Clock::now() > end_;
+      if (late_ || crowded_) return false;
       if (count_ <= limit_) take(data, size);
       return count_ <= kDrainFactor * limit_;
     });
@@ -63,20 +107,71 @@ class Body {
   }
 
   const httplib::ContentReader& reader_;
+  BodyBudget& budget_;
   int64_t limit_;
+  Clock::time_point end_;
   int64_t count_ = 0;
+  int64_t taken_ = 0;     // of the budget
+  bool late_ = false;     // the time was over
+  bool crowded_ = false;  // the budget was
   bool started_ = false;
   bool complete_ = false;
 };
+
+// The library's pool without its endless queue: connections beyond the threads wait in the kernel,
+// which holds as many as the backlog says.
+class BoundedPool : public httplib::TaskQueue {
+ public:
+  explicit BoundedPool(int threads) : free_(threads), pool_(static_cast<size_t>(threads)) {}
+
+  // The library's later versions want to hear whether it was taken, earlier ones don't.
+  using Taken = decltype(std::declval<httplib::TaskQueue&>().enqueue(std::function<void()>()));
+  Taken enqueue(std::function<void()> connection) override {
+    std::unique_lock lock(mutex_);
+    freed_.wait(lock, [this] { return free_ > 0; });
+    --free_;
+    lock.unlock();
+    pool_.enqueue([this, connection = std::move(connection)] {
+      connection();
+      {
+        const std::lock_guard guard(mutex_);
+        ++free_;
+      }
+      freed_.notify_one();
+    });
+    return static_cast<Taken>(true);
+  }
+
+  void shutdown() override { pool_.shutdown(); }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable freed_;
+  int free_;
+  httplib::ThreadPool pool_;
+};
+
+// Headers that are set aside: the library would compress by itself, slowly, and parse forms,
+// without a bound. No client's header begins as theirs do meanwhile.
+const std::array<std::string, 2> kHidden = {"Accept-Encoding", "Content-Type"};
+const std::string kAside = "\t";
+
+bool IsSetAside(const std::string& name) {
+  return std::any_of(kHidden.begin(), kHidden.end(), [&](const std::string& hidden) {
+    return strcasecmp(name.c_str(), hidden.c_str()) == 0;
+  });
+}
 
 HttpRequest ToRequest(const httplib::Request& in) {
   HttpRequest request;
   request.method = in.method;
   request.path = in.path;
+  request.remote = in.remote_addr;
   for (const auto& [name, value] : in.params) request.query.emplace(name, value);
   request.header = [&in](const std::string& name) -> std::optional<std::string> {
-    if (!in.has_header(name)) return std::nullopt;
-    return in.get_header_value(name);
+    const std::string key = IsSetAside(name) ? kAside + name : name;
+    if (!in.has_header(key)) return std::nullopt;
+    return in.get_header_value(key);
   };
   request.read_body = [] { return std::string(); };
   return request;
@@ -102,13 +197,20 @@ void FillAndClose(const HttpResponse& from, httplib::Response& to) {
 }
 
 // Takes out of a request what the library would act on by itself: ranges, which it applies to
-// errors too and copies a body for as often as it is asked; and compression, for which it takes the
-// slowest setting. A server may leave both undone. The request is the library's own variable, not a
-// constant.
+// errors too and copies a body for as often as it is asked; compression, for which it takes the
+// slowest setting; and forms. A server may leave the first two undone, and ours reads forms itself.
+// Handlers still see the headers that were set aside. The request is the library's own variable,
+// not a constant.
 void LeaveUndone(const httplib::Request& request) {
   auto& own = const_cast<httplib::Request&>(request);
   own.ranges.clear();
-  own.headers.erase("Accept-Encoding");
+  for (const std::string& name : kHidden) {
+    const std::string aside = kAside + name;
+    own.headers.erase(aside);
+    if (!request.has_header(name)) continue;
+    own.headers.emplace(aside, request.get_header_value(name));
+    own.headers.erase(name);
+  }
 }
 
 bool IsNumber(const std::string& text) {
@@ -149,21 +251,23 @@ void HttpOptions::Check() const {
   };
   require(port >= 0 && port <= 65535,
           "port " + std::to_string(port) + " is not one; give 0 (any) to 65535");
-  require(IsLoopback(host) || insecure,
+  require(IsLoopback(host) || has_tokens || insecure,
           host +
               " can be reached by other machines, and nobody has to show who they are; "
-              "use --host 127.0.0.1 behind a proxy, or add --insecure");
-  require(max_body_bytes > 0, "max_body_bytes must be above 0");
+              "use --token-file, --host 127.0.0.1 behind a proxy, or --insecure");
+  require(max_body_bytes > 0 && max_bodies_bytes >= max_body_bytes,
+          "max_body_bytes must be above 0 and max_bodies_bytes at least as much");
   require(connection_threads >= 1 && connection_threads <= 10'000,
           "connection_threads must be 1 to 10000");
-  require(backlog >= 1 && keep_alive_s >= 1 && read_timeout_s >= 1 && write_timeout_s >= 1,
+  require(backlog >= 1 && keep_alive_s >= 1 && read_timeout_s >= 1 && write_timeout_s >= 1 &&
+              body_timeout_s >= 1,
           "backlog and timeouts must be above 0");
 }
 
 class HttpServer::Impl {
  public:
   Impl(const HttpOptions& options, Dispatch dispatch)
-      : options_(options), dispatch_(std::move(dispatch)) {
+      : options_(options), budget_(options.max_bodies_bytes), dispatch_(std::move(dispatch)) {
     options_.Check();
     Configure();
     AddRoutes();
@@ -199,9 +303,7 @@ class HttpServer::Impl {
     server_.set_read_timeout(options_.read_timeout_s);
     server_.set_write_timeout(options_.write_timeout_s);
     server_.set_default_headers({{"X-Content-Type-Options", "nosniff"}});
-    server_.new_task_queue = [n = options_.connection_threads] {
-      return new httplib::ThreadPool(static_cast<size_t>(n));
-    };
+    server_.new_task_queue = [n = options_.connection_threads] { return new BoundedPool(n); };
     // Not the library's SO_REUSEPORT, with which a second server would silently share the port.
     server_.set_socket_options([this](socket_t socket) {
       socket_ = socket;
@@ -223,11 +325,11 @@ class HttpServer::Impl {
       FillAndClose(*refusal, out);
       return Response::Handled;
     });
-    server_.Get(".*", [this](const httplib::Request& in, httplib::Response& out) {
+    server_.Get(kAnyPath, [this](const httplib::Request& in, httplib::Response& out) {
       Fill(dispatch_(ToRequest(in)), out);
     });
-    server_.Post(".*", [this](const httplib::Request& in, httplib::Response& out,
-                              const httplib::ContentReader& reader) { Post(in, out, reader); });
+    server_.Post(kAnyPath, [this](const httplib::Request& in, httplib::Response& out,
+                                  const httplib::ContentReader& reader) { Post(in, out, reader); });
     const httplib::Server::HandlerWithResponse name_error = [](const httplib::Request&,
                                                                httplib::Response& out) {
       if (!out.body.empty() || out.content_length_ > 0) return Response::Unhandled;
@@ -243,8 +345,8 @@ class HttpServer::Impl {
   }
 
   void Post(const httplib::Request& in, httplib::Response& out,
-            const httplib::ContentReader& reader) const {
-    Body body(reader, options_.max_body_bytes);
+            const httplib::ContentReader& reader) {
+    Body body(reader, options_, budget_);
     HttpRequest request = ToRequest(in);
     request.read_body = [&body] { return body.Read(); };
     const HttpResponse response = dispatch_(request);
@@ -271,6 +373,7 @@ class HttpServer::Impl {
   }
 
   HttpOptions options_;
+  BodyBudget budget_;
   Dispatch dispatch_;
   httplib::Server server_;
   socket_t socket_ = -1;

@@ -11,21 +11,29 @@
 namespace waystone {
 
 struct HttpOptions {
-  // Address to listen on. Only loopback addresses are taken unless `insecure` is set.
+  // Address to listen on. Only loopback addresses are taken unless clients must show a token or
+  // `insecure` is set.
   std::string host = "127.0.0.1";
   int port = 8080;  // 0 takes any free one
   // Listen on an address that other machines reach, although nobody has to show who they are.
   bool insecure = false;
+  // The application behind refuses requests without a token.
+  bool has_tokens = false;
   // Bytes of a request's body. A photo of 50 megapixels has about 15 MB.
   int64_t max_body_bytes = 20'000'000;
-  // Threads that hold connections. Each open connection holds one, also while it is idle.
+  // Bytes of all bodies that are held at once; the next one gets 429.
+  int64_t max_bodies_bytes = 400'000'000;
+  // Connections that are held at once, each by a thread, also while it is idle.
   int connection_threads = 64;
-  // Connections that the kernel keeps ready while all threads are held.
+  // Connections that the kernel keeps ready while all threads are held; it refuses more.
   int backlog = 511;
   // Seconds that an idle connection is kept. Longer saves handshakes and lets slow clients hold
   // threads.
   int keep_alive_s = 2;
-  int read_timeout_s = 5;   // seconds without a byte from the client
+  int read_timeout_s = 5;  // seconds without a byte from the client
+  // Seconds in which a whole body must have come. Longer takes larger photos over poorer links and
+  // lets slow clients hold threads.
+  int body_timeout_s = 30;
   int write_timeout_s = 5;  // seconds in which the client takes none of ours
 
   void Check() const;  // throws MapError(kBadOptions)

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/map_json.h"
 
+#include <Eigen/Dense>
+
 #include "core/features/features.h"
+#include "localizer/outline.h"
 #include "server/http/home_page.h"
 
 namespace waystone {
@@ -39,36 +42,27 @@ Json ReferenceJson(const MapIndex& index, KeyframeId id) {
   return json;
 }
 
-Json FeatureJson(const PlaneFeature& feature) {
-  Json json;
-  json["x_px"] = Rounded(feature.reference.x_px, 2);
-  json["y_px"] = Rounded(feature.reference.y_px, 2);
-  json["scale_px"] = Rounded(feature.reference.scale_px, 2);
-  json["angle_rad"] = Rounded(feature.reference.angle_rad, 4);
-  json["votes"] = feature.votes;
-  json["visible"] = feature.visible;
-  return json;
-}
-
-Json ViewJson(const PlaneView& view) {
-  Json json;
-  json["keyframe"] = view.keyframe.value;
-  json["inliers"] = view.inliers;
-  json["reference_from_keyframe"] = ToJson(view.reference_from_keyframe);
-  return json;
+// A plane's outline as a keyframe saw it, clipped to the keyframe.
+std::vector<Eigen::Vector2d> OutlineIn(const Keyframe& keyframe, const Plane& plane,
+                                       const PlaneView& view) {
+  if (plane.features.empty()) return {};
+  const Keypoint& inside = plane.features.front().reference;
+  return ClippedOutline(plane.outline, view.reference_from_keyframe.inverse(),
+                        {inside.x_px, inside.y_px}, keyframe.width, keyframe.height);
 }
 
 // The planes that a keyframe saw. A walk over all planes: fast enough for people, and the index
 // stays what queries need.
-Json SeenPlanesJson(const MapIndex& index, KeyframeId id) {
+Json SeenPlanesJson(const MapIndex& index, const Keyframe& keyframe) {
   Json list = Json::array();
   for (const Plane& plane : index.map().planes) {
     for (const PlaneView& view : plane.views) {
-      if (view.keyframe != id) continue;
+      if (view.keyframe != keyframe.id) continue;
       Json json;
       json["id"] = plane.id.value;
       json["inliers"] = view.inliers;
       json["reference_from_keyframe"] = ToJson(view.reference_from_keyframe);
+      json["outline"] = ToJson(OutlineIn(keyframe, plane, view));
       list.push_back(std::move(json));
     }
   }
@@ -117,6 +111,25 @@ Json PlaneJson(const MapIndex& index, const Plane& plane) {
   return json;
 }
 
+Json FeatureJson(const PlaneFeature& feature) {
+  Json json;
+  json["x_px"] = Rounded(feature.reference.x_px, 2);
+  json["y_px"] = Rounded(feature.reference.y_px, 2);
+  json["scale_px"] = Rounded(feature.reference.scale_px, 2);
+  json["angle_rad"] = Rounded(feature.reference.angle_rad, 4);
+  json["votes"] = feature.votes;
+  json["visible"] = feature.visible;
+  return json;
+}
+
+Json ViewJson(const PlaneView& view) {
+  Json json;
+  json["keyframe"] = view.keyframe.value;
+  json["inliers"] = view.inliers;
+  json["reference_from_keyframe"] = ToJson(view.reference_from_keyframe);
+  return json;
+}
+
 Json GraphJson(const MapIndex& index) {
   Json json;
   json["nodes"] = Json::array();
@@ -152,7 +165,7 @@ Json KeyframeJson(const std::string& map_name, const MapIndex& index, const Keyf
     json["image"] = "/v1/maps/" + EncodeSegment(map_name) + "/keyframes/" +
                     std::to_string(keyframe.id.value) + "/image";
   }
-  json["planes"] = SeenPlanesJson(index, keyframe.id);
+  json["planes"] = SeenPlanesJson(index, keyframe);
   return json;
 }
 

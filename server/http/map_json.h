@@ -18,11 +18,16 @@ Json PlaneSummaryJson(const MapIndex& index, const Plane& plane);
 // The whole plane: the features and views themselves instead of their counts, too.
 Json PlaneJson(const MapIndex& index, const Plane& plane);
 
+// A feature of a plane, in its reference image; and a keyframe that saw the plane.
+Json FeatureJson(const PlaneFeature& feature);
+Json ViewJson(const PlaneView& view);
+
 // Nodes and edges of the graph of planes.
 Json GraphJson(const MapIndex& index);
 
-// A keyframe: id, sequence, source, time, size, the planes it saw with their inliers and
-// reference_from_keyframe, and the address of its image (null when images were left out).
+// A keyframe: id, sequence, source, time, size, the planes it saw with their inliers,
+// reference_from_keyframe and outline in the keyframe, and the address of its image (null when
+// images were left out).
 Json KeyframeJson(const std::string& map_name, const MapIndex& index, const Keyframe& keyframe);
 
 }  // namespace waystone

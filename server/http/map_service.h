@@ -1,60 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <map>
-#include <memory>
+#include <functional>
 #include <string>
 
-#include "localizer/localizer.h"
-#include "localizer/map_index.h"
-#include "localizer/options.h"
+#include "server/http/map_catalog.h"
 #include "server/http/query_gate.h"
 #include "server/http/router.h"
 
 namespace waystone {
 
-struct ServiceOptions {
-  LocalizeOptions localize;
-  // Queries computed at once; 0 takes as many as there are cores. More don't answer faster, they
-  // only answer later together.
-  int query_threads = 0;
-  // Queries that wait for their turn; the next ones get 429. A longer queue turns fewer away and
-  // keeps the last ones waiting longer.
-  int queue_length = 32;
-
-  void Check() const;  // throws MapError(kBadOptions)
-};
-
-// The maps over HTTP: what each path means. A handler parses, calls and renders; what to compute is
-// the localizer's. Thread-safe: the maps are immutable.
+// What is in the maps over HTTP: summary, planes with features and views, graph, keyframes with
+// images, audit. Lists come in pages. A handler finds and renders. Thread-safe.
 class MapService {
  public:
-  using Maps = std::map<std::string, std::shared_ptr<const MapIndex>>;  // by name
-
-  MapService(Maps maps, const ServiceOptions& options);
+  // Both must outlive the service. Only an audit takes a turn of the gate.
+  MapService(const MapCatalog& catalog, QueryGate& gate) : catalog_(catalog), gate_(gate) {}
 
   // Adds the routes. The service must outlive the router's last request.
   void AddTo(Router& router);
 
  private:
   using Captures = Router::Captures;
+  using Show = std::function<HttpResponse(const HttpRequest&, const ServedMap&, const Captures&)>;
 
-  const MapIndex& MapOf(const Captures& captures) const;  // throws MapError(kNotFound)
-
+  void AddShow(Router& router, const std::string& pattern, Show show);
+  void AddLists(Router& router);
+  void AddSingles(Router& router);
   HttpResponse Home(const HttpRequest& request) const;
   HttpResponse ListMaps(const HttpRequest& request) const;
-  HttpResponse ShowMap(const Captures& captures) const;
-  HttpResponse ListPlanes(const HttpRequest& request, const Captures& captures) const;
-  HttpResponse ShowPlane(const Captures& captures) const;
-  HttpResponse ShowGraph(const Captures& captures) const;
-  HttpResponse ListKeyframes(const HttpRequest& request, const Captures& captures) const;
-  HttpResponse ShowKeyframe(const Captures& captures) const;
-  HttpResponse ShowImage(const Captures& captures) const;
-  HttpResponse Localize(const HttpRequest& request, const Captures& captures);
 
-  Maps maps_;
-  ServiceOptions options_;
-  QueryGate gate_;
+  const MapCatalog& catalog_;
+  QueryGate& gate_;
 };
 
 }  // namespace waystone

@@ -15,6 +15,8 @@ struct HttpRequest {
   std::string method;                        // "GET", "POST", ...
   std::string path;                          // without the query, percent-decoded
   std::map<std::string, std::string> query;  // percent-decoded; the first of a repeated name
+  std::string id;      // names the request in logs: the client's X-Request-Id, or one of ours
+  std::string remote;  // the client's address; empty when it isn't known
   // A header's value by its name in any case; nothing when it isn't there.
   std::function<std::optional<std::string>(const std::string&)> header;
   // Reads the whole body. To be called once at most. Throws MapError(kPayloadTooLarge) when it is
@@ -27,6 +29,7 @@ struct HttpResponse {
   std::string content_type;
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;
+  std::string route = {};  // the pattern whose handler answered, for logs; empty without one
 };
 
 }  // namespace waystone

@@ -16,6 +16,7 @@ HttpResponse Problem(ErrorCode code, int status, const std::string& detail) {
   body["code"] = info.name;
   HttpResponse response{status, "application/problem+json", Dump(body), {}};
   if (code == ErrorCode::kBusy) response.headers.emplace_back("Retry-After", "1");
+  if (code == ErrorCode::kUnauthorized) response.headers.emplace_back("WWW-Authenticate", "Bearer");
   return response;
 }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
+#include <utility>
 
 namespace waystone {
 
@@ -11,7 +14,9 @@ namespace waystone {
 // query its core. Thread-safe.
 class QueryGate {
  public:
-  QueryGate(int running, int waiting) : free_(running), seats_(waiting) {}
+  using Deadline = std::optional<std::chrono::steady_clock::time_point>;
+
+  QueryGate(int running, int waiting) : running_(running), free_(running), seats_(waiting) {}
   QueryGate(const QueryGate&) = delete;
   QueryGate& operator=(const QueryGate&) = delete;
 
@@ -19,9 +24,11 @@ class QueryGate {
   class Turn {
    public:
     explicit Turn(QueryGate* gate) : gate_(gate) {}
-    ~Turn() { gate_->Leave(); }
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
+    Turn(Turn&& other) noexcept : gate_(std::exchange(other.gate_, nullptr)) {}
+    Turn& operator=(Turn&&) = delete;
+    ~Turn() {
+      if (gate_) gate_->Leave();
+    }
 
    private:
     QueryGate* gate_;
@@ -29,14 +36,25 @@ class QueryGate {
 
   // Waits for a turn. Throws MapError(kBusy) when all seats are taken.
   [[nodiscard]] Turn Enter();
+  // The same, but nothing when the deadline passes first.
+  [[nodiscard]] std::optional<Turn> Enter(const Deadline& deadline);
+
+  // How many compute and how many wait, now.
+  struct Load {
+    int running = 0;
+    int waiting = 0;
+  };
+  Load load() const;
 
  private:
   void Leave();
 
-  std::mutex mutex_;
+  const int running_;
+  mutable std::mutex mutex_;
   std::condition_variable freed_;
   int free_;
   int seats_;
+  int waiting_ = 0;
 };
 
 }  // namespace waystone

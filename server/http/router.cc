@@ -54,7 +54,7 @@ HttpResponse MethodNotAllowed(const HttpRequest& request, const std::set<std::st
 }  // namespace
 
 void Router::Add(const std::string& method, const std::string& pattern, Handler handler) {
-  routes_.push_back({method, Split(pattern), std::move(handler)});
+  routes_.push_back({method, pattern, Split(pattern), std::move(handler)});
 }
 
 void Router::OnInternalError(std::function<void(const std::string&)> listener) {
@@ -62,8 +62,29 @@ void Router::OnInternalError(std::function<void(const std::string&)> listener) {
 }
 
 HttpResponse Router::Dispatch(const HttpRequest& request) const {
+  const std::vector<std::string> path = Split(request.path);
+  const std::string method = request.method == "HEAD" ? "GET" : request.method;
+  std::set<std::string> allowed;
+  for (const Route& route : routes_) {
+    const std::optional<Captures> captures = Match(route.segments, path);
+    if (!captures) continue;
+    if (route.method == method) {
+      HttpResponse response = Handle(request, route, *captures);
+      response.route = route.pattern;
+      return response;
+    }
+    allowed.insert(route.method);
+    if (route.method == "GET") allowed.insert("HEAD");
+  }
+  if (!allowed.empty()) return MethodNotAllowed(request, allowed);
+  return ProblemResponse(ErrorCode::kNotFound,
+                         "there is nothing at " + request.path.substr(0, 200));
+}
+
+HttpResponse Router::Handle(const HttpRequest& request, const Route& route,
+                            const Captures& captures) const {
   try {
-    return Find(request);
+    return route.handler(request, captures);
   } catch (const MapError& error) {
     if (error.code() == ErrorCode::kInternal) return InternalError(request, error.what());
     return ProblemResponse(error.code(), error.what());
@@ -74,23 +95,8 @@ HttpResponse Router::Dispatch(const HttpRequest& request) const {
   }
 }
 
-HttpResponse Router::Find(const HttpRequest& request) const {
-  const std::vector<std::string> path = Split(request.path);
-  const std::string method = request.method == "HEAD" ? "GET" : request.method;
-  std::set<std::string> allowed;
-  for (const Route& route : routes_) {
-    const std::optional<Captures> captures = Match(route.segments, path);
-    if (!captures) continue;
-    if (route.method == method) return route.handler(request, *captures);
-    allowed.insert(route.method);
-    if (route.method == "GET") allowed.insert("HEAD");
-  }
-  if (!allowed.empty()) return MethodNotAllowed(request, allowed);
-  throw MapError(ErrorCode::kNotFound, "there is nothing at " + request.path.substr(0, 200));
-}
-
 HttpResponse Router::InternalError(const HttpRequest& request, const std::string& cause) const {
-  if (listener_) listener_(request.method + " " + request.path + ": " + cause);
+  if (listener_) listener_(request.id + " " + request.method + " " + request.path + ": " + cause);
   return ProblemResponse(ErrorCode::kInternal,
                          "the server met a bug of its own and wrote its cause to its log");
 }

@@ -31,11 +31,13 @@ class Router {
  private:
   struct Route {
     std::string method;
+    std::string pattern;
     std::vector<std::string> segments;
     Handler handler;
   };
 
-  HttpResponse Find(const HttpRequest& request) const;
+  HttpResponse Handle(const HttpRequest& request, const Route& route,
+                      const Captures& captures) const;
   HttpResponse InternalError(const HttpRequest& request, const std::string& cause) const;
 
   std::vector<Route> routes_;

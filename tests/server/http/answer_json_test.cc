@@ -48,6 +48,35 @@ TEST(AnswerJson, LocalizedIsAsDocumented) {
       R"("timing_ms":{"decode":2.9,"extract":58.1,"shortlist":6.0,"verify":2.2,"total":69.4}})");
 }
 
+Answer LocalizedPanorama() {
+  Answer answer;
+  answer.verdict = Verdict::kLocalized;
+  answer.probability = 0.97;
+  answer.heading = Heading{0.31, 0.02, "layer"};
+  const NodeRef node{AppearanceNodeId{7}, "walk", "7.jpg", {}, {}};
+  answer.panorama = LayerPlace{node, {1.5, -2, 0.31}, 0.25, 0.5};
+  answer.nodes = {{node, 0.97, 0.4, 120}};
+  answer.decided_by = "panorama_features";
+  return answer;
+}
+
+TEST(AnswerJson, APanoramaHasItsPlace) {
+  EXPECT_EQ(Dump(ToJson(LocalizedPanorama())["panorama"]),
+            R"({"node":{"id":7,"sequence":"walk","source":"7.jpg","time_s":null},)"
+            R"("position":{"x":1.5,"y":-2.0,"deviation":0.25,"metres_per_unit":0.5},)"
+            R"("candidates":[{"node":{"id":7,"sequence":"walk","source":"7.jpg","time_s":null},)"
+            R"("probability":0.97,"cost":0.4,"inliers":120}],"runner_up":null})");
+}
+
+TEST(AnswerJson, ARefusedPanoramaHasNoPlace) {
+  Answer answer = LocalizedPanorama();
+  answer.verdict = Verdict::kNotInMap;
+  const Json panorama = ToJson(answer)["panorama"];
+  EXPECT_TRUE(panorama["node"].is_null());
+  EXPECT_TRUE(panorama["position"].is_null());
+  EXPECT_EQ(panorama["candidates"].size(), 1U);
+}
+
 TEST(AnswerJson, WhatIsAbsentIsNull) {
   Answer answer;
   answer.message = "nothing here";

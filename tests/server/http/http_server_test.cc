@@ -128,6 +128,89 @@ TEST_F(HttpServerTest, ChunkedBodyHasTheSameLimit) {
             std::string::npos);
 }
 
+TEST_F(HttpServerTest, EveryPathReachesTheRouter) {
+  httplib::Client client(server_->url());
+  for (const char* path : {"/%0A", "/a%0D%0Ab", "/%00", "/%FF", "/a//b"}) {
+    const auto result = client.Get(path);
+    ASSERT_TRUE(result) << path;
+    EXPECT_NE(result->body.find("there is nothing at /"), std::string::npos) << result->body;
+  }
+}
+
+TEST_F(HttpServerTest, FormsAreBodiesLikeOthers) {
+  router_.Add("POST", "/type", [](const HttpRequest& in, const auto&) {
+    const std::string body = in.read_body();
+    return HttpResponse{200, "text/plain", in.header("content-type").value_or("") + body, {}};
+  });
+  httplib::Client client(server_->url());
+  const auto result = client.Post("/type", "--x--", "multipart/form-data; boundary=x");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->body, "multipart/form-data; boundary=x--x--");
+  const std::string large = "--x\r\n\r\n" + std::string(kLimit, 'y') + "--x--";
+  EXPECT_EQ(client.Post("/type", large, "multipart/form-data; boundary=x")->status, 413);
+}
+
+TEST_F(HttpServerTest, SlowBodiesAreGivenUp) {
+  HttpOptions options;
+  options.port = 0;
+  options.body_timeout_s = 1;
+  HttpServer server(options, [this](const HttpRequest& in) { return router_.Dispatch(in); });
+  server.Start();
+  RawClient client(server.port());
+  client.Send("POST /length HTTP/1.1\r\nHost: x\r\nContent-Length: 1000\r\n\r\n");
+  const auto start = std::chrono::steady_clock::now();
+  std::thread sender([&client] {
+    for (int i = 0; i < 20 && client.Send("x"); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  });
+  const std::string text = client.Receive("}");
+  sender.join();
+  EXPECT_NE(text.find(" 408 "), std::string::npos) << text;
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(4));
+}
+
+TEST_F(HttpServerTest, BodiesHaveABudgetTogether) {
+  HttpOptions options;
+  options.port = 0;
+  options.max_body_bytes = 1000;
+  options.max_bodies_bytes = 1500;
+  HttpServer server(options, [this](const HttpRequest& in) { return router_.Dispatch(in); });
+  server.Start();
+  RawClient first(server.port());
+  first.Send("POST /length HTTP/1.1\r\nHost: x\r\nContent-Length: 1000\r\n\r\n" +
+             std::string(900, 'x'));
+  httplib::Client second(server.url());
+  int status = 0;
+  for (int i = 0; i < 100 && status != 429; ++i) {
+    status = second.Post("/length", std::string(1000, 'x'), "image/png")->status;
+  }
+  EXPECT_EQ(status, 429);
+  first.Send(std::string(100, 'x'));
+  EXPECT_NE(first.Receive("\r\n\r\n1000").find("200 OK"), std::string::npos);
+  EXPECT_EQ(second.Post("/length", std::string(1000, 'x'), "image/png")->status, 200);
+}
+
+TEST_F(HttpServerTest, ConnectionsBeyondTheThreadsWait) {
+  HttpOptions options;
+  options.port = 0;
+  options.connection_threads = 2;
+  options.keep_alive_s = 1;
+  HttpServer server(options, [this](const HttpRequest& in) { return router_.Dispatch(in); });
+  server.Start();
+  std::vector<std::thread> threads;
+  std::atomic<int> good = 0;
+  for (int i = 0; i < 8; ++i) {
+    threads.emplace_back([&] {
+      httplib::Client client(server.url());
+      const auto result = client.Get("/hello", {{"Connection", "close"}});
+      good += result && result->status == 200;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(good, 8);
+}
+
 TEST_F(HttpServerTest, UnreadBodyIsNotTakenForTheNextRequest) {
   RawClient client(server_->port());
   const std::string smuggled = "GET /smuggled HTTP/1.1\r\nHost: x\r\n\r\n";

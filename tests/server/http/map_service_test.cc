@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/http/map_service.h"
+#include "server/http/application.h"
 
 #include <gtest/gtest.h>
 
@@ -13,11 +13,11 @@
 namespace waystone {
 namespace {
 
+// The maps as the whole application shows them.
 class MapServiceTest : public testing::Test {
  protected:
   MapServiceTest()
-      : service_({{"lab", MapIndex::Build(MadeMap(7))}, {"a b", MapIndex::Build(MadeMap(1))}}, {}) {
-    service_.AddTo(router_);
+      : app_({{"lab", MapIndex::Build(MadeMap(7))}, {"a b", MapIndex::Build(MadeMap(1))}}, {}, {}) {
   }
 
   HttpResponse Get(const std::string& path, const std::map<std::string, std::string>& query = {},
@@ -30,7 +30,7 @@ class MapServiceTest : public testing::Test {
       if (name == "If-None-Match" && !if_none_match.empty()) return if_none_match;
       return std::nullopt;
     };
-    return router_.Dispatch(request);
+    return app_.Answer(request);
   }
 
   Json GetJson(const std::string& path, const std::map<std::string, std::string>& query = {}) {
@@ -40,17 +40,19 @@ class MapServiceTest : public testing::Test {
     return Json::parse(response.body);
   }
 
-  HttpResponse Post(const std::string& type, const std::string& body) {
+  HttpResponse Post(const std::string& type, const std::string& body,
+                    const std::string& debug = "false") {
     HttpRequest request;
     request.method = "POST";
     request.path = "/v1/maps/lab/localize";
     request.query["name"] = "q.jpg";
+    request.query["debug"] = debug;
     request.header = [&](const std::string& name) -> std::optional<std::string> {
       if (name == "Content-Type" && !type.empty()) return type;
       return std::nullopt;
     };
     request.read_body = [&] { return body; };
-    return router_.Dispatch(request);
+    return app_.Answer(request);
   }
 
   static std::string HeaderOf(const HttpResponse& response, const std::string& name) {
@@ -60,16 +62,47 @@ class MapServiceTest : public testing::Test {
     return "";
   }
 
-  Router router_;
-  MapService service_;
+  Application app_;
 };
 
 TEST_F(MapServiceTest, HealthAndHome) {
   EXPECT_EQ(Get("/healthz").body, "ok\n");
   const HttpResponse home = Get("/");
   EXPECT_EQ(home.content_type, "text/html; charset=utf-8");
-  EXPECT_NE(home.body.find("/v1/maps/lab/localize"), std::string::npos);
-  EXPECT_NE(home.body.find("/v1/maps/a%20b/localize"), std::string::npos);
+  const HttpResponse plain = Get("/plain");
+  EXPECT_EQ(plain.content_type, "text/html; charset=utf-8");
+  EXPECT_NE(plain.body.find("/v1/maps/lab/localize"), std::string::npos);
+  EXPECT_NE(plain.body.find("/v1/maps/a%20b/localize"), std::string::npos);
+}
+
+TEST_F(MapServiceTest, OverviewHasEverythingByColumns) {
+  const Json json = GetJson("/v1/maps/lab/overview");
+  EXPECT_EQ(json["layers"], Json({"planes"}));
+  EXPECT_EQ(json["keyframes"]["id"], Json({1, 2}));
+  EXPECT_EQ(json["keyframes"]["planes"], Json({7, 7}));
+  EXPECT_EQ(json["keyframes"]["features"], Json({35, 35}));
+  EXPECT_EQ(json["planes"]["id"].size(), 7u);
+  EXPECT_EQ(json["planes"]["keyframes"][3], Json({1, 2}));
+  EXPECT_EQ(json["planes"]["stretch"][0], 0);
+  EXPECT_EQ(json["edges"]["a"], Json({1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(json["edges"]["third_eigenvalue"][0], 1.5);
+}
+
+TEST_F(MapServiceTest, AuditsAMap) {
+  const Json json = GetJson("/v1/maps/lab/audit");
+  EXPECT_TRUE(json["aliases"].is_array());
+  EXPECT_TRUE(json["ties"].is_array());
+  ASSERT_FALSE(json["weak"].empty()) << "35 features in view at either keyframe";
+  EXPECT_EQ(json["weak"][0]["first"]["id"], 1);
+  EXPECT_NE(json["weak"][0]["advice"], "");
+  EXPECT_EQ(GetJson("/v1/maps/lab/audit"), json) << "the same when asked again";
+}
+
+TEST_F(MapServiceTest, DebugIsASwitch) {
+  EXPECT_EQ(Post("image/jpeg", "no image", "true").status, 200);
+  const HttpResponse bad = Post("image/jpeg", "no image", "perhaps");
+  EXPECT_EQ(bad.status, 400);
+  EXPECT_NE(bad.body.find("debug=perhaps"), std::string::npos);
 }
 
 TEST_F(MapServiceTest, ListsMaps) {
@@ -168,14 +201,48 @@ TEST_F(MapServiceTest, BytesThatAreNoImageAreAnAnswer) {
 }
 
 TEST_F(MapServiceTest, TakesImagesByTheirTypeAlone) {
-  for (const char* type :
-       {"", "image/png", "IMAGE/JPEG", "application/octet-stream", "image/jpeg; charset=x",
-        "application/x-www-form-urlencoded"}) {
+  for (const char* type : {"", "image/png", "IMAGE/JPEG", "application/octet-stream",
+                           "image/jpeg; charset=x", "application/x-www-form-urlencoded"}) {
     EXPECT_EQ(Post(type, "x").status, 200) << type;
   }
-  for (const char* type : {"text/plain", "multipart/form-data", "imagine/jpeg", "application/json"}) {
+  for (const char* type : {"text/plain", "multipart/mixed", "imagine/jpeg", "text/json"}) {
     EXPECT_EQ(Post(type, "x").status, 415) << type;
   }
+}
+
+TEST_F(MapServiceTest, PagesFeaturesAndViews) {
+  const Json features = GetJson("/v1/maps/lab/planes/2/features", {{"limit", "4"}});
+  EXPECT_EQ(features["features"].size(), 4u);
+  EXPECT_EQ(GetJson("/v1/maps/lab/planes/2/features", {{"cursor", features["next"]}})["features"],
+            Json({GetJson("/v1/maps/lab/planes/2")["features"][4]}));
+  EXPECT_EQ(GetJson("/v1/maps/lab/planes/2/views")["views"][1]["keyframe"], 2);
+  EXPECT_EQ(Get("/v1/maps/lab/planes/99/views").status, 404);
+}
+
+TEST_F(MapServiceTest, ShowsTheAudit) {
+  const Json audit = GetJson("/v1/maps/lab/audit");
+  EXPECT_TRUE(audit["weak"].is_array());
+  EXPECT_EQ(GetJson("/v1/maps/lab/audit"), audit);
+}
+
+TEST_F(MapServiceTest, GraphForOtherPrograms) {
+  const HttpResponse graphml = Get("/v1/maps/lab/graph", {{"format", "graphml"}});
+  EXPECT_EQ(graphml.content_type, "application/xml");
+  EXPECT_NE(graphml.body.find("<edge source=\"p6\" target=\"p7\">"), std::string::npos);
+  EXPECT_NE(Get("/v1/maps/lab/graph", {{"format", "dot"}}).body.find("p6 -- p7"),
+            std::string::npos);
+  EXPECT_EQ(Get("/v1/maps/lab/graph", {{"format", "svg"}}).status, 400);
+  // What needs metric poses isn't made up.
+  for (const char* format : {"g2o", "geojson", "ply", "tum", "colmap", "poses"}) {
+    EXPECT_EQ(Get("/v1/maps/lab/graph", {{"format", format}}).status, 422) << format;
+  }
+}
+
+TEST_F(MapServiceTest, WidthsAreChecked) {
+  for (const char* width : {"-1", "x", "4097", "1.5", ""}) {
+    EXPECT_EQ(Get("/v1/maps/lab/keyframes/1/image", {{"width", width}}).status, 400) << width;
+  }
+  EXPECT_EQ(Get("/v1/maps/lab/keyframes/2/thumbnail").status, 404);
 }
 
 TEST(ServiceOptions, OutOfRangeIsRefused) {

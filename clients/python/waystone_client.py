@@ -1,0 +1,514 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Asks a Waystone server where photos were taken. One file, Python 3.11, nothing but its library.
+
+    from waystone_client import Client
+    answer = Client("http://127.0.0.1:8080").localize("photo.jpg", map="lab")
+
+`Client` blocks, `AsyncClient` is awaited; both may be shared by threads, as each request has a
+connection of its own. Whatever fails raises `WaystoneError`; "not in this map" is an answer.
+As a program: waystone-localize --help. The fields are those of clients/openapi.yaml.
+"""
+import argparse
+import asyncio
+import dataclasses
+import email.utils
+import http.client
+import json
+import os
+import secrets
+import sys
+import time
+import urllib.parse
+from collections.abc import Iterator, Sequence
+from typing import Any, Literal, NotRequired, TypedDict
+
+DEFAULT_SERVER = "http://127.0.0.1:8080"
+READ_CHUNK = 1 << 16  # bytes
+MAX_ANSWER = 100 << 20  # bytes; a server doesn't send more
+DEFAULT_RETRY_S = 1.0  # wait after a 429 that doesn't say how long
+
+
+# ------------------------------------------------------------------------------ answers and errors
+
+
+class WaystoneError(Exception):
+    """What went wrong: the server's problem (RFC 9457), or that it couldn't be asked.
+
+    `code` is the stable name of clients/openapi.yaml ("busy", "not_found", ...), "unreachable" or
+    "timeout" when no answer came, "bad_answer" when it isn't one of Waystone's, "unreadable_photo"
+    for a file. `status` is that of HTTP, 0 without one. `detail` is a line with cause and remedy.
+    """
+
+    def __init__(self, code: str, status: int, detail: str):
+        super().__init__(f"{detail} ({code})")
+        self.code = code
+        self.status = status
+        self.detail = detail
+
+
+Verdict = Literal["localized", "ambiguous", "not_in_map", "bad_image", "undecided"]
+Matrix = list[list[float]]
+
+
+class Keyframe(TypedDict):
+    """One picture of the map."""
+
+    id: int
+    sequence: str
+    source: str
+    time_s: NotRequired[float | None]
+
+
+class Heading(TypedDict):
+    """Which way the camera looks. `of` is "keyframe" or "building"."""
+
+    rad: float
+    deviation_rad: float
+    of: str
+
+
+class PlaneReference(TypedDict):
+    """The keyframe in whose picture a plane is kept."""
+
+    id: int
+    source: str
+
+
+class Plane(TypedDict):
+    """A planar region in the photo: x_reference = reference_from_query x_query, homogeneous px."""
+
+    id: int
+    inliers: int
+    reference: PlaneReference
+    reference_from_query: Matrix
+    outline: list[list[float]]
+    expect_next: list[int]
+    matches: NotRequired[list[list[float]]]
+
+
+class Place(TypedDict):
+    """A keyframe that the photo may be near."""
+
+    keyframe: Keyframe
+    probability: float
+    inliers: int
+
+
+class ShortAnswer(TypedDict):
+    """The answer of one map or for one image, named by `map` or `image`."""
+
+    map: NotRequired[str]
+    image: NotRequired[str]
+    verdict: Verdict
+    probability: float
+    keyframe: Keyframe | None
+    inliers: int
+
+
+class Answer(TypedDict):
+    """The server's answer; docs/http-api.md says when the last ones are there."""
+
+    verdict: Verdict
+    probability: float
+    image: str
+    map: str
+    map_version: str
+    keyframe: Keyframe | None
+    heading: Heading | None
+    planes: list[Plane]
+    runner_up: dict[str, Any] | None
+    decided_by: str
+    timing_ms: dict[str, float]
+    message: NotRequired[str]
+    places: NotRequired[list[Place]]
+    maps: NotRequired[list[ShortAnswer]]
+    images: NotRequired[list[ShortAnswer]]
+    candidates: NotRequired[list[Place]]
+    shortlisted: NotRequired[int]
+    tried: NotRequired[list[dict[str, Any]]]
+    stage: NotRequired[str]
+    camera: NotRequired[dict[str, Any]]
+    unused: NotRequired[list[str]]
+
+
+# --------------------------------------------------------------------------------- what is asked
+
+
+@dataclasses.dataclass(frozen=True)
+class Image:
+    """An encoded image (JPEG, PNG, ...) and its name in the answer."""
+
+    name: str
+    data: bytes
+
+
+Photo = str | os.PathLike[str] | bytes | Image  # a path, encoded bytes, or bytes with a name
+
+
+@dataclasses.dataclass(frozen=True)
+class Options:
+    """What a request may say besides its images; None leaves a field out.
+
+    The server checks the ranges and names the field at fault. The camera is told in one of three
+    ways: fx, fy, cx and cy together, `fov_deg`, or `camera`. `camera`, `prior_keyframe` and
+    `previous` are of one map.
+    """
+
+    fx: float | None = None  # focal length, px
+    fy: float | None = None  # focal length, px
+    cx: float | None = None  # principal point, px
+    cy: float | None = None  # principal point, px
+    fov_deg: float | None = None  # horizontal field of view
+    camera: str | None = None  # name of a sequence of the map whose camera took the image
+    prior_keyframe: int | None = None  # where the caller believes to be
+    previous: Answer | None = None  # the answer before this one
+    top_k: int | None = None  # 1 to 50: list that many candidates
+    debug: bool = False  # list matches and tried planes
+    deadline_ms: int | None = None  # 1 to 60000: when the answer is no use any more
+
+    def to_json(self) -> dict[str, Any]:
+        """The object that goes with the images."""
+        fields = {
+            field.name: getattr(self, field.name)
+            for field in dataclasses.fields(self)
+            if field.name not in ("prior_keyframe", "previous", "debug")
+        }
+        fields["prior"] = _prior_to_json(self.prior_keyframe)
+        fields["previous"] = _previous_to_json(self.previous) if self.previous else None
+        fields["debug"] = True if self.debug else None
+        return {name: value for name, value in fields.items() if value is not None}
+
+
+def _prior_to_json(keyframe: int | None) -> dict[str, int] | None:
+    return None if keyframe is None else {"keyframe": keyframe}
+
+
+def _previous_to_json(answer: Answer) -> dict[str, Any] | None:
+    fields: dict[str, Any] = {}
+    if keyframe := answer["keyframe"]:
+        fields["keyframe"] = keyframe["id"]
+    if heading := answer["heading"]:
+        fields["heading_rad"] = heading["rad"]
+    return fields or None
+
+
+def _image_of(photo: Photo, number: int) -> Image:
+    if isinstance(photo, Image):
+        return photo
+    if isinstance(photo, bytes):
+        return Image(f"image-{number}", photo)
+    try:
+        with open(photo, "rb") as file:
+            return Image(os.fspath(photo), file.read())
+    except OSError as error:
+        detail = f"{os.fspath(photo)}: {error.strerror}; name an image file that you may read"
+        raise WaystoneError("unreadable_photo", 0, detail) from error
+
+
+def _form_of(images: Sequence[Image], options: Options) -> tuple[bytes, str]:
+    """The body of multipart/form-data (RFC 7578) and its Content-Type."""
+    boundary = secrets.token_hex(16)
+    pieces: list[bytes] = []
+
+    def add(disposition: str, data: bytes) -> None:
+        head = f"--{boundary}\r\nContent-Disposition: form-data; {disposition}\r\n\r\n"
+        pieces.extend((head.encode("utf-8", "replace"), data, b"\r\n"))
+
+    for image in images:
+        add(f'name="image"; filename="{_quotable(image.name)}"', image.data)
+    add('name="request"', json.dumps(options.to_json()).encode())
+    pieces.append(f"--{boundary}--\r\n".encode())
+    return b"".join(pieces), f"multipart/form-data; boundary={boundary}"
+
+
+def _quotable(name: str) -> str:
+    """A name as a quoted string: without what would end its line, the rest escaped."""
+    printable = "".join(letter if letter.isprintable() else "_" for letter in name)
+    return printable.replace("\\", "\\\\").replace('"', '\\"')
+
+
+# -------------------------------------------------------------------------------------- the clients
+
+
+class Client:
+    """A server at `url`, asked with a bearer `token` where it wants one.
+
+    A call takes at most `timeout_s`, its retries and their waits included. A busy server (429) is
+    asked again `retries` times, each after the time that its Retry-After names; where that doesn't
+    fit into `timeout_s` the error comes at once. Redirects aren't followed: a token stays here.
+    """
+
+    def __init__(
+        self,
+        url: str = DEFAULT_SERVER,
+        *,
+        token: str | None = None,
+        timeout_s: float = 30.0,
+        retries: int = 3,
+    ):
+        parts = urllib.parse.urlsplit(url)
+        if parts.scheme not in ("http", "https") or not parts.hostname:
+            raise ValueError(f"{url!r} is no server; it looks like {DEFAULT_SERVER}")
+        if token is not None and not (token.isascii() and token.isprintable() and token.strip()):
+            raise ValueError("the token has letters that can't be sent; it is printable ASCII")
+        if timeout_s <= 0 or retries < 0:
+            raise ValueError("timeout_s is above 0 and retries 0 or more")
+        self._secure = parts.scheme == "https"
+        self._host, self._port, self._root = parts.hostname, parts.port, parts.path.rstrip("/")
+        self._token = token
+        self._timeout_s = timeout_s
+        self._retries = retries
+
+    def localize(
+        self,
+        photos: Photo | Sequence[Photo],
+        *,
+        map: str | None = None,  # named as the API names it
+        options: Options = Options(),
+    ) -> Answer:
+        """Where `photos` were taken: one, or a rig's, or a series in order; the surest answers.
+
+        Asks the map of this name, or all of them. Every verdict is an answer.
+        """
+        listed: Sequence[Photo]
+        listed = [photos] if isinstance(photos, str | os.PathLike | bytes | Image) else photos
+        images = [_image_of(photo, number) for number, photo in enumerate(listed, start=1)]
+        body, media = _form_of(images, options)
+        path = "/v1/localize" if map is None else f"/v1/maps/{_segment(map)}/localize"
+        answer: Answer = self._ask("POST", path, body, {"Content-Type": media})
+        return answer
+
+    def get(self, path: str, **query: str | int) -> Any:
+        """The JSON at a path of the API: get("/v1/maps/lab/graph"), get("/version")."""
+        return self._ask("GET", path + ("?" + urllib.parse.urlencode(query) if query else ""))
+
+    def rows(self, path: str, *, limit: int = 100) -> Iterator[dict[str, Any]]:
+        """All rows of a list, page after page: rows("/v1/maps/lab/planes")."""
+        query: dict[str, str | int] = {"limit": limit}
+        while True:
+            page = self.get(path, **query)
+            yield from next(rows for name, rows in page.items() if name != "next")
+            if page["next"] is None:
+                return
+            query["cursor"] = page["next"]
+
+    def maps(self) -> list[dict[str, Any]]:
+        """The maps that are served, with their numbers."""
+        return list(self.rows("/v1/maps"))
+
+    def _ask(self, method: str, path: str, body: bytes | None = None,
+             headers: dict[str, str] | None = None) -> Any:  # fmt: skip
+        end = time.monotonic() + self._timeout_s
+        # A connection that is kept open holds one of the server's.
+        headers = {"Accept": "application/json", "Connection": "close", **(headers or {})}
+        if self._token is not None:
+            headers["Authorization"] = "Bearer " + self._token
+        for attempt in range(self._retries + 1):
+            status, fields, data = self._exchange(method, self._root + path, body, headers, end)
+            if status != 429 or attempt == self._retries:
+                break
+            wait_s = _retry_after_s(fields.get("Retry-After"))
+            if time.monotonic() + wait_s >= end:
+                break
+            time.sleep(wait_s)
+        return _parsed(status, data)
+
+    def _exchange(self, method: str, path: str, body: bytes | None, headers: dict[str, str],
+                  end: float) -> tuple[int, http.client.HTTPMessage, bytes]:  # fmt: skip
+        kind = http.client.HTTPSConnection if self._secure else http.client.HTTPConnection
+        connection = kind(self._host, self._port)
+        try:
+            connection.timeout = _left_s(end)
+            connection.connect()
+            socket = connection.sock
+            socket.settimeout(_left_s(end))
+            try:
+                connection.request(method, path, body=body, headers=headers)
+            except (BrokenPipeError, ConnectionResetError):
+                pass  # it may have answered without reading everything, as with 413
+            response = connection.getresponse()
+            return response.status, response.headers, _read(response, socket, end)
+        except TimeoutError as error:
+            raise self._too_late() from error
+        except (OSError, http.client.HTTPException) as error:
+            where = f"{connection.host}:{connection.port}"
+            detail = f"no answer from {where}: {error or type(error).__name__}; does it run there?"
+            raise WaystoneError("unreachable", 0, detail) from error
+        finally:
+            connection.close()
+
+    def _too_late(self) -> WaystoneError:
+        detail = f"no answer from {self._host} within {self._timeout_s:g} s; raise the timeout"
+        return WaystoneError("timeout", 0, detail)
+
+
+class AsyncClient:
+    """`Client` for asyncio: its calls run in threads of the loop's executor.
+
+    A cancelled call's thread goes on until the server answers or the call's timeout is over.
+    """
+
+    def __init__(self, url: str = DEFAULT_SERVER, *, token: str | None = None,
+                 timeout_s: float = 30.0, retries: int = 3):  # fmt: skip
+        self._client = Client(url, token=token, timeout_s=timeout_s, retries=retries)
+
+    async def localize(
+        self,
+        photos: Photo | Sequence[Photo],
+        *,
+        map: str | None = None,
+        options: Options = Options(),
+    ) -> Answer:
+        """As Client.localize."""
+        return await asyncio.to_thread(self._client.localize, photos, map=map, options=options)
+
+    async def get(self, path: str, **query: str | int) -> Any:
+        """As Client.get."""
+        return await asyncio.to_thread(self._client.get, path, **query)
+
+    async def maps(self) -> list[dict[str, Any]]:
+        """As Client.maps."""
+        return await asyncio.to_thread(self._client.maps)
+
+
+def _read(response: http.client.HTTPResponse, socket: Any, end: float) -> bytes:
+    """The body, piece by piece, as a server that sends slowly mustn't outlive `end`."""
+    length = response.length  # None when it comes in chunks
+    data = bytearray()
+    while length is None or len(data) < length:
+        socket.settimeout(_left_s(end))
+        piece = response.read1(READ_CHUNK)
+        if not piece:
+            break
+        data += piece
+        if len(data) > MAX_ANSWER:
+            raise WaystoneError("bad_answer", response.status, "the answer has no end")
+    if length is not None and len(data) < length:
+        raise http.client.IncompleteRead(bytes(data), length - len(data))
+    return bytes(data)
+
+
+def _segment(name: str) -> str:
+    return urllib.parse.quote(name, safe="")
+
+
+def _left_s(end: float) -> float:
+    left = end - time.monotonic()
+    if left <= 0:
+        raise TimeoutError
+    return left
+
+
+def _retry_after_s(value: str | None) -> float:
+    """Seconds of a Retry-After field: a number, or a date (RFC 9110, 10.2.3)."""
+    if value is None:
+        return DEFAULT_RETRY_S
+    if value.strip().isdecimal():
+        return float(value)
+    try:
+        return max(0.0, email.utils.parsedate_to_datetime(value).timestamp() - time.time())
+    except ValueError:
+        return DEFAULT_RETRY_S
+
+
+def _parsed(status: int, data: bytes) -> Any:
+    try:
+        value = json.loads(data)
+    except ValueError as error:
+        raise _not_ours(status) from error
+    if status == 200:
+        return value
+    if not isinstance(value, dict) or not {"code", "detail"} <= value.keys():
+        raise _not_ours(status)
+    raise WaystoneError(str(value["code"]), status, str(value["detail"]))
+
+
+def _not_ours(status: int) -> WaystoneError:
+    detail = f"status {status} without Waystone's JSON; is the address that of waystone serve?"
+    return WaystoneError("bad_answer", status, detail)
+
+
+# -------------------------------------------------------------------------------------- the program
+
+
+def _arguments() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="waystone-localize",
+        description="Say where photos were taken, by a Waystone server.",
+        epilog="Exits with 0 when every photo was answered, 2 when the command line makes no "
+        "sense, 3 when a photo or the server can't be used. "
+        "Example: waystone-localize --map lab photo.jpg --json",
+    )
+    add = parser.add_argument
+    add("photos", nargs="+", help="image files")
+    add("--server", default=DEFAULT_SERVER, metavar="URL", help="default: %(default)s")
+    add("--map", metavar="NAME", help="ask this map instead of all")
+    add("--token-file", metavar="FILE", help="its first line is the token; else $WAYSTONE_TOKEN")
+    add("--together", action="store_true", help="one question: a rig's photos, or a series")
+    add("--timeout", type=float, default=30.0, metavar="S", help="seconds a photo (%(default)s)")
+    add("--retries", type=int, default=3, metavar="N", help="when it is busy (%(default)s)")
+    add("--json", action="store_true", help="one JSON object an answer, as the server gives it")
+    for name in ("fx", "fy", "cx", "cy"):
+        add("--" + name, type=float, metavar="PX", help="the camera's intrinsics, all four")
+    add("--fov-deg", type=float, metavar="DEG", help="the camera's horizontal field of view")
+    add("--camera", metavar="NAME", help="the camera of this sequence of the map")
+    add("--prior-keyframe", type=int, metavar="ID", help="where you believe to be")
+    add("--top-k", type=int, metavar="N", help="list that many candidates")
+    add("--debug", action="store_true", help="list matches and the planes that were tried")
+    add("--deadline-ms", type=int, metavar="MS", help="when the answer is no use any more")
+    return parser
+
+
+def _token(path: str | None) -> str | None:
+    if path is None:
+        return os.environ.get("WAYSTONE_TOKEN") or None
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.readline().strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ValueError(f"the token file {path} can't be read: {error}") from error
+
+
+def _line(answer: Answer) -> str:
+    """ "q.jpg: localized in lab near rgb/000120.jpg (plane 3, 143 inliers, 69 ms)" """
+    line = f"{answer['image']}: {answer['verdict']}"
+    facts = [f"{answer['timing_ms']['total']:.0f} ms"]
+    if answer["verdict"] == "localized":
+        line += f" in {answer['map']}"
+        if keyframe := answer["keyframe"]:
+            line += f" near {keyframe['source']}"
+        if planes := answer["planes"]:
+            facts = [f"plane {planes[0]['id']}", f"{planes[0]['inliers']} inliers"] + facts
+    elif message := answer.get("message"):
+        line += f": {message}"
+    return f"{line} ({', '.join(facts)})"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The program waystone-localize. Returns its exit code."""
+    flags = _arguments().parse_args(arguments)
+    names = [field.name for field in dataclasses.fields(Options) if field.name != "previous"]
+    options = Options(**{name: getattr(flags, name) for name in names})
+    try:
+        client = Client(flags.server, token=_token(flags.token_file), timeout_s=flags.timeout,
+                        retries=flags.retries)  # fmt: skip
+    except ValueError as error:
+        print(f"waystone-localize: {error}", file=sys.stderr)
+        return 2
+    code = 0
+    for photos in [flags.photos] if flags.together else [[photo] for photo in flags.photos]:
+        try:
+            answer = client.localize(photos, map=flags.map, options=options)
+        except WaystoneError as error:
+            print(f"waystone-localize: {error}", file=sys.stderr)
+            code = 3
+            continue
+        print(json.dumps(answer) if flags.json else _line(answer), flush=True)
+        if answer["verdict"] == "bad_image":
+            code = 3
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

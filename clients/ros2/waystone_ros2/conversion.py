@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From ROS images to what the server reads, and from its answer to a pose. Plain Python, no ROS.
+
+What a map of planes gives, and what it can't give:
+
+- The place: the keyframe near which the photo was taken. The pose is that of the camera in a frame
+  of this keyframe's, "MAP/keyframe_ID", at its origin. Whoever has poses of the keyframes publishes
+  them as static transforms.
+- No distance from the keyframe: homographies between uncalibrated images have no scale. The
+  position's covariance is what the options say, and unknown unless they do.
+- A heading only where the answer has one. Without it, and always for roll and pitch, the angle is
+  unknown: its variance is that of an angle which is equally likely everywhere, pi^2 / 3.
+"""
+import dataclasses
+import math
+from collections.abc import Mapping
+from typing import Any
+
+UNKNOWN_ANGLE_VARIANCE = math.pi**2 / 3  # rad^2, of a uniform angle in (-pi, pi]
+
+
+class ConversionError(Exception):
+    """An image that can't be sent; one line with cause and remedy."""
+
+
+@dataclasses.dataclass(frozen=True)
+class PoseOptions:
+    """How sure a position is. Smaller deviations pull a filter harder towards the keyframe."""
+
+    # Standard deviation of the camera's distance from the keyframe along each axis, m, above 0.
+    # It is a property of the place (how far away its walls are recognised), so only its operator
+    # can say; None says unknown.
+    position_deviation_m: float | None = None
+    # Standard deviation that stands for "unknown", m, above 0: larger than the map, small enough
+    # that filters can invert the covariance.
+    unknown_deviation_m: float = 1000.0
+
+    def __post_init__(self) -> None:
+        for name in ("position_deviation_m", "unknown_deviation_m"):
+            value = getattr(self, name)
+            if value is not None and not 0 < value < math.inf:
+                raise ValueError(f"{name} is {value}; it is a length above 0 in m")
+
+
+@dataclasses.dataclass(frozen=True)
+class Pose:
+    """The camera's pose in `frame_id`, as geometry_msgs/PoseWithCovariance has it."""
+
+    frame_id: str
+    position: tuple[float, float, float]  # x, y, z, m
+    orientation: tuple[float, float, float, float]  # quaternion x, y, z, w: the heading about z
+    covariance: tuple[float, ...]  # 6 x 6 by rows: x, y, z, and rotations about x, y, z
+    position_known: bool  # whether the covariance's first half is more than "unknown"
+    heading_known: bool  # whether the answer had a heading
+
+
+def pose_of(answer: Mapping[str, Any], options: PoseOptions = PoseOptions()) -> Pose | None:
+    """The pose of a server's answer; None unless its verdict is "localized" and names a keyframe.
+
+    A heading turns counter-clockwise seen from above (REP 103). One "of" the building is in the
+    frame "MAP/building", where nothing is known of the position.
+    """
+    keyframe = answer["keyframe"]
+    if answer["verdict"] != "localized" or keyframe is None:
+        return None
+    heading = answer["heading"]
+    in_building = heading is not None and heading["of"] == "building"
+    frame = "building" if in_building else f"keyframe_{keyframe['id']}"
+    known_m = None if in_building else options.position_deviation_m
+    deviation_m = options.unknown_deviation_m if known_m is None else known_m
+    yaw_rad = heading["rad"] if heading else 0.0
+    return Pose(
+        frame_id=f"{answer['map']}/{frame}",
+        position=(0.0, 0.0, 0.0),
+        orientation=(0.0, 0.0, math.sin(yaw_rad / 2), math.cos(yaw_rad / 2)),
+        covariance=_diagonal([deviation_m**2] * 3 + [UNKNOWN_ANGLE_VARIANCE] * 2
+                             + [_yaw_variance(heading)]),  # fmt: skip
+        position_known=known_m is not None,
+        heading_known=heading is not None,
+    )
+
+
+def _yaw_variance(heading: Mapping[str, Any] | None) -> float:
+    if heading is None:
+        return UNKNOWN_ANGLE_VARIANCE
+    return min(float(heading["deviation_rad"]) ** 2, UNKNOWN_ANGLE_VARIANCE)
+
+
+def _diagonal(variances: list[float]) -> tuple[float, ...]:
+    size = len(variances)
+    return tuple(variances[i // size] if i % (size + 1) == 0 else 0.0 for i in range(size**2))
+
+
+# sensor_msgs/Image encodings: channels, and in which order they are red, green and blue (or grey).
+_ENCODINGS: dict[str, tuple[int, tuple[int, ...]]] = {
+    "mono8": (1, (0,)),
+    "8UC1": (1, (0,)),
+    "rgb8": (3, (0, 1, 2)),
+    "bgr8": (3, (2, 1, 0)),
+    "8UC3": (3, (2, 1, 0)),
+    "rgba8": (4, (0, 1, 2)),
+    "bgra8": (4, (2, 1, 0)),
+}
+
+
+def pnm_of_image(image: Any) -> bytes:
+    """A sensor_msgs/Image of 8 bits a channel as PGM or PPM, which need no compression here."""
+    if image.encoding not in _ENCODINGS:
+        names = ", ".join(_ENCODINGS)
+        detail = f"encoding {image.encoding!r} can't be sent; republish as one of {names}"
+        raise ConversionError(detail + ", or as compressed")
+    channels, order = _ENCODINGS[image.encoding]
+    row_bytes = image.width * channels
+    data = bytes(image.data)
+    if not row_bytes or image.step < row_bytes or len(data) < image.step * image.height:
+        raise ConversionError(
+            f"{image.width}x{image.height} {image.encoding} with step {image.step} doesn't fit "
+            f"{len(data)} bytes; the camera driver is at fault"
+        )
+    # Rows may end with padding.
+    rows = (data[y * image.step : y * image.step + row_bytes] for y in range(image.height))
+    magic = "P5" if len(order) == 1 else "P6"
+    header = f"{magic}\n{image.width} {image.height}\n255\n"
+    return header.encode() + _reordered(b"".join(rows), channels, order)
+
+
+def bytes_of_compressed(image: Any) -> bytes:
+    """The bytes of a sensor_msgs/CompressedImage, which the server decodes."""
+    if "compressedDepth" in image.format:
+        raise ConversionError(f"format {image.format!r} is depth; subscribe to the colour image")
+    return bytes(image.data)
+
+
+def _reordered(pixels: bytes, channels: int, order: tuple[int, ...]) -> bytes:
+    if order == tuple(range(channels)):
+        return pixels
+    out = bytearray(len(pixels) // channels * len(order))
+    for to, source in enumerate(order):
+        out[to :: len(order)] = pixels[source::channels]
+    return bytes(out)

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The node waystone: images in, a pose out when the server knows the place. See README.md."""
+import json
+
+import rclpy
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.node import Node
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import CompressedImage
+from sensor_msgs.msg import Image as RawImage
+from std_msgs.msg import String
+from waystone_client import Client, Image, Options, WaystoneError
+
+from waystone_ros2.conversion import (
+    ConversionError,
+    Pose,
+    PoseOptions,
+    bytes_of_compressed,
+    pnm_of_image,
+    pose_of,
+)
+
+QUIET_S = 5.0  # between two warnings
+
+# Cameras send as they can; only the newest image is worth a question.
+NEWEST = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT
+)
+
+
+class WaystoneNode(Node):
+    """Asks for one image at a time. Those that come meanwhile are dropped but for the newest."""
+
+    def __init__(self):
+        super().__init__("waystone")
+        value = {name: self.declare_parameter(name, default).value for name, default in (
+            ("server", "http://127.0.0.1:8080"), ("map", ""), ("token_file", ""),
+            ("timeout_s", 2.0), ("fov_deg", 0.0), ("compressed", True),
+            ("position_deviation_m", 0.0))}  # fmt: skip
+        # No retries: the next image is younger than this one would be.
+        self._client = Client(value["server"], token=_token(value["token_file"]),
+                              timeout_s=value["timeout_s"], retries=0)  # fmt: skip
+        self._map = value["map"] or None
+        self._options = Options(fov_deg=value["fov_deg"] or None)
+        self._pose_options = PoseOptions(position_deviation_m=value["position_deviation_m"] or None)
+        self._pose = self.create_publisher(PoseWithCovarianceStamped, "~/pose", 1)
+        self._answer = self.create_publisher(String, "~/answer", 1)
+        if value["compressed"]:
+            kind, topic, callback = CompressedImage, "image/compressed", self._on_compressed
+        else:
+            kind, topic, callback = RawImage, "image", self._on_raw
+        self.create_subscription(kind, topic, callback, NEWEST)
+
+    def _on_compressed(self, message):
+        self._ask(message.header, bytes_of_compressed, message)
+
+    def _on_raw(self, message):
+        self._ask(message.header, pnm_of_image, message)
+
+    def _ask(self, header, convert, message):
+        name = f"{header.stamp.sec}.{header.stamp.nanosec:09d}"
+        try:
+            photo = Image(name, convert(message))
+            answer = self._client.localize(photo, map=self._map, options=self._options)
+        except (ConversionError, WaystoneError) as error:
+            self.get_logger().warning(str(error), throttle_duration_sec=QUIET_S)
+            return
+        pose = pose_of(answer, self._pose_options)
+        if pose is None:
+            return
+        self._pose.publish(_message_of(pose, header.stamp))
+        self._answer.publish(String(data=json.dumps(answer)))
+
+
+def _message_of(pose: Pose, stamp):
+    message = PoseWithCovarianceStamped()
+    message.header.stamp = stamp
+    message.header.frame_id = pose.frame_id
+    position, orientation = message.pose.pose.position, message.pose.pose.orientation
+    position.x, position.y, position.z = pose.position
+    orientation.x, orientation.y, orientation.z, orientation.w = pose.orientation
+    message.pose.covariance = list(pose.covariance)
+    return message
+
+
+def _token(path):
+    if not path:
+        return None
+    with open(path, encoding="utf-8") as file:
+        return file.readline().strip()
+
+
+def main():
+    """The program of `ros2 run waystone_ros2 waystone`."""
+    rclpy.init()
+    node = WaystoneNode()
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/body_parts.h"
+
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <cctype>
+#include <optional>
+
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+constexpr size_t kMaxBoundary = 70;         // characters, RFC 2046
+constexpr size_t kMaxPartHeaders = 4096;    // bytes of one part's headers
+constexpr size_t kMaxDataUrlPrefix = 100;   // bytes of "data:image/jpeg;base64,"
+constexpr size_t kMaxDecodable = 1U << 30;  // OpenSSL counts in int
+
+[[noreturn]] void Refuse(const std::string& cause) {
+  throw MapError(ErrorCode::kBadRequest, cause);
+}
+
+std::string Lower(std::string_view text) {
+  std::string lower;
+  for (const char c : text) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower;
+}
+
+// The value of `name` among parameters like `form-data; name="image"; filename=a.jpg`.
+std::optional<std::string> Parameter(std::string_view text, const std::string& name) {
+  size_t at = text.find(';');
+  while (at != std::string_view::npos) {
+    ++at;
+    while (at < text.size() && text[at] == ' ') ++at;
+    const size_t equals = text.find('=', at);
+    if (equals == std::string_view::npos) return std::nullopt;
+    const std::string key = Lower(text.substr(at, equals - at));
+    std::string value;
+    at = equals + 1;
+    if (at < text.size() && text[at] == '"') {
+      for (++at; at < text.size() && text[at] != '"'; ++at) {
+        if (text[at] == '\\' && at + 1 < text.size()) ++at;
+        value += text[at];
+      }
+    } else {
+      for (; at < text.size() && text[at] != ';' && text[at] != ' '; ++at) value += text[at];
+    }
+    if (key == name) return value;
+    at = text.find(';', at);
+  }
+  return std::nullopt;
+}
+
+std::string BoundaryOf(const std::string& content_type) {
+  const std::string boundary = Parameter(content_type, "boundary").value_or("");
+  if (boundary.empty() || boundary.size() > kMaxBoundary) {
+    Refuse("multipart/form-data without a boundary; let your HTTP library write the header");
+  }
+  return boundary;
+}
+
+// A part from its headers on, up to the next boundary.
+BodyPart ParsePart(std::string_view text) {
+  const size_t end = text.starts_with("\r\n") ? 0 : text.find("\r\n\r\n");
+  if (end == std::string_view::npos || end > kMaxPartHeaders) {
+    Refuse("a part of the form has no headers; each needs Content-Disposition");
+  }
+  BodyPart part;
+  std::string_view headers = text.substr(0, end);
+  part.bytes = text.substr(end == 0 ? 2 : end + 4);
+  while (!headers.empty()) {
+    const size_t line_end = std::min(headers.find("\r\n"), headers.size());
+    const std::string_view line = headers.substr(0, line_end);
+    headers.remove_prefix(std::min(headers.size(), line_end + 2));
+    if (!Lower(line.substr(0, 20)).starts_with("content-disposition:")) continue;
+    part.name = Parameter(line, "name").value_or("");
+    part.filename = Parameter(line, "filename").value_or("");
+  }
+  if (part.name.empty()) Refuse("a part of the form has no name; call it 'image' or 'request'");
+  return part;
+}
+
+}  // namespace
+
+std::string MediaTypeOf(const std::string& content_type) {
+  return Lower(content_type.substr(0, content_type.find_first_of("; ")));
+}
+
+std::vector<BodyPart> ParseMultipart(std::string_view body, const std::string& content_type,
+                                     size_t max_parts) {
+  const std::string delimiter = "--" + BoundaryOf(content_type);
+  if (!body.starts_with(delimiter)) Refuse("the form doesn't begin with its boundary");
+  const std::string next = "\r\n" + delimiter;
+  std::vector<BodyPart> parts;
+  size_t at = delimiter.size();
+  while (!body.substr(at).starts_with("--")) {
+    if (!body.substr(at).starts_with("\r\n")) Refuse("the form has a line beside its boundary");
+    const size_t end = body.find(next, at);
+    if (end == std::string_view::npos) Refuse("the form ends before its last boundary");
+    if (parts.size() == max_parts) {
+      Refuse("the form has over " + std::to_string(max_parts) + " parts; send fewer images");
+    }
+    // Of an empty part the blank line's end is the boundary's beginning.
+    const size_t begin = std::min(at + 2, end);
+    parts.push_back(ParsePart(body.substr(begin, end - begin)));
+    at = end + next.size();
+  }
+  return parts;
+}
+
+std::string DecodeBase64(std::string_view text) {
+  if (text.starts_with("data:")) {
+    const size_t comma = text.substr(0, kMaxDataUrlPrefix).find(";base64,");
+    if (comma == std::string_view::npos) Refuse("the data: URL is not base64");
+    text.remove_prefix(comma + 8);
+  }
+  if (text.size() % 4 != 0 || text.size() > kMaxDecodable) {
+    Refuse("base64 of " + std::to_string(text.size()) +
+           " characters, which is no multiple of 4; keep its padding and leave out line breaks");
+  }
+  const size_t padding = text.ends_with("==") ? 2 : text.ends_with("=") ? 1 : 0;
+  const std::string_view digits = text.substr(0, text.size() - padding);
+  for (const char c : digits) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '+' && c != '/') {
+      Refuse("the image's data is not base64: it has characters other than A-Z a-z 0-9 + /");
+    }
+  }
+  std::string bytes(text.size() / 4 * 3, '\0');
+  const int count = EVP_DecodeBlock(reinterpret_cast<unsigned char*>(bytes.data()),
+                                    reinterpret_cast<const unsigned char*>(text.data()),
+                                    static_cast<int>(text.size()));
+  if (count < 0) Refuse("the image's data is not base64");
+  bytes.resize(bytes.size() - padding);
+  return bytes;
+}
+
+}  // namespace waystone

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/localize_service.h"
+
+#include <chrono>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "core/base/error.h"
+#include "server/http/request_answer.h"
+#include "server/http/responses.h"
+
+namespace waystone {
+namespace {
+
+// The camera of the request's best image; nothing without one or for bytes that are no image, whose
+// answer says so.
+std::optional<Camera> CheckedCamera(const LocalizeRequest& request, const ServedMap& map) {
+  const bool given = request.intrinsics || request.fov_rad || request.stored_camera;
+  if (!given) return std::nullopt;
+  const std::string& bytes = request.images.front().bytes;
+  try {
+    const ImageHeader header =
+        ReadImageHeader(std::span(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()));
+    return CameraOf(request, map.index().map(), header);
+  } catch (const MapError& error) {
+    if (error.code() != ErrorCode::kBadImage) throw;
+    return std::nullopt;
+  }
+}
+
+void RefuseMapsOwn(const LocalizeRequest& request) {
+  if (request.prior_keyframe || !request.previous.is_null() || request.stored_camera) {
+    throw MapError(ErrorCode::kBadRequest,
+                   "camera, prior and previous are of one map; ask /v1/maps/{map}/localize");
+  }
+}
+
+void CheckPrior(const LocalizeRequest& request, const MapIndex& index) {
+  if (!request.prior_keyframe || index.FindKeyframe(KeyframeId{*request.prior_keyframe})) return;
+  throw MapError(ErrorCode::kBadRequest,
+                 "prior: the map has no keyframe " + std::to_string(*request.prior_keyframe));
+}
+
+}  // namespace
+
+void LocalizeService::AddTo(Router& router) {
+  router.Add("POST", "/v1/maps/{map}/localize",
+             [this](const HttpRequest& http, const Router::Captures& captures) {
+               return Answer(http, {catalog_.Find(captures.at("map"))}, false);
+             });
+  router.Add("POST", "/v1/localize", [this](const HttpRequest& http, const Router::Captures&) {
+    ServedMaps maps;
+    for (const auto& [name, map] : *catalog_.Now()) maps.push_back(map);
+    if (maps.empty()) throw MapError(ErrorCode::kNotReady, "no map is served");
+    return Answer(http, maps, true);
+  });
+}
+
+HttpResponse LocalizeService::Answer(const HttpRequest& http, const ServedMaps& maps, bool across) {
+  const LocalizeRequest request = ReadLocalizeRequest(http, limits_);
+  if (across) {
+    RefuseMapsOwn(request);
+  } else {
+    CheckPrior(request, maps.front()->index());
+  }
+  const std::optional<Camera> camera = CheckedCamera(request, *maps.front());
+  LocalizeOptions options = options_;
+  options.explain = request.debug;
+  if (request.deadline_ms) {
+    options.deadline =
+        std::chrono::steady_clock::now() + std::chrono::milliseconds(*request.deadline_ms);
+  }
+  RequestAnswer answer;
+  {
+    const std::optional<QueryGate::Turn> turn = gate_.Enter(options.deadline);
+    answer = turn ? AnswerRequest(request, maps, options) : LateAnswer(request, maps);
+  }
+  metrics_.CountAnswer(OverallAnswer(answer));
+  const Json json = ToJson(request, answer, across, camera);
+  if (log_) log_->Add(http.id, across ? Json(nullptr) : Json(maps.front()->name()), request, json);
+  return JsonResponse(json);
+}
+
+}  // namespace waystone

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "localizer/options.h"
+#include "server/http/localize_request.h"
+#include "server/http/map_catalog.h"
+#include "server/http/metrics.h"
+#include "server/http/query_gate.h"
+#include "server/http/query_log.h"
+#include "server/http/router.h"
+
+namespace waystone {
+
+// The queries over HTTP: POST /v1/maps/{map}/localize and POST /v1/localize. A handler reads and
+// parses the whole body first, so that a slow client holds no query's turn, then waits for its
+// turn, asks the localizer and renders. Thread-safe.
+class LocalizeService {
+ public:
+  // All but the options must outlive the service; `log` may be null.
+  LocalizeService(const MapCatalog& catalog, QueryGate& gate, Metrics& metrics, QueryLog* log,
+                  const LocalizeOptions& options, const RequestLimits& limits)
+      : catalog_(catalog),
+        gate_(gate),
+        metrics_(metrics),
+        log_(log),
+        options_(options),
+        limits_(limits) {}
+
+  // Adds the routes. The service must outlive the router's last request.
+  void AddTo(Router& router);
+
+ private:
+  HttpResponse Answer(const HttpRequest& http,
+                      const std::vector<std::shared_ptr<const ServedMap>>& maps, bool across);
+
+  const MapCatalog& catalog_;
+  QueryGate& gate_;
+  Metrics& metrics_;
+  QueryLog* log_;
+  LocalizeOptions options_;
+  RequestLimits limits_;
+};
+
+}  // namespace waystone

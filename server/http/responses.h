@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "server/http/json.h"
+#include "server/http/message.h"
+
+namespace waystone {
+
+// 200 with one line of JSON.
+inline HttpResponse JsonResponse(const Json& json) {
+  return {200, "application/json", Dump(json) + "\n", {}};
+}
+
+// The value of a query parameter; `fallback` when it isn't there.
+inline std::string ParameterOf(const HttpRequest& request, const std::string& name,
+                               const std::string& fallback) {
+  const auto it = request.query.find(name);
+  return it == request.query.end() ? fallback : it->second;
+}
+
+}  // namespace waystone

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/http/router.h"
+
+namespace waystone {
+
+// Adds the routes of the page: "/" and each of its files. They are sent compressed to who takes
+// gzip, with an ETag of their bytes and a policy that allows this origin alone.
+void AddWebPage(Router& router);
+
+}  // namespace waystone

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// View: drop a photo, see where it was taken.
+import { useEffect, useState } from "preact/hooks";
+import { type Answer, localize, mapPath } from "./api";
+import { colourOf } from "./colours";
+import { Overlay, type Shape } from "./figure";
+import { MatchFigure } from "./match_figure";
+import type { Query, ViewProps } from "./main";
+import { Facts, Failure, KeyframeLink, PlaneLink, PlaneLinks, Swatch } from "./parts";
+import { href } from "./route";
+import { sure, verdictInWords } from "./words";
+
+function curlLine(map: string): string {
+  return `curl --data-binary @photo.jpg -H 'Content-Type: image/jpeg' ${location.origin}${mapPath(map)}/localize`;
+}
+
+function Curl({ map }: { map: string }) {
+  const [copied, setCopied] = useState(false);
+  const line = curlLine(map);
+  const copy = () =>
+    navigator.clipboard?.writeText(line).then(() => setCopied(true), () => setCopied(false));
+  return (
+    <section class="curl">
+      <h2>The same from a terminal</h2>
+      <pre tabIndex={0} aria-label="curl command">{line}</pre>
+      {navigator.clipboard && <button onClick={copy}>{copied ? "Copied" : "Copy"}</button>}
+    </section>
+  );
+}
+
+function Chooser({ choose, busy }: { choose: (photo: File) => void; busy: boolean }) {
+  const [over, setOver] = useState(false);
+  const take = (event: Event) => {
+    const input = event.target as HTMLInputElement;
+    if (input.files?.[0]) choose(input.files[0]);
+    input.value = "";
+  };
+  const drop = (event: DragEvent) => {
+    event.preventDefault();
+    setOver(false);
+    const file = event.dataTransfer?.files[0];
+    if (file) choose(file);
+  };
+  const drag = (event: DragEvent) => {
+    event.preventDefault();
+    setOver(true);
+  };
+  return (
+    <div
+      class={over ? "chooser over" : "chooser"}
+      onDragOver={drag}
+      onDragLeave={() => setOver(false)}
+      onDrop={drop}
+    >
+      <p>{busy ? "Asking …" : "Drop a photo here, or"}</p>
+      <label class="button">
+        <input type="file" accept="image/*" onChange={take} />
+        Choose a photo
+      </label>
+      <label class="button camera">
+        <input type="file" accept="image/*" capture="environment" onChange={take} />
+        Take one
+      </label>
+    </div>
+  );
+}
+
+const kStages = ["decode", "extract", "shortlist", "verify"] as const;
+
+function Timing({ answer }: { answer: Answer }) {
+  const parts = kStages.map((stage) => `${stage} ${answer.timing_ms[stage].toFixed(1)}`);
+  return <>{answer.timing_ms.total.toFixed(1)} ms <small>({parts.join(", ")})</small></>;
+}
+
+function Numbers({ map, answer }: { map: string; answer: Answer }) {
+  const runnerUp = answer.runner_up;
+  return (
+    <Facts
+      rows={[
+        ["Sure", answer.verdict === "bad_image" ? "–" : sure(answer.probability)],
+        ["Nearest keyframe", answer.keyframe
+          ? <><KeyframeLink map={map} id={answer.keyframe.id} /> <small>{answer.keyframe.source}</small></>
+          : "–"],
+        ["Runner-up", runnerUp
+          ? <>keyframe <KeyframeLink map={map} id={runnerUp.keyframe.id} />, {sure(runnerUp.probability)}</>
+          : "none"],
+        ["Time", <Timing answer={answer} />],
+      ]}
+    />
+  );
+}
+
+function Verdict({ map, query }: { map: string; query: Query }) {
+  const { answer } = query;
+  return (
+    <div class={`verdict ${answer.verdict}`} role="status">
+      <h2>{verdictInWords(answer)}</h2>
+      <p>
+        {answer.verdict === "localized"
+          ? <>{answer.keyframe?.source} of {answer.keyframe?.sequence}, {sure(answer.probability)} sure.</>
+          : answer.message}{" "}
+        {answer.verdict !== "bad_image" && <a href={href(map, "why")}>Why?</a>}
+      </p>
+      {answer.places && (
+        <ul>
+          {answer.places.map((place) => (
+            <li key={place.keyframe.id}>
+              keyframe <KeyframeLink map={map} id={place.keyframe.id} />, {place.inliers} inliers
+            </li>
+          ))}
+        </ul>
+      )}
+    </div>
+  );
+}
+
+function Planes(props: {
+  map: string;
+  answer: Answer;
+  selected: number;
+  select: (id: number) => void;
+}) {
+  return (
+    <div class="scroll" tabIndex={0} role="region" aria-label="Planes in the photo">
+      <table>
+        <caption>Planes in the photo; choose one to see its matches</caption>
+        <thead>
+          <tr>
+            <th>Show</th><th>Plane</th><th class="number">Inliers</th><th>Found on</th><th>Next to it</th>
+          </tr>
+        </thead>
+        <tbody>
+          {props.answer.planes.map((plane, i) => (
+            <tr key={plane.id} class={plane.id === props.selected ? "selected" : ""}>
+              <td>
+                <input
+                  type="radio"
+                  name="plane"
+                  aria-label={`show plane ${plane.id}`}
+                  checked={plane.id === props.selected}
+                  onChange={() => props.select(plane.id)}
+                />
+              </td>
+              <td><Swatch colour={colourOf(i)} /><PlaneLink map={props.map} id={plane.id} /></td>
+              <td class="number">{plane.inliers}</td>
+              <td><KeyframeLink map={props.map} id={plane.reference.id} /></td>
+              <td><PlaneLinks map={props.map} ids={plane.expect_next.slice(0, 6)} /></td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function Found({ map, query }: { map: string; query: Query }) {
+  const { answer } = query;
+  const [selected, setSelected] = useState(answer.planes[0]?.id ?? 0);
+  useEffect(() => setSelected(answer.planes[0]?.id ?? 0), [answer]);
+  const why = answer.explanation;
+  if (!why) return null;
+  const shapes: Shape[] = answer.planes.map((plane, i) => ({
+    points: plane.outline,
+    colour: colourOf(i),
+    label: `${plane.id}`,
+    faint: plane.id !== selected,
+  }));
+  const candidate = why.candidates.find((c) => c.plane === selected);
+  if (!candidate) {
+    const picture = { src: query.photo, alt: "the photo", ...why.image };
+    return <Overlay picture={picture} shapes={[]} />;
+  }
+  const index = answer.planes.findIndex((p) => p.id === selected);
+  return (
+    <>
+      <MatchFigure
+        map={map}
+        query={query}
+        candidate={candidate}
+        shapes={shapes}
+        colour={colourOf(index)}
+      />
+      <Planes map={map} answer={answer} selected={selected} select={setSelected} />
+    </>
+  );
+}
+
+export function AskView({ map, query, setQuery }: ViewProps) {
+  const [busy, setBusy] = useState(false);
+  const [error, setError] = useState<string | null>(null);
+  const choose = async (photo: File) => {
+    setBusy(true);
+    setError(null);
+    try {
+      const answer = await localize(map.name, photo);
+      if (query) URL.revokeObjectURL(query.photo);
+      const url = URL.createObjectURL(photo);
+      setQuery({ map: map.name, photo: url, name: photo.name, answer });
+    } catch (e) {
+      setError((e as Error).message);
+    }
+    setBusy(false);
+  };
+  return (
+    <>
+      <h1>Where was this photo taken?</h1>
+      <Chooser choose={choose} busy={busy} />
+      {error && <Failure error={error} />}
+      {query && (
+        <section class="answer" aria-label={`Answer for ${query.name}`}>
+          <Verdict map={map.name} query={query} />
+          <Found map={map.name} query={query} />
+          <Numbers map={map.name} answer={query.answer} />
+        </section>
+      )}
+      {!query && (
+        <p class="quiet">
+          The photo is compared with {map.planes.toLocaleString("en")} planes: flat things like walls
+          and posters that were seen on the way. It stays on this server and isn’t kept.
+        </p>
+      )}
+      <Curl map={map.name} />
+    </>
+  );
+}

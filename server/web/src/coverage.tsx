@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// View: where the map is weak, and what to do about it.
+import { useMemo } from "preact/hooks";
+import { type Audit, mapPath, type MapSummary, type Overview } from "./api";
+import type { ViewProps } from "./main";
+import { Failure, KeyframeLink, PlaneLink, Thumbnail, Waiting } from "./parts";
+import { href } from "./route";
+import { Series } from "./series";
+import { useGet } from "./use";
+import { counted, percent } from "./words";
+
+type Weak = Audit["weak"][number];
+
+function causeOf(run: Weak): string {
+  switch (run.weakness) {
+    case "no_plane":
+      return "no plane";
+    case "few_features":
+      return `only ${counted(run.features, "feature")} in view`;
+    default:
+      return `a stretch with only ${counted(run.planes, "plane")}`;
+  }
+}
+
+function WeakRuns({ map, audit }: { map: MapSummary; audit: Audit }) {
+  return (
+    <section>
+      <h2>Hardly recognised ({audit.weak.length})</h2>
+      {audit.weak.length === 0 && <p>Every keyframe has enough to be recognised by.</p>}
+      <ul class="findings">
+        {audit.weak.map((run) => (
+          <li key={run.first.id}>
+            <Thumbnail map={map} id={run.first.id} />
+            <div>
+              <strong>
+                Keyframe <KeyframeLink map={map.name} id={run.first.id} />
+                {run.keyframes > 1 && <> to <KeyframeLink map={map.name} id={run.last.id} /></>}
+              </strong>
+              : {causeOf(run)}, {counted(run.keyframes, "keyframe")}
+              <p>{sentence(run.advice)}</p>
+            </div>
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+const sentence = (text: string) => `${text[0].toUpperCase()}${text.slice(1)}.`;
+
+function Aliases({ map, audit }: { map: MapSummary; audit: Audit }) {
+  return (
+    <section>
+      <h2>Alike ({audit.aliases.length})</h2>
+      {audit.aliases.length === 0 && <p>No two places would answer for each other.</p>}
+      <ul class="findings">
+        {audit.aliases.map((pair) => (
+          <li key={`${pair.a.id} ${pair.b.id}`}>
+            <Thumbnail map={map} id={pair.a.id} />
+            <Thumbnail map={map} id={pair.b.id} />
+            <div>
+              <strong>
+                Keyframes <KeyframeLink map={map.name} id={pair.a.id} /> and{" "}
+                <KeyframeLink map={map.name} id={pair.b.id} />
+              </strong>
+              : {counted(pair.inliers, "feature")} alike, {percent(pair.of_view)} of what is seen there
+              <p>{sentence(pair.advice)}</p>
+            </div>
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+function Ties({ map, audit }: { map: MapSummary; audit: Audit }) {
+  return (
+    <section>
+      <h2>Joined by one plane alone ({audit.ties.length})</h2>
+      {audit.ties.length === 0 && <p>No two passes hang on one plane.</p>}
+      <ul class="findings">
+        {audit.ties.map((tie) => (
+          <li key={tie.plane}>
+            <Thumbnail map={map} id={tie.a.id} />
+            <Thumbnail map={map} id={tie.b.id} />
+            <div>
+              <strong>Plane <PlaneLink map={map.name} id={tie.plane} /></strong>: seen from keyframes{" "}
+              <KeyframeLink map={map.name} id={tie.a.id} /> and{" "}
+              <KeyframeLink map={map.name} id={tie.b.id} />, {counted(tie.inliers, "feature")}
+              <p>{sentence(tie.advice)}</p>
+            </div>
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+function Profile({ map, overview, audit }: { map: string; overview: Overview; audit: Audit | null }) {
+  const { id, features } = overview.keyframes;
+  const weak = useMemo(
+    () => (audit?.weak ?? []).map((run): [number, number] =>
+      [run.first.id, run.last.id]),
+    [audit],
+  );
+  const none = features.filter((f) => f === 0).length;
+  const sorted = [...features].sort((a, b) => a - b);
+  const median = sorted[Math.floor(sorted.length / 2)] ?? 0;
+  return (
+    <section>
+      <h2>Features in view along the map</h2>
+      <p class="legend">
+        Median {median}; {counted(none, "keyframe")} with none. Shaded: hardly recognised. Click to
+        open a keyframe.
+      </p>
+      <Series
+        at={id}
+        along="keyframe"
+        values={features}
+        unit="features"
+        marked={weak}
+        what={`Features in view at ${id.length} keyframes, median ${median}`}
+        choose={(i) => {
+          location.hash = href(map, "keyframes", id[i]);
+        }}
+      />
+    </section>
+  );
+}
+
+export function CoverageView({ map }: ViewProps) {
+  const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
+  const audit = useGet<Audit>(`${mapPath(map.name)}/audit`);
+  if (overview.error) return <Failure error={overview.error} />;
+  if (!overview.value) return <Waiting what="the map" />;
+  return (
+    <>
+      <h1>Where the map is weak</h1>
+      <Profile map={map.name} overview={overview.value} audit={audit.value} />
+      {audit.error && <Failure error={audit.error} />}
+      {!audit.value && !audit.error && <Waiting what="the audit, which asks every plane like a query" />}
+      {audit.value && (
+        <>
+          <WeakRuns map={map} audit={audit.value} />
+          <Aliases map={map} audit={audit.value} />
+          <Ties map={map} audit={audit.value} />
+        </>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// The graph of planes on a canvas: sized by features, coloured by stretch.
+import Graph from "graphology";
+import Sigma from "sigma";
+import { EdgeLineProgram, type NodeHoverDrawingFunction, NodePointProgram } from "sigma/rendering";
+import { createNodeImageProgram } from "@sigma/node-image";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { type Overview, thumbnailPath } from "./api";
+import { colourOf, cssColour } from "./colours";
+import { useMedia } from "./use";
+
+const kMostPictures = 300; // planes; more would take all their keyframes' images at once
+const kLargeNodes = 2000; // from here on it is drawn as plainly as can be
+const kFullSizeNodes = 500; // from here on nodes shrink, so that they don't cover each other
+const kFullSizeWidth = 700; // px, of the canvas; likewise
+const kMinSize = 3;
+const kMaxSize = 16;
+
+function graphOf(map: string, overview: Overview, width: number): Graph {
+  const { planes, edges } = overview;
+  const graph = new Graph({ type: "undirected" });
+  const most = Math.max(1, ...planes.features);
+  const pictures = planes.id.length <= kMostPictures;
+  const scale =
+    Math.min(1, Math.sqrt(kFullSizeNodes / planes.id.length)) * Math.min(1, width / kFullSizeWidth);
+  planes.id.forEach((id, i) => {
+    const angle = (2 * Math.PI * i) / planes.id.length;
+    graph.addNode(id, {
+      x: Math.cos(angle),
+      y: Math.sin(angle),
+      size: scale * (kMinSize + (kMaxSize - kMinSize) * Math.sqrt(planes.features[i] / most)),
+      color: colourOf(planes.stretch[i] ?? 0),
+      label: `plane ${id}`,
+      type: pictures ? "image" : "circle",
+      image: pictures ? thumbnailPath(map, planes.reference[i]) : null,
+    });
+  });
+  edges.a.forEach((a, i) => {
+    graph.mergeEdge(a, edges.b[i], { size: scale });
+  });
+  return graph;
+}
+
+// Starts the layout; returns what stops it.
+function layOut(graph: Graph, overview: Overview, settled: () => void): () => void {
+  const { planes, edges } = overview;
+  const indexOf = new Map(planes.id.map((id, i) => [id, i]));
+  const pairs = edges.a.flatMap((a, i) => [indexOf.get(a)!, indexOf.get(edges.b[i])!]);
+  const worker = new Worker("/page/layout_worker.js", { type: "module" });
+  worker.onmessage = ({ data }: MessageEvent<Float32Array | null>) => {
+    if (!data) return settled();
+    graph.updateEachNodeAttributes((node, attributes) => {
+      const i = indexOf.get(Number(node))!;
+      return { ...attributes, x: data[2 * i], y: data[2 * i + 1] };
+    }, { attributes: ["x", "y"] });
+  };
+  worker.postMessage({ nodes: planes.id.length, edges: Uint32Array.from(pairs) });
+  return () => worker.terminate();
+}
+
+// The chosen node: a ring around it, and its label on the page's ground.
+const drawChosen: NodeHoverDrawingFunction = (context, data, settings) => {
+  const label = data.label ?? "";
+  context.font = `600 ${settings.labelSize}px ${settings.labelFont}`;
+  const left = data.x + data.size + 3;
+  context.fillStyle = cssColour("--ground");
+  context.fillRect(left - 2, data.y - settings.labelSize, context.measureText(label).width + 4,
+    1.8 * settings.labelSize);
+  context.fillStyle = cssColour("--text");
+  context.fillText(label, left, data.y + settings.labelSize / 3);
+  context.beginPath();
+  context.arc(data.x, data.y, data.size + 2, 0, 2 * Math.PI);
+  context.strokeStyle = cssColour("--accent");
+  context.lineWidth = 3;
+  context.stroke();
+};
+
+function makeSigma(graph: Graph, box: HTMLElement): Sigma {
+  const large = graph.order >= kLargeNodes;
+  return new Sigma(graph, box, {
+    allowInvalidContainer: true,
+    hideEdgesOnMove: large,
+    hideLabelsOnMove: large,
+    edgeProgramClasses: large ? { line: EdgeLineProgram } : {},
+    nodeProgramClasses: {
+      ...(large ? { circle: NodePointProgram } : {}),
+      image: createNodeImageProgram({ padding: 0.12, keepWithinCircle: true, size: { mode: "max", value: 128 } }),
+    },
+    defaultEdgeColor: cssColour("--line"),
+    labelColor: { color: cssColour("--text") },
+    labelFont: "system-ui, sans-serif",
+    labelSize: 12,
+    labelRenderedSizeThreshold: 9,
+    labelDensity: 0.6,
+    zIndex: true,
+    defaultDrawNodeHover: drawChosen,
+  });
+}
+
+// The selected plane and its neighbours stand out. `chosen` is asked anew at each drawing.
+function highlight(sigma: Sigma, graph: Graph, chosen: () => string | null) {
+  const near = (node: string) => {
+    const id = chosen();
+    return id !== null && (node === id || graph.areNeighbors(node, id));
+  };
+  sigma.setSetting("nodeReducer", (node, data) => {
+    const id = chosen();
+    if (id === null) return data;
+    if (node === id) return { ...data, highlighted: true, forceLabel: true, zIndex: 2 };
+    return near(node)
+      ? { ...data, forceLabel: true, zIndex: 1 }
+      : { ...data, color: cssColour("--line"), label: "", type: "circle" };
+  });
+  sigma.setSetting("edgeReducer", (edge, data) => {
+    const id = chosen();
+    if (id === null || !graph.hasExtremity(edge, id)) return data;
+    return { ...data, color: cssColour("--accent"), size: 2 };
+  });
+}
+
+export function PlaneGraph(props: {
+  map: string;
+  overview: Overview;
+  selected: number | null;
+  select: (plane: number) => void;
+}) {
+  const { map, overview, selected, select } = props;
+  const box = useRef<HTMLDivElement>(null);
+  const sigma = useRef<Sigma | null>(null);
+  const chosen = useRef<string | null>(null);
+  const [state, setState] = useState<"moving" | "settled">("moving");
+  const dark = useMedia("(prefers-color-scheme: dark)");
+  useEffect(() => {
+    const graph = graphOf(map, overview, box.current!.clientWidth);
+    setState("moving");
+    const stop = layOut(graph, overview, () => setState("settled"));
+    const renderer = makeSigma(graph, box.current!);
+    highlight(renderer, graph, () => chosen.current);
+    renderer.on("clickNode", ({ node }) => select(Number(node)));
+    sigma.current = renderer;
+    return () => {
+      stop();
+      renderer.kill();
+      sigma.current = null;
+    };
+  }, [map, overview, dark]);
+  useEffect(() => {
+    const known = selected !== null && sigma.current?.getGraph().hasNode(selected);
+    chosen.current = known ? String(selected) : null;
+    sigma.current?.refresh({ skipIndexation: true });
+  }, [selected, overview, dark]);
+  const camera = () => sigma.current?.getCamera();
+  return (
+    <div class="graph" data-state={state}>
+      <div
+        class="canvas"
+        ref={box}
+        role="img"
+        aria-label="Graph of the planes. The table of planes has the same to read."
+      />
+      <div class="tools">
+        <button aria-label="zoom in" onClick={() => camera()?.animatedZoom()}>+</button>
+        <button aria-label="zoom out" onClick={() => camera()?.animatedUnzoom()}>−</button>
+        <button onClick={() => camera()?.animatedReset()}>All</button>
+      </div>
+    </div>
+  );
+}

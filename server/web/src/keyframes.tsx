@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// View: the keyframes, and one of them with its planes drawn on it.
+import { useEffect, useRef, useState } from "preact/hooks";
+import { imagePath, type Keyframe, type MapSummary, mapPath, type Overview } from "./api";
+import { colourOf } from "./colours";
+import { Overlay } from "./figure";
+import type { ViewProps } from "./main";
+import { Facts, Failure, PlaneLink, Swatch, Thumbnail, Waiting } from "./parts";
+import { href } from "./route";
+import { useGet } from "./use";
+import { counted } from "./words";
+
+const kPage = 60; // thumbnails
+
+function Neighbours({ map, id, ids }: { map: string; id: number; ids: number[] }) {
+  const at = ids.indexOf(id);
+  const link = (to: number | undefined, text: string) =>
+    to === undefined ? <span class="quiet">{text}</span> : <a href={href(map, "keyframes", to)}>{text}</a>;
+  return (
+    <p class="steps">
+      {link(ids[at - 1], "← previous")} {link(ids[at + 1], "next →")}{" "}
+      <a href={href(map, "keyframes")}>all</a>
+    </p>
+  );
+}
+
+function PlaneTable({ map, keyframe, shown, toggle }: {
+  map: string;
+  keyframe: Keyframe;
+  shown: (id: number) => boolean;
+  toggle: (id: number) => void;
+}) {
+  return (
+    <div class="scroll" tabIndex={0} role="region" aria-label="Planes seen here">
+      <table>
+        <caption>Planes seen here</caption>
+        <thead><tr><th>Draw</th><th>Plane</th><th class="number">Features found</th></tr></thead>
+        <tbody>
+          {keyframe.planes.map((plane, i) => (
+            <tr key={plane.id}>
+              <td>
+                <input
+                  type="checkbox"
+                  aria-label={`draw plane ${plane.id}`}
+                  checked={shown(plane.id)}
+                  onChange={() => toggle(plane.id)}
+                />
+              </td>
+              <td><Swatch colour={colourOf(i)} /><PlaneLink map={map} id={plane.id} /></td>
+              <td class="number">{plane.inliers}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+// A panorama to look around in.
+function Panorama({ src }: { src: string }) {
+  const box = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    let viewer: { destroy(): void } | null = null;
+    let gone = false;
+    import("./panorama").then(({ showPanorama }) => {
+      if (!gone) viewer = showPanorama(box.current!, src);
+    });
+    return () => {
+      gone = true;
+      viewer?.destroy();
+    };
+  }, [src]);
+  return <div class="panorama" ref={box} />;
+}
+
+function isPanorama(map: MapSummary, keyframe: Keyframe): boolean {
+  const sequence = map.sequences.find((s) => s.name === keyframe.sequence);
+  return sequence?.camera?.model === "EQUIRECTANGULAR";
+}
+
+function Show({ map, id }: { map: MapSummary; id: number }) {
+  const keyframe = useGet<Keyframe>(`${mapPath(map.name)}/keyframes/${id}`);
+  const [hidden, setHidden] = useState<number[]>([]);
+  if (keyframe.error) return <Failure error={keyframe.error} />;
+  if (!keyframe.value) return <Waiting what={`keyframe ${id}`} />;
+  const { width, height, image, planes, source, sequence, frame, stretch, time_s } = keyframe.value;
+  const shown = (plane: number) => !hidden.includes(plane);
+  const toggle = (plane: number) =>
+    setHidden(shown(plane) ? [...hidden, plane] : hidden.filter((h) => h !== plane));
+  const shapes = planes.map((p, i) => ({ points: p.outline, colour: colourOf(i), label: `${p.id}` }))
+    .filter((_, i) => shown(planes[i].id));
+  return (
+    <div class="split">
+      <div>
+        <Overlay picture={{ src: image, alt: `keyframe ${id}: ${source}`, width, height }} shapes={shapes} />
+        {image && isPanorama(map, keyframe.value) && <Panorama src={imagePath(map.name, id)} />}
+      </div>
+      <div>
+        <Facts
+          rows={[
+            ["Source", `${source} of ${sequence}`],
+            ["Frame", time_s === null ? frame : `${frame}, at ${time_s.toFixed(2)} s`],
+            ["Stretch", stretch + 1],
+            ["Size", `${width} × ${height} px`],
+          ]}
+        />
+        {planes.length > 0
+          ? <PlaneTable map={map.name} keyframe={keyframe.value} shown={shown} toggle={toggle} />
+          : <p>No plane of the map is seen here: a query from here won’t be recognised.</p>}
+      </div>
+    </div>
+  );
+}
+
+function Grid({ map, overview }: { map: MapSummary; overview: Overview }) {
+  const [count, setCount] = useState(kPage);
+  const { id, planes, features } = overview.keyframes;
+  return (
+    <>
+      <ul class="grid">
+        {id.slice(0, count).map((keyframe, i) => (
+          <li key={keyframe}>
+            <Thumbnail map={map} id={keyframe} />
+            <span><strong>{keyframe}</strong> {counted(planes[i], "plane")}, {features[i]}</span>
+          </li>
+        ))}
+      </ul>
+      {count < id.length && (
+        <button onClick={() => setCount(count + kPage)}>
+          More ({(id.length - count).toLocaleString("en")} left)
+        </button>
+      )}
+    </>
+  );
+}
+
+export function KeyframesView({ map, route }: ViewProps) {
+  const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
+  if (overview.error) return <Failure error={overview.error} />;
+  if (!overview.value) return <Waiting what="the keyframes" />;
+  if (route.id === null) {
+    return (
+      <>
+        <h1>Keyframes</h1>
+        <p class="quiet">With how many planes each saw, and how many of their features.</p>
+        <Grid map={map} overview={overview.value} />
+      </>
+    );
+  }
+  return (
+    <>
+      <h1>Keyframe {route.id}</h1>
+      <Neighbours map={map.name} id={route.id} ids={overview.value.keyframes.id} />
+      <Show key={route.id} map={map} id={route.id} />
+    </>
+  );
+}

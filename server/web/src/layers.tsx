@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+// View: the way through the map, layer by layer: what was seen again, trajectory and orientation.
+import type { ComponentChildren } from "preact";
+import { mapPath, type Overview } from "./api";
+import { colourOf } from "./colours";
+import type { ViewProps } from "./main";
+import { Failure, KeyframeLink, PlaneLink, Swatch, Waiting } from "./parts";
+import { Series } from "./series";
+import { useGet } from "./use";
+import { counted } from "./words";
+
+export interface Appearance {
+  scale: "metric" | "arbitrary";
+  nodes: { id: number; keyframe: number; x: number; y: number; heading_rad: number }[];
+  edges: { a: number; b: number; kind: "odometry" | "loop"; distance: number }[];
+}
+
+export interface Orientation {
+  nodes: { id: number; keyframe: number; kind: "turn" | "frame"; heading_rad: number; corridor: number | null }[];
+  edges: { a: number; b: number; kind: "traversable" | "loop" }[];
+  corridors: { id: number; heading_rad: number; nodes: number[] }[];
+}
+
+const kFewSteps = 10; // keyframes between two sightings that count as coming back
+
+interface Revisit {
+  plane: number;
+  from: number; // index of the keyframe
+  to: number;
+}
+
+// Planes that were out of view for a while and seen again.
+export function revisits(overview: Overview): Revisit[] {
+  const at = new Map(overview.keyframes.id.map((id, i) => [id, i]));
+  const found: Revisit[] = [];
+  overview.planes.id.forEach((plane, i) => {
+    const seen = overview.planes.keyframes[i].map((k) => at.get(k)!).sort((a, b) => a - b);
+    for (let j = 1; j < seen.length; ++j) {
+      if (seen[j] - seen[j - 1] >= kFewSteps) found.push({ plane, from: seen[j - 1], to: seen[j] });
+    }
+  });
+  return found;
+}
+
+const kArcWidth = 960;
+const kArcHeight = 220;
+const kMargin = 16;
+
+// The keyframes in a row, coloured by stretch, and an arc for each plane that was seen again.
+function Arcs({ overview, found }: { overview: Overview; found: Revisit[] }) {
+  const n = overview.keyframes.id.length;
+  const x = (i: number) => kMargin + ((kArcWidth - 2 * kMargin) * i) / Math.max(1, n - 1);
+  const base = kArcHeight - 28;
+  const arc = ({ from, to }: Revisit) => {
+    const radius = (x(to) - x(from)) / 2;
+    const height = (Math.min(1, radius / (kArcWidth / 2)) * (base - 12)) / radius;
+    return `M ${x(from)} ${base} A ${radius} ${radius * height} 0 0 1 ${x(to)} ${base}`;
+  };
+  return (
+    <svg class="plot" viewBox={`0 0 ${kArcWidth} ${kArcHeight}`} role="img"
+      aria-label={`${n} keyframes in a row and ${found.length} arcs between sightings of one plane`}>
+      {found.map((r, i) => <path key={i} class="arc" d={arc(r)} />)}
+      {overview.keyframes.stretch.map((s, i) => (
+        <circle key={i} cx={x(i)} cy={base} r="3" fill={colourOf(s)} />
+      ))}
+      <text x={kMargin} y={kArcHeight - 6}>first keyframe</text>
+      <text x={kArcWidth - kMargin} y={kArcHeight - 6} text-anchor="end">last</text>
+    </svg>
+  );
+}
+
+function SeenAgain({ map, overview }: { map: string; overview: Overview }) {
+  const found = revisits(overview);
+  const { id } = overview.keyframes;
+  return (
+    <section>
+      <h2>What was seen again</h2>
+      <p class="quiet">
+        From the plane layer: a plane that was out of view for {kFewSteps} keyframes or more and came
+        back ties two passes together. It says which places are one, not where they are.
+      </p>
+      {found.length > 0 && <Arcs overview={overview} found={found} />}
+      {found.length === 0
+        ? <p>No plane was seen again: the walk never came back, or wasn’t recognised when it did.</p>
+        : (
+          <details>
+            <summary>{counted(found.length, "return")}</summary>
+            <ul class="columns">
+              {found.map((r, i) => (
+                <li key={i}>
+                  plane <PlaneLink map={map} id={r.plane} />: keyframe{" "}
+                  <KeyframeLink map={map} id={id[r.from]} />, then{" "}
+                  <KeyframeLink map={map} id={id[r.to]} />
+                </li>
+              ))}
+            </ul>
+          </details>
+        )}
+    </section>
+  );
+}
+
+interface Drawn {
+  id: number;
+  x: number;
+  y: number;
+}
+
+// Nodes where the odometry puts them, and the edges between them.
+function Trajectory({ layer }: { layer: Appearance }) {
+  const xs = layer.nodes.map((n) => n.x);
+  const ys = layer.nodes.map((n) => -n.y); // y up, as on a floor plan
+  const [left, top] = [Math.min(...xs), Math.min(...ys)];
+  const size = Math.max(Math.max(...xs) - left, Math.max(...ys) - top, 1e-6);
+  const unit = size / 100;
+  const byId = new Map<number, Drawn>(layer.nodes.map((n) => [n.id, { id: n.id, x: n.x, y: -n.y }]));
+  const box = [left - 4 * unit, top - 4 * unit, Math.max(...xs) - left + 8 * unit, Math.max(...ys) - top + 8 * unit];
+  return (
+    <svg class="plot trajectory" viewBox={box.join(" ")} role="img"
+      aria-label={`Trajectory of ${layer.nodes.length} nodes`}>
+      {layer.edges.map((e, i) => {
+        const [a, b] = [byId.get(e.a), byId.get(e.b)];
+        return a && b && (
+          <line key={i} class={e.kind} x1={a.x} y1={a.y} x2={b.x} y2={b.y} stroke-width={unit / 3} />
+        );
+      })}
+      {layer.nodes.map((n) => <circle key={n.id} cx={n.x} cy={-n.y} r={unit * 0.8} />)}
+    </svg>
+  );
+}
+
+function AppearanceLayer({ map }: { map: string }) {
+  const layer = useGet<Appearance>(`${mapPath(map)}/appearance`);
+  if (layer.error) return <Failure error={layer.error} />;
+  if (!layer.value) return <Waiting what="the appearance layer" />;
+  const loops = layer.value.edges.filter((e) => e.kind === "loop").length;
+  return (
+    <>
+      <p class="legend">
+        <Swatch colour="var(--text)" />odometry <Swatch colour="var(--accent)" />
+        {counted(loops, "loop closure")}.{" "}
+        {layer.value.scale === "metric" ? "In metres." : "Its scale is arbitrary."}
+      </p>
+      <Trajectory layer={layer.value} />
+    </>
+  );
+}
+
+const kDegrees = 180 / Math.PI;
+
+function OrientationLayer({ map }: { map: string }) {
+  const layer = useGet<Orientation>(`${mapPath(map)}/orientation`);
+  if (layer.error) return <Failure error={layer.error} />;
+  if (!layer.value) return <Waiting what="the orientation layer" />;
+  const { nodes, corridors } = layer.value;
+  const turns = nodes.flatMap((n, i) => (n.kind === "turn" ? [[i, i] as [number, number]] : []));
+  return (
+    <>
+      <Series
+        at={nodes.map((_, i) => i)}
+        along="node"
+        values={nodes.map((n) => n.heading_rad * kDegrees)}
+        unit="heading, degrees"
+        marked={turns}
+        what={`Headings of ${nodes.length} nodes; turns are marked`}
+      />
+      <div class="scroll" tabIndex={0} role="region" aria-label="Corridors">
+        <table>
+          <caption>Corridors</caption>
+          <thead><tr><th>Corridor</th><th class="number">Heading</th><th class="number">Nodes</th></tr></thead>
+          <tbody>
+            {corridors.map((c) => (
+              <tr key={c.id}>
+                <td>{c.id}</td>
+                <td class="number">{(c.heading_rad * kDegrees).toFixed(0)}°</td>
+                <td class="number">{c.nodes.length}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </>
+  );
+}
+
+function Layer(props: { name: string; has: boolean; children: ComponentChildren; missing: string }) {
+  return (
+    <section>
+      <h2>{props.name}</h2>
+      {props.has ? props.children : <p class="missing">{props.missing}</p>}
+    </section>
+  );
+}
+
+export function LayersView({ map }: ViewProps) {
+  const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
+  if (overview.error) return <Failure error={overview.error} />;
+  if (!overview.value) return <Waiting what="the layers" />;
+  const { layers } = overview.value;
+  return (
+    <>
+      <h1>The way through the map</h1>
+      <SeenAgain map={map.name} overview={overview.value} />
+      <Layer
+        name="Trajectory (appearance layer)"
+        has={layers.includes("appearance")}
+        missing="This map has no appearance layer, so nothing says where its keyframes are. A map gets one when it is built from panoramas, or from a rig that sees all around."
+      >
+        <AppearanceLayer map={map.name} />
+      </Layer>
+      <Layer
+        name="Turns and corridors (orientation layer)"
+        has={layers.includes("orientation")}
+        missing="This map has no orientation layer. A map gets one when it is built from a calibrated camera’s images of a building with walls at right angles."
+      >
+        <OrientationLayer map={map.name} />
+      </Layer>
+    </>
+  );
+}

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// View: the map as a graph of planes, and one plane with its views, features and neighbours.
+import { useState } from "preact/hooks";
+import { type Keyframe, mapPath, type Overview, type Plane } from "./api";
+import { colourOf } from "./colours";
+import { Overlay } from "./figure";
+import { PlaneGraph } from "./graph";
+import type { ViewProps } from "./main";
+import { Facts, Failure, KeyframeLink, PlaneLink, PlaneLinks, Swatch, Waiting } from "./parts";
+import { href } from "./route";
+import { useGet } from "./use";
+
+const kRows = 50; // of the table, at first
+
+function Legend({ overview }: { overview: Overview }) {
+  const stretches = [...new Set(overview.planes.stretch.map((s) => s ?? 0))].sort((a, b) => a - b);
+  return (
+    <p class="legend">
+      Size: features. Lines: seen together. Colour: stretch of the walk without a break:{" "}
+      {stretches.slice(0, 8).map((s) => (
+        <span key={s}><Swatch colour={colourOf(s)} />{s + 1} </span>
+      ))}
+      {stretches.length > 8 && `… ${stretches.length}`}
+    </p>
+  );
+}
+
+function Table({ map, overview, selected }: { map: string; overview: Overview; selected: number | null }) {
+  const [rows, setRows] = useState(kRows);
+  const { planes, edges } = overview;
+  const degree = new Map<number, number>();
+  for (const end of [...edges.a, ...edges.b]) degree.set(end, (degree.get(end) ?? 0) + 1);
+  const order = planes.id.map((_, i) => i).sort((a, b) => planes.features[b] - planes.features[a]);
+  return (
+    <div class="scroll tall" tabIndex={0} role="region" aria-label="Table of planes">
+      <table>
+        <caption>Planes, most features first</caption>
+        <thead>
+          <tr>
+            <th>Plane</th><th class="number">Features</th><th class="number">Views</th>
+            <th class="number">Neighbours</th><th>Reference</th>
+          </tr>
+        </thead>
+        <tbody>
+          {order.slice(0, rows).map((i) => (
+            <tr key={planes.id[i]} class={planes.id[i] === selected ? "selected" : ""}>
+              <td>
+                <Swatch colour={colourOf(planes.stretch[i] ?? 0)} />
+                <PlaneLink map={map} id={planes.id[i]} />
+              </td>
+              <td class="number">{planes.features[i]}</td>
+              <td class="number">{planes.keyframes[i].length}</td>
+              <td class="number">{degree.get(planes.id[i]) ?? 0}</td>
+              <td><KeyframeLink map={map} id={planes.reference[i]} /></td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      {rows < order.length && <button onClick={() => setRows(rows + 500)}>More rows</button>}
+    </div>
+  );
+}
+
+function Picture({ map, plane }: { map: string; plane: Plane }) {
+  const keyframe = useGet<Keyframe>(`${mapPath(map)}/keyframes/${plane.reference.id}`);
+  if (keyframe.error) return <Failure error={keyframe.error} />;
+  if (!keyframe.value) return <Waiting what="its keyframe" />;
+  const { width, height, image } = keyframe.value;
+  const dots = plane.features.filter(
+    (f) => f.x_px >= 0 && f.y_px >= 0 && f.x_px < width && f.y_px < height,
+  );
+  return (
+    <figure>
+      <Overlay
+        picture={{ src: image, alt: `reference image of plane ${plane.id}`, width, height }}
+        shapes={[{ points: plane.outline, colour: colourOf(0) }]}
+        dots={dots.map((f) => [f.x_px, f.y_px])}
+      />
+      <figcaption>
+        Its reference image, keyframe <KeyframeLink map={map} id={plane.reference.id} />. A dot is a
+        feature.
+      </figcaption>
+    </figure>
+  );
+}
+
+function Views({ map, plane }: { map: string; plane: Plane }) {
+  return (
+    <div class="scroll" tabIndex={0} role="region" aria-label="Views">
+      <table>
+        <caption>Keyframes that saw it</caption>
+        <thead><tr><th>Keyframe</th><th class="number">Features found</th></tr></thead>
+        <tbody>
+          {plane.views.map((view) => (
+            <tr key={view.keyframe}>
+              <td><KeyframeLink map={map} id={view.keyframe} /></td>
+              <td class="number">{view.inliers}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function PlanePanel({ map, id }: { map: string; id: number }) {
+  const plane = useGet<Plane>(`${mapPath(map)}/planes/${id}`);
+  if (plane.error) return <Failure error={plane.error} />;
+  if (!plane.value) return <Waiting what={`plane ${id}`} />;
+  const { features, views, neighbours } = plane.value;
+  const votes = features.reduce((sum, f) => sum + f.votes, 0) / Math.max(1, features.length);
+  return (
+    <section class="panel" aria-label={`Plane ${id}`}>
+      <h2>Plane {id} <a class="close" href={href(map, "planes")}>close</a></h2>
+      <Picture map={map} plane={plane.value} />
+      <Facts
+        rows={[
+          ["Features", `${features.length}, found ${votes.toFixed(1)} times each on average`],
+          ["Views", views.length],
+          ["Neighbours", <PlaneLinks map={map} ids={neighbours} />],
+        ]}
+      />
+      <Views map={map} plane={plane.value} />
+    </section>
+  );
+}
+
+export function PlanesView({ map, route }: ViewProps) {
+  const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
+  if (overview.error) return <Failure error={overview.error} />;
+  if (!overview.value) return <Waiting what="the graph" />;
+  const select = (plane: number) => {
+    location.hash = href(map.name, "planes", plane);
+  };
+  return (
+    <>
+      <h1>Planes and what is seen together</h1>
+      <Legend overview={overview.value} />
+      <div class="split">
+        <PlaneGraph map={map.name} overview={overview.value} selected={route.id} select={select} />
+        {route.id === null
+          ? <Table map={map.name} overview={overview.value} selected={route.id} />
+          : <PlanePanel map={map.name} id={route.id} />}
+      </div>
+    </>
+  );
+}

@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The conversion of clients/ros2, without ROS and without a server."""
+import math
+import pathlib
+import sys
+import types
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "clients/ros2"))
+
+from waystone_ros2.conversion import (  # noqa: E402
+    UNKNOWN_ANGLE_VARIANCE,
+    ConversionError,
+    PoseOptions,
+    bytes_of_compressed,
+    pnm_of_image,
+    pose_of,
+)
+
+VERDICTS = ["localized", "ambiguous", "not_in_map", "bad_image", "undecided"]
+
+
+def answer(verdict="localized", heading=None, keyframe=17):
+    return {"verdict": verdict, "map": "lab", "heading": heading,
+            "keyframe": keyframe and {"id": keyframe, "sequence": "s", "source": "17.jpg"}}
+
+
+def heading(rad, deviation_rad=0.02, of="keyframe"):
+    return {"rad": rad, "deviation_rad": deviation_rad, "of": of}
+
+
+def rotated(quaternion, vector):
+    """Rotates by q v q*, written out for a quaternion about z alone."""
+    x, y, z, w = quaternion
+    assert x == 0 and y == 0
+    cos, sin = w * w - z * z, 2 * w * z
+    return (cos * vector[0] - sin * vector[1], sin * vector[0] + cos * vector[1], vector[2])
+
+
+def variances(pose):
+    return [pose.covariance[7 * i] for i in range(6)]
+
+
+def raw(encoding, width, height, data, step=None, channels=1):
+    return types.SimpleNamespace(encoding=encoding, width=width, height=height, data=data,
+                                 step=width * channels if step is None else step)
+
+
+class PoseTest(unittest.TestCase):
+    def test_only_localized_gives_a_pose(self):
+        given = [verdict for verdict in VERDICTS if pose_of(answer(verdict)) is not None]
+        self.assertEqual(given, ["localized"])
+        self.assertIsNone(pose_of(answer(keyframe=None)))
+
+    def test_the_plane_layer_gives_a_place_and_says_what_it_cannot(self):
+        pose = pose_of(answer())
+        self.assertEqual(pose.frame_id, "lab/keyframe_17")
+        self.assertEqual(pose.position, (0, 0, 0))
+        self.assertFalse(pose.position_known)
+        self.assertFalse(pose.heading_known)
+        self.assertEqual(variances(pose), [1e6] * 3 + [UNKNOWN_ANGLE_VARIANCE] * 3)
+
+    def test_unknown_angle_is_the_uniform_one(self):
+        steps = 100_000
+        angles = [math.pi * (2 * (i + 0.5) / steps - 1) for i in range(steps)]
+        self.assertAlmostEqual(sum(a * a for a in angles) / steps, UNKNOWN_ANGLE_VARIANCE, 6)
+
+    def test_heading_turns_counter_clockwise_about_z(self):
+        for rad in (-3.0, -0.5, 0.0, 0.31, math.pi / 2, 3.1):
+            pose = pose_of(answer(heading=heading(rad)))
+            x, y, _ = rotated(pose.orientation, (1, 0, 0))
+            self.assertAlmostEqual(x, math.cos(rad))
+            self.assertAlmostEqual(y, math.sin(rad))
+            self.assertAlmostEqual(sum(part**2 for part in pose.orientation), 1)
+
+    def test_heading_sets_the_variance_about_z_alone(self):
+        pose = pose_of(answer(heading=heading(0.3, 0.02)))
+        self.assertTrue(pose.heading_known)
+        self.assertAlmostEqual(variances(pose)[5], 0.0004)
+        self.assertEqual(variances(pose)[3:5], [UNKNOWN_ANGLE_VARIANCE] * 2)
+        wild = pose_of(answer(heading=heading(0.3, 50)))
+        self.assertEqual(variances(wild)[5], UNKNOWN_ANGLE_VARIANCE)
+
+    def test_heading_of_the_building_has_no_position(self):
+        pose = pose_of(answer(heading=heading(1, of="building")), PoseOptions(2.0))
+        self.assertEqual(pose.frame_id, "lab/building")
+        self.assertFalse(pose.position_known)
+        self.assertEqual(variances(pose)[0], 1e6)
+
+    def test_position_is_as_sure_as_its_operator_says(self):
+        pose = pose_of(answer(), PoseOptions(position_deviation_m=1.5))
+        self.assertTrue(pose.position_known)
+        self.assertEqual(variances(pose)[:3], [2.25] * 3)
+
+    def test_covariance_is_positive_definite_and_diagonal(self):
+        for pose in (pose_of(answer()), pose_of(answer(heading=heading(1)), PoseOptions(0.5))):
+            self.assertEqual(len(pose.covariance), 36)
+            self.assertGreater(min(variances(pose)), 0)
+            self.assertEqual(sum(map(bool, pose.covariance)), 6)
+
+    def test_lengths_are_above_zero(self):
+        for bad in (0, -1, math.inf, math.nan):
+            with self.assertRaisesRegex(ValueError, "position_deviation_m"):
+                PoseOptions(position_deviation_m=bad)
+
+
+class ImageTest(unittest.TestCase):
+    def test_every_encoding_gives_the_same_colours(self):
+        pixels = [(10, 20, 30), (40, 50, 60), (70, 80, 90), (1, 2, 3)]
+        orders = {"rgb8": (0, 1, 2), "bgr8": (2, 1, 0), "8UC3": (2, 1, 0),
+                  "rgba8": (0, 1, 2, None), "bgra8": (2, 1, 0, None)}
+        wanted = b"P6\n2 2\n255\n" + bytes(value for pixel in pixels for value in pixel)
+        for encoding, order in orders.items():
+            data = bytes(255 if i is None else pixel[i] for pixel in pixels for i in order)
+            image = raw(encoding, 2, 2, data, channels=len(order))
+            self.assertEqual(pnm_of_image(image), wanted, encoding)
+
+    def test_padding_of_rows_is_left_out(self):
+        image = raw("mono8", 3, 2, b"abc__def__", step=5)
+        self.assertEqual(pnm_of_image(image), b"P5\n3 2\n255\nabcdef")
+
+    def test_data_may_be_any_sequence_of_bytes(self):
+        for data in (bytearray(b"abcd"), memoryview(b"abcd"), list(b"abcd")):
+            self.assertTrue(pnm_of_image(raw("mono8", 2, 2, data)).endswith(b"\nabcd"))
+
+    def test_what_cannot_be_sent_is_named(self):
+        with self.assertRaisesRegex(ConversionError, "bayer_rggb8.*republish"):
+            pnm_of_image(raw("bayer_rggb8", 2, 2, b"abcd"))
+        for image in (raw("mono8", 2, 2, b"abc"), raw("rgb8", 2, 2, b"abcd", step=2),
+                      raw("mono8", 0, 0, b"")):
+            with self.assertRaisesRegex(ConversionError, "doesn't fit"):
+                pnm_of_image(image)
+
+    def test_compressed_images_pass_unchanged_but_depth(self):
+        image = types.SimpleNamespace(format="bgr8; jpeg compressed bgr8", data=b"\xff\xd8x")
+        self.assertEqual(bytes_of_compressed(image), b"\xff\xd8x")
+        image.format = "16UC1; compressedDepth png"
+        with self.assertRaisesRegex(ConversionError, "depth"):
+            bytes_of_compressed(image)
+
+
+if __name__ == "__main__":
+    unittest.main()

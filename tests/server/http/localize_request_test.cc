@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/localize_request.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "core/base/error.h"
+#include "server/http/body_parts.h"
+
+namespace waystone {
+namespace {
+
+using Query = std::map<std::string, std::string>;
+
+LocalizeRequest Read(const std::string& type, const std::string& body, const Query& query = {}) {
+  HttpRequest request;
+  request.query = query;
+  request.header = [&](const std::string&) { return type; };
+  request.read_body = [&] { return body; };
+  return ReadLocalizeRequest(request, {.max_images = 3});
+}
+
+ErrorCode CodeOf(const std::string& type, const std::string& body, const Query& query = {}) {
+  try {
+    Read(type, body, query);
+  } catch (const MapError& error) {
+    return error.code();
+  }
+  return ErrorCode::kInternal;
+}
+
+std::string Part(const std::string& disposition, const std::string& bytes) {
+  return "--B\r\nContent-Disposition: form-data; " + disposition + "\r\n\r\n" + bytes + "\r\n";
+}
+
+const char* const kForm = "Multipart/Form-Data; boundary=\"B\"";
+
+TEST(LocalizeRequest, RawBytesTakeQueryParameters) {
+  const LocalizeRequest request = Read("image/jpeg", "bytes",
+                                       {{"name", "a.jpg"},
+                                        {"fx", "500"},
+                                        {"fy", "501.5"},
+                                        {"cx", "320"},
+                                        {"cy", "-1e1"},
+                                        {"prior_keyframe", "7"},
+                                        {"top_k", "3"},
+                                        {"debug", "true"},
+                                        {"deadline_ms", "250"}});
+  ASSERT_EQ(request.images.size(), 1u);
+  EXPECT_EQ(request.images[0].name, "a.jpg");
+  EXPECT_EQ(request.images[0].bytes, "bytes");
+  EXPECT_EQ(request.intrinsics->fy, 501.5);
+  EXPECT_EQ(request.intrinsics->cy, -10);
+  EXPECT_EQ(request.prior_keyframe, 7);
+  EXPECT_EQ(request.top_k, 3);
+  EXPECT_TRUE(request.debug);
+  EXPECT_EQ(request.deadline_ms, 250);
+}
+
+TEST(LocalizeRequest, FormsHoldSeveralImagesAndARequest) {
+  const LocalizeRequest request =
+      Read(kForm, Part("name=\"image\"; filename=\"left \\\"1\\\".jpg\"", "one\r\n--A") +
+                      Part("name=request", R"({"fov_deg": 90, "previous": {"keyframe": 3}})") +
+                      Part("name=image", "") + "--B--\r\n");
+  ASSERT_EQ(request.images.size(), 2u);
+  EXPECT_EQ(request.images[0].name, "left \"1\".jpg");
+  EXPECT_EQ(request.images[0].bytes, "one\r\n--A");
+  EXPECT_EQ(request.images[1].bytes, "");
+  EXPECT_NEAR(*request.fov_rad, std::numbers::pi / 2, 1e-12);
+  EXPECT_EQ(request.previous["keyframe"], 3);
+}
+
+TEST(LocalizeRequest, JsonHoldsBase64) {
+  const LocalizeRequest request =
+      Read("application/json; charset=utf-8",
+           R"({"camera":"walk","images":[{"name":"x","data":"aGVsbG8="},)"
+           R"({"data":"data:image/png;base64,aGk="}]})");
+  EXPECT_EQ(request.stored_camera, "walk");
+  EXPECT_EQ(request.images[0].bytes, "hello");
+  EXPECT_EQ(request.images[1].bytes, "hi");
+}
+
+TEST(LocalizeRequest, WhatIsWrongIsABadRequest) {
+  const std::vector<Query> queries = {
+      {{"fx", "500"}},
+      {{"fov_deg", "0"}},
+      {{"fov_deg", "x"}},
+      {{"fov_deg", "[60]"}},
+      {{"fov_deg", "60"}, {"camera", "walk"}},
+      {{"fx", "0"}, {"fy", "1"}, {"cx", "1"}, {"cy", "1"}},
+      {{"fx", "1e999"}, {"fy", "1"}, {"cx", "1"}, {"cy", "1"}},
+      {{"top_k", "0"}},
+      {{"top_k", "2.5"}},
+      {{"top_k", "99999999999999999999"}},
+      {{"deadline_ms", "0"}},
+      {{"debug", "maybe"}},
+      {{"prior", "7"}},
+      {{"prior_keyframe", "-1"}},
+      {{"unknown", "1"}},
+  };
+  for (const Query& query : queries) {
+    EXPECT_EQ(CodeOf("image/jpeg", "x", query), ErrorCode::kBadRequest) << query.begin()->first;
+  }
+  const std::string deep(100'000, '[');
+  for (const std::string& body : std::vector<std::string>{
+           "", "null", "[]", "{", deep, "{\"images\":[]}", R"({"images":[{"data":"a"}]})",
+           R"({"images":[{"data":"=aaa"}]})", R"({"images":[{"data":"a\na="}]})",
+           R"({"images":[{"data":7}]})", R"({"images":[{}]})", R"({"images":{"data":""}})",
+           R"({"images":[{"data":""},{"data":""},{"data":""},{"data":""}]})",
+           R"({"images":[{"data":""}],"other":1})",
+           R"({"images":[{"data":""}],"prior":{"keyframe":1.5}})",
+           R"({"images":[{"data":""}],"previous":{"pose":1}})",
+           R"({"images":[{"data":""}],"debug":1})", "{\"images\":[{\"name\":\"\xff\"}]}"}) {
+    EXPECT_EQ(CodeOf("application/json", body), ErrorCode::kBadRequest) << body.substr(0, 80);
+  }
+  EXPECT_EQ(CodeOf("application/json", R"({"images":[{"data":""}]})", {{"top_k", "1"}}),
+            ErrorCode::kBadRequest);
+}
+
+TEST(LocalizeRequest, BrokenFormsAreBadRequests) {
+  const std::string image = Part("name=image", "x");
+  for (const std::string& body : std::vector<std::string>{
+           "", "x", "--B", "--B--", "--B\r\n", "--B\r\n--B--", image, image + "--Bx",
+           "--B\r\n\r\nx\r\n--B--", Part("name=x", "") + "--B--", Part("filename=x", "") + "--B--",
+           Part("name=request", "{}") + "--B--",
+           Part("name=request", "{}") + Part("name=request", "{}") + "--B--",
+           image + image + image + image + "--B--",
+           image + Part("name=request", "[1]") + "--B--"}) {
+    EXPECT_EQ(CodeOf(kForm, body), ErrorCode::kBadRequest) << body.substr(0, 80);
+  }
+  EXPECT_EQ(CodeOf("multipart/form-data", image + "--B--"), ErrorCode::kBadRequest);
+  EXPECT_EQ(CodeOf("multipart/form-data; boundary=" + std::string(80, 'x'), image),
+            ErrorCode::kBadRequest);
+}
+
+TEST(LocalizeRequest, ObjectsSurviveTheLog) {
+  LocalizeRequest request = Read("image/jpeg", "x", {{"fov_deg", "60"}, {"top_k", "2"}});
+  const LocalizeRequest again = ParseRequestObject(RequestObject(request), {});
+  EXPECT_NEAR(*again.fov_rad, *request.fov_rad, 1e-12);
+  EXPECT_EQ(again.top_k, 2);
+}
+
+TEST(CameraOf, FollowsTheRequest) {
+  MapData map;
+  map.sequences.push_back({SequenceId{1}, "walk", "folder", 1, 0,
+                           Camera{CameraModel::kPinhole, 640, 480, {500, 500, 320, 240}}});
+  const ImageHeader image{"jpeg", 640, 480, 1};
+  LocalizeRequest request;
+  EXPECT_FALSE(CameraOf(request, map, image));
+  request.fov_rad = std::numbers::pi / 2;
+  EXPECT_NEAR(CameraOf(request, map, image)->params[0], 320, 1e-9);
+  request.fov_rad.reset();
+  request.stored_camera = "walk";
+  EXPECT_EQ(CameraOf(request, map, image), map.sequences[0].camera);
+  EXPECT_THROW(CameraOf(request, map, {"jpeg", 320, 240, 1}), MapError);
+  request.stored_camera = "run";
+  EXPECT_THROW(CameraOf(request, map, image), MapError);
+}
+
+}  // namespace
+}  // namespace waystone

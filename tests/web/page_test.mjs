@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Apache-2.0
+// node page_test.mjs URL INSIDE.jpg ELSEWHERE.jpg [SCREENSHOT_FOLDER]: every view of the page, served
+// at URL, in Debian's Chromium. Exits with 0, with 1 after saying what is wrong, and with 77 after
+// saying what is missing.
+import assert from "node:assert/strict";
+import { existsSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+
+const kChromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const kModules = new URL("../../server/web/", import.meta.url);
+const require = createRequire(kModules);
+
+function skip(what) {
+  console.log(what);
+  process.exit(77);
+}
+
+if (Number(process.versions.node.split(".")[0]) < 20) skip("Node is older than 20");
+if (!existsSync(new URL("node_modules/playwright-core", kModules))) {
+  skip("server/web/node_modules is missing; 'make web' installs it");
+}
+if (!existsSync(kChromium)) skip(`there is no ${kChromium}; apt-get install chromium`);
+
+const { chromium } = require("playwright-core");
+const axeSource = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+const [url, inside, elsewhere, screenshots] = process.argv.slice(2);
+const patience = 20_000;
+
+const browser = await chromium.launch({
+  executablePath: kChromium,
+  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync"],
+});
+
+// A page that fails the test for whatever it complains about or asks of others.
+async function open(options) {
+  const context = await browser.newContext(options);
+  const page = await context.newPage();
+  page.setDefaultTimeout(patience);
+  const complaints = [];
+  page.on("console", (m) => {
+    // Software WebGL says that reading pixels is slow. It is asked to by the test alone.
+    const own = !/GPU stall due to ReadPixels/.test(m.text());
+    if (["error", "warning"].includes(m.type()) && own) complaints.push(m.text());
+  });
+  page.on("pageerror", (e) => complaints.push(e.message));
+  page.on("request", (request) => {
+    const target = request.url();
+    const ours = target.startsWith(url) || /^(blob|data):/.test(target);
+    if (!ours) complaints.push(`a request for ${target}`);
+  });
+  return { page, complaints, close: () => context.close() };
+}
+
+async function shoot(page, name) {
+  if (screenshots) await page.screenshot({ path: join(screenshots, `${name}.png`) });
+}
+
+// Serious or not: the page has no violation at all.
+async function checkAccess(page, where) {
+  await page.evaluate(axeSource);
+  const result = await page.evaluate(() => window.axe.run(document));
+  const found = result.violations.map((v) =>
+    `${v.id}: ${v.help} (${v.nodes.map((n) => n.target.join(" ")).slice(0, 3).join("; ")})`);
+  assert.deepEqual(found, [], `axe in ${where}`);
+}
+
+const go = async (page, view, heading) => {
+  await page.evaluate((hash) => { location.hash = hash; }, `#/room/${view}`);
+  await page.getByRole("heading", { level: 1, name: heading }).waitFor();
+};
+
+async function ask(page, photo) {
+  await page.setInputFiles(".chooser input >> nth=0", photo);
+  await page.locator(".verdict").waitFor();
+  return page.locator(".verdict h2").innerText();
+}
+
+async function overview() {
+  return (await fetch(`${url}/v1/maps/room/overview`)).json();
+}
+
+// Dropped as a person would, not chosen.
+async function drop(page, photo) {
+  const bytes = [...readFileSync(photo)];
+  await page.evaluate((data) => {
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([new Uint8Array(data)], "dropped.jpg", { type: "image/jpeg" }));
+    document.querySelector(".chooser").dispatchEvent(
+      new DragEvent("drop", { dataTransfer: transfer, bubbles: true, cancelable: true }));
+  }, bytes);
+  await page.locator(".verdict").waitFor();
+  return page.locator(".verdict h2").innerText();
+}
+
+async function testAsk(page) {
+  await go(page, "ask", "Where was this photo taken?");
+  assert.match(await drop(page, inside), /This is near keyframe \d+/);
+  await page.locator("figure svg line").first().waitFor();
+  assert.ok(await page.locator("figure svg line").count() >= 8, "lines of matches");
+  assert.ok(await page.locator("figure .outline polygon").count() >= 2, "outlines on both pictures");
+  const numbers = await page.locator(".facts").innerText();
+  assert.match(numbers, /Sure\s*(over )?\d+ %/);
+  assert.match(numbers, /\d ms/);
+  assert.ok((await page.locator(".curl pre").innerText()).includes(`${url}/v1/maps/room/localize`));
+  await shoot(page, "ask");
+  await checkAccess(page, "ask");
+}
+
+async function testWhy(page) {
+  await page.getByRole("link", { name: "Why", exact: true }).click();
+  await page.getByRole("heading", { level: 1, name: "Why this answer?" }).waitFor();
+  assert.match(await page.locator("table").first().innerText(), /Fits: the best place/);
+  await checkAccess(page, "why, localized");
+  await go(page, "ask", "Where was this photo taken?");
+  await ask(page, elsewhere);
+  await page.locator(".verdict.not_in_map").waitFor();
+  await go(page, "why", "Why this answer?");
+  const stages = await page.locator(".stages").innerText();
+  assert.match(stages, /0 planes\s+through the gates/);
+  await shoot(page, "why");
+  await checkAccess(page, "why, not in the map");
+}
+
+async function testPlanes(page) {
+  const { planes } = await overview();
+  await go(page, "planes", /Planes/);
+  await page.locator(".graph canvas").first().waitFor();
+  assert.equal(await page.locator("tbody tr").count(), Math.min(50, planes.id.length));
+  await page.waitForTimeout(500);  // for the pictures in the nodes
+  const picture = await page.locator(".graph .canvas").screenshot();
+  assert.ok(await distinctColours(page, picture) > 50, "the graph shows its planes");
+  await shoot(page, "planes");
+  await checkAccess(page, "planes");
+  await go(page, `planes/${planes.id[0]}`, /Planes/);
+  await page.locator(".panel .dots circle").first().waitFor();
+  await checkAccess(page, "a plane");
+}
+
+// How many colours a picture has, to 4 bits a channel.
+function distinctColours(page, png) {
+  return page.evaluate(async (base64) => {
+    const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+    const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+    const context = canvas.getContext("2d");
+    context.drawImage(bitmap, 0, 0);
+    const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+    const colours = new Set();
+    for (let i = 0; i < data.length; i += 4) {
+      colours.add(((data[i] >> 4) << 8) | ((data[i + 1] >> 4) << 4) | (data[i + 2] >> 4));
+    }
+    return colours.size;
+  }, png.toString("base64"));
+}
+
+async function testKeyframes(page) {
+  const { keyframes } = await overview();
+  const seeing = keyframes.id[keyframes.planes.findIndex((n) => n > 0)];
+  await go(page, "keyframes", "Keyframes");
+  assert.equal(await page.locator(".grid li").count(), Math.min(60, keyframes.id.length));
+  await checkAccess(page, "keyframes");
+  await go(page, `keyframes/${seeing}`, `Keyframe ${seeing}`);
+  await page.locator(".outline polygon").first().waitFor();
+  const drawn = await page.locator(".outline polygon").count();
+  await page.getByRole("checkbox").first().uncheck();
+  assert.equal(await page.locator(".outline polygon").count(), drawn - 1, "one outline less");
+  await shoot(page, "keyframe");
+  await checkAccess(page, "a keyframe");
+}
+
+async function testCoverage(page) {
+  await go(page, "coverage", "Where the map is weak");
+  await page.getByRole("heading", { name: /Hardly recognised/ }).waitFor();
+  await page.locator(".series canvas").waitFor();
+  await shoot(page, "coverage");
+  await checkAccess(page, "coverage");
+}
+
+async function testLayers(page) {
+  await go(page, "layers", "The way through the map");
+  await page.getByText("has no appearance layer").waitFor();
+  await page.getByText("has no orientation layer").waitFor();
+  await shoot(page, "layers");
+  await checkAccess(page, "layers");
+}
+
+// A map that has them, as the endpoints will answer.
+async function testOtherLayers() {
+  const { page, complaints, close } = await open({});
+  const known = await overview();
+  const json = (value) => ({ contentType: "application/json", body: JSON.stringify(value) });
+  const ring = Array.from({ length: 24 }, (_, i) => (2 * Math.PI * i) / 24);
+  await page.route("**/overview", (route) =>
+    route.fulfill(json({ ...known, layers: ["planes", "appearance", "orientation"] })));
+  await page.route("**/appearance", (route) => route.fulfill(json({
+    scale: "arbitrary",
+    nodes: ring.map((a, i) => ({ id: i, keyframe: 1, x: Math.cos(a), y: Math.sin(a), heading_rad: a })),
+    edges: [...ring.keys()].map((i) => ({ a: i, b: (i + 1) % 24, kind: i === 23 ? "loop" : "odometry", distance: 0.1 })),
+  })));
+  await page.route("**/orientation", (route) => route.fulfill(json({
+    nodes: ring.map((a, i) => ({ id: i, keyframe: 1, kind: i % 6 === 0 ? "turn" : "frame", heading_rad: Math.floor(i / 6) * Math.PI / 2, corridor: 1 })),
+    edges: [],
+    corridors: [{ id: 1, heading_rad: 0, nodes: [1, 2, 3] }],
+  })));
+  await page.goto(`${url}/#/room/layers`);
+  await page.locator(".trajectory line.loop").waitFor({ state: "attached" });
+  assert.equal(await page.locator(".trajectory circle").count(), 24);
+  assert.equal(await page.locator(".trajectory line.loop").count(), 1);
+  await page.locator(".series canvas").waitFor();
+  await checkAccess(page, "the other layers");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+// A keyframe that is a panorama can be looked around in.
+async function testPanorama() {
+  const { page, complaints, close } = await open({});
+  const summary = await (await fetch(`${url}/v1/maps/room`)).json();
+  for (const sequence of summary.sequences) {
+    sequence.camera = { model: "EQUIRECTANGULAR", width: 640, height: 480, params: [] };
+  }
+  await page.route("**/v1/maps?*", (route) => route.fulfill({
+    contentType: "application/json", body: JSON.stringify({ maps: [summary], next: null }),
+  }));
+  await page.goto(`${url}/#/room/keyframes/1`);
+  await page.locator(".panorama canvas").waitFor();
+  await page.locator(".panorama .pnlm-load-box").waitFor({ state: "hidden" });
+  await shoot(page, "panorama");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+// From the address to an answer without a mouse.
+async function testKeyboard(page) {
+  await page.goto(`${url}/`);
+  await page.getByRole("heading", { level: 1 }).waitFor();
+  const reached = [];
+  for (let i = 0; i < 14; ++i) {
+    await page.keyboard.press("Tab");
+    reached.push(await page.evaluate(() => {
+      const e = document.activeElement;
+      return e.getAttribute("type") === "file" ? "file" : e.textContent.trim().slice(0, 24);
+    }));
+  }
+  for (const wanted of ["Skip to the content", "Planes", "Coverage", "file"]) {
+    assert.ok(reached.includes(wanted), `Tab reaches ${wanted}: ${reached}`);
+  }
+}
+
+// Nothing is wider than a phone, and the dark colours are as good.
+async function testPhone() {
+  const { page, complaints, close } = await open({
+    viewport: { width: 360, height: 740 }, isMobile: true, hasTouch: true, colorScheme: "dark",
+  });
+  await page.goto(`${url}/`);
+  await ask(page, inside);
+  const views = [["ask", /Where/], ["why", /Why/], ["planes", /Planes/], ["keyframes", /Keyframes/],
+    ["layers", /way/], ["coverage", /weak/]];
+  for (const [view, heading] of views) {
+    await go(page, view, heading);
+    const width = await page.evaluate(() => document.documentElement.scrollWidth);
+    assert.ok(width <= 360, `${view} is ${width} px wide on a phone`);
+    await shoot(page, `phone_${view}`);
+    await checkAccess(page, `${view}, dark`);
+  }
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+try {
+  const { page, complaints, close } = await open({ viewport: { width: 1280, height: 800 } });
+  await page.goto(`${url}/`);
+  for (const test of [testAsk, testWhy, testPlanes, testKeyframes, testLayers, testCoverage, testKeyboard]) {
+    await test(page);
+    assert.deepEqual(complaints, [], test.name);
+  }
+  await close();
+  await testOtherLayers();
+  await testPanorama();
+  await testPhone();
+  await browser.close();
+} catch (error) {
+  console.log(String(error.stack ?? error).replace(/\n\s*\n/g, "\n"));
+  await browser.close();
+  process.exit(1);
+}
