@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "cli/audit_text.h"
 #include "cli/commands.h"
 #include "cli/map_file.h"
+#include "server/http/audit_text.h"
 
 namespace waystone {
 namespace {

@@ -13,6 +13,7 @@
 #include "cli/build_text.h"
 #include "cli/commands.h"
 #include "cli/map_file.h"
+#include "cli/panorama_file.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "core/base/error.h"
@@ -31,6 +32,8 @@ struct BuildFlags {
   std::string features = "sift";
   std::string progress = "auto";
   std::string camera;
+  std::string layers = "auto";
+  PanoramaFlags panorama;
   SourceOptions source;
   int to = -1;
   BuildOptions build;
@@ -40,6 +43,11 @@ struct BuildFlags {
   bool quiet = false;
 };
 
+// Behind an announcement: what is usual isn't worth a word.
+std::string LayerText(LayerKind kind) {
+  return kind == LayerKind::kAppearance ? ", panoramas for the appearance layer" : "";
+}
+
 std::vector<std::unique_ptr<Source>> OpenSources(const BuildFlags& flags) {
   SourceOptions options = flags.source;
   if (flags.to >= 0) options.to = flags.to;
@@ -48,7 +56,9 @@ std::vector<std::unique_ptr<Source>> OpenSources(const BuildFlags& flags) {
   std::vector<std::unique_ptr<Source>> sources;
   for (const std::string& path : flags.sources) {
     sources.push_back(OpenSource(path, options));
-    if (!flags.quiet) std::cerr << path << ": " << sources.back()->Announcement() << '\n';
+    if (flags.quiet) continue;
+    std::cerr << path << ": " << sources.back()->Announcement()
+              << LayerText(LayerOf(*sources.back(), LayerChoiceByNames(flags.layers))) << '\n';
   }
   return sources;
 }
@@ -58,6 +68,9 @@ BuildOptions OptionsOf(const BuildFlags& flags) {
   options.map_name = MapNameOf(flags.output);
   options.features.type = FeatureTypeByName(flags.features);
   options.images = !flags.no_images;
+  options.layers = LayerChoiceByNames(flags.layers);
+  options.appearance.describe.panorama = PanoramaOptionsOf(flags.panorama);
+  options.appearance.describe.signature = SignatureOptionsOf(flags.panorama);
   options.Check();
   return options;
 }
@@ -67,9 +80,10 @@ BuildResult BuildWithProgress(const BuildFlags& flags, const BuildOptions& optio
   ProgressMeter meter(std::cerr, ProgressStyleByName(flags.progress, flags.quiet),
                       ColoursWelcome());
   const auto show = [&meter](const BuildProgress& now) {
-    meter.Update(
-        {now.stage, now.done, now.total,
-         std::to_string(now.keyframes) + " keyframes, " + std::to_string(now.planes) + " planes"});
+    meter.Update({now.stage, now.done, now.total,
+                  now.panoramas > 0 ? std::to_string(now.panoramas) + " panoramas"
+                                    : std::to_string(now.keyframes) + " keyframes, " +
+                                          std::to_string(now.planes) + " planes"});
     return !Interrupted();
   };
   return BuildMap(sources, options, show);
@@ -102,7 +116,7 @@ int RunBuild(const BuildFlags& flags) {
   CheckWritable(flags.output, write);
   NoteInterrupts();
   const BuildResult result = BuildWithProgress(flags, options);
-  if (result.map.planes.empty()) return ReportNoPlanes(result);
+  if (result.map.planes.empty() && !result.map.appearance) return ReportNoPlanes(result);
   WriteMap(result.map, flags.output, write);
   if (!flags.report_folder.empty()) {
     WriteReport(result.map, result.report, TableSizes(flags.output), flags.report_folder);
@@ -114,7 +128,8 @@ int RunBuild(const BuildFlags& flags) {
 void AddSourceFlags(CLI::App* command, BuildFlags& flags) {
   command
       ->add_option("sources", flags.sources,
-                   "Image folders, globs in quotes, videos, TUM, KITTI or EuRoC sequences")
+                   "Image folders, globs in quotes, videos, TUM, KITTI or EuRoC sequences, "
+                   "panoramas, rigs of faces")
       ->required();
   command->add_option("-o,--output", flags.output, "Map file to write")->required();
   command->add_option("--every", flags.source.every, "Use every N-th frame")->capture_default_str();
@@ -129,6 +144,16 @@ void AddMapFlags(CLI::App* command, BuildFlags& flags) {
       ->capture_default_str();
   command->add_option("--max-features", flags.build.features.max_features, "Features an image")
       ->capture_default_str();
+  command
+      ->add_option("--layers", flags.layers,
+                   "Layers with commas between them: planes, appearance (panoramas); auto takes "
+                   "what the images are")
+      ->capture_default_str();
+  command
+      ->add_option("--max-loss", flags.build.appearance.redundancy.max_loss,
+                   "Leave out panoramas that lose at most this share of information, 0 to 1")
+      ->capture_default_str();
+  AddPanoramaFlags(*command, flags.panorama);
   command->add_flag("--no-images", flags.no_images, "Leave the keyframes' pictures out of the map");
   command
       ->add_option("--threads", flags.build.threads,
@@ -154,7 +179,9 @@ void AddBuild(CLI::App& app, Run& run) {
   AddSourceFlags(command, *flags);
   AddMapFlags(command, *flags);
   AddOutputFlags(command, *flags);
-  command->footer("Example: waystone build kitchen.mp4 -o kitchen.db --report kitchen-report");
+  command->footer(
+      "Example: waystone build kitchen.mp4 -o kitchen.db --report kitchen-report\n"
+      "         waystone build panoramas/ -o lab.db --layers appearance");
   command->callback([flags, &run] { run = [flags] { return RunBuild(*flags); }; });
 }
 

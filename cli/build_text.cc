@@ -17,6 +17,11 @@ size_t FeatureCount(const MapData& map) {
   return count;
 }
 
+size_t LoopCount(const AppearanceLayer& layer) {
+  return static_cast<size_t>(
+      std::ranges::count(layer.edges, AppearanceEdgeKind::kLoop, &AppearanceEdge::kind));
+}
+
 std::string Plural(size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
@@ -39,7 +44,71 @@ std::string PlanesText(const BuildReport& report) {
          " dropped";
 }
 
+// The frames that were used, and those that were not by name.
+void FramesLines(std::ostream& out, const std::string& label, const std::string& counts,
+                 const std::vector<std::string>& skipped) {
+  Line(out, label, counts);
+  for (const std::string& name : skipped) Line(out, "  skipped", name);
+}
+
+void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
+  FramesLines(out, "panoramas",
+              std::to_string(report.frames) + " used, " + std::to_string(report.skipped) +
+                  " skipped, " + std::to_string(report.uncertain) + " steps uncertain, " +
+                  std::to_string(report.dropped) + " redundant",
+              report.skipped_names);
+  Line(out, "loops",
+       std::to_string(report.loop_candidates) + " candidates, " +
+           std::to_string(report.loops_certain) + " certain by the compass, " +
+           std::to_string(report.loops_supported) + " by their neighbours, " +
+           std::to_string(report.loops_rejected) + " rejected by the graph");
+  Line(out, "seconds",
+       "decode " + Seconds(report.decode_s) + ", signatures " + Seconds(report.describe_s) +
+           ", odometry " + Seconds(report.odometry_s) + ", loops " + Seconds(report.loops_s) +
+           ", poses " + Seconds(report.graph_s));
+}
+
+void PlanesLines(std::ostream& out, const BuildReport& report) {
+  FramesLines(out, "frames",
+              std::to_string(report.frames) + " used, " + std::to_string(report.skipped) +
+                  " skipped, " + std::to_string(report.stretches) + " stretch" +
+                  (report.stretches == 1 ? "" : "es"),
+              report.skipped_names);
+  Line(out, "planes", PlanesText(report));
+  Line(out, "seconds",
+       "decode " + Seconds(report.decode_s) + ", features " + Seconds(report.extract_s) +
+           ", track " + Seconds(report.track_s) + ", fusion " + Seconds(report.fusion_s) +
+           ", calibration " + Seconds(report.calibrate_s) + " (summed over threads)");
+}
+
+Json AppearanceReportJson(const AppearanceReport& report) {
+  return {{"frames", report.frames},
+          {"skipped", report.skipped},
+          {"skipped_names", report.skipped_names},
+          {"uncertain", report.uncertain},
+          {"loop_candidates", report.loop_candidates},
+          {"loops_certain", report.loops_certain},
+          {"loops_supported", report.loops_supported},
+          {"loops_rejected", report.loops_rejected},
+          {"dropped", report.dropped},
+          {"seconds",
+           {{"decode", Rounded(report.decode_s, 3)},
+            {"describe", Rounded(report.describe_s, 3)},
+            {"odometry", Rounded(report.odometry_s, 3)},
+            {"loops", Rounded(report.loops_s, 3)},
+            {"poses", Rounded(report.graph_s, 3)}}}};
+}
+
 }  // namespace
+
+Json AppearanceJson(const MapData& map) {
+  if (!map.appearance) return nullptr;
+  const AppearanceLayer& layer = *map.appearance;
+  return {{"nodes", layer.nodes.size()},  {"edges", layer.edges.size()},
+          {"loops", LoopCount(layer)},    {"dropped", layer.dropped},
+          {"rows", layer.described.rows}, {"k1", layer.described.k1},
+          {"k2", layer.described.k2},     {"calibrated", layer.verdict.has_value()}};
+}
 
 std::string BytesText(uint64_t bytes) {
   static constexpr std::array<const char*, 4> kUnits = {"B", "kB", "MB", "GB"};
@@ -55,8 +124,16 @@ std::string BytesText(uint64_t bytes) {
 }
 
 std::string CountsText(const MapData& map) {
+  std::string panoramas;
+  if (map.appearance) {
+    panoramas = Plural(map.appearance->nodes.size(), "panorama") + " with " +
+                Plural(LoopCount(*map.appearance), "loop");
+    if (map.planes.empty()) return panoramas;
+    panoramas = ", " + panoramas;
+  }
   return Plural(map.keyframes.size(), "keyframe") + ", " + Plural(map.planes.size(), "plane") +
-         ", " + Plural(map.edges.size(), "edge") + ", " + Plural(FeatureCount(map), "feature");
+         ", " + Plural(map.edges.size(), "edge") + ", " + Plural(FeatureCount(map), "feature") +
+         panoramas;
 }
 
 std::string TablesText(const std::vector<TableSize>& sizes) {
@@ -65,7 +142,8 @@ std::string TablesText(const std::vector<TableSize>& sizes) {
                    [](const TableSize& a, const TableSize& b) { return a.bytes > b.bytes; });
   std::ostringstream text;
   for (const TableSize& size : sorted) {
-    text << "  " << std::left << std::setw(20) << size.table << std::right << std::setw(10)
+    if (size.rows == 0) continue;  // of a layer that the map doesn't have
+    text << "  " << std::left << std::setw(25) << size.table << std::right << std::setw(10)
          << size.rows << " rows" << std::setw(12) << BytesText(static_cast<uint64_t>(size.bytes))
          << '\n';
   }
@@ -85,15 +163,8 @@ std::string SummaryText(const BuildSummary& summary) {
   std::ostringstream text;
   text << summary.path << ": " << CountsText(summary.result->map) << ", "
        << BytesText(summary.bytes) << " in " << Seconds(report.total_s) << " s\n";
-  Line(text, "frames",
-       std::to_string(report.frames) + " used, " + std::to_string(report.skipped) + " skipped, " +
-           std::to_string(report.stretches) + " stretch" + (report.stretches == 1 ? "" : "es"));
-  for (const std::string& name : report.skipped_names) Line(text, "  skipped", name);
-  Line(text, "planes", PlanesText(report));
-  Line(text, "seconds",
-       "decode " + Seconds(report.decode_s) + ", features " + Seconds(report.extract_s) +
-           ", track " + Seconds(report.track_s) + ", fusion " + Seconds(report.fusion_s) +
-           ", calibration " + Seconds(report.calibrate_s) + " (summed over threads)");
+  if (report.frames > 0) PlanesLines(text, report);
+  if (report.appearance) AppearanceLines(text, *report.appearance);
   Line(text, "version", summary.version);
   text << TablesText(summary.tables);
   return text.str();
@@ -125,6 +196,8 @@ Json SummaryJson(const BuildSummary& summary) {
       {"decode", Rounded(report.decode_s, 3)},       {"extract", Rounded(report.extract_s, 3)},
       {"track", Rounded(report.track_s, 3)},         {"fusion", Rounded(report.fusion_s, 3)},
       {"calibrate", Rounded(report.calibrate_s, 3)}, {"total", Rounded(report.total_s, 3)}};
+  json["appearance"] = AppearanceJson(map);
+  if (report.appearance) json["appearance"]["report"] = AppearanceReportJson(*report.appearance);
   json["tables"] = TablesJson(summary.tables);
   return json;
 }

@@ -14,11 +14,18 @@ using Run = std::function<int()>;
 void AddBuild(CLI::App& app, Run& run);
 void AddServe(CLI::App& app, Run& run);
 void AddLocalize(CLI::App& app, Run& run);
+void AddDirections(CLI::App& app, Run& run);
 void AddEval(CLI::App& app, Run& run);
+// A subcommand of `eval`.
+void AddEvalTrajectory(CLI::App& eval, Run& run);
 void AddAudit(CLI::App& app, Run& run);
 void AddInfo(CLI::App& app, Run& run);
 void AddCheck(CLI::App& app, Run& run);
 void AddMigrate(CLI::App& app, Run& run);
+void AddUnwrap(CLI::App& app, Run& run);
+void AddCompass(CLI::App& app, Run& run);
+void AddExport(CLI::App& app, Run& run);
+void AddReplay(CLI::App& app, Run& run);
 void AddDemo(CLI::App& app, Run& run);
 
 }  // namespace waystone

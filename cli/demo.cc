@@ -26,6 +26,7 @@ constexpr int kUnexpectedAnswer = 4;
 struct DemoFlags {
   std::string write_folder;
   std::string keep_folder;
+  std::string setting;
 };
 
 // The demo's folder: the user's, or one that goes away with the demo.
@@ -136,7 +137,20 @@ int AskAll(const std::string& url, const DemoPhotos& photos) {
   return code;
 }
 
+int RunWriteSetting(const DemoFlags& flags) {
+  ProgressMeter meter(std::cerr, ProgressStyleByName("auto", false), ColoursWelcome());
+  WriteSetting(flags.setting, flags.write_folder, [&meter](int done, int total) {
+    meter.Update({"panoramas", done, total, ""});
+  });
+  Say("The panoramas are in " + flags.write_folder + "/panorama, where they were taken in " +
+      flags.write_folder + "/poses.csv;\nREADME.txt there says what each file is.\n" +
+      "Next: waystone eval trajectory " + flags.write_folder + "/odometry.csv " +
+      flags.write_folder + "/poses.csv");
+  return 0;
+}
+
 int RunDemo(const DemoFlags& flags) {
+  if (!flags.setting.empty()) return RunWriteSetting(flags);
   if (!flags.write_folder.empty()) {
     WriteWalkWithProgress(flags.write_folder);
     WriteDemoQueries(flags.write_folder);
@@ -174,7 +188,13 @@ void AddDemo(CLI::App& app, Run& run) {
                                            "Only write the walk and its truth, to this new folder");
   command->add_option("--keep", flags->keep_folder, "Work in this new folder and keep it")
       ->excludes(write);
-  command->footer("Takes about a minute.\nExample: waystone demo --keep demo");
+  command
+      ->add_option("--setting", flags->setting,
+                   "Write a robot's drive with panoramas instead: office (200) or laboratory (150)")
+      ->needs(write);
+  command->footer(
+      "Takes about a minute.\nExample: waystone demo --keep demo\n"
+      "         waystone demo --write office --setting office");
   command->callback([flags, &run] { run = [flags] { return RunDemo(*flags); }; });
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
+#include <iomanip>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
@@ -12,6 +13,7 @@
 
 #include "core/base/error.h"
 #include "world/render.h"
+#include "world/setting.h"
 #include "world/walk.h"
 #include "world/world.h"
 
@@ -114,6 +116,25 @@ void WriteDemoWalk(const std::filesystem::path& dir, const WriteProgress& progre
   WriteWalkOptions options;
   options.render = PhoneLook();
   WriteWalk(DemoWorld(), ShortWalk(DemoPlan()), dir, options, progress);
+}
+
+void WriteSetting(const std::string& name, const std::filesystem::path& dir,
+                  const WriteProgress& progress) {
+  const Setting setting = SettingByName(name);
+  WriteWalkOptions options;
+  options.pinhole = false;
+  options.panorama = true;
+  options.render = PhoneLook();
+  WriteWalk(World(setting.plan, setting.look), setting.walk, dir, options, progress);
+  std::ostringstream rows;
+  rows << std::setprecision(12) << "frame,time_s,x,y,theta_rad\n";
+  const std::vector<Pose2> odometry = WheelOdometry(setting.walk);
+  for (size_t i = 0; i < odometry.size(); ++i) {
+    rows << i << ',' << setting.walk.frames[i].time_s << ',' << odometry[i].x << ','
+         << odometry[i].y << ',' << odometry[i].theta_rad << '\n';
+  }
+  const std::string text = rows.str();
+  Save(dir / "odometry.csv", {text.begin(), text.end()});
 }
 
 void WriteDemoQueries(const std::filesystem::path& dir) {

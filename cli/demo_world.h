@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "world/write_walk.h"
 
@@ -13,6 +14,12 @@ void WriteDemoWalk(const std::filesystem::path& dir, const WriteProgress& progre
 // Adds photos from between the walk's frames and of another building to a written walk, with
 // queries.csv, which says where they were taken. Throws MapError(kFileUnwritable).
 void WriteDemoQueries(const std::filesystem::path& dir);
+
+// Writes the panoramas of a setting (world/setting.h) with their truth, and odometry.csv, what the
+// robot's wheels would report, into `dir`. Throws MapError: kBadOptions for an unknown name,
+// kFileExists, kFileUnwritable.
+void WriteSetting(const std::string& name, const std::filesystem::path& dir,
+                  const WriteProgress& progress);
 
 // The demo's three photos.
 struct DemoPhotos {

@@ -64,6 +64,9 @@ std::vector<ScoredQuery> AskAll(const OpenMap& map, const std::vector<LabelledQu
 }
 
 int RunEval(const EvalFlags& flags) {
+  if (flags.map.empty()) {
+    throw MapError(ErrorCode::kUsage, "map is required; see waystone eval --help");
+  }
   const OpenMap map = OpenMapFile(flags.map, false);
   const std::vector<LabelledQuery> queries = ReadQueries(flags, *map.index);
   const KeyframePositions positions =
@@ -87,7 +90,7 @@ void AddEval(CLI::App& app, Run& run) {
   auto flags = std::make_shared<EvalFlags>();
   CLI::App* command =
       app.add_subcommand("eval", "Measure how good a map's answers are, on labelled photos");
-  command->add_option("map", flags->map, "Map file")->required();
+  command->add_option("map", flags->map, "Map file");  // not for its subcommand
   command->add_option("queries", flags->queries,
                       "CSV files: image,keyframe or image,frame, and x,y,z where known");
   command
@@ -101,7 +104,11 @@ void AddEval(CLI::App& app, Run& run) {
   command->footer(
       "An empty cell for the keyframe or frame means: not in the map.\n"
       "Example: waystone eval lab.db queries.csv --negatives elsewhere --json");
-  command->callback([flags, &run] { run = [flags] { return RunEval(*flags); }; });
+  AddEvalTrajectory(*command, run);
+  command->callback([flags, command, &run] {
+    if (!command->get_subcommands().empty()) return;  // it was asked instead
+    run = [flags] { return RunEval(*flags); };
+  });
 }
 
 }  // namespace waystone

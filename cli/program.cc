@@ -57,11 +57,16 @@ int RunProgram(int argc, char** argv) {
   AddBuild(app, run);
   AddServe(app, run);
   AddLocalize(app, run);
+  AddDirections(app, run);
   AddEval(app, run);
   AddAudit(app, run);
   AddInfo(app, run);
   AddCheck(app, run);
   AddMigrate(app, run);
+  AddUnwrap(app, run);
+  AddCompass(app, run);
+  AddExport(app, run);
+  AddReplay(app, run);
   AddDemo(app, run);
   try {
     app.parse(argc, argv);

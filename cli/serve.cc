@@ -5,60 +5,126 @@
 #include <vector>
 
 #include "cli/commands.h"
-#include "cli/map_file.h"
+#include "cli/served_files.h"
 #include "cli/signals.h"
 #include "core/base/error.h"
+#include "server/http/application.h"
 #include "server/http/home_page.h"
 #include "server/http/http_server.h"
-#include "server/http/map_service.h"
-#include "server/http/router.h"
 
 namespace waystone {
 namespace {
+
+constexpr int64_t kBytesPerMegabyte = 1'000'000;
 
 struct ServeFlags {
   std::vector<std::string> maps;
   HttpOptions http;
   ServiceOptions service;
+  std::string token_file;
+  int64_t max_body_mb = 20;
+  int64_t query_log_mb = 2000;
+  bool log = false;
+  double watch_s = 1;  // between looks at the files; 0 looks only at SIGHUP
 };
 
-MapService::Maps OpenMaps(const std::vector<std::string>& paths) {
-  MapService::Maps maps;
-  for (const std::string& path : paths) {
-    OpenMap map = OpenMapFile(path, true);
-    if (!maps.emplace(map.name, map.index).second) {
-      throw MapError(ErrorCode::kUsage, "two of the files are called " + map.name +
-                                            "; rename one, maps go by their file's name");
-    }
-  }
-  return maps;
-}
+void WriteLine(const std::string& line) { std::cerr << line + "\n" << std::flush; }
 
-void Announce(const HttpServer& server, const MapService::Maps& maps) {
+void WriteError(const std::string& cause) { WriteLine("waystone: " + cause); }
+
+void Announce(const HttpServer& server, const MapCatalog::Maps& maps, bool tokens) {
   std::cout << "Serving " << maps.size() << (maps.size() == 1 ? " map" : " maps") << " at "
             << server.url() << '\n';
-  for (const auto& [name, index] : maps) {
-    std::cout << "  curl --data-binary @photo.jpg -H 'Content-Type: image/jpeg' " << server.url()
+  for (const auto& [name, map] : maps) {
+    std::cout << "  curl --data-binary @photo.jpg -H 'Content-Type: image/jpeg' "
+              << (tokens ? "-H \"Authorization: Bearer $TOKEN\" " : "") << server.url()
               << "/v1/maps/" << EncodeSegment(name) << "/localize\n";
   }
   std::cout << std::flush;
 }
 
-int RunServe(const ServeFlags& flags) {
+void Refresh(ServedFiles& files, Application& application, bool all) {
+  for (const ServedFiles::Change& change : files.Refresh(application.catalog(), all)) {
+    application.metrics().CountReload(change.good);
+    WriteError("map " + change.name + ": " + change.message);
+  }
+}
+
+// Looks after the files until the program is told to end.
+void Watch(const ServeFlags& flags, ServedFiles& files, Application& application) {
+  constexpr double kNoWatchS = 3600;  // how long one sleep is when only signals count
+  while (true) {
+    switch (WaitForSignal(flags.watch_s > 0 ? flags.watch_s : kNoWatchS)) {
+      case Awaited::kEnd:
+        return;
+      case Awaited::kReload:
+        Refresh(files, application, true);
+        break;
+      case Awaited::kNothing:
+        if (flags.watch_s > 0) Refresh(files, application, false);
+        break;
+    }
+  }
+}
+
+void Complete(ServeFlags& flags) {
+  flags.http.max_body_bytes = flags.max_body_mb * kBytesPerMegabyte;
+  flags.service.query_log_bytes = flags.query_log_mb * kBytesPerMegabyte;
+  if (!flags.token_file.empty()) flags.service.tokens = Tokens::FromFile(flags.token_file);
+  flags.http.has_tokens = !flags.service.tokens.empty();
   flags.http.Check();  // before maps are read, which may take a while
-  MapService::Maps maps = OpenMaps(flags.maps);
-  BlockInterrupts();
-  MapService service(maps, flags.service);
-  Router router;
-  service.AddTo(router);
-  router.OnInternalError(
-      [](const std::string& cause) { std::cerr << "waystone: internal error: " + cause + "\n"; });
-  HttpServer server(flags.http, [&router](const HttpRequest& in) { return router.Dispatch(in); });
+  flags.service.Check();
+}
+
+int RunServe(ServeFlags flags) {
+  Complete(flags);
+  ServedFiles files({flags.maps.begin(), flags.maps.end()});
+  const MapCatalog::Indices maps = files.OpenAll();
+  BlockSignals();
+  Application application(maps, flags.service, {flags.log ? WriteLine : nullptr, WriteError});
+  HttpServer server(flags.http,
+                    [&application](const HttpRequest& in) { return application.Answer(in); });
   server.Start();
-  Announce(server, maps);
-  WaitForInterrupt();
+  Announce(server, *application.catalog().Now(), flags.http.has_tokens);
+  Watch(flags, files, application);
+  application.BeginStop();
   server.Stop();
   return 0;
+}
+
+void AddServiceFlags(CLI::App* command, ServeFlags& flags) {
+  command
+      ->add_option("--threads", flags.service.query_threads,
+                   "Queries computed at once; 0 takes all cores")
+      ->capture_default_str();
+  command
+      ->add_option("--queue", flags.service.queue_length,
+                   "Queries that may wait; more get status 429")
+      ->capture_default_str();
+  command->add_option("--max-body", flags.max_body_mb, "Largest body, MB")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 400));
+  command->add_option("--max-images", flags.service.limits.max_images, "Images of one request")
+      ->capture_default_str();
+  command
+      ->add_option("--max-pixels", flags.service.localize.limits.max_pixels,
+                   "Pixels of the largest image that is decoded")
+      ->capture_default_str();
+  command
+      ->add_option("--connections", flags.http.connection_threads,
+                   "Connections held at once, each by a thread")
+      ->capture_default_str();
+  command
+      ->add_option("--watch", flags.watch_s,
+                   "Seconds between looks whether map files changed; 0: only at SIGHUP")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 3600.0));
+  command->add_flag("--log", flags.log, "Write a line of JSON to stderr for each request");
+  command->add_option("--query-log", flags.service.query_log,
+                      "Folder that keeps queries with their photos, for waystone replay");
+  command->add_option("--query-log-max", flags.query_log_mb, "Largest query log, MB")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1'000'000));
 }
 
 }  // namespace
@@ -66,22 +132,21 @@ int RunServe(const ServeFlags& flags) {
 void AddServe(CLI::App& app, Run& run) {
   auto flags = std::make_shared<ServeFlags>();
   CLI::App* command = app.add_subcommand("serve", "Answer photos over HTTP");
-  command->add_option("maps", flags->maps, "Map files; each goes by its file's name")->required();
+  command
+      ->add_option("maps", flags->maps,
+                   "Map files, or folders of *.db; each goes by its file's name")
+      ->required();
   command->add_option("--host", flags->http.host, "Address to listen on")->capture_default_str();
   command->add_option("--port", flags->http.port, "Port to listen on; 0 takes any free one")
       ->capture_default_str();
+  command->add_option("--token-file", flags->token_file,
+                      "Who may ask: a file with one bearer token a line");
   command->add_flag("--insecure", flags->http.insecure,
                     "Let other machines ask, although nobody has to show who they are");
-  command
-      ->add_option("--threads", flags->service.query_threads,
-                   "Queries computed at once; 0 takes all cores")
-      ->capture_default_str();
-  command
-      ->add_option("--queue", flags->service.queue_length,
-                   "Queries that may wait; more get status 429")
-      ->capture_default_str();
+  AddServiceFlags(command, *flags);
   command->footer(
-      "Ends on Ctrl-C or SIGTERM, after the answers at hand.\n"
+      "Ends on Ctrl-C or SIGTERM, after the answers at hand. Reads maps again on SIGHUP and when\n"
+      "their files change; requests under way finish on the map they began with.\n"
       "Example: waystone serve lab.db --port 8080");
   command->callback([flags, &run] { run = [flags] { return RunServe(*flags); }; });
 }

@@ -9,11 +9,10 @@ namespace {
 // The one thing that a signal handler may touch.
 volatile std::sig_atomic_t interrupted = 0;
 
-sigset_t Interrupts() {
+sigset_t Signals() {
   sigset_t set;
   sigemptyset(&set);
-  sigaddset(&set, SIGINT);
-  sigaddset(&set, SIGTERM);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set, signal);
   return set;
 }
 
@@ -29,15 +28,19 @@ void NoteInterrupts() {
 
 bool Interrupted() { return interrupted != 0; }
 
-void BlockInterrupts() {
-  const sigset_t set = Interrupts();
+void BlockSignals() {
+  const sigset_t set = Signals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
 }
 
-void WaitForInterrupt() {
-  const sigset_t set = Interrupts();
-  int signal = 0;
-  sigwait(&set, &signal);
+Awaited WaitForSignal(double seconds) {
+  const sigset_t set = Signals();
+  timespec time = {};
+  time.tv_sec = static_cast<time_t>(seconds);
+  time.tv_nsec = static_cast<int64_t>(1e9 * (seconds - static_cast<double>(time.tv_sec)));
+  const int signal = sigtimedwait(&set, nullptr, &time);
+  if (signal == SIGHUP) return Awaited::kReload;
+  return signal < 0 ? Awaited::kNothing : Awaited::kEnd;
 }
 
 }  // namespace waystone

@@ -8,9 +8,12 @@ namespace waystone {
 void NoteInterrupts();
 bool Interrupted();
 
-// Holds SIGINT and SIGTERM back in this thread and all it starts from now on, for WaitForInterrupt.
-void BlockInterrupts();
-// Sleeps until SIGINT or SIGTERM comes. Call BlockInterrupts before starting threads.
-void WaitForInterrupt();
+// Holds SIGINT, SIGTERM and SIGHUP back in this thread and all it starts from now on, for
+// WaitForSignal.
+void BlockSignals();
+enum class Awaited { kEnd, kReload, kNothing };
+// Sleeps until SIGINT or SIGTERM (kEnd) or SIGHUP (kReload) comes, or the time is over (kNothing).
+// Call BlockSignals before starting threads.
+Awaited WaitForSignal(double seconds);
 
 }  // namespace waystone

@@ -8,13 +8,15 @@
 #include <sstream>
 #include <string>
 
-#include "cli/audit_text.h"
 #include "cli/build_text.h"
 #include "cli/csv_file.h"
 #include "cli/eval_text.h"
 #include "cli/map_file.h"
 #include "cli/progress.h"
+#include "cli/trajectory_file.h"
+#include "cli/trajectory_plot.h"
 #include "core/base/error.h"
+#include "server/http/audit_text.h"
 
 namespace waystone {
 namespace {
@@ -189,6 +191,72 @@ TEST(ProgressStyle, OnlyKnownNames) {
   EXPECT_EQ(ProgressStyleByName("auto", true), ProgressStyle::kNone);
   EXPECT_EQ(ProgressStyleByName("json", true), ProgressStyle::kJson);
   EXPECT_THROW(ProgressStyleByName("fancy", false), MapError);
+}
+
+class TrajectoryTest : public testing::Test {
+ protected:
+  ~TrajectoryTest() override {
+    std::filesystem::remove(Path(".csv"));
+    std::filesystem::remove(Path(".txt"));
+  }
+  std::filesystem::path Path(const std::string& extension) const {
+    return std::filesystem::path(testing::TempDir()) /
+           (std::string("waystone_way_") +
+            testing::UnitTest::GetInstance()->current_test_info()->name() + extension);
+  }
+  Trajectory Read(const std::string& extension, const std::string& text) const {
+    std::ofstream(Path(extension), std::ios::binary) << text;
+    return ReadTrajectory(Path(extension));
+  }
+  // What reading says is wrong.
+  std::string Refusal(const std::string& extension, const std::string& text) const {
+    try {
+      Read(extension, text);
+    } catch (const MapError& error) {
+      return error.what();
+    }
+    return "";
+  }
+};
+
+TEST_F(TrajectoryTest, ReadsCsvByItsColumns) {
+  const Trajectory plain = Read(".csv", "y,x\n2,1\n4,3\n");
+  EXPECT_EQ(plain.poses, (std::vector<Pose2>{{1, 2, 0}, {3, 4, 0}}));
+  EXPECT_TRUE(plain.times_s.empty());
+  EXPECT_FALSE(plain.has_headings);
+  const Trajectory full = Read(".csv", "time_s,x,y,theta_rad\n0.5,1,2,7\n1,3,4,0\n");
+  EXPECT_EQ(full.times_s, (std::vector<double>{0.5, 1}));
+  EXPECT_TRUE(full.has_headings);
+  EXPECT_NEAR(full.poses[0].theta_rad, 7 - 2 * 3.14159265, 1e-6);
+}
+
+// A camera that looks along x: its z axis is the world's x, its y axis points down.
+TEST_F(TrajectoryTest, ReadsTum) {
+  const Trajectory way = Read(".txt", "# time x y z q\n10.5 1 2 3 -0.5 0.5 -0.5 0.5\n\n");
+  ASSERT_EQ(way.poses.size(), 1u);
+  EXPECT_EQ(way.times_s[0], 10.5);
+  EXPECT_EQ(way.poses[0].y, 2);
+  EXPECT_NEAR(way.poses[0].theta_rad, 0, 1e-12);
+}
+
+TEST_F(TrajectoryTest, SaysWhichLineIsWrong) {
+  EXPECT_NE(Refusal(".csv", "a,b\n1,2\n").find("x and y"), std::string::npos);
+  EXPECT_NE(Refusal(".csv", "x,y,time_s\n1,2,5\n1,2,5\n").find("line 3"), std::string::npos);
+  EXPECT_NE(Refusal(".txt", "1 2 3\n").find("line 1: eight numbers"), std::string::npos);
+  EXPECT_THROW(ReadTrajectory("no such file.txt"), MapError);
+}
+
+TEST(PlotWays, ShowsEveryLineAndEscapesLabels) {
+  const std::string svg = PlotWays(
+      "a & b", {{"<truth>", "#222", {{0, 0}, {4, 0}}}, {"estimate", "#00f", {{0, 1}, {4, 2}}}});
+  EXPECT_EQ(svg.find("<svg"), 0u);
+  EXPECT_NE(svg.find("a &amp; b"), std::string::npos);
+  EXPECT_NE(svg.find("&lt;truth>"), std::string::npos);
+  size_t lines = 0;
+  for (size_t at = 0; (at = svg.find("<polyline", at)) != std::string::npos; ++at) ++lines;
+  EXPECT_EQ(lines, 2u);
+  // One place alone still has a picture.
+  EXPECT_EQ(PlotWays("", {{"", "red", {{3, 3}}}}).find("nan"), std::string::npos);
 }
 
 }  // namespace

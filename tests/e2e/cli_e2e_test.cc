@@ -204,8 +204,8 @@ TEST_F(CliTest, UsageErrors) {
 }
 
 TEST_F(CliTest, HelpEndsWithAnExample) {
-  for (const char* command : {"build", "serve", "localize", "eval", "audit", "info", "check",
-                              "migrate", "demo"}) {
+  for (const char* command :
+       {"build", "serve", "localize", "eval", "audit", "info", "check", "migrate", "demo"}) {
     const RunResult help = RunWaystone({command, "--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_NE(help.out.find("Example: waystone " + std::string(command)), std::string::npos)
@@ -225,6 +225,16 @@ TEST_F(CliTest, InterruptedBuildLeavesNothing) {
     EXPECT_EQ(build.Wait(), 130);
     EXPECT_EQ(FilesIn(folder_), 0u);
   }
+}
+
+TEST(Export, WritesWhatTheMapHas) {
+  const RunResult graphml = RunWaystone({"export", TheMap().map});
+  EXPECT_EQ(graphml.code, 0);
+  EXPECT_NE(graphml.out.find("</graphml>"), std::string::npos);
+  const RunResult poses = RunWaystone({"export", TheMap().map, "--format", "tum"});
+  EXPECT_EQ(poses.code, 3);
+  EXPECT_NE(poses.err.find("homographies"), std::string::npos) << poses.err;
+  EXPECT_EQ(RunWaystone({"export", TheMap().map, "--format", "svg"}).code, 2);
 }
 
 }  // namespace

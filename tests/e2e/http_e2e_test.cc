@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -25,8 +27,9 @@ constexpr int kPatienceS = 30;
 // A server of the shared map, and a client.
 class Served {
  public:
-  explicit Served(const std::vector<std::string>& flags = {}) {
-    std::vector<std::string> arguments = {WAYSTONE_PROGRAM, "serve", TheMap().map, "--port", "0"};
+  explicit Served(const std::vector<std::string>& flags = {},
+                  const std::filesystem::path& maps = TheMap().map) {
+    std::vector<std::string> arguments = {WAYSTONE_PROGRAM, "serve", maps, "--port", "0"};
     arguments.insert(arguments.end(), flags.begin(), flags.end());
     process_ = std::make_unique<ChildProcess>(arguments, true);
     first_line_ = process_->ReadLine();
@@ -135,7 +138,8 @@ TEST_F(HttpTest, BadImagesAreAnswersAndCheap) {
 TEST_F(HttpTest, EveryInspectionRouteAnswers) {
   for (const char* path :
        {"/", "/healthz", "/v1/maps", "/v1/maps/room", "/v1/maps/room/planes",
-        "/v1/maps/room/planes/1", "/v1/maps/room/graph", "/v1/maps/room/keyframes",
+        "/v1/maps/room/planes/1", "/v1/maps/room/graph", "/v1/maps/room/overview",
+        "/v1/maps/room/audit", "/plain", "/page/main.js", "/v1/maps/room/keyframes",
         "/v1/maps/room/keyframes/1", "/v1/maps/room/keyframes/1/image"}) {
     const auto get = client_.Get(path);
     ASSERT_TRUE(get) << path;
@@ -235,6 +239,16 @@ TEST_F(HttpTest, SameAnswerAsWithoutAServer) {
   EXPECT_EQ(served.dump(), local.dump());
 }
 
+// Debian's Python, for which packages.txt installs what is imported. Every route and body and some
+// hundred generated requests against clients/openapi.yaml.
+TEST_F(HttpTest, KeepsItsContract) {
+  const std::string command =
+      std::string("/usr/bin/python3 " WAYSTONE_SOURCE_DIR "/tests/e2e/contract.py ") +
+      served_->url() + " " WAYSTONE_SOURCE_DIR "/clients/openapi.yaml room " +
+      TheMap().inside.string() + " " + TheMap().elsewhere.string();
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
 TEST_F(HttpTest, CurlLineIsReadyToUse) {
   EXPECT_NE(served_->curl_line().find("curl --data-binary @photo.jpg"), std::string::npos);
   EXPECT_NE(served_->curl_line().find(served_->url() + "/v1/maps/room/localize"),
@@ -269,6 +283,115 @@ TEST(HttpLifetime, SignalsEndTheServerInOrder) {
     EXPECT_EQ(served.process().Wait(), 0);
     EXPECT_FALSE(served.NewClient().Get("/healthz"));
   }
+}
+
+// Answers about the map in a folder while its file is replaced again and again: none fails, and
+// each comes from one whole version.
+TEST(HttpLifetime, MapsAreExchangedWithoutLosingARequest) {
+  namespace fs = std::filesystem;
+  const fs::path folder = FreshFolder();
+  fs::copy_file(TheMap().map, folder / "room.db");
+  Served served({"--watch", "0.05"}, folder);
+  const std::string photo = ReadFile(TheMap().inside);
+  std::atomic<bool> stop = false;
+  std::atomic<int> answers = 0;
+  std::atomic<int> failures = 0;
+  std::vector<std::thread> clients;
+  for (int i = 0; i < 2; ++i) {
+    clients.emplace_back([&] {
+      httplib::Client client = served.NewClient();
+      while (!stop) {
+        const auto result = client.Post("/v1/maps/room/localize", photo, "image/jpeg");
+        const bool good =
+            result && result->status == 200 && Json::parse(result->body)["verdict"] == "localized";
+        ++(good ? answers : failures);
+      }
+    });
+  }
+  const auto until = [](const auto& holds) {
+    for (int i = 0; i < 100 * kPatienceS && !holds(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  };
+  const auto metrics = [&] { return served.NewClient().Get("/metrics")->body; };
+  const auto swaps = [&] {
+    const std::string text = metrics();
+    const std::string name = "waystone_reloads_total{result=\"swapped\"} ";
+    const size_t at = text.find(name);
+    return at == std::string::npos ? 0 : std::stoi(text.substr(at + name.size()));
+  };
+  const auto answered = [&] {
+    until([&, before = answers + failures] { return answers + failures >= before + 3; });
+  };
+  // Until a map was swapped and both clients were answered after it.
+  auto pass = [&, seen = 0]() mutable {
+    until([&] { return swaps() > seen; });
+    seen = swaps();
+    answered();
+  };
+  for (int i = 0; i < 3; ++i) {
+    fs::copy_file(TheMap().map, folder / "new");
+    fs::rename(folder / "new", folder / "room.db");
+    pass();
+    served.process().Send(SIGHUP);
+    pass();
+  }
+  // Half a map is refused, and the one before is served on.
+  WriteFile(folder / "room.db", ReadFile(TheMap().map).substr(0, 10'000));
+  const std::string refused = "waystone_reloads_total{result=\"refused\"}";
+  until([&] { return metrics().find(refused) != std::string::npos; });
+  EXPECT_NE(metrics().find(refused), std::string::npos);
+  answered();
+  stop = true;
+  for (std::thread& client : clients) client.join();
+  EXPECT_EQ(failures, 0);
+  EXPECT_GE(answers, 3 * 7);
+  EXPECT_GE(swaps(), 6);
+  // A new file is served, and one that goes isn't.
+  fs::copy_file(TheMap().map, folder / "hall.db");
+  fs::remove(folder / "room.db");
+  until([&] { return served.NewClient().Get("/v1/maps/room")->status == 404; });
+  EXPECT_EQ(served.NewClient().Get("/v1/maps/hall")->status, 200);
+  EXPECT_EQ(served.NewClient().Get("/v1/maps/room")->status, 404);
+  fs::remove_all(folder);
+}
+
+TEST(HttpLifetime, QueriesAreReplayed) {
+  const std::filesystem::path folder = FreshFolder();
+  {
+    const Served served({"--query-log", (folder / "log").string()});
+    httplib::Client client = served.NewClient();
+    client.Post("/v1/maps/room/localize?top_k=2", ReadFile(TheMap().inside), "image/jpeg");
+    client.Post("/v1/localize", ReadFile(TheMap().elsewhere), "image/jpeg");
+  }
+  const RunResult same = RunWaystone({"replay", folder / "log", TheMap().map});
+  EXPECT_EQ(same.code, 0) << same.err;
+  EXPECT_EQ(same.out, "0 of 2 answers changed\n");
+  std::string lines = ReadFile(folder / "log" / "queries.jsonl");
+  const std::string said = R"("verdict":"not_in_map")";
+  lines.replace(lines.find(said), said.size(), R"("verdict":"localized")");
+  WriteFile(folder / "log" / "queries.jsonl", lines);
+  const Json changed =
+      Json::parse(RunWaystone({"replay", folder / "log", TheMap().map, "--json"}).out);
+  EXPECT_EQ(changed["changed"], 1);
+  EXPECT_EQ(changed["changes"][0]["after"]["verdict"], "not_in_map");
+  EXPECT_EQ(RunWaystone({"replay", folder, TheMap().map}).code, 3);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(HttpLifetime, OtherMachinesNeedATokenAndItIsAsked) {
+  const std::filesystem::path folder = FreshFolder();
+  const RunResult open = RunWaystone({"serve", TheMap().map, "--host", "0.0.0.0", "--port", "0"});
+  EXPECT_EQ(open.code, 2);
+  EXPECT_NE(open.err.find("--token-file"), std::string::npos) << open.err;
+  WriteFile(folder / "tokens", "0123456789abcdef\n");
+  const Served served({"--host", "0.0.0.0", "--token-file", (folder / "tokens").string()});
+  EXPECT_EQ(served.NewClient().Get("/v1/maps")->status, 401);
+  EXPECT_EQ(
+      served.NewClient().Get("/v1/maps", {{"Authorization", "Bearer 0123456789abcdef"}})->status,
+      200);
+  EXPECT_NE(served.curl_line().find("Authorization: Bearer $TOKEN"), std::string::npos);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(HttpLifetime, TakenPortIsSaid) {

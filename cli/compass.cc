@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <numbers>
+
+#include "cli/commands.h"
+#include "cli/panorama_file.h"
+#include "core/base/error.h"
+#include "core/panorama/visual_compass.h"
+#include "server/http/json.h"
+
+namespace waystone {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+struct CompassFlags {
+  std::vector<std::string> images;
+  bool json = false;
+  PanoramaFlags panorama;
+};
+
+Json HeadingJson(const std::string& image, const std::string& first,
+                 const CompassHeading& heading) {
+  Json json = {{"image", image},
+               {"against", first},
+               {"heading_deg", heading.heading_rad * kDegrees},
+               {"deviation_deg", heading.deviation_rad * kDegrees},
+               {"sharpness", heading.sharpness},
+               {"runner_up_deg", heading.runner_up_rad * kDegrees},
+               {"motion", nullptr}};
+  if (heading.motion) {
+    json["motion"] = {{"direction_deg", heading.motion->direction_rad * kDegrees},
+                      {"deviation_deg", heading.motion->deviation_rad * kDegrees}};
+  }
+  return json;
+}
+
+// "b.jpg: 12.3 +- 0.4 degrees to the left of a.jpg (runner-up -170.0, sharpness 0.21), ..."
+std::string HumanLine(const std::string& image, const CompassHeading& heading) {
+  char text[200];
+  std::snprintf(text, sizeof(text), "%+.2f degrees +- %.2f (runner-up %+.0f, sharpness %.3f)",
+                heading.heading_rad * kDegrees, heading.deviation_rad * kDegrees,
+                heading.runner_up_rad * kDegrees, heading.sharpness);
+  std::string line = image + ": " + text;
+  if (!heading.motion) return line;
+  std::snprintf(text, sizeof(text), ", moved towards %+.0f +- %.0f",
+                heading.motion->direction_rad * kDegrees, heading.motion->deviation_rad * kDegrees);
+  return line + text;
+}
+
+void CheckSameBand(const std::string& image, const ElevationBand& band,
+                   const ElevationBand& first) {
+  if (band == first) return;
+  throw MapError(ErrorCode::kBadImage,
+                 image + " shows other elevations (" + std::to_string(band.top_rad * kDegrees) +
+                     " to " + std::to_string(band.bottom_rad * kDegrees) +
+                     " degrees) than the first panorama; give a --band that both show");
+}
+
+int RunCompass(const CompassFlags& flags) {
+  if (flags.images.size() < 2) {
+    throw MapError(ErrorCode::kUsage,
+                   "a compass compares panoramas and was given 1; give at least 2");
+  }
+  const PanoramaOptions options = PanoramaOptionsOf(flags.panorama);
+  const SignatureOptions signature = SignatureOptionsOf(flags.panorama);
+  CompassOptions compass;
+  const Panorama reference = ReadPanorama(flags.images[0], options);
+  compass.band = UsedBand(reference, signature);
+  const FourierSignature first = Signature(reference, signature);
+  for (size_t i = 1; i < flags.images.size(); ++i) {
+    const std::string& image = flags.images[i];
+    const Panorama panorama = ReadPanorama(image, options);
+    CheckSameBand(image, UsedBand(panorama, signature), compass.band);
+    const FourierSignature other = Signature(panorama, signature);
+    const CompassHeading heading = RelativeHeading(first, other, compass);
+    std::cout << (flags.json ? Dump(HeadingJson(image, flags.images[0], heading))
+                             : HumanLine(image, heading))
+              << std::endl;
+  }
+  return 0;
+}
+
+}  // namespace
+
+void AddCompass(CLI::App& app, Run& run) {
+  auto flags = std::make_shared<CompassFlags>();
+  CLI::App* command =
+      app.add_subcommand("compass", "Say how panoramas are turned against the first");
+  command->add_option("images", flags->images, "Panoramas, mirror images or folders of a rig")
+      ->required();
+  command->add_flag("--json", flags->json, "One JSON object a panorama");
+  AddPanoramaFlags(*command, flags->panorama);
+  command->footer(
+      "Headings and directions are counter-clockwise seen from above, in degrees; directions "
+      "count\n"
+      "from the first panorama's front, the middle of its columns.\n"
+      "Example: waystone compass a.jpg b.jpg c.jpg --json");
+  command->callback([flags, &run] { run = [flags] { return RunCompass(*flags); }; });
+}
+
+}  // namespace waystone

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "builder/sources/rig_source.h"
+#include "cli/commands.h"
+#include "core/base/error.h"
+#include "core/manhattan/cube_rotations.h"
+#include "core/manhattan/great_circles.h"
+#include "core/manhattan/manhattan_frame.h"
+
+namespace waystone {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct DirectionsFlags {
+  std::vector<std::string> photos;
+  std::string camera;
+  std::string detector = "edge_drawing";
+  bool json = false;
+};
+
+struct Directions {
+  std::string image;
+  ManhattanFrame frame;
+};
+
+// Columns are the axes, as the head sees them.
+Json AxesJson(const Eigen::Matrix3d& axes) {
+  Json rows = Json::array();
+  for (int axis = 0; axis < 3; ++axis) {
+    rows.push_back({axes(0, axis), axes(1, axis), axes(2, axis)});
+  }
+  return rows;
+}
+
+Json MatrixJson(const Eigen::Matrix3d& matrix) { return AxesJson(matrix.transpose()); }
+
+Json ToJson(const Directions& answer) {
+  const ManhattanFrame& frame = answer.frame;
+  return {{"image", answer.image},
+          {"reliable", frame.reliable()},
+          {"trouble", NameOf(frame.trouble)},
+          {"axes", AxesJson(frame.head_from_axes)},
+          {"lines", frame.lines},
+          {"support", frame.support},
+          {"lines_of_no_axis", std::ranges::count(frame.axis_of_line, -1)},
+          {"rival", frame.rival},
+          {"covariance_rad2", MatrixJson(frame.covariance)},
+          {"sigma_rad", frame.sigma_rad()}};
+}
+
+std::string HumanText(const Directions& answer) {
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  const ManhattanFrame& frame = answer.frame;
+  std::string text = answer.image + ": ";
+  char line[128];
+  if (frame.reliable()) {
+    std::snprintf(line, sizeof line, "reliable, to %.2f degrees\n", kDegrees * frame.sigma_rad());
+    text += line;
+  } else {
+    text += "not reliable: " + std::string(SentenceOf(frame.trouble)) + "\n";
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d v = frame.head_from_axes.col(axis);
+    std::snprintf(line, sizeof line, "  axis %d  (%7.4f, %7.4f, %7.4f)  %d lines\n", axis + 1,
+                  v.x(), v.y(), v.z(), frame.lines[axis]);
+    text += line;
+  }
+  return text;
+}
+
+ManhattanFrame FrameOf(const RigSequence& sequence, const RigMoment& moment,
+                       const SegmentOptions& options) {
+  const std::vector<cv::Mat> images = ReadMoment(sequence, moment);
+  std::vector<GreatCircle> lines;
+  for (size_t c = 0; c < images.size(); ++c) {
+    const auto found =
+        GreatCirclesOf(sequence.rig, static_cast<int>(c), DetectSegments(images[c], options));
+    lines.insert(lines.end(), found.begin(), found.end());
+  }
+  return FindManhattanFrame(lines);
+}
+
+// Answers every moment of a photo or folder, following the axes from one to the next. Returns
+// whether all images could be read.
+bool AnswerSequence(const std::string& path, const DirectionsFlags& flags) {
+  RigOptions options;
+  if (!flags.camera.empty()) options.rig_file = flags.camera;
+  const RigSequence sequence = OpenRigSequence(path, options);
+  const SegmentOptions segments{.detector = SegmentDetectorByName(flags.detector)};
+  bool all_read = true;
+  // At first the axes nearest to the head's own: x right, y down, z forward.
+  Eigen::Matrix3d previous = Eigen::Matrix3d::Identity();
+  for (const RigMoment& moment : sequence.moments) {
+    Directions answer{.image = moment.source, .frame = {}};
+    try {
+      answer.frame = FrameOf(sequence, moment, segments);
+    } catch (const MapError& error) {
+      std::cerr << "waystone: " << error.what() << '\n';
+      all_read = false;
+      continue;
+    }
+    answer.frame = Renumbered(std::move(answer.frame), previous);
+    if (answer.frame.reliable()) previous = answer.frame.head_from_axes;
+    std::cout << (flags.json ? ToJson(answer).dump() + "\n" : HumanText(answer)) << std::flush;
+  }
+  return all_read;
+}
+
+int RunDirections(const DirectionsFlags& flags) {
+  bool all_read = true;
+  for (const std::string& path : flags.photos) all_read &= AnswerSequence(path, flags);
+  return all_read ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
+}
+
+}  // namespace
+
+void AddDirections(CLI::App& app, Run& run) {
+  auto flags = std::make_shared<DirectionsFlags>();
+  CLI::App* command = app.add_subcommand(
+      "directions", "Find the three directions of a building in photos of calibrated cameras");
+  command
+      ->add_option("photos", flags->photos,
+                   "Photos, panoramas, or folders of them or of a rig's images")
+      ->required();
+  command->add_option("--camera", flags->camera,
+                      "Camera or rig file; rig.yaml or camera.yaml beside the photos otherwise");
+  command->add_option("--detector", flags->detector, "edge_drawing, canny or lsd")
+      ->capture_default_str();
+  command->add_flag("--json", flags->json, "One JSON object a photo");
+  command->footer(
+      "Axes are unit vectors of the camera's frame (x right, y down, z forward), of a rig's head's "
+      "frame,\nin the order nearest to it and followed from photo to photo of a folder. Exits with "
+      "3 "
+      "when a photo\ncan't be read, after answering the others.\n"
+      "Example: waystone directions photo.jpg --camera camera.yaml --json");
+  command->callback([flags, &run] { run = [flags] { return RunDirections(*flags); }; });
+}
+
+}  // namespace waystone

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/commands.h"
+#include "cli/map_file.h"
+#include "core/base/error.h"
+#include "server/http/query_log.h"
+#include "server/http/request_answer.h"
+
+namespace waystone {
+namespace {
+
+struct ReplayFlags {
+  std::string log;
+  std::string map;
+  bool json = false;
+};
+
+// What of an answer two maps can be compared by.
+struct Outcome {
+  std::string verdict;
+  std::string place;  // the keyframe's sequence and source; empty without one
+  bool operator==(const Outcome&) const = default;
+};
+
+Outcome OutcomeOf(const Json& answer) {
+  Outcome outcome{answer.value("verdict", ""), ""};
+  if (answer.contains("keyframe") && answer["keyframe"].is_object()) {
+    const Json& keyframe = answer["keyframe"];
+    outcome.place = keyframe.value("sequence", "") + "/" + keyframe.value("source", "");
+  }
+  return outcome;
+}
+
+struct Replayed {
+  std::string id;
+  std::string image;
+  Outcome before;
+  Outcome after;
+};
+
+Replayed Ask(LoggedQuery query, const ServedMaps& maps) {
+  // Time and cameras are the server's: what is compared is what the map makes of the image.
+  query.request.deadline_ms.reset();
+  const RequestAnswer answer = AnswerRequest(query.request, maps, {});
+  const Json json = ToJson(query.request, answer, false, std::nullopt);
+  return {query.id, query.request.images.front().name, OutcomeOf(query.answer), OutcomeOf(json)};
+}
+
+Json ReplayJson(const std::vector<Replayed>& queries, size_t changed) {
+  Json json = {{"queries", queries.size()}, {"changed", changed}, {"changes", Json::array()}};
+  for (const Replayed& query : queries) {
+    if (query.before == query.after) continue;
+    json["changes"].push_back(
+        {{"id", query.id},
+         {"image", query.image},
+         {"before", {{"verdict", query.before.verdict}, {"place", query.before.place}}},
+         {"after", {{"verdict", query.after.verdict}, {"place", query.after.place}}}});
+  }
+  return json;
+}
+
+std::string TextOf(const Outcome& outcome) {
+  return outcome.verdict + (outcome.place.empty() ? "" : " near " + outcome.place);
+}
+
+int RunReplay(const ReplayFlags& flags) {
+  OpenMap map = OpenMapFile(flags.map, false);
+  const ServedMaps maps = {std::make_shared<const ServedMap>(map.name, std::move(map.index))};
+  std::vector<Replayed> queries;
+  size_t changed = 0;
+  for (LoggedQuery& query : ReadQueryLog(flags.log)) {
+    queries.push_back(Ask(std::move(query), maps));
+    changed += queries.back().before != queries.back().after;
+  }
+  if (flags.json) {
+    std::cout << Dump(ReplayJson(queries, changed)) << '\n';
+    return 0;
+  }
+  for (const Replayed& query : queries) {
+    if (query.before == query.after) continue;
+    std::cout << query.id << " " << query.image << ": " << TextOf(query.before) << " became "
+              << TextOf(query.after) << '\n';
+  }
+  std::cout << changed << " of " << queries.size() << " answers changed\n";
+  return 0;
+}
+
+}  // namespace
+
+void AddReplay(CLI::App& app, Run& run) {
+  auto flags = std::make_shared<ReplayFlags>();
+  CLI::App* command =
+      app.add_subcommand("replay", "Ask the queries of a log again, of another map");
+  command->add_option("log", flags->log, "Folder of waystone serve --query-log")->required();
+  command->add_option("map", flags->map, "Map file")->required();
+  command->add_flag("--json", flags->json, "One JSON object");
+  command->footer(
+      "Says which verdicts and places changed.\n"
+      "Example: waystone replay queries/ lab-new.db");
+  command->callback([flags, &run] { run = [flags] { return RunReplay(*flags); }; });
+}
+
+}  // namespace waystone

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/served_files.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "cli/map_file.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kExtension = ".db";
+
+std::vector<fs::path> FilesOf(const fs::path& path) {
+  if (!fs::is_directory(path)) return {path};
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(path)) {
+    const bool hidden = entry.path().filename().string().starts_with('.');
+    if (entry.is_regular_file() && entry.path().extension() == kExtension && !hidden) {
+      files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+std::map<std::string, ServedFiles::Stamp> ServedFiles::Scan() const {
+  std::map<std::string, Stamp> found;
+  for (const fs::path& path : paths_) {
+    for (const fs::path& file : FilesOf(path)) {
+      struct stat status = {};
+      std::error_code error;
+      Stamp stamp{file, fs::last_write_time(file, error), 0, 0};
+      if (stat(file.c_str(), &status) == 0) {
+        stamp.size = static_cast<uintmax_t>(status.st_size);
+        stamp.inode = status.st_ino;
+      }
+      const auto [it, is_new] = found.emplace(MapNameOf(file), stamp);
+      if (!is_new && it->second.path != file) {
+        throw MapError(ErrorCode::kUsage, it->second.path.string() + " and " + file.string() +
+                                              " have one name; rename one, maps go by their "
+                                              "file's name");
+      }
+    }
+  }
+  return found;
+}
+
+MapCatalog::Indices ServedFiles::OpenAll() {
+  MapCatalog::Indices maps;
+  known_ = Scan();
+  for (const auto& [name, stamp] : known_) maps[name] = OpenMapFile(stamp.path, true).index;
+  if (maps.empty()) {
+    throw MapError(ErrorCode::kUsage, "there is no map (*.db) in " + paths_.front().string() +
+                                          "; make one with: waystone build");
+  }
+  return maps;
+}
+
+std::vector<ServedFiles::Change> ServedFiles::Refresh(MapCatalog& catalog, bool all) {
+  std::vector<Change> changes;
+  std::map<std::string, Stamp> found;
+  try {
+    found = Scan();
+  } catch (const std::exception& error) {  // a folder that is gone, or two maps of one name
+    return {{"", error.what(), false}};
+  }
+  for (const auto& [name, stamp] : found) {
+    const auto before = known_.find(name);
+    if (!all && before != known_.end() && before->second == stamp) continue;
+    try {
+      std::shared_ptr<const MapIndex> index = OpenMapFile(stamp.path, true).index;
+      const std::string version = index->map().info.version;
+      catalog.Put(name, std::move(index));
+      changes.push_back({name, "serves " + version, true});
+    } catch (const MapError& error) {
+      changes.push_back({name, std::string(error.what()) + "; the map before is served on", false});
+    }
+  }
+  // A file that was given by its name and is away for a moment is being replaced.
+  for (const auto& [name, stamp] : known_) {
+    const bool given = std::find(paths_.begin(), paths_.end(), stamp.path) != paths_.end();
+    if (found.contains(name) || given) continue;
+    catalog.Remove(name);
+    changes.push_back({name, "is gone and not served any more", true});
+  }
+  known_ = std::move(found);
+  return changes;
+}
+
+}  // namespace waystone

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "server/http/map_catalog.h"
+
+namespace waystone {
+
+// The map files of a server: those it was given and all *.db of the folders it was given. Says what
+// changed on the disk and reads it again. Not thread-safe; one thread looks after the files.
+class ServedFiles {
+ public:
+  explicit ServedFiles(std::vector<std::filesystem::path> paths) : paths_(std::move(paths)) {}
+
+  // Reads all maps. Throws as ReadMap does, and MapError(kUsage) for two of one name and for none.
+  MapCatalog::Indices OpenAll();
+
+  // What became of one file.
+  struct Change {
+    std::string name;
+    std::string message;  // for people; with the cause when the map was refused
+    bool good = true;     // the map was swapped, added or taken away
+  };
+  // Looks which files are new, gone or changed (all that are there with `all`), and puts each new
+  // map into the catalog once it is whole. One that can't be read is refused: the map before it is
+  // served on, and the file is looked at again when it changes once more.
+  std::vector<Change> Refresh(MapCatalog& catalog, bool all);
+
+ private:
+  // What tells one content of a file from another without reading it.
+  struct Stamp {
+    std::filesystem::path path;
+    std::filesystem::file_time_type time;
+    uintmax_t size = 0;
+    uint64_t inode = 0;
+    bool operator==(const Stamp&) const = default;
+  };
+  std::map<std::string, Stamp> Scan() const;  // by the maps' names
+
+  std::vector<std::filesystem::path> paths_;
+  std::map<std::string, Stamp> known_;
+};
+
+}  // namespace waystone

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/trajectory/shape_difference.h"
+
+namespace waystone {
+
+// A line of a plot.
+struct PlotLine {
+  std::string label;
+  std::string colour;  // CSS
+  Points2 points;      // metres
+};
+
+// An SVG picture of ways seen from above, x to the right, y up, one scale for both, with a grid, a
+// legend and a mark where each begins. Every list has a point; all are finite.
+std::string PlotWays(const std::string& title, const std::vector<PlotLine>& lines);
+
+}  // namespace waystone

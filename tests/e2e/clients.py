@@ -1,0 +1,504 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""clients.py PROGRAM MAP INSIDE ELSEWHERE: the Python client and the ROS node with live servers.
+
+Starts `PROGRAM serve MAP` with and without tokens. INSIDE is a photo of the map, ELSEWHERE isn't.
+What a Waystone server can't be brought to do at will (429 once, silence, others' pages) comes from
+a server of the test's own. The READMEs' examples are run as they stand, but for the address.
+"""
+import asyncio
+import contextlib
+import email.utils
+import http.server
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import types
+import unittest
+from unittest import mock
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PYTHON = ROOT / "clients/python"
+ROS2 = ROOT / "clients/ros2"
+sys.path[:0] = [str(PYTHON), str(ROS2)]
+sys.dont_write_bytecode = True
+
+import waystone_client  # noqa: E402
+from waystone_client import AsyncClient, Client, Image, Options, WaystoneError  # noqa: E402
+
+PROGRAM, MAP, INSIDE, ELSEWHERE = sys.argv[1:5]
+NAME = pathlib.Path(MAP).stem
+TOKEN = "an-entirely-secret-token"
+# A server that starts, or a query on a machine that is busy.
+PATIENCE_S = 60
+TRICKLE_S = 0.1
+
+
+def start(*flags):
+    """A server of the map, and its address."""
+    command = [PROGRAM, "serve", MAP, "--port", "0", *flags]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    line = process.stdout.readline()
+    return process, re.search(r"http://[\d.:]+", line)[0]
+
+
+def stop(process):
+    process.terminate()
+    process.wait(PATIENCE_S)
+    process.stdout.close()
+
+
+def setUpModule():
+    global folder, url, guarded_url, token_file
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="waystone-clients-"))
+    unittest.addModuleCleanup(shutil.rmtree, folder)
+    token_file = folder / "tokens"
+    token_file.write_text(TOKEN + "\n")
+    shutil.copy(INSIDE, folder / "photo.jpg")
+    process, url = start()
+    unittest.addModuleCleanup(stop, process)
+    process, guarded_url = start("--token-file", str(token_file))
+    unittest.addModuleCleanup(stop, process)
+
+
+@contextlib.contextmanager
+def scripted(*responses):
+    """A server that answers requests with these (status, headers, body), or with silence for None.
+    A body that is a list goes out piece by piece, TRICKLE_S apart.
+
+    Yields its address and the requests as they came: (path, headers, body).
+    """
+    left = list(responses)
+    requests = []
+    over = threading.Event()
+
+    class Handler(http.server.BaseHTTPRequestHandler):
+        def log_message(self, *_):
+            pass
+
+        def do_POST(self):
+            body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
+            requests.append((self.path, self.headers, body))
+            response = left.pop(0)
+            if response is None:
+                over.wait(PATIENCE_S)
+                return
+            status, headers, body = response
+            self.send_response(status)
+            for name, value in headers.items():
+                self.send_header(name, value)
+            self.end_headers()
+            with contextlib.suppress(OSError):  # the client may be gone
+                for piece in body if isinstance(body, list) else [body]:
+                    self.wfile.write(piece)
+                    over.wait(TRICKLE_S if isinstance(body, list) else 0)
+
+        do_GET = do_POST
+
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    thread = threading.Thread(target=server.serve_forever, args=(0.01,))
+    thread.start()
+    try:
+        yield f"http://127.0.0.1:{server.server_port}", requests
+    finally:
+        over.set()
+        server.shutdown()
+        thread.join()
+        server.server_close()
+
+
+def problem(code, status):
+    return json.dumps({"type": "urn:waystone:problem:" + code, "title": code, "status": status,
+                       "detail": "cause; remedy", "code": code}).encode()
+
+
+BUSY = (429, {"Retry-After": "1"}, problem("busy", 429))
+FINE = (200, {}, b'{"fine": true}')
+
+
+class Case(unittest.TestCase):
+    @contextlib.contextmanager
+    def fails(self, code, status):
+        with self.assertRaises(WaystoneError) as context:
+            yield context
+        self.assertEqual((context.exception.code, context.exception.status), (code, status))
+        self.assertTrue(context.exception.detail)
+        self.assertNotIn("\n", str(context.exception))
+
+
+class LiveTest(Case):
+    def setUp(self):
+        self.client = Client(url, timeout_s=PATIENCE_S)
+
+    def test_one_map_and_all_maps(self):
+        one = self.client.localize(INSIDE, map=NAME)
+        self.assertEqual((one["verdict"], one["map"], one["image"]), ("localized", NAME, INSIDE))
+        every = self.client.localize(pathlib.Path(INSIDE))
+        self.assertEqual(every["planes"], one["planes"])
+        self.assertEqual(every["maps"][0]["map"], NAME)
+
+    def test_not_in_map_and_bad_image_are_answers(self):
+        self.assertEqual(self.client.localize(ELSEWHERE, map=NAME)["verdict"], "not_in_map")
+        self.assertEqual(self.client.localize(b"no image", map=NAME)["verdict"], "bad_image")
+
+    def test_several_images_in_their_order(self):
+        photo = pathlib.Path(INSIDE).read_bytes()
+        answer = self.client.localize([ELSEWHERE, photo, Image("c", b"x")], map=NAME)
+        self.assertEqual([one["image"] for one in answer["images"]], [ELSEWHERE, "image-2", "c"])
+        self.assertEqual([one["verdict"] for one in answer["images"]],
+                         ["not_in_map", "localized", "bad_image"])
+        self.assertEqual(answer["image"], "image-2")
+
+    def test_names_of_images_come_back(self):
+        photo = pathlib.Path(INSIDE).read_bytes()
+        for name in ('a "b" \\ c.jpg', "küche/ü.jpg", "; name=x", "日本"):
+            self.assertEqual(self.client.localize(Image(name, photo))["image"], name)
+        split = self.client.localize(Image("a\r\nX-Evil: 1\r\n\r\nb", photo))
+        self.assertEqual(split["image"], "a__X-Evil: 1____b")
+
+    def test_every_option_reaches_the_server(self):
+        first = self.client.localize(INSIDE, map=NAME)
+        answer = self.client.localize(INSIDE, map=NAME, options=Options(
+            fx=500, fy=500, cx=320, cy=240, prior_keyframe=1, previous=first, top_k=2, debug=True,
+            deadline_ms=60_000))  # fmt: skip
+        self.assertEqual(answer["camera"]["params"][:4], [500, 500, 320, 240])
+        self.assertEqual(answer["unused"], ["camera", "prior", "previous"])
+        self.assertTrue(answer["tried"] and answer["planes"][0]["matches"])
+        self.assertIn(len(answer["candidates"]), (1, 2))
+        self.assertEqual(answer["stage"], "decide")
+        wide = self.client.localize(INSIDE, map=NAME, options=Options(fov_deg=63))
+        self.assertEqual(wide["camera"]["source"], "fov")
+
+    def test_options_are_the_contracts_fields(self):
+        contract = self.client.get("/openapi.json")
+        fields = set(contract["components"]["schemas"]["Request"]["properties"])
+        ours = {name.replace("prior_keyframe", "prior") for name in Options.__dataclass_fields__}
+        self.assertEqual(ours, fields)
+
+    def test_answers_are_typed_as_the_contract_says(self):
+        schemas = self.client.get("/openapi.json")["components"]["schemas"]
+        for ours, theirs in (("Answer", "Answer"), ("Plane", "RecognisedPlane"),
+                             ("Place", "Place"), ("ShortAnswer", "ShortAnswer"),
+                             ("Keyframe", "KeyframeRef")):  # fmt: skip
+            typed = getattr(waystone_client, ours)
+            self.assertEqual(set(typed.__annotations__), set(schemas[theirs]["properties"]), ours)
+            self.assertEqual(typed.__required_keys__, set(schemas[theirs]["required"]), ours)
+        self.assertEqual(list(waystone_client.Verdict.__args__), schemas["Verdict"]["enum"])
+
+    def test_problems_become_one_exception(self):
+        with self.fails("not_found", 404):
+            self.client.localize(INSIDE, map="no/where?")
+        with self.fails("bad_request", 400) as context:
+            self.client.localize(INSIDE, map=NAME, options=Options(top_k=0))
+        self.assertIn("top_k", context.exception.detail)
+        with self.fails("bad_camera", 422):
+            self.client.localize(INSIDE, map=NAME, options=Options(camera="none"))
+        with self.fails("bad_request", 400):
+            self.client.localize([], map=NAME)
+        with self.fails("bad_request", 400):
+            self.client.localize(INSIDE, map=NAME, options=Options(fov_deg=float("nan")))
+        with self.fails("unreadable_photo", 0):
+            self.client.localize(str(folder / "none.jpg"))
+
+    def test_a_body_over_the_limit_is_the_servers_problem(self):
+        with self.fails("payload_too_large", 413):
+            self.client.localize(bytes(21 << 20), map=NAME)
+
+    def test_lists_page_by_page(self):
+        self.assertEqual([row["name"] for row in self.client.maps()], [NAME])
+        path = f"/v1/maps/{NAME}/keyframes"
+        ids = [row["id"] for row in self.client.rows(path, limit=2)]
+        self.assertGreater(len(ids), 2)
+        self.assertEqual(ids, [row["id"] for row in self.client.rows(path)])
+
+    def test_async_asks_at_the_same_time(self):
+        async def ask():
+            client = AsyncClient(url, timeout_s=PATIENCE_S)
+            photos = (client.localize(photo, map=NAME) for photo in (INSIDE, ELSEWHERE))
+            return await asyncio.gather(*photos, client.maps(), client.get("/version"))
+
+        inside, elsewhere, maps, version = asyncio.run(ask())
+        self.assertEqual((inside["verdict"], elsewhere["verdict"]), ("localized", "not_in_map"))
+        self.assertEqual(maps[0]["name"], NAME)
+        self.assertIn("schema", version)
+
+    def test_tokens(self):
+        self.assertEqual(Client(guarded_url, token=TOKEN).maps()[0]["name"], NAME)
+        for token in (None, TOKEN + "x"):
+            with self.fails("unauthorized", 401):
+                Client(guarded_url, token=token).maps()
+        for token in ("", " ", "a\r\nb", "ü"):
+            with self.assertRaisesRegex(ValueError, "token"):
+                Client(url, token=token)
+
+
+class ScriptedTest(Case):
+    def test_busy_is_asked_again_after_retry_after(self):
+        with scripted(BUSY, (429, {"Retry-After": "0"}, b""), FINE) as (address, requests):
+            before = time.monotonic()
+            self.assertEqual(Client(address).localize(b"photo"), {"fine": True})
+            self.assertGreaterEqual(time.monotonic() - before, 1)
+        self.assertEqual(len(requests), 3)
+        self.assertEqual(len({body for _, _, body in requests}), 1)
+
+    def test_busy_for_good_is_the_servers_problem(self):
+        none_left = (429, {"Retry-After": "0"}, problem("busy", 429))
+        with scripted(*[none_left] * 3) as (address, requests):
+            with self.fails("busy", 429):
+                Client(address, retries=2).maps()
+        self.assertEqual(len(requests), 3)
+
+    def test_a_wait_beyond_the_timeout_is_not_begun(self):
+        later = (429, {"Retry-After": "3600"}, problem("busy", 429))
+        with scripted(later) as (address, _):
+            before = time.monotonic()
+            with self.fails("busy", 429):
+                Client(address).maps()
+            self.assertLess(time.monotonic() - before, 20)
+
+    def test_retry_after_is_a_number_or_a_date_or_nonsense(self):
+        seconds = waystone_client._retry_after_s
+        self.assertEqual(seconds("7"), 7)
+        date = email.utils.format_datetime(
+            email.utils.datetime.datetime.now(email.utils.datetime.timezone.utc)
+            + email.utils.datetime.timedelta(seconds=50), usegmt=True)  # fmt: skip
+        self.assertAlmostEqual(seconds(date), 50, delta=5)
+        self.assertEqual(seconds("Thu, 01 Jan 1970 00:00:00 GMT"), 0)
+        for nonsense in (None, "", "soon", "-3", "1.5"):
+            self.assertEqual(seconds(nonsense), waystone_client.DEFAULT_RETRY_S)
+
+    def test_silence_ends_with_the_timeout(self):
+        with scripted(None) as (address, _):
+            with self.fails("timeout", 0):
+                Client(address, timeout_s=0.3).maps()
+
+    def test_a_trickle_ends_with_the_timeout(self):
+        for headers in ({}, {"Content-Length": "600"}):
+            with scripted((200, headers, [b" "] * 600)) as (address, _):
+                before = time.monotonic()
+                with self.fails("timeout", 0):
+                    Client(address, timeout_s=0.5).maps()
+                self.assertLess(time.monotonic() - before, 600 * TRICKLE_S / 2)
+
+    def test_nobody_there(self):
+        with scripted() as (address, _):
+            pass
+        with self.fails("unreachable", 0):
+            Client(address).maps()
+
+    def test_answers_of_others_are_told(self):
+        strangers = [(200, {}, b"<html>"), (404, {}, b"<html>"), (500, {}, b"[1]"),
+                     (502, {}, b'{"error": 1}'), (302, {"Location": "http://127.0.0.1:1/"}, b"")]
+        for stranger in strangers:
+            with scripted(stranger) as (address, requests), self.fails("bad_answer", stranger[0]):
+                Client(address, token=TOKEN).maps()
+            self.assertEqual(len(requests), 1)
+
+    def test_an_answer_cut_off(self):
+        with scripted((200, {"Content-Length": "99"}, b'{"fi')) as (address, _):
+            with self.fails("unreachable", 0):
+                Client(address).maps()
+
+    def test_a_path_before_the_api(self):
+        with scripted(FINE) as (address, requests):
+            Client(address + "/waystone/", token=TOKEN).localize(b"x", map="a b/c")
+        self.assertEqual(requests[0][0], "/waystone/v1/maps/a%20b%2Fc/localize")
+        self.assertEqual(requests[0][1]["Authorization"], "Bearer " + TOKEN)
+
+    def test_what_is_no_server(self):
+        for address in ("127.0.0.1:8080", "ftp://host", "http://", "http://host:port"):
+            with self.assertRaises(ValueError):
+                Client(address)
+
+
+def run(*arguments, **environment):
+    """The program waystone-localize as users start it: code, out and err."""
+    command = [sys.executable, "-B", str(PYTHON / "waystone-localize"), *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S,
+                          env={**os.environ, **environment})  # fmt: skip
+    return done.returncode, done.stdout, done.stderr
+
+
+class ProgramTest(unittest.TestCase):
+    def test_a_line_a_photo(self):
+        code, out, err = run("--server", url, "--map", NAME, INSIDE, ELSEWHERE)
+        self.assertEqual((code, err), (0, ""))
+        first, second = out.splitlines()
+        self.assertRegex(first, r"inside.jpg: localized in \S+ near \S+ \(plane \d+, \d+ inliers, ")
+        self.assertRegex(second, r"elsewhere.jpg: not_in_map: .+ \(\d+ ms\)")
+
+    def test_json_is_the_servers_answer(self):
+        code, out, _ = run("--server", url, "--json", "--together", INSIDE, ELSEWHERE)
+        answer = json.loads(out)
+        self.assertEqual((code, answer["image"], len(answer["images"])), (0, INSIDE, 2))
+
+    def test_tokens_from_file_and_environment(self):
+        asked = ("--server", guarded_url, INSIDE)
+        self.assertEqual(run(*asked, "--token-file", str(token_file))[0], 0)
+        self.assertEqual(run(*asked, WAYSTONE_TOKEN=TOKEN)[0], 0)
+        code, _, err = run(*asked)
+        self.assertEqual(code, 3)
+        self.assertIn("unauthorized", err)
+
+    def test_errors_are_a_line_and_a_code(self):
+        code, out, err = run("--server", url, str(folder / "none.jpg"), INSIDE)
+        self.assertEqual((code, len(out.splitlines()), len(err.splitlines())), (3, 1, 1))
+        for usage in (["--server", "nowhere", INSIDE], ["--token-file", "/none", INSIDE],
+                      ["--timeout", "0", INSIDE]):
+            code, _, err = run(*usage)
+            self.assertEqual((code, len(err.splitlines())), (2, 1), usage)
+        self.assertEqual(run()[0], 2)
+
+    def test_help_has_an_example(self):
+        code, out, _ = run("--help")
+        self.assertEqual(code, 0)
+        self.assertIn("Example: waystone-localize", out)
+
+
+def block(readme, language):
+    """The first fenced block of a language, asking the test's server."""
+    text = readme.read_text(encoding="utf-8")
+    found = re.search(rf"```{language}\n(.*?)```", text, re.DOTALL)[1]
+    assert "http://127.0.0.1:8080" in found, found
+    return found.replace("http://127.0.0.1:8080", url)
+
+
+class ReadmeTest(unittest.TestCase):
+    def example(self, readme):
+        source = block(readme, "python")
+        self.assertEqual(len(source.splitlines()), 5)
+        environment = {**os.environ, "PYTHONPATH": f"{PYTHON}:{ROS2}"}
+        done = subprocess.run([sys.executable, "-B", "-c", source], cwd=folder, env=environment,
+                              capture_output=True, text=True, timeout=PATIENCE_S)  # fmt: skip
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return done.stdout
+
+    def test_python(self):
+        self.assertRegex(self.example(PYTHON / "README.md"), rf"^{NAME}: near \S+, p = [01]")
+
+    def test_ros2(self):
+        self.assertRegex(self.example(ROS2 / "README.md"), rf"^{NAME}/keyframe_\d+ \(")
+
+    def test_shell(self):
+        command = block(PYTHON / "README.md", "sh").replace("./", f"{sys.executable} -B {PYTHON}/")
+        done = subprocess.run(command, shell=True, cwd=folder, capture_output=True, text=True,
+                              timeout=PATIENCE_S)  # fmt: skip
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("photo.jpg: localized", done.stdout)
+
+
+class StandInNode:
+    """What the node uses of rclpy.node.Node."""
+
+    parameters = {}
+
+    def __init__(self, name):
+        self.subscriptions_made = {}
+        self.published = {}
+        self.warnings = []
+
+    def declare_parameter(self, name, default):
+        return types.SimpleNamespace(value=self.parameters.get(name, default))
+
+    def create_publisher(self, kind, topic, depth):
+        sent = self.published.setdefault(topic, [])
+        return types.SimpleNamespace(publish=sent.append)
+
+    def create_subscription(self, kind, topic, callback, qos):
+        self.subscriptions_made[topic] = callback
+
+    def get_logger(self):
+        warn = lambda text, throttle_duration_sec: self.warnings.append(text)  # noqa: E731
+        return types.SimpleNamespace(warning=warn)
+
+
+def stand_ins():
+    """Modules for everything of ROS that node.py imports."""
+    modules = {name: types.ModuleType(name) for name in (
+        "rclpy", "rclpy.node", "rclpy.qos", "geometry_msgs", "geometry_msgs.msg", "sensor_msgs",
+        "sensor_msgs.msg", "std_msgs", "std_msgs.msg")}  # fmt: skip
+    modules["rclpy.node"].Node = StandInNode
+    for name in ("HistoryPolicy", "QoSProfile", "ReliabilityPolicy"):
+        setattr(modules["rclpy.qos"], name, mock.MagicMock())
+    modules["geometry_msgs.msg"].PoseWithCovarianceStamped = mock.MagicMock
+    modules["sensor_msgs.msg"].Image = modules["sensor_msgs.msg"].CompressedImage = object
+    modules["std_msgs.msg"].String = types.SimpleNamespace
+    return modules
+
+
+def message(**fields):
+    stamp = types.SimpleNamespace(sec=12, nanosec=5)
+    return types.SimpleNamespace(header=types.SimpleNamespace(stamp=stamp), **fields)
+
+
+class NodeTest(unittest.TestCase):
+    def setUp(self):
+        patch = mock.patch.dict(sys.modules, stand_ins())
+        patch.start()
+        self.addCleanup(patch.stop)
+
+    def node(self, **parameters):
+        sys.modules.pop("waystone_ros2.node", None)
+        from waystone_ros2.node import WaystoneNode
+
+        given = {"server": url, "timeout_s": float(PATIENCE_S), **parameters}
+        with mock.patch.object(StandInNode, "parameters", given):
+            return WaystoneNode()
+
+    def photo(self, path):
+        return message(format="jpeg", data=pathlib.Path(path).read_bytes())
+
+    def test_a_pose_for_a_known_place(self):
+        node = self.node(map=NAME, position_deviation_m=2.0)
+        sent = self.photo(INSIDE)
+        node.subscriptions_made["image/compressed"](sent)
+        (pose,), (answer,) = node.published["~/pose"], node.published["~/answer"]
+        answer = json.loads(answer.data)
+        self.assertEqual(answer["image"], "12.000000005")
+        self.assertEqual(pose.header.frame_id, f"{NAME}/keyframe_{answer['keyframe']['id']}")
+        self.assertIs(pose.header.stamp, sent.header.stamp)
+        self.assertEqual(pose.pose.covariance[0], 4)
+        self.assertEqual(pose.pose.pose.orientation.w, 1)
+        self.assertEqual(node.warnings, [])
+
+    def test_silence_for_an_unknown_one(self):
+        node = self.node()
+        node.subscriptions_made["image/compressed"](self.photo(ELSEWHERE))
+        node.subscriptions_made["image/compressed"](message(format="jpeg", data=b"x"))
+        self.assertEqual(node.published, {"~/pose": [], "~/answer": []})
+        self.assertEqual(node.warnings, [])
+
+    def test_raw_images_are_read_by_the_server(self):
+        node = self.node(compressed=False)
+        size = 64
+        data = bytes(7 * i % 251 for i in range(size * size * 3))
+        image = message(encoding="bgr8", width=size, height=size, step=size * 3, data=data)
+        with mock.patch.object(node._client, "localize", wraps=node._client.localize) as asked:
+            node.subscriptions_made["image"](image)
+        photo = asked.call_args.args[0]
+        self.assertEqual(Client(url).localize(photo)["verdict"], "not_in_map")
+        self.assertEqual((node.published["~/pose"], node.warnings), ([], []))
+
+    def test_errors_are_warnings_and_the_node_goes_on(self):
+        node = self.node(map="nowhere")
+        node.subscriptions_made["image/compressed"](self.photo(INSIDE))
+        node.subscriptions_made["image/compressed"](message(format="compressedDepth", data=b""))
+        self.assertIn("not_found", node.warnings[0])
+        self.assertIn("depth", node.warnings[1])
+        self.assertEqual(node.published["~/pose"], [])
+
+    def test_tokens(self):
+        node = self.node(server=guarded_url, token_file=str(token_file))
+        node.subscriptions_made["image/compressed"](self.photo(INSIDE))
+        self.assertEqual(len(node.published["~/pose"]), 1)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1] + sys.argv[5:])
