@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -32,14 +33,46 @@ int RunAll(const Args& args) {
   RunWorld({"--plan", "other", "--seed", "2", "--frames", "500"});
   Announce("scale: queries of maps of 100,000 and 1,000,000 features");
   RunScale({});
+  Announce("directions: Manhattan frames of rendered heads");
+  RunDirections({});
+  Announce("relative: rotations between rendered heads");
+  RunRelative({});
+  Announce("serve: queries and inspection over HTTP");
+  RunServe({});
+  Announce("orientation: turns, corridors, loops and nodes of made buildings");
+  RunOrientation({"--buildings", "1"});
   const fs::path data = DataFolder();
+  Announce("compass: headings between panoramas, by distance");
+  const fs::path dealership = data / "dealership";
+  RunCompass(fs::exists(dealership) ? Args{dealership} : Args{});
+  Announce("kidnapped: panoramas asked of a map of all others");
+  RunKidnapped(fs::exists(dealership) ? Args{dealership} : Args{});
   if (!fs::exists(data / "kitchen")) {
     std::printf("\nno real data in %s (set WAYSTONE_DATA to where it is): the rest is skipped\n",
                 data.c_str());
+    Announce("odometry: ways of rendered panoramas against their truth");
+    RunOdometry({});
+    Announce("verdicts: another made building against a map of the world");
+    RunVerdicts({});
     Announce("tables I to III of the paper: world");
     return RunGraphs({"world"});
   }
   const std::string kitchen = data / "kitchen";
+  Announce("labelled pairs: several planes in two images");
+  Args pairs;
+  for (const auto& folder : fs::directory_iterator(data / "labelled_pairs")) {
+    pairs.push_back(folder.path());
+  }
+  std::sort(pairs.begin(), pairs.end());
+  RunPairs(pairs);
+  Announce("directions: Manhattan frames of photos and of six-camera heads");
+  RunDirections({data / "york_urban", data / "dealership"});
+  Announce("segments: detectors on photos");
+  RunSegments({data / "york_urban/images"});
+  Announce("relative: rotations between places of a walk, traversability");
+  RunRelative({data / "dealership"});
+  Announce("verdicts: photos of one place against maps of others");
+  RunVerdicts({data});
   Announce("kitchen: frames 0-499 mapped, 50 queries against depth and poses");
   RunRgbd({kitchen});
   Announce("kitchen's map: street and church are not in it");

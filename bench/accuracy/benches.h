@@ -23,9 +23,21 @@ int RunNegatives(const Args& args);
 // pairs DIR... [--labels OUT]: planes in two images against labelled matches (matches.csv in each
 // folder); writes the labels it gave to OUT/NAME.txt.
 int RunPairs(const Args& args);
-// verdicts [DATA]: localized, right and false answers and the reliability of the stated probability,
-// on maps of the world and, where DATA has them, kitchen and church, asked for photos of all others.
+// verdicts [DATA]: localized, right and false answers and the reliability of the stated
+// probability, on maps of the world and, where DATA has them, kitchen and church, asked for photos
+// of all others.
 int RunVerdicts(const Args& args);
+// directions [DIR...] [--detector NAME] [--photos]: Manhattan frames against vanishing points or
+// poses, or against rendered truth without a folder; --photos prints each.
+int RunDirections(const Args& args);
+// segments IMAGE_OR_FOLDER...: repeatability and time of the segment detectors.
+int RunSegments(const Args& args);
+// relative [DIR]: rotations between places from the essential matrix against poses, and the
+// traversability verdict against what is visible; a rendered walk without a folder.
+int RunRelative(const Args& args);
+// orientation [--buildings N] [--frames N] [--camera rig|pinhole|both]: the whole orientation layer
+// of made buildings against their truth, and its time beside lines and features alone.
+int RunOrientation(const Args& args);
 // linear DIR N...: seconds per frame of builds over the first N frames.
 int RunLinear(const Args& args);
 // build SOURCE... [--frames N,N,...]: seconds of features alone and of whole builds, and the
@@ -42,5 +54,26 @@ int RunGraphs(const Args& args);
 // rendered walk and planes that nobody sees, against the time of extraction alone and against
 // exhaustive search.
 int RunScale(const Args& args);
+// compass [PLACES] [--csv PREFIX]: headings between rendered panoramas, and those of a folder with
+// poses.csv and panorama/, by distance, beside a plain compass; times beside their floors.
+int RunCompass(const Args& args);
+// odometry [PLACES] [--walk NAME] [--k1 N] [--span N] [--max-loss X]: shape difference of the
+// appearance layer of rendered walks, by odometry alone and with loops closed, beside simulated
+// wheels; and of a folder as for compass, in the order of its names.
+int RunOdometry(const Args& args);
+// study [--out DIR]: the paper's figures 8 to 11: shape difference and time over k1, k2 and steps
+// of 1 to 4 panoramas in the office and the laboratory, as tables and, in DIR, as SVG and CSV.
+int RunStudy(const Args& args);
+// page [N...]: how soon the page can be used on maps of N planes (500 and 10000), and frames a
+// second of their graph, in Chromium without a graphics card.
+int RunPage(const Args& args);
+
+// serve [MAP PHOTO...] [--rounds N]: an HTTP server and its clients in one process: throughput of
+// four clients, what HTTP adds to a query, and inspection while queries run. Without a map: the
+// world.
+int RunServe(const Args& args);
+// kidnapped [PLACES]: panoramas asked of a map of all others, rendered or of a folder as above, by
+// appearance alone and verified by features; those of the other map; times beside decoding.
+int RunKidnapped(const Args& args);
 
 }  // namespace waystone::bench

@@ -15,10 +15,20 @@ constexpr char kUsage[] =
     "  negatives DIR [--map 0:499] IMAGE_OR_FOLDER...     images that are not in the map\n"
     "  pairs DIR... [--labels OUT]                        planes in two images against labels\n"
     "  verdicts [DATA]                                    false answers, reliability\n"
+    "  directions [DIR...] [--photos]                     Manhattan frames against truth\n"
+    "  segments IMAGE_OR_FOLDER...                        segment detectors\n"
+    "  relative [DIR]                                     rotations between places\n"
+    "  orientation [--buildings 3] [--frames 1000]        turns, corridors, loops, nodes\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"
     "  build SOURCE... [--frames 250,500,1000]            whole builds against features alone\n"
     "  graphs [SOURCE...] [--keyframes M:N]               image graph against plane graph\n"
     "  scale [N...]                                       queries of maps of N features\n"
+    "  compass [PLACES] [--csv PREFIX]                    headings between panoramas\n"
+    "  page [N...]                                        the page on maps of N planes\n"
+    "  serve [MAP PHOTO...]                               queries and inspection over HTTP\n"
+    "  odometry [PLACES] [--walk NAME] [--k1 N] [--span N]  ways of panoramas against truth\n"
+    "  study [--out DIR]                                  k1, k2 and step of these ways\n"
+    "  kidnapped [PLACES]                                 panoramas asked of a map of the others\n"
     "The last line of each is one JSON object.\n";
 
 }  // namespace
@@ -26,11 +36,26 @@ constexpr char kUsage[] =
 int main(int argc, char** argv) {
   using waystone::bench::Args;
   const std::map<std::string, int (*)(const Args&)> benches = {
-      {"all", waystone::bench::RunAll},       {"world", waystone::bench::RunWorld},
-      {"rgbd", waystone::bench::RunRgbd},     {"negatives", waystone::bench::RunNegatives},
-      {"linear", waystone::bench::RunLinear}, {"build", waystone::bench::RunBuild},
-      {"graphs", waystone::bench::RunGraphs}, {"pairs", waystone::bench::RunPairs},
-      {"scale", waystone::bench::RunScale},   {"verdicts", waystone::bench::RunVerdicts}};
+      {"all", waystone::bench::RunAll},
+      {"compass", waystone::bench::RunCompass},
+      {"kidnapped", waystone::bench::RunKidnapped},
+      {"world", waystone::bench::RunWorld},
+      {"rgbd", waystone::bench::RunRgbd},
+      {"negatives", waystone::bench::RunNegatives},
+      {"linear", waystone::bench::RunLinear},
+      {"build", waystone::bench::RunBuild},
+      {"graphs", waystone::bench::RunGraphs},
+      {"pairs", waystone::bench::RunPairs},
+      {"orientation", waystone::bench::RunOrientation},
+      {"directions", waystone::bench::RunDirections},
+      {"segments", waystone::bench::RunSegments},
+      {"odometry", waystone::bench::RunOdometry},
+      {"relative", waystone::bench::RunRelative},
+      {"scale", waystone::bench::RunScale},
+      {"serve", waystone::bench::RunServe},
+      {"study", waystone::bench::RunStudy},
+      {"verdicts", waystone::bench::RunVerdicts},
+      {"page", waystone::bench::RunPage}};
   if (argc < 2 || !benches.contains(argv[1])) {
     std::cerr << kUsage;
     return 2;

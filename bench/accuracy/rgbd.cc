@@ -3,10 +3,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
+#include <opencv2/calib3d.hpp>
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/rgbd_truth.h"
 #include "core/base/error.h"
+#include "core/features/features.h"
+#include "core/features/match.h"
+#include "core/image/decode.h"
 
 namespace waystone::bench {
 namespace {
@@ -25,39 +29,46 @@ std::optional<double> TransferError(const RgbdTruth& truth, int query, int refer
   return Quantile(errors, 0.5);
 }
 
-struct QueryResult {
-  bool localized = false;
-  std::optional<double> error_px;
-};
-
-QueryResult Evaluate(const RgbdTruth& truth, const MapIndex& index, const Answer& answer,
-                     int query) {
-  QueryResult result;
-  result.localized = answer.verdict == Verdict::kLocalized;
-  if (!result.localized) return result;
-  const RecognisedPlane& best = answer.planes.front();
-  const int reference = index.FindKeyframe(best.reference.id)->frame;
-  result.error_px = TransferError(truth, query, reference, best);
-  return result;
+// What images themselves say of the truth: the median error of plain matches of the query and the
+// plane's reference image that fit one epipolar geometry. No plane or homography is in it, so what
+// it is off by is the truth's own; nothing with fewer than 12 such matches.
+std::optional<double> TruthError(const RgbdTruth& truth, const Features& query_features,
+                                 const Features& reference_features, int query, int reference) {
+  std::vector<cv::Point2f> from;
+  std::vector<cv::Point2f> to;
+  for (const Match& match :
+       MatchDescriptors(query_features.descriptors, reference_features.descriptors,
+                        FeatureType::kSift, MatchOptions{})) {
+    const Keypoint& a = query_features.keypoints[match.a];
+    const Keypoint& b = reference_features.keypoints[match.b];
+    from.emplace_back(a.x_px, a.y_px);
+    to.emplace_back(b.x_px, b.y_px);
+  }
+  constexpr int kFewest = 12;
+  if (from.size() < kFewest) return std::nullopt;
+  cv::Mat fits;
+  cv::findFundamentalMat(from, to, cv::FM_RANSAC, 2.0, 0.999, fits);
+  std::vector<double> errors;
+  for (size_t i = 0; i < from.size() && !fits.empty(); ++i) {
+    if (!fits.at<uchar>(static_cast<int>(i))) continue;
+    const auto expected = truth.Transfer(query, {from[i].x, from[i].y}, reference);
+    if (expected) errors.push_back((Eigen::Vector2d(to[i].x, to[i].y) - *expected).norm());
+  }
+  if (errors.size() < kFewest) return std::nullopt;
+  return Quantile(errors, 0.5);
 }
 
-}  // namespace
+struct Queries {
+  int asked = 0;
+  int localized = 0;
+  int ambiguous = 0;
+  std::vector<double> errors_px;        // of the localized ones that have a truth
+  std::vector<double> truth_errors_px;  // what plain matches are off by, where they are enough
+  std::vector<StageTimes> timing;
+};
 
-int RunRgbd(const Args& raw) {
-  Args args = raw;
-  const Range map_range = ParseRange(TakeOption(args, "map", "0:499"));
-  const Range queries = ParseRange(TakeOption(args, "queries", "500:990:10"));
-  if (args.size() != 1) throw MapError(ErrorCode::kUsage, "rgbd wants one TUM RGB-D folder");
-  const RgbdTruth truth(args[0]);
-  BuildResult built = BuildRange(args[0], map_range);
+void PrintMap(const BuildResult& built) {
   const BuildReport& report = built.report;
-  nlohmann::ordered_json json = {{"bench", "rgbd"},
-                                 {"frames", report.frames},
-                                 {"keyframes", built.map.keyframes.size()},
-                                 {"planes", built.map.planes.size()},
-                                 {"edges", built.map.edges.size()},
-                                 {"features", FeatureCount(built.map)},
-                                 {"build_s", report.total_s}};
   std::printf(
       "map: %zu keyframes, %zu planes, %zu edges, %lld features; %d started, %d rejected, "
       "%d merged, %d dropped, %d fused, %d rotation only, %d stretches\n",
@@ -72,51 +83,81 @@ int RunRgbd(const Args& raw) {
                 built.map.verdict->negatives);
   std::printf("seconds: extract %.1f (all threads), track %.1f, fusion %.2f, total %.1f\n",
               report.extract_s, report.track_s, report.fusion_s, report.total_s);
-  const auto index = MapIndex::Build(std::move(built.map));
-  int asked = 0;
-  int localized = 0;
-  int ambiguous = 0;
-  std::vector<double> errors;
-  std::vector<double> total_ms;
-  std::vector<double> shortlist_ms;
-  std::vector<double> verify_ms;
-  std::vector<double> extract_ms;
-  for (int q = queries.from; q <= queries.to; q += queries.step) {
-    const Answer answer =
-        Localize(*index, ReadBytes(std::filesystem::path(args[0]) / truth.image(q)), truth.image(q),
-                 LocalizeOptions{});
-    const QueryResult result = Evaluate(truth, *index, answer, q);
-    ++asked;
-    localized += result.localized;
-    ambiguous += answer.verdict == Verdict::kAmbiguous;
-    if (result.error_px) errors.push_back(*result.error_px);
-    total_ms.push_back(answer.timing.total_ms);
-    shortlist_ms.push_back(answer.timing.shortlist_ms);
-    verify_ms.push_back(answer.timing.verify_ms);
-    extract_ms.push_back(answer.timing.extract_ms);
-    const std::string detail =
-        result.localized ? "plane " + std::to_string(answer.planes.front().id.value) + ", " +
-                               std::to_string(answer.planes.front().inliers) + " inliers, " +
-                               std::to_string(answer.planes.size()) + " planes"
-                         : answer.message;
-    std::printf("%4d %-11s %6.1f px  %s\n", q, NameOf(answer.verdict), result.error_px.value_or(-1),
-                detail.c_str());
-  }
-  const auto within = [&](double limit) {
-    return static_cast<int>(
-        std::count_if(errors.begin(), errors.end(), [&](double e) { return e <= limit; }));
+}
+
+void Ask(const RgbdTruth& truth, const std::filesystem::path& folder, const MapIndex& index,
+         int query, Queries& queries) {
+  const auto bytes_of = [&](int frame) { return ReadBytes(folder / truth.image(frame)); };
+  const auto features_of = [&](int frame) {
+    return ExtractFeatures(DecodeGrey(bytes_of(frame)), FeatureOptions{});
   };
-  json["queries"] = asked;
-  json["localized"] = localized;
-  json["ambiguous"] = ambiguous;
-  json["with_truth"] = errors.size();
-  json["within_10px"] = within(10);
-  json["within_20px"] = within(20);
-  json["median_error_px"] = Quantile(errors, 0.5);
-  json["median_ms"] = {{"extract", Quantile(extract_ms, 0.5)},
-                       {"shortlist", Quantile(shortlist_ms, 0.5)},
-                       {"verify", Quantile(verify_ms, 0.5)},
-                       {"total", Quantile(total_ms, 0.5)}};
+  const Answer answer = Localize(index, bytes_of(query), truth.image(query), LocalizeOptions{});
+  ++queries.asked;
+  queries.timing.push_back(answer.timing);
+  queries.ambiguous += answer.verdict == Verdict::kAmbiguous;
+  if (answer.verdict != Verdict::kLocalized) {
+    std::printf("%4d %-11s %s\n", query, NameOf(answer.verdict), answer.message.c_str());
+    return;
+  }
+  ++queries.localized;
+  const RecognisedPlane& best = answer.planes.front();
+  const int reference = index.FindKeyframe(best.reference.id)->frame;
+  const auto error_px = TransferError(truth, query, reference, best);
+  const auto truth_px =
+      TruthError(truth, features_of(query), features_of(reference), query, reference);
+  if (error_px) queries.errors_px.push_back(*error_px);
+  if (truth_px) queries.truth_errors_px.push_back(*truth_px);
+  std::printf("%4d %-11s %6.1f px  plane %lld, %d inliers, %zu planes; plain matches %.1f px\n",
+              query, NameOf(answer.verdict), error_px.value_or(-1),
+              static_cast<long long>(best.id.value), best.inliers, answer.planes.size(),
+              truth_px.value_or(-1));
+}
+
+int CountWithin(const std::vector<double>& errors, double limit) {
+  return static_cast<int>(
+      std::count_if(errors.begin(), errors.end(), [&](double e) { return e <= limit; }));
+}
+
+double MedianMs(const Queries& queries, double StageTimes::*stage) {
+  std::vector<double> ms;
+  for (const StageTimes& timing : queries.timing) ms.push_back(timing.*stage);
+  return Quantile(ms, 0.5);
+}
+
+}  // namespace
+
+int RunRgbd(const Args& raw) {
+  Args args = raw;
+  const Range map_range = ParseRange(TakeOption(args, "map", "0:499"));
+  const Range range = ParseRange(TakeOption(args, "queries", "500:990:10"));
+  if (args.size() != 1) throw MapError(ErrorCode::kUsage, "rgbd wants one TUM RGB-D folder");
+  const RgbdTruth truth(args[0]);
+  BuildResult built = BuildRange(args[0], map_range);
+  PrintMap(built);
+  nlohmann::ordered_json json = {{"bench", "rgbd"},
+                                 {"frames", built.report.frames},
+                                 {"keyframes", built.map.keyframes.size()},
+                                 {"planes", built.map.planes.size()},
+                                 {"edges", built.map.edges.size()},
+                                 {"features", FeatureCount(built.map)},
+                                 {"build_s", built.report.total_s}};
+  const auto index = MapIndex::Build(std::move(built.map));
+  Queries queries;
+  for (int q = range.from; q <= range.to; q += range.step) Ask(truth, args[0], *index, q, queries);
+  json["queries"] = queries.asked;
+  json["localized"] = queries.localized;
+  json["ambiguous"] = queries.ambiguous;
+  json["with_truth"] = queries.errors_px.size();
+  json["within_10px"] = CountWithin(queries.errors_px, 10);
+  json["within_20px"] = CountWithin(queries.errors_px, 20);
+  json["median_error_px"] = Quantile(queries.errors_px, 0.5);
+  json["plain_matches"] = {{"with_truth", queries.truth_errors_px.size()},
+                           {"within_10px", CountWithin(queries.truth_errors_px, 10)},
+                           {"within_20px", CountWithin(queries.truth_errors_px, 20)}};
+  json["median_ms"] = {{"extract", MedianMs(queries, &StageTimes::extract_ms)},
+                       {"shortlist", MedianMs(queries, &StageTimes::shortlist_ms)},
+                       {"verify", MedianMs(queries, &StageTimes::verify_ms)},
+                       {"total", MedianMs(queries, &StageTimes::total_ms)}};
   std::cout << json.dump() << std::endl;
   return 0;
 }

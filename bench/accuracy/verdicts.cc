@@ -82,14 +82,6 @@ Photos RenderOther(int count) {
   return photos;
 }
 
-std::optional<SceneAnswer> ToScene(const MapIndex& index, const Answer& answer) {
-  if (answer.verdict != Verdict::kLocalized) return std::nullopt;
-  const RecognisedPlane& best = answer.planes.front();
-  return SceneAnswer{index.FindKeyframe(answer.keyframe->id)->frame,
-                     index.FindKeyframe(best.reference.id)->frame, best.reference_from_query,
-                     best.query_points};
-}
-
 void AskScene(const Scene& scene, const MapIndex& index, Verdicts& verdicts) {
   std::vector<Answer> answers(scene.queries());
   tbb::parallel_for(0, scene.queries(), [&](int q) {
@@ -98,9 +90,8 @@ void AskScene(const Scene& scene, const MapIndex& index, Verdicts& verdicts) {
   for (int q = 0; q < scene.queries(); ++q) {
     ++verdicts.queries;
     verdicts.ambiguous += answers[q].verdict == Verdict::kAmbiguous;
-    const auto answer = ToScene(index, answers[q]);
-    if (!answer) continue;  // whether a refused place was right can't be told from it
-    const bool right = scene.IsRight(q, *answer);
+    if (answers[q].verdict != Verdict::kLocalized) continue;  // a refused place can't be checked
+    const bool right = scene.IsRight(q, SceneAnswerOf(index, answers[q]));
     ++verdicts.localized;
     verdicts.right += right;
     verdicts.State(answers[q].probability, right);

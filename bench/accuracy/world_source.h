@@ -22,6 +22,7 @@ class WorldSource : public Source {
   const std::string& name() const override { return name_; }
   int size() const override { return static_cast<int>(walk_.frames.size()); }
   const std::optional<Camera>& camera() const override { return camera_; }
+  cv::Size frame_size() const override { return {camera_->width, camera_->height}; }
   std::string Announcement() const override { return "World walk"; }
   std::optional<EncodedFrame> NextEncoded() override;
 

@@ -62,13 +62,6 @@ BuildOptions KeyframesAsTold(const std::string& text) {
   return options;
 }
 
-SceneAnswer AnswerOf(const Graphs& graphs, const Answer& answer) {
-  const RecognisedPlane& best = answer.planes.front();
-  return {graphs.index->FindKeyframe(answer.keyframe->id)->frame,
-          graphs.index->FindKeyframe(best.reference.id)->frame, best.reference_from_query,
-          best.query_points};
-}
-
 SceneAnswer AnswerOf(const Graphs& graphs, const ImageAnswer& answer) {
   const int frame = graphs.image_graph.nodes[answer.node].frame;
   return {frame, frame, answer.node_from_query, answer.query_points};
@@ -120,7 +113,8 @@ Table3 Ask(const Scene& scene, const Graphs& graphs, int opencv_every) {
       Answer by_planes;
       const double ms = Ms([&] { by_planes = LocalizeFeatures(*graphs.index, features, with); });
       std::optional<SceneAnswer> answer;
-      if (by_planes.verdict == Verdict::kLocalized) answer = AnswerOf(graphs, by_planes);
+      if (by_planes.verdict == Verdict::kLocalized)
+        answer = SceneAnswerOf(*graphs.index, by_planes);
       figures.ambiguous += by_planes.verdict == Verdict::kAmbiguous;
       Count(scene, q, answer, ms, shared_ms, figures);
     };

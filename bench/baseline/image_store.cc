@@ -70,7 +70,7 @@ void WriteNodes(const ImageGraph& graph, SQLite::Database& database) {
 void WriteEdges(const ImageGraph& graph, SQLite::Database& database) {
   SQLite::Statement insert(database, "INSERT INTO edges VALUES (?, ?, ?, ?, ?)");
   for (const ImageEdge& edge : graph.edges) {
-    const Bytes homography = EncodeHomography(edge.b_from_a);
+    const Bytes homography = EncodeMatrix(edge.b_from_a);
     insert.bind(1, edge.a.value);
     insert.bind(2, edge.b.value);
     insert.bind(3, edge.inliers);
@@ -143,7 +143,7 @@ ImageGraph ReadImageGraph(const std::filesystem::path& path) {
     while (edges.executeStep()) {
       graph.edges.push_back({KeyframeId{edges.getColumn(0).getInt64()},
                              KeyframeId{edges.getColumn(1).getInt64()}, edges.getColumn(2).getInt(),
-                             DecodeHomography(CheckedBlob(edges, 3, 4, kHomographyBytes))});
+                             DecodeMatrix(CheckedBlob(edges, 3, 4, kMatrixBytes))});
     }
   } catch (const SQLite::Exception& error) {
     throw MapError(ErrorCode::kMapDamaged, path.string() + ": " + error.what());

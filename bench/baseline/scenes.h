@@ -21,6 +21,9 @@ struct SceneAnswer {
   std::vector<Eigen::Vector2d> query_points;  // inliers of the homography
 };
 
+// What a map answered, when it says `localized`: its best plane, and the keyframe it named.
+SceneAnswer SceneAnswerOf(const MapIndex& index, const Answer& answer);
+
 // A sequence to map with queries whose truth is known.
 class Scene {
  public:

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <complex>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <numbers>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "bench/accuracy/common.h"
+#include "bench/accuracy/panorama_places.h"
+#include "core/base/error.h"
+#include "core/image/decode.h"
+#include "core/panorama/visual_compass.h"
+
+namespace waystone::bench {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kRight_deg = 10;   // a heading closer than this is right
+constexpr double kClaimed_deg = 5;  // a deviation below this claims to be right
+constexpr int kRuns = 50;           // whose median time is printed
+constexpr int kRenderedPlaces = 60;
+constexpr uint64_t kSeed = 1;
+
+struct Bin {
+  double from_m;
+  double to_m;
+};
+constexpr Bin kBins[] = {{0, 1.5}, {1.5, 2.5}, {2.5, 4}};
+
+struct PairResult {
+  double distance_m = 0;
+  double plain_deg = 0;  // errors
+  double phases_deg = 0;
+  double error_deg = 0;
+  double deviation_deg = 0;
+  double motion_error_deg = -1;  // -1: not determined
+  double motion_deviation_deg = 0;
+  CompassHeading heading;
+};
+
+double Error(double angle_rad, double truth_rad) {
+  return std::abs(std::remainder(angle_rad - truth_rad, 2 * std::numbers::pi)) * kDegrees;
+}
+
+// The plain compass to compare with: the middle 28 % of the rows as 50 x 360, row means removed,
+// 12 harmonics, peak of the summed cross-spectrum.
+constexpr int kPlainHarmonics = 12;
+constexpr int kPlainSteps = 3600;
+
+cv::Mat PlainSpectrum(const cv::Mat& grey) {
+  const cv::Mat band = grey.rowRange(cvRound(0.36 * grey.rows), cvRound(0.64 * grey.rows));
+  cv::Mat small;
+  cv::resize(band, small, {360, 50}, 0, 0, cv::INTER_AREA);
+  small.convertTo(small, CV_32F);
+  cv::Mat spectrum;
+  cv::dft(small, spectrum, cv::DFT_ROWS | cv::DFT_COMPLEX_OUTPUT);
+  return spectrum.colRange(1, kPlainHarmonics + 1).clone();  // without the row means
+}
+
+double PlainHeading(const cv::Mat& a, const cv::Mat& b) {
+  cv::Mat product;
+  cv::mulSpectrums(a, b, product, 0, true);
+  cv::Mat sums;
+  cv::reduce(product, sums, 0, cv::REDUCE_SUM);
+  double best = -1e300;
+  double heading = 0;
+  for (int i = 0; i < kPlainSteps; ++i) {
+    const double turn = 2 * std::numbers::pi * i / kPlainSteps;
+    double score = 0;
+    for (int l = 1; l <= kPlainHarmonics; ++l) {
+      const auto term = sums.at<cv::Vec2f>(0, l - 1);
+      score += (std::complex<double>(term[0], term[1]) * std::polar(1.0, -l * turn)).real();
+    }
+    if (score > best) {
+      best = score;
+      heading = turn;
+    }
+  }
+  return heading;
+}
+
+PairResult Compare(const PanoramaPlace& a, const PanoramaPlace& b, const FourierSignature& of_a,
+                   const FourierSignature& of_b) {
+  PairResult result;
+  const double truth = TrueHeading(a, b);
+  result.distance_m = (a.position_m - b.position_m).norm();
+  result.phases_deg = Error(TurnByPhases(of_a, of_b).best.heading_rad, truth);
+  result.heading = RelativeHeading(of_a, of_b);
+  result.error_deg = Error(result.heading.heading_rad, truth);
+  result.deviation_deg = result.heading.deviation_rad * kDegrees;
+  if (result.heading.motion) {
+    result.motion_error_deg = Error(result.heading.motion->direction_rad, TrueDirection(a, b));
+    result.motion_deviation_deg = result.heading.motion->deviation_rad * kDegrees;
+  }
+  return result;
+}
+
+std::vector<PairResult> ComparePairs(const std::vector<PanoramaPlace>& places) {
+  std::vector<FourierSignature> signatures(places.size());
+  std::vector<cv::Mat> plain(places.size());
+  tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
+    signatures[i] = Signature(places[i].grey);
+    plain[i] = PlainSpectrum(places[i].grey);
+  });
+  std::vector<std::pair<size_t, size_t>> pairs;
+  for (size_t a = 0; a < places.size(); ++a) {
+    for (size_t b = a + 1; b < places.size(); ++b) {
+      if (!places[a].hidden.empty() && places[a].hidden[b]) continue;
+      if ((places[a].position_m - places[b].position_m).norm() < std::end(kBins)[-1].to_m) {
+        pairs.emplace_back(a, b);
+      }
+    }
+  }
+  std::vector<PairResult> results(pairs.size());
+  tbb::parallel_for(size_t{0}, pairs.size(), [&](size_t i) {
+    const auto [a, b] = pairs[i];
+    results[i] = Compare(places[a], places[b], signatures[a], signatures[b]);
+    results[i].plain_deg =
+        Error(PlainHeading(plain[a], plain[b]), TrueHeading(places[a], places[b]));
+  });
+  return results;
+}
+
+double ShareRight(const std::vector<double>& errors) {
+  const auto right = std::ranges::count_if(errors, [](double e) { return e < kRight_deg; });
+  return errors.empty() ? 0 : static_cast<double>(right) / static_cast<double>(errors.size());
+}
+
+nlohmann::json ErrorsJson(const std::vector<double>& errors) {
+  return {{"median_deg", Quantile(errors, 0.5)}, {"within_10_deg", ShareRight(errors)}};
+}
+
+nlohmann::json BinJson(const std::vector<PairResult>& results, const Bin& bin) {
+  std::vector<double> plain;
+  std::vector<double> phases;
+  std::vector<double> ours;
+  std::vector<double> claimed;
+  std::vector<double> motions;
+  for (const PairResult& result : results) {
+    if (result.distance_m < bin.from_m || result.distance_m >= bin.to_m) continue;
+    plain.push_back(result.plain_deg);
+    phases.push_back(result.phases_deg);
+    ours.push_back(result.error_deg);
+    if (result.deviation_deg <= kClaimed_deg) claimed.push_back(result.error_deg);
+    if (result.motion_error_deg >= 0) motions.push_back(result.motion_error_deg);
+  }
+  std::printf(
+      "%3.1f-%3.1f m  %4zu pairs  plain %5.2f deg %4.1f %%  phases %5.2f deg %4.1f %%  "
+      "compass %5.2f deg %4.1f %%  claimed %3zu, right %5.1f %%  direction %3zu: %4.1f deg\n",
+      bin.from_m, bin.to_m, ours.size(), Quantile(plain, 0.5), 100 * ShareRight(plain),
+      Quantile(phases, 0.5), 100 * ShareRight(phases), Quantile(ours, 0.5), 100 * ShareRight(ours),
+      claimed.size(), 100 * ShareRight(claimed), motions.size(), Quantile(motions, 0.5));
+  return {{"from_m", bin.from_m},         {"to_m", bin.to_m},
+          {"pairs", ours.size()},         {"plain", ErrorsJson(plain)},
+          {"phases", ErrorsJson(phases)}, {"compass", ErrorsJson(ours)},
+          {"claimed", claimed.size()},    {"claimed_within_10_deg", ShareRight(claimed)},
+          {"directions", motions.size()}, {"direction_median_deg", Quantile(motions, 0.5)}};
+}
+
+void WriteCsv(const std::string& path, const std::vector<PairResult>& results) {
+  std::ofstream out(path);
+  out << "distance_m,error_deg,deviation_deg,sharpness,small_motion,phases_deg,plain_deg,"
+         "motion_error_deg,motion_deviation_deg\n";
+  for (const PairResult& r : results) {
+    out << r.distance_m << ',' << r.error_deg << ',' << r.deviation_deg << ','
+        << r.heading.sharpness << ',' << r.heading.small_motion << ',' << r.phases_deg << ','
+        << r.plain_deg << ',' << r.motion_error_deg << ',' << r.motion_deviation_deg << '\n';
+  }
+  if (!out.flush()) throw MapError(ErrorCode::kFileUnwritable, path + " can't be written");
+}
+
+nlohmann::json Accuracy(const std::string& name, const std::vector<PanoramaPlace>& places,
+                        const std::string& csv) {
+  std::printf("%s: %zu places\n", name.c_str(), places.size());
+  const std::vector<PairResult> results = ComparePairs(places);
+  nlohmann::json bins = nlohmann::json::array();
+  for (const Bin& bin : kBins) bins.push_back(BinJson(results, bin));
+  std::vector<double> claimed;
+  for (const PairResult& result : results) {
+    if (result.deviation_deg <= kClaimed_deg) claimed.push_back(result.error_deg);
+  }
+  std::printf("claims of %.0f deg or better: %zu of %zu, %.1f %% within %.0f deg\n", kClaimed_deg,
+              claimed.size(), results.size(), 100 * ShareRight(claimed), kRight_deg);
+  if (!csv.empty()) WriteCsv(csv + name + ".csv", results);
+  return {{"bins", bins},
+          {"pairs", results.size()},
+          {"claimed", claimed.size()},
+          {"claimed_within_10_deg", ShareRight(claimed)}};
+}
+
+template <typename Work>
+double MedianMicroseconds(const Work& work) {
+  std::vector<double> times;
+  for (int run = 0; run < kRuns; ++run) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
+    times.push_back(took.count());
+  }
+  return Quantile(times, 0.5);
+}
+
+// Each step beside its floor: the signature beside its DFT, all of a panorama beside its decoding.
+nlohmann::json Times(const PanoramaPlace& a, const PanoramaPlace& b) {
+  cv::Mat image;
+  cv::resize(a.grey, image, {1024, 512}, 0, 0, cv::INTER_LINEAR);
+  std::vector<uint8_t> jpeg;
+  cv::imencode(".jpg", image, jpeg);
+  const SignatureOptions options;
+  const Panorama panorama = {image, {}};
+  const cv::Mat band = BandOf(panorama, options);
+  const FourierSignature of_a = SignatureOfBand(band, options);
+  const FourierSignature of_b = Signature(b.grey, options);
+  cv::Mat spectrum;
+  const nlohmann::json times = {
+      {"decode", MedianMicroseconds([&] { DecodeGrey(jpeg); })},
+      {"band", MedianMicroseconds([&] { BandOf(panorama, options); })},
+      {"dft", MedianMicroseconds([&] { cv::dft(band, spectrum, cv::DFT_ROWS); })},
+      {"signature_of_band", MedianMicroseconds([&] { SignatureOfBand(band, options); })},
+      {"phase_compass", MedianMicroseconds([&] { TurnByPhases(of_a, of_b); })},
+      {"compass", MedianMicroseconds([&] { RelativeHeading(of_a, of_b); })}};
+  std::printf("microseconds, 1024x512:");
+  for (const auto& [name, value] : times.items()) {
+    std::printf("  %s %.0f", name.c_str(), value.get<double>());
+  }
+  std::printf("\n");
+  return times;
+}
+
+}  // namespace
+
+int RunCompass(const Args& raw) {
+  Args args = raw;
+  const std::string csv = TakeOption(args, "csv", "");
+  if (args.size() > 1) throw MapError(ErrorCode::kUsage, "compass takes one folder at most");
+  cv::setNumThreads(1);
+  const std::vector<PanoramaPlace> rendered = RenderPlaces(kRenderedPlaces, kSeed);
+  nlohmann::json json = {{"bench", "compass"}, {"world", Accuracy("world", rendered, csv)}};
+  if (!args.empty()) json["places"] = Accuracy("places", ReadPlaces(args[0]), csv);
+  json["microseconds"] = Times(rendered[0], rendered[1]);
+  std::cout << json.dump() << std::endl;
+  return 0;
+}
+
+}  // namespace waystone::bench

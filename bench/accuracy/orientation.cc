@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <set>
+
+#include "bench/accuracy/common.h"
+#include "bench/accuracy/orientation_world.h"
+#include "bench/accuracy/stopwatch.h"
+#include "builder/orientation/follow.h"
+#include "builder/orientation/orientation_layer.h"
+#include "core/base/error.h"
+#include "core/manhattan/cube_rotations.h"
+#include "world/rig.h"
+
+namespace waystone::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using HeadFiles = std::vector<std::vector<std::vector<unsigned char>>>;  // frame, camera, bytes
+
+// How near a turn has to be to its corner, as a share of the frames: the bend's half length.
+constexpr double kTurnShare = 0.03;
+constexpr double kLoopM = 1.0;       // places this near, with one heading, are a loop
+constexpr double kFalseLoopM = 4.0;  // nodes farther apart aren't
+constexpr double kSameHeading = 0.35;
+constexpr double kApartShare = 0.2;  // of the frames, from a place to when it is seen again
+constexpr double kMaxScale = 2.5;    // at which SIFT still matches
+constexpr double kBroken = 0.5;      // common view below which a view counts as broken
+
+struct Score {
+  int frames = 0;
+  int true_turns = 0;
+  int turns_found = 0;
+  int turns_invented = 0;
+  int directions_right = 0;
+  int aside_jumps = 0;  // false turns where the camera looked aside
+  double corridor_least_overlap = 1;
+  int corridors_invented = 0;
+  int true_loops = 0;
+  int loops_found = 0;
+  int loop_edges = 0;
+  int false_loops = 0;
+  int nodes = 0;  // traversable, but for the first and last frame
+  int nodes_where_view_holds = 0;
+  double common_at_nodes = 0;  // median
+  int reliable = 0;
+  int wrong_rotations = 0;  // reliable ones off by more than 5 degrees
+};
+
+double TrueHeading(const OrientationWorld& made, int frame) {
+  const Eigen::Vector3d gaze = made.walk.frames[frame].world_from_camera.linear().col(2);
+  return std::atan2(gaze.y(), gaze.x());
+}
+
+double Distance(const OrientationWorld& made, int a, int b) {
+  return (made.walk.frames[a].world_from_camera.translation() -
+          made.walk.frames[b].world_from_camera.translation())
+      .norm();
+}
+
+bool SameHeading(const OrientationWorld& made, int a, int b) {
+  const double turned = TrueHeading(made, a) - TrueHeading(made, b);
+  return std::abs(std::remainder(turned, 2 * M_PI)) < kSameHeading;
+}
+
+void ScoreTurns(const OrientationWorld& made, const OrientationLayer& layer, Score& score) {
+  const double reach = kTurnShare * score.frames;
+  std::set<size_t> used;
+  for (const TrueTurn& turn : made.turns) {
+    ++score.true_turns;
+    for (size_t i = 0; i < layer.turns.size(); ++i) {
+      const OrientationTurn& found = layer.turns[i];
+      if (!found.confirmed || used.contains(i)) continue;
+      if (std::abs(found.frame.value - 1 - turn.frame) > reach) continue;
+      used.insert(i);
+      ++score.turns_found;
+      score.directions_right += found.direction == turn.direction ? 1 : 0;
+      break;
+    }
+  }
+  for (const OrientationTurn& turn : layer.turns) {
+    const int64_t at = turn.frame.value - 1;
+    const bool aside = at >= made.looked_aside.first && at <= made.looked_aside.last;
+    score.aside_jumps += aside && !turn.confirmed ? 1 : 0;
+    score.turns_invented += turn.confirmed ? 1 : 0;
+  }
+  score.turns_invented -= score.turns_found;
+}
+
+// Frames in both over frames in either.
+double Overlap(const TrueStretch& truth, const Corridor& found) {
+  const int64_t first = found.first.value - 1;
+  const int64_t last = found.last.value - 1;
+  const int64_t both = std::min<int64_t>(truth.last, last) - std::max<int64_t>(truth.first, first);
+  const int64_t either =
+      std::max<int64_t>(truth.last, last) - std::min<int64_t>(truth.first, first);
+  return std::max(0.0, static_cast<double>(both + 1) / static_cast<double>(either + 1));
+}
+
+void ScoreCorridors(const OrientationWorld& made, const OrientationLayer& layer, Score& score) {
+  for (const TrueStretch& truth : made.corridors) {
+    double best = 0;
+    for (const Corridor& found : layer.corridors) best = std::max(best, Overlap(truth, found));
+    score.corridor_least_overlap = std::min(score.corridor_least_overlap, best);
+  }
+  for (const Corridor& found : layer.corridors) {
+    const bool known = std::ranges::any_of(
+        made.corridors, [&](const TrueStretch& truth) { return Overlap(truth, found) > 0; });
+    score.corridors_invented += known ? 0 : 1;
+  }
+}
+
+// Stretches of frames that come by where the walk was long before, looking the same way.
+std::vector<TrueStretch> Revisits(const OrientationWorld& made) {
+  const int frames = static_cast<int>(made.walk.frames.size());
+  const int apart = static_cast<int>(kApartShare * frames);
+  std::vector<TrueStretch> revisits;
+  for (int b = 0; b < frames; ++b) {
+    bool seen = false;
+    for (int a = 0; a < b - apart && !seen; ++a) {
+      seen = Distance(made, a, b) < kLoopM && SameHeading(made, a, b);
+    }
+    if (!seen) continue;
+    if (revisits.empty() || b > revisits.back().last + apart / 4) revisits.push_back({b, b});
+    revisits.back().last = b;
+  }
+  return revisits;
+}
+
+void ScoreLoops(const OrientationWorld& made, const OrientationLayer& layer, int step,
+                Score& score) {
+  std::vector<int> ends;
+  for (const OrientationEdge& edge : layer.edges) {
+    if (edge.kind != OrientationEdgeKind::kLoop) continue;
+    ++score.loop_edges;
+    const auto a = static_cast<int>(edge.a.value - 1);
+    const auto b = static_cast<int>(edge.b.value - 1);
+    const bool wrong = Distance(made, a, b) > kFalseLoopM || !SameHeading(made, a, b);
+    score.false_loops += wrong ? 1 : 0;
+    if (!wrong) ends.push_back(b);
+  }
+  for (const TrueStretch& revisit : Revisits(made)) {
+    ++score.true_loops;
+    score.loops_found += std::ranges::any_of(
+        ends, [&](int b) { return b >= revisit.first - step && b <= revisit.last + step; });
+  }
+}
+
+void ScoreNodes(const OrientationWorld& made, const Rig& rig, const OrientationLayer& layer,
+                Score& score) {
+  std::vector<double> common;
+  int from = 0;
+  for (const OrientationNode& node : layer.nodes) {
+    const auto at = static_cast<int>(node.frame.value - 1);
+    if (node.kind == OrientationNodeKind::kTurn || at == 0 || at + 1 == score.frames) continue;
+    common.push_back(CommonView(made, rig, from, at, kMaxScale));
+    score.nodes_where_view_holds += common.back() > kBroken ? 1 : 0;
+    from = at;
+  }
+  score.nodes = static_cast<int>(common.size());
+  score.common_at_nodes = Quantile(common, 0.5);
+}
+
+// The building's x is the way's first direction, or another by a quarter turn.
+void ScoreRotations(const OrientationWorld& made, const OrientationLayer& layer, Score& score) {
+  constexpr double kWrong = 5 * M_PI / 180;
+  std::optional<Eigen::Matrix3d> world_from_building;
+  for (size_t i = 0; i < layer.frames.size(); ++i) {
+    const OrientationFrame& frame = layer.frames[i];
+    if (!frame.reliable) continue;
+    ++score.reliable;
+    const Eigen::Matrix3d world_from_head = made.walk.frames[i].world_from_camera.linear();
+    const Eigen::Matrix3d building_from_head =
+        frame.rotation->building_from_head.toRotationMatrix();
+    if (!world_from_building) {
+      const Eigen::Matrix3d raw = world_from_head * building_from_head.transpose();
+      world_from_building = raw.array().round().matrix();
+    }
+    const double off = RotationAngle(*world_from_building * building_from_head, world_from_head);
+    score.wrong_rotations += off > kWrong ? 1 : 0;
+  }
+}
+
+Score ScoreOf(const OrientationWorld& made, const Rig& rig, const OrientationLayer& layer) {
+  Score score;
+  score.frames = static_cast<int>(layer.frames.size());
+  ScoreTurns(made, layer, score);
+  ScoreCorridors(made, layer, score);
+  ScoreLoops(made, layer, 2 * layer.step, score);
+  ScoreNodes(made, rig, layer, score);
+  ScoreRotations(made, layer, score);
+  return score;
+}
+
+HeadFiles RenderAll(const OrientationWorld& made, const Rig& rig) {
+  std::vector<Renderer> renderers;
+  for (const RigCamera& camera : rig.cameras) renderers.emplace_back(camera.camera);
+  HeadFiles files(made.walk.frames.size());
+  tbb::parallel_for(size_t{0}, files.size(), [&](size_t i) {
+    files[i] = RenderHead(made, rig, renderers, static_cast<int>(i));
+  });
+  return files;
+}
+
+OrientationSequence SequenceOfFiles(const Rig& rig, const HeadFiles& files) {
+  const auto next = [&files, i = 0]() mutable -> std::optional<OrientationMoment> {
+    if (i == static_cast<int>(files.size())) return std::nullopt;
+    const auto& head = files[i];
+    const auto load = [&head] {
+      std::vector<cv::Mat> images;
+      for (const auto& file : head) images.push_back(cv::imdecode(file, cv::IMREAD_GRAYSCALE));
+      return images;
+    };
+    const FrameInfo info{.number = i, .source = std::to_string(i), .time_s = {}};
+    ++i;
+    return OrientationMoment{.info = info, .load = load};
+  };
+  return {.id = {1}, .rig = rig, .next = next};
+}
+
+// CPU seconds a frame of lines and features alone.
+double LookSeconds(const Rig& rig, const HeadFiles& files, const OrientationOptions& options) {
+  constexpr int kMost = 100;
+  const int every = std::max<int>(1, static_cast<int>(files.size()) / kMost);
+  const OrientationSequence all = SequenceOfFiles(rig, files);
+  const Stopwatch watch;
+  int looked = 0;
+  for (int i = 0; auto moment = all.next(); ++i) {
+    if (i % every != 0) continue;
+    LookAt(rig, *moment, options);
+    ++looked;
+  }
+  return watch.cpu_s() / looked;
+}
+
+Json ToJson(const Score& s) {
+  return {{"frames", s.frames},
+          {"true_turns", s.true_turns},
+          {"turns_found", s.turns_found},
+          {"turns_invented", s.turns_invented},
+          {"directions_right", s.directions_right},
+          {"false_turns_told_apart", s.aside_jumps},
+          {"corridor_least_overlap", s.corridor_least_overlap},
+          {"corridors_invented", s.corridors_invented},
+          {"true_loops", s.true_loops},
+          {"loops_found", s.loops_found},
+          {"loop_edges", s.loop_edges},
+          {"false_loops", s.false_loops},
+          {"nodes", s.nodes},
+          {"nodes_where_view_holds", s.nodes_where_view_holds},
+          {"common_view_at_nodes_median", s.common_at_nodes},
+          {"reliable", s.reliable},
+          {"reliable_off_by_5_deg", s.wrong_rotations}};
+}
+
+// What was found where, for people.
+void PrintLayer(const OrientationWorld& made, const OrientationLayer& layer) {
+  std::printf("  corners");
+  for (const TrueTurn& turn : made.turns) {
+    std::printf(" %d%s", turn.frame, turn.direction > 0 ? "L" : "R");
+  }
+  std::printf("; aside %d-%d, skewed %d-%d\n  turns", made.looked_aside.first,
+              made.looked_aside.last, made.skewed.first, made.skewed.last);
+  for (const OrientationTurn& turn : layer.turns) {
+    std::printf(turn.confirmed ? " %d%s" : " (%d%s)", static_cast<int>(turn.frame.value - 1),
+                turn.direction > 0 ? "L" : "R");
+  }
+  std::printf("\n  true corridors");
+  for (const TrueStretch& s : made.corridors) std::printf(" %d-%d", s.first, s.last);
+  std::printf("; found");
+  for (const Corridor& c : layer.corridors) {
+    std::printf(" %d-%d", static_cast<int>(c.first.value - 1), static_cast<int>(c.last.value - 1));
+  }
+  std::printf("\n  nodes");
+  for (const OrientationNode& node : layer.nodes) {
+    std::printf(" %d", static_cast<int>(node.frame.value - 1));
+  }
+  std::printf("\n");
+}
+
+Json RunOne(int building, int frames, bool rig_wanted) {
+  constexpr int kFaceWidth = 320;  // px
+  const Rig rig = rig_wanted ? CubeRig(kFaceWidth) : RigOfOne(PinholeCamera(640, 480, 1.1));
+  const OrientationWorld made = MakeOrientationWorld(building, frames);
+  const HeadFiles files = RenderAll(made, rig);
+  const OrientationOptions options;
+  const double look_s = LookSeconds(rig, files, options);
+  const std::vector<OrientationSequence> sequences{SequenceOfFiles(rig, files)};
+  const Stopwatch watch;
+  const OrientationResult result = BuildOrientationLayer(sequences, options);
+  const double cpu_s = watch.cpu_s();
+  const double wall_s = watch.wall_s();
+  const Score score = ScoreOf(made, rig, result.layer);
+  std::printf(
+      "%s, %s: turns %d of %d, %d invented, %d directions right; corridors %.2f; loops %d of "
+      "%d, %d false; nodes %d, %d of them in view\n",
+      made.name.c_str(), rig_wanted ? "rig" : "pinhole", score.turns_found, score.true_turns,
+      score.turns_invented, score.directions_right, score.corridor_least_overlap, score.loops_found,
+      score.true_loops, score.false_loops, score.nodes, score.nodes_where_view_holds);
+  PrintLayer(made, result.layer);
+  Json json = {{"building", made.name}, {"camera", rig_wanted ? "rig" : "pinhole"}};
+  json.update(ToJson(score));
+  json["frames_per_s"] = score.frames / wall_s;
+  json["cpu_ms_per_frame"] = 1000 * cpu_s / score.frames;
+  json["cpu_ms_per_frame_lines_and_features"] = 1000 * look_s;
+  json["cost_ratio"] = cpu_s / score.frames / look_s;
+  return json;
+}
+
+}  // namespace
+
+int RunOrientation(const Args& all) {
+  Args args = all;
+  const int buildings = std::stoi(TakeOption(args, "buildings", "3"));
+  const int frames = std::stoi(TakeOption(args, "frames", "1000"));
+  const std::string camera = TakeOption(args, "camera", "both");
+  if (!args.empty() || buildings < 1 || buildings > 3 || frames < 100) {
+    throw MapError(ErrorCode::kUsage,
+                   "orientation takes --buildings 1 to 3, --frames of 100 or "
+                   "more, --camera rig, pinhole or both");
+  }
+  Json runs = Json::array();
+  for (int building = 0; building < buildings; ++building) {
+    for (const bool rig : {true, false}) {
+      if (camera == (rig ? "pinhole" : "rig")) continue;
+      runs.push_back(RunOne(building, frames, rig));
+      std::cout << runs.back().dump() << std::endl;
+    }
+  }
+  std::cout << Json{{"bench", "orientation"}, {"runs", runs}}.dump() << std::endl;
+  return 0;
+}
+
+}  // namespace waystone::bench

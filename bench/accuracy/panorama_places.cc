@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/accuracy/panorama_places.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include "bench/accuracy/common.h"
+#include "core/base/error.h"
+#include "core/base/random.h"
+#include "core/image/decode.h"
+#include "world/render.h"
+#include "world/rig.h"
+#include "world/walk.h"
+#include "world/world.h"
+
+namespace waystone::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kPi = std::numbers::pi;
+constexpr int kRenderedWidth = 512;   // px
+constexpr double kHeight_m = 1.5;     // of the camera
+constexpr double kFromWalls_m = 0.4;  // at least
+constexpr double kTilt_rad = 0.017;
+constexpr double kNoise = 4;  // grey levels
+
+double YawOf(const Eigen::Matrix3d& world_from_rig) {
+  return std::atan2(world_from_rig(1, 2), world_from_rig(0, 2));
+}
+
+PanoramaPlace ReadPlace(const fs::path& folder, const std::string& line) {
+  std::string text = line;
+  std::replace(text.begin(), text.end(), ',', ' ');
+  std::istringstream fields(text);
+  PanoramaPlace place;
+  double z = 0;
+  Eigen::Quaterniond turn;
+  if (!(fields >> place.name >> place.position_m.x() >> place.position_m.y() >> z >> turn.x() >>
+        turn.y() >> turn.z() >> turn.w())) {
+    throw MapError(ErrorCode::kFileUnreadable, (folder / "poses.csv").string() + ": '" +
+                                                   text.substr(0, 40) +
+                                                   "' is no line of id,x,y,z,qx,qy,qz,qw");
+  }
+  place.yaw_rad = YawOf(turn.normalized().toRotationMatrix());
+  place.grey = DecodeGrey(ReadBytes(folder / "panorama" / (place.name + ".jpg")));
+  return place;
+}
+
+// Inside, and so are the points around it.
+bool IsFree(const World& world, const Eigen::Vector2d& at_m) {
+  for (int i = 0; i < 8; ++i) {
+    const double angle = i * kPi / 4;
+    const Eigen::Vector3d point(at_m.x() + kFromWalls_m * std::cos(angle),
+                                at_m.y() + kFromWalls_m * std::sin(angle), kHeight_m);
+    if (!world.IsInside(point)) return false;
+  }
+  return true;
+}
+
+// Whether a wall stands between two places.
+bool IsHidden(const World& world, const PanoramaPlace& a, const PanoramaPlace& b) {
+  const Eigen::Vector2d step = b.position_m - a.position_m;
+  if (step.norm() == 0) return false;
+  const Eigen::Vector3d from(a.position_m.x(), a.position_m.y(), kHeight_m);
+  const Eigen::Vector3d ray(step.x() / step.norm(), step.y() / step.norm(), 0);
+  return world.Cast(from, ray).t < step.norm();
+}
+
+}  // namespace
+
+std::vector<PanoramaPlace> ReadPlaces(const fs::path& folder) {
+  std::ifstream in(folder / "poses.csv");
+  if (!in) {
+    throw MapError(ErrorCode::kFileUnreadable, (folder / "poses.csv").string() + " can't be read");
+  }
+  std::vector<PanoramaPlace> places;
+  std::string line;
+  std::getline(in, line);
+  while (std::getline(in, line)) places.push_back(ReadPlace(folder, line));
+  return places;
+}
+
+std::vector<PanoramaPlace> RenderPlaces(int count, uint64_t seed) {
+  const World world(DemoPlan());
+  const Renderer renderer(PanoramaCamera(kRenderedWidth));
+  Random random(seed);
+  std::vector<PanoramaPlace> places;
+  std::vector<Eigen::Isometry3d> poses;
+  std::vector<RenderOptions> options;
+  while (static_cast<int>(places.size()) < count) {
+    const Eigen::Vector2d at(random.Uniform(0, 13.5), random.Uniform(0, 12.5));
+    if (!IsFree(world, at)) continue;
+    const double yaw = random.Uniform(-kPi, kPi);
+    const double pitch = kTilt_rad * random.Normal();
+    const double roll = kTilt_rad * random.Normal();
+    poses.push_back(WorldFromCamera({at.x(), at.y(), kHeight_m}, yaw, pitch, roll));
+    RenderOptions render;
+    render.noise_sigma = kNoise;
+    render.noise_seed = random.Next();
+    render.exposure_gain = random.Uniform(0.7, 1.2);
+    options.push_back(render);
+    places.push_back({std::to_string(places.size()), {}, at, YawOf(poses.back().linear()), {}});
+  }
+  tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
+    places[i].grey = renderer.Render(world, poses[i], options[i]).grey;
+  });
+  for (PanoramaPlace& a : places) {
+    for (const PanoramaPlace& b : places) a.hidden.push_back(IsHidden(world, a, b));
+  }
+  return places;
+}
+
+double TrueHeading(const PanoramaPlace& a, const PanoramaPlace& b) {
+  return std::remainder(b.yaw_rad - a.yaw_rad, 2 * kPi);
+}
+
+double TrueDirection(const PanoramaPlace& a, const PanoramaPlace& b) {
+  const Eigen::Vector2d step = b.position_m - a.position_m;
+  return std::remainder(std::atan2(step.y(), step.x()) - a.yaw_rad, 2 * kPi);
+}
+
+}  // namespace waystone::bench

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace waystone::bench {
+
+// A place with a panorama and its truth.
+struct PanoramaPlace {
+  std::string name;
+  cv::Mat grey;                // CV_8UC1, equirectangular
+  Eigen::Vector2d position_m;  // in the world, seen from above
+  double yaw_rad = 0;          // of the front, counter-clockwise from the x axis
+  std::vector<bool> hidden;    // by place: whether a wall is between; empty when not known
+};
+
+// poses.csv (id,x,y,z,qx,qy,qz,qw,...: rig to world, z up; rig z forward, y down) and
+// panorama/ID.jpg of a folder. Throws MapError where they can't be read.
+std::vector<PanoramaPlace> ReadPlaces(const std::filesystem::path& folder);
+
+// `count` places in the demo building, at random within its rooms and with random headings and a
+// tilt of a degree, each picture with noise and an exposure of its own.
+std::vector<PanoramaPlace> RenderPlaces(int count, uint64_t seed);
+
+// Where the front of b points against that of a, and in which direction of a's frame b lies;
+// counter-clockwise, radians.
+double TrueHeading(const PanoramaPlace& a, const PanoramaPlace& b);
+double TrueDirection(const PanoramaPlace& a, const PanoramaPlace& b);
+
+}  // namespace waystone::bench

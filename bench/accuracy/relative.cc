@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <iostream>
+#include <numbers>
+
+#include "bench/accuracy/common.h"
+#include "bench/accuracy/oriented_set.h"
+#include "bench/accuracy/stopwatch.h"
+#include "core/base/error.h"
+#include "core/manhattan/cube_rotations.h"
+#include "core/manhattan/great_circles.h"
+#include "core/manhattan/manhattan_frame.h"
+#include "core/two_view/relative_rotation.h"
+
+namespace waystone::bench {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kWrong = 5;      // degrees off the truth
+constexpr double kCongruent = 5;  // degrees between the two rotations of a traversable pair
+// Places apart, of the pairs whose verdict is compared with what is visible.
+constexpr std::array kApart{1, 3, 10, 30};
+
+struct Place {
+  BearingFeatures features;
+  ManhattanFrame frame;
+};
+
+Place LookAt(const OrientedSet& set, int i) {
+  const std::vector<cv::Mat> images = set.images(i);
+  std::vector<GreatCircle> lines;
+  for (size_t c = 0; c < images.size(); ++c) {
+    const auto found = GreatCirclesOf(set.rig, static_cast<int>(c), DetectSegments(images[c]));
+    lines.insert(lines.end(), found.begin(), found.end());
+  }
+  return {ExtractBearings(set.rig, images), FindManhattanFrame(lines)};
+}
+
+struct Pair {
+  int a = 0;
+  int b = 0;
+  int apart = 0;
+  bool accepted = false;
+  bool traversable = false;
+  bool visible = false;
+  double rotation_deg = 0;   // off the truth
+  double direction_deg = 0;  // of the motion, off the truth
+  double deviations = 0;     // of the rotation, in those its covariance states
+  double inliers = 0;
+};
+
+Pair Judge(const OrientedSet& set, const std::vector<Place>& places, int a, int apart) {
+  Pair pair{.a = a, .b = a + apart, .apart = apart};
+  const Place& from = places[pair.a];
+  const Place& to = places[pair.b];
+  const RelativePose pose = FindRelativePose(MatchBearings(from.features, to.features));
+  pair.accepted = pose.accepted();
+  pair.inliers = static_cast<double>(pose.inliers.size());
+  const Eigen::Isometry3d truth =
+      set.world_from_head[pair.b].inverse() * set.world_from_head[pair.a];
+  pair.rotation_deg = kDegrees * RotationAngle(pose.b_from_a, truth.linear());
+  const Eigen::Vector3d direction = truth.translation().normalized();
+  pair.direction_deg = kDegrees * std::atan2(direction.cross(pose.translation).norm(),
+                                             direction.dot(pose.translation));
+  if (pair.accepted) {
+    const Eigen::AngleAxisd turn(truth.linear() * pose.b_from_a.transpose());
+    const Eigen::Vector3d w = turn.angle() * turn.axis();
+    pair.deviations = std::sqrt(w.dot(pose.covariance.ldlt().solve(w)) / 3);
+  }
+  // R_c = R_1 R_2^T, axes numbered so that it is as near to the essential matrix's as can be.
+  const Eigen::Matrix3d b_from_axes =
+      NearestOfCube(to.frame.head_from_axes, pose.b_from_a * from.frame.head_from_axes);
+  const Eigen::Matrix3d from_axes = b_from_axes * from.frame.head_from_axes.transpose();
+  pair.traversable = pair.accepted && from.frame.reliable() && to.frame.reliable() &&
+                     kDegrees * RotationAngle(from_axes, pose.b_from_a) < kCongruent;
+  pair.visible = !set.visible.empty() &&
+                 (set.visible[pair.a].contains(pair.b) || set.visible[pair.b].contains(pair.a));
+  return pair;
+}
+
+nlohmann::ordered_json RotationSummary(const std::vector<Pair>& pairs) {
+  std::vector<double> rotation;
+  std::vector<double> direction;
+  std::vector<double> deviations;
+  for (const Pair& pair : pairs) {
+    if (!pair.accepted) continue;
+    rotation.push_back(pair.rotation_deg);
+    direction.push_back(pair.direction_deg);
+    deviations.push_back(pair.deviations);
+  }
+  return {{"pairs", pairs.size()},
+          {"accepted", rotation.size()},
+          {"rotation_median_deg", Quantile(rotation, 0.5)},
+          {"rotation_95_deg", Quantile(rotation, 0.95)},
+          {"rotation_max_deg", Quantile(rotation, 1)},
+          {"direction_median_deg", Quantile(direction, 0.5)},
+          {"deviations_median", Quantile(deviations, 0.5)},
+          {"accepted_above_5_deg",
+           std::ranges::count_if(rotation, [](double deg) { return deg > kWrong; })}};
+}
+
+nlohmann::ordered_json VerdictSummary(const std::vector<Pair>& pairs) {
+  int traversable = 0;
+  int visible = 0;
+  int both = 0;
+  for (const Pair& pair : pairs) {
+    traversable += pair.traversable ? 1 : 0;
+    visible += pair.visible ? 1 : 0;
+    both += pair.traversable && pair.visible ? 1 : 0;
+  }
+  return {{"pairs", pairs.size()},
+          {"traversable", traversable},
+          {"visible", visible},
+          {"precision", traversable > 0 ? static_cast<double>(both) / traversable : 0},
+          {"recall", visible > 0 ? static_cast<double>(both) / visible : 0}};
+}
+
+void Print(const char* title, const std::vector<Pair>& pairs, bool visibility) {
+  const auto rotation = RotationSummary(pairs);
+  const auto verdict = VerdictSummary(pairs);
+  std::printf("%-8s %5zu %8d %7.3f %7.3f %7.2f %7.2f %6d %6d", title, pairs.size(),
+              rotation["accepted"].get<int>(), rotation["rotation_median_deg"].get<double>(),
+              rotation["rotation_95_deg"].get<double>(), rotation["rotation_max_deg"].get<double>(),
+              rotation["direction_median_deg"].get<double>(),
+              rotation["accepted_above_5_deg"].get<int>(), verdict["traversable"].get<int>());
+  if (visibility) {
+    std::printf(" %8d %9.3f %7.3f", verdict["visible"].get<int>(),
+                verdict["precision"].get<double>(), verdict["recall"].get<double>());
+  }
+  std::printf("\n");
+}
+
+std::vector<Pair> OfDistance(const std::vector<Pair>& pairs, int apart) {
+  std::vector<Pair> some;
+  std::ranges::copy_if(pairs, std::back_inserter(some),
+                       [&](const Pair& pair) { return pair.apart == apart; });
+  return some;
+}
+
+}  // namespace
+
+int RunRelative(const Args& args) {
+  constexpr int kFrames = 120;
+  if (args.size() > 1) throw MapError(ErrorCode::kUsage, "relative takes one folder, or none");
+  const OrientedSet set = args.empty() ? RenderedSet(true, kFrames) : OpenOrientedSet(args[0]);
+  if (set.world_from_head.empty()) throw MapError(ErrorCode::kUsage, "relative wants poses");
+  std::vector<Place> places(set.size());
+  tbb::parallel_for(0, set.size(), [&](int i) { places[i] = LookAt(set, i); });
+  std::vector<std::pair<int, int>> wanted;
+  for (const int apart : kApart) {
+    for (int a = 0; a + apart < set.size(); ++a) wanted.emplace_back(a, apart);
+  }
+  std::vector<Pair> pairs(wanted.size());
+  const Stopwatch watch;
+  tbb::parallel_for(size_t{0}, wanted.size(), [&](size_t i) {
+    pairs[i] = Judge(set, places, wanted[i].first, wanted[i].second);
+  });
+  const double ms_per_pair = 1000 * watch.cpu_s() / static_cast<double>(pairs.size());
+  const bool visibility = !set.visible.empty();
+  std::printf("%-8s %5s %8s %7s %7s %7s %7s %6s %6s%s\n", "apart", "pairs", "accepted", "median",
+              "95 %", "max", "direct.", "wrong", "trav.",
+              visibility ? "  visible precision  recall" : "");
+  for (const int apart : kApart) {
+    Print(std::to_string(apart).c_str(), OfDistance(pairs, apart), visibility);
+  }
+  Print("all", pairs, visibility);
+  nlohmann::ordered_json json = {{"bench", "relative"},
+                                 {"set", set.name},
+                                 {"consecutive", RotationSummary(OfDistance(pairs, 1))},
+                                 {"all", RotationSummary(pairs)},
+                                 {"cpu_ms_per_pair", ms_per_pair}};
+  if (visibility) {
+    json["traversability"] = {{"consecutive", VerdictSummary(OfDistance(pairs, 1))},
+                              {"all", VerdictSummary(pairs)}};
+  }
+  std::cout << json.dump() << std::endl;
+  return 0;
+}
+
+}  // namespace waystone::bench
