@@ -9,7 +9,7 @@ RELEASE := build/release
 # Every source of ours; generated files and the build folders are not among them.
 SOURCES = git ls-files -co --exclude-standard -- '*.h' '*.cc' | while read -r f; do [ -f "$$f" ] && echo "$$f"; done
 
-.PHONY: help demo test bench format lint release build asan tsan packages clean
+.PHONY: help demo test bench format lint release build asan tsan packages web clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z].*## / {printf "  make %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -50,6 +50,9 @@ lint: packages  ## layout, clang-tidy and compiler warnings; each one is an erro
 	@$(SOURCES) | xargs clang-format --dry-run -Werror
 	@scripts/build.sh dev $(JOBS)
 	@scripts/tidy.sh build/dev $(JOBS)
+
+web:  ## build the page anew into server/web/dist (needs Node 20 and npm; the result is committed)
+	@cd server/web && npm ci --no-audit --no-fund && npm run --silent check && npm run --silent build
 
 clean:  ## remove the build folder
 	@rm -rf build

@@ -29,7 +29,7 @@ const std::map<std::string, std::set<std::string>>& AllowedFolders() {
       {"world", {"world", "core"}},
       {"schema", {"schema", "core"}},
       {"localizer", {"localizer", "schema", "core"}},
-      {"builder", {"builder", "localizer", "schema", "core"}},
+      {"builder", {"builder", "localizer", "schema", "world", "core"}},
       {"server", {"server", "localizer", "schema", "core"}},
       {"cli", {"cli", "server", "builder", "localizer", "schema", "world", "core"}},
       {"clients", {"clients"}},
@@ -44,8 +44,9 @@ const std::map<std::string, std::set<std::string>>& AllowedFolders() {
 // The order of core's own folders: each may include itself and those of lower rank.
 const std::map<std::string, int>& CoreRanks() {
   static const std::map<std::string, int> ranks = {
-      {"base", 0},   {"image", 1},    {"camera", 1},    {"features", 2}, {"homography", 2},
-      {"search", 3}, {"panorama", 3}, {"manhattan", 3}, {"two_view", 3},
+      {"base", 0},       {"image", 1},      {"camera", 1},     {"features", 2},
+      {"homography", 2}, {"search", 3},     {"panorama", 3},   {"manhattan", 3},
+      {"two_view", 3},   {"trajectory", 1}, {"pose_graph", 1}, {"localization", 1},
   };
   return ranks;
 }
@@ -64,6 +65,7 @@ const std::vector<Fence>& Fences() {
       {std::regex("nlohmann/.*"),
        {"schema/", "localizer/", "builder/", "server/", "cli/", "clients/", "tests/", "bench/"}},
       {std::regex("CLI/.*"), {"cli/", "bench/", "tests/"}},
+      {std::regex("ceres/.*"), {"core/pose_graph/", "core/manhattan/", "tests/"}},
       {std::regex("yaml-cpp/.*"), {"builder/sources/", "cli/", "tests/"}},
   };
   return fences;
