@@ -127,6 +127,7 @@ class Answer(TypedDict):
     candidates: NotRequired[list[Place]]
     shortlisted: NotRequired[int]
     tried: NotRequired[list[dict[str, Any]]]
+    explanation: NotRequired[dict[str, Any]]
     stage: NotRequired[str]
     camera: NotRequired[dict[str, Any]]
     unused: NotRequired[list[str]]
