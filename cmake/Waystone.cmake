@@ -1,16 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
 # Helpers: one library a folder, one test program a folder.
 
-# waystone_library(NAME SOURCES ... DEPS ...): the static library waystone_NAME of the current folder.
-# DEPS are what its headers need, so they are public.
+# waystone_headers(TARGET HEADER...): headers compiled once, for targets that REUSE_FROM TARGET.
+function(waystone_headers target)
+  add_library(${target} STATIC ${PROJECT_SOURCE_DIR}/cmake/pch.cc)
+  target_include_directories(${target} SYSTEM PUBLIC ${OpenCV_INCLUDE_DIRS})
+  target_link_libraries(${target} PUBLIC Eigen3::Eigen PRIVATE waystone_warnings)
+  if(WAYSTONE_PCH)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+  endif()
+endfunction()
+
+# waystone_library(NAME SOURCES ... DEPS ... [HEADERS target]): the static library waystone_NAME of the
+# current folder. DEPS are what its headers need, so they are public. HEADERS are the precompiled
+# ones; waystone_pch where not said.
 function(waystone_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "" "HEADERS" "SOURCES;DEPS" ${ARGN})
   set(target waystone_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
   target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(${target} PUBLIC ${ARG_DEPS} PRIVATE waystone_warnings)
+  if(NOT ARG_HEADERS)
+    set(ARG_HEADERS waystone_pch)
+  endif()
   if(WAYSTONE_PCH)
-    target_precompile_headers(${target} REUSE_FROM waystone_pch)
+    target_precompile_headers(${target} REUSE_FROM ${ARG_HEADERS})
   endif()
 endfunction()
 
@@ -23,7 +37,7 @@ function(waystone_test name)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
   target_compile_definitions(${target} PRIVATE WAYSTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   if(WAYSTONE_PCH)
-    target_precompile_headers(${target} REUSE_FROM waystone_pch)
+    target_precompile_headers(${target} REUSE_FROM waystone_test_pch)
   endif()
   add_test(NAME ${name} COMMAND ${target})
   if(NOT ARG_SECONDS)

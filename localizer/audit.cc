@@ -236,7 +236,7 @@ const char* NameOf(Remedy remedy) {
 
 const char* NameOf(Weakness weakness) {
   switch (weakness) {
-    case Weakness::kNoPlane:
+    case Weakness::kSeesNoPlane:
       return "no_plane";
     case Weakness::kFewFeatures:
       return "few_features";

@@ -72,7 +72,7 @@ struct AliasPair {
 };
 
 enum class Weakness {
-  kNoPlane,      // its keyframes see no plane of the map
+  kSeesNoPlane,  // its keyframes see no plane of the map
   kFewFeatures,  // ... or too few features on planes
   kFewPlanes,    // the whole stretch has fewer planes than it should
 };
@@ -86,7 +86,7 @@ struct WeakRun {
   int keyframes = 0;
   int planes = 0;    // seen by any of them
   int features = 0;  // in view at the poorest of them
-  Weakness weakness = Weakness::kNoPlane;
+  Weakness weakness = Weakness::kSeesNoPlane;
   Remedy remedy = Remedy::kMoreViews;
 };
 

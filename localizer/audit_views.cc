@@ -50,7 +50,7 @@ std::vector<Run> Split(const std::vector<Keyframe>& keyframes, Predicate togethe
 }
 
 std::optional<Weakness> WeaknessOf(const KeyframeView& view, const AuditOptions& options) {
-  if (view.planes.empty()) return Weakness::kNoPlane;
+  if (view.planes.empty()) return Weakness::kSeesNoPlane;
   if (view.features < options.min_view_features) return Weakness::kFewFeatures;
   return std::nullopt;
 }

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <bit>
 #include <numeric>
+#include <span>
 
 #include "core/base/check.h"
 
@@ -51,40 +52,42 @@ void ForEachNear(const PackedQuery& query, const PackedRows& rows, int first, in
   }
 }
 
-// The `count` smallest of what it is shown, found without sorting all: what is beyond the limit is
-// dropped whenever the buffer is full. Ties by slot.
-class Smallest {
- public:
-  explicit Smallest(int count) : count_(count), capacity_(3 * count + kPackRows) {
-    buffer_.reserve(capacity_);
+// The `count` slots with the smallest distances, ties by slot, in no order; empty ones aren't among
+// them. By a histogram of the distances, so that only one bucket has to be sorted.
+std::vector<int> NearestSlots(std::span<const int32_t> distances, int count) {
+  constexpr int kBucketBits = 8;
+  const auto is_empty = [](int32_t distance) { return distance >= kEmptySlotDistance; };
+  int32_t low = kEmptySlotDistance;
+  int32_t high = 0;
+  for (const int32_t distance : distances) {
+    low = std::min(low, distance);
+    high = std::max(high, is_empty(distance) ? 0 : distance);
   }
-
-  const int32_t& limit() const { return limit_; }
-
-  void Offer(int slot, int32_t distance) {
-    buffer_.push_back(static_cast<uint64_t>(distance) << 32 | static_cast<uint32_t>(slot));
-    if (std::ssize(buffer_) == capacity_) Shrink();
+  const int width = std::bit_width(static_cast<uint32_t>(std::max(0, high - low)));
+  const int shift = std::max(0, width - kBucketBits);
+  std::array<int, (1 << kBucketBits)> sizes{};
+  for (const int32_t distance : distances) {
+    if (!is_empty(distance)) ++sizes[(distance - low) >> shift];
   }
-
-  // Slots of the smallest, in no order.
-  const std::vector<uint64_t>& Take() {
-    Shrink();
-    return buffer_;
+  int last = 0;  // the bucket that isn't taken whole
+  int below = 0;
+  while (last + 1 < std::ssize(sizes) && below + sizes[last] <= count) below += sizes[last++];
+  std::vector<int> slots;
+  slots.reserve(count + sizes[last]);
+  std::vector<int> rest;
+  for (int slot = 0; slot < std::ssize(distances); ++slot) {
+    if (is_empty(distances[slot])) continue;
+    const int bucket = (distances[slot] - low) >> shift;
+    if (bucket < last) slots.push_back(slot);
+    if (bucket == last) rest.push_back(slot);
   }
-
- private:
-  void Shrink() {
-    if (std::ssize(buffer_) <= count_) return;
-    std::nth_element(buffer_.begin(), buffer_.begin() + (count_ - 1), buffer_.end());
-    limit_ = static_cast<int32_t>(buffer_[count_ - 1] >> 32);
-    buffer_.resize(count_);
-  }
-
-  int count_;
-  int capacity_;
-  int32_t limit_ = kEmptySlotDistance - 1;
-  std::vector<uint64_t> buffer_;
-};
+  const auto wanted = std::min<ptrdiff_t>(count - std::ssize(slots), std::ssize(rest));
+  std::nth_element(rest.begin(), rest.begin() + wanted, rest.end(), [&](int a, int b) {
+    return distances[a] != distances[b] ? distances[a] < distances[b] : a < b;
+  });
+  slots.insert(slots.end(), rest.begin(), rest.begin() + wanted);
+  return slots;
+}
 
 }  // namespace
 
@@ -137,19 +140,22 @@ SearchIndex::Visits SearchIndex::ChooseLists(const std::vector<PackedQuery>& que
   std::vector<int> list_of_visit;
   list_of_visit.reserve(static_cast<size_t>(count) * chosen);
   Visits visits{std::vector<int>(lists() + 1, 0), {}};
+  const size_t slots = static_cast<size_t>(centres_.slots());
+  std::vector<int32_t> distances(kBatch * slots);
+  std::array<uint8_t, kChunk> near;
   for (int first = 0; first < count; first += kBatch) {
     const int batch = std::min(kBatch, count - first);
-    std::vector<Smallest> smallest(batch, Smallest(chosen));
     for (int block = 0; block < centres_.blocks(); block += kChunk) {
-      const int end = std::min(block + kChunk, centres_.blocks());
+      const int blocks = std::min(kChunk, centres_.blocks() - block);
       for (int q = 0; q < batch; ++q) {
-        ForEachNear(queries[first + q], centres_, block, end, smallest[q].limit(),
-                    [&](int list, int32_t distance) { smallest[q].Offer(list, distance); });
+        PackedDistances(queries[first + q], centres_, block, blocks, kEmptySlotDistance,
+                        distances.data() + static_cast<size_t>(q) * slots + block * kPackRows,
+                        near.data());
       }
     }
-    for (Smallest& of_query : smallest) {
-      for (const uint64_t entry : of_query.Take()) {
-        const auto list = static_cast<int>(entry & 0xffffffff);
+    for (int q = 0; q < batch; ++q) {
+      for (const int list :
+           NearestSlots({distances.data() + static_cast<size_t>(q) * slots, slots}, chosen)) {
         list_of_visit.push_back(list);
         ++visits.start[list + 1];
       }

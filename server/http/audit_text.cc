@@ -65,7 +65,7 @@ std::string TieText(const MapIndex& index, const LoneTie& tie) {
 
 std::string Cause(const WeakRun& run) {
   switch (run.weakness) {
-    case Weakness::kNoPlane:
+    case Weakness::kSeesNoPlane:
       return "no plane";
     case Weakness::kFewFeatures:
       return "only " + Counted(run.features, "feature") + " in view";

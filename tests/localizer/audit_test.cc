@@ -124,7 +124,7 @@ TEST(Audit, KeyframesWithoutPlanesAreARun) {
   }
   map.sequences.push_back({SequenceId{2}, "corridor", "folder", 40, 0, std::nullopt});
   const WeakRun run = AuditMap(*MapIndex::Build(map)).weak.back();
-  EXPECT_EQ(run.weakness, Weakness::kNoPlane);
+  EXPECT_EQ(run.weakness, Weakness::kSeesNoPlane);
   EXPECT_EQ(run.first, KeyframeId{7});
   EXPECT_EQ(run.last, KeyframeId{10});
   EXPECT_EQ(run.keyframes, 4);

@@ -129,7 +129,7 @@ TEST_F(RigSourceTest, TimeStampsPairWhatBelongsTogether) {
   ASSERT_EQ(sequence.moments.size(), 2u);
   EXPECT_NEAR(*sequence.moments[1].time_s, 1700000000.2, 1e-6);
   EXPECT_EQ(ReadMoment(sequence, sequence.moments[1])[1].at<uchar>(0, 0), 13);
-  ExpectError([&] { Open({.max_time_gap_s = 0.001}); }, ErrorCode::kBadSource,
+  ExpectError([&] { Open({.rig_file = {}, .max_time_gap_s = 0.001}); }, ErrorCode::kBadSource,
               {"within 0.001", "larger gap"});
 }
 
