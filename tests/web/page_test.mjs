@@ -202,13 +202,20 @@ async function testOtherLayers() {
   await page.route("**/orientation", (route) => route.fulfill(json({
     nodes: ring.map((a, i) => ({ id: i, keyframe: 1, kind: i % 6 === 0 ? "turn" : "frame", heading_rad: Math.floor(i / 6) * Math.PI / 2, corridor: 1 })),
     edges: [],
-    corridors: [{ id: 1, heading_rad: 0, nodes: [1, 2, 3] }],
+    corridors: [{ id: 1, axis: "x", first: 1, last: 3, nodes: [1, 2, 3] }],
+  })));
+  await page.route("**/appearance/nodes/*", (route) => route.fulfill(json({
+    id: 0, sequence: "walk", source: "0.jpg", time_s: null, frame: 0, keyframe: 1, x: 1, y: 0,
+    heading_rad: 0, features: 0, image: null,
   })));
   await page.goto(`${url}/#/room/layers`);
   await page.locator(".trajectory line.loop").waitFor({ state: "attached" });
   assert.equal(await page.locator(".trajectory circle").count(), 24);
   assert.equal(await page.locator(".trajectory line.loop").count(), 1);
   await page.locator(".series canvas").waitFor();
+  await page.getByText("0.jpg of walk").waitFor();
+  await page.getByRole("button", { name: "next" }).click();
+  await page.locator(".trajectory circle.chosen").waitFor({ state: "attached" });
   await checkAccess(page, "the other layers");
   assert.deepEqual(complaints, []);
   await close();
@@ -229,6 +236,40 @@ async function testPanorama() {
   await page.locator(".panorama .pnlm-load-box").waitFor({ state: "hidden" });
   await shoot(page, "panorama");
   assert.deepEqual(complaints, []);
+  await close();
+}
+
+// A server with tokens: the page asks for one, says when it is wrong, and keeps it with the tab. What
+// the server refuses without one is played here.
+async function testTokens() {
+  const { page, complaints, close } = await open({});
+  const token = "a-token-of-this-test";
+  await page.route("**/v1/**", (route) => {
+    if (route.request().headers().authorization === `Bearer ${token}`) return route.continue();
+    return route.fulfill({ status: 401, contentType: "application/problem+json", body: JSON.stringify({
+      type: "urn:waystone:problem:unauthorized", title: "Show who you are", status: 401,
+      detail: "send one of this server's tokens", code: "unauthorized" }) });
+  });
+  await page.goto(`${url}/`);
+  await page.getByRole("heading", { name: "This server wants a token" }).waitFor();
+  await checkAccess(page, "the token");
+  const enter = async (text) => {
+    await page.getByLabel("Token").fill(text);
+    await page.getByRole("button", { name: "Go on" }).click();
+  };
+  await enter("another");
+  await page.getByText("doesn’t know this token").waitFor();
+  await enter(token);
+  await page.getByRole("heading", { name: "Where was this photo taken?" }).waitFor();
+  assert.match(await drop(page, inside), /This is near keyframe \d+/);
+  await page.reload();
+  await page.getByRole("heading", { name: "Where was this photo taken?" }).waitFor();
+  await go(page, "keyframes", "Keyframes");
+  const first = page.locator(".thumbnail img").first();
+  await first.waitFor();
+  assert.match(await first.getAttribute("src"), /^blob:/);
+  // The browser itself notes each refusal.
+  assert.deepEqual(complaints.filter((said) => !/401/.test(said)), []);
   await close();
 }
 
@@ -279,6 +320,7 @@ try {
   await close();
   await testOtherLayers();
   await testPanorama();
+  await testTokens();
   await testPhone();
   await browser.close();
 } catch (error) {

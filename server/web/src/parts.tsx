@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Small things that several views show.
 import type { ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
 import { type MapSummary, thumbnailPath } from "./api";
 import { href } from "./route";
+import { usePicture } from "./use";
 
 export function Failure({ error }: { error: string }) {
   return <p class="failure" role="alert">This didn’t work: {error}</p>;
@@ -35,9 +37,28 @@ export function PlaneLinks({ map, ids }: { map: string; ids: number[] }) {
 export function Thumbnail({ map, id }: { map: MapSummary; id: number }) {
   return (
     <a class="thumbnail" href={href(map.name, "keyframes", id)}>
-      <img src={thumbnailPath(map.name, id)} alt={`keyframe ${id}`} loading="lazy" />
+      <img src={usePicture(thumbnailPath(map.name, id)) ?? undefined} alt={`keyframe ${id}`} loading="lazy" />
     </a>
   );
+}
+
+// A panorama to look around in.
+export function Panorama({ path }: { path: string }) {
+  const src = usePicture(path);
+  const box = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    if (!src) return;
+    let viewer: { destroy(): void } | null = null;
+    let gone = false;
+    import("./panorama").then(({ showPanorama }) => {
+      if (!gone) viewer = showPanorama(box.current!, src);
+    });
+    return () => {
+      gone = true;
+      viewer?.destroy();
+    };
+  }, [src]);
+  return <div class="panorama" ref={box} />;
 }
 
 export function Swatch({ colour }: { colour: string }) {
