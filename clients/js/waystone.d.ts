@@ -159,12 +159,6 @@ export interface Place {
   inliers: Count;
 }
 
-export interface Heading {
-  rad: number;
-  deviation_rad: number;
-  of: "keyframe" | "building" | "layer";
-}
-
 export interface RunnerUp {
   keyframe: { id: Id };
   probability: Probability;
@@ -216,7 +210,7 @@ export interface Answer {
   map: string;
   map_version: string;
   keyframe: null | KeyframeRef;
-  heading: null | Heading;
+  heading: null | Record<string, unknown>;
   planes: RecognisedPlane[];
   places?: Place[];
   runner_up: null | RunnerUp;

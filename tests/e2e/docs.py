@@ -23,7 +23,7 @@ DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 ADDRESS = "http://127.0.0.1:8080"
 PATIENCE_S = 120
 # Of the walk through the room, one picture each 10 cm: those around the photo, which is near the 20th.
-WALKED = range(10, 42, 2)
+WALKED = range(11, 41, 3)
 PHOTO_FRAME = WALKED.index(20)
 
 PRELUDE = """set -euo pipefail

@@ -77,6 +77,8 @@ async function ask(page, photo) {
   return page.locator(".verdict h2").innerText();
 }
 
+const json = (value) => ({ contentType: "application/json", body: JSON.stringify(value) });
+
 async function overview() {
   return (await fetch(`${url}/v1/maps/room/overview`)).json();
 }
@@ -190,7 +192,6 @@ async function testLayers(page) {
 async function testOtherLayers() {
   const { page, complaints, close } = await open({});
   const known = await overview();
-  const json = (value) => ({ contentType: "application/json", body: JSON.stringify(value) });
   const ring = Array.from({ length: 24 }, (_, i) => (2 * Math.PI * i) / 24);
   await page.route("**/overview", (route) =>
     route.fulfill(json({ ...known, layers: ["planes", "appearance", "orientation"] })));
@@ -217,6 +218,31 @@ async function testOtherLayers() {
   await page.getByRole("button", { name: "next" }).click();
   await page.locator(".trajectory circle.chosen").waitFor({ state: "attached" });
   await checkAccess(page, "the other layers");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+// A panorama asked of a map of panoramas: words, place and heading, and no keyframe made up.
+async function testPanoramaAnswer() {
+  const { page, complaints, close } = await open({});
+  await page.route("**/localize?*", (route) => route.fulfill(json({
+    verdict: "localized", probability: 0.97, image: "p.jpg", map: "room", map_version: "sha256:0",
+    keyframe: null, heading: { rad: 1.5708, deviation_rad: 0.01, of: "layer" }, planes: [],
+    panorama: {
+      node: { id: 51, sequence: "walk", source: "50.jpg", time_s: null },
+      position: { x: 74.4, y: -29.2, deviation: 1.9, metres_per_unit: null }, candidates: [], runner_up: null,
+    },
+    runner_up: null, decided_by: "appearance", timing_ms: { decode: 1, extract: 2, shortlist: 3, verify: 4, total: 10 },
+  })));
+  await page.route("**/appearance/nodes/51/image", (route) => route.fulfill({
+    contentType: "image/jpeg", body: readFileSync(inside),
+  }));
+  await page.goto(`${url}/`);
+  assert.equal(await ask(page, inside), "This is near panorama 51");
+  assert.match(await page.locator(".verdict").innerText(), /50\.jpg of walk, 97 % sure/);
+  assert.match(await page.locator(".facts").innerText(), /74\.4, -29\.2 ± 1\.9 of the map’s units\s+Heading\s+90°/);
+  assert.equal(await page.locator(".panoramas img").count(), 2);
+  await checkAccess(page, "a panorama's answer");
   assert.deepEqual(complaints, []);
   await close();
 }
@@ -320,6 +346,7 @@ try {
   await close();
   await testOtherLayers();
   await testPanorama();
+  await testPanoramaAnswer();
   await testTokens();
   await testPhone();
   await browser.close();

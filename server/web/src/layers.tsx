@@ -221,7 +221,7 @@ export function LayersView({ map }: ViewProps) {
   return (
     <>
       <h1>The way through the map</h1>
-      <SeenAgain map={map.name} overview={overview.value} />
+      {layers.includes("planes") && <SeenAgain map={map.name} overview={overview.value} />}
       <Layer
         name="Trajectory (appearance layer)"
         has={layers.includes("appearance")}

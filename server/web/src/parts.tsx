@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Small things that several views show.
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { type MapSummary, thumbnailPath } from "./api";
 import { href } from "./route";
 import { usePicture } from "./use";
@@ -42,12 +42,23 @@ export function Thumbnail({ map, id }: { map: MapSummary; id: number }) {
   );
 }
 
-// A panorama to look around in.
+const kViewerWidth = 300; // px; a smaller picture is too blurred to look around in
+
+// A panorama to look around in, or flat where the map has a small copy of it only.
 export function Panorama({ path }: { path: string }) {
   const src = usePicture(path);
+  const [large, setLarge] = useState<string | null>(null);
+  const sized = (event: Event) => {
+    if ((event.target as HTMLImageElement).naturalWidth >= kViewerWidth) setLarge(src);
+  };
+  if (!src) return null;
+  if (large === src) return <PanoramaViewer src={src} />;
+  return <div class="panoramas"><img class="small" src={src} alt="the panorama" onLoad={sized} /></div>;
+}
+
+function PanoramaViewer({ src }: { src: string }) {
   const box = useRef<HTMLDivElement>(null);
   useEffect(() => {
-    if (!src) return;
     let viewer: { destroy(): void } | null = null;
     let gone = false;
     import("./panorama").then(({ showPanorama }) => {
