@@ -9,10 +9,10 @@ RELEASE := build/release
 # Every source of ours; generated files and the build folders are not among them.
 SOURCES = git ls-files -co --exclude-standard -- '*.h' '*.cc' | while read -r f; do [ -f "$$f" ] && echo "$$f"; done
 
-.PHONY: help demo test bench format lint release build asan tsan packages web clean
+.PHONY: help demo test bench format lint release build asan tsan packages web package package-test clean
 
 help:  ## list the targets
-	@awk -F ':.*## ' '/^[a-z].*## / {printf "  make %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z].*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 packages:  ## install the Debian packages that are missing
 	@scripts/install_packages.sh packages.txt
@@ -52,7 +52,15 @@ lint: packages  ## layout, clang-tidy and compiler warnings; each one is an erro
 	@scripts/tidy.sh build/dev $(JOBS)
 
 web:  ## build the page anew into server/web/dist (needs Node 20 and npm; the result is committed)
+	@/usr/bin/python3 scripts/generate_js_client.py clients/openapi.yaml clients/js
 	@cd server/web && npm ci --no-audit --no-fund && npm run --silent check && npm run --silent build
+
+package: packages  ## make build/release/package/waystone_*.deb
+	@scripts/build.sh release $(JOBS) waystone package_files
+	@cd $(RELEASE) && cpack --config CPackConfig.cmake
+
+package-test: package  ## unpack the .deb into a folder and run what is in it
+	@tests/package/package_test.sh $(RELEASE)/package/waystone_*.deb
 
 clean:  ## remove the build folder
 	@rm -rf build

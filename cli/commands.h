@@ -14,6 +14,7 @@ using Run = std::function<int()>;
 void AddBuild(CLI::App& app, Run& run);
 void AddServe(CLI::App& app, Run& run);
 void AddLocalize(CLI::App& app, Run& run);
+void AddWatch(CLI::App& app, Run& run);
 void AddDirections(CLI::App& app, Run& run);
 void AddEval(CLI::App& app, Run& run);
 // A subcommand of `eval`.

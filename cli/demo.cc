@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "cli/asked_server.h"
 #include "cli/child_process.h"
 #include "cli/commands.h"
 #include "cli/demo_world.h"
 #include "cli/map_file.h"
-#include "cli/post.h"
 #include "cli/progress.h"
 #include "core/base/error.h"
 #include "server/http/json.h"
@@ -108,9 +108,10 @@ std::string Ask(const std::string& url, const Question& question) {
   const std::string path = "/v1/maps/demo/localize";
   Say("\n" + question.about + ":\n$ curl --data-binary @" + question.photo.string() +
       " -H 'Content-Type: image/jpeg' " + url + path);
-  const std::string body = Post(url, path, ReadBytes(question.photo), "image/jpeg");
-  Json answer = Json::parse(body);
-  std::string verdict = answer.value("verdict", body);
+  const std::vector<uint8_t> photo = ReadBytes(question.photo);
+  Json answer = AskServer({url, ""}, "demo", question.photo.filename().string(),
+                          std::string(photo.begin(), photo.end()));
+  std::string verdict = answer.value("verdict", "no verdict");
   // In short: a plane's matrix and outline fill a page.
   if (answer.contains("planes")) {
     for (Json& plane : answer["planes"]) {

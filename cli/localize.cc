@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "cli/answer_text.h"
+#include "cli/asked_server.h"
 #include "cli/commands.h"
 #include "cli/map_file.h"
 #include "core/base/error.h"
@@ -24,43 +23,16 @@ struct LocalizeFlags {
   std::vector<std::string> photos;
   bool json = false;
   bool series = false;
+  ServerFlags server;
 };
 
-std::string Milliseconds(double ms) { return std::to_string(std::lround(ms)) + " ms"; }
-
-// " at (1.20, -3.45), heading 31 deg"
-std::string PlaceText(const LayerPlace& place) {
-  constexpr double kDegrees = 180 / std::numbers::pi;
-  char text[100];
-  std::snprintf(text, sizeof text, " at (%.2f, %.2f), heading %.0f deg", place.pose.x, place.pose.y,
-                place.pose.theta_rad * kDegrees);
-  return text;
-}
-
-// "q.jpg: localized near rgb/000120.jpg (plane 3, 143 inliers, 69 ms)"
-std::string HumanLine(const Answer& answer) {
-  const std::string time = Milliseconds(answer.timing.total_ms);
-  if (answer.verdict != Verdict::kLocalized) {
-    std::string line = answer.image + ": " + NameOf(answer.verdict);
-    if (!answer.message.empty()) line += ": " + answer.message;
-    return line + " (" + time + ")";
-  }
-  std::string line = answer.image + ": localized";
-  if (answer.keyframe) line += " near " + answer.keyframe->source;
-  if (answer.panorama)
-    line += " near " + answer.panorama->node.source + PlaceText(*answer.panorama);
-  line += " (";
-  if (!answer.planes.empty()) {
-    const RecognisedPlane& best = answer.planes.front();
-    line += "plane " + std::to_string(best.id.value) + ", " + std::to_string(best.inliers) +
-            " inliers, ";
-  }
-  return line + time + ")";
+void PrintJson(const Json& answer, bool json) {
+  std::cout << (json ? Dump(answer) : AnswerLine(answer)) << std::endl;
 }
 
 void Print(Answer answer, const OpenMap& map, bool json) {
   answer.map = map.name;
-  std::cout << (json ? Dump(ToJson(answer)) : HumanLine(answer)) << std::endl;
+  PrintJson(ToJson(answer), json);
 }
 
 // Returns whether the photo could be read.
@@ -103,7 +75,31 @@ bool AnswerSeries(const OpenMap& map, const LocalizeFlags& flags) {
   return all_read;
 }
 
+// Asks a server instead, which names what it can't do; photos that can't be read are passed over.
+bool AnswerByServer(const LocalizeFlags& flags) {
+  bool all_read = true;
+  for (const std::string& photo : flags.photos) {
+    try {
+      const std::vector<uint8_t> bytes = ReadBytes(photo);
+      const Json answer =
+          AskServer(flags.server, flags.map, photo, std::string(bytes.begin(), bytes.end()));
+      PrintJson(answer, flags.json);
+      all_read &= answer.value("verdict", "") != NameOf(Verdict::kBadImage);
+    } catch (const MapError& error) {
+      std::cerr << "waystone: " << error.what() << '\n';
+      all_read = false;
+    }
+  }
+  return all_read;
+}
+
 int RunLocalize(const LocalizeFlags& flags) {
+  if (!flags.server.url.empty()) {
+    if (flags.series) {
+      throw MapError(ErrorCode::kUsage, "--series needs the map's file; leave it or --server out");
+    }
+    return AnswerByServer(flags) ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
+  }
   const OpenMap map = OpenMapFile(flags.map, false);
   if (flags.series) return AnswerSeries(map, flags) ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
   bool all_read = true;
@@ -116,17 +112,19 @@ int RunLocalize(const LocalizeFlags& flags) {
 void AddLocalize(CLI::App& app, Run& run) {
   auto flags = std::make_shared<LocalizeFlags>();
   CLI::App* command =
-      app.add_subcommand("localize", "Say where photos were taken, without a server");
-  command->add_option("map", flags->map, "Map file")->required();
+      app.add_subcommand("localize", "Say where photos were taken, by a map file or a server");
+  command->add_option("map", flags->map, "Map file; with --server a map's name, or -")->required();
   command->add_option("photos", flags->photos, "Image files")->required();
   command->add_flag("--json", flags->json, "One JSON object a photo, as the server answers");
   command->add_flag("--series", flags->series,
                     "The images are panoramas of one robot in order: each answer builds on those "
                     "before it");
+  AddServerFlags(command, flags->server);
   command->footer(
       "Exits with 3 when a photo can't be read, after answering the others.\n"
       "Example: waystone localize lab.db photo.jpg --json\n"
-      "         waystone localize office.db 1.jpg 2.jpg 3.jpg --series");
+      "         waystone localize office.db 1.jpg 2.jpg 3.jpg --series\n"
+      "         waystone localize - photo.jpg --server http://127.0.0.1:8080");
   command->callback([flags, &run] { run = [flags] { return RunLocalize(*flags); }; });
 }
 

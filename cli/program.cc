@@ -57,6 +57,7 @@ int RunProgram(int argc, char** argv) {
   AddBuild(app, run);
   AddServe(app, run);
   AddLocalize(app, run);
+  AddWatch(app, run);
   AddDirections(app, run);
   AddEval(app, run);
   AddAudit(app, run);

@@ -47,14 +47,6 @@ struct PlaceCandidate {
   int inliers = 0;
 };
 
-// A plane whose homography was tried: why a query was or wasn't recognised.
-struct TriedPlane {
-  PlaneId id;
-  int matches = 0;  // that the homography was looked for in
-  int inliers = 0;  // of them, at distinct positions of the query
-  bool accepted = false;
-};
-
 struct Heading {
   double rad = 0;
   double deviation_rad = 0;
@@ -107,8 +99,6 @@ struct Answer {
   std::vector<PlaceCandidate> places;   // when ambiguous: all that look alike, best first
   std::optional<PlaceCandidate> runner_up;
   std::vector<PlaceCandidate> candidates;  // every place that was considered, best first
-  std::vector<TriedPlane> tried;           // in the order of the trials
-  int shortlisted = 0;                     // planes that got enough votes to be tried
   // Answers from the appearance layer: the place, which is to be believed only when localized, and
   // the nodes that were considered, best first; those near the best are there as well.
   std::optional<LayerPlace> panorama;

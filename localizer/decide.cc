@@ -160,13 +160,8 @@ Answer Describe(const MapIndex& index, const Features& query, const Place& place
 
 // What was considered, for those who ask why.
 void Account(const MapIndex& index, const Features& query, const std::vector<Place>& places,
-             const std::vector<VerifiedPlane>& tried, int shortlisted, Answer& answer) {
-  answer.shortlisted = shortlisted;
+             Answer& answer) {
   for (const Place& place : places) answer.candidates.push_back(Candidate(index, place, query));
-  for (const VerifiedPlane& plane : tried) {
-    answer.tried.push_back(
-        {PlaneOf(index, plane).id, plane.matches, plane.distinct, plane.accepted});
-  }
 }
 
 }  // namespace
@@ -221,11 +216,11 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
   const std::vector<Place> places = GroupPlaces(index, std::move(accepted), options);
   if (places.empty() || places.front().probability < options.gates.min_probability) {
     Answer answer = Refuse(index, query, shortlisted, tried, options);
-    Account(index, query, places, tried, shortlisted, answer);
+    Account(index, query, places, answer);
     return answer;
   }
   Answer answer = Describe(index, query, places.front());
-  Account(index, query, places, tried, shortlisted, answer);
+  Account(index, query, places, answer);
   if (places.size() < 2) return answer;
   answer.runner_up = Candidate(index, places[1], query);
   const bool alike =

@@ -84,7 +84,6 @@ class Plane(TypedDict):
     reference_from_query: Matrix
     outline: list[list[float]]
     expect_next: list[int]
-    matches: NotRequired[list[list[float]]]
 
 
 class Place(TypedDict):
@@ -125,8 +124,6 @@ class Answer(TypedDict):
     maps: NotRequired[list[ShortAnswer]]
     images: NotRequired[list[ShortAnswer]]
     candidates: NotRequired[list[Place]]
-    shortlisted: NotRequired[int]
-    tried: NotRequired[list[dict[str, Any]]]
     explanation: NotRequired[dict[str, Any]]
     stage: NotRequired[str]
     camera: NotRequired[dict[str, Any]]
@@ -165,7 +162,7 @@ class Options:
     prior_keyframe: int | None = None  # where the caller believes to be
     previous: Answer | None = None  # the answer before this one
     top_k: int | None = None  # 1 to 50: list that many candidates
-    debug: bool = False  # list matches and tried planes
+    debug: bool = False  # give the explanation: what became of every plane
     deadline_ms: int | None = None  # 1 to 60000: when the answer is no use any more
 
     def to_json(self) -> dict[str, Any]:
@@ -456,7 +453,7 @@ def _arguments() -> argparse.ArgumentParser:
     add("--camera", metavar="NAME", help="the camera of this sequence of the map")
     add("--prior-keyframe", type=int, metavar="ID", help="where you believe to be")
     add("--top-k", type=int, metavar="N", help="list that many candidates")
-    add("--debug", action="store_true", help="list matches and the planes that were tried")
+    add("--debug", action="store_true", help="explain the answer: what became of every plane that looked like the photo")
     add("--deadline-ms", type=int, metavar="MS", help="when the answer is no use any more")
     return parser
 

@@ -17,6 +17,7 @@ const ErrorInfo& InfoOf(ErrorCode code) {
   static constexpr ErrorInfo kFileUnreadable{"file_unreadable", "A file can't be read", 3, 500};
   static constexpr ErrorInfo kFileUnwritable{"file_unwritable", "A file can't be written", 3, 500};
   static constexpr ErrorInfo kNotFound{"not_found", "There is no such thing here", 3, 404};
+  static constexpr ErrorInfo kNoLayer{"no_layer", "The map has no such layer", 3, 404};
   static constexpr ErrorInfo kBadRequest{"bad_request", "The request makes no sense", 3, 400};
   static constexpr ErrorInfo kPayload{"payload_too_large", "The body is too large", 3, 413};
   static constexpr ErrorInfo kMedia{"unsupported_media_type", "Send the image itself", 3, 415};
@@ -55,6 +56,8 @@ const ErrorInfo& InfoOf(ErrorCode code) {
       return kFileUnwritable;
     case ErrorCode::kNotFound:
       return kNotFound;
+    case ErrorCode::kNoLayer:
+      return kNoLayer;
     case ErrorCode::kBadRequest:
       return kBadRequest;
     case ErrorCode::kPayloadTooLarge:

@@ -23,6 +23,7 @@ enum class ErrorCode {
   kFileUnreadable,    // missing, or no permission
   kFileUnwritable,    // read-only folder, full disk
   kNotFound,          // no such map, plane or keyframe
+  kNoLayer,           // a layer that this map was built without
   kBadRequest,        // an HTTP request that can't be understood
   kPayloadTooLarge,   // a body over the limit
   kUnsupportedMedia,  // a body of a kind that is not taken

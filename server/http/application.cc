@@ -48,8 +48,11 @@ bool HasHeader(const HttpResponse& response, const std::string& name) {
                      [&](const auto& header) { return header.first == name; });
 }
 
-// Load balancers ask these, and have no token.
-bool IsOpenToAll(const std::string& path) { return path == "/healthz" || path == "/readyz"; }
+// Load balancers ask the first two, and have no token; the page is the same for all and asks its
+// reader for one.
+bool IsOpenToAll(const std::string& path) {
+  return path == "/healthz" || path == "/readyz" || path == "/" || path.starts_with("/page/");
+}
 
 std::unique_ptr<QueryLog> OpenLog(const ServiceOptions& options,
                                   const std::function<void(const std::string&)>& on_error) {

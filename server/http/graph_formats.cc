@@ -1,28 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/graph_formats.h"
 
+#include <optional>
 #include <sstream>
 
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "server/http/json.h"
+#include "server/http/pose_formats.h"
 
 namespace waystone {
 namespace {
-
-// What a format shows that needs poses.
-struct PoseFormat {
-  const char* name;
-  const char* what;
-};
-constexpr PoseFormat kPoseFormats[] = {
-    {"g2o", "a g2o graph has a metric pose at each node"},
-    {"geojson", "GeoJSON has positions on the earth"},
-    {"ply", "a PLY cloud has points in metric space"},
-    {"tum", "a TUM trajectory has a metric pose at each time"},
-    {"colmap", "a COLMAP model has the poses of cameras and points"},
-    {"poses", "lines of visuallocalization.net have camera poses"},
-};
 
 // The name of a plane's reference image, without characters that XML has no way to write.
 std::string SourceOf(const MapIndex& index, const Plane& plane) {
@@ -92,21 +80,18 @@ std::string Dot(const MapIndex& index) {
 
 std::vector<std::string> GraphFormatNames() {
   std::vector<std::string> names = {"graphml", "dot"};
-  for (const PoseFormat& format : kPoseFormats) names.emplace_back(format.name);
+  for (const std::string& name : PoseFormatNames()) names.push_back(name);
   return names;
 }
 
 GraphText FormatGraph(const MapIndex& index, const std::string& format) {
   if (format == "graphml") return {GraphMl(index), "application/xml"};
   if (format == "dot") return {Dot(index), "text/vnd.graphviz"};
-  for (const PoseFormat& poses : kPoseFormats) {
-    if (format != poses.name) continue;
-    throw MapError(ErrorCode::kNotAvailable,
-                   std::string(poses.what) +
-                       ", and this map has homographies between images only; take graphml or dot");
-  }
+  if (std::optional<GraphText> poses = FormatPoses(index.map(), format)) return *poses;
+  std::string names = "json";
+  for (const std::string& name : GraphFormatNames()) names += ", " + name;
   throw MapError(ErrorCode::kBadRequest,
-                 "format '" + format.substr(0, 40) + "' isn't known; take json, graphml or dot");
+                 "format '" + format.substr(0, 40) + "' isn't known; there are " + names);
 }
 
 }  // namespace waystone

@@ -13,15 +13,14 @@ struct GraphText {
   std::string media_type;
 };
 
-// The formats that FormatGraph knows by name, also those that a map of planes can't give.
+// The formats that FormatGraph knows by name, also those that not every map can give.
 std::vector<std::string> GraphFormatNames();
 
 // A map in a format that other programs read:
 //   graphml  planes and their edges with homologies, for Gephi, yEd, networkx
 //   dot      the same for Graphviz
-//   g2o, geojson, ply, tum, colmap, poses  need metric poses of keyframes or planes. A map of
-//   planes
-//            has homographies between images and none, so they throw MapError(kNotAvailable).
+//   and those of pose_formats.h, for maps with an appearance layer; MapError(kNotAvailable) with
+//   the reason for others
 // Throws MapError(kBadRequest) for another name. Deterministic; thread-safe.
 GraphText FormatGraph(const MapIndex& index, const std::string& format);
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/image/exif.h"
 #include "server/http/body_parts.h"
 
 namespace waystone {
@@ -329,6 +330,17 @@ std::optional<Camera> CameraOf(const LocalizeRequest& request, const MapData& ma
   const double f = image.width / 2.0 / std::tan(*request.fov_rad / 2);
   camera.params = {f, f, (image.width - 1) / 2.0, (image.height - 1) / 2.0};
   return camera;
+}
+
+std::optional<Camera> CameraByExif(const QueryImage& image) {
+  const auto* bytes = reinterpret_cast<const uint8_t*>(image.bytes.data());
+  const std::optional<ExifCamera> exif = ReadExifCamera({bytes, image.bytes.size()});
+  if (!exif) return std::nullopt;
+  return Camera{
+      CameraModel::kPinhole,
+      exif->width,
+      exif->height,
+      {exif->focal_px, exif->focal_px, (exif->width - 1) / 2.0, (exif->height - 1) / 2.0}};
 }
 
 }  // namespace waystone

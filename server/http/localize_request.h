@@ -48,7 +48,7 @@ struct LocalizeRequest {
   // each optional. Null without one.
   Json previous;
   std::optional<int> top_k;  // list that many candidates
-  bool debug = false;        // list matches and tried planes
+  bool debug = false;        // explain the answer
   std::optional<int> deadline_ms;
 };
 
@@ -68,5 +68,8 @@ LocalizeRequest ParseRequestObject(const Json& object, const RequestLimits& limi
 // Throws MapError(kBadCamera) for a name that the map doesn't have, and for one of another size.
 std::optional<Camera> CameraOf(const LocalizeRequest& request, const MapData& map,
                                const ImageHeader& image);
+
+// The camera by the image's own EXIF data, without distortion; nothing for images that say nothing.
+std::optional<Camera> CameraByExif(const QueryImage& image);
 
 }  // namespace waystone

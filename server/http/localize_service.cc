@@ -13,11 +13,11 @@
 namespace waystone {
 namespace {
 
-// The camera of the request's best image; nothing without one or for bytes that are no image, whose
-// answer says so.
+// The camera of the request's first image, by the request or else by the image itself; nothing
+// without one or for bytes that are no image, whose answer says so.
 std::optional<Camera> CheckedCamera(const LocalizeRequest& request, const ServedMap& map) {
   const bool given = request.intrinsics || request.fov_rad || request.stored_camera;
-  if (!given) return std::nullopt;
+  if (!given) return CameraByExif(request.images.front());
   const std::string& bytes = request.images.front().bytes;
   try {
     const ImageHeader header =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/map_service.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <string>
@@ -11,6 +12,7 @@
 #include "server/http/audit_text.h"
 #include "server/http/graph_formats.h"
 #include "server/http/home_page.h"
+#include "server/http/layer_json.h"
 #include "server/http/map_json.h"
 #include "server/http/openapi.h"
 #include "server/http/overview_json.h"
@@ -63,17 +65,6 @@ bool Has(const HttpRequest& request, const std::string& etag) {
   return tags == "*" || tags.find(etag) != std::string::npos;
 }
 
-template <class Render>
-Json PagedJson(const HttpRequest& request, const std::string& name, size_t size,
-               const Render& render) {
-  const Page page = PageOf(request, size);
-  Json json;
-  json[name] = Json::array();
-  for (size_t i = page.begin; i < page.end; ++i) json[name].push_back(render(i));
-  json["next"] = page.next.empty() ? Json(nullptr) : Json(page.next);
-  return json;
-}
-
 int WidthIn(const HttpRequest& request) {
   const std::string text = ParameterOf(request, "width", "0");
   int width = -1;
@@ -85,13 +76,24 @@ int WidthIn(const HttpRequest& request) {
                                              std::to_string(kMaxImageWidth));
 }
 
-HttpResponse ImageResponse(const Keyframe& keyframe, int width) {
-  if (keyframe.jpeg.empty()) {
+// The picture of what has one.
+template <class Pictured>
+HttpResponse ImageResponse(const Pictured& of, int width) {
+  if (of.jpeg.empty()) {
     throw MapError(ErrorCode::kNotFound,
                    "this map was built without images; build it again without --no-images");
   }
-  const std::vector<uint8_t> jpeg = width == 0 ? keyframe.jpeg : ShrunkJpeg(keyframe.jpeg, width);
+  const std::vector<uint8_t> jpeg = width == 0 ? of.jpeg : ShrunkJpeg(of.jpeg, width);
   return {200, "image/jpeg", std::string(jpeg.begin(), jpeg.end()), {}};
+}
+
+// The node of a layer that the path names.
+template <class Layer>
+const auto& NodeOf(const Layer& layer, const Router::Captures& captures) {
+  const int64_t id = IdIn(captures, "node");
+  const auto it = std::find_if(layer.nodes.begin(), layer.nodes.end(),
+                               [id](const auto& node) { return IdOf(node).value == id; });
+  return Existing(it == layer.nodes.end() ? nullptr : &*it, "node", id);
 }
 
 }  // namespace
@@ -103,6 +105,8 @@ void MapService::AddTo(Router& router) {
              [this](const auto& request, const auto&) { return ListMaps(request); });
   AddLists(router);
   AddSingles(router);
+  AddAppearance(router);
+  AddOrientation(router);
 }
 
 // What shows a map never changes while the map's version doesn't.
@@ -179,6 +183,64 @@ void MapService::AddSingles(Router& router) {
   AddShow(router, "/keyframes/{id}/thumbnail",
           [](const auto&, const ServedMap& map, const Captures& in) {
             return ImageResponse(KeyframeOf(map.index(), in), kThumbnailWidth);
+          });
+}
+
+void MapService::AddAppearance(Router& router) {
+  AddShow(router, "/appearance", [](const auto&, const ServedMap& map, const auto&) {
+    return JsonResponse(LayerJson(map.index().map(), AppearanceOf(map.index())));
+  });
+  AddShow(router, "/appearance/nodes", [](const auto& request, const ServedMap& map, const auto&) {
+    const AppearanceLayer& layer = AppearanceOf(map.index());
+    const NodeRows rows(map.name(), map.index().map());
+    return JsonResponse(PagedJson(request, "nodes", layer.nodes.size(),
+                                  [&](size_t i) { return rows.Row(layer.nodes[i]); }));
+  });
+  AddShow(router, "/appearance/loops", [](const auto& request, const ServedMap& map, const auto&) {
+    const std::vector<AppearanceEdge> loops = LoopsOf(AppearanceOf(map.index()));
+    return JsonResponse(
+        PagedJson(request, "loops", loops.size(), [&](size_t i) { return LoopJson(loops[i]); }));
+  });
+  AddShow(router, "/appearance/nodes/{id}",
+          [](const auto&, const ServedMap& map, const Captures& in) {
+            const NodeRows rows(map.name(), map.index().map());
+            return JsonResponse(rows.Row(NodeOf(AppearanceOf(map.index()), in)));
+          });
+  AddShow(router, "/appearance/nodes/{id}/signature",
+          [](const auto&, const ServedMap& map, const Captures& in) {
+            return JsonResponse(SignatureJson(NodeOf(AppearanceOf(map.index()), in)));
+          });
+  AddShow(router, "/appearance/nodes/{id}/image",
+          [](const auto& request, const ServedMap& map, const Captures& in) {
+            return ImageResponse(NodeOf(AppearanceOf(map.index()), in), WidthIn(request));
+          });
+}
+
+void MapService::AddOrientation(Router& router) {
+  AddShow(router, "/orientation", [](const auto&, const ServedMap& map, const auto&) {
+    return JsonResponse(LayerJson(map.index().map(), OrientationOf(map.index())));
+  });
+  AddShow(router, "/orientation/frames",
+          [](const auto& request, const ServedMap& map, const auto&) {
+            const OrientationLayer& layer = OrientationOf(map.index());
+            const NodeRows rows(map.name(), map.index().map());
+            return JsonResponse(PagedJson(request, "frames", layer.frames.size(),
+                                          [&](size_t i) { return rows.Row(layer.frames[i]); }));
+          });
+  AddShow(router, "/orientation/turns", [](const auto& request, const ServedMap& map, const auto&) {
+    const OrientationLayer& layer = OrientationOf(map.index());
+    return JsonResponse(PagedJson(request, "turns", layer.turns.size(),
+                                  [&](size_t i) { return TurnJson(layer.turns[i]); }));
+  });
+  AddShow(router, "/orientation/corridors",
+          [](const auto& request, const ServedMap& map, const auto&) {
+            const OrientationLayer& layer = OrientationOf(map.index());
+            return JsonResponse(PagedJson(request, "corridors", layer.corridors.size(),
+                                          [&](size_t i) { return CorridorJson(layer, i); }));
+          });
+  AddShow(router, "/orientation/nodes/{id}/image",
+          [](const auto& request, const ServedMap& map, const Captures& in) {
+            return ImageResponse(NodeOf(OrientationOf(map.index()), in), WidthIn(request));
           });
 }
 

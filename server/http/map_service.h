@@ -11,7 +11,7 @@
 namespace waystone {
 
 // What is in the maps over HTTP: summary, planes with features and views, graph, keyframes with
-// images, audit. Lists come in pages. A handler finds and renders. Thread-safe.
+// images, audit, the two layers. Lists come in pages. A handler finds and renders. Thread-safe.
 class MapService {
  public:
   // Both must outlive the service. Only an audit takes a turn of the gate.
@@ -27,6 +27,8 @@ class MapService {
   void AddShow(Router& router, const std::string& pattern, Show show);
   void AddLists(Router& router);
   void AddSingles(Router& router);
+  void AddAppearance(Router& router);
+  void AddOrientation(Router& router);
   HttpResponse Home(const HttpRequest& request) const;
   HttpResponse ListMaps(const HttpRequest& request) const;
 

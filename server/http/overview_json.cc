@@ -69,11 +69,19 @@ Json EdgesJson(const MapData& map) {
   return json;
 }
 
+Json LayersJson(const MapData& map) {
+  Json layers = Json::array();
+  if (!map.planes.empty()) layers.push_back("planes");
+  if (map.appearance) layers.push_back("appearance");
+  if (map.orientation) layers.push_back("orientation");
+  return layers;
+}
+
 }  // namespace
 
 Json OverviewJson(const MapIndex& index) {
   Json json;
-  json["layers"] = {"planes"};
+  json["layers"] = LayersJson(index.map());
   json["keyframes"] = KeyframesJson(index.map());
   json["planes"] = PlanesJson(index);
   json["edges"] = EdgesJson(index.map());

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 
+#include "server/http/json.h"
 #include "server/http/message.h"
 
 namespace waystone {
@@ -19,5 +20,17 @@ struct Page {
 // The rows of a list of `size` rows. Throws MapError(kBadRequest) for a limit or cursor that isn't
 // one.
 Page PageOf(const HttpRequest& request, size_t size);
+
+// {name: [the page's rows, as `render` makes row i of them], "next": cursor or null}.
+template <class Render>
+Json PagedJson(const HttpRequest& request, const std::string& name, size_t size,
+               const Render& render) {
+  const Page page = PageOf(request, size);
+  Json json;
+  json[name] = Json::array();
+  for (size_t i = page.begin; i < page.end; ++i) json[name].push_back(render(i));
+  json["next"] = page.next.empty() ? Json(nullptr) : Json(page.next);
+  return json;
+}
 
 }  // namespace waystone

@@ -6,7 +6,10 @@
 namespace waystone {
 namespace {
 
-HttpResponse Problem(ErrorCode code, int status, const std::string& detail) {
+constexpr int kRetryS = 1;  // for what is busy for a moment only
+
+HttpResponse Problem(ErrorCode code, int status, const std::string& detail,
+                     int retry_after_s = kRetryS) {
   const ErrorInfo& info = InfoOf(code);
   Json body;
   body["type"] = "urn:waystone:problem:" + std::string(info.name);
@@ -15,7 +18,9 @@ HttpResponse Problem(ErrorCode code, int status, const std::string& detail) {
   body["detail"] = detail;
   body["code"] = info.name;
   HttpResponse response{status, "application/problem+json", Dump(body), {}};
-  if (code == ErrorCode::kBusy) response.headers.emplace_back("Retry-After", "1");
+  if (code == ErrorCode::kBusy) {
+    response.headers.emplace_back("Retry-After", std::to_string(retry_after_s));
+  }
   if (code == ErrorCode::kUnauthorized) response.headers.emplace_back("WWW-Authenticate", "Bearer");
   return response;
 }
@@ -24,6 +29,12 @@ HttpResponse Problem(ErrorCode code, int status, const std::string& detail) {
 
 HttpResponse ProblemResponse(ErrorCode code, const std::string& detail) {
   return Problem(code, InfoOf(code).http_status, detail);
+}
+
+HttpResponse ProblemResponse(const MapError& error) {
+  const int status = InfoOf(error.code()).http_status;
+  const auto* busy = dynamic_cast<const BusyError*>(&error);
+  return Problem(error.code(), status, error.what(), busy ? busy->retry_after_s() : kRetryS);
 }
 
 HttpResponse ProblemResponseForStatus(int status) {

@@ -8,9 +8,24 @@
 
 namespace waystone {
 
+// Too many queries at once, and when there may be room again.
+class BusyError : public MapError {
+ public:
+  BusyError(const std::string& message, int retry_after_s)
+      : MapError(ErrorCode::kBusy, message), retry_after_s_(retry_after_s) {}
+
+  int retry_after_s() const { return retry_after_s_; }
+
+ private:
+  int retry_after_s_;
+};
+
 // The one place where an error becomes HTTP: an application/problem+json body (RFC 9457) with
 // {type, title, status, detail, code}, all but the detail from the table in core/base/error.cc.
 HttpResponse ProblemResponse(ErrorCode code, const std::string& detail);
+// The same for an error; a BusyError says when to come back (Retry-After), others of its code in a
+// second.
+HttpResponse ProblemResponse(const MapError& error);
 
 // The same for a status that the HTTP library chose by itself (a request line it can't read).
 HttpResponse ProblemResponseForStatus(int status);

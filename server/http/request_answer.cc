@@ -92,29 +92,11 @@ Json CandidatesJson(const Answer& answer, int limit) {
   return list;
 }
 
-void AddDebug(const Answer& answer, Json& json) {
-  for (size_t p = 0; p < answer.planes.size(); ++p) {
-    const RecognisedPlane& plane = answer.planes[p];
-    Json& matches = json["planes"][p]["matches"] = Json::array();
-    for (size_t i = 0; i < plane.query_points.size(); ++i) {
-      const Eigen::Vector2d& q = plane.query_points[i];
-      const Eigen::Vector2d& r = plane.reference_points[i];
-      matches.push_back(
-          {Rounded(q.x(), 2), Rounded(q.y(), 2), Rounded(r.x(), 2), Rounded(r.y(), 2)});
-    }
-  }
-  json["shortlisted"] = answer.shortlisted;
-  json["tried"] = Json::array();
-  for (const TriedPlane& plane : answer.tried) {
-    json["tried"].push_back({{"plane", plane.id.value},
-                             {"matches", plane.matches},
-                             {"inliers", plane.inliers},
-                             {"accepted", plane.accepted}});
-  }
-}
-
 Json CameraJson(const LocalizeRequest& request, const Camera& camera) {
-  const char* source = request.stored_camera ? "stored" : request.fov_rad ? "fov" : "intrinsics";
+  const char* source = request.stored_camera ? "stored"
+                       : request.fov_rad     ? "fov"
+                       : request.intrinsics  ? "intrinsics"
+                                             : "exif";
   return {{"source", source},
           {"model", NameOf(camera.model)},
           {"width", camera.width},
@@ -197,7 +179,6 @@ Json ToJson(const LocalizeRequest& request, const RequestAnswer& answer, bool ac
     }
   }
   if (request.top_k) json["candidates"] = CandidatesJson(overall, *request.top_k);
-  if (request.debug) AddDebug(overall, json);
   if (!overall.stage.empty()) json["stage"] = overall.stage;
   if (camera) json["camera"] = CameraJson(request, *camera);
   const Json unused = UnusedJson(request);

@@ -37,7 +37,6 @@ Answer OverallAnswer(const RequestAnswer& answer);
 //   maps        across maps: each one's answer in short, ranked, at most top_k
 //   images      of several images: each one's answer in short
 //   candidates  with top_k: the places that were considered
-//   shortlisted, tried, planes[].matches  with debug
 //   stage       with deadline_ms: the last stage that was finished
 //   camera      the camera that was understood
 //   unused      what was understood and no layer of these maps uses

@@ -87,7 +87,7 @@ HttpResponse Router::Handle(const HttpRequest& request, const Route& route,
     return route.handler(request, captures);
   } catch (const MapError& error) {
     if (error.code() == ErrorCode::kInternal) return InternalError(request, error.what());
-    return ProblemResponse(error.code(), error.what());
+    return ProblemResponse(error);
   } catch (const std::exception& error) {
     return InternalError(request, error.what());
   } catch (...) {

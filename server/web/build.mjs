@@ -47,7 +47,9 @@ function licences() {
 
 // What dist/ was made of, as `sha256sum --check` takes it.
 function checksums() {
+  const client = "../../clients/js";
   const files = ["build.mjs", "package-lock.json", "package.json"];
+  files.push(`${client}/waystone.d.ts`, `${client}/waystone.js`);
   files.push(...readdirSync(join(home, "src")).map((name) => `src/${name}`));
   return files.sort().map((file) => {
     const hash = createHash("sha256").update(readFileSync(join(home, file))).digest("hex");

@@ -27,6 +27,8 @@ from unittest import mock
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PYTHON = ROOT / "clients/python"
 ROS2 = ROOT / "clients/ros2"
+JS = ROOT / "clients/js"
+CPP = ROOT / "clients/cpp"
 sys.path[:0] = [str(PYTHON), str(ROS2)]
 sys.dont_write_bytecode = True
 
@@ -170,7 +172,7 @@ class LiveTest(Case):
             deadline_ms=60_000))  # fmt: skip
         self.assertEqual(answer["camera"]["params"][:4], [500, 500, 320, 240])
         self.assertEqual(answer["unused"], ["camera", "prior", "previous"])
-        self.assertTrue(answer["tried"] and answer["planes"][0]["matches"])
+        self.assertTrue(answer["explanation"]["candidates"][0]["points"])
         self.assertIn(len(answer["candidates"]), (1, 2))
         self.assertEqual(answer["stage"], "decide")
         wide = self.client.localize(INSIDE, map=NAME, options=Options(fov_deg=63))
@@ -382,6 +384,22 @@ class ReadmeTest(unittest.TestCase):
 
     def test_python(self):
         self.assertRegex(self.example(PYTHON / "README.md"), rf"^{NAME}: near \S+, p = [01]")
+
+    @unittest.skipUnless(shutil.which("node"), "Node is missing; its client is tested where it is")
+    def test_js(self):
+        (folder / "example.mjs").write_text(block(JS / "README.md", "js"))
+        shutil.copy(JS / "waystone.js", folder)
+        done = subprocess.run(["node", "example.mjs"], cwd=folder, capture_output=True, text=True,
+                              timeout=PATIENCE_S)  # fmt: skip
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertRegex(done.stdout, rf"^localized {NAME} \S+")
+
+    def test_cpp(self):
+        self.assertIn("http://127.0.0.1:8080", (CPP / "README.md").read_text(encoding="utf-8"))
+        done = subprocess.run([os.environ["WAYSTONE_CPP_EXAMPLE"]], cwd=folder, capture_output=True,
+                              text=True, timeout=PATIENCE_S,
+                              env={**os.environ, "WAYSTONE_URL": url})  # fmt: skip
+        self.assertEqual((done.returncode, done.stdout), (0, '"localized"\n'))
 
     def test_ros2(self):
         self.assertRegex(self.example(ROS2 / "README.md"), rf"^{NAME}/keyframe_\d+ \(")

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""contract.py URL OPENAPI MAP INSIDE ELSEWHERE: holds a running server to its contract.
+"""contract.py URL OPENAPI MAP LAYERED INSIDE ELSEWHERE: holds a running server to its contract.
+
+LAYERED is a map with an appearance and an orientation layer, MAP one without.
 
 Records the responses of every route and of requests that hypothesis makes, and validates each
 against clients/openapi.yaml. A 5xx, an undocumented status, a body that doesn't fit its schema and a
@@ -18,7 +20,7 @@ import yaml
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-URL, OPENAPI, MAP, INSIDE, ELSEWHERE = sys.argv[1:]
+URL, OPENAPI, MAP, LAYERED, INSIDE, ELSEWHERE = sys.argv[1:]
 HOST = urllib.parse.urlsplit(URL).netloc
 PHOTO = open(INSIDE, "rb").read()
 OTHER = open(ELSEWHERE, "rb").read()
@@ -138,7 +140,26 @@ def every_route():
         assert ask("GET", path)[0] == 404, path
     for name in ["g2o", "geojson", "ply", "tum", "colmap", "poses"]:
         assert ask("GET", base + "/graph?format=" + name)[0] == 422, name
+    every_layer(base)
     return base
+
+
+def every_layer(without):
+    base = "/v1/maps/" + urllib.parse.quote(LAYERED)
+    lists = ["/appearance/nodes", "/appearance/loops", "/orientation/frames", "/orientation/turns",
+             "/orientation/corridors"]
+    singles = ["/appearance", "/orientation", "/appearance/nodes/1", "/appearance/nodes/1/signature",
+               "/appearance/nodes/1/image", "/orientation/nodes/3/image", "/overview",
+               "/graph?format=g2o", "/graph?format=geojson", "/graph?format=ply", "/graph?format=tum"]
+    for part in lists + singles:
+        status, fields, _ = ask("GET", base + part)
+        assert status == 200, part
+        assert ask("GET", base + part, headers={"If-None-Match": fields["ETag"]})[0] == 304, part
+    for part in lists:
+        assert len(json.loads(ask("GET", base + part + "?limit=1")[2])[part.rsplit("/", 1)[-1]]) == 1, part
+    for part in lists + singles[:2]:
+        status, _, data = ask("GET", without + part)
+        assert (status, json.loads(data)["code"]) == (404, "no_layer"), part
 
 
 def every_body(base):
@@ -146,8 +167,7 @@ def every_body(base):
         image = {"Content-Type": "image/jpeg"}
         raw = json.loads(ask("POST", target + "?debug=true&top_k=3", PHOTO, image)[2])
         assert raw["verdict"] == "localized", raw
-        assert raw["planes"][0]["matches"] and raw["tried"] and raw["candidates"]
-        assert target == "/v1/localize" or raw["explanation"]["candidates"]
+        assert raw["candidates"] and raw["explanation"]["candidates"][0]["points"]
         assert json.loads(ask("POST", target, OTHER, image)[2])["verdict"] == "not_in_map"
         assert json.loads(ask("POST", target, b"x", image)[2])["verdict"] == "bad_image"
         body, headers = form([('name="image"; filename="a.jpg"', OTHER),

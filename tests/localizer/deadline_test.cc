@@ -55,13 +55,6 @@ TEST(Answer, TellsWhatWasConsidered) {
   ASSERT_FALSE(answer.candidates.empty());
   EXPECT_EQ(answer.candidates[0].keyframe.id, answer.keyframe->id);
   EXPECT_EQ(answer.candidates[0].probability, answer.probability);
-  EXPECT_GE(answer.shortlisted, static_cast<int>(answer.tried.size()));
-  int accepted = 0;
-  for (const TriedPlane& plane : answer.tried) {
-    EXPECT_GE(plane.matches, plane.inliers);
-    accepted += plane.accepted;
-  }
-  EXPECT_GE(accepted, static_cast<int>(answer.planes.size()));
 }
 
 TEST(LocalizeAcross, AnswersAsEachMapDoes) {

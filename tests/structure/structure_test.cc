@@ -31,7 +31,7 @@ const std::map<std::string, std::set<std::string>>& AllowedFolders() {
       {"localizer", {"localizer", "schema", "core"}},
       {"builder", {"builder", "localizer", "schema", "world", "core"}},
       {"server", {"server", "localizer", "schema", "core"}},
-      {"cli", {"cli", "server", "builder", "localizer", "schema", "world", "core"}},
+      {"cli", {"cli", "clients", "server", "builder", "localizer", "schema", "world", "core"}},
       {"clients", {"clients"}},
       {"bench", {"bench", "cli", "server", "builder", "localizer", "schema", "world", "core"}},
       {"tests",

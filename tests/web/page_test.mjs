@@ -77,6 +77,8 @@ async function ask(page, photo) {
   return page.locator(".verdict h2").innerText();
 }
 
+const json = (value) => ({ contentType: "application/json", body: JSON.stringify(value) });
+
 async function overview() {
   return (await fetch(`${url}/v1/maps/room/overview`)).json();
 }
@@ -190,7 +192,6 @@ async function testLayers(page) {
 async function testOtherLayers() {
   const { page, complaints, close } = await open({});
   const known = await overview();
-  const json = (value) => ({ contentType: "application/json", body: JSON.stringify(value) });
   const ring = Array.from({ length: 24 }, (_, i) => (2 * Math.PI * i) / 24);
   await page.route("**/overview", (route) =>
     route.fulfill(json({ ...known, layers: ["planes", "appearance", "orientation"] })));
@@ -202,14 +203,46 @@ async function testOtherLayers() {
   await page.route("**/orientation", (route) => route.fulfill(json({
     nodes: ring.map((a, i) => ({ id: i, keyframe: 1, kind: i % 6 === 0 ? "turn" : "frame", heading_rad: Math.floor(i / 6) * Math.PI / 2, corridor: 1 })),
     edges: [],
-    corridors: [{ id: 1, heading_rad: 0, nodes: [1, 2, 3] }],
+    corridors: [{ id: 1, axis: "x", first: 1, last: 3, nodes: [1, 2, 3] }],
+  })));
+  await page.route("**/appearance/nodes/*", (route) => route.fulfill(json({
+    id: 0, sequence: "walk", source: "0.jpg", time_s: null, frame: 0, keyframe: 1, x: 1, y: 0,
+    heading_rad: 0, features: 0, image: null,
   })));
   await page.goto(`${url}/#/room/layers`);
   await page.locator(".trajectory line.loop").waitFor({ state: "attached" });
   assert.equal(await page.locator(".trajectory circle").count(), 24);
   assert.equal(await page.locator(".trajectory line.loop").count(), 1);
   await page.locator(".series canvas").waitFor();
+  await page.getByText("0.jpg of walk").waitFor();
+  await page.getByRole("button", { name: "next" }).click();
+  await page.locator(".trajectory circle.chosen").waitFor({ state: "attached" });
   await checkAccess(page, "the other layers");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+// A panorama asked of a map of panoramas: words, place and heading, and no keyframe made up.
+async function testPanoramaAnswer() {
+  const { page, complaints, close } = await open({});
+  await page.route("**/localize?*", (route) => route.fulfill(json({
+    verdict: "localized", probability: 0.97, image: "p.jpg", map: "room", map_version: "sha256:0",
+    keyframe: null, heading: { rad: 1.5708, deviation_rad: 0.01, of: "layer" }, planes: [],
+    panorama: {
+      node: { id: 51, sequence: "walk", source: "50.jpg", time_s: null },
+      position: { x: 74.4, y: -29.2, deviation: 1.9, metres_per_unit: null }, candidates: [], runner_up: null,
+    },
+    runner_up: null, decided_by: "appearance", timing_ms: { decode: 1, extract: 2, shortlist: 3, verify: 4, total: 10 },
+  })));
+  await page.route("**/appearance/nodes/51/image", (route) => route.fulfill({
+    contentType: "image/jpeg", body: readFileSync(inside),
+  }));
+  await page.goto(`${url}/`);
+  assert.equal(await ask(page, inside), "This is near panorama 51");
+  assert.match(await page.locator(".verdict").innerText(), /50\.jpg of walk, 97 % sure/);
+  assert.match(await page.locator(".facts").innerText(), /74\.4, -29\.2 ± 1\.9 of the map’s units\s+Heading\s+90°/);
+  assert.equal(await page.locator(".panoramas img").count(), 2);
+  await checkAccess(page, "a panorama's answer");
   assert.deepEqual(complaints, []);
   await close();
 }
@@ -229,6 +262,38 @@ async function testPanorama() {
   await page.locator(".panorama .pnlm-load-box").waitFor({ state: "hidden" });
   await shoot(page, "panorama");
   assert.deepEqual(complaints, []);
+  await close();
+}
+
+// A server with tokens: the page asks for one, says when it is wrong, and keeps it with the tab. What
+// the server refuses without one is played here.
+async function testTokens() {
+  const { page, complaints, close } = await open({});
+  const token = "a-token-of-this-test";
+  await page.route("**/v1/**", (route) => {
+    if (route.request().headers().authorization === `Bearer ${token}`) return route.continue();
+    return route.fulfill({ status: 401, contentType: "application/problem+json", body: JSON.stringify({
+      type: "urn:waystone:problem:unauthorized", title: "Show who you are", status: 401,
+      detail: "send one of this server's tokens", code: "unauthorized" }) });
+  });
+  await page.goto(`${url}/`);
+  await page.getByRole("heading", { name: "This server wants a token" }).waitFor();
+  await checkAccess(page, "the token");
+  const enter = async (text) => {
+    await page.getByLabel("Token").fill(text);
+    await page.getByRole("button", { name: "Go on" }).click();
+  };
+  await enter("another");
+  await page.getByText("doesn’t know this token").waitFor();
+  await enter(token);
+  await page.getByRole("heading", { name: "Where was this photo taken?" }).waitFor();
+  assert.match(await drop(page, inside), /This is near keyframe \d+/);
+  await page.reload();
+  await page.getByRole("heading", { name: "Where was this photo taken?" }).waitFor();
+  await go(page, "keyframes", "Keyframes");
+  await page.locator('.thumbnail img[src^="blob:"]').first().waitFor();
+  // The browser itself notes each refusal.
+  assert.deepEqual(complaints.filter((said) => !/401/.test(said)), []);
   await close();
 }
 
@@ -279,6 +344,8 @@ try {
   await close();
   await testOtherLayers();
   await testPanorama();
+  await testPanoramaAnswer();
+  await testTokens();
   await testPhone();
   await browser.close();
 } catch (error) {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // View: drop a photo, see where it was taken.
 import { useEffect, useState } from "preact/hooks";
-import { type Answer, localize, mapPath } from "./api";
+import { type Answer, localize, mapPath, panoramaOf } from "./api";
 import { colourOf } from "./colours";
 import { Overlay, type Shape } from "./figure";
 import { MatchFigure } from "./match_figure";
 import type { Query, ViewProps } from "./main";
 import { Facts, Failure, KeyframeLink, PlaneLink, PlaneLinks, Swatch } from "./parts";
 import { href } from "./route";
+import { usePicture } from "./use";
 import { sure, verdictInWords } from "./words";
 
 function curlLine(map: string): string {
@@ -72,8 +73,45 @@ function Timing({ answer }: { answer: Answer }) {
   return <>{answer.timing_ms.total.toFixed(1)} ms <small>({parts.join(", ")})</small></>;
 }
 
+const kDegrees = 180 / Math.PI;
+
+// Where a panorama was taken, in the frame of the appearance layer.
+function PanoramaNumbers({ map, answer }: { map: string; answer: Answer }) {
+  const { node, position } = panoramaOf(answer)!;
+  const unit = position?.metres_per_unit === null ? " of the map’s units" : "";
+  const heading = answer.heading as { rad: number } | null;
+  return (
+    <Facts
+      rows={[
+        ["Sure", sure(answer.probability)],
+        ["Nearest panorama", node
+          ? <><a href={href(map, "layers")}>{node.id}</a> <small>{node.source}</small></>
+          : "–"],
+        ["Place", position
+          ? `${position.x.toFixed(1)}, ${position.y.toFixed(1)} ± ${position.deviation.toFixed(1)}${unit}`
+          : "–"],
+        ["Heading", heading ? `${(heading.rad * kDegrees).toFixed(0)}°` : "–"],
+        ["Time", <Timing answer={answer} />],
+      ]}
+    />
+  );
+}
+
+// The panorama, above the map's nearest one.
+function PanoramaFound({ map, query }: { map: string; query: Query }) {
+  const node = panoramaOf(query.answer)?.node;
+  const nearest = usePicture(node ? `${mapPath(map)}/appearance/nodes/${node.id}/image` : null);
+  return (
+    <div class="panoramas">
+      <img src={query.photo} alt="the photo" />
+      {nearest && <img class="small" src={nearest} alt={`panorama ${node!.id} of the map`} />}
+    </div>
+  );
+}
+
 function Numbers({ map, answer }: { map: string; answer: Answer }) {
   const runnerUp = answer.runner_up;
+  if (panoramaOf(answer)) return <PanoramaNumbers map={map} answer={answer} />;
   return (
     <Facts
       rows={[
@@ -92,14 +130,15 @@ function Numbers({ map, answer }: { map: string; answer: Answer }) {
 
 function Verdict({ map, query }: { map: string; query: Query }) {
   const { answer } = query;
+  const near = answer.keyframe ?? panoramaOf(answer)?.node;
   return (
     <div class={`verdict ${answer.verdict}`} role="status">
       <h2>{verdictInWords(answer)}</h2>
       <p>
         {answer.verdict === "localized"
-          ? <>{answer.keyframe?.source} of {answer.keyframe?.sequence}, {sure(answer.probability)} sure.</>
+          ? <>{near?.source} of {near?.sequence}, {sure(answer.probability)} sure.</>
           : answer.message}{" "}
-        {answer.verdict !== "bad_image" && <a href={href(map, "why")}>Why?</a>}
+        {answer.explanation && answer.verdict !== "bad_image" && <a href={href(map, "why")}>Why?</a>}
       </p>
       {answer.places && (
         <ul>
@@ -154,6 +193,12 @@ function Planes(props: {
 }
 
 function Found({ map, query }: { map: string; query: Query }) {
+  const { answer } = query;
+  if (panoramaOf(answer)) return <PanoramaFound map={map} query={query} />;
+  return <PlanesFound map={map} query={query} />;
+}
+
+function PlanesFound({ map, query }: { map: string; query: Query }) {
   const { answer } = query;
   const [selected, setSelected] = useState(answer.planes[0]?.id ?? 0);
   useEffect(() => setSelected(answer.planes[0]?.id ?? 0), [answer]);
@@ -215,8 +260,11 @@ export function AskView({ map, query, setQuery }: ViewProps) {
       )}
       {!query && (
         <p class="quiet">
-          The photo is compared with {map.planes.toLocaleString("en")} planes: flat things like walls
-          and posters that were seen on the way. It stays on this server and isn’t kept.
+          {map.planes > 0
+            ? `The photo is compared with ${map.planes.toLocaleString("en")} planes: flat things like walls
+              and posters that were seen on the way.`
+            : "This map is of panoramas: give a photo that is twice as wide as high and shows all around."}{" "}
+          It stays on this server and isn’t kept.
         </p>
       )}
       <Curl map={map.name} />

@@ -2,7 +2,7 @@
 // A photo or two with what was found drawn over them, in the pixels of the originals.
 import type { ComponentChildren } from "preact";
 import type { Candidate, Point } from "./api";
-import { useMedia } from "./use";
+import { useMedia, usePicture } from "./use";
 
 export interface Picture {
   src: string | null; // null: the map was built without images
@@ -63,8 +63,9 @@ export function Outlines({ shapes, unit }: { shapes: Shape[]; unit: number }) {
 }
 
 function Frame({ picture, children }: { picture: Picture; children?: ComponentChildren }) {
+  const src = usePicture(picture.src);
   return picture.src
-    ? <img src={picture.src} alt={picture.alt} width={picture.width} height={picture.height} />
+    ? <img src={src ?? undefined} alt={picture.alt} width={picture.width} height={picture.height} />
     : <div class="no-image" role="img" aria-label={picture.alt}>{children ?? "no image in the map"}</div>;
 }
 

@@ -5,7 +5,7 @@ import Sigma from "sigma";
 import { EdgeLineProgram, type NodeHoverDrawingFunction, NodePointProgram } from "sigma/rendering";
 import { createNodeImageProgram } from "@sigma/node-image";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { type Overview, thumbnailPath } from "./api";
+import { fetchedPicture, type Overview, picturesAreFetched, thumbnailPath } from "./api";
 import { colourOf, cssColour } from "./colours";
 import { useMedia } from "./use";
 
@@ -15,6 +15,16 @@ const kFullSizeNodes = 500; // from here on nodes shrink, so that they don't cov
 const kFullSizeWidth = 700; // px, of the canvas; likewise
 const kMinSize = 3;
 const kMaxSize = 16;
+
+// Puts pictures on the nodes as they come.
+function fetchPictures(graph: Graph) {
+  graph.forEachNode((node, { image }) => {
+    fetchedPicture(image).then(
+      (address) => graph.hasNode(node) && graph.mergeNodeAttributes(node, { type: "image", image: address }),
+      () => {}, // stays a circle
+    );
+  });
+}
 
 function graphOf(map: string, overview: Overview, width: number): Graph {
   const { planes, edges } = overview;
@@ -31,10 +41,11 @@ function graphOf(map: string, overview: Overview, width: number): Graph {
       size: scale * (kMinSize + (kMaxSize - kMinSize) * Math.sqrt(planes.features[i] / most)),
       color: colourOf(planes.stretch[i] ?? 0),
       label: `plane ${id}`,
-      type: pictures ? "image" : "circle",
+      type: pictures && !picturesAreFetched() ? "image" : "circle",
       image: pictures ? thumbnailPath(map, planes.reference[i]) : null,
     });
   });
+  if (pictures && picturesAreFetched()) fetchPictures(graph);
   edges.a.forEach((a, i) => {
     graph.mergeEdge(a, edges.b[i], { size: scale });
   });

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // View: the keyframes, and one of them with its planes drawn on it.
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { imagePath, type Keyframe, type MapSummary, mapPath, type Overview } from "./api";
 import { colourOf } from "./colours";
 import { Overlay } from "./figure";
 import type { ViewProps } from "./main";
-import { Facts, Failure, PlaneLink, Swatch, Thumbnail, Waiting } from "./parts";
+import { Facts, Failure, Panorama, PlaneLink, Swatch, Thumbnail, Waiting } from "./parts";
 import { href } from "./route";
 import { useGet } from "./use";
 import { counted } from "./words";
@@ -56,23 +56,6 @@ function PlaneTable({ map, keyframe, shown, toggle }: {
   );
 }
 
-// A panorama to look around in.
-function Panorama({ src }: { src: string }) {
-  const box = useRef<HTMLDivElement>(null);
-  useEffect(() => {
-    let viewer: { destroy(): void } | null = null;
-    let gone = false;
-    import("./panorama").then(({ showPanorama }) => {
-      if (!gone) viewer = showPanorama(box.current!, src);
-    });
-    return () => {
-      gone = true;
-      viewer?.destroy();
-    };
-  }, [src]);
-  return <div class="panorama" ref={box} />;
-}
-
 function isPanorama(map: MapSummary, keyframe: Keyframe): boolean {
   const sequence = map.sequences.find((s) => s.name === keyframe.sequence);
   return sequence?.camera?.model === "EQUIRECTANGULAR";
@@ -93,7 +76,7 @@ function Show({ map, id }: { map: MapSummary; id: number }) {
     <div class="split">
       <div>
         <Overlay picture={{ src: image, alt: `keyframe ${id}: ${source}`, width, height }} shapes={shapes} />
-        {image && isPanorama(map, keyframe.value) && <Panorama src={imagePath(map.name, id)} />}
+        {image && isPanorama(map, keyframe.value) && <Panorama path={imagePath(map.name, id)} />}
       </div>
       <div>
         <Facts

@@ -1,26 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // View: the way through the map, layer by layer: what was seen again, trajectory and orientation.
 import type { ComponentChildren } from "preact";
-import { mapPath, type Overview } from "./api";
+import { useState } from "preact/hooks";
+import { type Appearance, type AppearanceNode, mapPath, type Orientation, type Overview } from "./api";
 import { colourOf } from "./colours";
 import type { ViewProps } from "./main";
-import { Failure, KeyframeLink, PlaneLink, Swatch, Waiting } from "./parts";
+import { Facts, Failure, KeyframeLink, Panorama, PlaneLink, Swatch, Waiting } from "./parts";
 import { Series } from "./series";
 import { useGet } from "./use";
 import { counted } from "./words";
 
-export interface Appearance {
-  scale: "metric" | "arbitrary";
-  nodes: { id: number; keyframe: number; x: number; y: number; heading_rad: number }[];
-  edges: { a: number; b: number; kind: "odometry" | "loop"; distance: number }[];
-}
-
-export interface Orientation {
-  nodes: { id: number; keyframe: number; kind: "turn" | "frame"; heading_rad: number; corridor: number | null }[];
-  edges: { a: number; b: number; kind: "traversable" | "loop" }[];
-  corridors: { id: number; heading_rad: number; nodes: number[] }[];
-}
-
+const kDegrees = 180 / Math.PI;
 const kFewSteps = 10; // keyframes between two sightings that count as coming back
 
 interface Revisit {
@@ -107,7 +97,8 @@ interface Drawn {
 }
 
 // Nodes where the odometry puts them, and the edges between them.
-function Trajectory({ layer }: { layer: Appearance }) {
+function Trajectory(props: { layer: Appearance; chosen: number; choose: (index: number) => void }) {
+  const { layer, chosen, choose } = props;
   const xs = layer.nodes.map((n) => n.x);
   const ys = layer.nodes.map((n) => -n.y); // y up, as on a floor plan
   const [left, top] = [Math.min(...xs), Math.min(...ys)];
@@ -124,15 +115,41 @@ function Trajectory({ layer }: { layer: Appearance }) {
           <line key={i} class={e.kind} x1={a.x} y1={a.y} x2={b.x} y2={b.y} stroke-width={unit / 3} />
         );
       })}
-      {layer.nodes.map((n) => <circle key={n.id} cx={n.x} cy={-n.y} r={unit * 0.8} />)}
+      {layer.nodes.map((n, i) => (
+        <circle key={n.id} class={i === chosen ? "chosen" : ""} cx={n.x} cy={-n.y}
+          r={unit * (i === chosen ? 1.6 : 0.8)} onClick={() => choose(i)} />
+      ))}
     </svg>
+  );
+}
+
+// One panorama of the layer.
+function Node({ map, id }: { map: string; id: number }) {
+  const node = useGet<AppearanceNode>(`${mapPath(map)}/appearance/nodes/${id}`);
+  if (node.error) return <Failure error={node.error} />;
+  if (!node.value) return <Waiting what={`node ${id}`} />;
+  const { source, sequence, frame, time_s, x, y, heading_rad, keyframe, image } = node.value;
+  return (
+    <>
+      <Facts
+        rows={[
+          ["Node", keyframe === null ? id : <>{id}, keyframe <KeyframeLink map={map} id={keyframe} /></>],
+          ["Source", `${source} of ${sequence}`],
+          ["Frame", time_s === null ? frame : `${frame}, at ${time_s.toFixed(2)} s`],
+          ["Place", `${x.toFixed(2)}, ${y.toFixed(2)}; heading ${(heading_rad * kDegrees).toFixed(0)}°`],
+        ]}
+      />
+      {image ? <Panorama path={image} /> : <p class="quiet">The map was built without images.</p>}
+    </>
   );
 }
 
 function AppearanceLayer({ map }: { map: string }) {
   const layer = useGet<Appearance>(`${mapPath(map)}/appearance`);
+  const [chosen, choose] = useState(0);
   if (layer.error) return <Failure error={layer.error} />;
   if (!layer.value) return <Waiting what="the appearance layer" />;
+  const count = layer.value.nodes.length;
   const loops = layer.value.edges.filter((e) => e.kind === "loop").length;
   return (
     <>
@@ -141,25 +158,29 @@ function AppearanceLayer({ map }: { map: string }) {
         {counted(loops, "loop closure")}.{" "}
         {layer.value.scale === "metric" ? "In metres." : "Its scale is arbitrary."}
       </p>
-      <Trajectory layer={layer.value} />
+      <Trajectory layer={layer.value} chosen={chosen} choose={choose} />
+      <p class="steps">
+        <button disabled={chosen === 0} onClick={() => choose(chosen - 1)}>← previous</button>{" "}
+        <button disabled={chosen + 1 >= count} onClick={() => choose(chosen + 1)}>next →</button>
+      </p>
+      {count > 0 && <Node map={map} id={layer.value.nodes[chosen].id} />}
     </>
   );
 }
-
-const kDegrees = 180 / Math.PI;
 
 function OrientationLayer({ map }: { map: string }) {
   const layer = useGet<Orientation>(`${mapPath(map)}/orientation`);
   if (layer.error) return <Failure error={layer.error} />;
   if (!layer.value) return <Waiting what="the orientation layer" />;
-  const { nodes, corridors } = layer.value;
+  const { corridors } = layer.value;
+  const nodes = layer.value.nodes.filter((n) => n.heading_rad !== null);
   const turns = nodes.flatMap((n, i) => (n.kind === "turn" ? [[i, i] as [number, number]] : []));
   return (
     <>
       <Series
         at={nodes.map((_, i) => i)}
         along="node"
-        values={nodes.map((n) => n.heading_rad * kDegrees)}
+        values={nodes.map((n) => n.heading_rad! * kDegrees)}
         unit="heading, degrees"
         marked={turns}
         what={`Headings of ${nodes.length} nodes; turns are marked`}
@@ -167,12 +188,12 @@ function OrientationLayer({ map }: { map: string }) {
       <div class="scroll" tabIndex={0} role="region" aria-label="Corridors">
         <table>
           <caption>Corridors</caption>
-          <thead><tr><th>Corridor</th><th class="number">Heading</th><th class="number">Nodes</th></tr></thead>
+          <thead><tr><th>Corridor</th><th>Along</th><th class="number">Nodes</th></tr></thead>
           <tbody>
             {corridors.map((c) => (
               <tr key={c.id}>
                 <td>{c.id}</td>
-                <td class="number">{(c.heading_rad * kDegrees).toFixed(0)}°</td>
+                <td>the building’s {c.axis}</td>
                 <td class="number">{c.nodes.length}</td>
               </tr>
             ))}
@@ -200,7 +221,7 @@ export function LayersView({ map }: ViewProps) {
   return (
     <>
       <h1>The way through the map</h1>
-      <SeenAgain map={map.name} overview={overview.value} />
+      {layers.includes("planes") && <SeenAgain map={map.name} overview={overview.value} />}
       <Layer
         name="Trajectory (appearance layer)"
         has={layers.includes("appearance")}

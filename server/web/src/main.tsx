@@ -3,7 +3,7 @@
 import type { ComponentType } from "preact";
 import { render } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { type Answer, listMaps, type MapSummary } from "./api";
+import { type Answer, keepToken, listMaps, type MapSummary, wantsToken } from "./api";
 import { AskView } from "./ask";
 import { Failure, Waiting } from "./parts";
 import { href, type Route, useRoute, type View } from "./route";
@@ -95,20 +95,53 @@ function Footer({ map }: { map: MapSummary }) {
   );
 }
 
+// The server's operator gives out tokens; the page keeps one as long as its tab is open.
+function TokenForm({ refused, use }: { refused: boolean; use: (token: string) => void }) {
+  const submit = (event: Event) => {
+    event.preventDefault();
+    const field = (event.target as HTMLFormElement).elements.namedItem("token") as HTMLInputElement;
+    if (field.value.trim()) use(field.value.trim());
+  };
+  return (
+    <main>
+      <h1>This server wants a token</h1>
+      <form class="token" onSubmit={submit}>
+        <label>
+          Token <input name="token" type="password" autocomplete="off" required />
+        </label>
+        <button>Go on</button>
+      </form>
+      {refused && <p class="failure" role="alert">The server doesn’t know this token.</p>}
+      <p class="quiet">Whoever runs the server has its tokens. This one is kept until the tab is closed.</p>
+    </main>
+  );
+}
+
 function App() {
   const route = useRoute();
   const [maps, setMaps] = useState<MapSummary[] | null>(null);
   const [error, setError] = useState<string | null>(null);
   const [query, setQuery] = useState<Query | null>(null);
   const show = useView(route.view);
+  const [asked, setAsked] = useState<"no" | "yes" | "again">("no"); // for a token
+  const load = () =>
+    listMaps().then(setMaps, (e: Error) => {
+      if (wantsToken(e)) setAsked((before) => (before === "no" ? "yes" : "again"));
+      else setError(e.message);
+    });
   useEffect(() => {
-    listMaps().then(setMaps, (e: Error) => setError(e.message));
+    load();
   }, []);
+  const useToken = (token: string) => {
+    keepToken(token);
+    load();
+  };
   const map = maps?.find((m) => m.name === route.map) ?? maps?.[0];
   useEffect(() => {
     document.title = `${kTitles[route.view]} · ${map?.name ?? ""} · Waystone`;
   }, [route.view, map]);
   if (error) return <main><Failure error={error} /></main>;
+  if (!maps && asked !== "no") return <TokenForm refused={asked === "again"} use={useToken} />;
   if (!maps) return <main><Waiting what="the maps" /></main>;
   if (!map) return <main><p>This server has no map.</p></main>;
   const Show = show;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Small things that several views show.
 import type { ComponentChildren } from "preact";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { type MapSummary, thumbnailPath } from "./api";
 import { href } from "./route";
+import { usePicture } from "./use";
 
 export function Failure({ error }: { error: string }) {
   return <p class="failure" role="alert">This didn’t work: {error}</p>;
@@ -35,9 +37,39 @@ export function PlaneLinks({ map, ids }: { map: string; ids: number[] }) {
 export function Thumbnail({ map, id }: { map: MapSummary; id: number }) {
   return (
     <a class="thumbnail" href={href(map.name, "keyframes", id)}>
-      <img src={thumbnailPath(map.name, id)} alt={`keyframe ${id}`} loading="lazy" />
+      <img src={usePicture(thumbnailPath(map.name, id)) ?? undefined} alt={`keyframe ${id}`} loading="lazy" />
     </a>
   );
+}
+
+const kViewerWidth = 300; // px; a smaller picture is too blurred to look around in
+
+// A panorama to look around in, or flat where the map has a small copy of it only.
+export function Panorama({ path }: { path: string }) {
+  const src = usePicture(path);
+  const [large, setLarge] = useState<string | null>(null);
+  const sized = (event: Event) => {
+    if ((event.target as HTMLImageElement).naturalWidth >= kViewerWidth) setLarge(src);
+  };
+  if (!src) return null;
+  if (large === src) return <PanoramaViewer src={src} />;
+  return <div class="panoramas"><img class="small" src={src} alt="the panorama" onLoad={sized} /></div>;
+}
+
+function PanoramaViewer({ src }: { src: string }) {
+  const box = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    let viewer: { destroy(): void } | null = null;
+    let gone = false;
+    import("./panorama").then(({ showPanorama }) => {
+      if (!gone) viewer = showPanorama(box.current!, src);
+    });
+    return () => {
+      gone = true;
+      viewer?.destroy();
+    };
+  }, [src]);
+  return <div class="panorama" ref={box} />;
 }
 
 export function Swatch({ colour }: { colour: string }) {

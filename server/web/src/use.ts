@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The hooks that several views use.
 import { useEffect, useState } from "preact/hooks";
-import { get } from "./api";
+import { fetchedPicture, get, picturesAreFetched } from "./api";
 
 export interface Loaded<T> {
   value: T | null;
@@ -43,4 +43,23 @@ export function useMedia(query: string): boolean {
     return () => list.removeEventListener("change", update);
   }, [query]);
   return holds;
+}
+
+// The address of a map's picture; null until it is there and for none.
+export function usePicture(path: string | null): string | null {
+  const fetched = path !== null && picturesAreFetched() && path.startsWith("/v1/");
+  const [state, setState] = useState<{ path: string; address: string } | null>(null);
+  useEffect(() => {
+    if (!fetched) return;
+    let current = true;
+    fetchedPicture(path).then(
+      (address) => current && setState({ path, address }),
+      () => {}, // stays without a picture
+    );
+    return () => {
+      current = false;
+    };
+  }, [path, fetched]);
+  if (!fetched) return path;
+  return state?.path === path ? state.address : null;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers and outcomes as words.
-import type { Answer, Candidate, Explanation } from "./api";
+import { type Answer, type Candidate, type Explanation, panoramaOf } from "./api";
 
 // Four matches always fit a homography, and a fifth one easily does.
 const kByChance = 5;
@@ -18,7 +18,9 @@ export const counted = (n: number, what: string): string =>
 export function verdictInWords(answer: Answer): string {
   switch (answer.verdict) {
     case "localized":
-      return `This is near keyframe ${answer.keyframe?.id}`;
+      return answer.keyframe
+        ? `This is near keyframe ${answer.keyframe.id}`
+        : `This is near panorama ${panoramaOf(answer)?.node?.id}`;
     case "ambiguous":
       return "Several places look like this";
     case "not_in_map":

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "schema/map_data.h"
 
@@ -36,6 +41,69 @@ inline MapData MadeMap(int planes) {
     map.edges.push_back({PlaneId{i}, PlaneId{i + 1}, KeyframeId{1}, KeyframeId{2},
                          Eigen::Matrix3d::Identity(), 1.5});
   }
+  return map;
+}
+
+// The same with an appearance layer of three nodes on a right angle of 2 units a side, of which the
+// first two are keyframes too and a loop joins the ends, and an orientation layer of four frames
+// with a turn between two corridors.
+inline MapData MadeLayeredMap(int planes, std::optional<double> metres_per_unit = std::nullopt) {
+  MapData map = MadeMap(planes);
+  AppearanceLayer& appearance = map.appearance.emplace();
+  appearance.described = {.rows = 2, .k1 = 3, .k2 = 2, .band = {0.5, -0.25}, .normalise = true};
+  appearance.metres_per_unit = metres_per_unit;
+  appearance.dropped = 4;
+  const Pose2 poses[] = {{0, 0, 0}, {2, 0, 0}, {2, 2, 1.5}};
+  for (int i = 0; i < 3; ++i) {
+    AppearanceNode node;
+    node.id = AppearanceNodeId{i + 1};
+    node.sequence = SequenceId{1};
+    node.frame = 7 * i;
+    node.source = "pano/" + std::to_string(i) + " a.jpg";
+    if (i != 1) node.time_s = 0.5 * i;
+    node.pose = poses[i];
+    node.signature = {HalfMatrix::Constant(2, 3, Eigen::half(0.25F + static_cast<float>(i))),
+                      HalfMatrix::Constant(2, 2, Eigen::half(-1.5F))};
+    node.features.descriptors = Descriptors(DescriptorBytes(map.info.feature_type));
+    if (i == 0) node.jpeg = {0xFF, 0xD8, 0xFF, 0xD9};
+    appearance.nodes.push_back(std::move(node));
+  }
+  const auto edge = [&](int a, int b, AppearanceEdgeKind kind) {
+    appearance.edges.push_back({AppearanceNodeId{a}, AppearanceNodeId{b}, kind, 0.25,
+                                Inverse(poses[a - 1]) * poses[b - 1], 0.02});
+  };
+  edge(1, 2, AppearanceEdgeKind::kConsecutive);
+  edge(1, 3, AppearanceEdgeKind::kLoop);
+  edge(2, 3, AppearanceEdgeKind::kConsecutive);
+  OrientationLayer& orientation = map.orientation.emplace();
+  orientation.step = 2;
+  for (int i = 1; i <= 4; ++i) {
+    OrientationFrame frame;
+    frame.id = OrientationFrameId{i};
+    frame.sequence = SequenceId{1};
+    frame.frame = i - 1;
+    frame.source = "rgb/" + std::to_string(i - 1) + ".jpg";
+    frame.reliable = i < 4;
+    if (i < 4) {  // upright; looks along x, from frame 3 on along y
+      Eigen::Matrix3d building_from_head;
+      building_from_head << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+      const double heading = i < 3 ? 0 : 1.5707963267948966;
+      Eigen::Quaterniond q(Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) *
+                           Eigen::Quaterniond(building_from_head));
+      if (q.w() < 0) q.coeffs() *= -1;
+      frame.rotation = BuildingRotation{q, Eigen::Vector3d(1e-4, 1e-4, 4e-4).asDiagonal()};
+    }
+    frame.lines = {10, 20, 30};
+    orientation.frames.push_back(frame);
+  }
+  orientation.turns = {{OrientationFrameId{3}, 1, 1.5, true, 1}};
+  orientation.nodes = {{OrientationFrameId{1}, OrientationNodeKind::kTraversable, {}, {}},
+                       {OrientationFrameId{3}, OrientationNodeKind::kTurn, {1, 2, 3, 4}, {}}};
+  orientation.nodes[1].jpeg = {0xFF, 0xD8, 0xFF, 0xD9};
+  orientation.edges = {
+      {OrientationFrameId{1}, OrientationFrameId{3}, OrientationEdgeKind::kTraversable, 31}};
+  orientation.corridors = {{OrientationFrameId{1}, OrientationFrameId{2}, 0},
+                           {OrientationFrameId{3}, OrientationFrameId{4}, 1}};
   return map;
 }
 

@@ -232,7 +232,7 @@ TEST_F(MapServiceTest, GraphForOtherPrograms) {
   EXPECT_NE(Get("/v1/maps/lab/graph", {{"format", "dot"}}).body.find("p6 -- p7"),
             std::string::npos);
   EXPECT_EQ(Get("/v1/maps/lab/graph", {{"format", "svg"}}).status, 400);
-  // What needs metric poses isn't made up.
+  // What needs poses isn't made up.
   for (const char* format : {"g2o", "geojson", "ply", "tum", "colmap", "poses"}) {
     EXPECT_EQ(Get("/v1/maps/lab/graph", {{"format", format}}).status, 422) << format;
   }

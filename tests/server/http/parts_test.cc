@@ -48,6 +48,8 @@ TEST(Problem, HasTheFieldsOfRfc9457AndTheTablesRow) {
 
 TEST(Problem, BusySaysWhenToComeBack) {
   EXPECT_EQ(HeaderOf(ProblemResponse(ErrorCode::kBusy, "full"), "Retry-After"), "1");
+  EXPECT_EQ(HeaderOf(ProblemResponse(BusyError("full", 7)), "Retry-After"), "7");
+  EXPECT_EQ(HeaderOf(ProblemResponse(MapError(ErrorCode::kNotFound, "x")), "Retry-After"), "");
 }
 
 TEST(Problem, OddStatusKeepsItself) {
@@ -160,6 +162,25 @@ TEST(QueryGate, LetsInAsManyAsItMayAndTurnsTheRestAway) {
   second.join();
   EXPECT_TRUE(second_in);
   const QueryGate::Turn again = gate.Enter();
+}
+
+TEST(QueryGate, SaysWhenThereMayBeRoom) {
+  QueryGate gate(1, 0);
+  const auto retry_after_s = [&] {
+    try {
+      const QueryGate::Turn turn = gate.Enter();
+    } catch (const BusyError& busy) {
+      return busy.retry_after_s();
+    }
+    return 0;
+  };
+  {
+    const QueryGate::Turn turn = gate.Enter();
+    EXPECT_EQ(retry_after_s(), 1) << "no turn has ended yet";
+    std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  }
+  const QueryGate::Turn turn = gate.Enter();
+  EXPECT_EQ(retry_after_s(), 2) << "a turn took over a second";
 }
 
 TEST(QueryGate, NeverMoreThanItsNumberInside) {

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/answer_text.h"
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+namespace waystone {
+namespace {
+
+// The part of an answer that the path names; null where something is missing.
+Json At(const Json& json, std::initializer_list<const char*> path) {
+  const Json* at = &json;
+  for (const char* name : path) {
+    if (!at->is_object() || !at->contains(name)) return nullptr;
+    at = &(*at)[name];
+  }
+  return *at;
+}
+
+std::string TextAt(const Json& json, std::initializer_list<const char*> path) {
+  const Json value = At(json, path);
+  return value.is_string() ? value.get<std::string>() : "";
+}
+
+double NumberAt(const Json& json, std::initializer_list<const char*> path) {
+  const Json value = At(json, path);
+  return value.is_number() ? value.get<double>() : 0;
+}
+
+// " at (1.20, -3.45), heading 31 deg"
+std::string PlaceText(const Json& answer) {
+  const Json position = At(answer, {"panorama", "position"});
+  if (!position.is_object()) return "";
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  char text[100];
+  std::snprintf(text, sizeof text, " at (%.2f, %.2f)", NumberAt(position, {"x"}),
+                NumberAt(position, {"y"}));
+  std::string line = text;
+  if (At(answer, {"heading"}).is_object()) {
+    std::snprintf(text, sizeof text, ", heading %.0f deg",
+                  NumberAt(answer, {"heading", "rad"}) * kDegrees);
+    line += text;
+  }
+  return line;
+}
+
+std::string Where(const Json& answer) {
+  const std::string keyframe = TextAt(answer, {"keyframe", "source"});
+  const std::string node = TextAt(answer, {"panorama", "node", "source"});
+  std::string line;
+  if (!keyframe.empty()) line += " near " + keyframe;
+  if (!node.empty()) line += " near " + node + PlaceText(answer);
+  return line;
+}
+
+}  // namespace
+
+std::string AnswerLine(const Json& answer) {
+  const std::string verdict = TextAt(answer, {"verdict"});
+  const std::string time =
+      std::to_string(std::lround(NumberAt(answer, {"timing_ms", "total"}))) + " ms";
+  std::string line = TextAt(answer, {"image"}) + ": " + verdict;
+  if (verdict != "localized") {
+    const std::string message = TextAt(answer, {"message"});
+    return line + (message.empty() ? "" : ": " + message) + " (" + time + ")";
+  }
+  line += Where(answer) + " (";
+  const Json planes = At(answer, {"planes"});
+  if (planes.is_array() && !planes.empty()) {
+    line += "plane " + std::to_string(std::lround(NumberAt(planes[0], {"id"}))) + ", " +
+            std::to_string(std::lround(NumberAt(planes[0], {"inliers"}))) + " inliers, ";
+  }
+  return line + time + ")";
+}
+
+}  // namespace waystone

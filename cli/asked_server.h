@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "server/http/json.h"
+
+namespace waystone {
+
+// How commands are told to ask a server instead of a map file.
+struct ServerFlags {
+  std::string url;         // empty: none
+  std::string token_file;  // its first line is the token; else the variable WAYSTONE_TOKEN
+};
+void AddServerFlags(CLI::App* command, ServerFlags& flags);
+
+// Asks a server where a photo was taken: of the map of that name, or of all for "-". Throws
+// MapError for what keeps it from answering, by the server's own code where it gave one:
+// kFileUnreadable for a server that can't be reached or doesn't answer as ours do.
+Json AskServer(const ServerFlags& flags, const std::string& map, const std::string& name,
+               const std::string& bytes);
+
+}  // namespace waystone

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C++ client: this header, cpp-httplib (0.11 or later) and nlohmann-json (3.9 or later). C++17.
+#pragma once
+
+#include <httplib.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace waystone {
+
+// What the server or the way to it refused; what() is one line for people. "Not in this map" is an
+// answer and no error.
+class ClientError : public std::runtime_error {
+ public:
+  ClientError(std::string code, int status, const std::string& detail)
+      : std::runtime_error(detail), code_(std::move(code)), status_(status) {}
+
+  // The contract's code, or "unreachable", "bad_answer" or "unreadable_photo".
+  const std::string& code() const { return code_; }
+  // Of HTTP; 0 where no answer came.
+  int status() const { return status_; }
+
+ private:
+  std::string code_;
+  int status_ = 0;
+};
+
+struct ClientOptions {
+  std::string token;    // goes to the server as it is: use https between machines
+  int timeout_s = 30;   // how long the server may be silent
+  int retries = 3;      // while the server is busy
+  int max_wait_s = 30;  // a longer Retry-After is not waited for
+};
+
+// An encoded image (JPEG, PNG, ...) and its name in the answer.
+struct Photo {
+  std::string name;
+  std::string bytes;
+};
+
+// Asks a Waystone server, by a connection of its own for each question. Not to be used by two
+// threads at once; any number of clients may ask one server. Throws ClientError alone.
+class Client {
+ public:
+  using Json = nlohmann::ordered_json;
+
+  // "http://127.0.0.1:8080", also with a path before the API; https where cpp-httplib has OpenSSL.
+  explicit Client(const std::string& server, ClientOptions options = {})
+      : options_(std::move(options)) {
+    const size_t host = server.find("://");
+    if (host == std::string::npos || host + 3 == server.size()) {
+      throw ClientError("unreachable", 0,
+                        "'" + server + "' is no server; give one as http://HOST:PORT");
+    }
+    const size_t path = std::min(server.find('/', host + 3), server.size());
+    origin_ = server.substr(0, path);
+    prefix_ = server.substr(path);
+    while (!prefix_.empty() && prefix_.back() == '/') prefix_.pop_back();
+  }
+
+  // Where was this photo taken? Of one map, or of all for an empty name. `request` has the fields
+  // of docs/http-api.md: {{"fov_deg", 63}, {"debug", true}}.
+  Json Localize(const Photo& photo, const std::string& map = "", const Json& request = {}) const {
+    return Localize(std::vector<Photo>{photo}, map, request);
+  }
+  Json Localize(const std::string& path, const std::string& map = "",
+                const Json& request = {}) const {
+    return Localize(Read(path), map, request);
+  }
+  // Several images, a rig's or a series in order: one answer.
+  Json Localize(const std::vector<Photo>& photos, const std::string& map = "",
+                const Json& request = {}) const {
+    httplib::MultipartFormDataItems parts;
+    for (const Photo& photo : photos) {
+      parts.push_back({"image", photo.bytes, Plain(photo.name), "application/octet-stream"});
+    }
+    if (!request.empty()) parts.push_back({"request", request.dump(), "", "application/json"});
+    const std::string target = map.empty() ? "/v1/localize" : MapPath(map) + "/localize";
+    return Parsed(Ask([&](httplib::Client& client, const httplib::Headers& headers) {
+      return client.Post(prefix_ + target, headers, parts);
+    }));
+  }
+
+  // Any address of the API: "/v1/maps", MapPath("lab") + "/planes". Parsed JSON.
+  Json Get(const std::string& path) const { return Parsed(GetText(path)); }
+  // The same as it came, for texts and pictures.
+  std::string GetText(const std::string& path) const {
+    return Ask([&](httplib::Client& client, const httplib::Headers& headers) {
+      return client.Get(prefix_ + path, headers);
+    });
+  }
+  // The rows of a list, all pages: Rows(MapPath("lab") + "/planes", "planes").
+  std::vector<Json> Rows(const std::string& path, const std::string& key) const {
+    std::vector<Json> rows;
+    std::string target = path + "?limit=1000";
+    while (true) {
+      Json page = Get(target);
+      for (Json& row : page.at(key)) rows.push_back(std::move(row));
+      if (page.at("next").is_null()) return rows;
+      target = path + "?limit=1000&cursor=" + page["next"].get<std::string>();
+    }
+  }
+
+  // "/v1/maps/NAME", escaped.
+  static std::string MapPath(const std::string& map) {
+    std::string path = "/v1/maps/";
+    for (const char c : map) {
+      const auto byte = static_cast<unsigned char>(c);
+      if (std::isalnum(byte) || c == '-' || c == '.' || c == '_' || c == '~') {
+        path += c;
+      } else {
+        char escaped[4];
+        std::snprintf(escaped, sizeof escaped, "%%%02X", byte);
+        path += escaped;
+      }
+    }
+    return path;
+  }
+
+  static Photo Read(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    if (!in.is_open() || in.bad()) {
+      throw ClientError("unreadable_photo", 0, path + " can't be read; give an image file");
+    }
+    return {path, std::move(bytes)};
+  }
+
+ private:
+  // A name in a form's header: without what would end it.
+  static std::string Plain(std::string name) {
+    for (char& c : name) {
+      if (c == '"' || c == '\\' || static_cast<unsigned char>(c) < ' ') c = '_';
+    }
+    return name;
+  }
+
+  template <class Send>
+  std::string Ask(const Send& send) const {
+    for (int left = options_.retries;; --left) {
+      httplib::Client client(origin_);
+      client.set_connection_timeout(options_.timeout_s);
+      client.set_read_timeout(options_.timeout_s);
+      client.set_write_timeout(options_.timeout_s);
+      httplib::Headers headers;
+      if (!options_.token.empty()) headers.emplace("Authorization", "Bearer " + options_.token);
+      const httplib::Result result = send(client, headers);
+      if (!result) {
+        throw ClientError("unreachable", 0,
+                          "the server at " + origin_ + " doesn't answer (" +
+                              httplib::to_string(result.error()) + "); is it running?");
+      }
+      if (result->status >= 200 && result->status < 300) return result->body;
+      const int wait_s = RetryAfter(*result);
+      if (result->status != 429 || left <= 0 || wait_s > options_.max_wait_s) Refuse(*result);
+      std::this_thread::sleep_for(std::chrono::seconds(wait_s));
+    }
+  }
+
+  static int RetryAfter(const httplib::Response& response) {
+    constexpr int kDefaultS = 1;
+    const std::string text = response.get_header_value("Retry-After");
+    const bool whole =
+        !text.empty() && text.size() < 6 &&
+        std::all_of(text.begin(), text.end(), [](char c) { return '0' <= c && c <= '9'; });
+    return whole ? std::stoi(text) : kDefaultS;
+  }
+
+  [[noreturn]] static void Refuse(const httplib::Response& response) {
+    const Json problem = Json::parse(response.body, nullptr, false);
+    if (problem.is_object() && problem.contains("code") && problem["code"].is_string() &&
+        problem.contains("detail") && problem["detail"].is_string()) {
+      throw ClientError(problem["code"], response.status, problem["detail"]);
+    }
+    throw ClientError("bad_answer", response.status,
+                      "the server answered " + std::to_string(response.status) +
+                          " and no problem of Waystone's; is the address right?");
+  }
+
+  static Json Parsed(const std::string& body) {
+    Json json = Json::parse(body, nullptr, false);
+    if (json.is_discarded()) {
+      throw ClientError("bad_answer", 200, "the answer isn't JSON; is the address right?");
+    }
+    return json;
+  }
+
+  std::string origin_;
+  std::string prefix_;
+  ClientOptions options_;
+};
+
+}  // namespace waystone

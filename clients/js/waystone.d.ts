@@ -1,0 +1,578 @@
+// SPDX-License-Identifier: Apache-2.0
+// Made from clients/openapi.yaml by scripts/generate_js_client.py; don't edit.
+
+/** An image's bytes; a form with images in their order; or the JSON of a request with images. */
+export type Photo = Blob | ArrayBuffer | ArrayBufferView | FormData |
+  (Request & { images: { name?: string; data: string }[] });
+
+export declare class WaystoneError extends Error {
+  /** The contract's code, or "unreachable", "timeout" or "bad_answer". */
+  code: string;
+  /** Of HTTP; 0 where no answer came. */
+  status: number;
+  constructor(code: string, status: number, detail: string);
+}
+
+/** Runs in browsers and in Node 18 and later. Throws WaystoneError alone. */
+export declare class Client {
+  server: string;
+  token: string | null;
+  timeout_ms: number;
+  retries: number;
+  /** `server` is an address without path, or "" in a page that the server gave. */
+  constructor(server?: string, options?: { token?: string | null; timeout_ms?: number; retries?: number });
+  /** One request, as all methods send it. */
+  ask(verb: string, path: string, options?: object, photo?: Photo): Promise<unknown>;
+  rows(list: "listMaps"): AsyncGenerator<Map, void>;
+  rows(list: "listPlanes", map: string): AsyncGenerator<PlaneSummary, void>;
+  rows(list: "listFeatures", map: string, id: number): AsyncGenerator<Feature, void>;
+  rows(list: "listViews", map: string, id: number): AsyncGenerator<View, void>;
+  rows(list: "listKeyframes", map: string): AsyncGenerator<Keyframe, void>;
+  rows(list: "listAppearanceNodes", map: string): AsyncGenerator<AppearanceNode, void>;
+  rows(list: "listLoops", map: string): AsyncGenerator<Loop, void>;
+  rows(list: "listOrientationFrames", map: string): AsyncGenerator<OrientationFrame, void>;
+  rows(list: "listTurns", map: string): AsyncGenerator<Turn, void>;
+  rows(list: "listCorridors", map: string): AsyncGenerator<Corridor, void>;
+  /** This contract. */
+  contract(): Promise<Record<string, unknown>>;
+  /** Whether the process is up. Needs no token. */
+  healthz(): Promise<string>;
+  /** Whether maps are served and the server doesn't end. Needs no token. */
+  readyz(): Promise<Ready>;
+  /** The program and the version of the map files that it reads. */
+  version(): Promise<Version>;
+  /** Counters for Prometheus. */
+  metrics(): Promise<string>;
+  /** The maps. */
+  listMaps(options?: { limit?: number; cursor?: string }): Promise<MapList>;
+  /** Where was this photo taken, in any of the maps? */
+  localizeAcross(photo: Photo, options?: { name?: string; fx?: number; fy?: number; cx?: number; cy?: number; fov_deg?: number; top_k?: number; debug?: boolean; deadline_ms?: number }): Promise<Answer>;
+  /** Where was this photo taken? */
+  localize(map: string, photo: Photo, options?: { name?: string; fx?: number; fy?: number; cx?: number; cy?: number; fov_deg?: number; camera?: string; prior_keyframe?: number; top_k?: number; debug?: boolean; deadline_ms?: number }): Promise<Answer>;
+  /** One map's numbers. */
+  getMap(map: string): Promise<Map>;
+  /** Planar regions. */
+  listPlanes(map: string, options?: { limit?: number; cursor?: string }): Promise<PlaneList>;
+  /** One planar region. */
+  getPlane(map: string, id: number): Promise<Plane>;
+  /** Its features. */
+  listFeatures(map: string, id: number, options?: { limit?: number; cursor?: string }): Promise<FeatureList>;
+  /** The keyframes that saw it. */
+  listViews(map: string, id: number, options?: { limit?: number; cursor?: string }): Promise<ViewList>;
+  /** Planes and what is seen together. */
+  getGraph(map: string, options?: { format?: "json" | "graphml" | "dot" | "g2o" | "geojson" | "ply" | "tum" | "colmap" | "poses" }): Promise<Graph | string>;
+  /** Keyframes. */
+  listKeyframes(map: string, options?: { limit?: number; cursor?: string }): Promise<KeyframeList>;
+  /** One keyframe. */
+  getKeyframe(map: string, id: number): Promise<Keyframe>;
+  /** Its picture. */
+  getKeyframeImage(map: string, id: number, options?: { width?: number }): Promise<Blob>;
+  /** A small picture of it. */
+  getKeyframeThumbnail(map: string, id: number): Promise<Blob>;
+  /** The whole map by columns, for drawing. */
+  getOverview(map: string): Promise<Overview>;
+  /** Where the map is weak. The first time takes seconds and a query's turn. */
+  getAudit(map: string): Promise<Audit>;
+  /** The appearance layer for drawing. 404 with the code no_layer for a map without, as the next. */
+  getAppearance(map: string): Promise<Appearance>;
+  /** Its panoramas with their poses. */
+  listAppearanceNodes(map: string, options?: { limit?: number; cursor?: string }): Promise<AppearanceNodeList>;
+  /** One panorama. */
+  getAppearanceNode(map: string, id: number): Promise<AppearanceNode>;
+  /** A panorama. */
+  getAppearanceImage(map: string, id: number, options?: { width?: number }): Promise<Blob>;
+  /** Its Fourier signature. */
+  getSignature(map: string, id: number): Promise<Signature>;
+  /** Loop closures. */
+  listLoops(map: string, options?: { limit?: number; cursor?: string }): Promise<LoopList>;
+  /** The orientation layer for drawing. 404 with the code no_layer for a map without, as the next. */
+  getOrientation(map: string): Promise<Orientation>;
+  /** Every frame with the camera's rotation in the building. */
+  listOrientationFrames(map: string, options?: { limit?: number; cursor?: string }): Promise<OrientationFrameList>;
+  /** A node's picture. */
+  getOrientationImage(map: string, id: number, options?: { width?: number }): Promise<Blob>;
+  /** Turns, confirmed or not. */
+  listTurns(map: string, options?: { limit?: number; cursor?: string }): Promise<TurnList>;
+  /** Stretches without turns. */
+  listCorridors(map: string, options?: { limit?: number; cursor?: string }): Promise<CorridorList>;
+}
+
+export interface Request {
+  fx?: number;
+  fy?: number;
+  cx?: number;
+  cy?: number;
+  fov_deg?: number;
+  camera?: string;
+  prior?: { keyframe: number };
+  previous?: { keyframe?: number; heading_rad?: number };
+  top_k?: number;
+  debug?: boolean;
+  deadline_ms?: number;
+}
+
+export interface Problem {
+  type: string;
+  title: string;
+  status: number;
+  detail: string;
+  code: string;
+}
+
+export interface Ready {
+  ready: true;
+  maps: number;
+}
+
+export interface Version {
+  program: string;
+  schema: number;
+}
+
+export type Id = number;
+
+export type Probability = number;
+
+export type Count = number;
+
+/** Cursor of the page after; null at the end. */
+export type Next = string | null;
+
+/** Three rows of three. */
+export type Matrix = [[number, number, number], [number, number, number], [number, number, number]];
+
+/** Points [x, y], px. */
+export type Outline = [number, number][];
+
+export type Verdict = "localized" | "ambiguous" | "not_in_map" | "bad_image" | "undecided";
+
+export interface KeyframeRef {
+  id: Id;
+  sequence: string;
+  source: string;
+  time_s?: number | null;
+}
+
+export interface Place {
+  keyframe: KeyframeRef;
+  probability: Probability;
+  inliers: Count;
+}
+
+export interface RunnerUp {
+  keyframe: { id: Id };
+  probability: Probability;
+}
+
+export interface Timing {
+  decode: number;
+  extract: number;
+  shortlist: number;
+  verify: number;
+  total: number;
+}
+
+export interface QueryCamera {
+  source: "stored" | "fov" | "intrinsics" | "exif";
+  model: string;
+  width: number;
+  height: number;
+  params: number[];
+}
+
+export interface ShortAnswer {
+  map?: string;
+  image?: string;
+  verdict: Verdict;
+  probability: Probability;
+  keyframe: null | KeyframeRef;
+  inliers: Count;
+}
+
+export interface ImageRef {
+  id: Id;
+  source: string | null;
+}
+
+export interface RecognisedPlane {
+  id: Id;
+  inliers: Count;
+  reference: ImageRef;
+  reference_from_query: Matrix;
+  outline: Outline;
+  expect_next: Id[];
+}
+
+export interface Answer {
+  verdict: Verdict;
+  probability: Probability;
+  image: string;
+  map: string;
+  map_version: string;
+  keyframe: null | KeyframeRef;
+  heading: null | Record<string, unknown>;
+  planes: RecognisedPlane[];
+  places?: Place[];
+  runner_up: null | RunnerUp;
+  decided_by: string;
+  message?: string;
+  timing_ms: Timing;
+  /** Across maps. Each one's answer in short. */
+  maps?: ShortAnswer[];
+  /** Of several images. Each one's answer in short. */
+  images?: ShortAnswer[];
+  candidates?: Place[];
+  explanation?: Explanation;
+  stage?: "queue" | "decode" | "extract" | "shortlist" | "verify" | "decide";
+  camera?: QueryCamera;
+  /** What was understood and no layer of this map uses. */
+  unused?: ("camera" | "prior" | "previous")[];
+}
+
+/** With debug. What became of every plane that looked like the image. */
+export interface Explanation {
+  image: { width: Count; height: Count; features: Count };
+  gates: Gates;
+  candidates: ExplainedCandidate[];
+  places: ExplainedPlace[];
+}
+
+export interface Gates {
+  min_inliers: Count;
+  min_inlier_share: number;
+  max_scale: number;
+  min_probability: number;
+  ambiguous_share: number;
+}
+
+export interface ExplainedPlace {
+  keyframe: Id;
+  planes: Id[];
+  inliers: Count;
+  best_share: number;
+  probability: Probability;
+}
+
+export interface ExplainedCandidate {
+  plane: Id;
+  reference: Id;
+  votes: Count;
+  matches: Count;
+  inliers: Count;
+  stopped_by: null | "settled" | "no_homography" | "min_inliers" | "min_inlier_share" | "max_scale";
+  place: number | null;
+  /** The inliers: [x, y] in the query and [x, y] in the reference image, px. */
+  points: [number, number, number, number][];
+}
+
+export interface Overview {
+  layers: ("planes" | "appearance" | "orientation")[];
+  keyframes: { id: number[]; sequence: number[]; stretch: number[]; frame: number[]; planes: number[]; features: number[] };
+  planes: { id: number[]; reference: number[]; stretch: (number | null)[]; features: number[]; keyframes: number[][] };
+  edges: { a: number[]; b: number[]; third_eigenvalue: number[] };
+}
+
+/** Positions in the layer's own unit of length; headings counter-clockwise. */
+export interface Appearance {
+  scale: "metric" | "arbitrary";
+  metres_per_unit: number | null;
+  dropped: Count;
+  nodes: AppearancePoint[];
+  edges: AppearanceEdge[];
+}
+
+export interface AppearancePoint {
+  id: Id;
+  keyframe: null | Id;
+  x: number;
+  y: number;
+  heading_rad: number;
+}
+
+export interface AppearanceEdge {
+  a: Id;
+  b: Id;
+  kind: "odometry" | "loop";
+  distance: number;
+}
+
+export interface AppearanceNode {
+  id: Id;
+  sequence: string;
+  source: string;
+  time_s: number | null;
+  frame: Count;
+  keyframe: null | Id;
+  x: number;
+  y: number;
+  heading_rad: number;
+  features: Count;
+  image: string | null;
+}
+
+export interface AppearanceNodeList {
+  nodes: AppearanceNode[];
+  next: Next;
+}
+
+export interface Loop {
+  a: Id;
+  b: Id;
+  distance: number;
+  a_from_b: { x: number; y: number; heading_rad: number };
+  deviation_rad: number;
+}
+
+export interface LoopList {
+  loops: Loop[];
+  next: Next;
+}
+
+/** Fourier transform of each row of the panorama, from above; frequencies from 0. */
+export interface Signature {
+  node: Id;
+  magnitudes: number[][];
+  phases: number[][];
+}
+
+export interface Orientation {
+  step: number;
+  nodes: OrientationNode[];
+  edges: OrientationEdge[];
+  corridors: Corridor[];
+}
+
+export interface OrientationNode {
+  id: Id;
+  keyframe: null | Id;
+  kind: "turn" | "frame";
+  heading_rad: number | null;
+  corridor: null | Id;
+}
+
+export interface OrientationEdge {
+  a: Id;
+  b: Id;
+  kind: "traversable" | "loop";
+  matches: Count;
+}
+
+export interface OrientationFrame {
+  id: Id;
+  sequence: string;
+  source: string;
+  time_s: number | null;
+  frame: Count;
+  keyframe: null | Id;
+  reliable: boolean;
+  heading_rad: number | null;
+  deviation_rad: number | null;
+  building_from_head: null | Matrix;
+  lines: [number, number, number];
+}
+
+export interface OrientationFrameList {
+  frames: OrientationFrame[];
+  next: Next;
+}
+
+export interface Turn {
+  frame: Id;
+  direction: "left" | "right";
+  angle_rad: number;
+  confirmed: boolean;
+  axis_after: "x" | "y";
+}
+
+export interface TurnList {
+  turns: Turn[];
+  next: Next;
+}
+
+export interface Corridor {
+  id: Id;
+  axis: "x" | "y";
+  first: Id;
+  last: Id;
+  nodes: Id[];
+}
+
+export interface CorridorList {
+  corridors: Corridor[];
+  next: Next;
+}
+
+export interface Map {
+  name: string;
+  version: string;
+  program: string;
+  feature_type: string;
+  keyframes: Count;
+  planes: Count;
+  edges: Count;
+  features: Count;
+  sequences: Sequence[];
+}
+
+export interface Sequence {
+  id: Id;
+  name: string;
+  kind: string;
+  frames: Count;
+  skipped: Count;
+  camera: null | Camera;
+}
+
+export interface Camera {
+  model: string;
+  width: Count;
+  height: Count;
+  params: number[];
+}
+
+export interface MapList {
+  maps: Map[];
+  next: Next;
+}
+
+export interface PlaneSummary {
+  id: Id;
+  reference: ImageRef;
+  features: Count;
+  views: Count;
+  neighbours: Id[];
+  outline: Outline;
+}
+
+export interface Plane {
+  id: Id;
+  reference: ImageRef;
+  features: Feature[];
+  views: View[];
+  neighbours: Id[];
+  outline: Outline;
+}
+
+export interface PlaneList {
+  planes: PlaneSummary[];
+  next: Next;
+}
+
+export interface Feature {
+  x_px: number;
+  y_px: number;
+  scale_px: number;
+  angle_rad: number;
+  votes: Count;
+  visible: Count;
+}
+
+export interface FeatureList {
+  features: Feature[];
+  next: Next;
+}
+
+export interface View {
+  keyframe: Id;
+  inliers: Count;
+  reference_from_keyframe: Matrix;
+}
+
+export interface ViewList {
+  views: View[];
+  next: Next;
+}
+
+export interface Graph {
+  nodes: GraphNode[];
+  edges: GraphEdge[];
+}
+
+export interface GraphNode {
+  id: Id;
+  reference: Id;
+  features: Count;
+}
+
+export interface GraphEdge {
+  a: Id;
+  b: Id;
+  from: Id;
+  to: Id;
+  homology: Matrix;
+  third_eigenvalue: number;
+}
+
+export interface Keyframe {
+  id: Id;
+  sequence: string;
+  source: string;
+  time_s: number | null;
+  stretch: Count;
+  frame: Count;
+  width: Count;
+  height: Count;
+  image: string | null;
+  planes: SeenPlane[];
+}
+
+export interface SeenPlane {
+  id: Id;
+  inliers: Count;
+  reference_from_keyframe: Matrix;
+  outline: Outline;
+}
+
+export interface KeyframeList {
+  keyframes: Keyframe[];
+  next: Next;
+}
+
+export interface Audit {
+  aliases: Alias[];
+  ties: Tie[];
+  weak: WeakRun[];
+}
+
+export interface AuditKeyframe {
+  id: Id;
+  sequence: string;
+  source: string;
+}
+
+export interface Alias {
+  a: AuditKeyframe;
+  b: AuditKeyframe;
+  inliers: Count;
+  of_view: number;
+  shared: number;
+  planes: AliasPlanes[];
+  remedy: string;
+  advice: string;
+}
+
+export interface AliasPlanes {
+  a: Id;
+  b: Id;
+  inliers: Count;
+  shared: number;
+}
+
+export interface Tie {
+  plane: Id;
+  a: AuditKeyframe;
+  b: AuditKeyframe;
+  inliers: Count;
+  advice: string;
+}
+
+export interface WeakRun {
+  first: AuditKeyframe;
+  last: AuditKeyframe;
+  keyframes: Count;
+  planes: Count;
+  features: Count;
+  weakness: string;
+  remedy: string;
+  advice: string;
+}

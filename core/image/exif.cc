@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/image/exif.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string_view>
+
+namespace waystone {
+namespace {
+
+using Bytes = std::span<const uint8_t>;
+
+constexpr double kFilmDiagonalMm = 43.266615305567875;  // of 24 x 36 mm
+constexpr double kMinFocalMm = 3;
+constexpr double kMaxFocalMm = 3000;
+constexpr double kMaxShapeError = 0.01;  // of the sides' ratio: scaled sides are rounded
+
+enum Tag : uint32_t {
+  kExifDirectory = 0x8769,
+  kPixelWidth = 0xA002,
+  kPixelHeight = 0xA003,
+  kFocal35mm = 0xA405,
+};
+
+// The TIFF structure inside EXIF data: directories of entries of 12 bytes.
+class Tiff {
+ public:
+  explicit Tiff(Bytes bytes) : bytes_(bytes) {}
+
+  // The byte order; false for what is no TIFF.
+  bool ReadStart() {
+    if (bytes_.size() < 8 || bytes_[0] != bytes_[1]) return false;
+    big_ = bytes_[0] == 'M';
+    return (big_ || bytes_[0] == 'I') && Read(2, 2) == 42;
+  }
+  std::optional<uint32_t> FirstDirectory() const { return Read(4, 4); }
+
+  // The value of a whole number in a directory. Each directory is looked through once for each tag,
+  // and directories are not followed in a ring: hostile data costs nothing.
+  std::optional<uint32_t> Whole(uint32_t directory, uint32_t tag) const {
+    constexpr uint32_t kShort = 3;
+    constexpr uint32_t kLong = 4;
+    const std::optional<uint32_t> count = Read(directory, 2);
+    if (!count) return std::nullopt;
+    for (uint32_t i = 0; i < *count; ++i) {
+      const size_t entry = size_t{directory} + 2 + size_t{12} * i;
+      const std::optional<uint32_t> name = Read(entry, 2);
+      if (!name) return std::nullopt;
+      if (*name != tag) continue;
+      const std::optional<uint32_t> type = Read(entry + 2, 2);
+      if (type == kShort) return Read(entry + 8, 2);
+      if (type == kLong) return Read(entry + 8, 4);
+      return std::nullopt;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  // `size` bytes as a number; nothing when they aren't all there.
+  std::optional<uint32_t> Read(size_t at, size_t size) const {
+    if (at > bytes_.size() || bytes_.size() - at < size) return std::nullopt;
+    uint32_t value = 0;
+    for (size_t i = 0; i < size; ++i) {
+      value = value << 8 | bytes_[big_ ? at + i : at + size - 1 - i];
+    }
+    return value;
+  }
+
+  Bytes bytes_;
+  bool big_ = false;
+};
+
+// What the segments before the image data hold.
+struct Segments {
+  Bytes exif;  // the TIFF
+  int width = 0;
+  int height = 0;
+};
+
+Segments ReadSegments(Bytes bytes) {
+  constexpr std::string_view kExif("Exif\0\0", 6);
+  Segments found;
+  size_t at = 2;
+  while (bytes.size() > at && bytes.size() - at >= 4 && bytes[at] == 0xFF) {
+    const int marker = bytes[at + 1];
+    const size_t length = bytes[at + 2] * 256 + bytes[at + 3];
+    if (length < 2 || bytes.size() - at - 2 < length) break;
+    const Bytes segment = bytes.subspan(at + 4, length - 2);
+    const bool frame =
+        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (frame) {
+      if (segment.size() < 6) break;
+      found.height = segment[1] * 256 + segment[2];
+      found.width = segment[3] * 256 + segment[4];
+      break;
+    }
+    const bool exif = marker == 0xE1 && segment.size() > kExif.size() &&
+                      std::equal(kExif.begin(), kExif.end(), segment.begin(),
+                                 [](char a, uint8_t b) { return static_cast<uint8_t>(a) == b; });
+    if (exif && found.exif.empty()) found.exif = segment.subspan(kExif.size());
+    at += 2 + length;
+  }
+  return found;
+}
+
+bool SameShape(double width, double height, double other_width, double other_height) {
+  const double error = width * other_height / (height * other_width) - 1;
+  return std::abs(error) <= kMaxShapeError;
+}
+
+}  // namespace
+
+std::optional<ExifCamera> ReadExifCamera(Bytes bytes) {
+  if (bytes.size() < 4 || bytes[0] != 0xFF || bytes[1] != 0xD8) return std::nullopt;
+  const Segments segments = ReadSegments(bytes);
+  if (segments.exif.empty() || segments.width < 1 || segments.height < 1) return std::nullopt;
+  Tiff tiff(segments.exif);
+  if (!tiff.ReadStart()) return std::nullopt;
+  const std::optional<uint32_t> first = tiff.FirstDirectory();
+  const std::optional<uint32_t> exif = first ? tiff.Whole(*first, kExifDirectory) : std::nullopt;
+  if (!exif) return std::nullopt;
+  const std::optional<uint32_t> focal_mm = tiff.Whole(*exif, kFocal35mm);
+  if (!focal_mm || *focal_mm < kMinFocalMm || *focal_mm > kMaxFocalMm) return std::nullopt;
+  const uint32_t width = tiff.Whole(*exif, kPixelWidth).value_or(0);
+  const uint32_t height = tiff.Whole(*exif, kPixelHeight).value_or(0);
+  if (width > 0 && height > 0 && !SameShape(segments.width, segments.height, width, height)) {
+    return std::nullopt;
+  }
+  const double diagonal_px = std::hypot(segments.width, segments.height);
+  return ExifCamera{segments.width, segments.height, *focal_mm / kFilmDiagonalMm * diagonal_px};
+}
+
+}  // namespace waystone

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace waystone {
+
+// What a photo's EXIF data says about the camera.
+struct ExifCamera {
+  int width = 0;        // px, of the image itself
+  int height = 0;       // px
+  double focal_px = 0;  // of a camera without distortion, pixels of this image
+};
+
+// Reads a JPEG's focal length as of 35 mm film (tag FocalLengthIn35mmFilm), which stands for the
+// diagonal of 24 x 36 mm whatever the sensor's shape. Looks at the segments before the image data
+// alone: a photo costs microseconds. Nothing for other formats, for photos without the tag or with
+// a value outside 3 to 3000 mm, for data that is damaged, and for a photo that was cropped or
+// turned after it was taken: its pixels aren't of the shape that EXIF tells. Never throws, never
+// reads outside `bytes`. Thread-safe.
+std::optional<ExifCamera> ReadExifCamera(std::span<const uint8_t> bytes);
+
+}  // namespace waystone

@@ -1,0 +1,114 @@
+
+// What the server or the way to it refused. `code` is the contract's, or "unreachable", "timeout" or
+// "bad_answer"; `status` is 0 where no answer came.
+export class WaystoneError extends Error {
+  constructor(code, status, detail) {
+    super(detail);
+    this.name = "WaystoneError";
+    this.code = code;
+    this.status = status;
+  }
+}
+
+const kLists = { /* LISTS */ };
+const kDefaultRetryS = 1;
+
+const sleep = (ms) => new Promise((wake) => setTimeout(wake, ms));
+
+// A photo as a request's body and its type. An object goes as JSON; a FormData brings its own type.
+function bodyOf(photo) {
+  if (photo instanceof FormData) return [photo, null];
+  if (photo instanceof Blob) {
+    return [photo, photo.type.startsWith("image/") ? photo.type : "application/octet-stream"];
+  }
+  if (photo instanceof ArrayBuffer || ArrayBuffer.isView(photo)) return [photo, "application/octet-stream"];
+  return [JSON.stringify(photo), "application/json"];
+}
+
+function queryOf(options) {
+  const given = Object.entries(options).filter(([, value]) => value !== undefined && value !== null);
+  return given.length ? "?" + new URLSearchParams(given.map(([name, value]) => [name, String(value)])) : "";
+}
+
+async function problemOf(response) {
+  let problem = null;
+  try {
+    problem = await response.json();
+  } catch {
+    // Told below: not every server that answers is ours.
+  }
+  if (typeof problem?.code === "string") {
+    return new WaystoneError(problem.code, response.status, String(problem.detail ?? problem.title));
+  }
+  return new WaystoneError("bad_answer", response.status, `the server answered ${response.status}, and no problem of Waystone's`);
+}
+
+// Runs in browsers and in Node 18 and later, on fetch alone.
+export class Client {
+  constructor(server = "", { token = null, timeout_ms = 30000, retries = 2 } = {}) {
+    this.server = server.replace(/\/+$/, "");
+    this.token = token;
+    this.timeout_ms = timeout_ms;
+    this.retries = retries;
+  }
+
+  // One request: JSON parsed, an image as a Blob, else text. A server that is busy is asked again
+  // after its Retry-After, `retries` times at most and not beyond the timeout.
+  async ask(verb, path, options = {}, photo = undefined) {
+    const end = Date.now() + this.timeout_ms;
+    for (let left = this.retries; ; --left) {
+      const response = await this.send(verb, path + queryOf(options), photo, end - Date.now());
+      if (response.ok) return this.read(response);
+      const after = Number(response.headers.get("Retry-After") ?? kDefaultRetryS);
+      const wait = 1000 * (after >= 0 ? after : kDefaultRetryS);
+      if (response.status !== 429 || left <= 0 || Date.now() + wait >= end) throw await problemOf(response);
+      await sleep(wait);
+    }
+  }
+
+  async send(verb, target, photo, patience_ms) {
+    const headers = {};
+    if (this.token) headers.Authorization = `Bearer ${this.token}`;
+    const init = { method: verb, headers, signal: AbortSignal.timeout(Math.max(1, patience_ms)) };
+    if (photo !== undefined) {
+      const [body, type] = bodyOf(photo);
+      init.body = body;
+      if (type) headers["Content-Type"] = type;
+    }
+    try {
+      return await fetch(this.server + target, init);
+    } catch (error) {
+      throw this.lost(error);
+    }
+  }
+
+  async read(response) {
+    const type = response.headers.get("Content-Type") ?? "";
+    try {
+      if (type.startsWith("application/json")) return await response.json();
+      return type.startsWith("image/") ? await response.blob() : await response.text();
+    } catch (error) {
+      if (error instanceof SyntaxError) throw new WaystoneError("bad_answer", response.status, "the answer isn't JSON");
+      throw this.lost(error);
+    }
+  }
+
+  lost(error) {
+    if (error.name === "TimeoutError") {
+      return new WaystoneError("timeout", 0, `no answer within ${this.timeout_ms / 1000} s; ask with a longer timeout_ms`);
+    }
+    return new WaystoneError("unreachable", 0, "the server can't be reached; is it still running?");
+  }
+
+  // Every row of a list, page by page: for await (const plane of client.rows("listPlanes", "lab")).
+  async *rows(list, ...captures) {
+    let cursor;
+    do {
+      const page = await this[list](...captures, { limit: 1000, cursor });
+      yield* page[kLists[list]];
+      cursor = page.next;
+    } while (cursor);
+  }
+
+  // OPERATIONS
+}

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/layer_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/base/error.h"
+#include "server/http/home_page.h"
+
+namespace waystone {
+namespace {
+
+constexpr int kLengthDecimals = 4;
+constexpr int kAngleDecimals = 5;
+
+double Length(double value) { return Rounded(value, kLengthDecimals); }
+double Angle(double value_rad) { return Rounded(value_rad, kAngleDecimals); }
+
+// Where the head looks in the building: 0 along its x, pi / 2 along its y. Nothing for a head that
+// looks straight up or down.
+std::optional<double> HeadingOf(const BuildingRotation& rotation) {
+  const Eigen::Vector3d ahead = rotation.building_from_head * Eigen::Vector3d::UnitZ();
+  if (std::hypot(ahead.x(), ahead.y()) < 1e-6) return std::nullopt;
+  return std::atan2(ahead.y(), ahead.x());
+}
+
+Json HeadingJson(const OrientationFrame& frame) {
+  if (!frame.rotation) return nullptr;
+  const std::optional<double> heading = HeadingOf(*frame.rotation);
+  return heading ? Json(Angle(*heading)) : Json(nullptr);
+}
+
+// Standard deviation of the heading, about the building's z.
+Json HeadingDeviationJson(const OrientationFrame& frame) {
+  if (!frame.rotation) return nullptr;
+  return Angle(std::sqrt(std::max(0.0, frame.rotation->covariance(2, 2))));
+}
+
+const OrientationFrame* FrameOf(const OrientationLayer& layer, OrientationFrameId id) {
+  const auto it = std::lower_bound(
+      layer.frames.begin(), layer.frames.end(), id,
+      [](const OrientationFrame& frame, OrientationFrameId wanted) { return frame.id < wanted; });
+  return it == layer.frames.end() || it->id != id ? nullptr : &*it;
+}
+
+bool Contains(const OrientationLayer& layer, const Corridor& corridor, OrientationFrameId id) {
+  if (id < corridor.first || corridor.last < id) return false;
+  const OrientationFrame* frame = FrameOf(layer, id);
+  const OrientationFrame* first = FrameOf(layer, corridor.first);
+  return frame && first && frame->sequence == first->sequence;
+}
+
+Json CorridorOf(const OrientationLayer& layer, OrientationFrameId frame) {
+  for (size_t i = 0; i < layer.corridors.size(); ++i) {
+    if (Contains(layer, layer.corridors[i], frame)) return i + 1;
+  }
+  return nullptr;
+}
+
+Json ImagePath(const std::string& map, const std::string& layer, int64_t node) {
+  return "/v1/maps/" + EncodeSegment(map) + "/" + layer + "/nodes/" + std::to_string(node) +
+         "/image";
+}
+
+std::string NameOf(const MapData& map, SequenceId id) {
+  for (const Sequence& sequence : map.sequences) {
+    if (sequence.id == id) return sequence.name;
+  }
+  return "";
+}
+
+Json HalvesJson(const HalfMatrix& matrix, int decimals) {
+  Json rows = Json::array();
+  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
+    Json row = Json::array();
+    for (Eigen::Index c = 0; c < matrix.cols(); ++c) {
+      row.push_back(Rounded(static_cast<float>(matrix(r, c)), decimals));
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+const char* AxisName(int axis) { return axis == 0 ? "x" : "y"; }
+
+}  // namespace
+
+const AppearanceLayer& AppearanceOf(const MapIndex& index) {
+  if (index.map().appearance) return *index.map().appearance;
+  throw MapError(ErrorCode::kNoLayer,
+                 "this map has no appearance layer; build it from panoramas, or from a rig that "
+                 "sees all around");
+}
+
+const OrientationLayer& OrientationOf(const MapIndex& index) {
+  if (index.map().orientation) return *index.map().orientation;
+  throw MapError(ErrorCode::kNoLayer,
+                 "this map has no orientation layer; build it from a calibrated camera's images of "
+                 "a building");
+}
+
+Json LayerJson(const MapData& map, const AppearanceLayer& layer) {
+  const NodeRows rows("", map);
+  Json json;
+  json["scale"] = layer.metres_per_unit ? "metric" : "arbitrary";
+  json["metres_per_unit"] = OrNull(layer.metres_per_unit);
+  json["dropped"] = layer.dropped;
+  json["nodes"] = Json::array();
+  for (const AppearanceNode& node : layer.nodes) {
+    json["nodes"].push_back({{"id", node.id.value},
+                             {"keyframe", rows.KeyframeOf(node.sequence, node.frame)},
+                             {"x", Length(node.pose.x)},
+                             {"y", Length(node.pose.y)},
+                             {"heading_rad", Angle(node.pose.theta_rad)}});
+  }
+  json["edges"] = Json::array();
+  for (const AppearanceEdge& edge : layer.edges) {
+    const bool loop = edge.kind == AppearanceEdgeKind::kLoop;
+    json["edges"].push_back({{"a", edge.a.value},
+                             {"b", edge.b.value},
+                             {"kind", loop ? "loop" : "odometry"},
+                             {"distance", Length(edge.distance)}});
+  }
+  return json;
+}
+
+Json LayerJson(const MapData& map, const OrientationLayer& layer) {
+  const NodeRows rows("", map);
+  Json json;
+  json["step"] = layer.step;
+  json["nodes"] = Json::array();
+  for (const OrientationNode& node : layer.nodes) {
+    const OrientationFrame* frame = FrameOf(layer, node.frame);
+    const bool turn = node.kind == OrientationNodeKind::kTurn;
+    json["nodes"].push_back(
+        {{"id", node.frame.value},
+         {"keyframe", frame ? rows.KeyframeOf(frame->sequence, frame->frame) : Json(nullptr)},
+         {"kind", turn ? "turn" : "frame"},
+         {"heading_rad", frame ? HeadingJson(*frame) : Json(nullptr)},
+         {"corridor", CorridorOf(layer, node.frame)}});
+  }
+  json["edges"] = Json::array();
+  for (const OrientationEdge& edge : layer.edges) {
+    const bool loop = edge.kind == OrientationEdgeKind::kLoop;
+    json["edges"].push_back({{"a", edge.a.value},
+                             {"b", edge.b.value},
+                             {"kind", loop ? "loop" : "traversable"},
+                             {"matches", edge.matches}});
+  }
+  json["corridors"] = Json::array();
+  for (size_t i = 0; i < layer.corridors.size(); ++i) {
+    json["corridors"].push_back(CorridorJson(layer, i));
+  }
+  return json;
+}
+
+NodeRows::NodeRows(std::string map_name, const MapData& map)
+    : name_(std::move(map_name)), map_(map) {
+  for (const Keyframe& keyframe : map.keyframes) {
+    keyframes_.emplace(std::pair(keyframe.sequence, keyframe.frame), keyframe.id);
+  }
+}
+
+Json NodeRows::KeyframeOf(SequenceId sequence, int frame) const {
+  const auto it = keyframes_.find({sequence, frame});
+  return it == keyframes_.end() ? Json(nullptr) : Json(it->second.value);
+}
+
+Json NodeRows::Row(const AppearanceNode& node) const {
+  Json json;
+  json["id"] = node.id.value;
+  json["sequence"] = NameOf(map_, node.sequence);
+  json["source"] = node.source;
+  json["time_s"] = OrNull(node.time_s);
+  json["frame"] = node.frame;
+  json["keyframe"] = KeyframeOf(node.sequence, node.frame);
+  json["x"] = Length(node.pose.x);
+  json["y"] = Length(node.pose.y);
+  json["heading_rad"] = Angle(node.pose.theta_rad);
+  json["features"] = node.features.bearings.size();
+  json["image"] = node.jpeg.empty() ? Json(nullptr) : ImagePath(name_, "appearance", node.id.value);
+  return json;
+}
+
+Json NodeRows::Row(const OrientationFrame& frame) const {
+  Json json;
+  json["id"] = frame.id.value;
+  json["sequence"] = NameOf(map_, frame.sequence);
+  json["source"] = frame.source;
+  json["time_s"] = OrNull(frame.time_s);
+  json["frame"] = frame.frame;
+  json["keyframe"] = KeyframeOf(frame.sequence, frame.frame);
+  json["reliable"] = frame.reliable;
+  json["heading_rad"] = HeadingJson(frame);
+  json["deviation_rad"] = HeadingDeviationJson(frame);
+  json["building_from_head"] =
+      frame.rotation ? ToJson(Eigen::Matrix3d(frame.rotation->building_from_head)) : Json(nullptr);
+  json["lines"] = frame.lines;
+  return json;
+}
+
+std::vector<AppearanceEdge> LoopsOf(const AppearanceLayer& layer) {
+  std::vector<AppearanceEdge> loops;
+  std::copy_if(layer.edges.begin(), layer.edges.end(), std::back_inserter(loops),
+               [](const AppearanceEdge& edge) { return edge.kind == AppearanceEdgeKind::kLoop; });
+  return loops;
+}
+
+Json LoopJson(const AppearanceEdge& edge) {
+  Json json;
+  json["a"] = edge.a.value;
+  json["b"] = edge.b.value;
+  json["distance"] = Length(edge.distance);
+  json["a_from_b"] = {{"x", Length(edge.a_from_b.x)},
+                      {"y", Length(edge.a_from_b.y)},
+                      {"heading_rad", Angle(edge.a_from_b.theta_rad)}};
+  json["deviation_rad"] = Angle(edge.deviation_rad);
+  return json;
+}
+
+Json SignatureJson(const AppearanceNode& node) {
+  constexpr int kDecimals = 4;  // 16-bit floats have no more
+  Json json;
+  json["node"] = node.id.value;
+  json["magnitudes"] = HalvesJson(node.signature.magnitudes, kDecimals);
+  json["phases"] = HalvesJson(node.signature.phases, kDecimals);
+  return json;
+}
+
+Json TurnJson(const OrientationTurn& turn) {
+  Json json;
+  json["frame"] = turn.frame.value;
+  json["direction"] = turn.direction > 0 ? "left" : "right";
+  json["angle_rad"] = Angle(turn.angle_rad);
+  json["confirmed"] = turn.confirmed;
+  json["axis_after"] = AxisName(turn.axis_after);
+  return json;
+}
+
+Json CorridorJson(const OrientationLayer& layer, size_t i) {
+  const Corridor& corridor = layer.corridors[i];
+  Json json;
+  json["id"] = i + 1;
+  json["axis"] = AxisName(corridor.axis);
+  json["first"] = corridor.first.value;
+  json["last"] = corridor.last.value;
+  json["nodes"] = Json::array();
+  for (const OrientationNode& node : layer.nodes) {
+    if (Contains(layer, corridor, node.frame)) json["nodes"].push_back(node.frame.value);
+  }
+  return json;
+}
+
+}  // namespace waystone
