@@ -56,6 +56,7 @@ std::string OptionsJson(const BuildOptions& options) {
        {{"rows", options.appearance.describe.signature.rows},
         {"k1", options.appearance.describe.signature.k1},
         {"k2", options.appearance.describe.signature.k2},
+        {"node_features", options.appearance.describe.features.max_kept},
         {"max_span", options.appearance.odometry.max_span},
         {"close_loops", options.appearance.close_loops},
         {"max_loss", options.appearance.redundancy.max_loss}}}};
@@ -276,6 +277,8 @@ void AddAppearance(const std::vector<Source*>& sources, const BuildOptions& opti
   };
   AppearanceOptions appearance = options.appearance;
   if (!options.images) appearance.describe.image_width = 0;
+  appearance.max_samples = options.appearance_calibration.max_nodes;
+  appearance.describe.features.extract.bearings.features.type = options.features.type;
   AppearanceResult built = BuildAppearanceLayer(sources, appearance, report);
   const int64_t before = std::ssize(result.map.sequences);
   for (Sequence& sequence : built.sequences) {
@@ -285,6 +288,11 @@ void AddAppearance(const std::vector<Source*>& sources, const BuildOptions& opti
   for (AppearanceNode& node : built.layer.nodes) node.sequence.value += before;
   result.map.appearance = std::move(built.layer);
   result.report.appearance = std::move(built.report);
+  result.map.info = InfoOf(options);
+  const Clock::time_point start = Clock::now();
+  CalibrateAppearanceLayer(result.map, built.samples, options.appearance_calibration,
+                           [&] { return report("calibration", 0, 1); });
+  result.report.appearance->calibrate_s = SecondsSince(start);
 }
 
 BuildResult BuildPlanes(const std::vector<Source*>& sources, const BuildOptions& options,
@@ -345,6 +353,7 @@ void BuildOptions::Check() const {
   planes.Check();
   appearance.Check();
   calibration.Check();
+  appearance_calibration.Check();
   if (image_width < 16 || image_width > 4096) {
     throw MapError(ErrorCode::kBadOptions, "image_width is " + std::to_string(image_width) +
                                                "; give a number from 16 to 4096");
@@ -366,7 +375,9 @@ BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
   return arena.execute([&] {
     const LayerChoice& layers = options.layers;
     const auto planes = SourcesOf(LayerKind::kPlanes, layers.planes,
-                                  "are ordinary images, which planes take", sources, layers);
+                                  "are ordinary images, which planes take; leave planes out, or "
+                                  "name that layer alone to take panoramas for photos",
+                                  sources, layers);
     const auto panoramas =
         SourcesOf(LayerKind::kAppearance, layers.appearance,
                   "are panoramas (twice as wide as high, or rigs), which appearance takes; name "

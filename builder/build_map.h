@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "builder/appearance/build_appearance.h"
+#include "builder/appearance_calibration.h"
 #include "builder/calibrate.h"
 #include "builder/keyframes/keyframe_selector.h"
 #include "builder/planes/options.h"
@@ -40,6 +41,7 @@ struct BuildOptions {
   AppearanceOptions appearance;
   LayerChoice layers;
   CalibrationOptions calibration;
+  AppearanceCalibrationOptions appearance_calibration;
   // Keep a smaller JPEG of each keyframe in the map, for people.
   bool images = true;
   int image_width = 320;  // px
@@ -52,7 +54,8 @@ struct BuildOptions {
 
 // How far a build is; handed to the progress callback, one call at a time but from any thread.
 struct BuildProgress {
-  std::string stage;  // "frames", "fusion"; "panoramas", "odometry", "loops", "poses"
+  std::string stage;  // "frames", "fusion"; "panoramas", "odometry", "loops", "poses",
+                      // "calibration"
   int done = 0;
   int total = 0;  // 0 when not known
   int keyframes = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "core/features/features.h"
@@ -11,5 +12,9 @@ namespace waystone {
 // Features of `count` pictures of a made building that no map shows: textures follow from a seed
 // of their own. The same on any number of threads; thread-safe.
 std::vector<Features> RenderedNegatives(int count, const FeatureOptions& options);
+
+// `count` whole panoramas (CV_8UC1, width_px by half of it) of the same building. The same on any
+// number of threads; thread-safe.
+std::vector<cv::Mat> RenderedPanoramas(int count, int width_px);
 
 }  // namespace waystone

@@ -70,7 +70,7 @@ BuildOptions OptionsOf(const BuildFlags& flags) {
   options.images = !flags.no_images;
   options.layers = LayerChoiceByNames(flags.layers);
   options.appearance.describe.panorama = PanoramaOptionsOf(flags.panorama);
-  options.appearance.describe.signature = SignatureOptionsOf(flags.panorama);
+  options.appearance.describe.signature.band = SignatureOptionsOf(flags.panorama).band;
   options.Check();
   return options;
 }
@@ -152,6 +152,11 @@ void AddMapFlags(CLI::App* command, BuildFlags& flags) {
   command
       ->add_option("--max-loss", flags.build.appearance.redundancy.max_loss,
                    "Leave out panoramas that lose at most this share of information, 0 to 1")
+      ->capture_default_str();
+  command
+      ->add_option("--node-features", flags.build.appearance.describe.features.max_kept,
+                   "Features kept of each panorama, 36 bytes each: answers are verified with them, "
+                   "and photos found; 0 keeps none")
       ->capture_default_str();
   AddPanoramaFlags(*command, flags.panorama);
   command->add_flag("--no-images", flags.no_images, "Leave the keyframes' pictures out of the map");

@@ -65,7 +65,7 @@ void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
   Line(out, "seconds",
        "decode " + Seconds(report.decode_s) + ", signatures " + Seconds(report.describe_s) +
            ", odometry " + Seconds(report.odometry_s) + ", loops " + Seconds(report.loops_s) +
-           ", poses " + Seconds(report.graph_s));
+           ", poses " + Seconds(report.graph_s) + ", calibrate " + Seconds(report.calibrate_s));
 }
 
 void PlanesLines(std::ostream& out, const BuildReport& report) {

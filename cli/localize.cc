@@ -58,15 +58,15 @@ bool AnswerSeries(const OpenMap& map, const LocalizeFlags& flags) {
                                           "it from panoramas, or leave --series out");
   }
   bool all_read = true;
-  FilterState state;
+  SeriesContext context;
   for (const std::string& photo : flags.photos) {
     try {
       const cv::Mat grey = DecodeGrey(ReadBytes(photo), DecodeLimits{});
       const PanoramaQuery query = DescribeQuery(*map.index, grey, {});
-      SeriesStep step = ContinueSeries(*map.index, query, state, {});
-      state = std::move(step.state);
-      step.answer.image = photo;
-      Print(step.answer, map, flags.json);
+      Answer answer = ContinueSeries(*map.index, query, context);
+      context.previous = answer.belief;
+      answer.image = photo;
+      Print(std::move(answer), map, flags.json);
     } catch (const MapError& error) {
       std::cerr << "waystone: " << photo << ": " << error.what() << '\n';
       all_read = false;

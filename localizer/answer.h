@@ -8,6 +8,7 @@
 
 #include "core/base/ids.h"
 #include "core/base/pose2.h"
+#include "core/localization/graph_filter.h"
 #include "localizer/explanation.h"
 
 namespace waystone {
@@ -104,6 +105,9 @@ struct Answer {
   std::optional<LayerPlace> panorama;
   std::vector<NodeCandidate> nodes;
   std::optional<NodeCandidate> node_runner_up;  // the best node elsewhere
+  // What the next panorama of a series is asked with: the likeliest nodes, by index. Empty as long
+  // as none looked like a place of the map.
+  FilterState belief;
   std::string decided_by;  // name of the gate that decided, e.g. "homography_inliers"
   std::string message;     // one line for people: why it isn't localized, and what would help
   // The last stage that was finished: "queue", "decode", "extract", "shortlist", "verify" or

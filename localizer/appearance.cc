@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
+#include "localizer/panorama_series.h"
 
 namespace waystone {
 namespace {
@@ -58,14 +60,21 @@ void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool v
     if (elsewhere && !answer.node_runner_up) answer.node_runner_up = answer.nodes.back();
   }
   answer.probability = answer.nodes.front().probability;
+  // A panorama was taken at one place: what looks as well elsewhere takes its share.
+  if (answer.node_runner_up) {
+    answer.probability *=
+        answer.probability / (answer.probability + answer.node_runner_up->probability);
+  }
   answer.decided_by = verified ? "panorama_features" : "panorama_signature";
   if (answer.probability >= options.min_probability) {
     answer.verdict = Verdict::kLocalized;
     return;
   }
   // Whether the place would have been believed if nothing elsewhere were like it.
-  AppearanceEvidence alone = EvidenceOf(index, {nodes.front()}, 0, options);
+  AppearanceEvidence alone = EvidenceOf(index, nodes, 0, options);
   alone.verified = verified;
+  alone.margin = options.max_margin;
+  alone.log_inlier_margin = alone.log_inliers;
   const bool alike =
       answer.node_runner_up && ProbabilityOf(alone, model) >= options.min_probability;
   answer.verdict = alike ? Verdict::kAmbiguous : Verdict::kNotInMap;
@@ -82,6 +91,34 @@ Answer Signed(const MapIndex& index) {
   return answer;
 }
 
+PanoramaQuery DescribeAppearance(const MapIndex& index, const cv::Mat& grey) {
+  WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
+  PanoramaQuery query;
+  query.signature = Signature(ToPanorama(grey), index.map().appearance->described);
+  return query;
+}
+
+// ToPanorama bears an image that is a little narrower or wider than twice its height; faces don't.
+BearingFeatures FeaturesOf(const MapIndex& index, const cv::Mat& grey,
+                           const PanoramaQueryOptions& options) {
+  PanoramaFeatureOptions features = options.features;
+  features.bearings.features.type = index.map().info.feature_type;
+  const int rows = std::max(1, grey.cols / 2);
+  if (grey.cols == 2 * grey.rows) return ExtractPanoramaFeatures(grey, features);
+  cv::Mat whole;
+  cv::resize(grey, whole, {2 * rows, rows}, 0, 0, cv::INTER_AREA);
+  return ExtractPanoramaFeatures(whole, features);
+}
+
+// Whether the appearance alone is sure of the place.
+bool IsSettled(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+               const PanoramaQueryOptions& options) {
+  if (nodes.empty()) return true;
+  const AppearanceEvidence evidence = EvidenceOf(index, nodes, 0, options);
+  const AppearanceVerdict model = VerdictFor(*index.map().appearance, false);
+  return ProbabilityOf(evidence, model) >= options.settled_probability;
+}
+
 }  // namespace
 
 void PanoramaQueryOptions::Check() const {
@@ -93,48 +130,42 @@ void PanoramaQueryOptions::Check() const {
   CheckRange("phase_deviation_rad", phase_deviation_rad, 0.001, 3);
   features.Check();
   match.Check();
+  CheckRange("settled_probability", settled_probability, 0.5, 1);
   CheckRange("max_poses", max_poses, 1, 1000);
+  CheckRange("photo_features", photo_features, 10, 100'000);
   relative.Check();
   CheckRange("interpolation_cost", interpolation_cost, 0.001, 10);
   CheckRange("direction_deviation_rad", direction_deviation_rad, 0.001, 1);
   CheckRange("elsewhere_spacings", elsewhere_spacings, 1, 1000);
   CheckRange("max_margin", max_margin, 0.001, 10);
+  CheckRange("agreement_rad", agreement_rad, 0.01, 3);
   CheckRange("min_probability", min_probability, 1e-6, 1 - 1e-6);
 }
 
-bool IsPanoramic(const cv::Mat& image) {
-  const double ratio = static_cast<double>(image.cols) / std::max(1, image.rows);
+bool IsPanoramic(const cv::Size& size) {
+  const double ratio = static_cast<double>(size.width) / std::max(1, size.height);
   return std::abs(ratio / kPanoramaRatio - 1) <= kRatioTolerance;
 }
 
 PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,
                             const PanoramaQueryOptions& options) {
-  WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
-  const AppearanceLayer& layer = *index.map().appearance;
-  PanoramaQuery query;
-  query.signature = Signature(ToPanorama(grey), layer.described);
-  if (!options.verify || !KeepsFeatures(layer)) return query;
-  PanoramaFeatureOptions features = options.features;
-  features.bearings.features.type = index.map().info.feature_type;
-  query.features = ExtractPanoramaFeatures(grey, features);
+  PanoramaQuery query = DescribeAppearance(index, grey);
+  if (options.verify && KeepsFeatures(*index.map().appearance)) {
+    query.features = FeaturesOf(index, grey, options);
+  }
   return query;
 }
 
-Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
-                      const PanoramaQueryOptions& options, const std::vector<bool>& left_out) {
-  options.Check();
-  WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
-  const auto start = Clock::now();
+Answer AnswerFor(const MapIndex& index, const FourierSignature& query,
+                 std::vector<ComparedNode> nodes, bool verified,
+                 const PanoramaQueryOptions& options) {
   Answer answer = Signed(index);
-  std::vector<ComparedNode> nodes = CompareQuery(index, query, options, left_out);
-  answer.timing.verify_ms = answer.timing.total_ms = MillisecondsSince(start);
   if (nodes.empty()) {
     answer.message = "the map's appearance layer has no node left to compare with; map more places";
     return answer;
   }
-  const bool verified = query.features.has_value();
   if (nodes.front().inliers == 0 && options.fine_heading) {
-    RefineHeading(index, query.signature, nodes.front(), options);
+    RefineHeading(index, query, nodes.front(), options);
   }
   Judge(index, nodes, verified, options, answer);
   const PlacedQuery placed = PlaceQuery(index, nodes, options);
@@ -144,26 +175,59 @@ Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
   if (answer.verdict == Verdict::kLocalized) {
     answer.heading = Heading{placed.pose.theta_rad, nodes.front().deviation_rad, "layer"};
   }
+  return answer;
+}
+
+Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
+                      const PanoramaQueryOptions& options, const std::vector<bool>& left_out) {
+  options.Check();
+  WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
+  const auto start = Clock::now();
+  Answer answer = AnswerFor(index, query.signature, CompareQuery(index, query, options, left_out),
+                            query.features.has_value(), options);
   answer.timing.verify_ms = answer.timing.total_ms = MillisecondsSince(start);
+  return answer;
+}
+
+Answer RefusePanorama(const MapIndex& index, const MapError& error) {
+  Answer answer = Signed(index);
+  answer.verdict = Verdict::kBadImage;
+  answer.decided_by = InfoOf(error.code()).name;
+  answer.message = error.what();
   return answer;
 }
 
 Answer LocalizePanorama(const MapIndex& index, const cv::Mat& grey,
                         const PanoramaQueryOptions& options) {
+  options.Check();
   const auto start = Clock::now();
   try {
-    const PanoramaQuery query = DescribeQuery(index, grey, options);
-    const double extract_ms = MillisecondsSince(start);
-    Answer answer = LocatePanorama(index, query, options);
+    PanoramaQuery query = DescribeAppearance(index, grey);
+    double extract_ms = MillisecondsSince(start);
+    const bool may_verify = options.verify && KeepsFeatures(*index.map().appearance);
+    PanoramaQueryOptions alone = options;
+    alone.verify = false;
+    std::vector<ComparedNode> nodes = CompareQuery(index, query, alone, {});
+    if (may_verify && !IsSettled(index, nodes, options)) {
+      const auto before = Clock::now();
+      query.features = FeaturesOf(index, grey, options);
+      extract_ms += MillisecondsSince(before);
+      nodes = CompareQuery(index, query, options, {});
+    }
+    const bool verified = query.features.has_value();
+    Answer answer = AnswerFor(index, query.signature, nodes, verified, options);
+    SeriesOptions series;
+    series.query = options;
+    if (answer.verdict != Verdict::kNotInMap) {
+      answer.belief = BeliefAfter(index, nodes, verified, {}, series);
+    }
     answer.timing.extract_ms = extract_ms;
-    answer.timing.total_ms += extract_ms;
+    answer.timing.total_ms = MillisecondsSince(start);
+    answer.timing.verify_ms = answer.timing.total_ms - extract_ms;
     return answer;
   } catch (const MapError& error) {
     if (error.code() != ErrorCode::kBadImage) throw;
-    Answer answer = Signed(index);
-    answer.verdict = Verdict::kBadImage;
-    answer.decided_by = InfoOf(error.code()).name;
-    answer.message = error.what();
+    Answer answer = RefusePanorama(index, error);
     answer.timing.extract_ms = answer.timing.total_ms = MillisecondsSince(start);
     return answer;
   }

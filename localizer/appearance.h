@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "core/base/error.h"
 #include "localizer/answer.h"
 #include "localizer/appearance_match.h"
 #include "localizer/map_index.h"
@@ -19,7 +20,7 @@ PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,
                             const PanoramaQueryOptions& options);
 
 // Whether an image is for the appearance layer: twice as wide as high, to 2 %.
-bool IsPanoramic(const cv::Mat& image);
+bool IsPanoramic(const cv::Size& size);
 
 // Where was this panorama taken? The nearest signatures are ranked again by the phases (eq. 1's
 // turn); where the nodes have features, they are verified by relative poses over bearings. The
@@ -29,8 +30,18 @@ bool IsPanoramic(const cv::Mat& image);
 Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
                       const PanoramaQueryOptions& options, const std::vector<bool>& left_out = {});
 
-// Both steps, with times; nothing is thrown for a bad panorama: the verdict is kBadImage.
+// The answer for nodes that a query was compared with (CompareQuery), best first; for who has
+// compared already. `verified` says whether features were. No nodes are "not in the map".
+Answer AnswerFor(const MapIndex& index, const FourierSignature& query,
+                 std::vector<ComparedNode> nodes, bool verified,
+                 const PanoramaQueryOptions& options);
+
+// Both steps, with times and the belief that a series begins with; features are taken only where
+// the appearance doesn't settle it. Nothing is thrown for a bad panorama: the verdict is kBadImage.
 Answer LocalizePanorama(const MapIndex& index, const cv::Mat& grey,
                         const PanoramaQueryOptions& options);
+
+// An answer that says why an image is no panorama, with the map's name and version.
+Answer RefusePanorama(const MapIndex& index, const MapError& error);
 
 }  // namespace waystone

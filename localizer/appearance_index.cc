@@ -24,6 +24,15 @@ float LargestRoot(const AppearanceLayer& layer, int columns) {
   return std::sqrt(largest);
 }
 
+constexpr int kReachSamples = 200;  // nodes from which the reach of views is taken
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 double MedianSpacing(const std::vector<AppearanceNode>& nodes) {
   std::vector<double> nearest;
   for (const AppearanceNode& a : nodes) {
@@ -35,10 +44,7 @@ double MedianSpacing(const std::vector<AppearanceNode>& nodes) {
     }
     nearest.push_back(std::sqrt(best));
   }
-  if (nearest.size() < 2) return 0;
-  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
-  std::nth_element(nearest.begin(), middle, nearest.end());
-  return *middle;
+  return nearest.size() < 2 ? 0 : Median(std::move(nearest));
 }
 
 // Compiles to the processor's sum of absolute differences.
@@ -61,6 +67,7 @@ void AppearanceIndexOptions::Check() const {
   CheckRange("frequencies", frequencies, 1, 4096);
   CheckRange("stride", stride, 1, 4096);
   CheckRange("typical_pairs", typical_pairs, 1, 1'000'000);
+  CheckRange("alike", alike, 0, 1);
 }
 
 AppearanceIndex::AppearanceIndex(const AppearanceLayer& layer,
@@ -80,8 +87,39 @@ AppearanceIndex::AppearanceIndex(const AppearanceLayer& layer,
     const std::vector<uint8_t> bytes = BytesOf(node.signature);
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
-  spacing_ = MedianSpacing(layer.nodes);
   typical_ = TypicalDistance(options.typical_pairs);
+  spacing_ = std::max(MedianSpacing(layer.nodes), Reach(layer.nodes, options.alike));
+}
+
+// The median over nodes spread over the layer of how far one can go from them without coming to a
+// node that looks otherwise; places far away that look alike don't count.
+double AppearanceIndex::Reach(const std::vector<AppearanceNode>& nodes, double alike) const {
+  const auto limit = static_cast<uint32_t>(alike * typical_);
+  const int samples = std::min(nodes_, kReachSamples);
+  std::vector<double> reaches;
+  for (int i = 0; i < samples; ++i) {
+    const auto a = static_cast<int>(static_cast<int64_t>(i) * nodes_ / samples);
+    const uint8_t* bytes = bytes_.data() + static_cast<size_t>(a) * rows_ * columns_;
+    double nearest_other = std::numeric_limits<double>::infinity();
+    std::vector<double> like;  // distances to those that look alike
+    for (int b = 0; b < nodes_; ++b) {
+      if (b == a) continue;
+      const double apart =
+          std::hypot(nodes[a].pose.x - nodes[b].pose.x, nodes[a].pose.y - nodes[b].pose.y);
+      if (DistanceBelow(bytes, b, limit) < limit) {
+        like.push_back(apart);
+      } else {
+        nearest_other = std::min(nearest_other, apart);
+      }
+    }
+    double reach = 0;
+    for (const double apart : like) {
+      if (apart < nearest_other) reach = std::max(reach, apart);
+    }
+    // Where all look alike, there is nothing that a place could be told from.
+    reaches.push_back(std::isfinite(nearest_other) ? reach : 0);
+  }
+  return Median(std::move(reaches));
 }
 
 // The mean over pairs that lie a third to two thirds of the layer apart in its order.

@@ -26,6 +26,9 @@ struct AppearanceIndexOptions {
   int stride = 4;
   // Pairs of nodes from which the typical distance is taken, 1 to 1,000,000. More are surer.
   int typical_pairs = 2000;
+  // Signatures that differ by less than this share of the typical distance are views of one place,
+  // 0 to 1: what spacing() is at least. More makes larger places of nodes that stand densely.
+  double alike = 0.5;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -42,8 +45,10 @@ class AppearanceIndex {
                            const AppearanceIndexOptions& options = {});
 
   int size() const { return nodes_; }
-  // Distance between nodes that are next to each other, in the layer's units: the median over the
-  // nodes of the distance to the nearest other one; 0 with fewer than two.
+  // The size of a place, in the layer's units: the distance between nodes that are next to each
+  // other (the median over the nodes of the distance to the nearest other one), or how far nodes
+  // with signatures alike are apart where that is more, since a robot that leaves an image every
+  // few centimetres doesn't make places smaller. 0 with fewer than two nodes.
   double spacing() const { return spacing_; }
 
   // The `count` nearest nodes (fewer when there are fewer), nearest first, ties by node; exact to
@@ -55,6 +60,7 @@ class AppearanceIndex {
  private:
   std::vector<uint8_t> BytesOf(const FourierSignature& signature) const;
   double TypicalDistance(int pairs) const;
+  double Reach(const std::vector<AppearanceNode>& nodes, double alike) const;
   uint32_t DistanceBelow(const uint8_t* query, int node, uint32_t limit) const;
 
   int nodes_ = 0;

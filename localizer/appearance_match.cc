@@ -26,12 +26,25 @@ void RankByInliers(std::vector<ComparedNode>& nodes) {
   std::ranges::stable_sort(nodes, std::ranges::greater{}, &ComparedNode::inliers);
 }
 
+double MedianParallax(const MatchedRays& rays, const RelativePose& pose) {
+  std::vector<double> angles;
+  for (const int i : pose.inliers) {
+    const double cosine = (pose.b_from_a * rays.a[i]).dot(rays.b[i]);
+    angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
+  }
+  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
+  std::ranges::nth_element(angles, middle);
+  return *middle;
+}
+
 // Heading and direction of the query from the motion x_query = R x_node + t. Azimuths are clockwise
 // and yaws counter-clockwise: what is in front of the node is at azimuth `heading` of the query.
-void TakeMotion(const AppearanceNode& node, const RelativePose& pose, ComparedNode& compared) {
+void TakeMotion(const AppearanceNode& node, const MatchedRays& rays, const RelativePose& pose,
+                ComparedNode& compared) {
   const Eigen::Matrix3d& r = pose.b_from_a;
   const Eigen::Vector3d query_in_node = -(r.transpose() * pose.translation);
   compared.inliers = static_cast<int>(pose.inliers.size());
+  compared.parallax_rad = MedianParallax(rays, pose);
   compared.heading_rad = WrappedAngle(node.pose.theta_rad + std::atan2(r(0, 2), r(2, 2)));
   compared.deviation_rad = std::sqrt(pose.covariance(1, 1));
   compared.direction_rad =
@@ -96,7 +109,7 @@ std::vector<ComparedNode> VerifyByFeatures(const MapIndex& index, const BearingF
     if (poses++ == options.max_poses) break;
     const RelativePose pose = FindRelativePose(matched.rays, options.relative);
     if (!pose.accepted()) continue;
-    TakeMotion(NodeAt(index, nodes[matched.at].node), pose, nodes[matched.at]);
+    TakeMotion(NodeAt(index, nodes[matched.at].node), matched.rays, pose, nodes[matched.at]);
   }
   RankByInliers(nodes);
   return nodes;
@@ -122,12 +135,32 @@ bool AreElsewhere(const MapIndex& index, int a, int b, const PanoramaQueryOption
   return apart > options.elsewhere_spacings * index.appearance().spacing();
 }
 
+namespace {
+
+// log(1 + compared nodes beside nodes[at] that see the query's heading as it does).
+double AgreementOf(const MapIndex& index, const std::vector<ComparedNode>& nodes, size_t at,
+                   const PanoramaQueryOptions& options) {
+  int agreeing = 0;
+  for (size_t other = 0; other < nodes.size(); ++other) {
+    if (other == at || AreElsewhere(index, nodes[at].node, nodes[other].node, options)) continue;
+    const double off = WrappedAngle(nodes[other].heading_rad - nodes[at].heading_rad);
+    agreeing += std::abs(off) <= options.agreement_rad;
+  }
+  return std::log1p(agreeing);
+}
+
+}  // namespace
+
 AppearanceEvidence EvidenceOf(const MapIndex& index, const std::vector<ComparedNode>& nodes,
                               size_t at, const PanoramaQueryOptions& options) {
   const size_t other = BestElsewhere(index, nodes, at, options);
   AppearanceEvidence evidence;
   evidence.cost = nodes[at].cost;
   evidence.margin = options.max_margin;
+  evidence.agreement = AgreementOf(index, nodes, at, options);
+  evidence.parallax_rad = nodes[at].parallax_rad;
+  evidence.deviation_spacings = PlaceQuery(index, nodes, options, at).deviation /
+                                std::max(index.appearance().spacing(), 1e-9);
   evidence.log_inliers = evidence.log_inlier_margin = std::log1p(nodes[at].inliers);
   if (other == nodes.size()) return evidence;
   evidence.margin =
@@ -139,8 +172,8 @@ AppearanceEvidence EvidenceOf(const MapIndex& index, const std::vector<ComparedN
 // Least squares over the position p: each node that agrees with the best says "near me", and where
 // it has seen a motion also "in this direction": n . (p - node) = 0 with n across the direction.
 PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& nodes,
-                       const PanoramaQueryOptions& options) {
-  const ComparedNode& best = nodes.front();
+                       const PanoramaQueryOptions& options, size_t at) {
+  const ComparedNode& best = nodes[at];
   const double spacing = std::max(index.appearance().spacing(), 1e-9);
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   Eigen::Vector2d pull = Eigen::Vector2d::Zero();
@@ -161,9 +194,9 @@ PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& n
     information += weights;
     pull += weights * PositionOf(NodeAt(index, compared.node));
   }
-  const Eigen::Vector2d at = information.ldlt().solve(pull);
+  const Eigen::Vector2d position = information.ldlt().solve(pull);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(information);
-  return {{at.x(), at.y(), best.heading_rad}, 1 / std::sqrt(axes.eigenvalues()(0))};
+  return {{position.x(), position.y(), best.heading_rad}, 1 / std::sqrt(axes.eigenvalues()(0))};
 }
 
 }  // namespace waystone

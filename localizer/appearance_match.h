@@ -22,6 +22,8 @@ struct ComparedNode {
   double heading_rad = 0;  // of the query in the layer's frame, if it is there
   double deviation_rad = 0;
   int inliers = 0;  // of the relative pose; 0 when it wasn't accepted or looked for
+  // Median angle between the node's and the query's rays of the inliers, without the turn.
+  double parallax_rad = 0;
   // Direction from the node to the query in the layer's frame; known with inliers alone.
   double direction_rad = 0;
 };
@@ -53,17 +55,17 @@ NodeRef RefOf(const MapIndex& index, const AppearanceNode& node);
 // Whether two nodes are too far apart to be one place.
 bool AreElsewhere(const MapIndex& index, int a, int b, const PanoramaQueryOptions& options);
 
-// What speaks for nodes[at] as the place.
-AppearanceEvidence EvidenceOf(const MapIndex& index, const std::vector<ComparedNode>& nodes,
-                              size_t at, const PanoramaQueryOptions& options);
-
 struct PlacedQuery {
   Pose2 pose;            // in the layer's frame
   double deviation = 0;  // of the position, along its worst direction
 };
 
-// The position among the nodes that agree with the best, nodes.front(); its heading is the pose's.
+// The position among the nodes that agree with nodes[at]; its heading is the pose's.
 PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& nodes,
-                       const PanoramaQueryOptions& options);
+                       const PanoramaQueryOptions& options, size_t at = 0);
+
+// What speaks for nodes[at] as the place.
+AppearanceEvidence EvidenceOf(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+                              size_t at, const PanoramaQueryOptions& options);
 
 }  // namespace waystone

@@ -1,68 +1,86 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localizer/appearance_verdict.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
-#include <cmath>
+#include <span>
 #include <vector>
 
 #include "core/base/check.h"
 #include "core/base/option_range.h"
+#include "localizer/logistic_fit.h"
 
 namespace waystone {
 namespace {
 
-using Eigen::Vector3d;
+// A kind of evidence: the name by which a map keeps its weight, and where it is found.
+struct Term {
+  const char* name;
+  double AppearanceEvidence::*of;
+};
 
-constexpr int kMaxSteps = 100;
-constexpr double kConverged = 1e-9;
+// By kind, names ascending, as the map keeps them.
+constexpr Term kAlone[] = {{"agreement", &AppearanceEvidence::agreement},
+                           {"cost", &AppearanceEvidence::cost},
+                           {"margin", &AppearanceEvidence::margin}};
+constexpr Term kVerified[] = {{"deviation_spacings", &AppearanceEvidence::deviation_spacings},
+                              {"log_inlier_margin", &AppearanceEvidence::log_inlier_margin},
+                              {"log_inliers", &AppearanceEvidence::log_inliers},
+                              {"parallax_rad", &AppearanceEvidence::parallax_rad}};
 
-// Names by kind, ascending, as the map keeps them.
-constexpr const char* kTerms[2][2] = {{"cost", "margin"}, {"log_inlier_margin", "log_inliers"}};
-
-// 1, then the evidence in the order of the terms.
-Vector3d FactorsOf(const AppearanceEvidence& evidence, bool verified) {
-  if (!verified) return {1, evidence.cost, evidence.margin};
-  return {1, evidence.log_inlier_margin, evidence.log_inliers};
+std::span<const Term> TermsOf(bool verified) {
+  return verified ? std::span<const Term>(kVerified) : std::span<const Term>(kAlone);
 }
 
-Vector3d CoefficientsOf(const AppearanceVerdict& model) {
-  return {model.intercept, model.terms[0].weight, model.terms[1].weight};
+// 1, then the evidence in the order of the terms.
+Eigen::VectorXd FactorsOf(const AppearanceEvidence& evidence, bool verified) {
+  const std::span<const Term> terms = TermsOf(verified);
+  Eigen::VectorXd factors(1 + terms.size());
+  factors(0) = 1;
+  for (size_t i = 0; i < terms.size(); ++i) factors(1 + i) = evidence.*(terms[i].of);
+  return factors;
+}
+
+Eigen::VectorXd CoefficientsOf(const AppearanceVerdict& model) {
+  Eigen::VectorXd coefficients(1 + model.terms.size());
+  coefficients(0) = model.intercept;
+  for (size_t i = 0; i < model.terms.size(); ++i) coefficients(1 + i) = model.terms[i].weight;
+  return coefficients;
 }
 
 bool IsOfKind(const AppearanceVerdict& model, bool verified) {
-  return model.terms.size() == 2 && model.terms[0].name == kTerms[verified][0] &&
-         model.terms[1].name == kTerms[verified][1];
+  return std::ranges::equal(model.terms, TermsOf(verified), {}, &VerdictTerm::name, &Term::name);
 }
 
-AppearanceVerdict ModelOf(const Vector3d& coefficients, bool verified) {
+AppearanceVerdict ModelOf(const Eigen::VectorXd& coefficients, bool verified) {
   AppearanceVerdict model;
   model.intercept = coefficients(0);
-  model.terms = {{kTerms[verified][0], coefficients(1)}, {kTerms[verified][1], coefficients(2)}};
+  const std::span<const Term> terms = TermsOf(verified);
+  for (size_t i = 0; i < terms.size(); ++i) {
+    model.terms.push_back({terms[i].name, coefficients(1 + i)});
+  }
   return model;
 }
-
-double Logistic(double log_odds) { return 1 / (1 + std::exp(-log_odds)); }
-
-// log(1 + e^x), without overflow.
-double SoftPlus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }
 
 }  // namespace
 
 void AppearanceFitOptions::Check() const {
   CheckRange("intercept_sigma", intercept_sigma, 0.01, 100);
   CheckRange("weight_sigma", weight_sigma, 0.01, 100);
+  CheckRange("wrong_weight", wrong_weight, 0.1, 100);
 }
 
 AppearanceVerdict DefaultVerdict(bool verified) {
-  // More than 13 inliers that no other place comes near; a view of half the typical cost that
-  // stands out.
-  return verified ? ModelOf({-12, 1.5, 4}, true) : ModelOf({5, -10, 15}, false);
+  // More than 13 inliers that no other place comes near, seen from nearly there; a view of half the
+  // typical cost that stands out.
+  Eigen::VectorXd coefficients(5);
+  coefficients << -12, -1, 1.5, 4, -4;
+  return verified ? ModelOf(coefficients, true) : ModelOf(Eigen::Vector4d(4, 1, -10, 15), false);
 }
 
 AppearanceVerdict VerdictFor(const AppearanceLayer& layer, bool verified) {
-  if (layer.verdict && IsOfKind(*layer.verdict, verified)) return *layer.verdict;
-  return DefaultVerdict(verified);
+  const auto& kept = verified ? layer.verified_verdict : layer.verdict;
+  return kept && IsOfKind(*kept, verified) ? *kept : DefaultVerdict(verified);
 }
 
 double ProbabilityOf(const AppearanceEvidence& evidence, const AppearanceVerdict& model) {
@@ -73,39 +91,19 @@ double ProbabilityOf(const AppearanceEvidence& evidence, const AppearanceVerdict
 AppearanceVerdict FitAppearanceVerdict(std::span<const AppearanceSample> samples, bool verified,
                                        const AppearanceFitOptions& options) {
   options.Check();
-  const Vector3d mean = CoefficientsOf(DefaultVerdict(verified));
-  const Vector3d sigma(options.intercept_sigma, options.weight_sigma, options.weight_sigma);
-  const Vector3d precision = sigma.cwiseAbs2().cwiseInverse();
   const auto positives = std::ranges::count_if(samples, &AppearanceSample::right);
   const auto negatives = std::ssize(samples) - positives;
-  const auto weight = [&](const AppearanceSample& sample) {
+  std::vector<LogisticSample> cases;
+  for (const AppearanceSample& sample : samples) {
     const auto alike = static_cast<double>(sample.right ? positives : negatives);
-    return static_cast<double>(samples.size()) / (2 * alike);
-  };
-  const auto cost_of = [&](const Vector3d& at) {
-    double cost = 0.5 * precision.dot((at - mean).cwiseAbs2());
-    for (const AppearanceSample& sample : samples) {
-      const double log_odds = at.dot(FactorsOf(sample.evidence, verified));
-      cost += weight(sample) * SoftPlus(sample.right ? -log_odds : log_odds);
-    }
-    return cost;
-  };
-  Vector3d at = mean;
-  for (int step = 0; step < kMaxSteps; ++step) {  // Newton's method; the problem is convex
-    Vector3d gradient = precision.cwiseProduct(mean - at);
-    Eigen::Matrix3d curvature = precision.asDiagonal();
-    for (const AppearanceSample& sample : samples) {
-      const Vector3d factors = FactorsOf(sample.evidence, verified);
-      const double p = Logistic(at.dot(factors));
-      gradient += weight(sample) * ((sample.right ? 1 : 0) - p) * factors;
-      curvature += weight(sample) * p * (1 - p) * factors * factors.transpose();
-    }
-    Vector3d change = curvature.ldlt().solve(gradient);
-    while (change.norm() > kConverged && cost_of(at + change) > cost_of(at)) change /= 2;
-    if (change.norm() <= kConverged) break;
-    at += change;
+    const double balance = static_cast<double>(samples.size()) / (2 * alike);
+    cases.push_back({FactorsOf(sample.evidence, verified), sample.right,
+                     sample.right ? balance : balance * options.wrong_weight});
   }
-  AppearanceVerdict model = ModelOf(at, verified);
+  const Eigen::VectorXd mean = CoefficientsOf(DefaultVerdict(verified));
+  Eigen::VectorXd sigma = Eigen::VectorXd::Constant(mean.size(), options.weight_sigma);
+  sigma(0) = options.intercept_sigma;
+  AppearanceVerdict model = ModelOf(FitLogistic(cases, mean, sigma), verified);
   model.positives = static_cast<int>(positives);
   model.negatives = static_cast<int>(negatives);
   return model;

@@ -8,6 +8,8 @@
 #include "localizer/decide.h"
 #include "localizer/explain.h"
 #include "localizer/localizer.h"
+#include "localizer/panorama_series.h"
+#include "localizer/photo.h"
 #include "localizer/shortlist.h"
 #include "localizer/verify.h"
 
@@ -43,20 +45,9 @@ void Sign(const MapIndex& index, Answer& answer) {
   answer.map_version = index.map().info.version;
 }
 
-// A photo for a map that has panoramas alone.
-Answer RefusePhoto(const MapIndex& index) {
-  Answer answer;
-  Sign(index, answer);
-  answer.decided_by = "panorama_shape";
-  answer.message =
-      "this map knows panoramas alone, and the image isn't twice as wide as high; send a panorama, "
-      "or build the map with its planes too";
-  return answer;
-}
-
 // Whether the map's panoramas are asked rather than its planes.
 bool AsksPanoramas(const MapIndex& index, const cv::Mat& grey) {
-  return index.HasAppearance() && (IsPanoramic(grey) || index.map().planes.empty());
+  return index.HasAppearance() && (IsPanoramic(grey.size()) || index.map().planes.empty());
 }
 
 }  // namespace
@@ -158,8 +149,12 @@ Answer LocalizeFeatures(const MapIndex& index, const Features& query,
 Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
   options.Check();
   if (AsksPanoramas(index, grey)) {
-    if (!IsPanoramic(grey)) return RefusePhoto(index);
-    return LocalizePanorama(index, grey, options.panorama);
+    if (!IsPanoramic(grey.size()))
+      return LocalizePhoto(index, grey, options.camera, options.panorama);
+    if (!options.series) return LocalizePanorama(index, grey, options.panorama);
+    SeriesOptions series;
+    series.query = options.panorama;
+    return LocalizeInSeries(index, grey, *options.series, series);
   }
   LapTimer timer;
   const Features query = ExtractFeatures(

@@ -5,10 +5,13 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/base/pose2.h"
+#include "core/camera/camera.h"
 #include "core/features/match.h"
 #include "core/homography/homology.h"
 #include "core/homography/local_ransac.h"
 #include "core/image/decode.h"
+#include "core/localization/graph_filter.h"
 #include "core/panorama/visual_compass.h"
 #include "core/two_view/relative_rotation.h"
 #include "localizer/panorama_features.h"
@@ -55,10 +58,15 @@ struct PanoramaQueryOptions {
   double phase_deviation_rad = 0.3;
   // Whether candidates are verified by features, where the nodes have some. Costs the extraction.
   bool verify = true;
+  // An answer by appearance alone that is as probable isn't verified, 0.5 to 1 (all are). Less
+  // answers faster and trusts the appearance more.
+  double settled_probability = 0.99;
   PanoramaFeatureOptions features;
   MatchOptions match{0.8, true};
   // Candidates whose relative pose is looked for, most matches first, 1 to 1000.
   int max_poses = 4;
+  // Features of a perspective photo, 10 to 100,000: more match more of what nodes keep.
+  int photo_features = 1500;
   RelativeOptions relative{.max_samples = 200};
   // Costs by which a neighbour counts e times less for the position, 0.001 to 10. More interpolates
   // more widely.
@@ -70,10 +78,20 @@ struct PanoramaQueryOptions {
   double elsewhere_spacings = 4;
   // A margin beyond this says no more, 0.001 to 10.
   double max_margin = 0.3;
+  // Headings of the query that two nodes see agree within this, 0.01 to 3. More lets chance speak
+  // for a place.
+  double agreement_rad = 0.25;
   // The probability from which on an answer is given, between 0 and 1. Higher refuses more.
   double min_probability = 0.9;
 
   void Check() const;  // throws MapError(kBadOptions)
+};
+
+// What is known of a robot when a panorama of its series comes.
+struct SeriesContext {
+  FilterState previous;  // Answer::belief of the panorama before; empty for the first
+  // The motion since then, previous_from_now in the layer's units, where it is known.
+  std::optional<Pose2> odometry;
 };
 
 struct LocalizeOptions {
@@ -103,6 +121,10 @@ struct LocalizeOptions {
   HomologyOptions homology;
   GateOptions gates;
   PanoramaQueryOptions panorama;
+  // A panorama is answered as the next one of a series with it, and by itself without.
+  std::optional<SeriesContext> series;
+  // The camera of a perspective photo, where it is known: what a map of panoramas answers it by.
+  std::optional<Camera> camera;
   // Say in the answer what became of every shortlisted plane. Changes nothing else; makes the
   // answer some 50 KB larger.
   bool explain = false;

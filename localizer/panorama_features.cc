@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localizer/panorama_features.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "core/base/option_range.h"
 #include "core/camera/cube_faces.h"
 #include "core/camera/rig.h"
+#include "core/features/descriptor_codes.h"
 
 namespace waystone {
 namespace {
@@ -17,15 +19,21 @@ namespace {
 constexpr CubeFace kSides[] = {CubeFace::kFront, CubeFace::kRight, CubeFace::kBack,
                                CubeFace::kLeft};
 
+int16_t UnitsOf(double angle_rad) {
+  // Pi and minus pi are one azimuth: 32768 doesn't fit.
+  return static_cast<int16_t>(
+      std::clamp(std::lround(angle_rad / kBearingUnit_rad), -32768L, 32767L));
+}
+
 Bearing BearingOf(const Eigen::Vector3d& ray) {
-  return {static_cast<float>(std::atan2(ray.x(), ray.z())),
-          static_cast<float>(std::asin(-ray.normalized().y()))};
+  return {UnitsOf(std::atan2(ray.x(), ray.z())), UnitsOf(std::asin(-ray.normalized().y()))};
 }
 
 Eigen::Vector3d RayOf(const Bearing& bearing) {
-  const double level = std::cos(bearing.elevation_rad);
-  return {level * std::sin(bearing.azimuth_rad), -std::sin(bearing.elevation_rad),
-          level * std::cos(bearing.azimuth_rad)};
+  const double azimuth = bearing.azimuth * kBearingUnit_rad;
+  const double elevation = bearing.elevation * kBearingUnit_rad;
+  const double level = std::cos(elevation);
+  return {level * std::sin(azimuth), -std::sin(elevation), level * std::cos(azimuth)};
 }
 
 }  // namespace
@@ -54,7 +62,7 @@ BearingFeatures ExtractPanoramaFeatures(const cv::Mat& equirectangular,
 NodeFeatures ToNodeFeatures(const BearingFeatures& features) {
   NodeFeatures kept;
   for (const Eigen::Vector3d& ray : features.rays) kept.bearings.push_back(BearingOf(ray));
-  kept.descriptors = features.descriptors;
+  kept.codes = EncodeDescriptors(features.descriptors, features.type);
   return kept;
 }
 
@@ -62,7 +70,7 @@ BearingFeatures ToBearingFeatures(const NodeFeatures& features, FeatureType type
   BearingFeatures rays;
   rays.type = type;
   for (const Bearing& bearing : features.bearings) rays.rays.push_back(RayOf(bearing));
-  rays.descriptors = features.descriptors;
+  rays.descriptors = DecodeDescriptors(features.codes, type);
   return rays;
 }
 

@@ -2,23 +2,26 @@
 #include "localizer/panorama_series.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
 
-// The log odds that the image is of a node if nothing else were like it, bounded.
-double LogOdds(const MapIndex& index, const ComparedNode& node, bool verified,
-               const AppearanceVerdict& model, const SeriesOptions& options) {
-  AppearanceEvidence evidence = EvidenceOf(index, {node}, 0, options.query);
+// The probability that the image is of a node if nothing elsewhere were like it.
+double AloneProbability(const MapIndex& index, const std::vector<ComparedNode>& compared, size_t at,
+                        bool verified, const AppearanceVerdict& model,
+                        const SeriesOptions& options) {
+  AppearanceEvidence evidence = EvidenceOf(index, compared, at, options.query);
   evidence.verified = verified;
-  const double p = ProbabilityOf(evidence, model);
-  const double log_odds = std::log(p) - std::log1p(-p);
-  return std::clamp(log_odds, -options.max_log_odds, options.max_log_odds);
+  evidence.margin = options.query.max_margin;
+  evidence.log_inlier_margin = evidence.log_inliers;
+  return ProbabilityOf(evidence, model);
 }
 
 std::vector<NodeEvidence> EvidenceOfNodes(const MapIndex& index,
@@ -31,9 +34,12 @@ std::vector<NodeEvidence> EvidenceOfNodes(const MapIndex& index,
   other.log_likelihood = -options.max_log_odds;
   other.deviation_rad = std::numbers::pi;
   std::vector<NodeEvidence> evidence(layer.nodes.size(), other);
-  for (const ComparedNode& node : compared) {
-    evidence[node.node] = {LogOdds(index, node, verified, model, options), node.heading_rad,
-                           std::max(node.deviation_rad, 1e-3)};
+  for (size_t at = 0; at < compared.size(); ++at) {
+    const ComparedNode& node = compared[at];
+    const double p = AloneProbability(index, compared, at, verified, model, options);
+    const double log_odds = std::log(p) - std::log1p(-p);
+    evidence[node.node] = {std::clamp(log_odds, -options.max_log_odds, options.max_log_odds),
+                           node.heading_rad, std::max(node.deviation_rad, 1e-3)};
   }
   return evidence;
 }
@@ -82,22 +88,60 @@ void SeriesOptions::Check() const {
   CheckRange("position_spacings", position_spacings, 0.01, 1000);
   CheckRange("step_spacings", step_spacings, 0.01, 1000);
   CheckRange("max_log_odds", max_log_odds, 0.1, 100);
+  CheckRange("min_alone", min_alone, 0, 1);
 }
 
-SeriesStep ContinueSeries(const MapIndex& index, const PanoramaQuery& query,
-                          const FilterState& previous, const std::optional<Pose2>& odometry,
-                          const SeriesOptions& options) {
-  options.Check();
-  SeriesStep step{LocatePanorama(index, query, options.query), previous};
-  if (step.answer.verdict == Verdict::kNotInMap) return step;
+FilterState BeliefAfter(const MapIndex& index, const std::vector<ComparedNode>& compared,
+                        bool verified, const SeriesContext& context, const SeriesOptions& options) {
   std::vector<Pose2> poses;
   for (const AppearanceNode& node : index.map().appearance->nodes) poses.push_back(node.pose);
+  return UpdateBelief(poses, EvidenceOfNodes(index, compared, verified, options), context.previous,
+                      context.odometry, FilterFor(index, options))
+      .state;
+}
+
+Answer ContinueSeries(const MapIndex& index, const PanoramaQuery& query,
+                      const SeriesContext& context, const SeriesOptions& options) {
+  options.Check();
   const std::vector<ComparedNode> compared = CompareQuery(index, query, options.query, {});
-  const std::vector<NodeEvidence> evidence =
-      EvidenceOfNodes(index, compared, query.features.has_value(), options);
-  step.state = UpdateBelief(poses, evidence, previous, odometry, FilterFor(index, options)).state;
-  TakeBelief(index, step.state, options, step.answer);
-  return step;
+  const bool verified = query.features.has_value();
+  Answer answer = AnswerFor(index, query.signature, compared, verified, options.query);
+  answer.belief = context.previous;
+  answer.decided_by = "series";
+  const AppearanceVerdict model = VerdictFor(*index.map().appearance, verified);
+  if (compared.empty() ||
+      AloneProbability(index, compared, 0, verified, model, options) < options.min_alone) {
+    answer.verdict = Verdict::kNotInMap;
+    answer.heading.reset();
+    return answer;
+  }
+  answer.belief = BeliefAfter(index, compared, verified, context, options);
+  TakeBelief(index, answer.belief, options, answer);
+  return answer;
+}
+
+Answer LocalizeInSeries(const MapIndex& index, const cv::Mat& grey, const SeriesContext& context,
+                        const SeriesOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  const auto so_far = [&] {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  };
+  Answer answer;
+  double extract_ms = 0;
+  try {
+    const PanoramaQuery query = DescribeQuery(index, grey, options.query);
+    extract_ms = so_far();
+    answer = ContinueSeries(index, query, context, options);
+  } catch (const MapError& error) {
+    if (error.code() != ErrorCode::kBadImage) throw;
+    answer = RefusePanorama(index, error);
+    answer.belief = context.previous;
+  }
+  answer.timing.total_ms = so_far();
+  answer.timing.extract_ms = extract_ms;
+  answer.timing.verify_ms = answer.timing.total_ms - extract_ms;
+  return answer;
 }
 
 }  // namespace waystone

@@ -20,24 +20,31 @@ struct SeriesOptions {
   // An image's log odds for a node count at most so much, 0.1 to 100: what looks alike in one image
   // does in the next, so that images are no independent evidence. Less takes longer to decide.
   double max_log_odds = 4;
+  // A panorama counts when its likeliest place has this probability if nothing else were like it,
+  // 0 to 1. Less lets panoramas of what isn't in the map move the belief.
+  double min_alone = 0.5;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-struct SeriesStep {
-  Answer answer;
-  // What the next panorama is asked with; empty as long as none looked like a place of the map.
-  FilterState state;
-};
+// The belief about where the robot is, after a panorama that was compared with these nodes
+// (CompareQuery), from what was known before. Empty context: a robot that may be anywhere.
+// Thread-safe, deterministic. Throws MapError(kBadRequest) for a belief of another map.
+FilterState BeliefAfter(const MapIndex& index, const std::vector<ComparedNode>& compared,
+                        bool verified, const SeriesContext& context, const SeriesOptions& options);
 
-// The next panorama of a series: what it looks like (LocatePanorama) and where the robot was before
-// (UpdateBelief), so that places that look alike are told apart as it moves. `odometry` is
-// previous_from_now in the layer's units. The probability is the belief's around the answer, and
-// `decided_by` is "series"; a panorama that looks like no place of the map is answered so and
-// leaves the state as it was. Thread-safe, deterministic. Throws MapError(kBadOptions), and
-// kBadRequest for a state of another map.
-SeriesStep ContinueSeries(const MapIndex& index, const PanoramaQuery& query,
-                          const FilterState& previous, const std::optional<Pose2>& odometry,
-                          const SeriesOptions& options = {});
+// The next panorama of a series: what it looks like (CompareQuery) and where the robot was before
+// (UpdateBelief), so that places that look alike are told apart as it moves. The probability is the
+// belief's around the answer, and `decided_by` is "series"; Answer::belief is what the next one is
+// asked with. A panorama that looks like no place of the map is answered so and leaves the belief
+// as it was. Thread-safe, deterministic. Throws MapError(kBadOptions), and kBadRequest for a belief
+// of another map.
+Answer ContinueSeries(const MapIndex& index, const PanoramaQuery& query,
+                      const SeriesContext& context, const SeriesOptions& options = {});
+
+// The same for an image, with times; nothing is thrown for a bad panorama: the verdict is
+// kBadImage, and the belief stays.
+Answer LocalizeInSeries(const MapIndex& index, const cv::Mat& grey, const SeriesContext& context,
+                        const SeriesOptions& options = {});
 
 }  // namespace waystone

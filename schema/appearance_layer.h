@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,23 +17,24 @@
 namespace waystone {
 
 // Where a panorama shows a feature: azimuth clockwise from the front (as FourierSignature has it),
-// elevation above the horizon.
+// elevation above the horizon, both in kBearingUnit_rad.
 struct Bearing {
-  float azimuth_rad = 0;    // -pi to pi
-  float elevation_rad = 0;  // -pi / 2 to pi / 2
+  int16_t azimuth = 0;
+  int16_t elevation = 0;  // -16384 (straight down) to 16384
 
   bool operator==(const Bearing&) const = default;
 };
+inline constexpr double kBearingUnit_rad = std::numbers::pi / 32768;
 
-// What a node's answers are verified with; row i of the descriptors, which are of the map's
-// feature_type, belongs to bearings[i].
+// What a node's answers are verified with; row i of the codes (EncodeDescriptors, of the map's
+// feature_type) belongs to bearings[i].
 struct NodeFeatures {
   std::vector<Bearing> bearings;
-  Descriptors descriptors;
+  Descriptors codes;
 
-  // Descriptors without rows are the same, whatever their length.
+  // Codes without rows are the same, whatever their length.
   bool operator==(const NodeFeatures& other) const {
-    return bearings == other.bearings && descriptors.data() == other.descriptors.data();
+    return bearings == other.bearings && codes.data() == other.codes.data();
   }
 };
 
@@ -48,7 +50,7 @@ struct AppearanceNode {
   Pose2 pose;
   FourierSignature signature;
   std::vector<uint8_t> jpeg;  // a smaller copy for people; empty when images were left out
-  NodeFeatures features;   // empty when none were kept
+  NodeFeatures features;      // empty when none were kept
 
   bool operator==(const AppearanceNode&) const = default;
 };
@@ -95,10 +97,13 @@ struct AppearanceLayer {
   // What one of the layer's units of length is; nothing when the scale isn't known (the paper's
   // distances are proportional to metres, no more).
   std::optional<double> metres_per_unit;
-  int dropped = 0;                           // redundant nodes that were left out
-  std::vector<AppearanceNode> nodes;         // ordered by id
-  std::vector<AppearanceEdge> edges;         // ordered by (a, b)
-  std::optional<AppearanceVerdict> verdict;  // nothing when it was never calibrated
+  int dropped = 0;                    // redundant nodes that were left out
+  std::vector<AppearanceNode> nodes;  // ordered by id
+  std::vector<AppearanceEdge> edges;  // ordered by (a, b)
+  // Of answers by appearance alone, and of those that were verified by features; nothing when it
+  // was never calibrated.
+  std::optional<AppearanceVerdict> verdict;
+  std::optional<AppearanceVerdict> verified_verdict;
 
   bool operator==(const AppearanceLayer&) const = default;
 };

@@ -8,15 +8,16 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/features/descriptor_codes.h"
 #include "schema/layer_problems.h"
 
 namespace waystone {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Pi as a 16-bit float; how much farther from it rounding to a 32-bit float may go.
+// Pi as a 16-bit float.
 constexpr float kPiAsHalf = 3.140625F;
-constexpr double kFloatSlack = 1e-6;
+constexpr int kStraightUp = 16384;  // in kBearingUnit_rad
 
 bool IsFinite(const Pose2& pose) {
   return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.theta_rad);
@@ -32,10 +33,7 @@ bool IsBetween(const HalfMatrix& matrix, float low, float high) {
   });
 }
 
-bool IsBearing(const Bearing& bearing) {
-  return std::abs(bearing.azimuth_rad) <= kPi + kFloatSlack &&
-         std::abs(bearing.elevation_rad) <= kPi / 2 + kFloatSlack;
-}
+bool IsBearing(const Bearing& bearing) { return std::abs(bearing.elevation) <= kStraightUp; }
 
 std::string SizeOf(const HalfMatrix& matrix) {
   return std::to_string(matrix.rows()) + "x" + std::to_string(matrix.cols());
@@ -50,7 +48,8 @@ class Finder {
     CheckSettings();
     for (const AppearanceNode& node : layer_.nodes) CheckNode(node);
     CheckEdges();
-    if (layer_.verdict) CheckVerdict(*layer_.verdict);
+    if (layer_.verdict) CheckVerdict(*layer_.verdict, "appearance_verdict 1");
+    if (layer_.verified_verdict) CheckVerdict(*layer_.verified_verdict, "appearance_verdict 2");
   }
 
  private:
@@ -109,11 +108,11 @@ class Finder {
     const std::string where = "appearance_features " + std::to_string(node.id.value);
     const NodeFeatures& features = node.features;
     const int count = static_cast<int>(features.bearings.size());
-    Require(features.descriptors.rows() == count, where,
-            std::to_string(features.descriptors.rows()) + " descriptors for " +
-                std::to_string(count) + " bearings");
-    Require(count == 0 || features.descriptors.bytes() == DescriptorBytes(map_.info.feature_type),
-            where, "its descriptors aren't " + std::string(NameOf(map_.info.feature_type)));
+    Require(features.codes.rows() == count, where,
+            std::to_string(features.codes.rows()) + " codes for " + std::to_string(count) +
+                " bearings");
+    Require(count == 0 || features.codes.bytes() == CodeBytes(map_.info.feature_type), where,
+            "its codes aren't of " + std::string(NameOf(map_.info.feature_type)));
     Require(std::all_of(features.bearings.begin(), features.bearings.end(), IsBearing), where,
             "a bearing is out of range");
   }
@@ -139,8 +138,7 @@ class Finder {
     }
   }
 
-  void CheckVerdict(const AppearanceVerdict& verdict) {
-    const std::string where = "appearance_verdict 1";
+  void CheckVerdict(const AppearanceVerdict& verdict, const std::string& where) {
     Require(std::isfinite(verdict.intercept), where, "its intercept isn't finite");
     Require(verdict.positives >= 0 && verdict.negatives >= 0, where,
             "it was fitted to fewer than 0 samples");

@@ -3,6 +3,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "core/features/descriptor_codes.h"
 #include "schema/blob.h"
 #include "schema/insert.h"
 #include "schema/layer_rows.h"
@@ -12,6 +13,9 @@ namespace waystone {
 namespace {
 
 constexpr int kMaxSignatureSide = 4096;  // what SignatureOptions allow at most
+// Ids of the verdicts: stored, never changed.
+constexpr int64_t kAloneVerdict = 1;
+constexpr int64_t kVerifiedVerdict = 2;
 constexpr int kLastEdgeKind = static_cast<int>(AppearanceEdgeKind::kLoop);
 
 Pose2 ReadPose(Row& row) {
@@ -23,7 +27,7 @@ Pose2 ReadPose(Row& row) {
 class Reader {
  public:
   Reader(SQLite::Database& database, FeatureType type, std::vector<MapProblem>& problems)
-      : database_(database), descriptor_bytes_(DescriptorBytes(type)), problems_(problems) {}
+      : database_(database), code_bytes_(CodeBytes(type)), problems_(problems) {}
 
   std::optional<AppearanceLayer> Read(bool images) {
     ReadSettings();
@@ -32,7 +36,7 @@ class Reader {
     ReadFeatures();
     if (images) ReadImages();
     ReadEdges();
-    ReadVerdict();
+    ReadVerdicts();
     if (!found_) return {};
     return std::move(layer_);
   }
@@ -105,14 +109,13 @@ class Reader {
 
   void ReadFeatures() {
     ForEach("appearance_features",
-            "node, feature_count, bearings_crc32c, bearings, descriptors_crc32c, descriptors", 1,
+            "node, feature_count, bearings_crc32c, bearings, codes_crc32c, codes", 1,
             [&](Row& row) {
               NodeFeatures& features = NodeOf(row.Int64(1)).features;
               const int64_t count = row.Int(1);
               features.bearings = DecodeBearings(row.Blob(count * kBearingBytes));
-              const BytesView descriptors = row.Blob(count * descriptor_bytes_);
-              features.descriptors =
-                  Descriptors(descriptor_bytes_, {descriptors.begin(), descriptors.end()});
+              const BytesView codes = row.Blob(count * code_bytes_);
+              features.codes = Descriptors(code_bytes_, {codes.begin(), codes.end()});
             });
   }
 
@@ -139,28 +142,36 @@ class Reader {
             });
   }
 
-  void ReadVerdict() {
+  // 1 is by appearance alone, 2 verified.
+  std::optional<AppearanceVerdict>& VerdictOf(int64_t id) {
+    return id == kAloneVerdict ? layer_.verdict : layer_.verified_verdict;
+  }
+
+  void ReadVerdicts() {
     ForEach("appearance_verdict", "id, intercept, positives, negatives", 1, [&](Row& row) {
       RequireLayer();
-      row.Int64(1, 1);
-      AppearanceVerdict verdict;
-      verdict.intercept = row.Real();
-      verdict.positives = row.Int();
-      verdict.negatives = row.Int();
-      layer_.verdict = verdict;
+      std::optional<AppearanceVerdict>& verdict =
+          VerdictOf(row.Int64(kAloneVerdict, kVerifiedVerdict));
+      verdict.emplace();
+      verdict->intercept = row.Real();
+      verdict->positives = row.Int();
+      verdict->negatives = row.Int();
     });
-    ForEach("appearance_verdict_terms", "id, name, weight", 1, [&](Row& row) {
-      if (!layer_.verdict) {
-        throw MapError(ErrorCode::kMapDamaged, "appearance_verdict has no row");
-      }
+    ForEach("appearance_verdict_terms", "id, verdict, name, weight", 1, [&](Row& row) {
       row.Int64(1);
+      const int64_t id = row.Int64(kAloneVerdict, kVerifiedVerdict);
+      std::optional<AppearanceVerdict>& verdict = VerdictOf(id);
+      if (!verdict) {
+        throw MapError(ErrorCode::kMapDamaged,
+                       "appearance_verdict has no row " + std::to_string(id));
+      }
       const std::string name = row.Text();
-      layer_.verdict->terms.push_back({name, row.Real()});
+      verdict->terms.push_back({name, row.Real()});
     });
   }
 
   SQLite::Database& database_;
-  int descriptor_bytes_;
+  int code_bytes_;
   std::vector<MapProblem>& problems_;
   AppearanceLayer layer_;
   bool found_ = false;
@@ -187,14 +198,14 @@ void WriteNodes(const AppearanceLayer& layer, SQLite::Database& database) {
 void WriteFeatures(const AppearanceLayer& layer, SQLite::Database& database) {
   Insert insert(database,
                 "appearance_features (node, feature_count, bearings_crc32c, bearings,"
-                " descriptors_crc32c, descriptors)",
+                " codes_crc32c, codes)",
                 6);
   for (const AppearanceNode& node : layer.nodes) {
     const NodeFeatures& features = node.features;
     if (features.bearings.empty()) continue;
     const Bytes bearings = EncodeBearings(features.bearings);
     insert.Row(node.id.value, std::ssize(features.bearings), CheckedBlob{bearings},
-               CheckedBlob{features.descriptors.data()});
+               CheckedBlob{features.codes.data()});
   }
 }
 
@@ -206,12 +217,17 @@ void WriteEdges(const AppearanceLayer& layer, SQLite::Database& database) {
   }
 }
 
-void WriteVerdict(const AppearanceVerdict& verdict, SQLite::Database& database) {
-  Insert(database, "appearance_verdict", 4)
-      .Row(1, verdict.intercept, verdict.positives, verdict.negatives);
-  Insert insert(database, "appearance_verdict_terms", 3);
-  int id = 0;
-  for (const VerdictTerm& term : verdict.terms) insert.Row(++id, term.name, term.weight);
+void WriteVerdicts(const AppearanceLayer& layer, SQLite::Database& database) {
+  Insert models(database, "appearance_verdict", 4);
+  Insert terms(database, "appearance_verdict_terms", 4);
+  int term_id = 0;
+  const auto write = [&](int64_t id, const std::optional<AppearanceVerdict>& verdict) {
+    if (!verdict) return;
+    models.Row(id, verdict->intercept, verdict->positives, verdict->negatives);
+    for (const VerdictTerm& term : verdict->terms) terms.Row(++term_id, id, term.name, term.weight);
+  };
+  write(kAloneVerdict, layer.verdict);
+  write(kVerifiedVerdict, layer.verified_verdict);
 }
 
 }  // namespace
@@ -230,7 +246,7 @@ void WriteAppearance(const AppearanceLayer& layer, SQLite::Database& database) {
   WriteNodes(layer, database);
   WriteFeatures(layer, database);
   WriteEdges(layer, database);
-  if (layer.verdict) WriteVerdict(*layer.verdict, database);
+  WriteVerdicts(layer, database);
 }
 
 }  // namespace waystone

@@ -167,8 +167,8 @@ Bytes EncodeBearings(const std::vector<Bearing>& bearings) {
   Bytes out;
   out.reserve(bearings.size() * kBearingBytes);
   for (const Bearing& bearing : bearings) {
-    AppendFloat(out, bearing.azimuth_rad);
-    AppendFloat(out, bearing.elevation_rad);
+    Append(out, static_cast<uint16_t>(bearing.azimuth));
+    Append(out, static_cast<uint16_t>(bearing.elevation));
   }
   return out;
 }
@@ -223,7 +223,8 @@ std::vector<Bearing> DecodeBearings(BytesView blob) {
   CheckWhole(blob, kBearingBytes);
   std::vector<Bearing> bearings(blob.size() / kBearingBytes);
   for (size_t i = 0; i < bearings.size(); ++i) {
-    bearings[i] = {FloatAt(blob, 2 * i), FloatAt(blob, 2 * i + 1)};
+    bearings[i] = {static_cast<int16_t>(At<uint16_t>(blob, 2 * i)),
+                   static_cast<int16_t>(At<uint16_t>(blob, 2 * i + 1))};
   }
   return bearings;
 }

@@ -26,7 +26,7 @@ inline constexpr int kParameterBytes = 8;  // float64
 inline constexpr int kMatrixBytes = 72;    // nine float64, row after row
 inline constexpr int kListBytes = 2;       // uint16
 inline constexpr int kHalfBytes = 2;       // float16
-inline constexpr int kBearingBytes = 8;    // float32 azimuth, elevation
+inline constexpr int kBearingBytes = 4;    // int16 azimuth, elevation
 // The largest value that a count of votes is stored with.
 inline constexpr int kMaxVotes = 0xffff;
 

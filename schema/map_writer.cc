@@ -134,7 +134,7 @@ int64_t BytesOf(const AppearanceLayer& layer) {
     const int64_t values = node.signature.magnitudes.size() + node.signature.phases.size();
     bytes += 2 * kRow + values * kHalfBytes + std::ssize(node.jpeg) +
              std::ssize(node.features.bearings) * kBearingBytes +
-             std::ssize(node.features.descriptors.data());
+             std::ssize(node.features.codes.data());
   }
   return bytes;
 }

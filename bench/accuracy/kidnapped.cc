@@ -12,11 +12,14 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
+#include "builder/appearance/describe_frames.h"
 #include "builder/appearance_calibration.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/camera/cube_faces.h"
 #include "core/image/decode.h"
 #include "localizer/appearance.h"
+#include "localizer/photo.h"
 
 namespace waystone::bench {
 namespace {
@@ -31,30 +34,87 @@ constexpr int kSearches = 200;
 constexpr int kRuns = 20;           // whose median time is printed
 constexpr double kNodeNoise = 0.1;  // of made signatures, relative
 
-std::shared_ptr<const MapIndex> IndexOf(AppearanceLayer layer) {
+MapData DataOf(AppearanceLayer layer) {
   MapData map;
   map.info.name = "places";
   map.sequences.push_back({SequenceId{1}, "places", "panorama", 0, 0, {}});
   map.appearance = std::move(layer);
-  return MapIndex::Build(std::move(map));
+  return map;
 }
 
-// The layer of all places with their true poses.
-AppearanceLayer LayerOf(const std::vector<PanoramaPlace>& places, bool features) {
+// The layer of all places with their true poses, and what each showed in full.
+struct PlaceMap {
   AppearanceLayer layer;
-  layer.metres_per_unit = 1;
-  layer.nodes.resize(places.size());
+  std::vector<BearingFeatures> features;
+  NodeFeatureOptions chosen_by;
+
+  // What a node keeps when the walk didn't come by another one, which is how it has to be when that
+  // one is asked for.
+  NodeFeatures ChosenFor(size_t node, size_t left_out) const {
+    NodeFeatureChooser chooser(chosen_by);
+    const auto beside = [&](size_t at, int step) {
+      at += step;
+      return at == left_out ? at + step : at;  // before the first it is beyond the last
+    };
+    const size_t before = beside(node, -1);
+    const size_t after = beside(node, 1);
+    if (before < features.size()) chooser.Next(features[before]);
+    chooser.Next(features[node]);
+    return after < features.size() ? chooser.Next(features[after]) : chooser.Last();
+  }
+
+  PanoramaQuery Query(size_t place, bool verify) const {
+    PanoramaQuery query{layer.nodes[place].signature, std::nullopt};
+    if (verify) query.features = features[place];
+    return query;
+  }
+};
+
+// As the builder would have it, had it found the true poses: the places in the order of their walk.
+PlaceMap MapOf(const std::vector<PanoramaPlace>& places) {
+  PlaceMap map;
+  map.layer.metres_per_unit = 1;
+  DescribeOptions describe;
+  if (getenv("WS_ROWS")) describe.signature.rows = atoi(getenv("WS_ROWS"));
+  if (getenv("WS_KEPT")) describe.features.max_kept = atoi(getenv("WS_KEPT"));
+  map.layer.described = describe.signature;
+  map.layer.nodes.resize(places.size());
+  map.features.resize(places.size());
   tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
-    AppearanceNode& node = layer.nodes[i];
+    AppearanceNode& node = map.layer.nodes[i];
     node.id = AppearanceNodeId{static_cast<int64_t>(i) + 1};
     node.sequence = SequenceId{1};
     node.frame = static_cast<int>(i);
     node.source = places[i].name;
     node.pose = {places[i].position_m.x(), places[i].position_m.y(), places[i].yaw_rad};
-    node.signature = Signature(places[i].grey, layer.described);
-    if (features) node.features = ToNodeFeatures(ExtractPanoramaFeatures(places[i].grey));
+    node.signature = Signature(places[i].grey, map.layer.described);
+    map.features[i] = ExtractPanoramaFeatures(places[i].grey, describe.features.extract);
   });
-  return layer;
+  map.chosen_by = describe.features;
+  tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
+    map.layer.nodes[i].features = map.ChosenFor(i, places.size());
+  });
+  return map;
+}
+
+// The places as a walk goes through them: from each to the nearest that is left.
+std::vector<PanoramaPlace> InWalkOrder(std::vector<PanoramaPlace> places) {
+  for (size_t i = 1; i < places.size(); ++i) {
+    const auto apart = [&](const PanoramaPlace& place) {
+      return (place.position_m - places[i - 1].position_m).norm();
+    };
+    const auto next = std::ranges::min_element(places.begin() + static_cast<std::ptrdiff_t>(i),
+                                               places.end(), {}, apart);
+    const auto other = static_cast<size_t>(next - places.begin());
+    std::swap(places[i], places[other]);
+    for (PanoramaPlace& place : places) {
+      if (place.hidden.empty()) continue;
+      const bool hidden = place.hidden[i];
+      place.hidden[i] = place.hidden[other];
+      place.hidden[other] = hidden;
+    }
+  }
+  return places;
 }
 
 struct Asked {
@@ -73,32 +133,45 @@ bool HasNeighbour(const std::vector<PanoramaPlace>& places, size_t of) {
   return false;
 }
 
+void TakeErrors(const PanoramaPlace& place, Asked& asked) {
+  const Pose2& pose = asked.answer.panorama->pose;
+  asked.error_m = (Eigen::Vector2d(pose.x, pose.y) - place.position_m).norm();
+  asked.heading_error_deg = std::abs(WrappedAngle(pose.theta_rad - place.yaw_rad)) * kDegrees;
+  asked.right = asked.error_m <= kRight_m;
+}
+
+// The map as it were had the walk not come by this place, but for the node itself.
+std::shared_ptr<const MapIndex> Without(const MapIndex& index, const PlaceMap& map, size_t place) {
+  MapData data = index.map();
+  for (const size_t beside : {place - 1, place + 1}) {
+    if (beside >= map.features.size()) continue;
+    data.appearance->nodes[beside].features = map.ChosenFor(beside, place);
+  }
+  return MapIndex::Build(std::move(data));
+}
+
 // Each place asked for without itself.
-std::vector<Asked> LeaveOneOut(const MapIndex& index, const std::vector<PanoramaPlace>& places,
+std::vector<Asked> LeaveOneOut(const MapIndex& index, const PlaceMap& map,
+                               const std::vector<PanoramaPlace>& places,
                                const PanoramaQueryOptions& options) {
   std::vector<Asked> asked(places.size());
   tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
     std::vector<bool> left_out(places.size(), false);
     left_out[i] = true;
-    const PanoramaQuery query = QueryOfNode(index, static_cast<int>(i), options);
     Asked& result = asked[i];
-    result.answer = LocatePanorama(index, query, options, left_out);
+    result.answer =
+        LocatePanorama(*Without(index, map, i), map.Query(i, options.verify), options, left_out);
     result.in_map = HasNeighbour(places, i);
-    const Pose2& pose = result.answer.panorama->pose;
-    result.error_m = (Eigen::Vector2d(pose.x, pose.y) - places[i].position_m).norm();
-    result.heading_error_deg =
-        std::abs(WrappedAngle(pose.theta_rad - places[i].yaw_rad)) * kDegrees;
-    result.right = result.error_m <= kRight_m;
+    TakeErrors(places[i], result);
   });
   return asked;
 }
 
-std::vector<Answer> AskForeign(const MapIndex& index, const AppearanceLayer& foreign,
+std::vector<Answer> AskForeign(const MapIndex& index, const PlaceMap& foreign,
                                const PanoramaQueryOptions& options) {
-  const auto other = IndexOf(foreign);
-  std::vector<Answer> answers(foreign.nodes.size());
+  std::vector<Answer> answers(foreign.features.size());
   tbb::parallel_for(size_t{0}, answers.size(), [&](size_t i) {
-    answers[i] = LocatePanorama(index, QueryOfNode(*other, static_cast<int>(i), options), options);
+    answers[i] = LocatePanorama(index, foreign.Query(i, options.verify), options);
   });
   return answers;
 }
@@ -157,23 +230,97 @@ nlohmann::json ScoreJson(const std::string& name, const std::vector<Asked>& aske
           {"false_accepts", false_accepts}};
 }
 
+PanoramaQueryOptions Experiment() {
+  PanoramaQueryOptions options;
+  if (getenv("WS_POSES")) options.max_poses = atoi(getenv("WS_POSES"));
+  if (getenv("WS_RATIO")) options.match.max_ratio = atof(getenv("WS_RATIO"));
+  if (getenv("WS_CAND")) options.verified_candidates = atoi(getenv("WS_CAND"));
+  return options;
+}
+
+// The map's own panoramas, spread over it, as a build calibrates by them.
+std::vector<AppearanceSampleFrame> SamplesOf(const PlaceMap& map, int count) {
+  std::vector<AppearanceSampleFrame> samples;
+  const size_t every = std::max<size_t>(1, map.features.size() / count);
+  for (size_t i = 0; i < map.features.size(); i += every) {
+    const AppearanceNode& node = map.layer.nodes[i];
+    samples.push_back({node.signature, map.features[i], node.pose, static_cast<int>(i)});
+  }
+  return samples;
+}
+
+nlohmann::json ModelJson(const AppearanceVerdict& model) {
+  nlohmann::json json = {{"intercept", model.intercept},
+                         {"positives", model.positives},
+                         {"negatives", model.negatives}};
+  for (const VerdictTerm& term : model.terms) json[term.name] = term.weight;
+  return json;
+}
+
 nlohmann::json ScoreMap(const std::string& name, const std::vector<PanoramaPlace>& places,
-                        AppearanceLayer layer, const AppearanceLayer& foreign) {
+                        const PlaceMap& map, const PlaceMap& foreign) {
+  MapData data = DataOf(map.layer);
+  AppearanceCalibrationOptions calibration;
+  calibration.query = Experiment();
+  if (getenv("WS_WRONG")) calibration.fit.wrong_weight = atof(getenv("WS_WRONG"));
+  CalibrateAppearanceLayer(data, SamplesOf(map, calibration.max_nodes), calibration, {});
+  const AppearanceVerdict models[] = {*data.appearance->verdict,
+                                      *data.appearance->verified_verdict};
+  const auto index = MapIndex::Build(std::move(data));
+  std::printf("%s: a place is %.2f m large\n", name.c_str(), index->appearance().spacing());
   nlohmann::json json;
   for (const bool verify : {false, true}) {
-    PanoramaQueryOptions options;
+    PanoramaQueryOptions options = Experiment();
     options.verify = verify;
-    AppearanceCalibrationOptions calibration;
-    calibration.query = options;
-    layer.verdict = CalibrateAppearance(*IndexOf(layer), {}, calibration);
-    const auto index = IndexOf(layer);
-    json[verify ? "verified" : "appearance"] =
-        ScoreJson(name + (verify ? ", verified" : ", appearance"),
-                  LeaveOneOut(*index, places, options), AskForeign(*index, foreign, options));
-    json[verify ? "verified" : "appearance"]["model"] = {
-        layer.verdict->intercept, layer.verdict->terms[0].weight, layer.verdict->terms[1].weight};
+    const char* kind = verify ? "verified" : "appearance";
+    json[kind] = ScoreJson(name + ", " + kind, LeaveOneOut(*index, map, places, options),
+                           AskForeign(*index, foreign, options));
+    json[kind]["model"] = ModelJson(models[verify]);
   }
   return json;
+}
+
+// A square photo of 90 degrees to the front of each place: a rig's own face where there is one,
+// else as the panorama shows it.
+cv::Mat FrontOf(const PanoramaPlace& place, const std::filesystem::path& rigs) {
+  const std::filesystem::path face = rigs / place.name / "front.jpg";
+  if (std::filesystem::exists(face)) return DecodeGrey(ReadBytes(face));
+  constexpr double kOfWidth = 0.318;
+  return FaceOf(place.grey, CubeFace::kFront, static_cast<int>(kOfWidth * place.grey.cols));
+}
+
+Camera SquareCamera(int width_px) {
+  const double middle = (width_px - 1) / 2.0;
+  return {
+      CameraModel::kPinhole, width_px, width_px, {width_px / 2.0, width_px / 2.0, middle, middle}};
+}
+
+// Perspective photos asked of the panoramas, each without its own place.
+nlohmann::json ScorePhotos(const std::string& name, const std::vector<PanoramaPlace>& places,
+                           const PlaceMap& map, const std::vector<PanoramaPlace>& foreign,
+                           const std::filesystem::path& rigs) {
+  MapData data = DataOf(map.layer);
+  const AppearanceCalibrationOptions calibration;
+  CalibrateAppearanceLayer(data, SamplesOf(map, calibration.max_nodes), calibration, {});
+  const auto index = MapIndex::Build(std::move(data));
+  std::vector<Asked> asked(places.size());
+  tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
+    std::vector<bool> left_out(places.size(), false);
+    left_out[i] = true;
+    const cv::Mat photo = FrontOf(places[i], rigs);
+    Asked& result = asked[i];
+    result.answer =
+        LocalizePhoto(*Without(*index, map, i), photo, SquareCamera(photo.cols), {}, left_out);
+    result.in_map = HasNeighbour(places, i);
+    if (!result.answer.panorama) return;
+    TakeErrors(places[i], result);
+  });
+  std::vector<Answer> answers(foreign.size());
+  tbb::parallel_for(size_t{0}, foreign.size(), [&](size_t i) {
+    const cv::Mat photo = FrontOf(foreign[i], {});
+    answers[i] = LocalizePhoto(*index, photo, SquareCamera(photo.cols), {});
+  });
+  return ScoreJson(name + ", photos", asked, answers);
 }
 
 template <typename Work>
@@ -212,7 +359,7 @@ nlohmann::json Times(const std::vector<PanoramaPlace>& places, AppearanceLayer l
   std::vector<uint8_t> jpeg;
   cv::imencode(".jpg", image, jpeg);
   const AppearanceIndex many(Multiplied(layer, kSearchedNodes));
-  const auto index = IndexOf(std::move(layer));
+  const auto index = MapIndex::Build(DataOf(std::move(layer)));
   const auto ask = [&](bool fine, bool verify) {
     LocalizeOptions options;
     options.panorama.fine_heading = fine;
@@ -239,18 +386,20 @@ nlohmann::json Times(const std::vector<PanoramaPlace>& places, AppearanceLayer l
 int RunKidnapped(const Args& args) {
   if (args.size() > 1) throw MapError(ErrorCode::kUsage, "kidnapped takes one folder at most");
   cv::setNumThreads(1);
-  const std::vector<PanoramaPlace> rendered = RenderPlaces(kRenderedPlaces, kSeed);
-  const AppearanceLayer world = LayerOf(rendered, true);
+  const std::vector<PanoramaPlace> rendered = InWalkOrder(RenderPlaces(kRenderedPlaces, kSeed));
+  const PlaceMap world = MapOf(rendered);
   nlohmann::json json = {{"bench", "kidnapped"}};
   if (args.empty()) {
     json["world"] = ScoreMap("world", rendered, world, {});
   } else {
-    const std::vector<PanoramaPlace> places = ReadPlaces(args[0]);
-    const AppearanceLayer layer = LayerOf(places, true);
-    json["places"] = ScoreMap("places", places, layer, world);
-    json["world"] = ScoreMap("world", rendered, world, layer);
+    const std::vector<PanoramaPlace> places = InWalkOrder(ReadPlaces(args[0]));
+    const PlaceMap map = MapOf(places);
+    json["places"] = ScoreMap("places", places, map, world);
+    json["photos"] =
+        ScorePhotos("places", places, map, rendered, std::filesystem::path(args[0]) / "rig");
+    json["world"] = ScoreMap("world", rendered, world, map);
   }
-  json["times"] = Times(rendered, world);
+  json["times"] = Times(rendered, world.layer);
   std::cout << json.dump() << std::endl;
   return 0;
 }

@@ -24,8 +24,9 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 // Bytes by which a map grows through the layer.
 double BytesPerNode(const AppearanceResult& result) {
   namespace fs = std::filesystem;
-  const fs::path path = fs::temp_directory_path() /
-                        ("waystone-odometry-" + std::to_string(std::rand()) + ".waystone");
+  std::string folder = (fs::temp_directory_path() / "waystone-odometry-XXXXXX").string();
+  if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no temporary folder");
+  const fs::path path = fs::path(folder) / "map.db";
   MapData map;
   map.info = {"odometry", "waystone-bench", FeatureType::kSift, "{}", ""};
   map.sequences = result.sequences;
@@ -36,7 +37,7 @@ double BytesPerNode(const AppearanceResult& result) {
   const double without = size();
   map.appearance = result.layer;
   const double with = size();
-  fs::remove(path);
+  fs::remove_all(folder);
   return (with - without) / static_cast<double>(result.layer.nodes.size());
 }
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <mutex>
 #include <opencv2/core.hpp>
 
 #include "core/base/option_range.h"
@@ -26,10 +27,23 @@ double SecondsSince(Clock::time_point start) {
 // Relations that were measured, by the panoramas' indices.
 using Relations = std::map<std::pair<int, int>, AppearanceEdge>;
 
+// What stays of a frame, besides its signature, until the nodes are made.
+struct TakenFrame {
+  FrameInfo info;
+  std::vector<uint8_t> jpeg;
+  NodeFeatures kept;
+};
+
+// A panorama whose features stay whole.
+struct Sample {
+  int panorama = 0;
+  BearingFeatures features;
+};
+
 class LayerBuilder {
  public:
   LayerBuilder(const AppearanceOptions& options, const AppearanceProgress& progress)
-      : options_(options), progress_(progress) {}
+      : options_(options), progress_(progress), chooser_(options.describe.features) {}
 
   void AddSource(Source& source) {
     Sequence sequence;
@@ -48,6 +62,7 @@ class LayerBuilder {
       return !stopped;
     });
     if (stopped) Interrupt();
+    if (size() > first) frames_.back().kept = chooser_.Last();
     stretches_.push_back({first, size()});
     CheckSequence();
   }
@@ -60,6 +75,7 @@ class LayerBuilder {
     Optimise(closure);
     MakeNodes();
     MakeEdges(closure);
+    HandOutSamples();
     result_.layer.described = options_.describe.signature;
     result_.layer.described.band = band_;
     result_.report.panoramas = size();
@@ -80,9 +96,9 @@ class LayerBuilder {
     if (frame.error.empty()) {
       if (signatures_.empty()) band_ = frame.band;
       CheckBand(frame);
+      TakeFeatures(frame);
       signatures_.push_back(std::move(frame.signature));
-      frame.signature = {};
-      frames_.push_back(std::move(frame));
+      frames_.push_back({std::move(frame.info), std::move(frame.jpeg), {}});
       return;
     }
     ++report().skipped;
@@ -92,6 +108,23 @@ class LayerBuilder {
     if (std::ssize(report().skipped_names) < kMaxNamedSkips) {
       report().skipped_names.push_back(named);
     }
+  }
+
+  // What is kept of a panorama is known once the next one has come.
+  void TakeFeatures(DescribedFrame& frame) {
+    if (size() % stride_ == 0 && options_.max_samples > 0) {
+      samples_.push_back({size(), frame.features});
+      if (std::ssize(samples_) > options_.max_samples) ThinSamples();
+    }
+    const bool is_first = stretches_.empty() ? size() == 0 : size() == stretches_.back().last;
+    NodeFeatures before = chooser_.Next(std::move(frame.features));
+    if (!is_first) frames_.back().kept = std::move(before);
+  }
+
+  // Every other one, from now on as well.
+  void ThinSamples() {
+    stride_ *= 2;
+    std::erase_if(samples_, [&](const Sample& sample) { return sample.panorama % stride_ != 0; });
   }
 
   // Signatures can be compared when their rows are the same elevations.
@@ -127,10 +160,11 @@ class LayerBuilder {
   void FollowAll() {
     const Clock::time_point start = Clock::now();
     for (size_t s = 0; s < stretches_.size(); ++s) {
-      Require(Report("odometry", static_cast<int>(s), static_cast<int>(stretches_.size())));
+      const auto go_on = GoOn("odometry", static_cast<int>(s), static_cast<int>(stretches_.size()));
+      go_on();
       const auto [first, last] = stretches_[s];
       ways_.push_back(FollowPanoramas({signatures_.begin() + first, signatures_.begin() + last},
-                                      band_, options_.odometry));
+                                      band_, options_.odometry, go_on));
       report().uncertain += ways_.back().uncertain;
     }
     report().odometry_s = SecondsSince(start);
@@ -138,9 +172,10 @@ class LayerBuilder {
 
   LoopClosure Close() {
     const Clock::time_point start = Clock::now();
-    Require(Report("loops", 0, 1));
+    const auto go_on = GoOn("loops", 0, 1);
+    go_on();
     LoopClosure closure =
-        CloseLoops(signatures_, band_, stretches_, ways_, options_.odometry, options_.loops);
+        CloseLoops(signatures_, band_, stretches_, ways_, options_.odometry, options_.loops, go_on);
     report().loop_candidates = closure.candidates;
     report().loops_certain = closure.certain;
     report().loops_supported = static_cast<int>(closure.loops.size());
@@ -190,7 +225,7 @@ class LayerBuilder {
 
   void Optimise(LoopClosure& closure) {
     const Clock::time_point start = Clock::now();
-    Require(Report("poses", 0, 1));
+    GoOn("poses", 0, 1)();
     report().poses = report().odometry;
     if (closure.loops.empty()) return;
     std::vector<PoseEdge> edges;
@@ -229,10 +264,21 @@ class LayerBuilder {
       node.pose = report().poses[i];
       node.signature = signatures_[i];
       node.jpeg = std::move(frames_[i].jpeg);
+      node.features = std::move(frames_[i].kept);
       result_.layer.nodes.push_back(std::move(node));
     }
     result_.layer.dropped = size() - static_cast<int>(kept_.size());
     report().dropped = result_.layer.dropped;
+  }
+
+  void HandOutSamples() {
+    for (Sample& sample : samples_) {
+      const int i = sample.panorama;
+      const auto kept = std::lower_bound(kept_.begin(), kept_.end(), i);
+      const bool is_node = kept != kept_.end() && *kept == i;
+      result_.samples.push_back({signatures_[i], std::move(sample.features), report().poses[i],
+                                 is_node ? static_cast<int>(kept - kept_.begin()) : -1});
+    }
   }
 
   size_t StretchOf(int i) const {
@@ -304,18 +350,26 @@ class LayerBuilder {
     throw MapError(ErrorCode::kInterrupted, "stopped; nothing was written");
   }
 
-  static void Require(bool going_on) {
-    if (!going_on) Interrupt();
+  // What stops a stage on the way, from whichever of its threads.
+  std::function<void()> GoOn(const std::string& stage, int done, int total) {
+    return [this, stage, done, total] {
+      const std::lock_guard lock(reporting_);
+      if (!Report(stage, done, total)) Interrupt();
+    };
   }
 
   const AppearanceOptions& options_;
   const AppearanceProgress& progress_;
   std::vector<FourierSignature> signatures_;
-  std::vector<DescribedFrame> frames_;  // without their signatures
+  std::vector<TakenFrame> frames_;
+  NodeFeatureChooser chooser_;
+  std::vector<Sample> samples_;
+  int stride_ = 1;  // every so-manieth panorama is a sample
   std::vector<PanoramaStretch> stretches_;
   std::vector<VisualOdometry> ways_;
   std::vector<int> kept_;  // panoramas that became nodes
   ElevationBand band_;
+  std::mutex reporting_;  // one call at a time
   std::string first_skip_;
   AppearanceResult result_;
   Clock::time_point start_ = Clock::now();
@@ -330,6 +384,7 @@ void AppearanceOptions::Check() const {
   graph.Check();
   redundancy.Check();
   CheckRange("max_skipped_share", max_skipped_share, 0, 1);
+  CheckRange("max_samples", max_samples, 0, 100'000);
 }
 
 AppearanceResult BuildAppearanceLayer(const std::vector<Source*>& sources,

@@ -26,6 +26,9 @@ struct AppearanceOptions {
   // Largest share of a sequence's frames that may be unusable, 0 to 1. Beyond, the sequence is
   // refused: its steps would be of very different lengths.
   double max_skipped_share = 0.5;
+  // Panoramas whose features are handed out whole, for calibrating the verdict, 0 to 100,000:
+  // spread evenly over all. They take about 0.2 MB each while the map is built.
+  int max_samples = 60;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -50,11 +53,21 @@ struct AppearanceReport {
   double odometry_s = 0;
   double loops_s = 0;
   double graph_s = 0;
-  double total_s = 0;  // wall clock
+  double calibrate_s = 0;  // of the verdict, by BuildMap
+  double total_s = 0;      // wall clock
+};
+
+// A panorama as it was read, also where it was left out as redundant.
+struct AppearanceSampleFrame {
+  FourierSignature signature;
+  BearingFeatures features;  // all that were found; none where the layer keeps none
+  Pose2 pose;                // layer_from_node
+  int node = -1;             // index in the layer's nodes; -1 when it was left out
 };
 
 struct AppearanceResult {
   AppearanceLayer layer;
+  std::vector<AppearanceSampleFrame> samples;
   std::vector<Sequence> sequences;  // a source each, ids from 1
   AppearanceReport report;
 };

@@ -41,6 +41,10 @@ std::vector<uint8_t> SmallJpeg(const cv::Mat& grey, const DescribeOptions& optio
   return jpeg;
 }
 
+bool IsWholeSphere(const Panorama& panorama) {
+  return panorama.band == ElevationBand{} && panorama.grey.cols == 2 * panorama.grey.rows;
+}
+
 DescribedFrame Describe(const EncodedFrame& encoded, const DescribeOptions& options) {
   DescribedFrame described;
   const Clock::time_point start = Clock::now();
@@ -54,6 +58,9 @@ DescribedFrame Describe(const EncodedFrame& encoded, const DescribeOptions& opti
     const Panorama panorama = ToPanorama(frame.grey, options.panorama);
     described.signature = Signature(panorama, options.signature);
     described.band = UsedBand(panorama, options.signature);
+    if (options.features.max_kept > 0 && IsWholeSphere(panorama)) {
+      described.features = ExtractPanoramaFeatures(panorama.grey, options.features.extract);
+    }
     if (options.image_width > 0) described.jpeg = SmallJpeg(panorama.grey, options);
   } catch (const MapError& error) {
     described.error = error.what();
@@ -71,6 +78,7 @@ DescribedFrame Describe(const EncodedFrame& encoded, const DescribeOptions& opti
 void DescribeOptions::Check() const {
   panorama.Check();
   signature.Check();
+  features.Check();
   if (image_width != 0 && (image_width < kSmallestImage_px || image_width > kLargestImage_px)) {
     RefuseOption("image_width is " + std::to_string(image_width) + "; give 0 or 16 to 4096");
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "builder/appearance/node_features.h"
 #include "builder/sources/source.h"
 #include "core/camera/panorama.h"
 #include "core/panorama/fourier_signature.h"
@@ -15,7 +16,12 @@ namespace waystone {
 // What is taken from each panorama.
 struct DescribeOptions {
   PanoramaOptions panorama;
-  SignatureOptions signature;
+  // Half of the rows that a signature has by itself: what they take of a node's 20 KB, features use
+  // better.
+  SignatureOptions signature{.rows = 32};
+  // Features are taken from whole spheres alone: a mirror's image or a rig without its upper and
+  // lower face gives none.
+  NodeFeatureOptions features;
   // Width of the smaller picture that is kept for people, px, 16 to 4096; 0 keeps none. Wider ones
   // make the map larger.
   int image_width = 128;
@@ -30,10 +36,11 @@ struct DescribedFrame {
   FrameInfo info;
   FourierSignature signature;
   ElevationBand band;  // that the signature's rows span
+  BearingFeatures features;
   std::vector<uint8_t> jpeg;
   std::string error;      // set when it can't be used; the rest is empty then
   double decode_s = 0;    // on its own thread
-  double describe_s = 0;  // panorama, signature and picture
+  double describe_s = 0;  // panorama, signature, features and picture
 };
 
 // Whether a source's frames look like panoramas: a rig, or images twice as wide as high (to 2 %).

@@ -45,12 +45,14 @@ class Closer {
  public:
   Closer(const std::vector<FourierSignature>& signatures,
          const std::vector<PanoramaStretch>& stretches, const std::vector<VisualOdometry>& ways,
-         const VisualOdometryOptions& odometry, const LoopOptions& options)
+         const VisualOdometryOptions& odometry, const LoopOptions& options,
+         const std::function<void()>& before_each)
       : signatures_(signatures),
         stretches_(stretches),
         ways_(ways),
         odometry_(odometry),
         options_(options),
+        before_each_(before_each),
         low_(LowMagnitudes(signatures, options.k1)),
         squares_(low_.rowwise().squaredNorm()) {
     for (size_t s = 0; s < stretches.size(); ++s) {
@@ -150,6 +152,7 @@ class Closer {
   std::vector<PanoramaRelation> Compare(const std::vector<std::pair<int, int>>& pairs) {
     std::vector<std::optional<PanoramaRelation>> relations(pairs.size());
     tbb::parallel_for(size_t{0}, pairs.size(), [&](size_t i) {
+      if (before_each_) before_each_();
       const auto [a, b] = pairs[i];
       relations[i] = Relation(a, b);
     });
@@ -232,6 +235,7 @@ class Closer {
   const std::vector<VisualOdometry>& ways_;
   const VisualOdometryOptions& odometry_;
   const LoopOptions& options_;
+  const std::function<void()>& before_each_;
   Matrix low_;
   Eigen::VectorXf squares_;
   std::vector<int> stretch_of_;
@@ -258,12 +262,13 @@ void LoopOptions::Check() const {
 LoopClosure CloseLoops(const std::vector<FourierSignature>& signatures, const ElevationBand& band,
                        const std::vector<PanoramaStretch>& stretches,
                        const std::vector<VisualOdometry>& ways,
-                       const VisualOdometryOptions& odometry, const LoopOptions& options) {
+                       const VisualOdometryOptions& odometry, const LoopOptions& options,
+                       const std::function<void()>& before_each) {
   options.Check();
   if (signatures.empty()) return {};
   VisualOdometryOptions of_band = odometry;
   of_band.compass.band = band;
-  return Closer(signatures, stretches, ways, of_band, options).Run();
+  return Closer(signatures, stretches, ways, of_band, options, before_each).Run();
 }
 
 }  // namespace waystone

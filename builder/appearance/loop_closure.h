@@ -56,11 +56,12 @@ struct PanoramaStretch {
 // ways: the compass must fit a small motion between the two panoramas with a certain heading;
 // neighbours of both must say the same of each other (odometry between them); and whoever optimises
 // the graph rejects what doesn't fit the rest. The length of a loop is the compass's step over the
-// landmarks' distance in the unit of the steps near it. `odometry` brings the compass. The same for
-// any number of threads.
+// landmarks' distance in the unit of the steps near it. `odometry` brings the compass;
+// `before_each` is as for FollowPanoramas. The same for any number of threads.
 LoopClosure CloseLoops(const std::vector<FourierSignature>& signatures, const ElevationBand& band,
                        const std::vector<PanoramaStretch>& stretches,
                        const std::vector<VisualOdometry>& ways,
-                       const VisualOdometryOptions& odometry, const LoopOptions& options = {});
+                       const VisualOdometryOptions& odometry, const LoopOptions& options = {},
+                       const std::function<void()>& before_each = {});
 
 }  // namespace waystone

@@ -41,8 +41,11 @@ PoseEdge EdgeOf(int a, int b, const Pose2& a_from_b, double position_deviation,
 class Follower {
  public:
   Follower(const std::vector<FourierSignature>& signatures, const ElevationBand& band,
-           const VisualOdometryOptions& options)
-      : signatures_(signatures), options_(options), compass_(options.compass) {
+           const VisualOdometryOptions& options, const std::function<void()>& before_each)
+      : signatures_(signatures),
+        options_(options),
+        before_each_(before_each),
+        compass_(options.compass) {
     compass_.band = band;
   }
 
@@ -62,6 +65,7 @@ class Follower {
   std::vector<CompassHeading> HeadingsOver(int span) const {
     std::vector<CompassHeading> headings(std::max(0, size() - span));
     tbb::parallel_for(size_t{0}, headings.size(), [&](size_t a) {
+      if (before_each_) before_each_();
       headings[a] = RelativeHeading(signatures_[a], signatures_[a + span], compass_);
     });
     return headings;
@@ -97,6 +101,7 @@ class Follower {
 
   const std::vector<FourierSignature>& signatures_;
   const VisualOdometryOptions& options_;
+  const std::function<void()>& before_each_;
   CompassOptions compass_;
   VisualOdometry way_;
 };
@@ -122,9 +127,10 @@ double SignatureDistance(const FourierSignature& a, const FourierSignature& b, i
 }
 
 VisualOdometry FollowPanoramas(const std::vector<FourierSignature>& signatures,
-                               const ElevationBand& band, const VisualOdometryOptions& options) {
+                               const ElevationBand& band, const VisualOdometryOptions& options,
+                               const std::function<void()>& before_each) {
   options.Check();
-  return Follower(signatures, band, options).Run();
+  return Follower(signatures, band, options, before_each).Run();
 }
 
 }  // namespace waystone

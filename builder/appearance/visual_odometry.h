@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "core/base/pose2.h"
@@ -60,9 +61,11 @@ double SignatureDistance(const FourierSignature& a, const FourierSignature& b, i
 // look along their way, and along the middle of the turn only where it could not tell. A camera
 // that stood still (small motion without a direction) didn't move, though noise gives it a
 // distance. Headings add up (eq. 5), and those over longer spans correct the sum (least squares).
+// `before_each`, where given, is called before each comparison, from any thread and by several at a
+// time; what it throws ends the work and is passed on.
 // The same for any number of threads. Signatures of one size (CheckFailure).
 VisualOdometry FollowPanoramas(const std::vector<FourierSignature>& signatures,
-                               const ElevationBand& band,
-                               const VisualOdometryOptions& options = {});
+                               const ElevationBand& band, const VisualOdometryOptions& options = {},
+                               const std::function<void()>& before_each = {});
 
 }  // namespace waystone

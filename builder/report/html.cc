@@ -95,6 +95,25 @@ std::string GraphSvg(const MapData& map) {
   return svg.str();
 }
 
+std::string CountsTable(const AppearanceReport& report) {
+  return "<table><tr><th>What<th>Count\n" + Row("frames", report.frames) +
+         Row("frames skipped", report.skipped) + Row("steps that are uncertain", report.uncertain) +
+         Row("loop candidates", report.loop_candidates) +
+         Row("certain by the compass", report.loops_certain) +
+         Row("supported by neighbours", report.loops_supported) +
+         Row("rejected by the graph", report.loops_rejected) +
+         Row("redundant panoramas", report.dropped) +
+         Row("<b>panoramas</b>", report.panoramas - report.dropped) + "</table>\n";
+}
+
+std::string SecondsTable(const AppearanceReport& report) {
+  return "<table><tr><th>Stage<th>Seconds\n" + Row("decode", Fixed(report.decode_s, 2)) +
+         Row("signatures", Fixed(report.describe_s, 2)) +
+         Row("odometry", Fixed(report.odometry_s, 2)) + Row("loops", Fixed(report.loops_s, 2)) +
+         Row("poses", Fixed(report.graph_s, 2)) + Row("calibration", Fixed(report.calibrate_s, 2)) +
+         "</table>\n";
+}
+
 std::string CountsTable(const MapData& map, const BuildReport& report) {
   size_t features = 0;
   for (const Plane& plane : map.planes) features += plane.features.size();
@@ -159,11 +178,50 @@ std::string Gallery(const MapData& map) {
   return html + "</div>\n";
 }
 
+bool HasPlanes(const MapData& map) { return !map.keyframes.empty(); }
+
 std::string PlanesSection(const MapData& map) {
   if (map.planes.empty()) return "";
   return "<h2>Graph of planes</h2>\n" + GraphSvg(map) +
          "<p class=sub>A node is a plane, larger with more features; an edge joins two planes that "
          "were seen together with a valid homology.</p>\n";
+}
+
+// What was built of each layer, side by side.
+std::string TablesSection(const MapData& map, const BuildReport& report,
+                          const std::vector<TableSize>& tables) {
+  std::string html = "<div class=row>\n";
+  const auto add = [&](const std::string& title, const std::string& table) {
+    html += "<div><h2>" + title + "</h2>\n" + table + "</div>";
+  };
+  if (HasPlanes(map)) {
+    add("Counts", CountsTable(map, report));
+    add("Seconds", SecondsTable(report));
+  }
+  if (report.appearance) {
+    add("Panoramas", CountsTable(*report.appearance));
+    add("Their seconds", SecondsTable(*report.appearance));
+  }
+  add("Bytes", BytesTable(tables));
+  return html + "</div>\n";
+}
+
+std::string KeyframesSection(const MapData& map) {
+  if (!HasPlanes(map)) return "";
+  return "<h2>Keyframes and their planes</h2>\n" + Gallery(map) +
+         "<h2>Planes</h2>\n<div class=scroll>" + PlanesTable(map) + "</div>\n";
+}
+
+// "12 keyframes, 3 planes, 2 edges; 40 panoramas"
+std::string Subtitle(const MapData& map) {
+  std::string text;
+  if (HasPlanes(map)) {
+    text = std::to_string(map.keyframes.size()) + " keyframes, " +
+           std::to_string(map.planes.size()) + " planes, " + std::to_string(map.edges.size()) +
+           " edges; ";
+  }
+  if (map.appearance) text += std::to_string(map.appearance->nodes.size()) + " panoramas; ";
+  return text;
 }
 
 std::string AppearanceSection(const MapData& map) {
@@ -185,13 +243,9 @@ std::string ReportHtml(const MapData& map, const BuildReport& report,
   return "<!doctype html>\n<html lang=en><meta charset=utf-8>\n"
          "<meta name=viewport content=\"width=device-width\">\n<title>" +
          name + " - Waystone map</title>\n<style>" + kStyle + "</style>\n<h1>" + name +
-         "</h1>\n<p class=sub>" + std::to_string(map.keyframes.size()) + " keyframes, " +
-         std::to_string(map.planes.size()) + " planes, " + std::to_string(map.edges.size()) +
-         " edges; built by " + EscapeHtml(map.info.program) + "</p>\n" + AppearanceSection(map) +
-         PlanesSection(map) + "<div class=row>\n<div><h2>Counts</h2>\n" + CountsTable(map, report) +
-         "</div><div><h2>Seconds</h2>\n" + SecondsTable(report) + "</div><div><h2>Bytes</h2>\n" +
-         BytesTable(tables) + "</div></div>\n<h2>Keyframes and their planes</h2>\n" + Gallery(map) +
-         "<h2>Planes</h2>\n<div class=scroll>" + PlanesTable(map) + "</div>\n</html>\n";
+         "</h1>\n<p class=sub>" + Subtitle(map) + "built by " + EscapeHtml(map.info.program) +
+         "</p>\n" + AppearanceSection(map) + PlanesSection(map) +
+         TablesSection(map, report, tables) + KeyframesSection(map) + "</html>\n";
 }
 
 }  // namespace waystone

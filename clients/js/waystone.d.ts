@@ -105,11 +105,16 @@ export interface Request {
   fov_deg?: number;
   camera?: string;
   prior?: { keyframe: number };
-  previous?: { keyframe?: number; heading_rad?: number };
+  previous?: { keyframe?: number; heading_rad?: number; map_version?: string; belief?: Belief };
+  /** For panoramas in order. Of each image the motion since the image or answer before it, in the units of the map's layer (x ahead, y to the left), or null. */
+  odometry?: (null | { x: number; y: number; heading_rad: number })[];
   top_k?: number;
   debug?: boolean;
   deadline_ms?: number;
 }
+
+/** Where a robot with panoramas may be, the likeliest node first. What they lack of 1 is anywhere. */
+export type Belief = { node: Id; probability: Probability; heading_rad: number; deviation_rad: number }[];
 
 export interface Problem {
   type: string;
@@ -212,6 +217,8 @@ export interface Answer {
   keyframe: null | KeyframeRef;
   heading: null | Record<string, unknown>;
   planes: RecognisedPlane[];
+  panorama?: PanoramaPlace;
+  belief?: Belief;
   places?: Place[];
   runner_up: null | RunnerUp;
   decided_by: string;
@@ -226,7 +233,29 @@ export interface Answer {
   stage?: "queue" | "decode" | "extract" | "shortlist" | "verify" | "decide";
   camera?: QueryCamera;
   /** What was understood and no layer of this map uses. */
-  unused?: ("camera" | "prior" | "previous")[];
+  unused?: ("camera" | "prior" | "previous" | "odometry")[];
+}
+
+/** From the appearance layer. The nearest node and the position when localized, else null, and what was considered. */
+export interface PanoramaPlace {
+  node: null | NodeRef;
+  position: null | { x: number; y: number; deviation: number; metres_per_unit: number | null };
+  candidates: NodeCandidate[];
+  runner_up: null | NodeCandidate;
+}
+
+export interface NodeRef {
+  id: Id;
+  sequence: string;
+  source: string;
+  time_s: number | null;
+}
+
+export interface NodeCandidate {
+  node: NodeRef;
+  probability: Probability;
+  cost: number;
+  inliers: Count;
 }
 
 /** With debug. What became of every plane that looked like the image. */

@@ -61,7 +61,7 @@ class Keyframe(TypedDict):
 
 
 class Heading(TypedDict):
-    """Which way the camera looks. `of` is "keyframe" or "building"."""
+    """Which way the camera looks. `of` is "keyframe", "building" or "layer"."""
 
     rad: float
     deviation_rad: float
@@ -120,6 +120,8 @@ class Answer(TypedDict):
     decided_by: str
     timing_ms: dict[str, float]
     message: NotRequired[str]
+    panorama: NotRequired[dict[str, Any]]
+    belief: NotRequired[list[dict[str, Any]]]
     places: NotRequired[list[Place]]
     maps: NotRequired[list[ShortAnswer]]
     images: NotRequired[list[ShortAnswer]]
@@ -149,8 +151,8 @@ class Options:
     """What a request may say besides its images; None leaves a field out.
 
     The server checks the ranges and names the field at fault. The camera is told in one of three
-    ways: fx, fy, cx and cy together, `fov_deg`, or `camera`. `camera`, `prior_keyframe` and
-    `previous` are of one map.
+    ways: fx, fy, cx and cy together, `fov_deg`, or `camera`. `camera`, `prior_keyframe`,
+    `previous` and `odometry` are of one map.
     """
 
     fx: float | None = None  # focal length, px
@@ -161,6 +163,8 @@ class Options:
     camera: str | None = None  # name of a sequence of the map whose camera took the image
     prior_keyframe: int | None = None  # where the caller believes to be
     previous: Answer | None = None  # the answer before this one
+    # Of each panorama the motion {"x", "y", "heading_rad"} since the one before it, or None.
+    odometry: Sequence[dict[str, float] | None] | None = None
     top_k: int | None = None  # 1 to 50: list that many candidates
     debug: bool = False  # give the explanation: what became of every plane
     deadline_ms: int | None = None  # 1 to 60000: when the answer is no use any more
@@ -188,6 +192,9 @@ def _previous_to_json(answer: Answer) -> dict[str, Any] | None:
         fields["keyframe"] = keyframe["id"]
     if heading := answer["heading"]:
         fields["heading_rad"] = heading["rad"]
+    if belief := answer.get("belief"):
+        fields["belief"] = belief
+        fields["map_version"] = answer["map_version"]
     return fields or None
 
 
@@ -486,7 +493,10 @@ def _line(answer: Answer) -> str:
 def main(arguments: Sequence[str] | None = None) -> int:
     """The program waystone-localize. Returns its exit code."""
     flags = _arguments().parse_args(arguments)
-    names = [field.name for field in dataclasses.fields(Options) if field.name != "previous"]
+    of_series = ("previous", "odometry")
+    names = [
+        field.name for field in dataclasses.fields(Options) if field.name not in of_series
+    ]
     options = Options(**{name: getattr(flags, name) for name in names})
     try:
         client = Client(flags.server, token=_token(flags.token_file), timeout_s=flags.timeout,

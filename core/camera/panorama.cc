@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -42,12 +44,6 @@ std::string SizeOf(const cv::Mat& image) {
   return std::to_string(image.cols) + "x" + std::to_string(image.rows);
 }
 
-void CheckRange(const std::string& name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw MapError(ErrorCode::kBadOptions, name + " is " + std::to_string(value) + "; give " +
-                                             std::to_string(low) + " to " + std::to_string(high));
-}
-
 cv::Mat GreyOf(const cv::Mat& image) {
   WS_CHECK(image.type() == CV_8UC1 || image.type() == CV_8UC3 || image.type() == CV_8UC4,
            "an image of another type than 8-bit grey, BGR or BGRA");
@@ -71,9 +67,17 @@ void CheckContent(const cv::Mat& grey) {
   }
 }
 
-// Mean difference of two columns.
-double ColumnDifference(const cv::Mat& grey, int a, int b) {
-  return cv::norm(grey.col(a), grey.col(b), cv::NORM_L1) / grey.rows;
+// Sums of the differences between each column and the next, the last one's to the first; row by
+// row, as the pixels lie.
+std::vector<int64_t> ColumnDifferences(const cv::Mat& grey) {
+  std::vector<int32_t> sums(grey.cols, 0);  // 255 times the rows of any image fit
+  const int last = grey.cols - 1;
+  for (int y = 0; y < grey.rows; ++y) {
+    const auto* row = grey.ptr<uint8_t>(y);
+    for (int x = 0; x < last; ++x) sums[x] += std::abs(row[x + 1] - row[x]);
+    sums[last] += std::abs(row[0] - row[last]);
+  }
+  return {sums.begin(), sums.end()};
 }
 
 float ValueAt(const cv::Mat& grey, const cv::Point2d& at) {
@@ -190,12 +194,13 @@ PanoramaKind KindOf(const cv::Mat& image, const PanoramaOptions& options) {
 }
 
 double SeamRatio(const cv::Mat& grey) {
-  std::vector<double> differences;
-  for (int x = 0; x + 1 < grey.cols; ++x) differences.push_back(ColumnDifference(grey, x, x + 1));
+  std::vector<int64_t> differences = ColumnDifferences(grey);
+  const auto seam = static_cast<double>(differences.back()) / grey.rows;
+  differences.pop_back();
   const auto usual = differences.begin() + static_cast<std::ptrdiff_t>(
                                                kUsualColumns * static_cast<double>(grey.cols - 2));
   std::nth_element(differences.begin(), usual, differences.end());
-  return ColumnDifference(grey, 0, grey.cols - 1) / std::max(*usual, 1.0);
+  return seam / std::max(static_cast<double>(*usual) / grey.rows, 1.0);
 }
 
 MirrorRing FindMirror(const cv::Mat& grey, const PanoramaOptions& options) {

@@ -9,15 +9,10 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
-
-void CheckRange(const std::string& name, double value, double low, double high) {
-  if (value >= low && value <= high) return;  // not for NaN
-  throw MapError(ErrorCode::kBadOptions, name + " is " + std::to_string(value) + "; give " +
-                                             std::to_string(low) + " to " + std::to_string(high));
-}
 
 void CheckPrevious(const FilterState& previous, size_t nodes) {
   double sum = 0;

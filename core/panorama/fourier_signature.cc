@@ -10,18 +10,13 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kMinDeviation = 0.5;  // grey levels: below that is nothing but rounding
-
-void CheckCount(const std::string& name, int value, int low, int high) {
-  if (value >= low && value <= high) return;
-  throw MapError(ErrorCode::kBadOptions, name + " is " + std::to_string(value) + "; give " +
-                                             std::to_string(low) + " to " + std::to_string(high));
-}
 
 // Adds weight times a row of the panorama.
 void AddRow(const cv::Mat& grey, int row, float weight, float* sum) {
@@ -95,9 +90,9 @@ bool FourierSignature::operator==(const FourierSignature& other) const {
 }
 
 void SignatureOptions::Check() const {
-  CheckCount("rows", rows, 1, 1024);
-  CheckCount("k1", k1, 2, 4096);
-  CheckCount("k2", k2, 2, 4096);
+  CheckRange("rows", rows, 1, 1024);
+  CheckRange("k1", k1, 2, 4096);
+  CheckRange("k2", k2, 2, 4096);
   if (!(band.top_rad <= kPi / 2 && band.bottom_rad >= -kPi / 2 && band.top_rad > band.bottom_rad)) {
     throw MapError(ErrorCode::kBadOptions,
                    "the band from " + std::to_string(band.top_rad) + " to " +

@@ -11,6 +11,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -27,12 +28,6 @@ constexpr int kWaves = 4;
 constexpr int kParameters = kNearness + kWaves;
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 using Information = Eigen::Matrix<double, kParameters, kParameters>;
-
-void CheckRange(const std::string& name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw MapError(ErrorCode::kBadOptions, name + " is " + std::to_string(value) + "; give " +
-                                             std::to_string(low) + " to " + std::to_string(high));
-}
 
 // Grey value and its slopes along columns and rows (a pixel), at a position between pixels.
 struct Sample {

@@ -10,6 +10,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -17,12 +18,6 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kNewtonSteps = 5;                             // from within a step of a smooth peak
 constexpr double kUnknown_rad = kPi / std::numbers::sqrt3;  // deviation of a uniform direction
-
-void CheckRange(const std::string& name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw MapError(ErrorCode::kBadOptions, name + " is " + std::to_string(value) + "; give " +
-                                             std::to_string(low) + " to " + std::to_string(high));
-}
 
 double Wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * kPi); }
 

@@ -9,17 +9,12 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-void CheckRange(const std::string& name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw MapError(ErrorCode::kBadOptions, name + " is " + std::to_string(value) + "; give " +
-                                             std::to_string(low) + " to " + std::to_string(high));
-}
 
 // Change from row to row, upper to lower: edges without the brightness around them.
 RowImage VerticalGradient(const RowImage& image) {

@@ -13,6 +13,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -21,12 +22,6 @@ namespace {
 constexpr double kNarrowing = 2;
 
 using Block = std::array<double, 3>;  // x, y, theta
-
-void CheckRange(const std::string& name, double value, double low, double high) {
-  if (value >= low && value <= high) return;  // not for NaN
-  throw MapError(ErrorCode::kBadOptions, name + " is " + std::to_string(value) + "; give " +
-                                             std::to_string(low) + " to " + std::to_string(high));
-}
 
 template <class T>
 T Wrapped(const T& angle) {

@@ -36,9 +36,9 @@ CREATE TABLE appearance_features (
   node INTEGER PRIMARY KEY REFERENCES appearance_nodes,
   feature_count INTEGER NOT NULL CHECK (feature_count > 0),
   bearings_crc32c INTEGER NOT NULL,
-  descriptors_crc32c INTEGER NOT NULL,
+  codes_crc32c INTEGER NOT NULL,
   bearings BLOB NOT NULL,
-  descriptors BLOB NOT NULL
+  codes BLOB NOT NULL
 ) STRICT;
 
 CREATE TABLE appearance_images (
@@ -61,7 +61,7 @@ CREATE TABLE appearance_edges (
 ) STRICT, WITHOUT ROWID;
 
 CREATE TABLE appearance_verdict (
-  id INTEGER PRIMARY KEY CHECK (id = 1),
+  id INTEGER PRIMARY KEY CHECK (id IN (1, 2)),
   intercept REAL NOT NULL,
   positives INTEGER NOT NULL CHECK (positives >= 0),
   negatives INTEGER NOT NULL CHECK (negatives >= 0)
@@ -69,6 +69,7 @@ CREATE TABLE appearance_verdict (
 
 CREATE TABLE appearance_verdict_terms (
   id INTEGER PRIMARY KEY,
+  verdict INTEGER NOT NULL REFERENCES appearance_verdict,
   name TEXT NOT NULL,
   weight REAL NOT NULL
 ) STRICT;

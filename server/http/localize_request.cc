@@ -19,6 +19,9 @@ constexpr size_t kMaxNameBytes = 200;       // longest name of an image that an 
 constexpr size_t kMaxObjectBytes = 65'536;  // of a form's part `request`
 constexpr int kMaxDepth = 8;                // of JSON: nothing we read is deeper
 constexpr int kMaxTopK = 50;
+constexpr size_t kMaxBeliefs = 1000;
+constexpr size_t kMaxMotions = 64;     // no request has more images
+constexpr double kMaxWay = 1e9;        // of a layer's units
 constexpr double kMaxPixel = 100'000;  // of focal lengths and principal points
 constexpr double kMinFovDeg = 1;
 constexpr double kMaxFovDeg = 179;
@@ -94,16 +97,60 @@ Intrinsics ReadIntrinsics(const Json& object) {
   return {of("fx", kMinFocal), of("fy", kMinFocal), of("cx", -kMaxPixel), of("cy", -kMaxPixel)};
 }
 
+double AngleIn(const Json& object, const char* name, const std::string& field) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  return NumberIn(object[name], field, -kTurn, kTurn);
+}
+
+void CheckBelief(const Json& belief) {
+  if (!belief.is_array() || belief.size() > kMaxBeliefs) {
+    Refuse("previous.belief must be a list of at most " + std::to_string(kMaxBeliefs) +
+           " nodes, as an answer gave it");
+  }
+  for (const Json& one : belief) {
+    CheckFields(one, "a belief", {"deviation_rad", "heading_rad", "node", "probability"});
+    for (const char* name : {"deviation_rad", "heading_rad", "node", "probability"}) {
+      if (!one.contains(name)) Refuse("a belief has no " + std::string(name));
+    }
+    WholeIn(one["node"], "previous.belief's node", 1, INT64_MAX);
+    NumberIn(one["probability"], "previous.belief's probability", 0, 1);
+    AngleIn(one, "heading_rad", "previous.belief's heading_rad");
+    NumberIn(one["deviation_rad"], "previous.belief's deviation_rad", 1e-9, 1e3);
+  }
+}
+
 Json ReadPrevious(const Json& previous) {
-  CheckFields(previous, "previous", {"heading_rad", "keyframe"});
+  CheckFields(previous, "previous", {"belief", "heading_rad", "keyframe", "map_version"});
   if (previous.contains("keyframe")) {
     WholeIn(previous["keyframe"], "previous.keyframe", 1, INT64_MAX);
   }
   if (previous.contains("heading_rad")) {
-    NumberIn(previous["heading_rad"], "previous.heading_rad", -2 * std::numbers::pi,
-             2 * std::numbers::pi);
+    AngleIn(previous, "heading_rad", "previous.heading_rad");
   }
+  if (previous.contains("map_version")) TextIn(previous["map_version"], "previous.map_version");
+  if (previous.contains("belief")) CheckBelief(previous["belief"]);
   return previous;
+}
+
+std::vector<std::optional<Pose2>> ReadOdometry(const Json& list) {
+  if (!list.is_array() || list.empty() || list.size() > kMaxMotions) {
+    Refuse("odometry must be a list of a motion or null for each image");
+  }
+  std::vector<std::optional<Pose2>> motions;
+  for (const Json& one : list) {
+    if (one.is_null()) {
+      motions.emplace_back();
+      continue;
+    }
+    CheckFields(one, "a motion", {"heading_rad", "x", "y"});
+    for (const char* name : {"heading_rad", "x", "y"}) {
+      if (!one.contains(name)) Refuse("a motion has no " + std::string(name));
+    }
+    motions.push_back(Pose2{NumberIn(one["x"], "odometry's x", -kMaxWay, kMaxWay),
+                            NumberIn(one["y"], "odometry's y", -kMaxWay, kMaxWay),
+                            AngleIn(one, "heading_rad", "odometry's heading_rad")});
+  }
+  return motions;
 }
 
 void ReadCamera(const Json& object, LocalizeRequest& request) {
@@ -121,7 +168,7 @@ void ReadCamera(const Json& object, LocalizeRequest& request) {
 
 LocalizeRequest ReadObject(const Json& object, const RequestLimits& limits, bool images) {
   std::set<std::string> known = {"camera", "cx", "cy",       "deadline_ms", "debug", "fov_deg",
-                                 "fx",     "fy", "previous", "prior",       "top_k"};
+                                 "fx",     "fy", "odometry", "previous",    "prior", "top_k"};
   if (images) known.insert("images");
   CheckFields(object, "the request", known);
   LocalizeRequest request;
@@ -132,6 +179,7 @@ LocalizeRequest ReadObject(const Json& object, const RequestLimits& limits, bool
     request.prior_keyframe = WholeIn(object["prior"]["keyframe"], "prior.keyframe", 1, INT64_MAX);
   }
   if (object.contains("previous")) request.previous = ReadPrevious(object["previous"]);
+  if (object.contains("odometry")) request.odometry = ReadOdometry(object["odometry"]);
   if (object.contains("top_k")) {
     request.top_k = static_cast<int>(WholeIn(object["top_k"], "top_k", 1, kMaxTopK));
   }
@@ -166,7 +214,7 @@ LocalizeRequest ReadRaw(const HttpRequest& http, const RequestLimits& limits) {
       image.name = text.substr(0, kMaxNameBytes);
     } else if (name == "prior_keyframe") {
       object["prior"]["keyframe"] = ParameterValue(name, text);
-    } else if (name == "prior" || name == "previous" || name == "images") {
+    } else if (name == "prior" || name == "previous" || name == "odometry" || name == "images") {
       Refuse(name + " goes into a JSON body; as a query parameter there is prior_keyframe");
     } else {
       object[name] = ParameterValue(name, text);
@@ -189,6 +237,10 @@ void CheckCount(const LocalizeRequest& request, const RequestLimits& limits) {
   if (request.images.size() > static_cast<size_t>(limits.max_images)) {
     Refuse(std::to_string(request.images.size()) + " images, at most " +
            std::to_string(limits.max_images) + " are taken at once");
+  }
+  if (!request.odometry.empty() && request.odometry.size() != request.images.size()) {
+    Refuse("odometry has " + std::to_string(request.odometry.size()) + " motions for " +
+           std::to_string(request.images.size()) + " images; give one, or null, for each");
   }
 }
 
@@ -307,6 +359,11 @@ Json RequestObject(const LocalizeRequest& request) {
   if (request.stored_camera) json["camera"] = *request.stored_camera;
   if (request.prior_keyframe) json["prior"] = {{"keyframe", *request.prior_keyframe}};
   if (!request.previous.is_null()) json["previous"] = request.previous;
+  for (const std::optional<Pose2>& motion : request.odometry) {
+    json["odometry"].push_back(
+        motion ? Json{{"x", motion->x}, {"y", motion->y}, {"heading_rad", motion->theta_rad}}
+               : Json(nullptr));
+  }
   if (request.top_k) json["top_k"] = *request.top_k;
   if (request.debug) json["debug"] = true;
   if (request.deadline_ms) json["deadline_ms"] = *request.deadline_ms;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/pose2.h"
 #include "core/camera/camera.h"
 #include "core/image/decode.h"
 #include "schema/map_data.h"
@@ -44,9 +45,13 @@ struct LocalizeRequest {
   std::optional<double> fov_rad;             // horizontal
   std::optional<std::string> stored_camera;  // name of a sequence of the map
   std::optional<int64_t> prior_keyframe;     // where the client believes to be
-  // The answer before this one, as its client keeps it: {"keyframe": id, "heading_rad": angle},
+  // The answer before this one, as its client keeps it: {"keyframe": id, "heading_rad": angle,
+  // "map_version": text, "belief": [{"node": id, "probability", "heading_rad", "deviation_rad"}]},
   // each optional. Null without one.
   Json previous;
+  // Of each image, in their order, the motion since the image or answer before it, in the units of
+  // the map's layer; nothing where it isn't known. Empty when none was given.
+  std::vector<std::optional<Pose2>> odometry;
   std::optional<int> top_k;  // list that many candidates
   bool debug = false;        // explain the answer
   std::optional<int> deadline_ms;

@@ -30,9 +30,11 @@ std::optional<Camera> CheckedCamera(const LocalizeRequest& request, const Served
 }
 
 void RefuseMapsOwn(const LocalizeRequest& request) {
-  if (request.prior_keyframe || !request.previous.is_null() || request.stored_camera) {
-    throw MapError(ErrorCode::kBadRequest,
-                   "camera, prior and previous are of one map; ask /v1/maps/{map}/localize");
+  if (request.prior_keyframe || !request.previous.is_null() || request.stored_camera ||
+      !request.odometry.empty()) {
+    throw MapError(
+        ErrorCode::kBadRequest,
+        "camera, prior, previous and odometry are of one map; ask /v1/maps/{map}/localize");
   }
 }
 
@@ -67,6 +69,7 @@ HttpResponse LocalizeService::Answer(const HttpRequest& http, const ServedMaps& 
   const std::optional<Camera> camera = CheckedCamera(request, *maps.front());
   LocalizeOptions options = options_;
   options.explain = request.debug;
+  options.camera = camera;
   if (request.deadline_ms) {
     options.deadline =
         std::chrono::steady_clock::now() + std::chrono::milliseconds(*request.deadline_ms);

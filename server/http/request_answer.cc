@@ -2,10 +2,12 @@
 #include "server/http/request_answer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <utility>
 
 #include "core/base/error.h"
+#include "localizer/appearance.h"
 #include "server/http/answer_json.h"
 
 namespace waystone {
@@ -104,19 +106,107 @@ Json CameraJson(const LocalizeRequest& request, const Camera& camera) {
           {"params", camera.params}};
 }
 
-Json UnusedJson(const LocalizeRequest& request) {
+Json UnusedJson(const LocalizeRequest& request, const RequestAnswer& answer) {
   Json unused = Json::array();
-  if (request.intrinsics || request.fov_rad || request.stored_camera) unused.push_back("camera");
+  const bool has_camera = request.intrinsics || request.fov_rad || request.stored_camera;
+  if (has_camera && !answer.used_camera) unused.push_back("camera");
   if (request.prior_keyframe) unused.push_back("prior");
-  if (!request.previous.is_null()) unused.push_back("previous");
+  if (!request.previous.is_null() && !answer.used_previous) unused.push_back("previous");
+  if (!request.odometry.empty() && !answer.series) unused.push_back("odometry");
   return unused;
+}
+
+// ---- panoramas
+
+// By its header: what isn't an image fits either way.
+bool LooksLikePhoto(const QueryImage& image) {
+  try {
+    const ImageHeader header = ReadImageHeader(BytesOf(image));
+    return !IsPanoramic(cv::Size(header.width, header.height));
+  } catch (const MapError& error) {
+    if (error.code() != ErrorCode::kBadImage) throw;
+    return false;
+  }
+}
+
+// The belief of the request's previous answer; nothing without one of this version of the map.
+std::optional<FilterState> PreviousBelief(const LocalizeRequest& request, const MapIndex& index) {
+  const Json& previous = request.previous;
+  if (previous.is_null() || !previous.contains("belief")) return std::nullopt;
+  const MapData& map = index.map();
+  if (previous.contains("map_version") && previous["map_version"] != map.info.version) {
+    return std::nullopt;
+  }
+  const std::vector<AppearanceNode>& nodes = map.appearance->nodes;
+  FilterState belief;
+  for (const Json& one : previous["belief"]) {
+    const AppearanceNodeId id{one["node"].get<int64_t>()};
+    const auto node = std::ranges::lower_bound(nodes, id, {}, &AppearanceNode::id);
+    if (node == nodes.end() || node->id != id) {
+      throw MapError(ErrorCode::kBadRequest,
+                     "previous.belief: the map has no panorama " + std::to_string(id.value) +
+                         "; leave `previous` out after the map has changed");
+    }
+    belief.push_back({static_cast<int>(node - nodes.begin()), one["probability"].get<double>(),
+                      one["heading_rad"].get<double>(), one["deviation_rad"].get<double>()});
+  }
+  return belief;
+}
+
+Json BeliefJson(const FilterState& belief, const MapIndex& index) {
+  if (belief.empty()) return nullptr;
+  Json list = Json::array();
+  for (const Belief& one : belief) {
+    // Rounded down, so that the sum can't exceed 1; what is nothing by then isn't worth its bytes.
+    const double probability = std::floor(one.probability * 1e6) / 1e6;
+    if (probability == 0) continue;
+    list.push_back({{"node", index.map().appearance->nodes[one.node].id.value},
+                    {"probability", probability},
+                    {"heading_rad", Rounded(one.heading_rad, 5)},
+                    {"deviation_rad", std::max(1e-5, Rounded(one.deviation_rad, 5))}});
+  }
+  return list;
+}
+
+// The images one after the other, each asked with what those before it showed.
+RequestAnswer AnswerSeries(const LocalizeRequest& request, const ServedMap& map,
+                           std::optional<FilterState> previous, const LocalizeOptions& options) {
+  RequestAnswer result;
+  result.series = true;
+  result.used_previous = previous.has_value();
+  SeriesContext context;
+  if (previous) context.previous = std::move(*previous);
+  for (size_t i = 0; i < request.images.size(); ++i) {
+    const QueryImage& image = request.images[i];
+    context.odometry = request.odometry.empty() ? std::nullopt : request.odometry[i];
+    LocalizeOptions asked = options;
+    asked.series = context;
+    Answer answer = Localize(map.index(), BytesOf(image), image.name, asked);
+    answer.map = map.name();
+    if (answer.verdict != Verdict::kBadImage && answer.verdict != Verdict::kUndecided) {
+      context.previous = answer.belief;
+      result.best = i;
+    }
+    result.images.push_back({std::move(answer)});
+  }
+  result.belief = BeliefJson(context.previous, map.index());
+  return result;
 }
 
 }  // namespace
 
 RequestAnswer AnswerRequest(const LocalizeRequest& request, const ServedMaps& maps,
                             const LocalizeOptions& options) {
+  const bool panoramas = maps.size() == 1 && maps.front()->index().HasAppearance();
+  const auto photos = std::ranges::count_if(request.images, LooksLikePhoto);
+  if (panoramas && photos == 0) {
+    auto previous = PreviousBelief(request, maps.front()->index());
+    if (previous || request.images.size() > 1) {
+      return AnswerSeries(request, *maps.front(), std::move(previous), options);
+    }
+  }
   RequestAnswer result;
+  result.used_camera = panoramas && photos > 0 && maps.front()->index().map().planes.empty();
   for (const QueryImage& image : request.images) {
     std::vector<Answer> answers = AskMaps(image, maps, options);
     // Over HTTP a map goes by the name in the path, whatever it was called when it was built.
@@ -125,6 +215,9 @@ RequestAnswer AnswerRequest(const LocalizeRequest& request, const ServedMaps& ma
     result.images.push_back(std::move(answers));
   }
   result.best = BestImage(result);
+  if (panoramas) {
+    result.belief = BeliefJson(result.images[result.best].front().belief, maps.front()->index());
+  }
   return result;
 }
 
@@ -159,7 +252,8 @@ Answer OverallAnswer(const RequestAnswer& answer) {
                  " maps have this place; `maps` ranks them, ask one of them for its answer";
   for (int i = 0; i < localized; ++i) {
     const int inliers = maps[i].planes.empty() ? 0 : maps[i].planes.front().inliers;
-    best.places.push_back({*maps[i].keyframe, maps[i].probability, inliers});
+    // A panorama's place has no keyframe.
+    if (maps[i].keyframe) best.places.push_back({*maps[i].keyframe, maps[i].probability, inliers});
   }
   best.keyframe.reset();
   return best;
@@ -179,9 +273,10 @@ Json ToJson(const LocalizeRequest& request, const RequestAnswer& answer, bool ac
     }
   }
   if (request.top_k) json["candidates"] = CandidatesJson(overall, *request.top_k);
+  if (!answer.belief.is_null()) json["belief"] = answer.belief;
   if (!overall.stage.empty()) json["stage"] = overall.stage;
   if (camera) json["camera"] = CameraJson(request, *camera);
-  const Json unused = UnusedJson(request);
+  const Json unused = UnusedJson(request, answer);
   if (!unused.empty()) json["unused"] = unused;
   return json;
 }

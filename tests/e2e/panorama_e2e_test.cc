@@ -6,12 +6,16 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "cli/child_process.h"
 #include "server/http/json.h"
 #include "tests/e2e/shared_map.h"
 #include "world/render.h"
 #include "world/rig.h"
 #include "world/walk.h"
 #include "world/world.h"
+
+// After Eigen, for which the macro _res of the resolver's header spells trouble.
+#include <httplib.h>
 
 namespace waystone {
 namespace {
@@ -82,6 +86,117 @@ TEST_F(PanoramaCommands, OneLineSaysWhatIsWrong) {
   const RunResult rig = RunWaystone({"unwrap", folder_ / "rig", "-o", folder_ / "out"});
   EXPECT_EQ(rig.code, 3);
   EXPECT_NE(rig.err.find("front"), std::string::npos) << rig.err;
+}
+
+// A walk of panoramas through a room and its map, made once.
+class PanoramaMap : public PanoramaCommands {
+ protected:
+  static constexpr int kPanoramas = 12;
+
+  static void SetUpTestSuite() {
+    home_ = FreshFolder();
+    fs::create_directory(home_ / "walk");
+    for (int i = 0; i < kPanoramas; ++i) Draw(home_ / "walk" / (std::to_string(i) + ".png"), i);
+    for (const double at : {2.5, 3.5, 4.5}) {
+      Draw(home_ / ("query" + std::to_string(static_cast<int>(at)) + ".png"), at);
+    }
+    build_ = RunWaystone({"build", home_ / "walk", "-o", home_ / "hall.db", "--json"});
+  }
+  static void TearDownTestSuite() { fs::remove_all(home_); }
+
+  // What is seen after so many steps of the walk.
+  static void Draw(const fs::path& path, double step) {
+    static const World world = [] {
+      WorldOptions options;
+      options.texel_m = 0.02;
+      return World(DemoPlan(), options);
+    }();
+    const Renderer renderer(PanoramaCamera(256));
+    RenderOptions noisy;
+    noisy.noise_sigma = 2;
+    noisy.noise_seed = static_cast<uint64_t>(10 * step) + 1;
+    const auto pose = WorldFromCamera({5.6 + 0.2 * step, 10.5, 1.5}, 0.05 * step);
+    cv::imwrite(path.string(), renderer.Render(world, pose, noisy).grey);
+  }
+
+  static fs::path Query(int step) { return home_ / ("query" + std::to_string(step) + ".png"); }
+
+  static inline fs::path home_;
+  static inline RunResult build_;
+};
+
+TEST_F(PanoramaMap, BuildKeepsFeaturesWithin20KilobytesANode) {
+  ASSERT_EQ(build_.code, 0) << build_.err;
+  const RunResult bare = RunWaystone(
+      {"build", home_ / "walk", "-o", folder_ / "bare.db", "--node-features", "0", "--quiet"});
+  ASSERT_EQ(bare.code, 0) << bare.err;
+  const auto with = fs::file_size(home_ / "hall.db");
+  EXPECT_GT(with, fs::file_size(folder_ / "bare.db"));
+  EXPECT_LT(with, kPanoramas * 20'000 + 250'000);  // and the empty tables and indices
+}
+
+TEST_F(PanoramaMap, LocalizeAnswersASeriesInOrder) {
+  ASSERT_EQ(build_.code, 0) << build_.err;
+  const RunResult series = RunWaystone(
+      {"localize", home_ / "hall.db", Query(2), Query(3), Query(4), "--series", "--json"});
+  ASSERT_EQ(series.code, 0) << series.err;
+  std::istringstream lines(series.out);
+  std::string line;
+  int answers = 0;
+  while (std::getline(lines, line)) {
+    const Json answer = Json::parse(line);
+    EXPECT_EQ(answer["decided_by"], "series");
+    EXPECT_EQ(answer["image"], Query(2 + answers).string());
+    ++answers;
+  }
+  EXPECT_EQ(answers, 3);
+  EXPECT_EQ(Json::parse(series.out.substr(series.out.rfind("{\"verdict\"")))["verdict"],
+            "localized");
+}
+
+TEST_F(PanoramaMap, SeveralPanoramasOverHttpAreASeriesAndTheBeliefGoesOn) {
+  ASSERT_EQ(build_.code, 0) << build_.err;
+  ChildProcess server({WAYSTONE_PROGRAM, "serve", home_ / "hall.db", "--port", "0"}, true);
+  const std::string line = server.ReadLine();
+  httplib::Client client(line.substr(line.find("http://")));
+  client.set_read_timeout(30);
+  const auto ask = [&](const std::vector<int>& steps, const Json& request) {
+    httplib::MultipartFormDataItems form;
+    for (const int step : steps) {
+      form.push_back({"image", ReadFile(Query(step)), std::to_string(step) + ".png", "image/png"});
+    }
+    form.push_back({"request", request.dump(), "", "application/json"});
+    const auto result = client.Post("/v1/maps/hall/localize", form);
+    EXPECT_TRUE(result);
+    return result ? std::pair(result->status, Json::parse(result->body)) : std::pair(0, Json());
+  };
+  const auto [status, first] = ask({2, 3}, Json::object());
+  ASSERT_EQ(status, 200) << first;
+  EXPECT_EQ(first["decided_by"], "series");
+  EXPECT_EQ(first["image"], "3.png");  // the last one's answer
+  EXPECT_EQ(first["images"].size(), 2U);
+  ASSERT_FALSE(first["belief"].empty()) << first;
+  double sum = 0;
+  for (const Json& belief : first["belief"]) sum += belief["probability"].get<double>();
+  EXPECT_LE(sum, 1);
+
+  Json request;
+  request["previous"] = {{"belief", first["belief"]}, {"map_version", first["map_version"]}};
+  request["odometry"] = {{{"x", 0.1}, {"y", 0}, {"heading_rad", 0.05}}};
+  const Json next = ask({4}, request).second;
+  EXPECT_EQ(next["decided_by"], "series");
+  EXPECT_FALSE(next.contains("unused")) << next;
+  EXPECT_EQ(next["verdict"], "localized") << next;
+  EXPECT_FALSE(next["panorama"]["position"].is_null());
+
+  request["previous"]["map_version"] = "sha256:another";
+  EXPECT_EQ(ask({4}, request).second["unused"], Json({"previous", "odometry"}));
+  request["previous"] = {
+      {"belief",
+       {{{"node", 999}, {"probability", 0.5}, {"heading_rad", 0}, {"deviation_rad", 0.1}}}}};
+  const auto [refused, problem] = ask({4}, request);
+  EXPECT_EQ(refused, 400);
+  EXPECT_NE(problem["detail"].get<std::string>().find("999"), std::string::npos);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "localizer/localizer.h"
 #include "localizer/panorama_series.h"
+#include "localizer/photo.h"
 #include "tests/world/test_worlds.h"
 
 namespace waystone {
@@ -116,23 +117,116 @@ TEST(Appearance, LocalizeAsksTheLayerThatFits) {
   cv::imencode(".png", cv::Mat(480, 640, CV_8UC1, cv::Scalar(90)), bytes);
   const Answer photo = Localize(Grid(false), bytes, "photo.png", {});
   EXPECT_EQ(photo.verdict, Verdict::kNotInMap);
-  EXPECT_EQ(photo.decided_by, "panorama_shape");
+  EXPECT_EQ(photo.decided_by, "photo");
 }
 
 TEST(Appearance, ASeriesIsAtLeastAsSureAsItsImages) {
   SeriesOptions options;
-  FilterState state;
+  SeriesContext context;
   double last = 0;
   for (int i = 0; i < 4; ++i) {
     const Pose2 truth{1.4 + 0.1 * i, 1.9, 0.2};
     const PanoramaQuery query = DescribeQuery(Grid(true), Panorama(Rooms(), truth), options.query);
-    const SeriesStep step = ContinueSeries(Grid(true), query, state, Pose2{0.1, 0, 0}, options);
-    state = step.state;
-    EXPECT_LT(Apart(step.answer.panorama->pose, truth), 0.5);
-    EXPECT_EQ(step.answer.decided_by, "series");
-    last = step.answer.probability;
+    const Answer answer = ContinueSeries(Grid(true), query, context, options);
+    context = {answer.belief, Pose2{0.1, 0, 0}};
+    EXPECT_LT(Apart(answer.panorama->pose, truth), 0.5);
+    EXPECT_EQ(answer.decided_by, "series");
+    last = answer.probability;
   }
   EXPECT_GT(last, 0.9);
+}
+
+// A building with two corridors that are alike, 20 m apart: the western room's panoramas stand for
+// both, each with a noise of its own. The second leads on into the eastern room.
+const MapIndex& AliasedCorridors() {
+  static const auto index = [] {
+    const Renderer renderer(PanoramaCamera(kWidth / 2));
+    MapData map;
+    map.info.name = "aliased";
+    map.sequences.push_back({SequenceId{1}, "walk", "panorama", 0, 0, {}});
+    AppearanceLayer layer;
+    const auto add = [&](double x, double shown_y, double y) {
+      AppearanceNode node;
+      node.id = AppearanceNodeId{std::ssize(layer.nodes) + 1};
+      node.sequence = SequenceId{1};
+      node.pose = {x, y, 0};
+      RenderOptions noisy;
+      noisy.noise_sigma = 4;
+      noisy.noise_seed = static_cast<uint64_t>(node.id.value);
+      const auto pose = WorldFromCamera({x, shown_y, kHeight_m}, 0);
+      node.signature = Signature(renderer.Render(Rooms(), pose, noisy).grey, layer.described);
+      layer.nodes.push_back(std::move(node));
+    };
+    for (const double y : {2.0, 22.0}) {
+      for (const double x : {0.9, 1.5, 2.1, 2.7}) add(x, 2.0, y);
+    }
+    for (const double x : {4.5, 5.1, 5.7, 6.3}) add(x, 2.0, 22.0);
+    map.appearance = std::move(layer);
+    return MapIndex::Build(std::move(map));
+  }();
+  return *index;
+}
+
+PanoramaQuery InCorridor(double x) {
+  return DescribeQuery(AliasedCorridors(), Panorama(Rooms(), {x, 2.0, 0}), {});
+}
+
+TEST(Appearance, ASeriesTellsCorridorsApartThatAreAlike) {
+  const Answer single = LocatePanorama(AliasedCorridors(), InCorridor(1.5), {});
+  EXPECT_EQ(single.verdict, Verdict::kAmbiguous) << single.probability;
+  SeriesContext context;
+  Answer answer;
+  std::vector<Verdict> verdicts;
+  for (const double x : {1.5, 2.1, 2.7, 4.5, 5.1}) {  // along the corridor, into the eastern room
+    answer = ContinueSeries(AliasedCorridors(), InCorridor(x), context);
+    context.previous = answer.belief;
+    verdicts.push_back(answer.verdict);
+  }
+  EXPECT_EQ(verdicts.front(), Verdict::kAmbiguous);
+  EXPECT_EQ(verdicts.back(), Verdict::kLocalized);
+  EXPECT_NEAR(answer.panorama->pose.y, 22, 1);
+  // Back into the corridor: what was ambiguous before is known now.
+  for (const double x : {2.7, 2.1}) {
+    context.odometry = Pose2{x == 2.7 ? -2.4 : -0.6, 0, 0};
+    answer = ContinueSeries(AliasedCorridors(), InCorridor(x), context);
+    context.previous = answer.belief;
+    EXPECT_EQ(answer.verdict, Verdict::kLocalized);
+    EXPECT_NEAR(answer.panorama->pose.y, 22, 1);
+  }
+}
+
+TEST(Appearance, ABeliefOfAnotherMapIsRefused) {
+  SeriesContext context;
+  context.previous = {{99, 0.5, 0, 0.1}};
+  EXPECT_THROW(ContinueSeries(AliasedCorridors(), InCorridor(1.5), context), MapError);
+}
+
+TEST(Appearance, APhotoIsFoundByWhatItSeesOrRefused) {
+  const Camera camera = PinholeCamera(480, 360, 1.4);
+  const Renderer renderer(camera);
+  const auto photo = [&](const World& world, const Pose2& at) {
+    return renderer.Render(world, WorldFromCamera({at.x, at.y, kHeight_m}, at.theta_rad)).grey;
+  };
+  for (const Pose2& truth : kQueries) {
+    const Answer answer = LocalizePhoto(Grid(true), photo(Rooms(), truth), camera, {});
+    EXPECT_EQ(answer.verdict, Verdict::kLocalized) << answer.message << answer.probability;
+    ASSERT_TRUE(answer.panorama && answer.heading);
+    EXPECT_LT(Apart(answer.panorama->pose, truth), 0.3);
+    EXPECT_LT(std::abs(WrappedAngle(answer.heading->rad - truth.theta_rad)), 0.03);
+  }
+  WorldOptions other = TestOptions();
+  other.seed = 99;
+  const World elsewhere(DemoPlan(), other);
+  EXPECT_EQ(LocalizePhoto(Grid(true), photo(elsewhere, {3, 3, 0.2}), camera, {}).verdict,
+            Verdict::kNotInMap);
+  const cv::Mat image = photo(Rooms(), kQueries[0]);
+  EXPECT_NE(LocalizePhoto(Grid(true), image, {}, {}).message.find("field of view"),
+            std::string::npos);
+  EXPECT_NE(LocalizePhoto(Grid(false), image, camera, {}).message.find("--node-features"),
+            std::string::npos);
+  EXPECT_NE(
+      LocalizePhoto(Grid(true), image, PinholeCamera(100, 80, 1), {}).message.find("unscaled"),
+      std::string::npos);
 }
 
 TEST(Appearance, RefusesOptionsOutOfRange) {

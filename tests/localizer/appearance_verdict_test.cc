@@ -29,17 +29,18 @@ TEST(AppearanceVerdict, MoreEvidenceIsMoreLikely) {
 TEST(AppearanceVerdict, FindsTheModelOfItsSamples) {
   AppearanceVerdict truth = DefaultVerdict(false);
   truth.intercept = 4;
-  truth.terms[0].weight = -8;
-  truth.terms[1].weight = 10;
+  truth.terms[1].weight = -8;
+  truth.terms[2].weight = 10;
   Random random(1);
   std::vector<AppearanceSample> samples;
   for (int i = 0; i < 4000; ++i) {
     const auto evidence = ByAppearance(random.Uniform(0, 1.2), random.Uniform(-0.3, 0.3));
     samples.push_back({evidence, random.Uniform() < ProbabilityOf(evidence, truth)});
   }
-  const AppearanceVerdict fitted = FitAppearanceVerdict(samples, false, {100, 100});
-  EXPECT_NEAR(fitted.terms[0].weight, -8, 0.8);
-  EXPECT_NEAR(fitted.terms[1].weight, 10, 1);
+  const AppearanceVerdict fitted = FitAppearanceVerdict(samples, false, {100, 100, 1});
+  EXPECT_EQ(fitted.terms[1].name, "cost");
+  EXPECT_NEAR(fitted.terms[1].weight, -8, 0.8);
+  EXPECT_NEAR(fitted.terms[2].weight, 10, 1);
   EXPECT_EQ(fitted.positives + fitted.negatives, 4000);
 }
 
@@ -49,16 +50,18 @@ TEST(AppearanceVerdict, WithoutSamplesTheDefaultHolds) {
 
 TEST(AppearanceVerdict, AModelOfAnotherKindIsNotUsed) {
   AppearanceLayer layer;
-  layer.verdict = DefaultVerdict(true);
-  layer.verdict->intercept = 77;
+  layer.verified_verdict = DefaultVerdict(true);
+  layer.verified_verdict->intercept = 77;
   EXPECT_EQ(VerdictFor(layer, true).intercept, 77);
   EXPECT_EQ(VerdictFor(layer, false), DefaultVerdict(false));
-  layer.verdict->terms[0].name = "magic";
+  layer.verified_verdict->terms[0].name = "magic";
   EXPECT_EQ(VerdictFor(layer, true), DefaultVerdict(true));
+  layer.verdict = DefaultVerdict(true);
+  EXPECT_EQ(VerdictFor(layer, false), DefaultVerdict(false));
 }
 
 TEST(AppearanceVerdict, RefusesBadOptions) {
-  EXPECT_THROW(FitAppearanceVerdict({}, true, {0, 1}), MapError);
+  EXPECT_THROW(FitAppearanceVerdict({}, true, {0, 1, 1}), MapError);
 }
 
 }  // namespace

@@ -79,8 +79,8 @@ TEST(Blob, HalvesAndBearingsByteByByte) {
   const Bytes expected{0, 0x3c, 0, 0xc0, 0, 0, 0xff, 0x7b};  // row after row
   EXPECT_EQ(EncodeHalves(matrix), expected);
   EXPECT_EQ(DecodeHalves(expected, 2, 2), matrix);
-  const std::vector<Bearing> bearings = {{1.0F, -2.0F}};
-  EXPECT_EQ(EncodeBearings(bearings), (Bytes{0, 0, 0x80, 0x3f, 0, 0, 0, 0xc0}));
+  const std::vector<Bearing> bearings = {{0x1234, -2}};
+  EXPECT_EQ(EncodeBearings(bearings), (Bytes{0x34, 0x12, 0xfe, 0xff}));
   EXPECT_EQ(DecodeBearings(EncodeBearings(bearings)), bearings);
   EXPECT_THROW(DecodeHalves(Bytes(7), 2, 2), CheckFailure);
 }

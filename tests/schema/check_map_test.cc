@@ -129,7 +129,7 @@ TEST_F(CheckMapTest, DamagedLayers) {
   ExpectFound("DELETE FROM appearance_signatures WHERE node = 5", "appearance_signatures 5", "0x0");
   ExpectFound("UPDATE appearance_edges SET kind = 2", "appearance_edges 2/5", "kind is 2");
   ExpectFound("UPDATE appearance_edges SET heading_rad = 0.5", "appearance_edges", "values");
-  ExpectFound("DELETE FROM appearance_verdict", "appearance_verdict_terms 1", "has no row");
+  ExpectFound("DELETE FROM appearance_verdict", "appearance_verdict_terms 1", "has no row 1");
   ExpectFound("DELETE FROM orientation_layer", "orientation_frames 1", "has no row");
   ExpectFound("UPDATE orientation_frames SET qy = NULL WHERE id = 2", "orientation_frames 2",
               "qy is NULL");

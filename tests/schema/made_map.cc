@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "core/base/random.h"
+#include "core/features/descriptor_codes.h"
 #include "schema/index_features.h"
 
 namespace waystone {
@@ -128,11 +129,11 @@ AppearanceNode MadeNode(Random& random, int64_t id, const MapData& map,
   if (shape.jpeg_bytes > 0) node.jpeg = RandomBytes(random, random.Below(shape.jpeg_bytes));
   const int features = random.Below(4);
   for (int i = 0; i < features; ++i) {
-    node.features.bearings.push_back(
-        {static_cast<float>(random.Uniform(-3, 3)), static_cast<float>(random.Uniform(-1.5, 1.5))});
+    node.features.bearings.push_back({static_cast<int16_t>(random.Below(65536) - 32768),
+                                      static_cast<int16_t>(random.Below(32769) - 16384)});
   }
-  const int bytes = DescriptorBytes(shape.type);
-  node.features.descriptors = Descriptors(bytes, RandomBytes(random, features * bytes));
+  const int bytes = CodeBytes(shape.type);
+  node.features.codes = Descriptors(bytes, RandomBytes(random, features * bytes));
   return node;
 }
 
@@ -148,6 +149,7 @@ AppearanceLayer MadeAppearance(Random& random, const MapData& map, const MapShap
     layer.edges.push_back({{id - 3}, {id}, kind, random.Uniform(), RandomPose(random), 0.02});
   }
   layer.verdict = AppearanceVerdict{-3.5, {{"distance", -2.0}, {"sharpness", 0.5}}, 12, 30};
+  if (random.Below(2) == 0) layer.verified_verdict = AppearanceVerdict{1.5, {{"x", 2.0}}, 1, 0};
   return layer;
 }
 

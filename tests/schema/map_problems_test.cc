@@ -56,7 +56,7 @@ MapData LayeredMap() {
     node.id = {id};
     node.sequence = {1};
     node.signature = {HalfMatrix::Ones(2, 3), HalfMatrix::Zero(2, 2)};
-    node.features = {{{0.5F, 0.1F}}, Descriptors(128, std::vector<uint8_t>(128, 5))};
+    node.features = {{{500, 100}}, Descriptors(32, std::vector<uint8_t>(32, 5))};
     map.appearance->nodes.push_back(node);
   }
   map.appearance->edges = {{{1}, {2}, AppearanceEdgeKind::kConsecutive, 0.1, {1, 0, 0}, 0.01},
@@ -99,14 +99,14 @@ const std::vector<Fault>& AppearanceFaults() {
        [](MapData& m) { m.appearance->nodes[0].signature.magnitudes(0, 1) = kHalfNan; }},
       {"phase out of range", "appearance_signatures 1",
        [](MapData& m) { m.appearance->nodes[0].signature.phases(1, 1) = Eigen::half(3.2); }},
-      {"descriptors missing", "appearance_features 1",
-       [](MapData& m) { m.appearance->nodes[0].features.descriptors = {}; }},
-      {"descriptors of another kind", "appearance_features 1",
+      {"codes missing", "appearance_features 1",
+       [](MapData& m) { m.appearance->nodes[0].features.codes = {}; }},
+      {"codes of another kind", "appearance_features 1",
        [](MapData& m) {
-         m.appearance->nodes[0].features.descriptors = Descriptors(32, std::vector<uint8_t>(32));
+         m.appearance->nodes[0].features.codes = Descriptors(61, std::vector<uint8_t>(61));
        }},
       {"bearing under the floor", "appearance_features 1",
-       [](MapData& m) { m.appearance->nodes[0].features.bearings[0].elevation_rad = -1.7F; }},
+       [](MapData& m) { m.appearance->nodes[0].features.bearings[0].elevation = -16385; }},
       {"edge backwards", "appearance_edges 2/1",
        [](MapData& m) { std::swap(m.appearance->edges[0].a, m.appearance->edges[0].b); }},
       {"edge twice", "appearance_edges 1/2", [](MapData& m) { m.appearance->edges[1].b = {2}; }},
@@ -122,6 +122,10 @@ const std::vector<Fault>& AppearanceFaults() {
        [](MapData& m) { m.appearance->verdict->terms[1].name = "a"; }},
       {"weight NaN", "appearance_verdict 1",
        [](MapData& m) { m.appearance->verdict->terms[1].weight = kNan; }},
+      {"fewer than 0 samples", "appearance_verdict 2",
+       [](MapData& m) {
+         m.appearance->verified_verdict = AppearanceVerdict{0, {}, -1, 0};
+       }},
   };
   return faults;
 }

@@ -23,15 +23,6 @@ export const imagePath = (map: string, keyframe: number) =>
 export const thumbnailPath = (map: string, keyframe: number) =>
   `${mapPath(map)}/keyframes/${keyframe}/thumbnail`;
 
-// What a map's appearance layer answers about a panorama; `node` and `position` when localized.
-export interface PanoramaAnswer {
-  node: { id: number; sequence: string; source: string } | null;
-  position: { x: number; y: number; deviation: number; metres_per_unit: number | null } | null;
-}
-
-export const panoramaOf = (answer: Answer): PanoramaAnswer | undefined =>
-  (answer as { panorama?: PanoramaAnswer }).panorama;
-
 const kToken = "waystone-token"; // in the session's storage: gone with the tab
 
 // An audit of a large map takes a while.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // View: drop a photo, see where it was taken.
 import { useEffect, useState } from "preact/hooks";
-import { type Answer, localize, mapPath, panoramaOf } from "./api";
+import { type Answer, localize, mapPath } from "./api";
 import { colourOf } from "./colours";
 import { Overlay, type Shape } from "./figure";
 import { MatchFigure } from "./match_figure";
@@ -77,7 +77,7 @@ const kDegrees = 180 / Math.PI;
 
 // Where a panorama was taken, in the frame of the appearance layer.
 function PanoramaNumbers({ map, answer }: { map: string; answer: Answer }) {
-  const { node, position } = panoramaOf(answer)!;
+  const { node, position } = answer.panorama!;
   const unit = position?.metres_per_unit === null ? " of the map’s units" : "";
   const heading = answer.heading as { rad: number } | null;
   return (
@@ -99,7 +99,7 @@ function PanoramaNumbers({ map, answer }: { map: string; answer: Answer }) {
 
 // The panorama, above the map's nearest one.
 function PanoramaFound({ map, query }: { map: string; query: Query }) {
-  const node = panoramaOf(query.answer)?.node;
+  const node = query.answer.panorama?.node;
   const nearest = usePicture(node ? `${mapPath(map)}/appearance/nodes/${node.id}/image` : null);
   return (
     <div class="panoramas">
@@ -111,7 +111,7 @@ function PanoramaFound({ map, query }: { map: string; query: Query }) {
 
 function Numbers({ map, answer }: { map: string; answer: Answer }) {
   const runnerUp = answer.runner_up;
-  if (panoramaOf(answer)) return <PanoramaNumbers map={map} answer={answer} />;
+  if (answer.panorama) return <PanoramaNumbers map={map} answer={answer} />;
   return (
     <Facts
       rows={[
@@ -130,7 +130,7 @@ function Numbers({ map, answer }: { map: string; answer: Answer }) {
 
 function Verdict({ map, query }: { map: string; query: Query }) {
   const { answer } = query;
-  const near = answer.keyframe ?? panoramaOf(answer)?.node;
+  const near = answer.keyframe ?? answer.panorama?.node;
   return (
     <div class={`verdict ${answer.verdict}`} role="status">
       <h2>{verdictInWords(answer)}</h2>
@@ -194,7 +194,7 @@ function Planes(props: {
 
 function Found({ map, query }: { map: string; query: Query }) {
   const { answer } = query;
-  if (panoramaOf(answer)) return <PanoramaFound map={map} query={query} />;
+  if (answer.panorama) return <PanoramaFound map={map} query={query} />;
   return <PlanesFound map={map} query={query} />;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers and outcomes as words.
-import { type Answer, type Candidate, type Explanation, panoramaOf } from "./api";
+import { type Answer, type Candidate, type Explanation } from "./api";
 
 // Four matches always fit a homography, and a fifth one easily does.
 const kByChance = 5;
@@ -20,7 +20,7 @@ export function verdictInWords(answer: Answer): string {
     case "localized":
       return answer.keyframe
         ? `This is near keyframe ${answer.keyframe.id}`
-        : `This is near panorama ${panoramaOf(answer)?.node?.id}`;
+        : `This is near panorama ${answer.panorama?.node?.id}`;
     case "ambiguous":
       return "Several places look like this";
     case "not_in_map":

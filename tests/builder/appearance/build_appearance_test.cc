@@ -6,6 +6,7 @@
 
 #include "builder/build_map.h"
 #include "core/base/error.h"
+#include "localizer/appearance.h"
 #include "schema/map_store.h"
 #include "tests/builder/appearance/drive.h"
 
@@ -110,14 +111,19 @@ TEST(BuildAppearanceTest, RefusesASequenceThatIsMostlyUnusable) {
   ExpectRefused(images, {"2 usable panoramas of 6 frames", "show something"});
 }
 
-TEST(BuildAppearanceTest, StopsWhenToldTo) {
-  ImagesSource source(First(6));
-  const auto stop = [](const std::string&, int, int) { return false; };
-  try {
-    BuildAppearanceLayer({&source}, ShortDrive(), stop);
-    ADD_FAILURE() << "nothing was thrown";
-  } catch (const MapError& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kInterrupted);
+TEST(BuildAppearanceTest, StopsWhenToldToInTheMiddleOfAStage) {
+  for (const std::string at : {"panoramas", "odometry", "loops", "poses"}) {
+    int calls = 0;  // of that stage; the first one is before it begins
+    const auto stop = [&](const std::string& stage, int, int) {
+      return stage != at || (++calls == 1 && at != "panoramas" && at != "poses");
+    };
+    try {
+      ImagesSource source(at == "loops" ? TheDrive().panoramas : First(6));
+      BuildAppearanceLayer({&source}, ShortDrive(), stop);
+      ADD_FAILURE() << "nothing was thrown in " << at;
+    } catch (const MapError& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kInterrupted);
+    }
   }
 }
 
@@ -133,6 +139,62 @@ TEST(BuildMapTest, PanoramasBecomeTheAppearanceLayerOfASoundMap) {
   EXPECT_TRUE(CheckMap(path).empty());
   EXPECT_EQ(ReadMap(path).appearance, result.map.appearance);
   std::filesystem::remove(path);
+}
+
+// The drive's map as BuildMap makes it, and answers for panoramas from between its own.
+const MapData& DriveMap() {
+  static const MapData map = [] {
+    std::vector<std::unique_ptr<Source>> sources;
+    sources.push_back(std::make_unique<ImagesSource>(TheDrive().panoramas));
+    BuildOptions options;
+    options.appearance = ShortDrive();
+    options.appearance_calibration.max_nodes = 12;
+    return BuildMap(sources, options, {}).map;
+  }();
+  return map;
+}
+
+TEST(BuildMapTest, CalibratesTheVerdictOfPanoramas) {
+  const AppearanceLayer& layer = *DriveMap().appearance;
+  ASSERT_TRUE(layer.verdict && layer.verified_verdict);
+  for (const auto& model : {*layer.verdict, *layer.verified_verdict}) {
+    EXPECT_GT(model.positives, 0);
+    EXPECT_GT(model.negatives, 12);  // the rendered ones and answers without the surroundings
+  }
+  const int max_kept = NodeFeatureOptions{}.max_kept;
+  for (const AppearanceNode& node : layer.nodes) {
+    EXPECT_GT(std::ssize(node.features.bearings), max_kept / 2);
+    EXPECT_LE(std::ssize(node.features.bearings), max_kept);
+  }
+}
+
+TEST(BuildMapTest, ACalibratedMapRefusesWhatItDoesntShow) {
+  const auto index = MapIndex::Build(DriveMap());
+  WorldOptions other;
+  other.seed = 99;
+  other.texel_m = 0.02;
+  const World elsewhere(OtherPlan(), other);
+  const Renderer renderer(PanoramaCamera(256));
+  for (const double yaw : {0.0, 1.0, 2.0, 3.0}) {
+    const cv::Mat foreign =
+        renderer.Render(elsewhere, WorldFromCamera({2.5 + yaw, 5, 1.2}, yaw)).grey;
+    EXPECT_NE(LocalizePanorama(*index, foreign, {}).verdict, Verdict::kLocalized);
+  }
+  // The same panoramas with the map's own surroundings left out mustn't be believed either.
+  int localized = 0;
+  for (size_t i = 0; i < TheDrive().panoramas.size(); i += 4) {
+    const PanoramaQuery query = DescribeQuery(*index, TheDrive().panoramas[i], {});
+    localized += LocatePanorama(*index, query, {}).verdict == Verdict::kLocalized;
+    std::vector<bool> left_out;
+    for (const AppearanceNode& node : index->map().appearance->nodes) {
+      const Pose2& pose = index->map().appearance->nodes[i].pose;
+      const double apart = std::hypot(node.pose.x - pose.x, node.pose.y - pose.y);
+      left_out.push_back(apart <= 6 * index->appearance().spacing());
+    }
+    const Answer answer = LocatePanorama(*index, query, {}, left_out);
+    EXPECT_NE(answer.verdict, Verdict::kLocalized) << i << " " << answer.probability;
+  }
+  EXPECT_GE(localized, 6);  // of 12
 }
 
 TEST(BuildMapTest, LayersAreNamedOrFoundOut) {

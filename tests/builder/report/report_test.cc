@@ -11,6 +11,7 @@
 
 #include "builder/report/colours.h"
 #include "builder/report/graph_layout.h"
+#include "builder/report/html.h"
 #include "builder/report/overlay.h"
 #include "core/base/error.h"
 
@@ -94,6 +95,26 @@ TEST(WriteReport, WritesAPageThatNamesNothingUnescaped) {
   EXPECT_NE(page.find("a&amp;b.jpg"), std::string::npos);
   EXPECT_TRUE(std::filesystem::exists(dir / "images" / "1.jpg"));
   std::filesystem::remove_all(dir);
+}
+
+TEST(WriteReport, APageOfPanoramasHasNoTablesOfPlanes) {
+  MapData map;
+  map.info.name = "hall";
+  map.appearance.emplace();
+  for (int64_t id = 1; id <= 2; ++id) {
+    AppearanceNode node;
+    node.id = AppearanceNodeId{id};
+    node.pose.x = static_cast<double>(id);
+    map.appearance->nodes.push_back(node);
+  }
+  BuildReport report;
+  report.appearance.emplace();
+  report.appearance->panoramas = 2;
+  const std::string page = ReportHtml(map, report, {});
+  EXPECT_NE(page.find("Way of the panoramas"), std::string::npos);
+  EXPECT_NE(page.find("loop candidates"), std::string::npos);
+  EXPECT_EQ(page.find("planes started"), std::string::npos);
+  EXPECT_EQ(page.find("Keyframes and their planes"), std::string::npos);
 }
 
 TEST(WriteReport, FolderThatCannotBeMade) {

@@ -83,6 +83,21 @@ TEST(LocalizeRequest, JsonHoldsBase64) {
   EXPECT_EQ(request.images[1].bytes, "hi");
 }
 
+TEST(LocalizeRequest, ASeriesHasABeliefAndMotionsAndComesBackFromTheLog) {
+  const LocalizeRequest request =
+      Read("application/json",
+           R"({"images":[{"data":""},{"data":""}],"previous":{"map_version":"v","belief":[)"
+           R"({"node":3,"probability":0.5,"heading_rad":1,"deviation_rad":0.1}]},)"
+           R"("odometry":[null,{"x":1,"y":-2,"heading_rad":0.5}]})");
+  EXPECT_EQ(request.previous["belief"][0]["node"], 3);
+  ASSERT_EQ(request.odometry.size(), 2u);
+  EXPECT_FALSE(request.odometry[0]);
+  EXPECT_EQ(request.odometry[1], (Pose2{1, -2, 0.5}));
+  const LocalizeRequest again = ParseRequestObject(RequestObject(request), {});
+  EXPECT_EQ(again.odometry, request.odometry);
+  EXPECT_EQ(again.previous, request.previous);
+}
+
 TEST(LocalizeRequest, WhatIsWrongIsABadRequest) {
   const std::vector<Query> queries = {
       {{"fx", "500"}},
@@ -106,14 +121,31 @@ TEST(LocalizeRequest, WhatIsWrongIsABadRequest) {
   }
   const std::string deep(100'000, '[');
   for (const std::string& body : std::vector<std::string>{
-           "", "null", "[]", "{", deep, "{\"images\":[]}", R"({"images":[{"data":"a"}]})",
-           R"({"images":[{"data":"=aaa"}]})", R"({"images":[{"data":"a\na="}]})",
-           R"({"images":[{"data":7}]})", R"({"images":[{}]})", R"({"images":{"data":""}})",
+           "",
+           "null",
+           "[]",
+           "{",
+           deep,
+           "{\"images\":[]}",
+           R"({"images":[{"data":"a"}]})",
+           R"({"images":[{"data":"=aaa"}]})",
+           R"({"images":[{"data":"a\na="}]})",
+           R"({"images":[{"data":7}]})",
+           R"({"images":[{}]})",
+           R"({"images":{"data":""}})",
            R"({"images":[{"data":""},{"data":""},{"data":""},{"data":""}]})",
            R"({"images":[{"data":""}],"other":1})",
            R"({"images":[{"data":""}],"prior":{"keyframe":1.5}})",
            R"({"images":[{"data":""}],"previous":{"pose":1}})",
-           R"({"images":[{"data":""}],"debug":1})", "{\"images\":[{\"name\":\"\xff\"}]}"}) {
+           R"({"images":[{"data":""}],"previous":{"belief":7}})",
+           R"({"images":[{"data":""}],"previous":{"belief":[{"node":1,"probability":1}]}})",
+           R"({"images":[{"data":""}],"previous":{"belief":[{"node":1,"probability":2,)"
+           R"("heading_rad":0,"deviation_rad":1}]}})",
+           R"({"images":[{"data":""}],"odometry":[]})",
+           R"({"images":[{"data":""}],"odometry":[{"x":1,"y":2}]})",
+           R"({"images":[{"data":""}],"odometry":[null,null]})",
+           R"({"images":[{"data":""}],"debug":1})",
+           "{\"images\":[{\"name\":\"\xff\"}]}"}) {
     EXPECT_EQ(CodeOf("application/json", body), ErrorCode::kBadRequest) << body.substr(0, 80);
   }
   EXPECT_EQ(CodeOf("application/json", R"({"images":[{"data":""}]})", {{"top_k", "1"}}),

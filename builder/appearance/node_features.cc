@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/appearance/node_features.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+#include "core/base/option_range.h"
+
+namespace waystone {
+namespace {
+
+constexpr int kSectors = 16;  // of the horizon, above and below it
+constexpr double kCrowd = 2;  // times its even share that a sector takes before the others
+
+int SectorOf(const Eigen::Vector3d& ray) {
+  const double turns = std::atan2(ray.x(), ray.z()) / (2 * std::numbers::pi) + 0.5;
+  const int around = std::clamp(static_cast<int>(turns * kSectors), 0, kSectors - 1);
+  return ray.y() < 0 ? around : kSectors + around;
+}
+
+// Rows by how much they are worth: found again most often first, then the strongest of each camera.
+std::vector<int> Ranked(const BearingFeatures& features, const std::vector<int>& found) {
+  std::map<int, int> seen;  // features of each camera so far; they come strongest first
+  std::vector<std::tuple<int, int, int>> order;
+  for (int i = 0; i < features.size(); ++i) {
+    order.emplace_back(-found[i], seen[features.camera[i]]++, i);
+  }
+  std::ranges::sort(order);
+  std::vector<int> rows;
+  for (const auto& [worth, rank, row] : order) rows.push_back(row);
+  return rows;
+}
+
+// The best rows, of no sector more than its share before the others had theirs; ascending.
+std::vector<int> Spread(const BearingFeatures& features, const std::vector<int>& ranked,
+                        int max_kept) {
+  const int share = static_cast<int>(std::ceil(kCrowd * max_kept / (2 * kSectors)));
+  std::vector<int> filled(2 * kSectors, 0);
+  std::vector<int> kept;
+  std::vector<int> rest;
+  for (const int row : ranked) {
+    (filled[SectorOf(features.rays[row])]++ < share ? kept : rest).push_back(row);
+  }
+  kept.insert(kept.end(), rest.begin(), rest.end());
+  kept.resize(std::min(kept.size(), static_cast<size_t>(max_kept)));
+  std::ranges::sort(kept);
+  return kept;
+}
+
+}  // namespace
+
+void NodeFeatureOptions::Check() const {
+  CheckRange("max_kept", max_kept, 0, 10'000);
+  extract.Check();
+  match.Check();
+}
+
+NodeFeatures NodeFeatureChooser::Next(BearingFeatures features) {
+  std::vector<int> found(features.size(), 0);
+  if (features.size() > 0 && features_.size() > 0) {
+    for (const Match& match : MatchBearings(features_, features, options_.match).matches) {
+      ++found_[match.a];
+      ++found[match.b];
+    }
+  }
+  NodeFeatures chosen = Chosen();
+  features_ = std::move(features);
+  found_ = std::move(found);
+  return chosen;
+}
+
+NodeFeatures NodeFeatureChooser::Last() {
+  NodeFeatures chosen = Chosen();
+  features_ = {};
+  found_.clear();
+  return chosen;
+}
+
+NodeFeatures NodeFeatureChooser::Chosen() const {
+  if (features_.size() == 0) return {};
+  BearingFeatures kept;
+  kept.type = features_.type;
+  kept.descriptors = Descriptors(features_.descriptors.bytes());
+  for (const int row : Spread(features_, Ranked(features_, found_), options_.max_kept)) {
+    kept.rays.push_back(features_.rays[row]);
+    kept.descriptors.Append(features_.descriptors.row(row));
+  }
+  return ToNodeFeatures(kept);
+}
+
+}  // namespace waystone

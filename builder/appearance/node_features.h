@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "localizer/panorama_features.h"
+
+namespace waystone {
+
+// What of a panorama is kept to verify answers with.
+struct NodeFeatureOptions {
+  // Features kept of each panorama, 0 (none: answers then rest on the appearance alone) to 10,000.
+  // More verify from farther away, and make the map larger by 36 bytes each.
+  int max_kept = 270;
+  PanoramaFeatureOptions extract;
+  // Of a panorama's features among those of the one before it.
+  MatchOptions match{0.8, true};
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Chooses among a sequence's panoramas' features, one panorama after the other: those that were
+// found again in the panoramas before and after are worth keeping, for a query finds them again
+// too. Among equals the strongest, spread around the horizon. Holds one panorama's features at a
+// time. Not thread-safe. Deterministic.
+class NodeFeatureChooser {
+ public:
+  explicit NodeFeatureChooser(const NodeFeatureOptions& options) : options_(options) {}
+
+  // The next panorama of the sequence, which may have no features. Gives what is kept of the one
+  // before it; nothing for the first.
+  NodeFeatures Next(BearingFeatures features);
+  // What is kept of the last one. The next panorama begins another sequence.
+  NodeFeatures Last();
+
+ private:
+  NodeFeatures Chosen() const;
+
+  const NodeFeatureOptions& options_;
+  BearingFeatures features_;  // of the panorama that was added last
+  std::vector<int> found_;    // how often each of them was found again
+};
+
+}  // namespace waystone
