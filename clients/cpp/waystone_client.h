@@ -120,7 +120,7 @@ class Client {
         path += c;
       } else {
         char escaped[4];
-        std::snprintf(escaped, sizeof escaped, "%%%02X", byte);
+        (void)std::snprintf(escaped, sizeof escaped, "%%%02X", byte);
         path += escaped;
       }
     }
