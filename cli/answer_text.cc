@@ -34,12 +34,12 @@ std::string PlaceText(const Json& answer) {
   if (!position.is_object()) return "";
   constexpr double kDegrees = 180 / std::numbers::pi;
   char text[100];
-  std::snprintf(text, sizeof text, " at (%.2f, %.2f)", NumberAt(position, {"x"}),
-                NumberAt(position, {"y"}));
+  (void)std::snprintf(text, sizeof text, " at (%.2f, %.2f)", NumberAt(position, {"x"}),
+                      NumberAt(position, {"y"}));
   std::string line = text;
   if (At(answer, {"heading"}).is_object()) {
-    std::snprintf(text, sizeof text, ", heading %.0f deg",
-                  NumberAt(answer, {"heading", "rad"}) * kDegrees);
+    (void)std::snprintf(text, sizeof text, ", heading %.0f deg",
+                        NumberAt(answer, {"heading", "rad"}) * kDegrees);
     line += text;
   }
   return line;

@@ -48,8 +48,10 @@ void AddExport(CLI::App& app, Run& run) {
   command->add_option("-o,--output", flags->output, "File to write; stdout without it");
   command->add_flag("--force", flags->force, "Replace the file if it is there");
   command->footer(
-      "graphml and dot hold planes and what is seen together. The others need metric poses, which\n"
-      "a map of planes doesn't have.\n"
+      "graphml and dot hold planes and what is seen together; g2o, tum, ply, geojson and poses "
+      "the\n"
+      "poses of an appearance layer (maps of panoramas). What a map can't give is said with the "
+      "reason.\n"
       "Example: waystone export lab.db --format graphml -o lab.graphml");
   command->callback([flags, &run] { run = [flags] { return RunExport(*flags); }; });
 }

@@ -124,7 +124,7 @@ int RunWatch(const WatchFlags& flags) {
     const std::optional<cv::Mat> frame = eye.NextAt(next_s, taken_s);
     if (!frame) break;
     char name[32];
-    std::snprintf(name, sizeof name, "%.3f s", taken_s);
+    (void)std::snprintf(name, sizeof name, "%.3f s", taken_s);
     const Json answer = oracle.Ask(*frame, name);
     std::cout << (flags.json ? Dump(answer) : AnswerLine(answer)) << std::endl;
     ++answers;

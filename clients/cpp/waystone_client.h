@@ -36,10 +36,10 @@ class ClientError : public std::runtime_error {
 };
 
 struct ClientOptions {
-  std::string token;    // goes to the server as it is: use https between machines
-  int timeout_s = 30;   // how long the server may be silent
-  int retries = 3;      // while the server is busy
-  int max_wait_s = 30;  // a longer Retry-After is not waited for
+  std::string token = {};  // goes to the server as it is: use https between machines
+  int timeout_s = 30;      // how long the server may be silent
+  int retries = 3;         // while the server is busy
+  int max_wait_s = 30;     // a longer Retry-After is not waited for
 };
 
 // An encoded image (JPEG, PNG, ...) and its name in the answer.
@@ -120,7 +120,7 @@ class Client {
         path += c;
       } else {
         char escaped[4];
-        std::snprintf(escaped, sizeof escaped, "%%%02X", byte);
+        (void)std::snprintf(escaped, sizeof escaped, "%%%02X", byte);
         path += escaped;
       }
     }

@@ -164,9 +164,9 @@ std::string Tum(const PoseGraph& graph) {
     }
     const Pose2 pose = graph.Scaled(node.pose);
     char line[200];
-    std::snprintf(line, sizeof line, "%.6f %.6f %.6f 0 0 0 %.9f %.9f\n",
-                  timed ? *node.time_s : node.frame, pose.x, pose.y, std::sin(pose.theta_rad / 2),
-                  std::cos(pose.theta_rad / 2));
+    (void)std::snprintf(line, sizeof line, "%.6f %.6f %.6f 0 0 0 %.9f %.9f\n",
+                        timed ? *node.time_s : node.frame, pose.x, pose.y,
+                        std::sin(pose.theta_rad / 2), std::cos(pose.theta_rad / 2));
     out << line;
   }
   return out.str();

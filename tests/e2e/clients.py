@@ -364,6 +364,56 @@ class ProgramTest(unittest.TestCase):
         self.assertIn("Example: waystone-localize", out)
 
 
+JS_SCRIPT = """
+import { Client, WaystoneError } from "./waystone.js";
+const [url, token, map] = process.argv.slice(2);
+const client = new Client(url, { token: token || null, timeout_ms: Number(process.argv[5]) });
+const said = [];
+for (const ask of [
+  () => client.listMaps(),
+  () => client.getPlane(map, 999999),
+  async () => { const ids = []; for await (const k of client.rows("listKeyframes", map)) ids.push(k.id); return ids; },
+]) {
+  try { said.push(await ask()); } catch (e) {
+    if (!(e instanceof WaystoneError)) throw e;
+    said.push([e.code, e.status]);
+  }
+}
+console.log(JSON.stringify(said));
+"""
+
+
+@unittest.skipUnless(shutil.which("node"), "Node is missing; its client is tested where it is")
+class JsTest(unittest.TestCase):
+    def ask(self, server, token="", timeout_ms=PATIENCE_S * 1000):
+        (folder / "ask.mjs").write_text(JS_SCRIPT)
+        shutil.copy(JS / "waystone.js", folder)
+        done = subprocess.run(["node", "ask.mjs", server, token, NAME, str(timeout_ms)], cwd=folder, capture_output=True, text=True,
+                              timeout=PATIENCE_S)  # fmt: skip
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return json.loads(done.stdout)
+
+    def test_problems_tokens_and_pages(self):
+        maps, missing, ids = self.ask(guarded_url, TOKEN)
+        self.assertEqual(maps["maps"][0]["name"], NAME)
+        self.assertEqual(missing, ["not_found", 404])
+        self.assertEqual(ids, [row["id"] for row in Client(url).rows(f"/v1/maps/{NAME}/keyframes")])
+        self.assertEqual(self.ask(guarded_url), [["unauthorized", 401]] * 3)
+
+    def test_busy_is_asked_again_and_strangers_are_told(self):
+        answer = (200, {"Content-Type": "application/json"}, b'{"fine": true}')
+        again = (429, {"Retry-After": "0"}, problem("busy", 429))
+        late = (429, {"Retry-After": "3600"}, problem("busy", 429))
+        with scripted(again, answer, late, (500, {}, b"<html>")) as (address, requests):
+            self.assertEqual(self.ask(address), [{"fine": True}, ["busy", 429], ["bad_answer", 500]])
+            self.assertEqual(len(requests), 4)
+
+    def test_silence_and_nobody(self):
+        with scripted(None, None, None) as (address, _):
+            self.assertEqual(self.ask(address, timeout_ms=300), [["timeout", 0]] * 3)
+        self.assertEqual(self.ask(address), [["unreachable", 0]] * 3)
+
+
 def block(readme, language):
     """The first fenced block of a language, asking the test's server."""
     text = readme.read_text(encoding="utf-8")

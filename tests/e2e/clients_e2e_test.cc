@@ -9,6 +9,7 @@
 #include <opencv2/videoio.hpp>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "cli/child_process.h"
@@ -132,6 +133,30 @@ TEST_F(CppClient, ProblemsAreOneException) {
   ExpectError("unreachable", 0, [&] { Client("http://127.0.0.1:1").Get("/v1/maps"); });
   ExpectError("unreachable", 0, [&] { Client("127.0.0.1"); });
   ExpectError("bad_answer", 200, [&] { client.Get("/plain"); });
+}
+
+// What a Waystone server can't be brought to do at will comes from one of the test's own.
+TEST_F(CppClient, BusyIsAskedAgain) {
+  httplib::Server server;
+  int asked = 0;
+  std::string wait = "0";
+  server.Get("/here/v1/maps", [&](const httplib::Request&, httplib::Response& response) {
+    response.status = ++asked % 3 == 0 ? 200 : 429;
+    response.set_header("Retry-After", wait);
+    response.set_content("{}", "application/json");
+  });
+  const int port = server.bind_to_any_port("127.0.0.1");
+  std::thread thread([&] { server.listen_after_bind(); });
+  const std::string url = "http://127.0.0.1:" + std::to_string(port) + "/here/";
+  EXPECT_EQ(Client(url).Get("/v1/maps"), Client::Json::object());
+  EXPECT_EQ(asked, 3);
+  ExpectError("bad_answer", 429, [&] { Client(url, {.retries = 1}).Get("/v1/maps"); });
+  asked = 0;
+  wait = "3600";
+  ExpectError("bad_answer", 429, [&] { Client(url).Get("/v1/maps"); });
+  EXPECT_EQ(asked, 1) << "an hour is not waited for";
+  server.stop();
+  thread.join();
 }
 
 TEST_F(CppClient, LocalizeByAServer) {

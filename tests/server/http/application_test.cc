@@ -89,6 +89,11 @@ TEST_F(ApplicationTest, OnlyTokensLetIn) {
   EXPECT_EQ(Ask("GET", "/metrics").status, 401);
   EXPECT_EQ(Ask("GET", "/healthz").status, 200);
   EXPECT_EQ(Ask("GET", "/readyz").status, 200);
+  // The page asks its reader for a token, and shows nothing of a map without.
+  EXPECT_EQ(Ask("GET", "/").status, 200);
+  EXPECT_EQ(Ask("GET", "/page/main.js").status, 200);
+  EXPECT_EQ(Ask("GET", "/plain").status, 401);
+  EXPECT_EQ(Ask("GET", "/page").status, 401);
 }
 
 TEST_F(ApplicationTest, TokenFilesAreChecked) {
