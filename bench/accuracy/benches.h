@@ -73,7 +73,8 @@ int RunPage(const Args& args);
 // world.
 int RunServe(const Args& args);
 // kidnapped [PLACES]: panoramas asked of a map of all others, rendered or of a folder as above, by
-// appearance alone and verified by features; those of the other map; times beside decoding.
+// appearance alone and verified by features; photos to the front of each place; those of the other
+// map; times beside decoding.
 int RunKidnapped(const Args& args);
 
 }  // namespace waystone::bench

@@ -74,9 +74,7 @@ struct PlaceMap {
 PlaceMap MapOf(const std::vector<PanoramaPlace>& places) {
   PlaceMap map;
   map.layer.metres_per_unit = 1;
-  DescribeOptions describe;
-  if (getenv("WS_ROWS")) describe.signature.rows = atoi(getenv("WS_ROWS"));
-  if (getenv("WS_KEPT")) describe.features.max_kept = atoi(getenv("WS_KEPT"));
+  const DescribeOptions describe;
   map.layer.described = describe.signature;
   map.layer.nodes.resize(places.size());
   map.features.resize(places.size());
@@ -230,14 +228,6 @@ nlohmann::json ScoreJson(const std::string& name, const std::vector<Asked>& aske
           {"false_accepts", false_accepts}};
 }
 
-PanoramaQueryOptions Experiment() {
-  PanoramaQueryOptions options;
-  if (getenv("WS_POSES")) options.max_poses = atoi(getenv("WS_POSES"));
-  if (getenv("WS_RATIO")) options.match.max_ratio = atof(getenv("WS_RATIO"));
-  if (getenv("WS_CAND")) options.verified_candidates = atoi(getenv("WS_CAND"));
-  return options;
-}
-
 // The map's own panoramas, spread over it, as a build calibrates by them.
 std::vector<AppearanceSampleFrame> SamplesOf(const PlaceMap& map, int count) {
   std::vector<AppearanceSampleFrame> samples;
@@ -260,9 +250,7 @@ nlohmann::json ModelJson(const AppearanceVerdict& model) {
 nlohmann::json ScoreMap(const std::string& name, const std::vector<PanoramaPlace>& places,
                         const PlaceMap& map, const PlaceMap& foreign) {
   MapData data = DataOf(map.layer);
-  AppearanceCalibrationOptions calibration;
-  calibration.query = Experiment();
-  if (getenv("WS_WRONG")) calibration.fit.wrong_weight = atof(getenv("WS_WRONG"));
+  const AppearanceCalibrationOptions calibration;
   CalibrateAppearanceLayer(data, SamplesOf(map, calibration.max_nodes), calibration, {});
   const AppearanceVerdict models[] = {*data.appearance->verdict,
                                       *data.appearance->verified_verdict};
@@ -270,7 +258,7 @@ nlohmann::json ScoreMap(const std::string& name, const std::vector<PanoramaPlace
   std::printf("%s: a place is %.2f m large\n", name.c_str(), index->appearance().spacing());
   nlohmann::json json;
   for (const bool verify : {false, true}) {
-    PanoramaQueryOptions options = Experiment();
+    PanoramaQueryOptions options;
     options.verify = verify;
     const char* kind = verify ? "verified" : "appearance";
     json[kind] = ScoreJson(name + ", " + kind, LeaveOneOut(*index, map, places, options),
