@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
-#include <sstream>
 
 #include "builder/calibrate.h"
 #include "builder/extract_frames.h"
+#include "builder/orientation_pass.h"
 #include "builder/planes/fusion.h"
 #include "builder/planes/plane_features.h"
 #include "builder/planes/plane_tracker.h"
@@ -59,7 +59,11 @@ std::string OptionsJson(const BuildOptions& options) {
         {"node_features", options.appearance.describe.features.max_kept},
         {"max_span", options.appearance.odometry.max_span},
         {"close_loops", options.appearance.close_loops},
-        {"max_loss", options.appearance.redundancy.max_loss}}}};
+        {"max_loss", options.appearance.redundancy.max_loss}}},
+      {"orientation",
+       {{"step", options.orientation.step},
+        {"detector", NameOf(options.orientation.segments.detector)},
+        {"max_kept", options.orientation.bearings.max_kept}}}};
   return json.dump();
 }
 
@@ -266,9 +270,11 @@ class MapBuilder {
   BuildReport report_;
 };
 
+using Progress = std::function<bool(const BuildProgress&)>;
+
 // Adds the appearance layer of the sources; its sequences come after those that are there.
 void AddAppearance(const std::vector<Source*>& sources, const BuildOptions& options,
-                   const std::function<bool(const BuildProgress&)>& progress, BuildResult& result) {
+                   const Progress& progress, BuildResult& result) {
   int panoramas = 0;
   const AppearanceProgress report = [&](const std::string& stage, int done, int total) {
     if (stage == "panoramas") panoramas = done;
@@ -296,7 +302,7 @@ void AddAppearance(const std::vector<Source*>& sources, const BuildOptions& opti
 }
 
 BuildResult BuildPlanes(const std::vector<Source*>& sources, const BuildOptions& options,
-                        const std::function<bool(const BuildProgress&)>& progress) {
+                        const Progress& progress) {
   MapBuilder builder(options, progress);
   for (Source* source : sources) builder.AddSource(*source);
   return builder.Finish();
@@ -317,41 +323,40 @@ std::vector<Source*> SourcesOf(LayerKind kind, bool asked, const char* what,
   return fitting;
 }
 
+BuildResult BuildLayers(const std::vector<std::unique_ptr<Source>>& sources,
+                        const BuildOptions& options, const Progress& progress) {
+  const LayerChoice& layers = options.layers;
+  auto planes = SourcesOf(LayerKind::kPlanes, layers.planes,
+                          "are ordinary images, which planes take; leave planes out, or name "
+                          "that layer alone to take panoramas for photos",
+                          sources, layers);
+  auto panoramas =
+      SourcesOf(LayerKind::kAppearance, layers.appearance,
+                "are panoramas (twice as wide as high, or rigs), which appearance takes; name "
+                "that layer alone to take others for panoramas",
+                sources, layers);
+  OrientationPass pass(options, progress);
+  pass.Watch(1, planes);
+  pass.Watch(std::ssize(planes) + 1, panoramas);
+  const std::vector<Source*> alone = DirectionsAlone(sources, layers);
+  if (layers.orientation && pass.empty() && alone.empty()) RefuseUncalibrated(sources.size());
+  BuildResult result;
+  if (!planes.empty()) result = BuildPlanes(planes, options, progress);
+  result.map.info = InfoOf(options);
+  if (!panoramas.empty()) AddAppearance(panoramas, options, progress, result);
+  for (Source* source : alone) result.map.sequences.push_back(pass.Read(result.map, *source));
+  pass.Finish(result);
+  return result;
+}
+
 }  // namespace
-
-LayerChoice LayerChoiceByNames(const std::string& names) {
-  LayerChoice layers;
-  if (names == "auto") return layers;
-  layers.automatic = false;
-  std::istringstream list(names);
-  std::string name;
-  while (std::getline(list, name, ',')) {
-    if (name == "planes") {
-      layers.planes = true;
-    } else if (name == "appearance") {
-      layers.appearance = true;  // the place of "orientation" is beside this
-    } else {
-      throw MapError(ErrorCode::kBadOptions, "there is no layer '" + name +
-                                                 "'; give auto, or planes and appearance with a "
-                                                 "comma between them");
-    }
-  }
-  if (layers.planes || layers.appearance) return layers;
-  throw MapError(ErrorCode::kBadOptions, "no layer is named; give auto, planes or appearance");
-}
-
-LayerKind LayerOf(const Source& source, const LayerChoice& layers) {
-  if (!layers.automatic && layers.planes != layers.appearance) {
-    return layers.planes ? LayerKind::kPlanes : LayerKind::kAppearance;
-  }
-  return LooksPanoramic(source) ? LayerKind::kAppearance : LayerKind::kPlanes;
-}
 
 void BuildOptions::Check() const {
   features.Check();
   keyframes.Check();
   planes.Check();
   appearance.Check();
+  orientation.Check();
   calibration.Check();
   appearance_calibration.Check();
   if (image_width < 16 || image_width > 4096) {
@@ -373,21 +378,7 @@ BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
   cv::setNumThreads(1);  // frames are what runs in parallel
   tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : options.threads);
   return arena.execute([&] {
-    const LayerChoice& layers = options.layers;
-    const auto planes = SourcesOf(LayerKind::kPlanes, layers.planes,
-                                  "are ordinary images, which planes take; leave planes out, or "
-                                  "name that layer alone to take panoramas for photos",
-                                  sources, layers);
-    const auto panoramas =
-        SourcesOf(LayerKind::kAppearance, layers.appearance,
-                  "are panoramas (twice as wide as high, or rigs), which appearance takes; name "
-                  "that layer alone to take others for panoramas",
-                  sources, layers);
-    BuildResult result;
-    if (!planes.empty()) result = BuildPlanes(planes, options, progress);
-    result.map.info = InfoOf(options);
-    if (!panoramas.empty()) AddAppearance(panoramas, options, progress, result);
-    // The orientation layer's place: AddOrientation(sources of calibrated cameras, ...).
+    BuildResult result = BuildLayers(sources, options, progress);
     result.report.total_s = SecondsSince(start);
     return result;
   });

@@ -12,6 +12,8 @@
 #include "builder/appearance_calibration.h"
 #include "builder/calibrate.h"
 #include "builder/keyframes/keyframe_selector.h"
+#include "builder/layer_choice.h"
+#include "builder/orientation/orientation_layer.h"
 #include "builder/planes/options.h"
 #include "builder/sources/source.h"
 #include "core/features/features.h"
@@ -19,26 +21,13 @@
 
 namespace waystone {
 
-// The layers that a map gets.
-struct LayerChoice {
-  // Panoramas give the appearance layer, other images the plane layer; the rest is ignored.
-  bool automatic = true;
-  bool planes = false;
-  bool appearance = false;
-
-  bool operator==(const LayerChoice&) const = default;
-};
-
-// "auto", or names with commas between them: "planes", "appearance". Throws MapError(kBadOptions)
-// for others.
-LayerChoice LayerChoiceByNames(const std::string& names);
-
 struct BuildOptions {
   std::string map_name = "map";
   FeatureOptions features;
   KeyframeOptions keyframes;
   PlaneLayerOptions planes;
   AppearanceOptions appearance;
+  OrientationOptions orientation;
   LayerChoice layers;
   CalibrationOptions calibration;
   AppearanceCalibrationOptions appearance_calibration;
@@ -54,8 +43,8 @@ struct BuildOptions {
 
 // How far a build is; handed to the progress callback, one call at a time but from any thread.
 struct BuildProgress {
-  std::string stage;  // "frames", "fusion"; "panoramas", "odometry", "loops", "poses",
-                      // "calibration"
+  // "frames", "fusion"; "panoramas", "odometry", "loops", "poses", "calibration"; "directions"
+  std::string stage;
   int done = 0;
   int total = 0;  // 0 when not known
   int keyframes = 0;
@@ -84,6 +73,7 @@ struct BuildReport {
   double calibrate_s = 0;
   double total_s = 0;                          // wall clock
   std::optional<AppearanceReport> appearance;  // where that layer was built
+  std::optional<OrientationReport> orientation;
 };
 
 struct BuildResult {
@@ -91,15 +81,12 @@ struct BuildResult {
   BuildReport report;
 };
 
-// What a source is used for: the appearance layer when it looks panoramic, else the plane layer.
-// With one layer chosen, all sources go to it.
-enum class LayerKind { kPlanes, kAppearance };
-LayerKind LayerOf(const Source& source, const LayerChoice& layers);
-
 // The layers of a map over one or several sequences: Algorithm 1 of the paper for the planes, which
-// reads like it, and BuildAppearanceLayer for panoramas. `progress` may be empty;
+// reads like it, BuildAppearanceLayer for panoramas, and the orientation layer of calibrated
+// sources, whose images are decoded once for both. `progress` may be empty;
 // when it returns false, the build stops with MapError(kInterrupted).
-// Throws MapError(kBadSource) when no source has a usable frame, or none fits a layer chosen.
+// Throws MapError(kBadSource) when no source has a usable frame, or none fits a layer chosen;
+// kBadCamera when the orientation layer is chosen and no source is calibrated.
 BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
                      const BuildOptions& options,
                      const std::function<bool(const BuildProgress&)>& progress);

@@ -44,8 +44,10 @@ struct BuildFlags {
 };
 
 // Behind an announcement: what is usual isn't worth a word.
-std::string LayerText(LayerKind kind) {
-  return kind == LayerKind::kAppearance ? ", panoramas for the appearance layer" : "";
+std::string LayerText(const Source& source, const LayerChoice& layers) {
+  const bool panoramas = LayerOf(source, layers) == LayerKind::kAppearance;
+  return std::string(panoramas ? ", panoramas for the appearance layer" : "") +
+         (GivesOrientation(source, layers) ? ", calibrated for the orientation layer" : "");
 }
 
 std::vector<std::unique_ptr<Source>> OpenSources(const BuildFlags& flags) {
@@ -58,7 +60,7 @@ std::vector<std::unique_ptr<Source>> OpenSources(const BuildFlags& flags) {
     sources.push_back(OpenSource(path, options));
     if (flags.quiet) continue;
     std::cerr << path << ": " << sources.back()->Announcement()
-              << LayerText(LayerOf(*sources.back(), LayerChoiceByNames(flags.layers))) << '\n';
+              << LayerText(*sources.back(), LayerChoiceByNames(flags.layers)) << '\n';
   }
   return sources;
 }
@@ -116,7 +118,10 @@ int RunBuild(const BuildFlags& flags) {
   CheckWritable(flags.output, write);
   NoteInterrupts();
   const BuildResult result = BuildWithProgress(flags, options);
-  if (result.map.planes.empty() && !result.map.appearance) return ReportNoPlanes(result);
+  const bool directions_alone = result.map.orientation && result.report.frames == 0;
+  if (result.map.planes.empty() && !result.map.appearance && !directions_alone) {
+    return ReportNoPlanes(result);
+  }
   WriteMap(result.map, flags.output, write);
   if (!flags.report_folder.empty()) {
     WriteReport(result.map, result.report, TableSizes(flags.output), flags.report_folder);
@@ -135,8 +140,10 @@ void AddSourceFlags(CLI::App* command, BuildFlags& flags) {
   command->add_option("--every", flags.source.every, "Use every N-th frame")->capture_default_str();
   command->add_option("--from", flags.source.from, "First frame, from 0")->capture_default_str();
   command->add_option("--to", flags.to, "Last frame, inclusive")->check(CLI::NonNegativeNumber);
-  command->add_option("--camera", flags.camera,
-                      "Calibration: OpenCV, ROS, Kalibr or COLMAP file (not needed)");
+  command->add_option(
+      "--camera", flags.camera,
+      "Calibration: OpenCV, ROS, Kalibr or COLMAP file (the orientation layer takes "
+      "one)");
 }
 
 void AddMapFlags(CLI::App* command, BuildFlags& flags) {
@@ -146,8 +153,8 @@ void AddMapFlags(CLI::App* command, BuildFlags& flags) {
       ->capture_default_str();
   command
       ->add_option("--layers", flags.layers,
-                   "Layers with commas between them: planes, appearance (panoramas); auto takes "
-                   "what the images are")
+                   "Layers with commas between them: planes, appearance (panoramas), orientation "
+                   "(calibrated cameras, rigs, panoramas); auto takes what the images are")
       ->capture_default_str();
   command
       ->add_option("--max-loss", flags.build.appearance.redundancy.max_loss,
@@ -186,7 +193,8 @@ void AddBuild(CLI::App& app, Run& run) {
   AddOutputFlags(command, *flags);
   command->footer(
       "Example: waystone build kitchen.mp4 -o kitchen.db --report kitchen-report\n"
-      "         waystone build panoramas/ -o lab.db --layers appearance");
+      "         waystone build panoramas/ -o lab.db --layers appearance\n"
+      "         waystone build walk/ -o walk.db --camera cam.yaml --layers planes,orientation");
   command->callback([flags, &run] { run = [flags] { return RunBuild(*flags); }; });
 }
 

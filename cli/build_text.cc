@@ -22,6 +22,19 @@ size_t LoopCount(const AppearanceLayer& layer) {
       std::ranges::count(layer.edges, AppearanceEdgeKind::kLoop, &AppearanceEdge::kind));
 }
 
+size_t LoopCount(const OrientationLayer& layer) {
+  return static_cast<size_t>(
+      std::ranges::count(layer.edges, OrientationEdgeKind::kLoop, &OrientationEdge::kind));
+}
+
+size_t TurnCount(const OrientationLayer& layer) {
+  return static_cast<size_t>(std::ranges::count(layer.turns, true, &OrientationTurn::confirmed));
+}
+
+size_t ReliableCount(const OrientationLayer& layer) {
+  return static_cast<size_t>(std::ranges::count(layer.frames, true, &OrientationFrame::reliable));
+}
+
 std::string Plural(size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
@@ -68,6 +81,21 @@ void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
            ", poses " + Seconds(report.graph_s) + ", calibrate " + Seconds(report.calibrate_s));
 }
 
+void OrientationLines(std::ostream& out, const OrientationLayer& layer,
+                      const OrientationReport& report) {
+  FramesLines(out, "directions",
+              std::to_string(report.frames) + " frames, " + std::to_string(report.unreadable) +
+                  " unreadable, " + std::to_string(report.unreliable) + " without reliable axes",
+              report.unreadable_names);
+  Line(out, "way",
+       Plural(TurnCount(layer), "turn") + " of " + Plural(layer.turns.size(), "jump") +
+           " of the heading, " + Plural(layer.nodes.size(), "node") + ", " +
+           Plural(layer.corridors.size(), "corridor") + ", " + Plural(LoopCount(layer), "loop"));
+  Line(out, "seconds",
+       "lines and features " + Seconds(report.look_s) + " (summed over threads), axes and turns " +
+           Seconds(report.follow_s) + ", edges and loops " + Seconds(report.finish_s));
+}
+
 void PlanesLines(std::ostream& out, const BuildReport& report) {
   FramesLines(out, "frames",
               std::to_string(report.frames) + " used, " + std::to_string(report.skipped) +
@@ -99,7 +127,33 @@ Json AppearanceReportJson(const AppearanceReport& report) {
             {"poses", Rounded(report.graph_s, 3)}}}};
 }
 
+Json OrientationReportJson(const OrientationReport& report) {
+  return {{"frames", report.frames},
+          {"unreadable", report.unreadable},
+          {"unreadable_names", report.unreadable_names},
+          {"unreliable", report.unreliable},
+          {"tests", report.tests},
+          {"seconds",
+           {{"look", Rounded(report.look_s, 3)},
+            {"follow", Rounded(report.follow_s, 3)},
+            {"finish", Rounded(report.finish_s, 3)}}}};
+}
+
 }  // namespace
+
+Json OrientationJson(const MapData& map) {
+  if (!map.orientation) return nullptr;
+  const OrientationLayer& layer = *map.orientation;
+  return {{"frames", layer.frames.size()},
+          {"reliable", ReliableCount(layer)},
+          {"turns", TurnCount(layer)},
+          {"jumps", layer.turns.size()},
+          {"nodes", layer.nodes.size()},
+          {"edges", layer.edges.size()},
+          {"corridors", layer.corridors.size()},
+          {"loops", LoopCount(layer)},
+          {"step", layer.step}};
+}
 
 Json AppearanceJson(const MapData& map) {
   if (!map.appearance) return nullptr;
@@ -124,16 +178,22 @@ std::string BytesText(uint64_t bytes) {
 }
 
 std::string CountsText(const MapData& map) {
-  std::string panoramas;
-  if (map.appearance) {
-    panoramas = Plural(map.appearance->nodes.size(), "panorama") + " with " +
-                Plural(LoopCount(*map.appearance), "loop");
-    if (map.planes.empty()) return panoramas;
-    panoramas = ", " + panoramas;
+  std::vector<std::string> parts;
+  if (!map.planes.empty() || (!map.appearance && !map.orientation)) {
+    parts = {Plural(map.keyframes.size(), "keyframe"), Plural(map.planes.size(), "plane"),
+             Plural(map.edges.size(), "edge"), Plural(FeatureCount(map), "feature")};
   }
-  return Plural(map.keyframes.size(), "keyframe") + ", " + Plural(map.planes.size(), "plane") +
-         ", " + Plural(map.edges.size(), "edge") + ", " + Plural(FeatureCount(map), "feature") +
-         panoramas;
+  if (map.appearance) {
+    parts.push_back(Plural(map.appearance->nodes.size(), "panorama") + " with " +
+                    Plural(LoopCount(*map.appearance), "loop"));
+  }
+  if (map.orientation) {
+    parts.push_back(Plural(map.orientation->frames.size(), "direction") + " with " +
+                    Plural(TurnCount(*map.orientation), "turn"));
+  }
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
 }
 
 std::string TablesText(const std::vector<TableSize>& sizes) {
@@ -165,6 +225,8 @@ std::string SummaryText(const BuildSummary& summary) {
        << BytesText(summary.bytes) << " in " << Seconds(report.total_s) << " s\n";
   if (report.frames > 0) PlanesLines(text, report);
   if (report.appearance) AppearanceLines(text, *report.appearance);
+  if (report.orientation)
+    OrientationLines(text, *summary.result->map.orientation, *report.orientation);
   Line(text, "version", summary.version);
   text << TablesText(summary.tables);
   return text.str();
@@ -198,6 +260,10 @@ Json SummaryJson(const BuildSummary& summary) {
       {"calibrate", Rounded(report.calibrate_s, 3)}, {"total", Rounded(report.total_s, 3)}};
   json["appearance"] = AppearanceJson(map);
   if (report.appearance) json["appearance"]["report"] = AppearanceReportJson(*report.appearance);
+  json["orientation"] = OrientationJson(map);
+  if (report.orientation) {
+    json["orientation"]["report"] = OrientationReportJson(*report.orientation);
+  }
   json["tables"] = TablesJson(summary.tables);
   return json;
 }

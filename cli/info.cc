@@ -23,6 +23,7 @@ Json InfoJson(const OpenMap& map, const std::vector<TableSize>& sizes, uint64_t 
   Json json = MapJson(map.name, *map.index);
   json["bytes"] = bytes;
   json["appearance"] = AppearanceJson(map.index->map());
+  json["orientation"] = OrientationJson(map.index->map());
   json["tables"] = TablesJson(sizes);
   json["options"] = Json::parse(map.index->map().info.options_json, nullptr, false);
   if (json["options"].is_discarded()) json["options"] = nullptr;

@@ -110,8 +110,11 @@ void ScoreCorridors(const OrientationWorld& made, const OrientationLayer& layer,
     score.corridor_least_overlap = std::min(score.corridor_least_overlap, best);
   }
   for (const Corridor& found : layer.corridors) {
-    const bool known = std::ranges::any_of(
-        made.corridors, [&](const TrueStretch& truth) { return Overlap(truth, found) > 0; });
+    // Looking aside, the head is in the corridor all the same.
+    const bool known = Overlap(made.looked_aside, found) > 0 ||
+                       std::ranges::any_of(made.corridors, [&](const TrueStretch& truth) {
+                         return Overlap(truth, found) > 0;
+                       });
     score.corridors_invented += known ? 0 : 1;
   }
 }
@@ -318,15 +321,16 @@ Json RunOne(int building, int frames, bool rig_wanted) {
 int RunOrientation(const Args& all) {
   Args args = all;
   const int buildings = std::stoi(TakeOption(args, "buildings", "3"));
+  const int first = std::stoi(TakeOption(args, "first", "0"));
   const int frames = std::stoi(TakeOption(args, "frames", "1000"));
   const std::string camera = TakeOption(args, "camera", "both");
-  if (!args.empty() || buildings < 1 || buildings > 3 || frames < 100) {
+  if (!args.empty() || buildings < 1 || first < 0 || first + buildings > 3 || frames < 100) {
     throw MapError(ErrorCode::kUsage,
-                   "orientation takes --buildings 1 to 3, --frames of 100 or "
+                   "orientation takes --buildings 1 to 3, --first 0 to 2, --frames of 100 or "
                    "more, --camera rig, pinhole or both");
   }
   Json runs = Json::array();
-  for (int building = 0; building < buildings; ++building) {
+  for (int building = first; building < first + buildings; ++building) {
     for (const bool rig : {true, false}) {
       if (camera == (rig ? "pinhole" : "rig")) continue;
       runs.push_back(RunOne(building, frames, rig));

@@ -206,7 +206,9 @@ OrientationWorld MakeOrientationWorld(int building, int frames) {
   made.skew_low = one.cwiseMin(other) - side;
   made.skew_high = one.cwiseMax(other) + side;
   LookAside(made.walk, made.looked_aside);
-  for (const int leg : {4, 5, 6, 7}) AddCorridors(made.walk, at[leg], at[leg + 1], made.corridors);
+  // All legs but those through the room.
+  for (const int leg : {0, 4, 5, 6, 7, 8})
+    AddCorridors(made.walk, at[leg], at[leg + 1], made.corridors);
   return made;
 }
 

@@ -10,17 +10,12 @@
 namespace waystone {
 
 // Corridors of one sequence (sec. III-C.1): stretches without turns whose heading stays in a range
-// and in which clearly more lines run along one horizontal axis than along the other. Where the
-// motion is known it has to follow that axis. `turns` are indices of confirmed turns, ascending.
-// They don't overlap; ordered. Pure.
+// and in which, taken together, clearly more lines run along one horizontal axis than along the
+// other. Where the motion is known it has to follow that axis. `turns` are indices of confirmed
+// turns, ascending. They don't overlap; ordered. Pure.
 std::vector<Corridor> FindCorridors(std::span<const OrientationFrame> frames,
                                     std::span<const int> turns,
                                     std::span<const SettledMotion> motions,
                                     const CorridorOptions& options);
-
-// The horizontal axis with clearly more lines around each frame: 0 x, 1 y, -1 neither or the frame
-// isn't reliable.
-std::vector<int> DominantAxes(std::span<const OrientationFrame> frames,
-                              const CorridorOptions& options);
 
 }  // namespace waystone

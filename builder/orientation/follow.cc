@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/orientation/follow.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numbers>
 #include <utility>
 
 #include "core/manhattan/cube_rotations.h"
@@ -31,6 +36,38 @@ BuildingRotation RotationOf(const Eigen::Matrix3d& head_from_building,
   return rotation;
 }
 
+constexpr double kEighth = 0.25 * std::numbers::pi;  // half a quarter turn
+constexpr double kClearly = 0.5;     // one of two is meant when its misfit is this share at most
+constexpr double kDoubt = 0.15;      // of their difference: deviation of a choice between two
+constexpr int kSteadyFrames = 10;    // for which a camera may be taken to turn on as before
+constexpr size_t kMostGuesses = 12;  // frames that are carried on before the axes are settled
+
+Eigen::Vector3d RotationVector(const Eigen::Matrix3d& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  return turn.angle() * turn.axis();
+}
+
+Eigen::Matrix3d RotationBy(const Eigen::Vector3d& vector) {
+  const double angle = vector.norm();
+  if (angle == 0) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
+}
+
+// Standard deviation about the worst-known direction.
+double SigmaOf(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
+}
+
+// Joins a measured rotation to a known one by their covariances (Kalman's update).
+void Join(const Eigen::Matrix3d& measured, const Eigen::Matrix3d& measured_covariance,
+          Eigen::Matrix3d& known, Eigen::Matrix3d& covariance) {
+  const Eigen::Matrix3d gain = covariance * (covariance + measured_covariance).inverse();
+  known = RotationBy(gain * RotationVector(measured * known.transpose())) * known;
+  const Eigen::Matrix3d left = (Eigen::Matrix3d::Identity() - gain) * covariance;
+  covariance = 0.5 * (left + left.transpose());
+}
+
 }  // namespace
 
 std::optional<double> HeadingOf(const OrientationFrame& frame) {
@@ -44,77 +81,178 @@ AxesFollower::AxesFollower(const FollowOptions& options,
                            const ManhattanOptions& manhattan)
     : options_(options), traversability_(traversability), manhattan_(manhattan) {}
 
-std::optional<AxesFollower::Known> AxesFollower::Predict(const OrientationViewPtr& view) const {
-  const RelativePose pose = FindRelativePose(
-      MatchBearings(last_->view->features, view->features, traversability_.matching),
-      traversability_.relative);
-  if (!pose.accepted()) return std::nullopt;
-  return Known{
-      .view = view,
-      .head_from_building = pose.b_from_a * last_->head_from_building,
-      .covariance = pose.covariance + pose.b_from_a * last_->covariance * pose.b_from_a.transpose(),
-      .reliable = false};
-}
-
-FollowedFrame AxesFollower::Settle(const OrientationViewPtr& view, const ManhattanFrame& axes) {
-  last_ = Known{.view = view,
-                .head_from_building = axes.head_from_axes,
-                .covariance = axes.covariance,
-                .reliable = true};
-  since_last_ = 0;
-  return {
-      .rotation = RotationOf(axes.head_from_axes, axes.covariance), .reliable = true, .axes = axes};
-}
-
-FollowedFrame AxesFollower::Carry(const OrientationViewPtr& view, std::optional<Known> predicted) {
-  FollowedFrame followed;
-  if (!predicted && since_last_ % options_.carry_frames == 0) predicted = Predict(view);
-  followed.axes = Renumbered(view->frame,
-                             predicted ? predicted->head_from_building : last_->head_from_building);
-  if (!predicted) return followed;
-  followed.rotation = RotationOf(predicted->head_from_building, predicted->covariance);
-  if (since_last_ >= options_.carry_frames) {
-    last_ = std::move(predicted);
-    since_last_ = 0;
+std::optional<AxesFollower::Known> AxesFollower::Predict(const Known& from,
+                                                         const OrientationViewPtr& view) const {
+  const RelativePose pose =
+      FindRelativePose(MatchBearings(from.view->features, view->features, traversability_.matching),
+                       traversability_.relative);
+  if (!pose.accepted() && !pose.one_of_two()) return std::nullopt;
+  const int frames = frame_ - from.frame;
+  Eigen::Matrix3d turn = pose.b_from_a;
+  double sigma = options_.step_sigma_rad;
+  if (pose.one_of_two()) {
+    if (frames > kSteadyFrames) return std::nullopt;
+    const Eigen::Matrix3d expected = RotationBy(from.rate * frames);
+    const double off = RotationAngle(pose.b_from_a, expected);
+    const double rival_off = RotationAngle(pose.rival->b_from_a, expected);
+    if (rival_off < off) turn = pose.rival->b_from_a;
+    const double apart = RotationAngle(pose.b_from_a, pose.rival->b_from_a);
+    const bool clear = std::min(off, rival_off) <= kClearly * std::max(off, rival_off);
+    // Where either may be meant it does no harm if they hardly differ.
+    if (!clear && apart > options_.max_rival_drift_rad) return std::nullopt;
+    sigma = std::max(sigma, (clear ? kDoubt : kClearly) * apart);
   }
+  return Known{.view = view,
+               .frame = frame_,
+               .head_from_building = turn * from.head_from_building,
+               .covariance = pose.covariance + turn * from.covariance * turn.transpose() +
+                             sigma * sigma * Eigen::Matrix3d::Identity(),
+               .votes = from.votes,
+               .rate = RotationVector(turn) / frames};
+}
+
+std::optional<ManhattanFrame> AxesFollower::AxesNear(const OrientationViewPtr& view,
+                                                     const Known& predicted) const {
+  const auto drift = [&](const ManhattanFrame& axes) {
+    return RotationAngle(axes.head_from_axes, predicted.head_from_building);
+  };
+  if (view->frame.reliable()) {
+    ManhattanFrame own = Renumbered(view->frame, predicted.head_from_building);
+    if (drift(own) <= options_.max_drift_rad) return own;
+  }
+  // A doubtful prediction would find lines near it anyway.
+  if (SigmaOf(predicted.covariance) > kClearly * options_.max_rival_drift_rad) return std::nullopt;
+  ManhattanFrame near =
+      FindManhattanFrameNear(view->lines, predicted.head_from_building, manhattan_);
+  if (!near.reliable() || drift(near) > options_.max_rival_drift_rad) return std::nullopt;
+  return near;
+}
+
+FollowedFrame AxesFollower::Know(Known known, ManhattanFrame axes, bool reliable) {
+  constexpr size_t kMostAnchors = 24;
+  FollowedFrame followed;
+  followed.rotation = RotationOf(known.head_from_building, known.covariance);
+  followed.anchored = anchored_;
+  followed.reliable = reliable && anchored_;
+  followed.axes = std::move(axes);
+  const bool due = anchors_.empty() || frame_ - anchors_.back().frame >= options_.anchor_frames;
+  if (followed.reliable && due) {
+    if (anchors_.size() == kMostAnchors) anchors_.erase(anchors_.begin());
+    anchors_.push_back(known);
+  }
+  last_ = std::move(known);
   return followed;
 }
 
-// The features go on from the prediction, not from the chosen frame: lines that were taken up by
-// the prediction's own error would feed it.
-FollowedFrame AxesFollower::Choose(const OrientationViewPtr& view, Known predicted) {
-  const ManhattanFrame axes =
-      FindManhattanFrameNear(view->lines, predicted.head_from_building, manhattan_);
-  const double drift = RotationAngle(axes.head_from_axes, predicted.head_from_building);
-  FollowedFrame followed = Carry(view, std::move(predicted));
-  if (!axes.reliable() || drift > options_.max_rival_drift_rad) return followed;
-  followed.rotation = RotationOf(axes.head_from_axes, axes.covariance);
-  followed.reliable = true;
-  followed.axes = axes;
-  return followed;
+// A prediction, joined with the lines' axes where they have some near it.
+FollowedFrame AxesFollower::Carry(Known predicted) {
+  const std::optional<ManhattanFrame> axes = AxesNear(predicted.view, predicted);
+  if (!axes) {
+    ManhattanFrame none = Renumbered(predicted.view->frame, predicted.head_from_building);
+    return Know(std::move(predicted), std::move(none), false);
+  }
+  Join(axes->head_from_axes, axes->covariance, predicted.head_from_building, predicted.covariance);
+  return Know(std::move(predicted), *axes, true);
+}
+
+// Before the axes are settled: the frames that the views so far give, carried on to this one. One
+// that enough views agree on, or that has no rival, settles the axes.
+FollowedFrame AxesFollower::Settle(const OrientationViewPtr& view) {
+  std::vector<Known> guesses;
+  for (const Known& guess : guesses_) {
+    if (auto carried = Predict(guess, view)) guesses.push_back(std::move(*carried));
+  }
+  FollowedFrame followed;
+  followed.axes = Renumbered(view->frame, LookingAlongX());
+  const bool told = view->frame.reliable() || view->frame.trouble == FrameTrouble::kRival;
+  if (told) {
+    const auto same = std::ranges::find_if(guesses, [&](const Known& guess) {
+      return CubeAngle(view->frame.head_from_axes, guess.head_from_building) <=
+             options_.max_rival_drift_rad;
+    });
+    if (same == guesses.end()) {
+      guesses.push_back({.view = view,
+                         .frame = frame_,
+                         .head_from_building = followed.axes.head_from_axes,
+                         .covariance = view->frame.covariance});
+    } else {
+      ++same->votes;
+      Join(Renumbered(view->frame, same->head_from_building).head_from_axes, view->frame.covariance,
+           same->head_from_building, same->covariance);
+    }
+  }
+  std::ranges::stable_sort(guesses, std::greater<>(), &Known::votes);
+  guesses.resize(std::min(guesses.size(), kMostGuesses));
+  guesses_ = std::move(guesses);
+  const bool clear = view->frame.reliable() && view->frame.rival <= options_.max_clear_rival;
+  if (clear) {
+    return Know({.view = view,
+                 .frame = frame_,
+                 .head_from_building = followed.axes.head_from_axes,
+                 .covariance = view->frame.covariance},
+                followed.axes, true);
+  }
+  if (guesses_.empty() || guesses_.front().votes < options_.min_votes) return followed;
+  if (guesses_.size() > 1 && guesses_[1].votes > kClearly * guesses_.front().votes) return followed;
+  Known best = guesses_.front();
+  best.head_from_building = NearestOfCube(best.head_from_building, LookingAlongX());
+  return Carry(std::move(best));
+}
+
+// The rotation of a view by any frame whose quarter turn is known.
+std::optional<AxesFollower::Known> AxesFollower::Anchored(const OrientationViewPtr& view) const {
+  for (auto anchor = anchors_.rbegin(); anchor != anchors_.rend(); ++anchor) {
+    if (auto known = Predict(*anchor, view)) return known;
+  }
+  return std::nullopt;
+}
+
+// A frame that nothing joins to the one before it.
+FollowedFrame AxesFollower::TakeUp(const OrientationViewPtr& view) {
+  FollowedFrame followed;
+  followed.axes = Renumbered(view->frame, last_->head_from_building);
+  if (!view->frame.reliable()) return followed;
+  // Less than half a quarter turn can have gone by.
+  const bool short_gap = (frame_ - last_->frame) * options_.max_jump_rad < kEighth;
+  if (!short_gap && anchored_) {
+    anchors_.push_back(*last_);
+    anchored_ = false;
+  }
+  const double turned = RotationAngle(followed.axes.head_from_axes, last_->head_from_building);
+  if (short_gap && turned > options_.max_jump_rad * (frame_ - last_->frame)) return followed;
+  return Know({.view = view,
+               .frame = frame_,
+               .head_from_building = followed.axes.head_from_axes,
+               .covariance = view->frame.covariance},
+              followed.axes, true);
 }
 
 FollowedFrame AxesFollower::Follow(const OrientationViewPtr& view) {
-  if (!last_) {
-    const ManhattanFrame axes = Renumbered(view->frame, LookingAlongX());
-    if (!view->frame.reliable()) return {.rotation = {}, .reliable = false, .axes = axes};
-    return Settle(view, axes);
+  ++frame_;
+  if (!last_) return Settle(view);
+  const bool clear = view->frame.reliable() && view->frame.rival <= options_.max_clear_rival;
+  const bool doubtful = SigmaOf(last_->covariance) > kClearly * options_.max_rival_drift_rad;
+  if ((!anchored_ || doubtful) && frame_ % options_.retry_frames == 0) {
+    if (auto known = Anchored(view)) {
+      anchored_ = true;
+      return Carry(std::move(*known));
+    }
   }
-  ++since_last_;
-  const bool rival = view->frame.trouble == FrameTrouble::kRival;
-  if (!view->frame.reliable() && !rival) return Carry(view, std::nullopt);
-  const ManhattanFrame nearest = Renumbered(view->frame, last_->head_from_building);
-  const double turned = RotationAngle(nearest.head_from_axes, last_->head_from_building);
-  const bool steady = last_->reliable && since_last_ == 1 && turned <= options_.max_jump_rad;
-  if (steady && !rival) return Settle(view, nearest);
-  std::optional<Known> predicted = Predict(view);
-  // Without a common view the axes are all there is to go by.
-  if (!predicted) return rival ? Carry(view, std::nullopt) : Settle(view, nearest);
-  if (rival) return Choose(view, std::move(*predicted));
-  const ManhattanFrame axes = Renumbered(view->frame, predicted->head_from_building);
-  const double drift = RotationAngle(axes.head_from_axes, predicted->head_from_building);
-  if (drift <= options_.max_drift_rad) return Settle(view, axes);
-  return Carry(view, std::move(predicted));
+  if (clear && frame_ - last_->frame == 1) {
+    const ManhattanFrame nearest = Renumbered(view->frame, last_->head_from_building);
+    const Eigen::Matrix3d turn = nearest.head_from_axes * last_->head_from_building.transpose();
+    const Eigen::Vector3d by = RotationVector(turn);
+    if (by.norm() <= options_.max_jump_rad && (by - last_->rate).norm() <= options_.max_drift_rad) {
+      return Know({.view = view,
+                   .frame = frame_,
+                   .head_from_building = nearest.head_from_axes,
+                   .covariance = nearest.covariance,
+                   .rate = by},
+                  nearest, true);
+    }
+  }
+  if (auto predicted = Predict(*last_, view)) return Carry(std::move(*predicted));
+  return TakeUp(view);
 }
 
 }  // namespace waystone

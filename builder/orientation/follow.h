@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "builder/orientation/traversability.h"
 #include "builder/orientation/view.h"
@@ -17,16 +18,19 @@ std::optional<double> HeadingOf(const OrientationFrame& frame);
 struct FollowedFrame {
   std::optional<BuildingRotation> rotation;
   bool reliable = false;
-  ManhattanFrame axes;  // numbered and signed as the building's
+  bool anchored = false;  // the rotation is the building's, not perhaps another by a quarter turn
+  ManhattanFrame axes;    // numbered and signed as the building's
 };
 
-// Follows the building's axes through one sequence (sec. III-A). The first reliable frame settles
-// them: the building's x is the axis nearest to its view ahead. From then on each frame gets, of
-// the 24 ways to number its axes, the one nearest to the frame before. Where frames aren't
-// reliable, or jump, the rotation between the features of two frames predicts the axes, and lines
-// that disagree with it (a skewed room) aren't relied on. Of two frames that explain the lines
-// alike (FrameTrouble::kRival, common where a single camera sees little but upright lines) the one
-// that the prediction leads to is relied on. Not thread-safe; frames in order.
+// Follows the building's axes through one sequence (sec. III-A). A frame that is far better than
+// any other, or one that several frames in a row agree on, settles them: the building's x is the
+// axis nearest to its view ahead. From then on the features carry the rotation from frame to frame.
+// A plane's two motions are told apart by the one that goes on as the camera turned before. Where
+// the lines have a frame near the prediction the two are joined by their covariances, which is what
+// makes a frame reliable; lines of other directions (a skewed room) leave it as predicted.
+// Where neither features nor a short gap join a frame to those before it, its quarter turn is not
+// guessed: it and those after it have no reliable rotation until a common view with an earlier
+// frame settles it. Not thread-safe; frames in order.
 class AxesFollower {
  public:
   AxesFollower(const FollowOptions& options, const TraversabilityOptions& traversability,
@@ -35,24 +39,34 @@ class AxesFollower {
   FollowedFrame Follow(const OrientationViewPtr& view);
 
  private:
+  // A frame whose rotation is known, but perhaps for its quarter turn.
   struct Known {
     OrientationViewPtr view;
+    int frame = 0;
     Eigen::Matrix3d head_from_building;
     Eigen::Matrix3d covariance;  // of its rotation vector, head's frame
-    bool reliable = false;
+    int votes = 1;               // frames that agreed, before the axes are settled
+    Eigen::Vector3d rate = Eigen::Vector3d::Zero();  // turn from a frame to the next, rad
   };
-  // The rotation of `view` by the features that it shares with the last known frame.
-  std::optional<Known> Predict(const OrientationViewPtr& view) const;
-  FollowedFrame Settle(const OrientationViewPtr& view, const ManhattanFrame& axes);
-  // Of frames that explain the lines alike, the one that was predicted.
-  FollowedFrame Choose(const OrientationViewPtr& view, Known predicted);
-  FollowedFrame Carry(const OrientationViewPtr& view, std::optional<Known> predicted);
+  // The rotation of `view` by the features that it shares with a known frame.
+  std::optional<Known> Predict(const Known& from, const OrientationViewPtr& view) const;
+  // The axes of the view's lines near a prediction, if it has any.
+  std::optional<ManhattanFrame> AxesNear(const OrientationViewPtr& view,
+                                         const Known& predicted) const;
+  FollowedFrame Settle(const OrientationViewPtr& view);
+  FollowedFrame Carry(Known predicted);
+  FollowedFrame TakeUp(const OrientationViewPtr& view);
+  FollowedFrame Know(Known known, ManhattanFrame axes, bool reliable);
+  std::optional<Known> Anchored(const OrientationViewPtr& view) const;
 
   FollowOptions options_;
   TraversabilityOptions traversability_;
   ManhattanOptions manhattan_;
+  int frame_ = -1;
+  std::vector<Known> guesses_;  // before the axes are settled: of the frame before
   std::optional<Known> last_;
-  int since_last_ = 0;  // frames
+  bool anchored_ = true;        // the quarter turn of last_ is the building's
+  std::vector<Known> anchors_;  // some of the frames whose quarter turn is
 };
 
 }  // namespace waystone

@@ -9,7 +9,11 @@ void FollowOptions::Check() const {
   CheckRange("max_jump_rad", max_jump_rad, 0.01, 0.7);
   CheckRange("max_drift_rad", max_drift_rad, 0.01, 0.5);
   CheckRange("max_rival_drift_rad", max_rival_drift_rad, 0.005, 0.5);
-  CheckRange("carry_frames", carry_frames, 1, 100);
+  CheckRange("max_clear_rival", max_clear_rival, 0, 1);
+  CheckRange("min_votes", min_votes, 1, 100);
+  CheckRange("step_sigma_rad", step_sigma_rad, 1e-5, 0.1);
+  CheckRange("anchor_frames", anchor_frames, 1, 1000);
+  CheckRange("retry_frames", retry_frames, 1, 100);
 }
 
 void TraversabilityOptions::Check() const {
@@ -29,7 +33,6 @@ void TurnOptions::Check() const {
 void CorridorOptions::Check() const {
   CheckRange("heading_range_rad", heading_range_rad, 0.05, 1.5);
   CheckRange("min_ratio", min_ratio, 1, 20);
-  CheckRange("smooth_frames", smooth_frames, 0, 1000);
   CheckRange("min_frames", min_frames, 1, 100'000);
   CheckRange("max_gap_frames", max_gap_frames, 0, 1000);
 }

@@ -9,18 +9,27 @@ namespace waystone {
 
 // How axes are followed from frame to frame.
 struct FollowOptions {
-  // Largest turn between two consecutive frames that is believed without asking the features, 0.01
-  // to 0.7. Higher asks less often and may follow lines of another direction. rad
+  // Largest turn between two consecutive frames, 0.01 to 0.7. Where the features say nothing, it
+  // bounds how far the axes may have turned. rad
   double max_jump_rad = 0.2;
+  // A frame whose best rival has this share of its support at most is believed by itself, 0 to 1.
+  // Higher asks the features less often, and believes more frames of single cameras that are wrong.
+  double max_clear_rival = 0.6;
+  // Frames in a row that have to agree before the axes are settled where none is clear, 1 to 100.
+  int min_votes = 5;
   // Largest angle between the axes that the lines give and those that the features' rotation
   // predicts, 0.01 to 0.5. Higher takes the lines of a skewed room for the building's. rad
   double max_drift_rad = 0.09;
   // The same where the lines leave a choice of frames, 0.005 to 0.5. Lower believes fewer frames of
   // single cameras. rad
   double max_rival_drift_rad = 0.04;
-  // Where frames aren't reliable, the features carry the rotation on over this many frames at a
-  // time, 1 to 100. More frames drift less and lose each other sooner.
-  int carry_frames = 5;
+  // Standard deviation of a rotation between two frames beside what its matches tell, 1e-5 to 0.1.
+  // Higher trusts the lines more and the features less. rad
+  double step_sigma_rad = 0.001;
+  // A frame is kept every so many to find the quarter turn by, should it get lost, 1 to 1000; and
+  // lost ones are compared with those every so many frames, 1 to 100. Fewer cost time.
+  int anchor_frames = 20;
+  int retry_frames = 5;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -28,7 +37,9 @@ struct FollowOptions {
 // Whether one can see the way from a frame to another (sec. II-B.2).
 struct TraversabilityOptions {
   MatchOptions matching;
-  RelativeOptions relative;  // min_inliers is the paper's 10 correspondences
+  // min_inliers is the paper's 10 correspondences. What a plane leaves open is settled by how the
+  // camera turned before, so that near ties alone are left to that.
+  RelativeOptions relative{.max_rival = 0.98};
   // Largest angle between the essential matrix's rotation and R1 R2^T, 0.005 to 0.5. Higher
   // connects frames whose rotation is wrong. rad
   double max_disagreement_rad = 0.087;
@@ -63,12 +74,9 @@ struct CorridorOptions {
   // Lines along the corridor over those across it, at least, 1 to 20. Higher leaves out rooms and
   // wide halls.
   double min_ratio = 1.5;
-  // Lines are counted over this many frames to both sides, 0 to 1000. More smooth the counts and
-  // blur the ends.
-  int smooth_frames = 5;
   // Shortest corridor, 1 to 100,000. frames
   int min_frames = 30;
-  // Frames in a row that may be unreliable or have another dominant axis, 0 to 1000.
+  // Frames in a row that may have no rotation, 0 to 1000.
   int max_gap_frames = 10;
 
   void Check() const;

@@ -49,41 +49,6 @@ void Report(const Progress& progress, const std::string& stage, int done) {
   }
 }
 
-// Looks at the frames on all threads, two a worker in flight; the mapper takes them in order.
-MappedSequence MapSequence(const OrientationSequence& sequence, int64_t first_id,
-                           const OrientationOptions& options, const Progress& progress,
-                           OrientationReport& report) {
-  SequenceMapper mapper(sequence.id, first_id, options);
-  const auto next = [&](tbb::flow_control& control) {
-    auto moment = std::make_shared<std::optional<OrientationMoment>>(sequence.next());
-    if (!*moment) control.stop();
-    return moment;
-  };
-  const auto look = [&](const std::shared_ptr<std::optional<OrientationMoment>>& moment) {
-    const Clock::time_point start = Clock::now();
-    auto view = std::make_shared<OrientationView>(LookAt(sequence.rig, **moment, options));
-    return std::make_shared<TimedView>(std::move(view), SecondsSince(start));
-  };
-  const auto take = [&](const std::shared_ptr<TimedView>& timed) {
-    const Clock::time_point start = Clock::now();
-    report.look_s += timed->look_s;
-    Count(*timed->view, report);
-    mapper.Add(timed->view);
-    report.follow_s += SecondsSince(start);
-    Report(progress, "frames", report.frames);
-  };
-  const size_t in_flight = 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 1;
-  using Moment = std::shared_ptr<std::optional<OrientationMoment>>;
-  using View = std::shared_ptr<TimedView>;
-  tbb::parallel_pipeline(in_flight,
-                         tbb::make_filter<void, Moment>(tbb::filter_mode::serial_in_order, next) &
-                             tbb::make_filter<Moment, View>(tbb::filter_mode::parallel, look) &
-                             tbb::make_filter<View, void>(tbb::filter_mode::serial_in_order, take));
-  MappedSequence mapped = mapper.Finish();
-  report.tests += mapped.tests;
-  return mapped;
-}
-
 OrientedFeatures Oriented(const MappedSequence& mapped, const NodeInWork& node) {
   return {.features = &node.view->features, .frame = &mapped.frames[node.frame]};
 }
@@ -168,41 +133,100 @@ void AddSequence(const MappedSequence& mapped, const OrientationOptions& options
   layer.corridors.insert(layer.corridors.end(), mapped.corridors.begin(), mapped.corridors.end());
 }
 
-OrientationResult Build(std::span<const OrientationSequence> sequences,
-                        const OrientationOptions& options, const Progress& progress) {
+}  // namespace
+
+OrientationBuilder::OrientationBuilder(const OrientationOptions& options) : options_(options) {
+  options.Check();
+}
+
+OrientationBuilder::~OrientationBuilder() = default;
+
+void OrientationBuilder::StartSequence(SequenceId id) {
+  FinishSequence();
+  mapper_ = std::make_unique<SequenceMapper>(id, frames() + 1, options_);
+}
+
+void OrientationBuilder::Add(const OrientationViewPtr& view) {
   const Clock::time_point start = Clock::now();
-  OrientationResult result;
-  OrientationReport& report = result.report;
-  std::vector<MappedSequence> mapped;
-  for (const OrientationSequence& sequence : sequences) {
-    mapped.push_back(MapSequence(sequence, report.frames + 1, options, progress, report));
-  }
+  Count(*view, result_.report);
+  mapper_->Add(view);
+  result_.report.follow_s += SecondsSince(start);
+}
+
+void OrientationBuilder::FinishSequence() {
+  if (!mapper_) return;
+  mapped_.push_back(mapper_->Finish());
+  result_.report.tests += mapped_.back().tests;
+  mapper_.reset();
+}
+
+OrientationResult OrientationBuilder::Finish() {
+  FinishSequence();
+  OrientationReport& report = result_.report;
   if (report.frames == report.unreadable) {
     throw MapError(ErrorCode::kBadSource,
                    "none of " + std::to_string(report.frames) + " frames can be read" +
                        (report.frames > 0 ? ": " + report.unreadable_names[0] : ""));
   }
-  const Clock::time_point finish = Clock::now();
-  Report(progress, "loops", report.frames);
-  result.layer.step = options.step;
-  for (const MappedSequence& sequence : mapped) AddSequence(sequence, options, result.layer);
-  AddLoops(mapped, options, result.layer);
-  report.unreliable = static_cast<int>(std::ranges::count(result.layer.frames, false,
-                                                          &OrientationFrame::reliable)) -
-                      report.unreadable;
-  report.finish_s = SecondsSince(finish);
-  report.total_s = SecondsSince(start);
-  return result;
+  const Clock::time_point start = Clock::now();
+  OrientationLayer& layer = result_.layer;
+  layer.step = options_.step;
+  for (const MappedSequence& sequence : mapped_) AddSequence(sequence, options_, layer);
+  AddLoops(mapped_, options_, layer);
+  report.unreliable =
+      static_cast<int>(std::ranges::count(layer.frames, false, &OrientationFrame::reliable)) -
+      report.unreadable;
+  report.finish_s = SecondsSince(start);
+  return std::move(result_);
 }
 
-}  // namespace
+// Two frames a worker are in flight; the builder takes them in order.
+double MapSequence(const OrientationSequence& sequence, const OrientationOptions& options,
+                   const Progress& progress, OrientationBuilder& builder) {
+  double look_s = 0;
+  builder.StartSequence(sequence.id);
+  const auto next = [&](tbb::flow_control& control) {
+    auto moment = std::make_shared<std::optional<OrientationMoment>>(sequence.next());
+    if (!*moment) control.stop();
+    return moment;
+  };
+  const auto look = [&](const std::shared_ptr<std::optional<OrientationMoment>>& moment) {
+    const Clock::time_point start = Clock::now();
+    auto view = std::make_shared<OrientationView>(LookAt(sequence.rig, **moment, options));
+    return std::make_shared<TimedView>(std::move(view), SecondsSince(start));
+  };
+  const auto take = [&](const std::shared_ptr<TimedView>& timed) {
+    look_s += timed->look_s;
+    builder.Add(timed->view);
+    Report(progress, "frames", builder.frames());
+  };
+  const size_t in_flight = 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 1;
+  using Moment = std::shared_ptr<std::optional<OrientationMoment>>;
+  using View = std::shared_ptr<TimedView>;
+  tbb::parallel_pipeline(in_flight,
+                         tbb::make_filter<void, Moment>(tbb::filter_mode::serial_in_order, next) &
+                             tbb::make_filter<Moment, View>(tbb::filter_mode::parallel, look) &
+                             tbb::make_filter<View, void>(tbb::filter_mode::serial_in_order, take));
+  return look_s;
+}
 
 OrientationResult BuildOrientationLayer(std::span<const OrientationSequence> sequences,
                                         const OrientationOptions& options,
                                         const Progress& progress) {
-  options.Check();
+  const Clock::time_point start = Clock::now();
+  OrientationBuilder builder(options);
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  return arena.execute([&] { return Build(sequences, options, progress); });
+  return arena.execute([&] {
+    double look_s = 0;
+    for (const OrientationSequence& sequence : sequences) {
+      look_s += MapSequence(sequence, options, progress, builder);
+    }
+    Report(progress, "loops", builder.frames());
+    OrientationResult result = builder.Finish();
+    result.report.look_s = look_s;
+    result.report.total_s = SecondsSince(start);
+    return result;
+  });
 }
 
 }  // namespace waystone

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "builder/orientation/options.h"
+#include "builder/orientation/sequence_mapper.h"
 #include "builder/orientation/view.h"
 #include "schema/orientation_layer.h"
 
@@ -33,6 +35,39 @@ struct OrientationResult {
   OrientationLayer layer;
   OrientationReport report;
 };
+
+// Makes the layer from views that somebody else looks at, as BuildOrientationLayer does from
+// sequences. Not thread-safe.
+class OrientationBuilder {
+ public:
+  // Throws MapError(kBadOptions).
+  explicit OrientationBuilder(const OrientationOptions& options);
+  ~OrientationBuilder();
+
+  // Views that follow are of this sequence; ids in ascending order.
+  void StartSequence(SequenceId id);
+  // The next view of the sequence, in order, also of a frame that could not be read.
+  void Add(const OrientationViewPtr& view);
+  int frames() const { return result_.report.frames; }
+  // After the last view: edges, loops and the layer. Throws MapError(kBadSource) when no frame
+  // could be read. Runs on the threads of the calling task arena.
+  OrientationResult Finish();
+
+ private:
+  void FinishSequence();
+
+  OrientationOptions options_;
+  std::unique_ptr<SequenceMapper> mapper_;
+  std::vector<MappedSequence> mapped_;
+  OrientationResult result_;
+};
+
+// Reads a sequence into a builder: lines and features in parallel on the threads of the calling
+// task arena, a bounded number of frames at a time. Returns the seconds that took, summed over
+// threads.
+double MapSequence(const OrientationSequence& sequence, const OrientationOptions& options,
+                   const std::function<bool(const OrientationProgress&)>& progress,
+                   OrientationBuilder& builder);
 
 // The orientation layer of one or several calibrated sequences (Puig et al. 2012): the rotation of
 // every frame in the building, turns, the topological map, corridors, loop closures, and the

@@ -27,7 +27,7 @@ void SequenceMapper::Add(const OrientationViewPtr& view) {
                             .reliable = followed.reliable,
                             .rotation = followed.rotation,
                             .lines = followed.axes.lines});
-  recent_.push_back({view, std::move(followed.axes)});
+  recent_.push_back({view, std::move(followed.axes), followed.anchored});
   MeasureMotion();
   WatchTurn();
   TestTurns(false);
@@ -54,13 +54,14 @@ void SequenceMapper::MeasureMotion() {
   const int from = to - options_.motion_frames;
   if (from < 0 || to % options_.motion_frames != 0) return;
   const Traversal traversal = Test(from, *At(from).view, to, *At(to).view);
-  motion_samples_.push_back({.frame = (from + to) / 2, .heading_rad = traversal.motion_rad});
+  const auto heading = At(to).anchored ? traversal.motion_rad : std::nullopt;
+  motion_samples_.push_back({.frame = (from + to) / 2, .heading_rad = heading});
 }
 
 void SequenceMapper::WatchTurn() {
   const int frame = static_cast<int>(mapped_.frames.size()) - 1;
   const std::optional<double> heading = HeadingOf(mapped_.frames[frame]);
-  if (!heading) return;
+  if (!heading || !At(frame).anchored) return;
   if (const auto jump = watch_.Next(frame, *heading)) untested_.push_back(*jump);
 }
 
@@ -99,6 +100,9 @@ void SequenceMapper::LookFromNode() {
   const int frame = static_cast<int>(mapped_.frames.size()) - 1;
   if (At(frame).view->features.size() == 0) return;
   if (mapped_.nodes.empty()) {
+    // The first frames may be needed to settle the axes, which loops go by.
+    constexpr int kStepsToWait = 3;
+    if (!mapped_.frames[frame].reliable && frame < kStepsToWait * options_.step) return;
     AddNode(frame, OrientationNodeKind::kTraversable, 0);
     last_looked_ = frame;
     return;
@@ -129,9 +133,13 @@ void SequenceMapper::AddTurnNodes(std::vector<NodeInWork>& nodes) {
 }
 
 MappedSequence SequenceMapper::Finish() {
-  if (mapped_.nodes.empty()) return std::move(mapped_);  // nothing was seen
-  TestTurns(true);
   const int last = static_cast<int>(mapped_.frames.size()) - 1;
+  if (mapped_.nodes.empty()) {
+    const bool any = last >= 0 && At(last).view->features.size() > 0;
+    if (!any) return std::move(mapped_);  // nothing was seen
+    AddNode(last, OrientationNodeKind::kTraversable, 0);
+  }
+  TestTurns(true);
   const bool seen = At(last).view->features.size() > 0;
   if (seen && mapped_.nodes.back().frame != last)
     AddNode(last, OrientationNodeKind::kTraversable, 0);

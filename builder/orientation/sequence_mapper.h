@@ -47,6 +47,7 @@ class SequenceMapper {
   struct Recent {
     OrientationViewPtr view;
     ManhattanFrame axes;
+    bool anchored = false;  // its rotation is the building's
   };
   const Recent& At(int frame) const { return recent_[frame - first_recent_]; }
   OrientedFeatures Oriented(int frame, const OrientationView& view) const;

@@ -69,8 +69,22 @@ Traversal TestTraversability(const OrientedFeatures& a, const OrientedFeatures& 
   const RelativePose& pose = traversal.pose;
   traversal.matches = static_cast<int>(pose.inliers.size());
   traversal.flow_rad = Flow(rays, pose.inliers, *a.frame, *b.frame);
-  if (!pose.accepted()) return traversal;
+  if (!pose.accepted() && !pose.one_of_two()) return traversal;
   traversal.disagreement_rad = Disagreement(*a.frame, *b.frame, pose);
+  if (pose.rival) {
+    // R_c tells which of a plane's two motions it was; without it, the one that turns less.
+    RelativePose rival = pose;
+    rival.b_from_a = pose.rival->b_from_a;
+    rival.translation = pose.rival->translation;
+    const auto other = Disagreement(*a.frame, *b.frame, rival);
+    const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
+    const double turned = RotationAngle(pose.b_from_a, none);
+    if (other.value_or(RotationAngle(rival.b_from_a, none)) <
+        traversal.disagreement_rad.value_or(turned)) {
+      traversal.pose = std::move(rival);
+      traversal.disagreement_rad = other;
+    }
+  }
   traversal.connected = traversal.disagreement_rad.value_or(0) <= options.max_disagreement_rad;
   if (b.frame->rotation && Parallax(rays, pose) >= options.min_parallax_rad) {
     // a's centre lies at t in b's frame: the head went the other way.

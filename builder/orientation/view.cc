@@ -20,12 +20,6 @@ cv::Mat Thumbnail(const cv::Mat& grey, int width) {
   return small;
 }
 
-std::vector<cv::Mat> Decoded(const EncodedFrame& encoded) {
-  const Frame frame = encoded.Decode();
-  if (frame.grey.empty()) throw MapError(ErrorCode::kBadImage, frame.error);
-  return {frame.grey};
-}
-
 }  // namespace
 
 OrientationSequence SequenceOf(SequenceId id, RigSequence sequence) {
@@ -39,48 +33,68 @@ OrientationSequence SequenceOf(SequenceId id, RigSequence sequence) {
   return {.id = id, .rig = shared->rig, .next = next};
 }
 
+std::vector<cv::Mat> SourceHead::ImagesOf(const std::vector<cv::Mat>& loaded) const {
+  return panorama ? FacesOfPanorama(loaded.front(), rig.cameras.front().camera.width) : loaded;
+}
+
+std::optional<SourceHead> HeadOf(const Source& source) {
+  constexpr int kFaceShare = 4;
+  if (const std::optional<Rig> faces = source.faces()) return SourceHead{.rig = *faces};
+  const std::optional<Camera>& camera = source.camera();
+  const cv::Size size = camera ? cv::Size(camera->width, camera->height) : source.frame_size();
+  const bool panorama = camera ? camera->model == CameraModel::kEquirectangular
+                               : size.height > 0 && size.width == 2 * size.height;
+  if (panorama) {
+    return SourceHead{.rig = CubeRig(std::max(1, size.width / kFaceShare)), .panorama = true};
+  }
+  if (camera) return SourceHead{.rig = RigOfOne(*camera)};
+  return std::nullopt;
+}
+
 OrientationSequence SequenceOf(SequenceId id, Source& source) {
-  if (!source.camera()) {
+  const std::optional<SourceHead> head = HeadOf(source);
+  if (!head) {
     throw MapError(
         ErrorCode::kBadCamera,
         source.name() + " has no camera; the orientation layer needs one, give --camera");
   }
-  const bool panorama = source.camera()->model == CameraModel::kEquirectangular;
-  const int face_px = std::max(1, source.camera()->width / 4);
-  const auto next = [&source, panorama, face_px]() -> std::optional<OrientationMoment> {
+  const auto next = [&source, head]() -> std::optional<OrientationMoment> {
     std::optional<EncodedFrame> encoded = source.NextEncoded();
     if (!encoded) return std::nullopt;
     const FrameInfo info = encoded->info();
-    return OrientationMoment{.info = info,
-                             .load = [frame = std::move(*encoded), panorama, face_px] {
-                               std::vector<cv::Mat> images = Decoded(frame);
-                               return panorama ? FacesOfPanorama(images[0], face_px) : images;
+    return OrientationMoment{.info = info, .load = [frame = std::move(*encoded), head] {
+                               return head->ImagesOf(frame.Load());
                              }};
   };
-  return {.id = id, .rig = panorama ? CubeRig(face_px) : RigOfOne(*source.camera()), .next = next};
+  return {.id = id, .rig = head->rig, .next = next};
+}
+
+OrientationView LookAt(const Rig& rig, const FrameInfo& info, std::span<const cv::Mat> images,
+                       const OrientationOptions& options) {
+  OrientationView view;
+  view.info = info;
+  for (size_t c = 0; c < images.size(); ++c) {
+    CheckImageSize(rig.cameras[c], images[c].cols, images[c].rows);
+    const auto found = GreatCirclesOf(rig, static_cast<int>(c),
+                                      DetectSegments(images[c], options.segments), options.circles);
+    view.lines.insert(view.lines.end(), found.begin(), found.end());
+  }
+  view.frame = FindManhattanFrame(view.lines, options.manhattan);
+  view.features = ExtractBearings(rig, images, options.bearings);
+  view.thumbnail = Thumbnail(images[0], options.image_width);
+  return view;
 }
 
 OrientationView LookAt(const Rig& rig, const OrientationMoment& moment,
                        const OrientationOptions& options) {
-  OrientationView view;
-  view.info = moment.info;
   try {
-    const std::vector<cv::Mat> images = moment.load();
-    for (size_t c = 0; c < images.size(); ++c) {
-      CheckImageSize(rig.cameras[c], images[c].cols, images[c].rows);
-      const auto found = GreatCirclesOf(
-          rig, static_cast<int>(c), DetectSegments(images[c], options.segments), options.circles);
-      view.lines.insert(view.lines.end(), found.begin(), found.end());
-    }
-    view.frame = FindManhattanFrame(view.lines, options.manhattan);
-    view.features = ExtractBearings(rig, images, options.bearings);
-    view.thumbnail = Thumbnail(images[0], options.image_width);
+    return LookAt(rig, moment.info, moment.load(), options);
   } catch (const MapError& error) {
-    view = OrientationView();
+    OrientationView view;
     view.info = moment.info;
     view.error = error.what();
+    return view;
   }
-  return view;
 }
 
 }  // namespace waystone

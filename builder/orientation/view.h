@@ -5,6 +5,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,11 +31,24 @@ struct OrientationSequence {
   std::function<std::optional<OrientationMoment>()> next;
 };
 
+// The head that takes a source's frames.
+struct SourceHead {
+  Rig rig;
+  bool panorama = false;  // frames are whole panoramas, which become the rig's faces
+
+  // The rig's images of what EncodedFrame::Load gave.
+  std::vector<cv::Mat> ImagesOf(const std::vector<cv::Mat>& loaded) const;
+};
+
+// The faces of a rig; six faces, a quarter as wide, of panoramas (an equirectangular camera, or
+// none and exactly twice as wide as high); or the one camera. Nothing for a source without a
+// calibration.
+std::optional<SourceHead> HeadOf(const Source& source);
+
 // All moments of a rig's folder. The sequence is copied.
 OrientationSequence SequenceOf(SequenceId id, RigSequence sequence);
-// All frames of a source with a calibrated camera; the source must outlive what it gives. A
-// panorama becomes six faces of a quarter of its width. Throws MapError(kBadCamera) for a source
-// without a camera.
+// All frames of a calibrated source; the source must outlive what it gives. Throws
+// MapError(kBadCamera) for a source without a calibration.
 OrientationSequence SequenceOf(SequenceId id, Source& source);
 
 // What the images of one moment give: the part of the work that needs no other frame.
@@ -51,6 +65,10 @@ using OrientationViewPtr = std::shared_ptr<const OrientationView>;
 
 // Reads and looks. Bad images are told in `error`. Deterministic; thread-safe.
 OrientationView LookAt(const Rig& rig, const OrientationMoment& moment,
+                       const OrientationOptions& options);
+// The same for images that are read already. Throws MapError(kBadImage) for one that hasn't its
+// camera's size.
+OrientationView LookAt(const Rig& rig, const FrameInfo& info, std::span<const cv::Mat> images,
                        const OrientationOptions& options);
 
 }  // namespace waystone

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
+#include <utility>
 
 #include "builder/sources/files.h"
 #include "builder/sources/recognise.h"
@@ -13,7 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kSideFaces = 4;  // front, right, back, left: always there
+constexpr size_t kSideFaces = 4;       // front, right, back, left: always there
+constexpr int64_t kBytesPerPixel = 6;  // of a file: 16 bits in three colours
 
 std::vector<std::string> FaceNames() {
   std::vector<std::string> names;
@@ -28,14 +29,20 @@ bool HasSides(const CameraImages& found) {
   });
 }
 
-cv::Mat LoadPanorama(const std::array<fs::path, kCubeFaces>& paths, const DecodeLimits& limits) {
-  constexpr int64_t kBytesPerPixel = 6;  // 16 bits in three colours
-  FaceImages faces;
-  for (int i = 0; i < kCubeFaces; ++i) {
-    if (paths[i].empty()) continue;
-    faces[i] = DecodeGrey(
-        ReadFile(paths[i], limits.max_pixels * kBytesPerPixel, ErrorCode::kBadImage), limits);
+using FacePaths = std::vector<std::pair<CubeFace, fs::path>>;  // by face
+
+std::vector<cv::Mat> LoadFaces(const FacePaths& paths, const DecodeLimits& limits) {
+  std::vector<cv::Mat> faces;
+  for (const auto& [face, path] : paths) {
+    faces.push_back(DecodeGrey(
+        ReadFile(path, limits.max_pixels * kBytesPerPixel, ErrorCode::kBadImage), limits));
   }
+  return faces;
+}
+
+cv::Mat JoinFaces(const FacePaths& paths, const std::vector<cv::Mat>& images) {
+  FaceImages faces;
+  for (size_t i = 0; i < paths.size(); ++i) faces[static_cast<int>(paths[i].first)] = images[i];
   return FromFaces(faces).grey;
 }
 
@@ -64,19 +71,46 @@ class RigPanoramaSource : public Source {
   std::optional<EncodedFrame> NextEncoded() override {
     if (next_ > range_.last) return std::nullopt;
     FrameInfo info{next_, found_.images.front()[next_].moment, std::nullopt};
-    std::array<fs::path, kCubeFaces> paths;
-    const std::vector<std::string> names = FaceNames();
-    for (size_t c = 0; c < found_.cameras.size(); ++c) {
-      const auto face = std::ranges::find(names, found_.cameras[c]) - names.begin();
-      paths[face] = found_.images[c][next_].path;
-    }
+    FacePaths paths = PathsOf(next_);
     next_ += range_.every;
-    return EncodedFrame(std::move(info), [paths = std::move(paths), limits = limits_] {
-      return LoadPanorama(paths, limits);
-    });
+    return EncodedFrame(
+        std::move(info), [paths, limits = limits_] { return LoadFaces(paths, limits); },
+        [paths](const std::vector<cv::Mat>& images) { return JoinFaces(paths, images); });
+  }
+
+  // As wide as the first face that can be read; nothing where none can.
+  std::optional<Rig> faces() const override {
+    for (int frame = range_.first; frame <= range_.last; frame += range_.every) {
+      const FacePaths paths = PathsOf(frame);
+      try {
+        const ImageHeader header = ReadImageHeader(ReadFile(
+            paths.front().second, limits_.max_pixels * kBytesPerPixel, ErrorCode::kBadImage));
+        CheckLimits(header, limits_);
+        Rig rig;
+        for (const auto& [face, path] : paths) {
+          rig.cameras.push_back(CubeRig(header.width).cameras[static_cast<size_t>(face)]);
+        }
+        return rig;
+      } catch (const MapError&) {
+        continue;  // the frame is told when it is decoded
+      }
+    }
+    return std::nullopt;
   }
 
  private:
+  // By face, as rigs have their cameras.
+  FacePaths PathsOf(int frame) const {
+    const std::vector<std::string> names = FaceNames();
+    FacePaths paths;
+    for (size_t c = 0; c < found_.cameras.size(); ++c) {
+      const auto face = std::ranges::find(names, found_.cameras[c]) - names.begin();
+      paths.emplace_back(static_cast<CubeFace>(face), found_.images[c][frame].path);
+    }
+    std::ranges::sort(paths);
+    return paths;
+  }
+
   int Frames(const fs::path& folder) const {
     const size_t frames = found_.images.front().size();
     for (size_t c = 0; c < found_.cameras.size(); ++c) {

@@ -40,10 +40,19 @@ std::unique_ptr<Source> Open(const std::string& path, const SourceOptions& optio
 
 }  // namespace
 
+EncodedFrame::EncodedFrame(FrameInfo info, std::function<cv::Mat()> load)
+    : EncodedFrame(
+          std::move(info), [load = std::move(load)] { return std::vector<cv::Mat>{load()}; },
+          [](const std::vector<cv::Mat>& images) { return images.front(); }) {}
+
+EncodedFrame::EncodedFrame(FrameInfo info, std::function<std::vector<cv::Mat>()> load,
+                           std::function<cv::Mat(const std::vector<cv::Mat>&)> join)
+    : info_(std::move(info)), load_(std::move(load)), join_(std::move(join)) {}
+
 Frame EncodedFrame::Decode() const {
   Frame frame{.info = info_, .grey = {}, .error = {}};
   try {
-    frame.grey = load_();
+    frame.grey = Join(Load());
   } catch (const MapError& error) {
     frame.error = error.what();
   }

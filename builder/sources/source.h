@@ -8,8 +8,10 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/camera/camera.h"
+#include "core/camera/rig.h"
 #include "core/image/decode.h"
 
 namespace waystone {
@@ -34,17 +36,26 @@ struct Frame {
 class EncodedFrame {
  public:
   // `load` gives a CV_8UC1 image or throws MapError; it may be called from any thread.
-  EncodedFrame(FrameInfo info, std::function<cv::Mat()> load)
-      : info_(std::move(info)), load_(std::move(load)) {}
+  EncodedFrame(FrameInfo info, std::function<cv::Mat()> load);
+  // A frame that is joined from the images of a rig's cameras (Source::faces()): `load` gives them,
+  // one a camera.
+  EncodedFrame(FrameInfo info, std::function<std::vector<cv::Mat>()> load,
+               std::function<cv::Mat(const std::vector<cv::Mat>&)> join);
 
   const FrameInfo& info() const { return info_; }
+  // The images that the frame is made of: one a camera of Source::faces(), or the frame itself. Any
+  // thread. Throws MapError for one that can't be read.
+  std::vector<cv::Mat> Load() const { return load_(); }
+  // The frame of these images (CV_8UC1). Throws MapError.
+  cv::Mat Join(const std::vector<cv::Mat>& images) const { return join_(images); }
   // Any thread, any number of times. A frame that can't be decoded, is missing, or has another size
   // than the first one comes with its error; nothing is thrown for it.
   Frame Decode() const;
 
  private:
   FrameInfo info_;
-  std::function<cv::Mat()> load_;
+  std::function<std::vector<cv::Mat>()> load_;
+  std::function<cv::Mat(const std::vector<cv::Mat>&)> join_;
 };
 
 // Which part of a source is used, and how.
@@ -75,6 +86,8 @@ class Source {
   virtual const std::optional<Camera>& camera() const = 0;
   // Of the source's frames, px; 0 by 0 where it can't be told without decoding one.
   virtual cv::Size frame_size() const { return {}; }
+  // The cameras whose images its frames are joined from; nothing for frames that are images.
+  virtual std::optional<Rig> faces() const { return std::nullopt; }
   // "TUM sequence, 1000 frames 640x480": what was recognised; with ", 100 of them used" behind it
   // when options leave some out.
   virtual std::string Announcement() const = 0;

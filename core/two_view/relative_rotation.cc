@@ -215,12 +215,73 @@ Eigen::Matrix3d CovarianceOf(const MatchedRays& rays, const Fit& fit, double max
   return variance * inverse.topLeftCorner<3, 3>();
 }
 
+// The matrix that takes rays of a plane to each other, b ~ H a, by the direct linear transform over
+// these rows; its middle singular value is 1 and its sign that of points ahead.
+Eigen::Matrix3d PlaneOf(const MatchedRays& rays, const std::vector<int>& rows) {
+  Eigen::Matrix<double, 9, 9> sum = Eigen::Matrix<double, 9, 9>::Zero();
+  for (const int i : rows) {
+    const Eigen::Matrix3d cross = CrossMatrix(rays.b[i]);
+    Eigen::Matrix<double, 3, 9> j;  // b x H a, with H column by column
+    for (int k = 0; k < 3; ++k) j.middleCols<3>(3 * k) = rays.a[i](k) * cross;
+    sum += j.transpose() * j;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(sum);
+  Eigen::Matrix3d h = Eigen::Map<const Eigen::Matrix3d>(solver.eigenvectors().col(0).data());
+  double ahead = 0;
+  for (const int i : rows) ahead += rays.b[i].dot(h * rays.a[i]);
+  const double middle = Eigen::JacobiSVD<Eigen::Matrix3d>(h).singularValues()(1);
+  return h * ((ahead < 0 ? -1 : 1) / std::max(middle, kTiny));
+}
+
+// H = R + t n^T of a plane by its singular values (Faugeras and Lustman 1988, in the form of Ma et
+// al. 2004): with H^T H = V diag(s1^2, 1, s3^2) V^T the vectors u of unit length that H keeps as
+// long span two planes, and R maps (v2, u, v2 x u) to (H v2, H u, H v2 x H u).
+std::vector<Motion> MotionsOfPlane(const Eigen::Matrix3d& h) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(h.transpose() * h);
+  const double s3 = solver.eigenvalues()(0);
+  const double s1 = solver.eigenvalues()(2);
+  if (s1 - s3 < kTiny || s1 < 1 || s3 > 1) return {};
+  const Eigen::Vector3d v1 = solver.eigenvectors().col(2);
+  const Eigen::Vector3d v2 = solver.eigenvectors().col(1);
+  const Eigen::Vector3d v3 = solver.eigenvectors().col(0);
+  std::vector<Motion> motions;
+  for (const int sign : {1, -1}) {
+    const Eigen::Vector3d u =
+        (std::sqrt(1 - s3) * v1 + sign * std::sqrt(s1 - 1) * v3) / std::sqrt(s1 - s3);
+    Eigen::Matrix3d from;
+    from << v2, u, v2.cross(u);
+    Eigen::Matrix3d to;
+    to << h * v2, h * u, (h * v2).cross(h * u);
+    const Eigen::Matrix3d r = to * from.transpose();
+    const Eigen::Vector3d t = (h - r) * v2.cross(u);
+    if (t.norm() < kTiny) continue;
+    for (const int way : {1, -1}) motions.push_back({r, way * t.normalized()});
+  }
+  return motions;
+}
+
+// The other motion that the inliers' plane allows, where it explains them as well.
+std::optional<RelativePose::Rival> RivalOf(const MatchedRays& rays, const Fit& best,
+                                           const RelativeOptions& options) {
+  std::optional<RelativePose::Rival> rival;
+  double most = options.max_rival * best.score;
+  for (const Motion& motion : MotionsOfPlane(PlaneOf(rays, best.inliers))) {
+    const Fit fit = Regrow(rays, FitOf(rays, motion, options.max_error_rad), options);
+    const Eigen::AngleAxisd turned(fit.motion.b_from_a * best.motion.b_from_a.transpose());
+    if (fit.score < most || turned.angle() < options.rival_angle_rad) continue;
+    most = fit.score;
+    rival = {fit.motion.b_from_a, fit.motion.translation};
+  }
+  return rival;
+}
+
 RelativeTrouble TroubleOf(const RelativePose& pose, const RelativeOptions& options) {
   if (static_cast<int>(pose.inliers.size()) < options.min_inliers) {
     return RelativeTrouble::kFewInliers;
   }
   if (pose.log10_chance > options.max_log10_chance) return RelativeTrouble::kChance;
   if (pose.sigma_rad() > options.max_sigma_rad) return RelativeTrouble::kUncertain;
+  if (pose.rival) return RelativeTrouble::kPlanar;
   return RelativeTrouble::kNone;
 }
 
@@ -235,6 +296,8 @@ void RelativeOptions::Check() const {
   CheckRange("min_inliers", min_inliers, kSample, 10'000);
   CheckRange("max_log10_chance", max_log10_chance, -300, 0);
   CheckRange("max_sigma_rad", max_sigma_rad, 1e-5, 1);
+  CheckRange("max_rival", max_rival, 0.5, 1);
+  CheckRange("rival_angle_rad", rival_angle_rad, 0.001, 1);
 }
 
 std::string_view NameOf(RelativeTrouble trouble) {
@@ -245,6 +308,8 @@ std::string_view NameOf(RelativeTrouble trouble) {
       return "few_inliers";
     case RelativeTrouble::kChance:
       return "chance";
+    case RelativeTrouble::kPlanar:
+      return "planar";
     default:
       return "uncertain";
   }
@@ -286,6 +351,9 @@ RelativePose FindRelativePose(const MatchedRays& rays, const RelativeOptions& op
   pose.log10_chance = Log10Chance(rays.size(), static_cast<int>(best.inliers.size()),
                                   options.max_error_rad, pose.samples);
   pose.covariance = CovarianceOf(rays, best, options.max_error_rad);
+  if (static_cast<int>(best.inliers.size()) >= options.min_inliers) {
+    pose.rival = RivalOf(rays, best, options);
+  }
   pose.trouble = TroubleOf(pose, options);
   return pose;
 }

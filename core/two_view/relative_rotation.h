@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -29,6 +30,11 @@ struct RelativeOptions {
   double max_log10_chance = -6.0;
   // Largest standard deviation of the rotation about its worst-known direction, 1e-5 to 1. rad
   double max_sigma_rad = 0.01;
+  // A plane allows two motions. The other one counts where it explains this share of what the best
+  // motion explains, 0.5 to 1, and is turned against it by this angle, 0.001 to 1. Lower calls more
+  // poses ambiguous.
+  double max_rival = 0.9;
+  double rival_angle_rad = 0.01;
   uint64_t seed = 1;  // of the samples
 
   void Check() const;  // throws MapError(kBadOptions)
@@ -40,8 +46,9 @@ enum class RelativeTrouble {
   kFewInliers,  // fewer correspondences fit one motion than are asked for
   kChance,      // so many would fit by accident
   kUncertain,   // they don't determine the rotation
+  kPlanar,      // they lie on a plane, which another motion explains as well: see `rival`
 };
-// "none", "few_inliers", "chance", "uncertain".
+// "none", "few_inliers", "chance", "uncertain", "planar".
 std::string_view NameOf(RelativeTrouble trouble);
 
 // The motion between two heads from matched rays: x_b = b_from_a x_a + s * translation.
@@ -55,9 +62,18 @@ struct RelativePose {
   std::vector<int> inliers;  // rows of the matched rays, ascending
   double log10_chance = 0;   // of as many inliers without any true motion
   int samples = 0;           // that were drawn
+  // The other motion that a plane allows (Faugeras and Lustman 1988), where it can't be told from
+  // the best one by these matches; the covariance holds for either.
+  struct Rival {
+    Eigen::Matrix3d b_from_a;
+    Eigen::Vector3d translation;
+  };
+  std::optional<Rival> rival;
   RelativeTrouble trouble = RelativeTrouble::kFewInliers;
 
   bool accepted() const { return trouble == RelativeTrouble::kNone; }
+  // Accepted, but for the choice between it and its rival.
+  bool one_of_two() const { return trouble == RelativeTrouble::kPlanar; }
   double sigma_rad() const;
 };
 

@@ -41,7 +41,8 @@ inline const Stage& TheStage() {
 // Frames from memory; the numbers in `broken` can't be decoded.
 class MemorySource : public Source {
  public:
-  MemorySource(int frames, std::set<int> broken) : frames_(frames), broken_(std::move(broken)) {}
+  MemorySource(int frames, std::set<int> broken, std::optional<Camera> camera = {})
+      : frames_(frames), broken_(std::move(broken)), camera_(std::move(camera)) {}
 
   const std::string& kind() const override { return kind_; }
   const std::string& name() const override { return name_; }

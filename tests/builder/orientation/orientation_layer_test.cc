@@ -147,6 +147,26 @@ TEST(OrientationLayer, BlackAndMissingFramesAreKeptWithoutARotationAndTheRestIsM
   EXPECT_TRUE(FindMapProblems(MapWith(result.layer)).empty());
 }
 
+// The camera turns the corner in the dark: which way it looks then can't be told from axes alone.
+TEST(OrientationLayer, AQuarterTurnIsNotGuessedOverAGap) {
+  std::vector<cv::Mat> images = Corner().images;
+  int turns = 0;
+  for (size_t i = 0; i < images.size(); ++i) {
+    const double heading = std::abs(TrueHeading(static_cast<int>(i)));
+    if (heading < 0.15 || heading > 1.4) continue;
+    images[i] = cv::Mat(240, 320, CV_8UC1, cv::Scalar(0));
+    ++turns;
+  }
+  ASSERT_GT(turns, 5);
+  const OrientationResult result = Build(images);
+  for (size_t i = 0; i < images.size(); ++i) {
+    const OrientationFrame& frame = result.layer.frames[i];
+    if (!frame.reliable) continue;
+    EXPECT_NEAR(*HeadingOf(frame), TrueHeading(static_cast<int>(i)), 0.1) << i;
+  }
+  EXPECT_TRUE(FindMapProblems(MapWith(result.layer)).empty());
+}
+
 TEST(OrientationLayer, RefusesASequenceOfWhichNothingCanBeRead) {
   try {
     Build({cv::Mat(), cv::Mat(100, 100, CV_8UC1, cv::Scalar(0))});

@@ -117,6 +117,35 @@ TEST(RelativePose, CovarianceCoversTheErrors) {
   EXPECT_LT(sum / kTrials, 2.0);
 }
 
+// Sideways along a wall: a plane leaves two motions, of which the true one is one.
+TEST(RelativePose, OfAPlaneAloneIsOneOfTwo) {
+  Random random(6);
+  Scene scene;
+  scene.b_from_a = Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  scene.translation = {-0.4, 0, 0};
+  const auto see = [&](const Eigen::Vector3d& x_a) {
+    scene.rays.a.push_back(x_a.normalized());
+    scene.rays.b.push_back((scene.b_from_a * x_a + scene.translation).normalized());
+  };
+  // All of it lies on the side to which the head moves.
+  for (int i = 0; i < 200; ++i) see({random.Uniform(0.3, 1.7), random.Uniform(-0.5, 0.5), 1.2});
+  const RelativePose wall = FindRelativePose(scene.rays, {});
+  EXPECT_TRUE(wall.one_of_two());
+  EXPECT_FALSE(wall.accepted());
+  EXPECT_EQ(NameOf(wall.trouble), "planar");
+  ASSERT_TRUE(wall.rival);
+  const auto off = [&](const Eigen::Matrix3d& found) {
+    return Eigen::AngleAxisd(Eigen::Matrix3d(scene.b_from_a * found.transpose())).angle();
+  };
+  EXPECT_LT(std::min(off(wall.b_from_a), off(wall.rival->b_from_a)), 0.002);
+  EXPECT_GT(std::max(off(wall.b_from_a), off(wall.rival->b_from_a)), 0.1);
+  // The floor settles it.
+  for (int i = 0; i < 60; ++i) see({random.Uniform(0.3, 1.7), 0.5, random.Uniform(0.7, 1.2)});
+  const RelativePose both = FindRelativePose(scene.rays, {});
+  EXPECT_TRUE(both.accepted());
+  EXPECT_LT(off(both.b_from_a), 0.002);
+}
+
 TEST(RelativePose, RefusesMatchesOfNothing) {
   Random random(6);
   for (const int wrong : {0, 5, 12, 100}) {

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "builder/sources/source.h"
+
+namespace waystone {
+
+// The layers that a map gets.
+struct LayerChoice {
+  // Panoramas give the appearance layer, other images the plane layer, and rigs and panoramas the
+  // orientation layer, too. A single calibrated camera gives it only where it is named: every frame
+  // has to be looked at, which takes several times as long as the planes. The rest is ignored.
+  bool automatic = true;
+  bool planes = false;
+  bool appearance = false;
+  bool orientation = false;
+
+  bool operator==(const LayerChoice&) const = default;
+};
+
+// "auto", or names with commas between them: "planes", "appearance", "orientation". Throws
+// MapError(kBadOptions) for others.
+LayerChoice LayerChoiceByNames(const std::string& names);
+
+// What a source is used for: the appearance layer when it looks panoramic, else the plane layer.
+// With one of the two chosen, all sources go to it; nothing when the orientation layer alone is.
+enum class LayerKind { kPlanes, kAppearance };
+std::optional<LayerKind> LayerOf(const Source& source, const LayerChoice& layers);
+// Whether it is used for the orientation layer, too: a calibrated source, where that layer is
+// wanted (LayerChoice::automatic).
+bool GivesOrientation(const Source& source, const LayerChoice& layers);
+
+}  // namespace waystone
