@@ -154,7 +154,8 @@ void AddMapFlags(CLI::App* command, BuildFlags& flags) {
   command
       ->add_option("--layers", flags.layers,
                    "Layers with commas between them: planes, appearance (panoramas), orientation "
-                   "(calibrated cameras, rigs, panoramas); auto takes what the images are")
+                   "(rigs, panoramas, calibrated cameras); auto takes what the images are, and "
+                   "orientation of rigs and panoramas alone")
       ->capture_default_str();
   command
       ->add_option("--max-loss", flags.build.appearance.redundancy.max_loss,
