@@ -27,9 +27,10 @@ double SecondsSince(Clock::time_point start) {
 // Relations that were measured, by the panoramas' indices.
 using Relations = std::map<std::pair<int, int>, AppearanceEdge>;
 
-// What stays of a frame, besides its signature, until the nodes are made.
+// What stays of a frame, besides what its way is measured by, until the nodes are made.
 struct TakenFrame {
   FrameInfo info;
+  FourierSignature signature;
   std::vector<uint8_t> jpeg;
   NodeFeatures kept;
 };
@@ -97,8 +98,9 @@ class LayerBuilder {
       if (signatures_.empty()) band_ = frame.band;
       CheckBand(frame);
       TakeFeatures(frame);
-      signatures_.push_back(std::move(frame.signature));
-      frames_.push_back({std::move(frame.info), std::move(frame.jpeg), {}});
+      signatures_.push_back(std::move(frame.way_signature));
+      frames_.push_back(
+          {std::move(frame.info), std::move(frame.signature), std::move(frame.jpeg), {}});
       return;
     }
     ++report().skipped;
@@ -262,7 +264,7 @@ class LayerBuilder {
       node.source = frames_[i].info.source;
       node.time_s = frames_[i].info.time_s;
       node.pose = report().poses[i];
-      node.signature = signatures_[i];
+      node.signature = frames_[i].signature;
       node.jpeg = std::move(frames_[i].jpeg);
       node.features = std::move(frames_[i].kept);
       result_.layer.nodes.push_back(std::move(node));
@@ -276,7 +278,8 @@ class LayerBuilder {
       const int i = sample.panorama;
       const auto kept = std::lower_bound(kept_.begin(), kept_.end(), i);
       const bool is_node = kept != kept_.end() && *kept == i;
-      result_.samples.push_back({signatures_[i], std::move(sample.features), report().poses[i],
+      result_.samples.push_back({frames_[i].signature, std::move(sample.features),
+                                 report().poses[i],
                                  is_node ? static_cast<int>(kept - kept_.begin()) : -1});
     }
   }
@@ -360,7 +363,7 @@ class LayerBuilder {
 
   const AppearanceOptions& options_;
   const AppearanceProgress& progress_;
-  std::vector<FourierSignature> signatures_;
+  std::vector<FourierSignature> signatures_;  // by which odometry and loops are measured
   std::vector<TakenFrame> frames_;
   NodeFeatureChooser chooser_;
   std::vector<Sample> samples_;

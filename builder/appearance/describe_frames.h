@@ -19,6 +19,9 @@ struct DescribeOptions {
   // Half of the rows that a signature has by itself: what they take of a node's 20 KB, features use
   // better.
   SignatureOptions signature{.rows = 32};
+  // Rows of the signatures that odometry and loops are measured by, 1 to 1024; the map doesn't keep
+  // them. More measure headings and steps more finely.
+  int way_rows = 64;
   // Features are taken from whole spheres alone: a mirror's image or a rig without its upper and
   // lower face gives none.
   NodeFeatureOptions features;
@@ -35,6 +38,7 @@ struct DescribeOptions {
 struct DescribedFrame {
   FrameInfo info;
   FourierSignature signature;
+  FourierSignature way_signature;  // the same with way_rows
   ElevationBand band;  // that the signature's rows span
   BearingFeatures features;
   std::vector<uint8_t> jpeg;

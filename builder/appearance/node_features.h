@@ -11,7 +11,7 @@ namespace waystone {
 struct NodeFeatureOptions {
   // Features kept of each panorama, 0 (none: answers then rest on the appearance alone) to 10,000.
   // More verify from farther away, and make the map larger by 36 bytes each.
-  int max_kept = 270;
+  int max_kept = 255;
   PanoramaFeatureOptions extract;
   // Of a panorama's features among those of the one before it.
   MatchOptions match{0.8, true};

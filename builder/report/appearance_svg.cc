@@ -34,11 +34,12 @@ class Frame {
     const double high = std::max(top_ - bottom.pose.y, kLeastExtent);
     scale_ = std::min((kWidth - 2 * kMargin) / wide, (kMostHeight - 2 * kMargin) / high);
     height_ = 2 * kMargin + scale_ * high;
+    margin_ = (kWidth - scale_ * wide) / 2;  // a way that is higher than wide stands in the middle
   }
 
   double height() const { return height_; }
   Point At(const Pose2& pose) const {
-    return {kMargin + scale_ * (pose.x - left_), kMargin + scale_ * (top_ - pose.y)};
+    return {margin_ + scale_ * (pose.x - left_), kMargin + scale_ * (top_ - pose.y)};
   }
 
  private:
@@ -49,6 +50,7 @@ class Frame {
   double top_ = 0;
   double scale_ = 1;
   double height_ = 0;
+  double margin_ = kMargin;  // to the left and right
 };
 
 void Line(std::ostream& svg, const Point& a, const Point& b, bool loop) {

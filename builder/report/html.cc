@@ -108,7 +108,7 @@ std::string CountsTable(const AppearanceReport& report) {
 
 std::string SecondsTable(const AppearanceReport& report) {
   return "<table><tr><th>Stage<th>Seconds\n" + Row("decode", Fixed(report.decode_s, 2)) +
-         Row("signatures", Fixed(report.describe_s, 2)) +
+         Row("signatures and features", Fixed(report.describe_s, 2)) +
          Row("odometry", Fixed(report.odometry_s, 2)) + Row("loops", Fixed(report.loops_s, 2)) +
          Row("poses", Fixed(report.graph_s, 2)) + Row("calibration", Fixed(report.calibrate_s, 2)) +
          "</table>\n";
@@ -140,6 +140,7 @@ std::string SecondsTable(const BuildReport& report) {
 std::string BytesTable(const std::vector<TableSize>& tables) {
   std::string html = "<table><tr><th>Table<th>Rows<th>Bytes\n";
   for (const TableSize& table : tables) {
+    if (table.rows == 0) continue;  // of a layer that the map doesn't have
     html += "<tr><td>" + EscapeHtml(table.table) + "<td>" + std::to_string(table.rows) + "<td>" +
             std::to_string(table.bytes) + "\n";
   }
