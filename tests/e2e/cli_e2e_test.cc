@@ -220,7 +220,7 @@ TEST_F(CliTest, InterruptedBuildLeavesNothing) {
     ChildProcess build({WAYSTONE_PROGRAM, "build", TheMap().images, TheMap().images,
                         TheMap().images, "-o", folder_ / "m.db", "--quiet"},
                        false);
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
     build.Send(signal);
     EXPECT_EQ(build.Wait(), 130);
     EXPECT_EQ(FilesIn(folder_), 0u);
