@@ -8,8 +8,8 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/base/random.h"
 #include "core/base/option_range.h"
+#include "core/base/random.h"
 #include "world/path.h"
 
 namespace waystone {

@@ -11,8 +11,8 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/random.h"
 #include "core/base/option_range.h"
+#include "core/base/random.h"
 #include "world/posters.h"
 #include "world/texture.h"
 

@@ -39,7 +39,7 @@ struct DescribedFrame {
   FrameInfo info;
   FourierSignature signature;
   FourierSignature way_signature;  // the same with way_rows
-  ElevationBand band;  // that the signature's rows span
+  ElevationBand band;              // that the signature's rows span
   BearingFeatures features;
   std::vector<uint8_t> jpeg;
   std::string error;      // set when it can't be used; the rest is empty then

@@ -173,10 +173,10 @@ TEST(BuildMapTest, CalibratesTheVerdictOfPanoramas) {
 
 TEST(BuildMapTest, ACalibratedMapRefusesWhatItDoesntShow) {
   const auto index = MapIndex::Build(DriveMap());
-  WorldOptions other;
-  other.seed = 99;
-  other.texel_m = 0.02;
-  const World elsewhere(OtherPlan(), other);
+  WorldOptions look;
+  look.seed = 99;
+  look.texel_m = 0.02;
+  const World elsewhere(OtherPlan(), look);
   const Renderer renderer(PanoramaCamera(256));
   for (const double yaw : {0.0, 1.0, 2.0, 3.0}) {
     const cv::Mat foreign =

@@ -13,7 +13,9 @@ TEST(EscapeHtml, LeavesNothingThatAPageWouldTakeForItsOwn) {
 
 TEST(EscapeHtml, LeavesPlainTextAlone) {
   EXPECT_EQ(EscapeHtml(""), "");
-  const std::string plain = "K\xc3\xbc" "che 1/2 #3; 50 %\n";
+  const std::string plain =
+      "K\xc3\xbc"
+      "che 1/2 #3; 50 %\n";
   EXPECT_EQ(EscapeHtml(plain), plain);
 }
 

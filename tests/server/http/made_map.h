@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/features/descriptor_codes.h"
 #include "schema/map_data.h"
 
 namespace waystone {
@@ -64,7 +65,7 @@ inline MapData MadeLayeredMap(int planes, std::optional<double> metres_per_unit 
     node.pose = poses[i];
     node.signature = {HalfMatrix::Constant(2, 3, Eigen::half(0.25F + static_cast<float>(i))),
                       HalfMatrix::Constant(2, 2, Eigen::half(-1.5F))};
-    node.features.descriptors = Descriptors(DescriptorBytes(map.info.feature_type));
+    node.features.codes = Descriptors(CodeBytes(map.info.feature_type));
     if (i == 0) node.jpeg = {0xFF, 0xD8, 0xFF, 0xD9};
     appearance.nodes.push_back(std::move(node));
   }
