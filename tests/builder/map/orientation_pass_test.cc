@@ -27,7 +27,7 @@ BuildOptions With(const std::string& layers) {
 
 // Planes and directions of the stage, made once.
 const BuildResult& BothLayers() {
-  static const BuildResult result = BuildMap(Calibrated({20}), With("auto"), {});
+  static const BuildResult result = BuildMap(Calibrated({20}), With("planes,orientation"), {});
   return result;
 }
 
@@ -63,7 +63,8 @@ TEST(OrientationPass, WithoutACameraThereIsNoLayerAndAskingForItIsRefused) {
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(std::make_unique<MemorySource>(45, std::set<int>{}));
   EXPECT_FALSE(GivesOrientation(*sources[0], {}));
-  EXPECT_TRUE(GivesOrientation(*Calibrated()[0], {}));
+  EXPECT_FALSE(GivesOrientation(*Calibrated()[0], {}));  // one camera is asked only by name
+  EXPECT_TRUE(GivesOrientation(*Calibrated()[0], LayerChoiceByNames("planes,orientation")));
   EXPECT_FALSE(GivesOrientation(*Calibrated()[0], LayerChoiceByNames("planes")));
   EXPECT_FALSE(LayerOf(*sources[0], LayerChoiceByNames("orientation")));
   for (const char* layers : {"orientation", "planes,orientation"}) {
