@@ -79,7 +79,7 @@ TEST(DropSparseFeatures, KeepsPlentyAndWhatManySaw) {
   plane.descriptors = Descriptors(DescriptorBytes(FeatureType::kSift));
   const std::vector<int> votes = {2, 5, 2, 3, 2, 2, 4};
   for (int v : votes) {
-    plane.features.push_back({.votes = v, .visible = 5});
+    plane.features.push_back({.reference = {}, .votes = v, .visible = 5});
     plane.descriptors.Append(std::vector<uint8_t>(plane.descriptors.bytes(), v).data());
   }
   const auto kept = [&](int plenty, int min_votes) {
