@@ -105,7 +105,7 @@ SearchIndex::SearchIndex(FeatureType type, int rows)
 SearchIndex::SearchIndex(FeatureType type, const InvertedFile& file)
     : SearchIndex(type, file.centres, file.list_of_row) {}
 
-SearchIndex::SearchIndex(FeatureType type, Descriptors centres,
+SearchIndex::SearchIndex(FeatureType type, const Descriptors& centres,
                          const std::vector<uint16_t>& list_of_row)
     : type_(type), centres_(type, centres), slot_of_row_(list_of_row.size()) {
   std::vector<int> sizes(centres.rows(), 0);

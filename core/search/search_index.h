@@ -35,7 +35,8 @@ class SearchIndex {
 
  private:
   struct Visits;
-  SearchIndex(FeatureType type, Descriptors centres, const std::vector<uint16_t>& list_of_row);
+  SearchIndex(FeatureType type, const Descriptors& centres,
+              const std::vector<uint16_t>& list_of_row);
   Visits ChooseLists(const std::vector<PackedQuery>& queries, int probes) const;
   void SearchBlocks(int first, int end, const PackedQuery& query, int k, Neighbour* best) const;
 
