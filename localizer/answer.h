@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,6 +56,19 @@ struct Heading {
   std::string of;  // "keyframe", "building" or "layer": counter-clockwise from the layer's x axis
 };
 
+// The query's rotation in the building, where the map has an orientation layer.
+struct BuildingView {
+  // The building's axes x and y are horizontal, z is up; the query's frame is its camera's, or the
+  // panorama's middle column's: x right, y down, z forward. Unit; the identity without a heading.
+  Eigen::Quaterniond building_from_query = Eigen::Quaterniond::Identity();
+  std::optional<Heading> heading;  // of "building": of the view ahead; nothing where it stays open
+  // Lines of the query that run along the building's x, y and z; none where it isn't known by them.
+  std::array<int, 3> lines{};
+  // Angle between the axes by the query's lines and those that the place implies, up to quarter
+  // turns; nothing where the lines say nothing clear.
+  std::optional<double> disagreement_rad;
+};
+
 // A node of the appearance layer as an answer names it.
 struct NodeRef {
   AppearanceNodeId id;
@@ -69,6 +84,8 @@ struct NodeCandidate {
   double probability = 0;  // in [0, 1]
   double cost = 0;         // of appearance: 0 the same view, about 1 another place
   int inliers = 0;         // features that fit one motion; 0 when it wasn't verified
+  // The query's rotation against it by that motion; nothing when it wasn't verified.
+  std::optional<Eigen::Matrix3d> query_from_node;
 };
 
 // Where a panorama was taken.
@@ -96,8 +113,9 @@ struct Answer {
   std::string map_version;
   std::optional<KeyframeRef> keyframe;  // nearest; only when localized
   std::optional<Heading> heading;
-  std::vector<RecognisedPlane> planes;  // most inliers first
-  std::vector<PlaceCandidate> places;   // when ambiguous: all that look alike, best first
+  std::optional<BuildingView> building;  // of a localized query of known camera, or a panorama
+  std::vector<RecognisedPlane> planes;   // most inliers first
+  std::vector<PlaceCandidate> places;    // when ambiguous: all that look alike, best first
   std::optional<PlaceCandidate> runner_up;
   std::vector<PlaceCandidate> candidates;  // every place that was considered, best first
   // Answers from the appearance layer: the place, which is to be believed only when localized, and

@@ -55,7 +55,8 @@ void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool v
     AppearanceEvidence evidence = EvidenceOf(index, nodes, i, options);
     evidence.verified = verified;
     answer.nodes.push_back({RefOf(index, layer.nodes[nodes[i].node]),
-                            ProbabilityOf(evidence, model), nodes[i].cost, nodes[i].inliers});
+                            ProbabilityOf(evidence, model), nodes[i].cost, nodes[i].inliers,
+                            nodes[i].query_from_node});
     const bool elsewhere = AreElsewhere(index, nodes[0].node, nodes[i].node, options);
     if (elsewhere && !answer.node_runner_up) answer.node_runner_up = answer.nodes.back();
   }

@@ -44,6 +44,7 @@ void TakeMotion(const AppearanceNode& node, const MatchedRays& rays, const Relat
   const Eigen::Matrix3d& r = pose.b_from_a;
   const Eigen::Vector3d query_in_node = -(r.transpose() * pose.translation);
   compared.inliers = static_cast<int>(pose.inliers.size());
+  compared.query_from_node = r;
   compared.parallax_rad = MedianParallax(rays, pose);
   compared.heading_rad = WrappedAngle(node.pose.theta_rad + std::atan2(r(0, 2), r(2, 2)));
   compared.deviation_rad = std::sqrt(pose.covariance(1, 1));

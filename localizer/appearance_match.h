@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct ComparedNode {
   double parallax_rad = 0;
   // Direction from the node to the query in the layer's frame; known with inliers alone.
   double direction_rad = 0;
+  std::optional<Eigen::Matrix3d> query_from_node;  // the rotation; known with inliers alone
 };
 
 // The nodes nearest by signature, ranked again by cost: best first, ties by node.

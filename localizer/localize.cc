@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "localizer/appearance.h"
+#include "localizer/building.h"
 #include "localizer/decide.h"
 #include "localizer/explain.h"
 #include "localizer/localizer.h"
@@ -114,6 +115,7 @@ void LocalizeOptions::Check() const {
   homology.Check();
   gates.Check();
   panorama.Check();
+  building.Check();
   if (settled_inliers < 1 || !(settled_share >= 0 && settled_share <= gates.ambiguous_share)) {
     throw MapError(ErrorCode::kBadOptions,
                    "settled_inliers must be positive and settled_share lie between 0 and "
@@ -146,15 +148,37 @@ Answer LocalizeFeatures(const MapIndex& index, const Features& query,
   return answer;
 }
 
+namespace {
+
+Answer AskPanoramas(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
+  if (!IsPanoramic(grey.size())) {
+    return LocalizePhoto(index, grey, options.camera, options.panorama);
+  }
+  if (!options.series) return LocalizePanorama(index, grey, options.panorama);
+  SeriesOptions series;
+  series.query = options.panorama;
+  return LocalizeInSeries(index, grey, *options.series, series);
+}
+
+// Its time counts as verification, which it is.
+void AddTimedBuilding(const MapIndex& index, const cv::Mat& grey, bool with_lines,
+                      const LocalizeOptions& options, Answer& answer) {
+  LapTimer timer;
+  AddBuilding(index, grey, options, with_lines && !options.TooLate(), answer);
+  const double ms = timer.Lap();
+  answer.timing.verify_ms += ms;
+  answer.timing.total_ms += ms;
+}
+
+}  // namespace
+
 Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
   options.Check();
   if (AsksPanoramas(index, grey)) {
-    if (!IsPanoramic(grey.size()))
-      return LocalizePhoto(index, grey, options.camera, options.panorama);
-    if (!options.series) return LocalizePanorama(index, grey, options.panorama);
-    SeriesOptions series;
-    series.query = options.panorama;
-    return LocalizeInSeries(index, grey, *options.series, series);
+    Answer answer = AskPanoramas(index, grey, options);
+    // Lines cost as much as features: a place that the appearance settled goes without.
+    AddTimedBuilding(index, grey, answer.decided_by != "panorama_signature", options, answer);
+    return answer;
   }
   LapTimer timer;
   const Features query = ExtractFeatures(
@@ -165,6 +189,7 @@ Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeO
   Sign(index, answer);
   answer.timing.extract_ms = extract_ms;
   answer.timing.total_ms += extract_ms;
+  AddTimedBuilding(index, grey, true, options, answer);
   return answer;
 }
 
@@ -250,6 +275,7 @@ std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps,
           options.TooLate() ? Undecided("extract") : LocalizeFeatures(*index, features, options);
       answer.timing.extract_ms = extract_ms;
       answer.timing.total_ms += extract_ms;
+      AddTimedBuilding(*index, decoded.grey, true, options, answer);
     }
     Finish(*index, name, decoded.ms, answer);
     answers.push_back(std::move(answer));

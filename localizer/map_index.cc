@@ -27,6 +27,12 @@ MapIndex::MapIndex(MapData map) : map_(std::move(map)) {
   for (size_t i = 0; i < map_.sequences.size(); ++i) sequence_index_[map_.sequences[i].id] = i;
   for (size_t i = 0; i < map_.keyframes.size(); ++i) keyframe_index_[map_.keyframes[i].id] = i;
   for (size_t i = 0; i < map_.planes.size(); ++i) plane_index_[map_.planes[i].id] = i;
+  if (map_.orientation) {
+    const std::vector<OrientationFrame>& frames = map_.orientation->frames;
+    for (size_t i = 0; i < frames.size(); ++i) {
+      frame_index_[{frames[i].sequence, frames[i].frame}] = static_cast<int>(i);
+    }
+  }
   CheckReferences();
   TakeDescriptors();
   if (map_.appearance) appearance_ = AppearanceIndex(*map_.appearance);
@@ -130,6 +136,11 @@ const Keyframe* MapIndex::FindKeyframe(KeyframeId id) const {
 const Sequence* MapIndex::FindSequence(SequenceId id) const {
   const auto found = sequence_index_.find(id);
   return found == sequence_index_.end() ? nullptr : &map_.sequences[found->second];
+}
+
+const OrientationFrame* MapIndex::FindFrame(SequenceId sequence, int frame) const {
+  const auto found = frame_index_.find({sequence, frame});
+  return found == frame_index_.end() ? nullptr : &map_.orientation->frames[found->second];
 }
 
 const std::vector<PlaneId>& MapIndex::Neighbours(PlaneId id) const {

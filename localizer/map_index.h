@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <memory>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/search/search_index.h"
@@ -26,6 +28,9 @@ class MapIndex {
   const Sequence* FindSequence(SequenceId id) const;
   // Ids of the planes with an edge to `id`, ascending; empty for an id that isn't in the map.
   const std::vector<PlaneId>& Neighbours(PlaneId id) const;
+
+  // The orientation of a sequence's frame; null where the layer hasn't got it.
+  const OrientationFrame* FindFrame(SequenceId sequence, int frame) const;
 
   // Descriptors of all planes, plane after plane, ready to be searched.
   const SearchIndex& search() const { return search_; }
@@ -53,6 +58,7 @@ class MapIndex {
   std::unordered_map<KeyframeId, int> keyframe_index_;
   std::unordered_map<SequenceId, int> sequence_index_;
   std::unordered_map<PlaneId, std::vector<PlaneId>> neighbours_;
+  std::map<std::pair<SequenceId, int>, int> frame_index_;  // of the orientation layer
 };
 
 }  // namespace waystone

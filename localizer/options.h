@@ -12,6 +12,7 @@
 #include "core/homography/local_ransac.h"
 #include "core/image/decode.h"
 #include "core/localization/graph_filter.h"
+#include "core/manhattan/manhattan_frame.h"
 #include "core/panorama/visual_compass.h"
 #include "core/two_view/relative_rotation.h"
 #include "localizer/panorama_features.h"
@@ -87,6 +88,24 @@ struct PanoramaQueryOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
+// How a query's rotation in the building is found and checked.
+struct BuildingOptions {
+  SegmentOptions segments;
+  GreatCircleOptions circles;
+  ManhattanOptions manhattan;
+  // The lines are believed when their best rival frame has at most this share of their support, 0
+  // to 1. Higher believes more photos, and more that are wrong.
+  double max_clear_rival = 0.6;
+  // Angle by which believed lines may be off the axes that a place implies, above 0 to pi / 4.
+  // Higher lets more wrong places pass. rad
+  double max_disagreement_rad = 0.12;
+  // Share of true places whose lines are believed and disagree all the same, between 0 and 1.
+  // Higher refuses fewer answers.
+  double true_disagreeing = 0.02;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
 // What is known of a robot when a panorama of its series comes.
 struct SeriesContext {
   FilterState previous;  // Answer::belief of the panorama before; empty for the first
@@ -123,7 +142,9 @@ struct LocalizeOptions {
   PanoramaQueryOptions panorama;
   // A panorama is answered as the next one of a series with it, and by itself without.
   std::optional<SeriesContext> series;
-  // The camera of a perspective photo, where it is known: what a map of panoramas answers it by.
+  BuildingOptions building;
+  // The camera of a perspective photo, where it is known: what a map of panoramas answers it by,
+  // and what its rotation in the building takes.
   std::optional<Camera> camera;
   // Say in the answer what became of every shortlisted plane. Changes nothing else; makes the
   // answer some 50 KB larger.

@@ -58,6 +58,7 @@ class Painter {
       PaintSize(size_m / spec_.texel_m, coverage);
       coverage *= kFinerCoverage;
     }
+    if (spec_.trim) PaintTrim();
     AddGrain();
     if (spec_.style == TextureStyle::kPoster) PaintFrame();
     return image_;
@@ -181,6 +182,53 @@ class Painter {
       cv::Mat fine;
       cv::resize(coarse, fine, {coarse.cols * step, coarse.rows * step}, 0, 0, cv::INTER_LINEAR);
       cv::add(image_, fine(cv::Rect({0, 0}, image_.size())), image_, cv::noArray(), CV_8U);
+    }
+  }
+
+  void PaintTrim() {
+    switch (spec_.style) {
+      case TextureStyle::kWall:
+      case TextureStyle::kBareWall:
+        return PaintWallTrim();
+      case TextureStyle::kCeiling:
+        return PaintGrid(0.6, 0.03, -70.0);  // panels
+      case TextureStyle::kFloor:
+        return PaintGrid(0.6, 0.015, 60.0);  // tiles and their joints
+      case TextureStyle::kPoster:
+        return;
+    }
+  }
+
+  int Texels(double metres) const {
+    return std::max(1, static_cast<int>(std::lround(metres / spec_.texel_m)));
+  }
+
+  // Cut where the picture ends.
+  void PaintBar(int left, int top, int width, int height, double grey) {
+    const cv::Rect bar = cv::Rect(left, top, width, height) & cv::Rect({0, 0}, image_.size());
+    if (!bar.empty()) image_(bar) = cv::Scalar(std::clamp(grey, 8.0, 247.0));
+  }
+
+  // Rows count from the ceiling down.
+  void PaintWallTrim() {
+    const int width = image_.cols;
+    const int height = image_.rows;
+    const double dark = base_ - 70;
+    const double light = base_ + 70;
+    PaintBar(0, 0, width, Texels(0.06), light);                     // cornice
+    PaintBar(0, height - Texels(0.1), width, Texels(0.1), dark);    // skirting board
+    PaintBar(0, height - Texels(1.0), width, Texels(0.08), light);  // rail
+    PaintBar(0, 0, Texels(0.08), height, dark);                     // frames at both ends
+    PaintBar(width - Texels(0.08), 0, Texels(0.08), height, dark);
+  }
+
+  void PaintGrid(double cell_m, double bar_m, double contrast) {
+    const int bar = Texels(bar_m);
+    for (double at = 0; at < image_.cols * spec_.texel_m; at += cell_m) {
+      PaintBar(Texels(at), 0, bar, image_.rows, base_ + contrast);
+    }
+    for (double at = 0; at < image_.rows * spec_.texel_m; at += cell_m) {
+      PaintBar(0, Texels(at), image_.cols, bar, base_ + contrast);
     }
   }
 

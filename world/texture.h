@@ -14,6 +14,7 @@ struct TextureSpec {
   cv::Size size_px;       // texels
   double texel_m = 0.0;   // metres a texel
   double richness = 1.0;  // density of shapes, 0 to 2
+  bool trim = false;      // draw what builders leave along the picture's sides: see WorldOptions
   uint64_t seed = 0;
 };
 

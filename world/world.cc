@@ -46,8 +46,11 @@ TextureStyle StyleOf(const WorldPlane& plane, const WorldFace& face, const World
 
 void PastePoster(const WorldPoster& poster, const WorldOptions& options, cv::Mat& wall) {
   const cv::Size size = SizeInTexels(poster.size_m, options.texel_m);
-  const cv::Mat picture = DrawTexture(
-      {TextureStyle::kPoster, size, options.texel_m, options.texture_richness, poster.picture});
+  const cv::Mat picture = DrawTexture({.style = TextureStyle::kPoster,
+                                       .size_px = size,
+                                       .texel_m = options.texel_m,
+                                       .richness = options.texture_richness,
+                                       .seed = poster.picture});
   const cv::Point at(static_cast<int>(std::lround(poster.top_left_m.x() / options.texel_m)),
                      static_cast<int>(std::lround(poster.top_left_m.y() / options.texel_m)));
   const cv::Rect visible = cv::Rect(at, size) & cv::Rect({0, 0}, wall.size());
@@ -58,8 +61,12 @@ cv::Mat DrawFace(const WorldFace& face, TextureStyle style, const WorldOptions& 
                  const std::vector<WorldPoster>& posters) {
   const uint64_t seed =
       MixSeeds(MixSeeds(options.seed, kTextureSeed), static_cast<uint64_t>(face.id));
-  cv::Mat texture = DrawTexture({style, SizeInTexels(face.size_m, options.texel_m), options.texel_m,
-                                 options.texture_richness, seed});
+  cv::Mat texture = DrawTexture({.style = style,
+                                 .size_px = SizeInTexels(face.size_m, options.texel_m),
+                                 .texel_m = options.texel_m,
+                                 .richness = options.texture_richness,
+                                 .trim = options.trim,
+                                 .seed = seed});
   for (const WorldPoster& poster : posters) {
     if (poster.face == face.id) PastePoster(poster, options, texture);
   }

@@ -22,6 +22,10 @@ struct WorldOptions {
   double texture_richness = 1.0;
   // Share of the walls that are bare (plain paint with hardly a corner), 0 to 1.
   double bare_walls = 0.0;
+  // Whether surfaces have trim: skirting board, rail, cornice and door frames on walls, panels on
+  // the ceiling, tiles on the floor. Without it hardly a line runs along the building's axes but
+  // for the edges between surfaces, which is unlike most buildings.
+  bool trim = false;
   // Chance that a stretch of wall of full height gets a poster besides those of the plan, 0 to 1.
   double poster_probability = 0.4;
   // Share of these posters that show one and the same picture, 0 to 1. More of them make places

@@ -2,6 +2,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -280,6 +281,17 @@ void PrintLayer(const OrientationWorld& made, const OrientationLayer& layer) {
   for (const Corridor& c : layer.corridors) {
     std::printf(" %d-%d", static_cast<int>(c.first.value - 1), static_cast<int>(c.last.value - 1));
   }
+  std::printf("\n  lines along x and y, reliable frames, of each");
+  for (const TrueStretch& s : made.corridors) {
+    std::array<int, 3> sums{};
+    for (int i = s.first; i <= s.last; ++i) {
+      const OrientationFrame& frame = layer.frames[i];
+      if (!frame.reliable) continue;
+      for (int axis = 0; axis < 2; ++axis) sums[axis] += frame.lines[axis];
+      ++sums[2];
+    }
+    std::printf(" %d:%d (%d)", sums[0], sums[1], sums[2]);
+  }
   std::printf("\n  nodes");
   for (const OrientationNode& node : layer.nodes) {
     std::printf(" %d", static_cast<int>(node.frame.value - 1));
@@ -287,10 +299,18 @@ void PrintLayer(const OrientationWorld& made, const OrientationLayer& layer) {
   std::printf("\n");
 }
 
-Json RunOne(int building, int frames, bool rig_wanted) {
-  constexpr int kFaceWidth = 320;  // px
-  const Rig rig = rig_wanted ? CubeRig(kFaceWidth) : RigOfOne(PinholeCamera(640, 480, 1.1));
-  const OrientationWorld made = MakeOrientationWorld(building, frames);
+// What to run, but for the building and the camera.
+struct Runs {
+  int frames = 1000;
+  bool trim = true;
+  double scale = 1;  // of the pictures
+};
+
+Json RunOne(int building, bool rig_wanted, const Runs& runs) {
+  const auto pixels = [&](double full) { return static_cast<int>(std::lround(full * runs.scale)); };
+  const Rig rig =
+      rig_wanted ? CubeRig(pixels(320)) : RigOfOne(PinholeCamera(pixels(640), pixels(480), 1.1));
+  const OrientationWorld made = MakeOrientationWorld(building, runs.frames, runs.trim);
   const HeadFiles files = RenderAll(made, rig);
   const OrientationOptions options;
   const double look_s = LookSeconds(rig, files, options);
@@ -307,7 +327,10 @@ Json RunOne(int building, int frames, bool rig_wanted) {
       score.turns_invented, score.directions_right, score.corridor_least_overlap, score.loops_found,
       score.true_loops, score.false_loops, score.nodes, score.nodes_where_view_holds);
   PrintLayer(made, result.layer);
-  Json json = {{"building", made.name}, {"camera", rig_wanted ? "rig" : "pinhole"}};
+  Json json = {{"building", made.name},
+               {"camera", rig_wanted ? "rig" : "pinhole"},
+               {"trim", runs.trim},
+               {"scale", runs.scale}};
   json.update(ToJson(score));
   json["frames_per_s"] = score.frames / wall_s;
   json["cpu_ms_per_frame"] = 1000 * cpu_s / score.frames;
@@ -322,22 +345,26 @@ int RunOrientation(const Args& all) {
   Args args = all;
   const int buildings = std::stoi(TakeOption(args, "buildings", "3"));
   const int first = std::stoi(TakeOption(args, "first", "0"));
-  const int frames = std::stoi(TakeOption(args, "frames", "1000"));
+  Runs runs;
+  runs.frames = std::stoi(TakeOption(args, "frames", "1000"));
+  runs.trim = TakeOption(args, "trim", "yes") != "no";
+  runs.scale = std::stod(TakeOption(args, "scale", "1"));
   const std::string camera = TakeOption(args, "camera", "both");
-  if (!args.empty() || buildings < 1 || first < 0 || first + buildings > 3 || frames < 100) {
+  if (!args.empty() || buildings < 1 || first < 0 || first + buildings > 3 || runs.frames < 100 ||
+      runs.scale < 0.25 || runs.scale > 4) {
     throw MapError(ErrorCode::kUsage,
                    "orientation takes --buildings 1 to 3, --first 0 to 2, --frames of 100 or "
-                   "more, --camera rig, pinhole or both");
+                   "more, --camera rig, pinhole or both, --trim yes or no, --scale 0.25 to 4");
   }
-  Json runs = Json::array();
+  Json results = Json::array();
   for (int building = first; building < first + buildings; ++building) {
     for (const bool rig : {true, false}) {
       if (camera == (rig ? "pinhole" : "rig")) continue;
-      runs.push_back(RunOne(building, frames, rig));
-      std::cout << runs.back().dump() << std::endl;
+      results.push_back(RunOne(building, rig, runs));
+      std::cout << results.back().dump() << std::endl;
     }
   }
-  std::cout << Json{{"bench", "orientation"}, {"runs", runs}}.dump() << std::endl;
+  std::cout << Json{{"bench", "orientation"}, {"runs", results}}.dump() << std::endl;
   return 0;
 }
 

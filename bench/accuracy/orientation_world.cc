@@ -162,7 +162,7 @@ void PaintStripes(const OrientationWorld& made, const Camera& camera,
 
 }  // namespace
 
-OrientationWorld MakeOrientationWorld(int building, int frames) {
+OrientationWorld MakeOrientationWorld(int building, int frames, bool trim) {
   WS_CHECK(building >= 0 && building < static_cast<int>(kShapes.size()), "no such building");
   const Shape& shape = kShapes[building];
   const FloorPlan plan = ParseFloorPlan(PlanText(shape));
@@ -172,6 +172,7 @@ OrientationWorld MakeOrientationWorld(int building, int frames) {
   look.seed = shape.seed;
   look.texel_m = 0.006;
   look.bare_walls = shape.bare_walls;
+  look.trim = trim;
   made.world = std::make_shared<const World>(plan, look);
   const std::vector<Eigen::Vector2d> corners = Corners(shape);
   WalkOptions walk;

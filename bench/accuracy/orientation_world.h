@@ -41,8 +41,10 @@ struct OrientationWorld {
 
 // One of three buildings, 0 to 2, driven through in about `frames` frames. The camera looks along
 // the way but for one stretch in which it turns by 70 degrees and back. One part of a corridor has
-// stripes painted on floor, ceiling and walls that run along none of the building's axes.
-OrientationWorld MakeOrientationWorld(int building, int frames);
+// stripes painted on floor, ceiling and walls that run along none of the building's axes. Without
+// `trim` (see WorldOptions) surfaces are full of shapes at any angle, and nearly all lines are
+// theirs.
+OrientationWorld MakeOrientationWorld(int building, int frames, bool trim);
 
 // The pictures of a frame, one a camera, as JPEG files.
 std::vector<std::vector<unsigned char>> RenderHead(const OrientationWorld& made, const Rig& rig,

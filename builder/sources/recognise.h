@@ -23,6 +23,13 @@ std::optional<ImageList> RecogniseEuroc(const std::filesystem::path& folder);
 std::unique_ptr<Source> RecogniseRigPanoramas(const std::filesystem::path& folder,
                                               const SourceOptions& options);
 
+// A folder with the images of a calibrated rig: rig.yaml in or beside it, or options.camera_file
+// with several cameras, and a folder or file called like each. Nothing for another folder, and for
+// rigs of 90 degree faces, which see panoramas. Throws MapError(kBadCamera, kBadSource) for a rig
+// file that can't be read, images that lack a partner, and a camera without images.
+std::unique_ptr<Source> RecogniseCameraRig(const std::filesystem::path& folder,
+                                           const SourceOptions& options);
+
 // The images in a folder, or of a pattern. Throw MapError(kBadSource) when there are none.
 ImageList ListFolder(const std::filesystem::path& folder);
 ImageList ListPattern(const std::string& pattern);

@@ -88,6 +88,12 @@ Rig ReadYamlRig(const fs::path& path) {
 
 }  // namespace
 
+bool HasSeveralCameras(const fs::path& path) {
+  if (LooksLikeColmap(path)) return false;
+  const CameraSection file = OpenCameraYaml(path);
+  return file.Has({"cam1"}) || file.Has({"cameras"});
+}
+
 Rig ReadRigFile(const fs::path& path) {
   Rig rig = LooksLikeColmap(path) ? RigOfOne(ReadColmapCamera(path)) : ReadYamlRig(path);
   try {

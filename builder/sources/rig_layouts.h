@@ -23,6 +23,11 @@ struct CameraImages {
   std::vector<std::vector<NamedImage>> images;  // a camera, in natural order
 };
 
+// The rig of a folder: `rig_file` where it is given, else rig.yaml in or beside the folder; nothing
+// where there is neither. Throws MapError(kBadCamera).
+std::optional<Rig> RigOfFolder(const std::filesystem::path& folder,
+                               const std::optional<std::filesystem::path>& rig_file);
+
 // Looks for images of cameras of these names, in folders or files that are called like them.
 // Nothing when there is none of them; cameras that aren't there are left out.
 std::optional<CameraImages> FindCameraImages(const std::filesystem::path& folder,

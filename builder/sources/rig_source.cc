@@ -34,13 +34,6 @@ std::optional<fs::path> FirstThere(const std::vector<fs::path>& files) {
   return std::nullopt;
 }
 
-// A rig's own file, which describes folders or files that are called like its cameras.
-std::optional<Rig> RigBeside(const fs::path& folder, const RigOptions& options) {
-  if (options.rig_file) return ReadRigFile(*options.rig_file);
-  const auto file = FirstThere({folder / kRigFile, folder / ".." / kRigFile});
-  return file ? std::optional(ReadRigFile(*file)) : std::nullopt;
-}
-
 // The camera of the images in a folder: beside them, or beside images/.
 std::optional<Rig> CameraBeside(const fs::path& folder, const RigOptions& options) {
   if (options.rig_file) return ReadRigFile(*options.rig_file);
@@ -126,7 +119,7 @@ RigSequence FromCameras(const fs::path& path, const CameraImages& found,
 }
 
 RigSequence OpenFolder(const fs::path& folder, const RigOptions& options) {
-  const std::optional<Rig> rig = RigBeside(folder, options);
+  const std::optional<Rig> rig = RigOfFolder(folder, options.rig_file);
   std::vector<std::string> names;
   for (const RigCamera& camera : (rig ? *rig : CubeRig(1)).cameras) names.push_back(camera.name);
   if (!rig || rig->cameras.size() > 1) {
@@ -153,6 +146,12 @@ cv::Mat ReadGrey(const fs::path& path, const DecodeLimits& limits) {
 }
 
 }  // namespace
+
+std::optional<Rig> RigOfFolder(const fs::path& folder, const std::optional<fs::path>& rig_file) {
+  if (rig_file) return ReadRigFile(*rig_file);
+  const auto file = FirstThere({folder / kRigFile, folder / ".." / kRigFile});
+  return file ? std::optional(ReadRigFile(*file)) : std::nullopt;
+}
 
 void RigOptions::Check() const {
   CheckRange("max_time_gap_s", max_time_gap_s, 0, 10);

@@ -25,6 +25,10 @@ namespace waystone {
 // Throws MapError(kBadCamera) with the file, the camera and what to do.
 Rig ReadRigFile(const std::filesystem::path& path);
 
+// Whether a file describes a rig rather than one camera: Kalibr's with a second camera, or our own
+// list. Throws MapError(kBadCamera) for a file that can't be read.
+bool HasSeveralCameras(const std::filesystem::path& path);
+
 // One moment of a head.
 struct RigMoment {
   std::string source;  // relative to the sequence: "017", "000012.jpg"

@@ -14,6 +14,7 @@ std::unique_ptr<Source> OpenFolder(const fs::path& folder, const SourceOptions& 
   for (const auto recognise : {RecogniseTum, RecogniseKitti, RecogniseEuroc}) {
     if (auto list = recognise(folder)) return OpenImageList(std::move(*list), options);
   }
+  if (auto rig = RecogniseCameraRig(folder, options)) return rig;
   if (auto rig = RecogniseRigPanoramas(folder, options)) return rig;
   return OpenImageList(ListFolder(folder), options);
 }

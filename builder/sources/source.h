@@ -64,7 +64,8 @@ struct SourceOptions {
   int from = 0;   // first frame number; 0 or more
   // Last frame number, inclusive, `from` or more; the end when absent.
   std::optional<int> to = std::nullopt;
-  // OpenCV, ROS, Kalibr, COLMAP or our own (ReadCameraFile); wins over what the source brings.
+  // OpenCV, ROS, Kalibr, COLMAP or our own (ReadCameraFile), or a rig's (ReadRigFile); wins over
+  // what the source brings.
   std::optional<std::filesystem::path> camera_file = std::nullopt;
   DecodeLimits limits = {};  // of each frame
 
@@ -78,7 +79,8 @@ class Source {
  public:
   virtual ~Source() = default;
 
-  virtual const std::string& kind() const = 0;  // "folder", "video", "tum", "kitti", "euroc", "rig"
+  virtual const std::string& kind() const = 0;  // "folder", "video", "tum", "kitti", "euroc",
+                                                // "rig", "cameras"
   virtual const std::string& name() const = 0;  // of the folder or file, without its path
   virtual int size() const = 0;                 // frames that NextEncoded() will give (an estimate
                                                 // for videos, whose headers may be wrong)
@@ -86,7 +88,8 @@ class Source {
   virtual const std::optional<Camera>& camera() const = 0;
   // Of the source's frames, px; 0 by 0 where it can't be told without decoding one.
   virtual cv::Size frame_size() const { return {}; }
-  // The cameras whose images its frames are joined from; nothing for frames that are images.
+  // The cameras whose images its frames are joined from, or whose first one's images they are
+  // ("cameras"); nothing for frames that are images.
   virtual std::optional<Rig> faces() const { return std::nullopt; }
   // "TUM sequence, 1000 frames 640x480": what was recognised; with ", 100 of them used" behind it
   // when options leave some out.
@@ -107,6 +110,9 @@ class Source {
 //   a folder with mav0/cam0/data.csv           EuRoC (also its mav0 or cam0); cam0/sensor.yaml
 //   a folder with front, right, back, left     the panoramas of a rig of 90 degree faces (perhaps
 //     (a folder each, or in numbered folders)    up and down too)
+//   a folder with rig.yaml in or beside it     a calibrated rig; frames are its first camera's, and
+//     (or options.camera_file) and a folder      the orientation layer looks at all
+//     or file called like each camera
 //   a folder with images                       in natural order (img2 before img10); camera.yaml in
 //                                              it, or beside it when it is called images
 //   a folder with images/                      the same

@@ -120,6 +120,7 @@ class Answer(TypedDict):
     decided_by: str
     timing_ms: dict[str, float]
     message: NotRequired[str]
+    building: NotRequired[dict[str, Any]]
     panorama: NotRequired[dict[str, Any]]
     belief: NotRequired[list[dict[str, Any]]]
     places: NotRequired[list[Place]]

@@ -23,6 +23,16 @@ Json HeadingJson(const Heading& heading) {
   return json;
 }
 
+Json BuildingJson(const BuildingView& view) {
+  Json json;
+  json["heading"] = view.heading ? HeadingJson(*view.heading) : Json(nullptr);
+  json["building_from_query"] =
+      view.heading ? ToJson(view.building_from_query.toRotationMatrix()) : Json(nullptr);
+  json["lines"] = view.lines;
+  json["disagreement_rad"] = OrNull(view.disagreement_rad);
+  return json;
+}
+
 Json PlaneJson(const RecognisedPlane& plane) {
   Json json;
   json["id"] = plane.id.value;
@@ -110,6 +120,7 @@ Json ToJson(const Answer& answer) {
   json["map_version"] = answer.map_version;
   json["keyframe"] = answer.keyframe ? KeyframeJson(*answer.keyframe) : Json(nullptr);
   json["heading"] = answer.heading ? HeadingJson(*answer.heading) : Json(nullptr);
+  if (answer.building) json["building"] = BuildingJson(*answer.building);
   json["planes"] = Json::array();
   for (const RecognisedPlane& plane : answer.planes) json["planes"].push_back(PlaneJson(plane));
   if (answer.panorama) json["panorama"] = PanoramaJson(answer);

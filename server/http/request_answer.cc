@@ -206,7 +206,8 @@ RequestAnswer AnswerRequest(const LocalizeRequest& request, const ServedMaps& ma
     }
   }
   RequestAnswer result;
-  result.used_camera = panoramas && photos > 0 && maps.front()->index().map().planes.empty();
+  const MapData& first = maps.front()->index().map();
+  result.used_camera = first.orientation || (panoramas && photos > 0 && first.planes.empty());
   for (const QueryImage& image : request.images) {
     std::vector<Answer> answers = AskMaps(image, maps, options);
     // Over HTTP a map goes by the name in the path, whatever it was called when it was built.

@@ -20,7 +20,7 @@ struct RequestAnswer {
                     // the last one
   bool series = false;         // whether the images were one
   bool used_previous = false;  // and began with the request's previous answer
-  bool used_camera = false;    // whether a photo was asked of panoramas
+  bool used_camera = false;    // whether anything of the map takes the photo's camera
   // What the next panorama is asked with as `previous.belief`; null without.
   Json belief;
 };

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 #include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "core/base/error.h"
@@ -216,6 +218,37 @@ TEST(World, BareWallsHaveFarFewerCorners) {
   };
   EXPECT_GT(corners(rich), 100U);
   EXPECT_LT(corners(bare) * 10, corners(rich));
+}
+
+// Share of the edges' length that runs along the picture's sides, on a wall seen head-on.
+double LevelShare(const World& world) {
+  const Eigen::Isometry3d pose = WorldFromCamera({2.2, 2.0, 1.3}, 0.5 * std::numbers::pi);
+  const cv::Mat grey = Render(world, PinholeCamera(320, 240, 1.1), pose).grey;
+  cv::Mat across;
+  cv::Mat down;
+  cv::Sobel(grey, across, CV_32F, 1, 0);
+  cv::Sobel(grey, down, CV_32F, 0, 1);
+  double along = 0;
+  double all = 0;
+  for (int y = 0; y < grey.rows; ++y) {
+    for (int x = 0; x < grey.cols; ++x) {
+      const double dx = std::abs(across.at<float>(y, x));
+      const double dy = std::abs(down.at<float>(y, x));
+      if (dx + dy < 40) continue;
+      all += 1;
+      along += std::min(dx, dy) < 0.1 * std::max(dx, dy) ? 1 : 0;
+    }
+  }
+  return along / all;
+}
+
+TEST(World, TrimRunsAlongTheBuilding) {
+  WorldOptions options = TestOptions();
+  options.poster_probability = 0.0;
+  const World plain(TwoRooms(), options);
+  options.trim = true;
+  const World trimmed(TwoRooms(), options);
+  EXPECT_GT(LevelShare(trimmed), 1.5 * LevelShare(plain));
 }
 
 TEST(World, RefusesBadOptionsAndTooManyTexels) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 
+#include "builder/sources/source.h"
 #include "tests/builder/sources/temporary_folder.h"
 
 namespace waystone {
@@ -102,6 +103,53 @@ TEST_F(RigSourceTest, ParallelFolders) {
   ASSERT_EQ(images.size(), 2u);
   EXPECT_EQ(images[0].at<uchar>(0, 0), 12);
   EXPECT_EQ(images[1].at<uchar>(0, 0), 22);
+}
+
+// As a map is built of it: frames of the first camera, with the images of all of them.
+TEST_F(RigSourceTest, ACalibratedRigIsASource) {
+  Write("rig.yaml", OwnRig(kSidePose));
+  for (int i = 0; i < 3; ++i) {
+    WriteImage("ahead/" + std::to_string(i) + ".png", 10 + i);
+    WriteImage("side/" + std::to_string(i) + ".png", 20 + i);
+  }
+  const auto source = OpenSource(folder_.string(), {.every = 2});
+  EXPECT_EQ(source->kind(), "cameras");
+  EXPECT_EQ(source->size(), 2);
+  EXPECT_EQ(source->Announcement(), "Rig of 2 cameras, 3 moments, 2 of them used");
+  ASSERT_TRUE(source->faces().has_value());
+  EXPECT_EQ(source->faces()->cameras[1].name, "side");
+  EXPECT_EQ(source->camera()->width, 16);
+  source->NextEncoded();
+  const auto last = source->NextEncoded();
+  ASSERT_TRUE(last.has_value());
+  EXPECT_EQ(last->info().number, 2);
+  const auto images = last->Load();
+  ASSERT_EQ(images.size(), 2u);
+  EXPECT_EQ(images[1].at<uchar>(0, 0), 22);
+  EXPECT_EQ(last->Decode().grey.at<uchar>(0, 0), 12);
+  EXPECT_FALSE(source->NextEncoded().has_value());
+}
+
+TEST_F(RigSourceTest, ASourceWhoseRigLacksImages) {
+  const auto chain = Write("camchain.yaml", Camchain());
+  WriteImage("cam0/0.png", 1, {64, 48});
+  WriteImage("cam0/1.png", 1, {64, 48});
+  SourceOptions options;
+  options.camera_file = chain;
+  const auto open = [&] { OpenSource(folder_.string(), options); };
+  ExpectError(open, ErrorCode::kBadSource, {"no images of camera 'cam1'", "take the camera out"});
+  WriteImage("cam1/0.png", 1, {64, 48});
+  ExpectError(open, ErrorCode::kBadSource, {"'cam1' has 1 images", "'cam0' has 2"});
+  WriteImage("cam1/1.png", 1, {32, 48});
+  const auto source = OpenSource(folder_.string(), options);
+  EXPECT_EQ(source->Next()->error, "");
+  EXPECT_NE(source->Next()->error.find("1.png"), std::string::npos)
+      << "wrong size, the rest goes on";
+}
+
+TEST_F(RigSourceTest, FacesOfNinetyDegreesAreAPanorama) {
+  for (const char* face : kFaces) WriteImage(std::string(face) + "/0.jpg", 50, {32, 32});
+  EXPECT_EQ(OpenSource(folder_.string(), {})->kind(), "rig");
 }
 
 TEST_F(RigSourceTest, FoldersOfDifferentLengths) {
