@@ -98,7 +98,7 @@ struct BuildingOptions {
   double max_clear_rival = 0.6;
   // Angle by which believed lines may be off the axes that a place implies, above 0 to pi / 4.
   // Higher lets more wrong places pass. rad
-  double max_disagreement_rad = 0.12;
+  double max_disagreement_rad = 0.17;
   // Share of true places whose lines are believed and disagree all the same, between 0 and 1.
   // Higher refuses fewer answers.
   double true_disagreeing = 0.02;

@@ -40,7 +40,7 @@ int RunAll(const Args& args) {
   Announce("serve: queries and inspection over HTTP");
   RunServe({});
   Announce("orientation: turns, corridors, loops and nodes of made buildings");
-  RunOrientation({"--buildings", "1"});
+  RunOrientation({});
   const fs::path data = DataFolder();
   Announce("compass: headings between panoramas, by distance");
   const fs::path dealership = data / "dealership";
@@ -75,6 +75,10 @@ int RunAll(const Args& args) {
   RunVerdicts({data});
   Announce("kitchen: frames 0-499 mapped, 50 queries against depth and poses");
   RunRgbd({kitchen});
+  if (fs::exists(dealership)) {
+    Announce("building: rotations of queries, and their axes as a gate");
+    RunBuilding({kitchen, dealership});
+  }
   Announce("kitchen's map: street and church are not in it");
   RunNegatives({kitchen, data / "street/image_0", data / "church/map", data / "church/query_P8"});
   Announce("kitchen: seconds per frame over 250, 500 and 1000 frames");

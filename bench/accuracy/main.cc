@@ -28,6 +28,8 @@ constexpr char kUsage[] =
     "  serve [MAP PHOTO...]                               queries and inspection over HTTP\n"
     "  odometry [PLACES] [--walk NAME] [--k1 N] [--span N]  ways of panoramas against truth\n"
     "  study [--out DIR]                                  k1, k2 and step of these ways\n"
+    "  building KITCHEN DEALERSHIP                        rotation in the building, axes as a "
+    "gate\n"
     "  kidnapped [PLACES]                                 panoramas asked of a map of the others\n"
     "The last line of each is one JSON object.\n";
 
@@ -38,6 +40,7 @@ int main(int argc, char** argv) {
   const std::map<std::string, int (*)(const Args&)> benches = {
       {"all", waystone::bench::RunAll},
       {"compass", waystone::bench::RunCompass},
+      {"building", waystone::bench::RunBuilding},
       {"kidnapped", waystone::bench::RunKidnapped},
       {"world", waystone::bench::RunWorld},
       {"rgbd", waystone::bench::RunRgbd},

@@ -22,6 +22,7 @@ class RgbdTruth {
   int frames() const { return static_cast<int>(images_.size()); }
   const std::string& image(int frame) const { return images_[frame]; }
   bool HasDepth(int frame) const { return depths_.contains(frame); }
+  const Eigen::Isometry3d& world_from_camera(int frame) const { return world_from_camera_[frame]; }
   // Pixel of frame b that shows what pixel x of frame a shows; nothing without depth there.
   std::optional<Eigen::Vector2d> Transfer(int a, const Eigen::Vector2d& x, int b) const;
 
