@@ -150,6 +150,7 @@ def every_layer(without):
              "/orientation/corridors"]
     singles = ["/appearance", "/orientation", "/appearance/nodes/1", "/appearance/nodes/1/signature",
                "/appearance/nodes/1/image", "/orientation/nodes/3/image", "/overview",
+               "/orientation/frames/1", "/orientation/nodes/3/lines", "/keyframes/1/lines",
                "/graph?format=g2o", "/graph?format=geojson", "/graph?format=ply", "/graph?format=tum"]
     for part in lists + singles:
         status, fields, _ = ask("GET", base + part)

@@ -17,6 +17,7 @@
 #include "server/http/json.h"
 #include "tests/e2e/shared_map.h"
 #include "tests/server/http/made_map.h"
+#include "tests/server/http/made_picture.h"
 
 // After Eigen, for which the macro _res of the resolver's header spells trouble.
 #include <httplib.h>
@@ -246,6 +247,9 @@ TEST_F(HttpTest, SameAnswerAsWithoutAServer) {
 TEST_F(HttpTest, KeepsItsContract) {
   const std::filesystem::path folder = FreshFolder();
   MapData layered = MadeLayeredMap(3);
+  layered.sequences[0].camera = MadeCamera();
+  layered.keyframes[0].jpeg = MadePicture();
+  layered.orientation->nodes[1].jpeg = MadePicture();
   layered.edges.clear();  // whose homologies are made up: a file is checked
   WriteMap(layered, folder / "layered.db", {});
   const Served served({(folder / "layered.db").string()});
