@@ -18,7 +18,7 @@ namespace {
 
 // Drawings, in their own units.
 constexpr double kWidth = 1200;
-constexpr double kMostHeight = 700;
+constexpr double kMostHeight = 520;
 constexpr double kMargin = 40;
 constexpr double kTick = 18;  // of a node's heading
 // Of the plots: room for the numbers of the axes, and the two panels' heights.

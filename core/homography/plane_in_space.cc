@@ -261,6 +261,7 @@ SpaceEstimate FindPlanesInSpace(int planes, int views, std::span<const PlaneSigh
   for (int p = 0; p < planes; ++p) {
     if (!best.planes[p]) continue;
     estimate.planes[p] = PlaneOf(*best.planes[p], *covariances[p], unit, options);
+    if (p == estimate.unit_plane) estimate.planes[p].distance_sigma = 0;
     if (ambiguous[p]) estimate.planes[p].trouble = SpaceTrouble::kAmbiguous;
   }
   estimate.views = std::move(best.views);

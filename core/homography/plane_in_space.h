@@ -35,8 +35,8 @@ struct SpaceOptions {
   double rival_angle_rad = 0.2;
   // What a plane needs to be called determined: standard deviations of its normal (0.001 to 1 rad)
   // and of its distance, as a share of it (0.001 to 1).
-  double max_normal_sigma_rad = 0.1;
-  double max_distance_sigma = 0.1;
+  double max_normal_sigma_rad = 0.06;
+  double max_distance_sigma = 0.06;
 
   void Check() const;  // throws MapError(kBadOptions)
 };

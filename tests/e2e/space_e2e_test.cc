@@ -17,14 +17,17 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-class CornerTest : public testing::Test {
+class CalibratedMapsTest : public testing::Test {
  protected:
-  CornerTest() : app_({{"corner", MapIndex::Build(ReadMap(TheCorner().map))}}, {}, {}) {}
+  CalibratedMapsTest()
+      : app_({{"walls", MapIndex::Build(ReadMap(TheCorner().map))},
+              {"turns", MapIndex::Build(ReadMap(TheTurns()))}},
+             {}, {}) {}
 
   Json GetJson(const std::string& path) {
     HttpRequest request;
     request.method = "GET";
-    request.path = "/v1/maps/corner/" + path;
+    request.path = "/v1/maps/" + path;
     request.header = [](const std::string&) { return std::nullopt; };
     const HttpResponse response = app_.Answer(request);
     EXPECT_EQ(response.status, 200) << path << ": " << response.body;
@@ -55,16 +58,17 @@ std::vector<Wall> WallsSeenFrom(const Eigen::Isometry3d& pose) {
           {camera_from_world.col(1), TheCorner().corner.y() - pose.translation().y()}};
 }
 
-TEST_F(CornerTest, PlacedPlanesAreTheWalls) {
+TEST_F(CalibratedMapsTest, PlacedPlanesAreTheWalls) {
   int placed = 0;
   int keyframes_with_both = 0;
-  for (const Json& keyframe : GetJson("keyframes")["keyframes"]) {
-    const Json space = GetJson("keyframes/" + keyframe["id"].dump() + "/space");
+  const Json keyframes = GetJson("walls/keyframes")["keyframes"];
+  for (const Json& keyframe : keyframes) {
+    const Json space = GetJson("walls/keyframes/" + keyframe["id"].dump() + "/space");
     std::map<size_t, double> metres_per_unit;  // by wall
+    const std::vector<Wall> walls = WallsSeenFrom(PoseOf(keyframe));
     for (const Json& plane : space["planes"]) {
       if (!plane["trouble"].is_null()) continue;
       ++placed;
-      const std::vector<Wall> walls = WallsSeenFrom(PoseOf(keyframe));
       const Eigen::Vector3d normal = Vector(plane["normal"]);
       const size_t wall = normal.dot(walls[0].normal) > normal.dot(walls[1].normal) ? 0 : 1;
       EXPECT_LT(std::acos(std::min(1.0, normal.dot(walls[wall].normal))) * kDegrees, 6)
@@ -82,20 +86,33 @@ TEST_F(CornerTest, PlacedPlanesAreTheWalls) {
   EXPECT_GE(keyframes_with_both, 1);
 }
 
-// The camera is level, so what is upright in the room is so in its pictures.
-TEST_F(CornerTest, UprightLinesAreUpright) {
-  const Json lines = GetJson("keyframes/2/lines");
-  EXPECT_EQ(lines["width"], 640);
-  EXPECT_EQ(lines["of"], "picture") << "this map has no orientation layer";
+// The rig is level, so what is upright in the building is so in its pictures; of short lines nobody
+// can tell.
+TEST_F(CalibratedMapsTest, UprightLinesAreUpright) {
+  const Json layer = GetJson("turns/orientation");
   int upright = 0;
-  for (const Json& line : lines["lines"]) {
-    if (line["axis"] != "z") continue;
-    ++upright;
-    const double dx = line["points"][0][0].get<double>() - line["points"][1][0].get<double>();
-    const double dy = line["points"][0][1].get<double>() - line["points"][1][1].get<double>();
-    EXPECT_LT(std::atan2(std::abs(dx), std::abs(dy)) * kDegrees, 10) << line;
+  for (const Json& node : layer["nodes"]) {
+    const Json lines = GetJson("turns/orientation/nodes/" + node["id"].dump() + "/lines");
+    EXPECT_EQ(lines["of"], "frame");
+    for (const Json& line : lines["lines"]) {
+      const double dx = line["points"][0][0].get<double>() - line["points"][1][0].get<double>();
+      const double dy = line["points"][0][1].get<double>() - line["points"][1][1].get<double>();
+      if (line["axis"] != "z" || std::hypot(dx, dy) < 20) continue;
+      ++upright;
+      EXPECT_LT(std::atan2(std::abs(dx), std::abs(dy)) * kDegrees, 10) << node["id"] << line;
+    }
   }
   EXPECT_GE(upright, 3);
+}
+
+// Around one corner to the right, from x to against y.
+TEST_F(CalibratedMapsTest, TheWayBendsAtTheCorner) {
+  const Json layer = GetJson("turns/orientation");
+  const Json& frames = layer["frames"];
+  const auto count = static_cast<double>(frames["id"].size());
+  EXPECT_GT(frames["x"].back().get<double>(), 0.5 * count);
+  EXPECT_LT(frames["y"].back().get<double>(), -0.2 * count);
+  EXPECT_EQ(frames["x"].back().get<double>() - frames["y"].back().get<double>(), count - 1);
 }
 
 }  // namespace

@@ -158,9 +158,9 @@ async function testOrientation(page) {
   assert.equal(await page.locator(".series canvas").count(), 2, "heading and lines");
   await page.locator(".way .turn circle").first().click();
   await page.waitForURL(new RegExp(`orientation/${turn.frame}$`));
-  assert.match(await page.locator(".facts").innerText(), new RegExp(`Turn\\s*to the ${turn.direction}`));
+  await page.locator(".facts", { hasText: `to the ${turn.direction}` }).waitFor();
   const cells = layer.nodes.find((n) => n.id === turn.frame).directions;
-  assert.deepEqual((await page.locator(".cells text:not(.name)").allInnerTexts()).map(Number), cells);
+  assert.deepEqual((await page.locator(".cells text:not(.name)").allTextContents()).map(Number), cells);
   await page.locator(".directed polyline").first().waitFor({ state: "attached" });
   assert.ok(await page.locator(".directed polyline.z").count() >= 3, "upright lines are drawn");
   const plot = await page.locator(".series canvas").first().screenshot();
@@ -219,7 +219,7 @@ async function testKeyframes(page) {
   await go(page, `keyframes/${seeing}`, `Keyframe ${seeing}`);
   await page.locator(".outline polygon").first().waitFor();
   const drawn = await page.locator(".outline polygon").count();
-  await page.getByRole("checkbox").first().uncheck();
+  await page.getByRole("checkbox", { name: "draw plane" }).first().uncheck();
   assert.equal(await page.locator(".outline polygon").count(), drawn - 1, "one outline less");
   await shoot(page, "keyframe");
   await checkAccess(page, "a keyframe");

@@ -205,7 +205,7 @@ function Lists({ map, layer }: { map: string; layer: Orientation }) {
     <div class="lists">
       <Table
         name="Turns"
-        heads={["Frame", "Direction", "Heading changed", "Then along"]}
+        heads={["Frame", "Direction", "Angle jumped", "Then along"]}
         rows={layer.turns.map((t) => [
           link(t.frame), t.confirmed ? t.direction : `${t.direction}, camera alone`,
           `${(t.angle_rad * kDegrees).toFixed(0)}°`, `the building’s ${t.axis_after}`,

@@ -2,9 +2,9 @@
 // Planes in space to turn around in, loaded when there are some to look at. The server's camera
 // frame is x right, y down, z forward; three's has y up and looks along -z.
 import {
-  BufferGeometry, Color, DoubleSide, Float32BufferAttribute, Group, LineBasicMaterial, LineLoop,
-  LineSegments, Matrix3, Mesh, NoColorSpace, PerspectiveCamera, Scene, ShaderMaterial, type Texture,
-  TextureLoader, Vector2, Vector3, WebGLRenderer,
+  Box3, BufferGeometry, Color, DoubleSide, Float32BufferAttribute, Group, LineBasicMaterial, LineLoop,
+  LineSegments, Matrix3, Mesh, NoColorSpace, PerspectiveCamera, Scene, ShaderMaterial, Sphere,
+  type Texture, TextureLoader, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Space } from "./api";
@@ -25,7 +25,8 @@ export interface Drawing {
   size: [number, number]; // of the image in which image_from_camera has its pixels
 }
 
-const kFrustum = 0.18; // its length over the distance of what is looked at
+const kFrustum = 0.3; // its length over how far the drawing reaches
+const kAway = 2.3; // of who looks at the drawing, likewise
 const kTint = 0.3; // of a plane's colour over its picture
 
 const inThree = ([x, y, z]: Point3): Point3 => [x, -y, -z];
@@ -67,7 +68,7 @@ function plainColour(css: string): Vector3 {
 function planeMeshes({ space, colours, size }: Drawing, picture: Texture | null): Group {
   const group = new Group();
   const [k0, k1, k2] = space.image_from_camera;
-  for (const plane of space.planes) {
+  for (const [i, plane] of space.planes.entries()) {
     if (plane.outline.length < 3) continue;
     const colour = colours.get(plane.id)!;
     const geometry = geometryOf(plane.outline);
@@ -77,6 +78,9 @@ function planeMeshes({ space, colours, size }: Drawing, picture: Texture | null)
       vertexShader: kVertex,
       fragmentShader: kFragment,
       side: DoubleSide,
+      polygonOffset: true, // planes of one wall lie in each other
+      polygonOffsetFactor: i,
+      polygonOffsetUnits: i,
       uniforms: {
         picture: { value: picture },
         imageFromCamera: { value: new Matrix3().set(...k0, ...k1, ...k2) },
@@ -97,12 +101,13 @@ function frustum({ space }: Drawing, length: number): LineSegments {
   return new LineSegments(geometryOf(points), new LineBasicMaterial({ color: cssColour("--text") }));
 }
 
-// The middle of what is drawn and how far it reaches from there.
-function extent({ space }: Drawing) {
-  const points = space.planes.flatMap((p) => p.outline).map((p) => new Vector3(...inThree(p)));
-  const middle = points.reduce((sum, p) => sum.add(p), new Vector3()).divideScalar(points.length || 1);
-  const radius = Math.max(middle.length(), ...points.map((p) => p.distanceTo(middle)), 0.1);
-  return { middle, radius };
+// What is drawn, with the camera: its middle and how far it reaches from there.
+function extent({ space }: Drawing): Sphere {
+  const box = new Box3(new Vector3(), new Vector3());
+  for (const point of space.planes.flatMap((p) => p.outline)) {
+    box.expandByPoint(new Vector3(...inThree(point)));
+  }
+  return box.getBoundingSphere(new Sphere());
 }
 
 export function showSpace(box: HTMLElement, drawing: Drawing): SpaceView {
@@ -110,11 +115,11 @@ export function showSpace(box: HTMLElement, drawing: Drawing): SpaceView {
   const camera = new PerspectiveCamera(50, 1, 0.01, 1000);
   const controls = new OrbitControls(camera, renderer.domElement);
   const scene = new Scene();
-  const { middle, radius } = extent(drawing);
+  const { center, radius } = extent(drawing);
   const draw = () => renderer.render(scene, camera);
   const fill = (picture: Texture | null) => {
     scene.clear();
-    scene.add(planeMeshes(drawing, picture), frustum(drawing, kFrustum * middle.length()));
+    scene.add(planeMeshes(drawing, picture), frustum(drawing, kFrustum * radius));
     draw();
   };
   const resize = () => {
@@ -126,9 +131,9 @@ export function showSpace(box: HTMLElement, drawing: Drawing): SpaceView {
   };
   const look = (from: Side) => {
     const directions = { camera: [0.25, 0.2, 1], side: [1, 0.25, 0.35], above: [0.05, 1, 0.35] };
-    controls.target.copy(middle);
-    camera.position.copy(middle).addScaledVector(
-      new Vector3(...directions[from] as Point3).normalize(), 2.6 * radius);
+    controls.target.copy(center);
+    camera.position.copy(center).addScaledVector(
+      new Vector3(...directions[from] as Point3).normalize(), kAway * radius);
     controls.update();
     draw();
   };
