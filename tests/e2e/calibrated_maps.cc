@@ -32,17 +32,16 @@ constexpr const char* kRoom = R"(
 )";
 
 constexpr const char* kAroundACorner = R"(
-####################
-#..................#
-#..................#
-#..................#
-################...#
-################...#
-################...#
-################...#
-################...#
-################...#
-####################
+##############
+#............#
+#............#
+#............#
+##########...#
+##########...#
+##########...#
+##########...#
+##########...#
+##############
 )";
 
 std::string Numbered(int i) { return (i < 100 ? i < 10 ? "00" : "0" : "") + std::to_string(i); }
@@ -85,9 +84,9 @@ fs::path MakeTurns() {
   const World world(ParseFloorPlan(kAroundACorner), look);
   WalkOptions options;
   options.gaze_rad = 0;
-  options.step_m = 0.12;
+  options.step_m = 0.15;
   options.turn_rad = 0.12;
-  const Walk walk = WalkThrough(world.plan(), {{2.5, 2.5}, {17.5, 2.5}, {17.5, 9}}, options);
+  const Walk walk = WalkThrough(world.plan(), {{2.5, 2.5}, {11.5, 2.5}, {11.5, 8}}, options);
   for (const RigFace& face : SixFaceRig(160)) {
     const fs::path images = folder / face.name;
     fs::create_directories(images);

@@ -161,11 +161,16 @@ async function testOrientation(page) {
   await page.locator(".facts", { hasText: `to the ${turn.direction}` }).waitFor();
   const cells = layer.nodes.find((n) => n.id === turn.frame).directions;
   assert.deepEqual((await page.locator(".cells text:not(.name)").allTextContents()).map(Number), cells);
-  await page.locator(".directed polyline").first().waitFor({ state: "attached" });
-  assert.ok(await page.locator(".directed polyline.z").count() >= 3, "upright lines are drawn");
+  const { lines } = await getJson(`/v1/maps/turns/orientation/nodes/${turn.frame}/lines`);
+  await page.waitForFunction((n) => document.querySelectorAll(".directed polyline").length === n, lines.length);
+  assert.ok(lines.length > 5, "its picture has lines");
+  for (const axis of ["x", "y", "z"]) {
+    const along = lines.filter((l) => l.axis === axis).length;
+    assert.equal(await page.locator(`.directed polyline.${axis}`).count(), along, `lines along ${axis}`);
+  }
   const plot = await page.locator(".series canvas").first().screenshot();
   assert.ok(await distinctColours(page, plot) > 5, "the heading is drawn");
-  await shoot(page, "orientation");
+  await shootWhole(page, "orientation");
   await checkAccess(page, "orientation");
   await page.getByRole("link", { name: "next node" }).or(page.getByRole("link", { name: "previous node" })).first().click();
   await page.waitForURL((to) => !to.hash.endsWith(`/${turn.frame}`));
@@ -377,7 +382,7 @@ async function testPhone() {
     if (map) await page.waitForTimeout(800);  // for its pictures
     const width = await page.evaluate(() => document.documentElement.scrollWidth);
     assert.ok(width <= 360, `${view} is ${width} px wide on a phone`);
-    await shootWhole(page, `phone_${map ? `${map}_` : ""}${view.split("/")[0]}`);
+    await shoot(page, `phone_${map ? `${map}_` : ""}${view.split("/")[0]}`);
     await checkAccess(page, `${view}${map ? ` of ${map}` : ""}, dark`);
   }
   assert.deepEqual(complaints, []);

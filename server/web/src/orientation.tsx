@@ -160,10 +160,10 @@ function Frame({ map, layer, id }: { map: string; layer: Orientation; id: number
       />
       {node && (
         <>
-          <h3>
+          <h2>
             {there ? "This node" : <>The node before it, <FrameLink map={map} id={node.id} layer={layer} /></>}
             {node.kind === "turn" ? ": a turn" : ": the view breaks"}
-          </h3>
+          </h2>
           <div class="node">
             <Cells node={node} />
             {node.image && (

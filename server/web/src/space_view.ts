@@ -26,7 +26,7 @@ export interface Drawing {
 }
 
 const kFrustum = 0.3; // its length over how far the drawing reaches
-const kAway = 2.3; // of who looks at the drawing, likewise
+const kAway = 1.6; // of who looks at the drawing, likewise
 const kTint = 0.3; // of a plane's colour over its picture
 
 const inThree = ([x, y, z]: Point3): Point3 => [x, -y, -z];
