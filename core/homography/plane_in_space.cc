@@ -27,7 +27,7 @@ std::optional<Measured> MeasuredOf(const PlaneSighting& seen) {
   const auto h = HomographyByDlt(seen.points);
   if (!h) return std::nullopt;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(*h);
-  const Eigen::Vector3d values = svd.singularValues();
+  const Eigen::Vector3d& values = svd.singularValues();
   if (!(values(2) > 1e-9 * values(0))) return std::nullopt;
   int in_front = 0;
   for (const Eigen::Vector2d& a : seen.points.a) {

@@ -62,7 +62,7 @@ Json LinesJson(const cv::Mat& picture, const Camera& camera, const OrientationFr
   return json;
 }
 
-Json Sized(int width, int height, Json lines) {
+Json Sized(int width, int height, const Json& lines) {
   Json json;
   json["width"] = width;
   json["height"] = height;

@@ -163,9 +163,22 @@ TEST_F(LayersTest, LinesOfANodeInItsPicturesPixels) {
   EXPECT_EQ(GetJson("pictured/orientation/frames/3")["frame"], 2);
 }
 
+// Five features a plane are too few to say anything.
+TEST_F(LayersTest, PlanesInSpaceThatNothingTellsHaveTheirTrouble) {
+  const Json space = GetJson("pictured/keyframes/1/space");
+  EXPECT_EQ(space["keyframe"], 1);
+  EXPECT_TRUE(space["unit_plane"].is_null());
+  EXPECT_EQ(space["corners"][0], Json::parse("[-0.639,-0.479,1.0]"));
+  ASSERT_EQ(space["planes"].size(), 2u);
+  EXPECT_EQ(space["planes"][1],
+            Json::parse(R"({"id":2,"trouble":"no_parallax","normal":null,"distance":null,
+                            "normal_deviation_rad":null,"distance_deviation":null,"outline":[]})"));
+}
+
 TEST_F(LayersTest, LinesThatCantBeGivenAreSaid) {
   for (const auto& [path, status] :
-       std::map<std::string, int>{{"planes/keyframes/1/lines", 422},            // no camera
+       std::map<std::string, int>{{"planes/keyframes/1/lines", 422},
+                                  {"planes/keyframes/1/space", 422},            // no camera
                                   {"pictured/keyframes/2/lines", 404},          // no picture
                                   {"pictured/orientation/nodes/1/lines", 404},  // no picture
                                   {"pictured/orientation/nodes/9/lines", 404},  // no node
