@@ -253,7 +253,7 @@ std::string CellsGallery(const OrientationLayer& layer, SequenceId sequence) {
   std::string html = "<div class=nodes>\n";
   for (const OrientationNode& node : layer.nodes) {
     const auto it = frames.find(node.frame);
-    if (it == frames.end()) continue;
+    if (it == frames.end() || !it->second->reliable) continue;  // nothing was counted
     html += "<figure>" + DirectionCellsSvg(node) + "<figcaption>" + EscapeHtml(it->second->source) +
             (node.kind == OrientationNodeKind::kTurn ? ", a turn" : "") +
             "</figcaption></figure>\n";
@@ -279,7 +279,7 @@ std::string OrientationSection(const MapData& map) {
             "<h2>Where one can go" +
             number + "</h2>\n" + CellsGallery(layer, sequences[i]) +
             "<p class=sub>Lines across the way in the cells up, right, down and left of who looks "
-            "along it: where there are many, one can go.</p>\n";
+            "along it: where there are many, one can go. Of nodes with a reliable rotation.</p>\n";
   }
   return html;
 }

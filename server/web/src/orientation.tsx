@@ -165,7 +165,9 @@ function Frame({ map, layer, id }: { map: string; layer: Orientation; id: number
             {node.kind === "turn" ? ": a turn" : ": the view breaks"}
           </h2>
           <div class="node">
-            <Cells node={node} />
+            {layer.frames.reliable[layer.frames.id.indexOf(node.id)]
+              ? <Cells node={node} />
+              : <p class="quiet">Where one can go isn’t known: its rotation isn’t reliable.</p>}
             {node.image && (
               <LinedPicture image={node.image} alt={`what node ${node.id} sees ahead`}
                 path={`${mapPath(map)}/orientation/nodes/${node.id}/lines`} />

@@ -39,6 +39,7 @@ OrientationLayer MadeLayer() {
                  {OrientationFrameId{8}, -1, -1.5, false, 1}};
   layer.nodes = {{OrientationFrameId{1}, OrientationNodeKind::kTraversable, {4, 1, 2, 8}, {}},
                  {OrientationFrameId{4}, OrientationNodeKind::kTurn, {0, 0, 0, 0}, {}},
+                 {OrientationFrameId{6}, OrientationNodeKind::kTraversable, {}, {}},
                  {OrientationFrameId{11}, OrientationNodeKind::kTraversable, {}, {}}};
   layer.edges = {{OrientationFrameId{1}, OrientationFrameId{4}, OrientationEdgeKind::kLoop, 50},
                  {OrientationFrameId{4}, OrientationFrameId{11}, OrientationEdgeKind::kLoop, 50}};
@@ -48,9 +49,9 @@ OrientationLayer MadeLayer() {
 
 TEST(OrientationMapSvg, DrawsOneSequenceByKind) {
   const std::string svg = OrientationMapSvg(MadeLayer(), SequenceId{1});
-  EXPECT_EQ(Count(svg, "<circle"), 3U);  // two nodes and the false turn
+  EXPECT_EQ(Count(svg, "<circle"), 4U);  // three nodes and the false turn
   EXPECT_EQ(Count(svg, "fill=\"#d6454f\""), 1U) << "a red turn";
-  EXPECT_EQ(Count(svg, "fill=\"#2b9348\""), 1U) << "a green node";
+  EXPECT_EQ(Count(svg, "fill=\"#2b9348\""), 2U) << "green nodes";
   EXPECT_EQ(Count(svg, "stroke=\"#3a78d8\""), 1U) << "a blue false turn";
   EXPECT_EQ(Count(svg, "stroke:#e08214"), 1U) << "the loop within the sequence";
   EXPECT_EQ(Count(svg, "<polyline"), 2U) << "the way and a corridor";
@@ -85,7 +86,7 @@ TEST(OrientationReport, HasTheSectionsOfEachSequence) {
   const std::string page = ReportHtml(map, {}, {});
   EXPECT_NE(page.find("12 directions, 1 turns"), std::string::npos);
   EXPECT_NE(page.find("Way by its turns, sequence 2"), std::string::npos);
-  EXPECT_EQ(Count(page, "<svg class=cells"), 3U);
+  EXPECT_EQ(Count(page, "<svg class=cells"), 3U) << "none of the frame without a rotation";
   EXPECT_EQ(SequencesOf(*map.orientation).size(), 2U);
   EXPECT_EQ(ReportHtml({}, {}, {}).find("Way by its turns"), std::string::npos);
 }
