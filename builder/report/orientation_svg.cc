@@ -40,10 +40,10 @@ struct Rows {
 };
 
 Rows RowsOf(const OrientationLayer& layer, SequenceId sequence) {
-  const auto [begin, end] =
-      std::ranges::equal_range(layer.frames, sequence, {}, &OrientationFrame::sequence);
-  return {static_cast<size_t>(begin - layer.frames.begin()),
-          static_cast<size_t>(end - layer.frames.begin()) - 1};
+  const auto begin = std::ranges::find(layer.frames, sequence, &OrientationFrame::sequence);
+  const auto frames = std::ranges::count(layer.frames, sequence, &OrientationFrame::sequence);
+  const auto first = static_cast<size_t>(begin - layer.frames.begin());
+  return {first, first + static_cast<size_t>(frames) - 1};
 }
 
 std::ostringstream Svg(double height, const std::string& label) {

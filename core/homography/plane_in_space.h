@@ -78,7 +78,8 @@ struct SpaceEstimate {
 // motion puts the other planes of its view into space, these the other views, and so on; all planes
 // of a view share R and t, all views of a plane n and d, so that the decomposition that explains
 // most is the right one. All are then refined together by robust least squares on the points'
-// transfer. Distances are relative to each other: one plane's is the unit. Deterministic;
+// transfer. Distances are relative to each other: one plane's is the unit. Deviations are those of
+// the points' noise; a wrong calibration and planes that aren't flat come on top. Deterministic;
 // thread-safe.
 SpaceEstimate FindPlanesInSpace(int planes, int views, std::span<const PlaneSighting> sightings,
                                 const SpaceOptions& options = {});
