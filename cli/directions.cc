@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
 #include "builder/sources/rig_source.h"
 #include "cli/commands.h"
+#include "cli/directions_picture.h"
 #include "core/base/error.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"
@@ -24,6 +27,7 @@ struct DirectionsFlags {
   std::vector<std::string> photos;
   std::string camera;
   std::string detector = "edge_drawing";
+  std::string draw;  // folder; empty for no pictures
   bool json = false;
 };
 
@@ -77,16 +81,38 @@ std::string HumanText(const Directions& answer) {
   return text;
 }
 
-ManhattanFrame FrameOf(const RigSequence& sequence, const RigMoment& moment,
-                       const SegmentOptions& options) {
-  const std::vector<cv::Mat> images = ReadMoment(sequence, moment);
+// A moment's images and what was found in them.
+struct Looked {
+  std::vector<cv::Mat> images;
   std::vector<GreatCircle> lines;
-  for (size_t c = 0; c < images.size(); ++c) {
-    const auto found =
-        GreatCirclesOf(sequence.rig, static_cast<int>(c), DetectSegments(images[c], options));
-    lines.insert(lines.end(), found.begin(), found.end());
+  ManhattanFrame frame;
+};
+
+Looked LookAt(const RigSequence& sequence, const RigMoment& moment, const SegmentOptions& options) {
+  Looked looked{.images = ReadMoment(sequence, moment), .lines = {}, .frame = {}};
+  for (size_t c = 0; c < looked.images.size(); ++c) {
+    const auto found = GreatCirclesOf(sequence.rig, static_cast<int>(c),
+                                      DetectSegments(looked.images[c], options));
+    looked.lines.insert(looked.lines.end(), found.begin(), found.end());
   }
-  return FindManhattanFrame(lines);
+  looked.frame = FindManhattanFrame(looked.lines);
+  return looked;
+}
+
+// "rgb/000012.jpg" becomes "rgb_000012.png".
+std::filesystem::path PictureName(std::string source) {
+  std::ranges::replace(source, '/', '_');
+  return std::filesystem::path(source).replace_extension(".png");
+}
+
+void SavePicture(const std::filesystem::path& folder, const std::string& source,
+                 const cv::Mat& picture) {
+  std::error_code ignored;  // what can't be made can't be written to either
+  std::filesystem::create_directories(folder, ignored);
+  const std::filesystem::path path = folder / PictureName(source);
+  if (cv::imwrite(path.string(), picture)) return;
+  throw MapError(ErrorCode::kFileUnwritable,
+                 path.string() + " can't be written; choose another folder or make room");
 }
 
 // Answers every moment of a photo or folder, following the axes from one to the next. Returns
@@ -100,16 +126,21 @@ bool AnswerSequence(const std::string& path, const DirectionsFlags& flags) {
   // At first the axes nearest to the head's own: x right, y down, z forward.
   Eigen::Matrix3d previous = Eigen::Matrix3d::Identity();
   for (const RigMoment& moment : sequence.moments) {
-    Directions answer{.image = moment.source, .frame = {}};
+    Looked looked;
     try {
-      answer.frame = FrameOf(sequence, moment, segments);
+      looked = LookAt(sequence, moment, segments);
     } catch (const MapError& error) {
       std::cerr << "waystone: " << error.what() << '\n';
       all_read = false;
       continue;
     }
-    answer.frame = Renumbered(std::move(answer.frame), previous);
-    if (answer.frame.reliable()) previous = answer.frame.head_from_axes;
+    looked.frame = Renumbered(std::move(looked.frame), previous);
+    if (looked.frame.reliable()) previous = looked.frame.head_from_axes;
+    if (!flags.draw.empty()) {
+      SavePicture(flags.draw, moment.source,
+                  DrawDirections(sequence.rig, looked.images, looked.lines, looked.frame));
+    }
+    const Directions answer{.image = moment.source, .frame = std::move(looked.frame)};
     std::cout << (flags.json ? ToJson(answer).dump() + "\n" : HumanText(answer)) << std::flush;
   }
   return all_read;
@@ -135,6 +166,9 @@ void AddDirections(CLI::App& app, Run& run) {
                       "Camera or rig file; rig.yaml or camera.yaml beside the photos otherwise");
   command->add_option("--detector", flags->detector, "edge_drawing, canny or lsd")
       ->capture_default_str();
+  command->add_option("--draw", flags->draw,
+                      "Write a picture of each photo into this folder: its lines in the colours of "
+                      "their axes, 1 red, 2 green, 3 blue");
   command->add_flag("--json", flags->json, "One JSON object a photo");
   command->footer(
       "Axes are unit vectors of the camera's frame (x right, y down, z forward), of a rig's head's "

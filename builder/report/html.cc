@@ -10,6 +10,7 @@
 #include "builder/report/appearance_svg.h"
 #include "builder/report/colours.h"
 #include "builder/report/graph_layout.h"
+#include "builder/report/orientation_svg.h"
 #include "core/base/text.h"
 
 namespace waystone {
@@ -31,6 +32,9 @@ figcaption { font-size: .85rem; padding-top: .3rem; }
   color: #000; font-size: .8rem; }
 svg { width: 100%; height: auto; border: 1px solid var(--line); border-radius: 6px; }
 svg line { stroke: #8888; stroke-width: 1.5; } svg text { font: 11px system-ui; text-anchor: middle; fill: #000; }
+.plot text, .cells text { fill: currentColor; font-size: 14px; } .plot .tick { text-anchor: end; }
+.plot .name { text-anchor: start; } svg.cells text { font-size: 12px; } svg.cells .tick { font-size: 7px; }
+.nodes { display: grid; grid-template-columns: repeat(auto-fill, minmax(8rem, 1fr)); gap: 1rem; }
 .scroll { max-height: 32rem; overflow: auto; }
 )";
 
@@ -222,6 +226,12 @@ std::string Subtitle(const MapData& map) {
            " edges; ";
   }
   if (map.appearance) text += std::to_string(map.appearance->nodes.size()) + " panoramas; ";
+  if (map.orientation) {
+    text += std::to_string(map.orientation->frames.size()) + " directions, " +
+            std::to_string(
+                std::ranges::count(map.orientation->turns, true, &OrientationTurn::confirmed)) +
+            " turns; ";
+  }
   return text;
 }
 
@@ -232,6 +242,46 @@ std::string AppearanceSection(const MapData& map) {
          std::to_string(layer.nodes.size()) + " panoramas, " + std::to_string(layer.dropped) +
          " redundant ones left out. A dot is a panorama, the way joins those that follow each "
          "other, orange lines are loops: places that the camera came back to.</p>\n";
+}
+
+// Where one can go from the nodes of a sequence.
+std::string CellsGallery(const OrientationLayer& layer, SequenceId sequence) {
+  std::unordered_map<OrientationFrameId, const OrientationFrame*> frames;
+  for (const OrientationFrame& frame : layer.frames) {
+    if (frame.sequence == sequence) frames[frame.id] = &frame;
+  }
+  std::string html = "<div class=nodes>\n";
+  for (const OrientationNode& node : layer.nodes) {
+    const auto it = frames.find(node.frame);
+    if (it == frames.end() || !it->second->reliable) continue;  // nothing was counted
+    html += "<figure>" + DirectionCellsSvg(node) + "<figcaption>" + EscapeHtml(it->second->source) +
+            (node.kind == OrientationNodeKind::kTurn ? ", a turn" : "") +
+            "</figcaption></figure>\n";
+  }
+  return html + "</div>\n";
+}
+
+std::string OrientationSection(const MapData& map) {
+  if (!map.orientation) return "";
+  const OrientationLayer& layer = *map.orientation;
+  const std::vector<SequenceId> sequences = SequencesOf(layer);
+  std::string html;
+  for (size_t i = 0; i < sequences.size(); ++i) {
+    const std::string number = sequences.size() > 1 ? ", sequence " + std::to_string(i + 1) : "";
+    html += "<h2>Way by its turns" + number + "</h2>\n" + OrientationMapSvg(layer, sequences[i]) +
+            "<p class=sub>Red: a turn. Green: the view along the way breaks. Blue: the camera "
+            "turned alone. Orange: a loop. Shaded: a corridor. Strokes show the heading. A frame "
+            "is a step, whatever its length, so a loop needn't close.</p>\n<div class=plot>" +
+            OrientationPlotSvg(layer, sequences[i]) +
+            "</div><p class=sub>Above: heading, 0 along the building's x, 90 along its y; grey "
+            "where it isn't reliable. Below: lines along x (red), y (green) and upright (blue). "
+            "Vertical lines are turns, blue ones of the camera alone; corridors are shaded.</p>\n"
+            "<h2>Where one can go" +
+            number + "</h2>\n" + CellsGallery(layer, sequences[i]) +
+            "<p class=sub>Lines across the way in the cells up, right, down and left of who looks "
+            "along it: where there are many, one can go. Of nodes with a reliable rotation.</p>\n";
+  }
+  return html;
 }
 
 }  // namespace
@@ -245,7 +295,7 @@ std::string ReportHtml(const MapData& map, const BuildReport& report,
          "<meta name=viewport content=\"width=device-width\">\n<title>" +
          name + " - Waystone map</title>\n<style>" + kStyle + "</style>\n<h1>" + name +
          "</h1>\n<p class=sub>" + Subtitle(map) + "built by " + EscapeHtml(map.info.program) +
-         "</p>\n" + AppearanceSection(map) + PlanesSection(map) +
+         "</p>\n" + AppearanceSection(map) + OrientationSection(map) + PlanesSection(map) +
          TablesSection(map, report, tables) + KeyframesSection(map) + "</html>\n";
 }
 

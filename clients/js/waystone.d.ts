@@ -69,6 +69,10 @@ export declare class Client {
   getKeyframeImage(map: string, id: number, options?: { width?: number }): Promise<Blob>;
   /** A small picture of it. */
   getKeyframeThumbnail(map: string, id: number): Promise<Blob>;
+  /** Straight lines of its picture by the direction that they have in the building. 422 for a sequence without a camera. */
+  getKeyframeLines(map: string, id: number): Promise<DirectedLines>;
+  /** Where the planes that it saw are in space, relative to its camera. 422 for a sequence without a camera. */
+  getKeyframeSpace(map: string, id: number): Promise<Space>;
   /** The whole map by columns, for drawing. */
   getOverview(map: string): Promise<Overview>;
   /** Where the map is weak. The first time takes seconds and a query's turn. */
@@ -89,8 +93,12 @@ export declare class Client {
   getOrientation(map: string): Promise<Orientation>;
   /** Every frame with the camera's rotation in the building. */
   listOrientationFrames(map: string, options?: { limit?: number; cursor?: string }): Promise<OrientationFrameList>;
+  /** One frame. */
+  getOrientationFrame(map: string, id: number): Promise<OrientationFrame>;
   /** A node's picture. */
   getOrientationImage(map: string, id: number, options?: { width?: number }): Promise<Blob>;
+  /** Straight lines of a node's picture by the direction that they have in the building. */
+  getOrientationLines(map: string, id: number): Promise<DirectedLines>;
   /** Turns, confirmed or not. */
   listTurns(map: string, options?: { limit?: number; cursor?: string }): Promise<TurnList>;
   /** Stretches without turns. */
@@ -145,6 +153,8 @@ export type Next = string | null;
 
 /** Three rows of three. */
 export type Matrix = [[number, number, number], [number, number, number], [number, number, number]];
+
+export type Vector = [number, number, number];
 
 /** Points [x, y], px. */
 export type Outline = [number, number][];
@@ -366,9 +376,60 @@ export interface Signature {
 
 export interface Orientation {
   step: number;
+  frames: OrientationColumns;
   nodes: OrientationNode[];
   edges: OrientationEdge[];
+  turns: Turn[];
   corridors: Corridor[];
+}
+
+/** All frames by columns. x and y are the way by its turns alone, a step of 1 a frame along the building's axes, from 0 in each sequence; lines are those along the building's x, y and z. */
+export interface OrientationColumns {
+  id: number[];
+  sequence: number[];
+  frame: number[];
+  x: number[];
+  y: number[];
+  heading_rad: (number | null)[];
+  reliable: boolean[];
+  lines_x: number[];
+  lines_y: number[];
+  lines_z: number[];
+}
+
+/** Polylines in pixels of a picture of the given size, each with the axis of the building that it runs along. Where the frame's rotation in the building is known (`of` is frame), x and y are the layer's; else the picture's own lines give the axes, z being the most upright one. */
+export interface DirectedLines {
+  width: number;
+  height: number;
+  of: "frame" | "picture";
+  reliable: boolean;
+  lines: DirectedLine[];
+}
+
+export interface DirectedLine {
+  axis: null | "x" | "y" | "z";
+  points: Outline;
+}
+
+/** In the frame of the keyframe's camera (x right, y down, z forward). Lengths are multiples of the distance of `unit_plane`. `image_from_camera` is the camera's linear part, px; `corners` are rays through the image's corners, clockwise from the upper left. */
+export interface Space {
+  keyframe: Id;
+  views: Count;
+  unit_plane: null | Id;
+  image_from_camera: Matrix;
+  corners: [Vector, Vector, Vector, Vector];
+  planes: PlaneInSpace[];
+}
+
+/** Points X with normal . X = distance; `outline` are such points, in order around. What isn't well determined has its trouble and null. */
+export interface PlaneInSpace {
+  id: Id;
+  trouble: null | "no_parallax" | "ambiguous" | "uncertain";
+  normal: null | Vector;
+  distance: number | null;
+  normal_deviation_rad: number | null;
+  distance_deviation: number | null;
+  outline: Vector[];
 }
 
 export interface OrientationNode {
@@ -377,6 +438,9 @@ export interface OrientationNode {
   kind: "turn" | "frame";
   heading_rad: number | null;
   corridor: null | Id;
+  /** Lines across the way in the cells up, right, down and left of who looks along it. */
+  directions: [number, number, number, number];
+  image: string | null;
 }
 
 export interface OrientationEdge {

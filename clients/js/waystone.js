@@ -184,6 +184,14 @@ export class Client {
     return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/thumbnail`, {});
   }
 
+  getKeyframeLines(map, id) {
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/lines`, {});
+  }
+
+  getKeyframeSpace(map, id) {
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/space`, {});
+  }
+
   getOverview(map) {
     return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/overview`, {});
   }
@@ -224,8 +232,16 @@ export class Client {
     return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/frames`, options);
   }
 
+  getOrientationFrame(map, id) {
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/frames/${encodeURIComponent(id)}`, {});
+  }
+
   getOrientationImage(map, id, options = {}) {
     return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/nodes/${encodeURIComponent(id)}/image`, options);
+  }
+
+  getOrientationLines(map, id) {
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/nodes/${encodeURIComponent(id)}/lines`, {});
   }
 
   listTurns(map, options = {}) {

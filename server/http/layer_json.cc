@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "schema/orientation_way.h"
 #include "server/http/home_page.h"
 
 namespace waystone {
@@ -35,13 +36,6 @@ Json HeadingJson(const OrientationFrame& frame) {
 Json HeadingDeviationJson(const OrientationFrame& frame) {
   if (!frame.rotation) return nullptr;
   return Angle(std::sqrt(std::max(0.0, frame.rotation->covariance(2, 2))));
-}
-
-const OrientationFrame* FrameOf(const OrientationLayer& layer, OrientationFrameId id) {
-  const auto it = std::lower_bound(
-      layer.frames.begin(), layer.frames.end(), id,
-      [](const OrientationFrame& frame, OrientationFrameId wanted) { return frame.id < wanted; });
-  return it == layer.frames.end() || it->id != id ? nullptr : &*it;
 }
 
 bool Contains(const OrientationLayer& layer, const Corridor& corridor, OrientationFrameId id) {
@@ -84,6 +78,32 @@ Json HalvesJson(const HalfMatrix& matrix, int decimals) {
 
 const char* AxisName(int axis) { return axis == 0 ? "x" : "y"; }
 
+// All frames, by columns.
+Json FramesJson(const OrientationLayer& layer) {
+  constexpr int kHeadingDecimals = 4;  // enough for a plot, and a third of the bytes
+  Json json;
+  for (const char* column : {"id", "sequence", "frame", "x", "y", "heading_rad", "reliable",
+                             "lines_x", "lines_y", "lines_z"}) {
+    json[column] = Json::array();
+  }
+  const std::vector<Eigen::Vector2d> way = WayOf(layer);
+  for (size_t i = 0; i < layer.frames.size(); ++i) {
+    const OrientationFrame& frame = layer.frames[i];
+    const auto heading = frame.rotation ? HeadingOf(*frame.rotation) : std::nullopt;
+    json["id"].push_back(frame.id.value);
+    json["sequence"].push_back(frame.sequence.value);
+    json["frame"].push_back(frame.frame);
+    json["x"].push_back(way[i].x());
+    json["y"].push_back(way[i].y());
+    json["heading_rad"].push_back(heading ? Json(Rounded(*heading, kHeadingDecimals)) : nullptr);
+    json["reliable"].push_back(frame.reliable);
+    json["lines_x"].push_back(frame.lines[0]);
+    json["lines_y"].push_back(frame.lines[1]);
+    json["lines_z"].push_back(frame.lines[2]);
+  }
+  return json;
+}
+
 }  // namespace
 
 const AppearanceLayer& AppearanceOf(const MapIndex& index) {
@@ -98,6 +118,13 @@ const OrientationLayer& OrientationOf(const MapIndex& index) {
   throw MapError(ErrorCode::kNoLayer,
                  "this map has no orientation layer; build it from a calibrated camera's images of "
                  "a building");
+}
+
+const OrientationFrame* FrameOf(const OrientationLayer& layer, OrientationFrameId id) {
+  const auto it = std::lower_bound(
+      layer.frames.begin(), layer.frames.end(), id,
+      [](const OrientationFrame& frame, OrientationFrameId wanted) { return frame.id < wanted; });
+  return it == layer.frames.end() || it->id != id ? nullptr : &*it;
 }
 
 Json LayerJson(const MapData& map, const AppearanceLayer& layer) {
@@ -125,10 +152,11 @@ Json LayerJson(const MapData& map, const AppearanceLayer& layer) {
   return json;
 }
 
-Json LayerJson(const MapData& map, const OrientationLayer& layer) {
+Json LayerJson(const std::string& map_name, const MapData& map, const OrientationLayer& layer) {
   const NodeRows rows("", map);
   Json json;
   json["step"] = layer.step;
+  json["frames"] = FramesJson(layer);
   json["nodes"] = Json::array();
   for (const OrientationNode& node : layer.nodes) {
     const OrientationFrame* frame = FrameOf(layer, node.frame);
@@ -138,7 +166,10 @@ Json LayerJson(const MapData& map, const OrientationLayer& layer) {
          {"keyframe", frame ? rows.KeyframeOf(frame->sequence, frame->frame) : Json(nullptr)},
          {"kind", turn ? "turn" : "frame"},
          {"heading_rad", frame ? HeadingJson(*frame) : Json(nullptr)},
-         {"corridor", CorridorOf(layer, node.frame)}});
+         {"corridor", CorridorOf(layer, node.frame)},
+         {"directions", node.directions},
+         {"image", node.jpeg.empty() ? Json(nullptr)
+                                     : ImagePath(map_name, "orientation", node.frame.value)}});
   }
   json["edges"] = Json::array();
   for (const OrientationEdge& edge : layer.edges) {
@@ -148,6 +179,8 @@ Json LayerJson(const MapData& map, const OrientationLayer& layer) {
                              {"kind", loop ? "loop" : "traversable"},
                              {"matches", edge.matches}});
   }
+  json["turns"] = Json::array();
+  for (const OrientationTurn& turn : layer.turns) json["turns"].push_back(TurnJson(turn));
   json["corridors"] = Json::array();
   for (size_t i = 0; i < layer.corridors.size(); ++i) {
     json["corridors"].push_back(CorridorJson(layer, i));

@@ -22,10 +22,15 @@ const OrientationLayer& OrientationOf(const MapIndex& index);
 // The whole layer for drawing, in few fields:
 //   appearance   scale, metres_per_unit, dropped, nodes {id, keyframe, x, y, heading_rad},
 //                edges {a, b, kind, distance}
-//   orientation  step, nodes {id, keyframe, kind, heading_rad, corridor},
-//                edges {a, b, kind, matches}, corridors
+//   orientation  step, frames (columns: id, sequence, frame, x, y by schema/orientation_way.h,
+//                heading_rad, reliable, lines_x, lines_y, lines_z),
+//                nodes {id, keyframe, kind, heading_rad, corridor, directions, image},
+//                edges {a, b, kind, matches}, turns, corridors
 Json LayerJson(const MapData& map, const AppearanceLayer& layer);
-Json LayerJson(const MapData& map, const OrientationLayer& layer);
+Json LayerJson(const std::string& map_name, const MapData& map, const OrientationLayer& layer);
+
+// A frame of the layer, by its id; null when it has none.
+const OrientationFrame* FrameOf(const OrientationLayer& layer, OrientationFrameId id);
 
 // The rows of lists, whole. What was also taken as a keyframe of the plane layer has its id.
 class NodeRows {

@@ -42,15 +42,6 @@ Json ReferenceJson(const MapIndex& index, KeyframeId id) {
   return json;
 }
 
-// A plane's outline as a keyframe saw it, clipped to the keyframe.
-std::vector<Eigen::Vector2d> OutlineIn(const Keyframe& keyframe, const Plane& plane,
-                                       const PlaneView& view) {
-  if (plane.features.empty()) return {};
-  const Keypoint& inside = plane.features.front().reference;
-  return ClippedOutline(plane.outline, view.reference_from_keyframe.inverse(),
-                        {inside.x_px, inside.y_px}, keyframe.width, keyframe.height);
-}
-
 // The planes that a keyframe saw. A walk over all planes: fast enough for people, and the index
 // stays what queries need.
 Json SeenPlanesJson(const MapIndex& index, const Keyframe& keyframe) {
@@ -70,6 +61,14 @@ Json SeenPlanesJson(const MapIndex& index, const Keyframe& keyframe) {
 }
 
 }  // namespace
+
+std::vector<Eigen::Vector2d> OutlineIn(const Keyframe& keyframe, const Plane& plane,
+                                       const PlaneView& view) {
+  if (plane.features.empty()) return {};
+  const Keypoint& inside = plane.features.front().reference;
+  return ClippedOutline(plane.outline, view.reference_from_keyframe.inverse(),
+                        {inside.x_px, inside.y_px}, keyframe.width, keyframe.height);
+}
 
 Json MapJson(const std::string& name, const MapIndex& index) {
   const MapData& map = index.map();

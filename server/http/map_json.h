@@ -30,4 +30,8 @@ Json GraphJson(const MapIndex& index);
 // images were left out).
 Json KeyframeJson(const std::string& map_name, const MapIndex& index, const Keyframe& keyframe);
 
+// A plane's outline as a keyframe saw it, clipped to the keyframe, px.
+std::vector<Eigen::Vector2d> OutlineIn(const Keyframe& keyframe, const Plane& plane,
+                                       const PlaneView& view);
+
 }  // namespace waystone

@@ -13,12 +13,14 @@
 #include "server/http/graph_formats.h"
 #include "server/http/home_page.h"
 #include "server/http/layer_json.h"
+#include "server/http/lines_json.h"
 #include "server/http/map_json.h"
 #include "server/http/openapi.h"
 #include "server/http/overview_json.h"
 #include "server/http/paging.h"
 #include "server/http/responses.h"
 #include "server/http/shrink_image.h"
+#include "server/http/space_json.h"
 #include "server/http/web_page.h"
 
 namespace waystone {
@@ -180,6 +182,18 @@ void MapService::AddSingles(Router& router) {
           [](const auto& request, const ServedMap& map, const Captures& in) {
             return ImageResponse(KeyframeOf(map.index(), in), WidthIn(request));
           });
+  AddShow(router, "/keyframes/{id}/lines",
+          [this](const auto&, const ServedMap& map, const Captures& in) {
+            const Keyframe& keyframe = KeyframeOf(map.index(), in);
+            const QueryGate::Turn turn = gate_.Enter();  // it computes
+            return JsonResponse(LinesJson(map.index(), keyframe));
+          });
+  AddShow(router, "/keyframes/{id}/space",
+          [this](const auto&, const ServedMap& map, const Captures& in) {
+            const Keyframe& keyframe = KeyframeOf(map.index(), in);
+            const QueryGate::Turn turn = gate_.Enter();  // it computes
+            return JsonResponse(SpaceJson(map.index(), keyframe));
+          });
   AddShow(router, "/keyframes/{id}/thumbnail",
           [](const auto&, const ServedMap& map, const Captures& in) {
             return ImageResponse(KeyframeOf(map.index(), in), kThumbnailWidth);
@@ -218,7 +232,7 @@ void MapService::AddAppearance(Router& router) {
 
 void MapService::AddOrientation(Router& router) {
   AddShow(router, "/orientation", [](const auto&, const ServedMap& map, const auto&) {
-    return JsonResponse(LayerJson(map.index().map(), OrientationOf(map.index())));
+    return JsonResponse(LayerJson(map.name(), map.index().map(), OrientationOf(map.index())));
   });
   AddShow(router, "/orientation/frames",
           [](const auto& request, const ServedMap& map, const auto&) {
@@ -226,6 +240,14 @@ void MapService::AddOrientation(Router& router) {
             const NodeRows rows(map.name(), map.index().map());
             return JsonResponse(PagedJson(request, "frames", layer.frames.size(),
                                           [&](size_t i) { return rows.Row(layer.frames[i]); }));
+          });
+  AddShow(router, "/orientation/frames/{id}",
+          [](const auto&, const ServedMap& map, const Captures& in) {
+            const int64_t id = IdIn(in, "frame");
+            const OrientationFrame* frame =
+                FrameOf(OrientationOf(map.index()), OrientationFrameId{id});
+            const NodeRows rows(map.name(), map.index().map());
+            return JsonResponse(rows.Row(Existing(frame, "frame", id)));
           });
   AddShow(router, "/orientation/turns", [](const auto& request, const ServedMap& map, const auto&) {
     const OrientationLayer& layer = OrientationOf(map.index());
@@ -241,6 +263,12 @@ void MapService::AddOrientation(Router& router) {
   AddShow(router, "/orientation/nodes/{id}/image",
           [](const auto& request, const ServedMap& map, const Captures& in) {
             return ImageResponse(NodeOf(OrientationOf(map.index()), in), WidthIn(request));
+          });
+  AddShow(router, "/orientation/nodes/{id}/lines",
+          [this](const auto&, const ServedMap& map, const Captures& in) {
+            const OrientationNode& node = NodeOf(OrientationOf(map.index()), in);
+            const QueryGate::Turn turn = gate_.Enter();  // it computes
+            return JsonResponse(LinesJson(map.index(), node));
           });
 }
 

@@ -14,7 +14,8 @@ namespace waystone {
 // images, audit, the two layers. Lists come in pages. A handler finds and renders. Thread-safe.
 class MapService {
  public:
-  // Both must outlive the service. Only an audit takes a turn of the gate.
+  // Both must outlive the service. Audits and what is found in pictures take a turn of
+  // the gate.
   MapService(const MapCatalog& catalog, QueryGate& gate) : catalog_(catalog), gate_(gate) {}
 
   // Adds the routes. The service must outlive the router's last request.

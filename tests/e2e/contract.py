@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""contract.py URL OPENAPI MAP LAYERED INSIDE ELSEWHERE: holds a running server to its contract.
+"""contract.py URL OPENAPI MAP LAYERED CALIBRATED INSIDE ELSEWHERE: holds a running server to its contract.
 
-LAYERED is a map with an appearance and an orientation layer, MAP one without.
+LAYERED is a map with an appearance and an orientation layer, MAP one without, CALIBRATED one of planes that
+several views of a calibrated camera saw.
 
 Records the responses of every route and of requests that hypothesis makes, and validates each
 against clients/openapi.yaml. A 5xx, an undocumented status, a body that doesn't fit its schema and a
@@ -20,7 +21,7 @@ import yaml
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-URL, OPENAPI, MAP, LAYERED, INSIDE, ELSEWHERE = sys.argv[1:]
+URL, OPENAPI, MAP, LAYERED, CALIBRATED, INSIDE, ELSEWHERE = sys.argv[1:]
 HOST = urllib.parse.urlsplit(URL).netloc
 PHOTO = open(INSIDE, "rb").read()
 OTHER = open(ELSEWHERE, "rb").read()
@@ -141,6 +142,7 @@ def every_route():
     for name in ["g2o", "geojson", "ply", "tum", "colmap", "poses"]:
         assert ask("GET", base + "/graph?format=" + name)[0] == 422, name
     every_layer(base)
+    every_plane_in_space()
     return base
 
 
@@ -150,6 +152,7 @@ def every_layer(without):
              "/orientation/corridors"]
     singles = ["/appearance", "/orientation", "/appearance/nodes/1", "/appearance/nodes/1/signature",
                "/appearance/nodes/1/image", "/orientation/nodes/3/image", "/overview",
+               "/orientation/frames/1", "/orientation/nodes/3/lines", "/keyframes/1/lines",
                "/graph?format=g2o", "/graph?format=geojson", "/graph?format=ply", "/graph?format=tum"]
     for part in lists + singles:
         status, fields, _ = ask("GET", base + part)
@@ -160,6 +163,15 @@ def every_layer(without):
     for part in lists + singles[:2]:
         status, _, data = ask("GET", without + part)
         assert (status, json.loads(data)["code"]) == (404, "no_layer"), part
+
+
+def every_plane_in_space():
+    base = "/v1/maps/" + urllib.parse.quote(CALIBRATED)
+    keyframes = json.loads(ask("GET", base + "/keyframes")[2])["keyframes"]
+    answers = [ask("GET", f"{base}/keyframes/{keyframe['id']}/space") for keyframe in keyframes]
+    assert all(status == 200 for status, _, _ in answers)
+    planes = [plane for _, _, data in answers for plane in json.loads(data)["planes"]]
+    assert any(plane["trouble"] is None and plane["outline"] for plane in planes), planes
 
 
 def every_body(base):

@@ -15,8 +15,10 @@
 #include "cli/child_process.h"
 #include "schema/map_store.h"
 #include "server/http/json.h"
+#include "tests/e2e/calibrated_maps.h"
 #include "tests/e2e/shared_map.h"
 #include "tests/server/http/made_map.h"
+#include "tests/server/http/made_picture.h"
 
 // After Eigen, for which the macro _res of the resolver's header spells trouble.
 #include <httplib.h>
@@ -246,12 +248,15 @@ TEST_F(HttpTest, SameAnswerAsWithoutAServer) {
 TEST_F(HttpTest, KeepsItsContract) {
   const std::filesystem::path folder = FreshFolder();
   MapData layered = MadeLayeredMap(3);
+  layered.sequences[0].camera = MadeCamera();
+  layered.keyframes[0].jpeg = MadePicture();
+  layered.orientation->nodes[1].jpeg = MadePicture();
   layered.edges.clear();  // whose homologies are made up: a file is checked
   WriteMap(layered, folder / "layered.db", {});
-  const Served served({(folder / "layered.db").string()});
+  const Served served({(folder / "layered.db").string(), TheCorner().map.string()});
   const std::string command =
       std::string("/usr/bin/python3 " WAYSTONE_SOURCE_DIR "/tests/e2e/contract.py ") +
-      served.url() + " " WAYSTONE_SOURCE_DIR "/clients/openapi.yaml room layered " +
+      served.url() + " " WAYSTONE_SOURCE_DIR "/clients/openapi.yaml room layered walls " +
       TheMap().inside.string() + " " + TheMap().elsewhere.string();
   EXPECT_EQ(std::system(command.c_str()), 0);
   std::filesystem::remove_all(folder);

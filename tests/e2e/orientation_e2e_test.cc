@@ -66,6 +66,32 @@ TEST(OrientationCommands, DirectionsOfARigAreTheCorridors) {
   EXPECT_EQ(photos, 6);
 }
 
+// How many pixels are clearly of a colour, blue, green or red.
+int Coloured(const cv::Mat& picture, int channel) {
+  int count = 0;
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      const auto pixel = picture.at<cv::Vec3b>(y, x);
+      const int others = std::max(pixel[(channel + 1) % 3], pixel[(channel + 2) % 3]);
+      count += pixel[channel] > others + 80 ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+TEST(OrientationCommands, DirectionsDrawsLinesInTheColoursOfTheirAxes) {
+  const fs::path folder = FreshFolder();
+  const RunResult result = RunWaystone({"directions", RigFolder(), "--draw", folder / "drawn"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  const cv::Mat picture = cv::imread((folder / "drawn" / "000.png").string());
+  ASSERT_EQ(picture.size(), cv::Size(3 * 480, 2 * 480)) << "six cameras in two rows";
+  for (const int channel : {0, 1, 2}) EXPECT_GT(Coloured(picture, channel), 500) << channel;
+  fs::remove_all(folder);
+  const RunResult unwritable = RunWaystone({"directions", RigFolder(), "--draw", "/proc/drawn"});
+  EXPECT_NE(unwritable.code, 0);
+  EXPECT_NE(unwritable.err.find("can't be written"), std::string::npos) << unwritable.err;
+}
+
 TEST(OrientationCommands, BuildMakesTheLayerAndInfoCountsIt) {
   const fs::path map = TheMap().folder / "rig.db";
   const RunResult built = RunWaystone(

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cli/child_process.h"
+#include "tests/e2e/calibrated_maps.h"
 #include "tests/e2e/shared_map.h"
 
 namespace waystone {
@@ -18,7 +19,8 @@ TEST(WebTest, EveryViewInABrowser) {
   if (std::system("command -v node >/dev/null") != 0) {  // NOLINT(cert-env33-c): a constant
     GTEST_SKIP() << "Node is missing; the page is tested where it is installed";
   }
-  ChildProcess server({WAYSTONE_PROGRAM, "serve", TheMap().map, "--port", "0"}, true);
+  ChildProcess server(
+      {WAYSTONE_PROGRAM, "serve", TheMap().map, TheCorner().map, TheTurns(), "--port", "0"}, true);
   const std::string line = server.ReadLine();
   const size_t at = line.find("http://");
   ASSERT_NE(at, std::string::npos) << line;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // node page_test.mjs URL INSIDE.jpg ELSEWHERE.jpg [SCREENSHOT_FOLDER]: every view of the page, served
-// at URL, in Debian's Chromium. Exits with 0, with 1 after saying what is wrong, and with 77 after
+// at URL with the maps room, walls (of a calibrated camera) and turns (of a rig), in Debian's Chromium. Exits with 0, with 1 after saying what is wrong, and with 77 after
 // saying what is missing.
 import assert from "node:assert/strict";
 import { existsSync, readFileSync } from "node:fs";
@@ -57,6 +57,10 @@ async function shoot(page, name) {
   if (screenshots) await page.screenshot({ path: join(screenshots, `${name}.png`) });
 }
 
+async function shootWhole(page, name) {
+  if (screenshots) await page.screenshot({ path: join(screenshots, `${name}.png`), fullPage: true });
+}
+
 // Serious or not: the page has no violation at all.
 async function checkAccess(page, where) {
   await page.evaluate(axeSource);
@@ -66,8 +70,8 @@ async function checkAccess(page, where) {
   assert.deepEqual(found, [], `axe in ${where}`);
 }
 
-const go = async (page, view, heading) => {
-  await page.evaluate((hash) => { location.hash = hash; }, `#/room/${view}`);
+const go = async (page, view, heading, map = "room") => {
+  await page.evaluate((hash) => { location.hash = hash; }, `#/${map}/${view}`);
   await page.getByRole("heading", { level: 1, name: heading }).waitFor();
 };
 
@@ -140,6 +144,60 @@ async function testPlanes(page) {
   await checkAccess(page, "a plane");
 }
 
+const getJson = async (path) => (await fetch(url + path)).json();
+
+// The orientation layer of a rig that went around a corner: its map, its plots, and a node.
+async function testOrientation(page) {
+  const layer = await getJson("/v1/maps/turns/orientation");
+  const turn = layer.turns.find((t) => t.confirmed);
+  assert.ok(turn, "the walk around the corner has a turn");
+  await go(page, "orientation", "Turns and corridors", "turns");
+  await page.locator(".way .turn circle").first().waitFor();
+  assert.equal(await page.locator(".way g circle").count(), layer.nodes.length);
+  assert.equal(await page.locator(".way .corridor").count(), layer.corridors.length);
+  assert.equal(await page.locator(".series canvas").count(), 2, "heading and lines");
+  await page.locator(".way .turn circle").first().click();
+  await page.waitForURL(new RegExp(`orientation/${turn.frame}$`));
+  await page.locator(".facts", { hasText: `to the ${turn.direction}` }).waitFor();
+  const cells = layer.nodes.find((n) => n.id === turn.frame).directions;
+  assert.deepEqual((await page.locator(".cells text:not(.name)").allTextContents()).map(Number), cells);
+  const { lines } = await getJson(`/v1/maps/turns/orientation/nodes/${turn.frame}/lines`);
+  await page.waitForFunction((n) => document.querySelectorAll(".directed polyline").length === n, lines.length);
+  assert.ok(lines.length > 5, "its picture has lines");
+  for (const axis of ["x", "y", "z"]) {
+    const along = lines.filter((l) => l.axis === axis).length;
+    assert.equal(await page.locator(`.directed polyline.${axis}`).count(), along, `lines along ${axis}`);
+  }
+  const plot = await page.locator(".series canvas").first().screenshot();
+  assert.ok(await distinctColours(page, plot) > 5, "the heading is drawn");
+  await shootWhole(page, "orientation");
+  await checkAccess(page, "orientation");
+  await page.getByRole("link", { name: "next node" }).or(page.getByRole("link", { name: "previous node" })).first().click();
+  await page.waitForURL((to) => !to.hash.endsWith(`/${turn.frame}`));
+}
+
+// A keyframe that has planes with a place: lines by direction, and planes in space.
+async function testSpace(page) {
+  const { keyframes } = await getJson("/v1/maps/walls/keyframes");
+  const spaces = await Promise.all(keyframes.map((k) => getJson(`/v1/maps/walls/keyframes/${k.id}/space`)));
+  const placed = (space) => space.planes.filter((p) => p.trouble === null).length;
+  const best = spaces.reduce((a, b) => (placed(b) > placed(a) ? b : a));
+  assert.ok(placed(best) >= 2, "a keyframe sees both walls in space");
+  await go(page, `keyframes/${best.keyframe}`, `Keyframe ${best.keyframe}`, "walls");
+  await page.getByLabel("lines by their direction").check();
+  await page.locator(".directed polyline").first().waitFor({ state: "attached" });
+  await page.getByRole("button", { name: "Show its planes in space" }).click();
+  await page.locator(".space canvas").waitFor();
+  await page.waitForTimeout(800);  // for the picture on the planes
+  const seen = await page.locator(".space").screenshot();
+  assert.ok(await distinctColours(page, seen) > 40, "the planes have their pictures");
+  await page.getByRole("button", { name: "from above" }).click();
+  assert.notDeepEqual(await page.locator(".space").screenshot(), seen, "it turns");
+  await page.getByRole("button", { name: "from behind the camera" }).click();
+  await shootWhole(page, "space");
+  await checkAccess(page, "planes in space");
+}
+
 // How many colours a picture has, to 4 bits a channel.
 function distinctColours(page, png) {
   return page.evaluate(async (base64) => {
@@ -166,7 +224,7 @@ async function testKeyframes(page) {
   await go(page, `keyframes/${seeing}`, `Keyframe ${seeing}`);
   await page.locator(".outline polygon").first().waitFor();
   const drawn = await page.locator(".outline polygon").count();
-  await page.getByRole("checkbox").first().uncheck();
+  await page.getByRole("checkbox", { name: "draw plane" }).first().uncheck();
   assert.equal(await page.locator(".outline polygon").count(), drawn - 1, "one outline less");
   await shoot(page, "keyframe");
   await checkAccess(page, "a keyframe");
@@ -188,22 +246,17 @@ async function testLayers(page) {
   await checkAccess(page, "layers");
 }
 
-// A map that has them, as the endpoints will answer.
+// A trajectory with a loop, as the endpoints answer.
 async function testOtherLayers() {
   const { page, complaints, close } = await open({});
   const known = await overview();
   const ring = Array.from({ length: 24 }, (_, i) => (2 * Math.PI * i) / 24);
   await page.route("**/overview", (route) =>
-    route.fulfill(json({ ...known, layers: ["planes", "appearance", "orientation"] })));
+    route.fulfill(json({ ...known, layers: ["planes", "appearance"] })));
   await page.route("**/appearance", (route) => route.fulfill(json({
     scale: "arbitrary",
     nodes: ring.map((a, i) => ({ id: i, keyframe: 1, x: Math.cos(a), y: Math.sin(a), heading_rad: a })),
     edges: [...ring.keys()].map((i) => ({ a: i, b: (i + 1) % 24, kind: i === 23 ? "loop" : "odometry", distance: 0.1 })),
-  })));
-  await page.route("**/orientation", (route) => route.fulfill(json({
-    nodes: ring.map((a, i) => ({ id: i, keyframe: 1, kind: i % 6 === 0 ? "turn" : "frame", heading_rad: Math.floor(i / 6) * Math.PI / 2, corridor: 1 })),
-    edges: [],
-    corridors: [{ id: 1, axis: "x", first: 1, last: 3, nodes: [1, 2, 3] }],
   })));
   await page.route("**/appearance/nodes/*", (route) => route.fulfill(json({
     id: 0, sequence: "walk", source: "0.jpg", time_s: null, frame: 0, keyframe: 1, x: 1, y: 0,
@@ -213,7 +266,6 @@ async function testOtherLayers() {
   await page.locator(".trajectory line.loop").waitFor({ state: "attached" });
   assert.equal(await page.locator(".trajectory circle").count(), 24);
   assert.equal(await page.locator(".trajectory line.loop").count(), 1);
-  await page.locator(".series canvas").waitFor();
   await page.getByText("0.jpg of walk").waitFor();
   await page.getByRole("button", { name: "next" }).click();
   await page.locator(".trajectory circle.chosen").waitFor({ state: "attached" });
@@ -322,13 +374,16 @@ async function testPhone() {
   await page.goto(`${url}/`);
   await ask(page, inside);
   const views = [["ask", /Where/], ["why", /Why/], ["planes", /Planes/], ["keyframes", /Keyframes/],
-    ["layers", /way/], ["coverage", /weak/]];
-  for (const [view, heading] of views) {
-    await go(page, view, heading);
+    ["layers", /way/], ["orientation", /Turns/], ["coverage", /weak/], ["layers", /way/, "turns"],
+    ["orientation", /Turns/, "turns"], ["keyframes/2", /Keyframe 2/, "walls"]];
+  for (const [view, heading, map] of views) {
+    await go(page, view, heading, map);
+    if (map === "walls") await page.getByRole("button", { name: "in space" }).click();
+    if (map) await page.waitForTimeout(800);  // for its pictures
     const width = await page.evaluate(() => document.documentElement.scrollWidth);
     assert.ok(width <= 360, `${view} is ${width} px wide on a phone`);
-    await shoot(page, `phone_${view}`);
-    await checkAccess(page, `${view}, dark`);
+    await shoot(page, `phone_${map ? `${map}_` : ""}${view.split("/")[0]}`);
+    await checkAccess(page, `${view}${map ? ` of ${map}` : ""}, dark`);
   }
   assert.deepEqual(complaints, []);
   await close();
@@ -337,7 +392,8 @@ async function testPhone() {
 try {
   const { page, complaints, close } = await open({ viewport: { width: 1280, height: 800 } });
   await page.goto(`${url}/`);
-  for (const test of [testAsk, testWhy, testPlanes, testKeyframes, testLayers, testCoverage, testKeyboard]) {
+  for (const test of [testAsk, testWhy, testPlanes, testKeyframes, testLayers, testOrientation,
+    testSpace, testCoverage, testKeyboard]) {
     await test(page);
     assert.deepEqual(complaints, [], test.name);
   }

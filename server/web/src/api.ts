@@ -10,7 +10,8 @@ import {
 } from "../../../clients/js/waystone.js";
 
 export type {
-  Appearance, AppearanceNode, Audit, Explanation, Keyframe, Orientation, Overview, Plane,
+  Appearance, AppearanceNode, Audit, DirectedLines, Explanation, Keyframe, Orientation,
+  OrientationFrame, Overview, Plane, Space,
 } from "../../../clients/js/waystone.js";
 export type { Answer, MapSummary };
 export type Candidate = ExplainedCandidate;

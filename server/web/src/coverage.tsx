@@ -103,6 +103,7 @@ function Profile({ map, overview, audit }: { map: string; overview: Overview; au
       [run.first.id, run.last.id]),
     [audit],
   );
+  const curves = useMemo(() => [{ values: features, colour: "--accent" }], [features]);
   const none = features.filter((f) => f === 0).length;
   const sorted = [...features].sort((a, b) => a - b);
   const median = sorted[Math.floor(sorted.length / 2)] ?? 0;
@@ -116,7 +117,7 @@ function Profile({ map, overview, audit }: { map: string; overview: Overview; au
       <Series
         at={id}
         along="keyframe"
-        values={features}
+        curves={curves}
         unit="features"
         marked={weak}
         what={`Features in view at ${id.length} keyframes, median ${median}`}

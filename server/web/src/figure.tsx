@@ -62,7 +62,7 @@ export function Outlines({ shapes, unit }: { shapes: Shape[]; unit: number }) {
   );
 }
 
-function Frame({ picture, children }: { picture: Picture; children?: ComponentChildren }) {
+export function Frame({ picture, children }: { picture: Picture; children?: ComponentChildren }) {
   const src = usePicture(picture.src);
   return picture.src
     ? <img src={src ?? undefined} alt={picture.alt} width={picture.width} height={picture.height} />
@@ -70,12 +70,18 @@ function Frame({ picture, children }: { picture: Picture; children?: ComponentCh
 }
 
 // One picture with outlines and points.
-export function Overlay(props: { picture: Picture; shapes: Shape[]; dots?: Point[] }) {
-  const { picture, shapes, dots = [] } = props;
+export function Overlay(props: {
+  picture: Picture;
+  shapes: Shape[];
+  dots?: Point[];
+  children?: ComponentChildren; // drawn below the outlines
+}) {
+  const { picture, shapes, dots = [], children } = props;
   return (
     <div class="figure" style={{ aspectRatio: `${picture.width} / ${picture.height}` }}>
       <Frame picture={picture} />
       <svg viewBox={`0 0 ${picture.width} ${picture.height}`} aria-hidden="true">
+        {children}
         <Outlines shapes={shapes} unit={picture.width / 640} />
         <g class="dots">
           {dots.map(([x, y], i) => <circle key={i} cx={x} cy={y} r={picture.width / 320} />)}

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // View: the keyframes, and one of them with its planes drawn on it.
 import { useState } from "preact/hooks";
-import { imagePath, type Keyframe, type MapSummary, mapPath, type Overview } from "./api";
+import { type DirectedLines, imagePath, type Keyframe, type MapSummary, mapPath, type Overview } from "./api";
 import { colourOf } from "./colours";
 import { Overlay } from "./figure";
+import { LineStrokes, LineWords } from "./lines";
 import type { ViewProps } from "./main";
 import { Facts, Failure, Panorama, PlaneLink, Swatch, Thumbnail, Waiting } from "./parts";
 import { href } from "./route";
+import { InSpace } from "./space";
 import { useGet } from "./use";
 import { counted } from "./words";
 
@@ -56,42 +58,57 @@ function PlaneTable({ map, keyframe, shown, toggle }: {
   );
 }
 
-function isPanorama(map: MapSummary, keyframe: Keyframe): boolean {
-  const sequence = map.sequences.find((s) => s.name === keyframe.sequence);
-  return sequence?.camera?.model === "EQUIRECTANGULAR";
-}
+const cameraOf = (map: MapSummary, keyframe: Keyframe) =>
+  map.sequences.find((s) => s.name === keyframe.sequence)?.camera ?? null;
 
 function Show({ map, id }: { map: MapSummary; id: number }) {
   const keyframe = useGet<Keyframe>(`${mapPath(map.name)}/keyframes/${id}`);
   const [hidden, setHidden] = useState<number[]>([]);
+  const [withLines, setWithLines] = useState(false);
+  const lines = useGet<DirectedLines>(withLines ? `${mapPath(map.name)}/keyframes/${id}/lines` : null);
   if (keyframe.error) return <Failure error={keyframe.error} />;
   if (!keyframe.value) return <Waiting what={`keyframe ${id}`} />;
   const { width, height, image, planes, source, sequence, frame, stretch, time_s } = keyframe.value;
+  const camera = cameraOf(map, keyframe.value);
+  const panorama = camera?.model === "EQUIRECTANGULAR";
   const shown = (plane: number) => !hidden.includes(plane);
   const toggle = (plane: number) =>
     setHidden(shown(plane) ? [...hidden, plane] : hidden.filter((h) => h !== plane));
   const shapes = planes.map((p, i) => ({ points: p.outline, colour: colourOf(i), label: `${p.id}` }))
     .filter((_, i) => shown(planes[i].id));
   return (
-    <div class="split">
-      <div>
-        <Overlay picture={{ src: image, alt: `keyframe ${id}: ${source}`, width, height }} shapes={shapes} />
-        {image && isPanorama(map, keyframe.value) && <Panorama path={imagePath(map.name, id)} />}
+    <>
+      <div class="split">
+        <div>
+          <Overlay picture={{ src: image, alt: `keyframe ${id}: ${source}`, width, height }} shapes={shapes}>
+            {lines.value && <LineStrokes lines={lines.value} />}
+          </Overlay>
+          {image && camera && !panorama && (
+            <label class="toggle">
+              <input type="checkbox" checked={withLines} onChange={() => setWithLines(!withLines)} />
+              lines by their direction in the building
+            </label>
+          )}
+          {lines.error && <Failure error={lines.error} />}
+          {lines.value && <LineWords lines={lines.value} />}
+          {image && panorama && <Panorama path={imagePath(map.name, id)} />}
+        </div>
+        <div>
+          <Facts
+            rows={[
+              ["Source", `${source} of ${sequence}`],
+              ["Frame", time_s === null ? frame : `${frame}, at ${time_s.toFixed(2)} s`],
+              ["Stretch", stretch + 1],
+              ["Size", `${width} × ${height} px`],
+            ]}
+          />
+          {planes.length > 0
+            ? <PlaneTable map={map.name} keyframe={keyframe.value} shown={shown} toggle={toggle} />
+            : <p>No plane of the map is seen here: a query from here won’t be recognised.</p>}
+        </div>
       </div>
-      <div>
-        <Facts
-          rows={[
-            ["Source", `${source} of ${sequence}`],
-            ["Frame", time_s === null ? frame : `${frame}, at ${time_s.toFixed(2)} s`],
-            ["Stretch", stretch + 1],
-            ["Size", `${width} × ${height} px`],
-          ]}
-        />
-        {planes.length > 0
-          ? <PlaneTable map={map.name} keyframe={keyframe.value} shown={shown} toggle={toggle} />
-          : <p>No plane of the map is seen here: a query from here won’t be recognised.</p>}
-      </div>
-    </div>
+      {planes.length > 0 && camera && !panorama && <InSpace map={map} keyframe={keyframe.value} />}
+    </>
   );
 }
 

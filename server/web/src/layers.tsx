@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// View: the way through the map, layer by layer: what was seen again, trajectory and orientation.
+// View: the way through the map, layer by layer: what was seen again, and the trajectory.
 import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
-import { type Appearance, type AppearanceNode, mapPath, type Orientation, type Overview } from "./api";
+import { type Appearance, type AppearanceNode, mapPath, type Overview } from "./api";
 import { colourOf } from "./colours";
 import type { ViewProps } from "./main";
 import { Facts, Failure, KeyframeLink, Panorama, PlaneLink, Swatch, Waiting } from "./parts";
-import { Series } from "./series";
+import { href } from "./route";
 import { useGet } from "./use";
 import { counted } from "./words";
 
@@ -168,42 +168,6 @@ function AppearanceLayer({ map }: { map: string }) {
   );
 }
 
-function OrientationLayer({ map }: { map: string }) {
-  const layer = useGet<Orientation>(`${mapPath(map)}/orientation`);
-  if (layer.error) return <Failure error={layer.error} />;
-  if (!layer.value) return <Waiting what="the orientation layer" />;
-  const { corridors } = layer.value;
-  const nodes = layer.value.nodes.filter((n) => n.heading_rad !== null);
-  const turns = nodes.flatMap((n, i) => (n.kind === "turn" ? [[i, i] as [number, number]] : []));
-  return (
-    <>
-      <Series
-        at={nodes.map((_, i) => i)}
-        along="node"
-        values={nodes.map((n) => n.heading_rad! * kDegrees)}
-        unit="heading, degrees"
-        marked={turns}
-        what={`Headings of ${nodes.length} nodes; turns are marked`}
-      />
-      <div class="scroll" tabIndex={0} role="region" aria-label="Corridors">
-        <table>
-          <caption>Corridors</caption>
-          <thead><tr><th>Corridor</th><th>Along</th><th class="number">Nodes</th></tr></thead>
-          <tbody>
-            {corridors.map((c) => (
-              <tr key={c.id}>
-                <td>{c.id}</td>
-                <td>the building’s {c.axis}</td>
-                <td class="number">{c.nodes.length}</td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
-      </div>
-    </>
-  );
-}
-
 function Layer(props: { name: string; has: boolean; children: ComponentChildren; missing: string }) {
   return (
     <section>
@@ -234,7 +198,7 @@ export function LayersView({ map }: ViewProps) {
         has={layers.includes("orientation")}
         missing="This map has no orientation layer. A map gets one when it is built from a calibrated camera’s images of a building with walls at right angles."
       >
-        <OrientationLayer map={map.name} />
+        <p>They have <a href={href(map.name, "orientation")}>a view of their own</a>.</p>
       </Layer>
     </>
   );

@@ -30,6 +30,7 @@ const kTitles: Record<View, string> = {
   planes: "Planes",
   keyframes: "Keyframes",
   layers: "Layers",
+  orientation: "Orientation",
   coverage: "Coverage",
 };
 
@@ -39,6 +40,7 @@ const kLater: Record<Exclude<View, "ask">, () => Promise<ComponentType<ViewProps
   planes: async () => (await import("./planes")).PlanesView,
   keyframes: async () => (await import("./keyframes")).KeyframesView,
   layers: async () => (await import("./layers")).LayersView,
+  orientation: async () => (await import("./orientation")).OrientationView,
   coverage: async () => (await import("./coverage")).CoverageView,
 };
 

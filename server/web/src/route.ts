@@ -2,7 +2,9 @@
 // Where the page is: #/MAP/VIEW/ID, so that every view has an address.
 import { useEffect, useState } from "preact/hooks";
 
-export const kViews = ["ask", "why", "planes", "keyframes", "layers", "coverage"] as const;
+export const kViews = [
+  "ask", "why", "planes", "keyframes", "layers", "orientation", "coverage",
+] as const;
 export type View = (typeof kViews)[number];
 
 export interface Route {

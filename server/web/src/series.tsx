@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A series of numbers along the map's order.
+// Numbers along the map's order, as curves.
 import uPlot from "uplot";
 import { useEffect, useRef } from "preact/hooks";
 import { cssColour } from "./colours";
@@ -10,7 +10,33 @@ const kHeight = 200; // px
 // Steps between ticks: numbers of keyframes are whole.
 const kSteps = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000, 50000];
 
-// Shades the marked runs (first and last, as in `at`) behind the line.
+export interface Curve {
+  values: (number | null)[]; // as many as `at`
+  colour: string; // a variable of the style sheet
+  dots?: boolean; // a dot a value and no line between them
+}
+
+// A vertical line.
+export interface Mark {
+  at: number;
+  colour: string;
+}
+
+export interface SeriesProps {
+  at: number[]; // numbers of what the values are of, ascending
+  along: string; // what is numbered
+  curves: Curve[];
+  unit: string;
+  range?: [number, number]; // of the values; 0 to the largest otherwise
+  ticks?: number[]; // of the values
+  marked: [number, number][]; // runs that are shaded, first and last as in `at`
+  marks?: Mark[];
+  chosen?: number | null; // as in `at`
+  what: string;
+  choose?: (index: number) => void;
+}
+
+// Shades the marked runs behind the curves.
 function shade(plot: uPlot, marked: [number, number][]) {
   const { ctx, bbox } = plot;
   ctx.save();
@@ -23,13 +49,31 @@ function shade(plot: uPlot, marked: [number, number][]) {
   ctx.restore();
 }
 
-function optionsFor(
-  width: number,
-  along: string,
-  unit: string,
-  marked: [number, number][],
-): uPlot.Options {
+function drawMarks(plot: uPlot, marks: Mark[], width: number) {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.lineWidth = width * devicePixelRatio;
+  for (const { at, colour } of marks) {
+    const x = plot.valToPos(at, "x", true);
+    ctx.strokeStyle = cssColour(colour);
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.stroke();
+  }
+  ctx.restore();
+}
+
+function seriesOf({ colour, dots }: Curve): uPlot.Series {
+  const stroke = cssColour(colour);
+  return dots
+    ? { stroke, paths: () => null, points: { show: true, size: 4, fill: stroke, width: 0 } }
+    : { stroke, width: 1.5, points: { show: false } };
+}
+
+function optionsFor(width: number, props: SeriesProps, chosen: () => Mark[]): uPlot.Options {
   const axis = { stroke: cssColour("--quiet"), grid: { stroke: cssColour("--line"), width: 1 } };
+  const { range, ticks } = props;
   return {
     width,
     height: kHeight,
@@ -37,33 +81,37 @@ function optionsFor(
     cursor: { drag: { x: true, y: false } },
     scales: {
       x: { time: false },
-      y: { range: (_, low, high) => [Math.min(0, low), high > low ? high * 1.05 : low + 1] },
+      y: {
+        range: (_, low, high) =>
+          range ?? [Math.min(0, low), high > low ? high * 1.05 : low + 1],
+      },
     },
     axes: [
-      { ...axis, label: along, labelSize: 20, size: 30, incrs: kSteps },
-      { ...axis, label: unit, labelSize: 20, size: 50 },
+      { ...axis, label: props.along, labelSize: 20, size: 30, incrs: kSteps },
+      { ...axis, label: props.unit, labelSize: 20, size: 50, ...(ticks && { splits: () => ticks }) },
     ],
-    series: [{}, { stroke: cssColour("--accent"), width: 1.5, points: { show: false } }],
-    hooks: { drawClear: [(plot) => shade(plot, marked)] },
+    series: [{}, ...props.curves.map(seriesOf)],
+    hooks: {
+      drawClear: [(plot) => shade(plot, props.marked)],
+      draw: [
+        (plot) => drawMarks(plot, props.marks ?? [], 2),
+        (plot) => drawMarks(plot, chosen(), 1),
+      ],
+    },
   };
 }
 
-export function Series(props: {
-  at: number[]; // numbers of what the values are of, ascending
-  along: string; // what is numbered
-  values: number[];
-  unit: string;
-  marked: [number, number][];
-  what: string;
-  choose?: (index: number) => void;
-}) {
-  const { at, along, values, unit, marked, what, choose } = props;
+export function Series(props: SeriesProps) {
+  const { at, curves, unit, marked, marks, chosen, what, choose } = props;
   const box = useRef<HTMLDivElement>(null);
+  const drawn = useRef<uPlot | null>(null);
+  const picked = useRef<Mark[]>([]);
   const dark = useMedia("(prefers-color-scheme: dark)");
   useEffect(() => {
     const place = box.current!;
-    const data: uPlot.AlignedData = [at, values];
-    const plot = new uPlot(optionsFor(place.clientWidth, along, unit, marked), data, place);
+    const data = [at, ...curves.map((c) => c.values)] as uPlot.AlignedData;
+    const plot = new uPlot(optionsFor(place.clientWidth, props, () => picked.current), data, place);
+    drawn.current = plot;
     const resized = new ResizeObserver(() =>
       plot.setSize({ width: place.clientWidth, height: kHeight }));
     resized.observe(place);
@@ -73,6 +121,11 @@ export function Series(props: {
       resized.disconnect();
       plot.destroy();
     };
-  }, [at, values, unit, marked, dark]);
+  }, [at, curves, unit, marked, marks, dark]);
+  // Another choice draws the same plot again.
+  useEffect(() => {
+    picked.current = chosen == null ? [] : [{ at: chosen, colour: "--text" }];
+    drawn.current?.redraw(false);
+  }, [chosen]);
   return <div class="series" ref={box} role="img" aria-label={what} />;
 }

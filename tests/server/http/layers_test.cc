@@ -3,6 +3,7 @@
 // formats of other programs.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -14,14 +15,25 @@
 #include "server/http/json.h"
 #include "server/http/pose_formats.h"
 #include "tests/server/http/made_map.h"
+#include "tests/server/http/made_picture.h"
 
 namespace waystone {
 namespace {
+
+// Of a calibrated sequence with pictures that have lines in them.
+MapData PicturedMap() {
+  MapData map = MadeLayeredMap(2);
+  map.sequences[0].camera = MadeCamera();
+  map.keyframes[0].jpeg = MadePicture();
+  map.orientation->nodes[1].jpeg = MadePicture();
+  return map;
+}
 
 class LayersTest : public testing::Test {
  protected:
   LayersTest()
       : app_({{"both", MapIndex::Build(MadeLayeredMap(2))},
+              {"pictured", MapIndex::Build(PicturedMap())},
               {"planes", MapIndex::Build(MadeMap(1))},
               {"panoramas", MapIndex::Build(MadeLayeredMap(0))}},
              {}, {}) {}
@@ -95,12 +107,85 @@ TEST_F(LayersTest, OrientationForDrawing) {
   EXPECT_EQ(json["step"], 2);
   ASSERT_EQ(json["nodes"].size(), 2u);
   EXPECT_EQ(json["nodes"][0],
-            Json::parse(R"({"id":1,"keyframe":1,"kind":"frame","heading_rad":0.0,"corridor":1})"));
+            Json::parse(R"({"id":1,"keyframe":1,"kind":"frame","heading_rad":0.0,"corridor":1,
+                            "directions":[0,0,0,0],"image":null})"));
   EXPECT_EQ(json["nodes"][1]["kind"], "turn");
+  EXPECT_EQ(json["nodes"][1]["directions"], Json({1, 2, 3, 4}));
+  EXPECT_EQ(json["nodes"][1]["image"], "/v1/maps/both/orientation/nodes/3/image");
   EXPECT_NEAR(json["nodes"][1]["heading_rad"].get<double>(), 1.5708, 1e-4);
   EXPECT_EQ(json["edges"], Json::parse(R"([{"a":1,"b":3,"kind":"traversable","matches":31}])"));
   EXPECT_EQ(json["corridors"][1],
             Json::parse(R"({"id":2,"axis":"y","first":3,"last":4,"nodes":[3]})"));
+  EXPECT_EQ(json["turns"], GetJson("both/orientation/turns")["turns"]);
+}
+
+// A turn to the left at frame 3, which the last frame follows.
+TEST_F(LayersTest, OrientationFramesByColumns) {
+  const Json frames = GetJson("both/orientation")["frames"];
+  EXPECT_EQ(frames["id"], Json({1, 2, 3, 4}));
+  EXPECT_EQ(frames["sequence"], Json({1, 1, 1, 1}));
+  EXPECT_EQ(frames["frame"], Json({0, 1, 2, 3}));
+  EXPECT_EQ(frames["x"], Json({0.0, 1.0, 2.0, 2.0}));
+  EXPECT_EQ(frames["y"], Json({0.0, 0.0, 0.0, 1.0}));
+  EXPECT_EQ(frames["heading_rad"], Json({0.0, 0.0, 1.5708, nullptr}));
+  EXPECT_EQ(frames["reliable"], Json({true, true, true, false}));
+  EXPECT_EQ(frames["lines_y"], Json({20, 20, 20, 20}));
+}
+
+// How many lines run along an axis.
+int64_t Along(const Json& lines, const Json& axis) {
+  return std::ranges::count_if(lines["lines"],
+                               [&](const Json& line) { return line["axis"] == axis; });
+}
+
+TEST_F(LayersTest, LinesOfAKeyframeInItsOwnPixels) {
+  const Json lines = GetJson("pictured/keyframes/1/lines");
+  EXPECT_EQ(lines["width"], 640);
+  EXPECT_EQ(lines["height"], 480);
+  EXPECT_EQ(lines["of"], "frame") << "frame 0 looks along the building's x";
+  EXPECT_TRUE(lines["reliable"].get<bool>());
+  for (const char* axis : {"x", "y", "z"}) EXPECT_GE(Along(lines, axis), 4) << axis;
+  double right = 0;
+  for (const Json& line : lines["lines"]) {
+    for (const Json& point : line["points"]) right = std::max(right, point[0].get<double>());
+  }
+  EXPECT_NEAR(right, 2 * 310, 6);
+}
+
+TEST_F(LayersTest, LinesOfANodeInItsPicturesPixels) {
+  const Json lines = GetJson("pictured/orientation/nodes/3/lines");
+  EXPECT_EQ(lines["width"], 320);
+  EXPECT_EQ(lines["of"], "frame") << "frame 2 looks along y";
+  const Json ahead = *std::ranges::find_if(lines["lines"], [](const Json& line) {
+    return line["points"][0][0].get<double>() < 100 && line["points"][1][1].get<double>() < 100;
+  });
+  EXPECT_EQ(ahead["axis"], "y");
+  EXPECT_EQ(GetJson("pictured/orientation/frames/3")["frame"], 2);
+}
+
+// Five features a plane are too few to say anything.
+TEST_F(LayersTest, PlanesInSpaceThatNothingTellsHaveTheirTrouble) {
+  const Json space = GetJson("pictured/keyframes/1/space");
+  EXPECT_EQ(space["keyframe"], 1);
+  EXPECT_TRUE(space["unit_plane"].is_null());
+  EXPECT_EQ(space["corners"][0], Json::parse("[-0.639,-0.479,1.0]"));
+  ASSERT_EQ(space["planes"].size(), 2u);
+  EXPECT_EQ(space["planes"][1],
+            Json::parse(R"({"id":2,"trouble":"no_parallax","normal":null,"distance":null,
+                            "normal_deviation_rad":null,"distance_deviation":null,"outline":[]})"));
+}
+
+TEST_F(LayersTest, LinesThatCantBeGivenAreSaid) {
+  for (const auto& [path, status] :
+       std::map<std::string, int>{{"planes/keyframes/1/lines", 422},
+                                  {"planes/keyframes/1/space", 422},            // no camera
+                                  {"pictured/keyframes/2/lines", 404},          // no picture
+                                  {"pictured/orientation/nodes/1/lines", 404},  // no picture
+                                  {"pictured/orientation/nodes/9/lines", 404},  // no node
+                                  {"pictured/orientation/frames/9", 404},
+                                  {"planes/orientation/frames/1", 404}}) {
+    EXPECT_EQ(Get(path).status, status) << path;
+  }
 }
 
 TEST_F(LayersTest, OrientationInLists) {

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/homography/homography.h"
+
+namespace waystone {
+
+// What two calibrated cameras see of one plane: a of the reference camera, b of a view, both on the
+// image plane z = 1 of their camera (x right, y down, z forward). Four pairs or more.
+struct PlaneSighting {
+  int plane = 0;  // 0 to planes - 1
+  int view = 0;   // 0 to views - 1
+  PointPairs points;
+};
+
+struct SpaceOptions {
+  // Standard deviation of a coordinate of a point in a view, image plane z = 1, 1e-5 to 0.1. Higher
+  // trusts small motions less.
+  double point_sigma = 0.002;
+  // Sightings, those with most parallax, whose decompositions are tried, 1 to 1000. More find the
+  // common motion among more homographies that are wrong.
+  int seeds = 16;
+  // Steps of the refinement, 1 to 1000.
+  int max_steps = 30;
+  // A solution whose error is within this many deviations of the best one's leaves the choice open,
+  // 0 to 100. Higher calls more planes ambiguous.
+  double rival_deviations = 4;
+  // Normals of two solutions that differ by more are two answers, 0.01 to 1.5. rad
+  double rival_angle_rad = 0.2;
+  // What a plane needs to be called determined: standard deviations of its normal (0.001 to 1 rad)
+  // and of its distance, as a share of it (0.001 to 1).
+  double max_normal_sigma_rad = 0.06;
+  double max_distance_sigma = 0.06;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Why a plane's place isn't known.
+enum class SpaceTrouble {
+  kNone,
+  kNoParallax,  // the camera hardly moved between its views, beside what their noise tells
+  kAmbiguous,   // another normal explains its views as well: of the two of a homography, say
+  kUncertain,   // its normal or distance has too large a deviation
+};
+std::string_view NameOf(SpaceTrouble trouble);  // "none", "no_parallax", "ambiguous", "uncertain"
+
+// A plane n . X = d of the reference camera's frame; n points away from the camera.
+struct PlaneInSpace {
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double distance = 0;          // d > 0 in the estimate's unit; 0 where nothing is known
+  double normal_sigma_rad = 0;  // standard deviation, worst direction
+  double distance_sigma = 0;    // of the distance, as a share of it; 0 for the unit plane
+  SpaceTrouble trouble = SpaceTrouble::kNoParallax;
+};
+
+// X_view = rotation X_reference + translation.
+struct ViewMotion {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  // in the estimate's unit
+};
+
+struct SpaceEstimate {
+  std::vector<PlaneInSpace> planes;
+  std::vector<std::optional<ViewMotion>> views;  // nothing where no motion was found
+  int unit_plane = -1;                           // its distance is 1; -1 where nothing is known
+  double deviations = 0;  // root mean square error of the points over point_sigma
+};
+
+// The planes that a reference camera and several views of it saw, in space. Each homography
+// H = R + t n^T / d of two views has up to two decompositions in front of both cameras (Faugeras
+// and Lustman 1988; here by Ma, Soatto, Kosecka and Sastry 2004, alg. 5.2). Each is tried: its
+// motion puts the other planes of its view into space, these the other views, and so on; all planes
+// of a view share R and t, all views of a plane n and d, so that the decomposition that explains
+// most is the right one. All are then refined together by robust least squares on the points'
+// transfer. Distances are relative to each other: one plane's is the unit. Deviations are those of
+// the points' noise; a wrong calibration and planes that aren't flat come on top. Deterministic;
+// thread-safe.
+SpaceEstimate FindPlanesInSpace(int planes, int views, std::span<const PlaneSighting> sightings,
+                                const SpaceOptions& options = {});
+
+}  // namespace waystone

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/manhattan/directed_segments.h"
+
+#include "core/base/check.h"
+#include "core/manhattan/line_model.h"
+
+namespace waystone {
+namespace {
+
+// Building axes of a head that stands upright and looks along x.
+Eigen::Matrix3d UprightHead() {
+  Eigen::Matrix3d head_from_building;
+  head_from_building << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  return head_from_building;
+}
+
+}  // namespace
+
+DirectedSegments FindDirectedSegments(const cv::Mat& grey, const Camera& camera,
+                                      const std::optional<Eigen::Matrix3d>& head_from_building,
+                                      const SegmentOptions& segments,
+                                      const ManhattanOptions& manhattan) {
+  WS_CHECK(camera.model != CameraModel::kEquirectangular, "lines of a panorama are bent");
+  const std::vector<GreatCircle> circles =
+      GreatCirclesOf(RigOfOne(camera), 0, DetectSegments(grey, segments));
+  DirectedSegments found;
+  Eigen::Matrix3d axes;
+  if (head_from_building) {
+    axes = *head_from_building;
+    found.reliable = true;
+  } else {
+    const ManhattanFrame frame = Renumbered(FindManhattanFrame(circles, manhattan), UprightHead());
+    axes = frame.head_from_axes;
+    found.reliable = frame.reliable();
+  }
+  for (const Line& line : LinesOf(circles, manhattan.max_lines)) {
+    found.segments.push_back({circles[line.index].segment, SupportOf(line, axes, manhattan).axis});
+  }
+  return found;
+}
+
+}  // namespace waystone

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+// View: the orientation layer. The way by its turns (the paper's fig. 10), heading and lines over
+// the frames (figs. 3, 4 and 11), and one frame with where one can go from it (fig. 13).
+import { useMemo } from "preact/hooks";
+import { mapPath, type Orientation, type OrientationFrame, type Overview } from "./api";
+import { LinedPicture } from "./lines";
+import type { ViewProps } from "./main";
+import { Facts, Failure, KeyframeLink, Swatch, Waiting } from "./parts";
+import { href } from "./route";
+import { type Mark, Series } from "./series";
+import { useGet } from "./use";
+import { WayMap } from "./way_map";
+import { counted } from "./words";
+
+const kDegrees = 180 / Math.PI;
+const kQuarters = [-180, -90, 0, 90, 180];
+
+type Node = Orientation["nodes"][number];
+
+// The frames of one sequence: rows first to last of the layer's columns.
+export interface Stretch {
+  sequence: number;
+  first: number;
+  last: number;
+}
+
+function stretches({ frames }: Orientation): Stretch[] {
+  const found: Stretch[] = [];
+  frames.sequence.forEach((sequence, i) => {
+    const current = found[found.length - 1];
+    if (current?.sequence === sequence) current.last = i;
+    else found.push({ sequence, first: i, last: i });
+  });
+  return found;
+}
+
+// Of the frames of a stretch: what its two plots show.
+function plotted(layer: Orientation, { first, last }: Stretch) {
+  const { frames } = layer;
+  const rows = Array.from({ length: last - first + 1 }, (_, i) => first + i);
+  const row = new Map(rows.map((i) => [frames.id[i], i]));
+  const heading = (reliable: boolean) =>
+    rows.map((i) => {
+      const rad = frames.heading_rad[i];
+      return rad === null || frames.reliable[i] !== reliable ? null : rad * kDegrees;
+    });
+  const marks: Mark[] = layer.turns.filter((t) => row.has(t.frame)).map((t) => ({
+    at: frames.frame[row.get(t.frame)!],
+    colour: t.confirmed ? "--red" : "--blue",
+  }));
+  const marked = layer.corridors.filter((c) => row.has(c.first)).map((c): [number, number] =>
+    [frames.frame[row.get(c.first)!], frames.frame[row.get(c.last)!]]);
+  return {
+    at: rows.map((i) => frames.frame[i]),
+    headings: [
+      { values: heading(false), colour: "--quiet", dots: true },
+      { values: heading(true), colour: "--accent", dots: true },
+    ],
+    lines: [
+      { values: rows.map((i) => frames.lines_x[i]), colour: "--red" },
+      { values: rows.map((i) => frames.lines_y[i]), colour: "--green" },
+      { values: rows.map((i) => frames.lines_z[i]), colour: "--blue" },
+    ],
+    marks,
+    marked,
+  };
+}
+
+function Plots(props: { layer: Orientation; stretch: Stretch; row: number; choose: (row: number) => void }) {
+  const { layer, stretch, row } = props;
+  const plot = useMemo(() => plotted(layer, stretch), [layer, stretch]);
+  const chosen = layer.frames.frame[row];
+  const choose = (i: number) => props.choose(stretch.first + i);
+  const { at, marks, marked } = plot;
+  const turns = counted(marks.length, "marked turn");
+  return (
+    <section>
+      <h2>Heading and lines</h2>
+      <p class="legend">
+        <Swatch colour="var(--accent)" />heading, 0° along the building’s x and 90° along its y{" "}
+        <Swatch colour="var(--quiet)" />not reliable{" "}
+        <Swatch colour="var(--weak)" />corridor{" "}
+        <Swatch colour="var(--red)" />turn{" "}
+        <Swatch colour="var(--blue)" />the camera turned alone
+      </p>
+      <Series at={at} along="frame" curves={plot.headings} unit="heading, degrees"
+        range={[-185, 185]} ticks={kQuarters} marked={marked} marks={marks} chosen={chosen}
+        what={`Heading of ${at.length} frames; ${turns}`} choose={choose} />
+      <p class="legend">
+        Lines along the building’s <Swatch colour="var(--red)" />x{" "}
+        <Swatch colour="var(--green)" />y <Swatch colour="var(--blue)" />z (upright)
+      </p>
+      <Series at={at} along="frame" curves={plot.lines} unit="lines" marked={marked} marks={marks}
+        chosen={chosen} what={`Lines along each axis in ${at.length} frames; ${turns}`} choose={choose} />
+    </section>
+  );
+}
+
+const kCells = [
+  { name: "up", points: "0,0 100,0 50,50", x: 50, y: 20 },
+  { name: "right", points: "100,0 100,100 50,50", x: 81, y: 52 },
+  { name: "down", points: "0,100 100,100 50,50", x: 50, y: 85 },
+  { name: "left", points: "0,0 0,100 50,50", x: 19, y: 52 },
+];
+
+// Lines across the way in the four cells around it, for who looks along it (fig. 13).
+function Cells({ node }: { node: Node }) {
+  const most = Math.max(1, ...node.directions);
+  const said = kCells.map((c, i) => `${node.directions[i]} ${c.name}`).join(", ");
+  return (
+    <figure class="cells">
+      <svg viewBox="-1 -1 102 102" role="img" aria-label={`Lines across the way: ${said}`}>
+        {kCells.map((cell, i) => (
+          <g key={cell.name}>
+            <polygon points={cell.points} fill-opacity={(0.75 * node.directions[i]) / most} />
+            <text x={cell.x} y={cell.y}>{node.directions[i]}</text>
+            <text class="name" x={cell.x} y={cell.y + 8}>{cell.name}</text>
+          </g>
+        ))}
+      </svg>
+      <figcaption>Lines across the way, by where they are seen along it: where there are many, one can go.</figcaption>
+    </figure>
+  );
+}
+
+function headingInWords(frame: OrientationFrame): string {
+  if (frame.heading_rad === null) return "no axes found";
+  const degrees = `${(frame.heading_rad * kDegrees).toFixed(1)}°`;
+  const sure = frame.deviation_rad === null ? "" : ` ± ${(frame.deviation_rad * kDegrees).toFixed(2)}°`;
+  return `${degrees}${sure}${frame.reliable ? "" : ", not reliable"}`;
+}
+
+// The node that a frame is, else the one before it.
+function nodeAt(layer: Orientation, id: number): Node | undefined {
+  const before = layer.nodes.filter((n) => n.id <= id);
+  return before[before.length - 1] ?? layer.nodes[0];
+}
+
+function Frame({ map, layer, id }: { map: string; layer: Orientation; id: number }) {
+  const frame = useGet<OrientationFrame>(`${mapPath(map)}/orientation/frames/${id}`);
+  if (frame.error) return <Failure error={frame.error} />;
+  if (!frame.value) return <Waiting what={`frame ${id}`} />;
+  const { source, sequence, time_s, keyframe, lines } = frame.value;
+  const node = nodeAt(layer, id);
+  const there = node?.id === id;
+  const corridor = layer.corridors.find((c) => c.first <= id && id <= c.last);
+  const turn = layer.turns.find((t) => t.frame === id);
+  return (
+    <>
+      <Facts
+        rows={[
+          ["Frame", <>{frame.value.frame}{time_s !== null && `, at ${time_s.toFixed(2)} s`}
+            {keyframe !== null && <>, keyframe <KeyframeLink map={map} id={keyframe} /></>}</>],
+          ["Source", `${source} of ${sequence}`],
+          ["Heading", headingInWords(frame.value)],
+          ["Lines", `${lines[0]} along x, ${lines[1]} along y, ${lines[2]} upright`],
+          ["Corridor", corridor ? `${corridor.id}, along the building’s ${corridor.axis}` : "–"],
+          ["Turn", turn ? `to the ${turn.direction}${turn.confirmed ? "" : ", of the camera alone"}` : "–"],
+        ]}
+      />
+      {node && (
+        <>
+          <h2>
+            {there ? "This node" : <>The node before it, <FrameLink map={map} id={node.id} layer={layer} /></>}
+            {node.kind === "turn" ? ": a turn" : ": the view breaks"}
+          </h2>
+          <div class="node">
+            {layer.frames.reliable[layer.frames.id.indexOf(node.id)]
+              ? <Cells node={node} />
+              : <p class="quiet">Where one can go isn’t known: its rotation isn’t reliable.</p>}
+            {node.image && (
+              <LinedPicture image={node.image} alt={`what node ${node.id} sees ahead`}
+                path={`${mapPath(map)}/orientation/nodes/${node.id}/lines`} />
+            )}
+          </div>
+        </>
+      )}
+    </>
+  );
+}
+
+function FrameLink({ map, layer, id }: { map: string; layer: Orientation; id: number }) {
+  const frame = layer.frames.frame[layer.frames.id.indexOf(id)];
+  return <a href={href(map, "orientation", id)}>{frame}</a>;
+}
+
+function Table(props: { name: string; heads: string[]; rows: preact.ComponentChildren[][]; none: string }) {
+  const { name, heads, rows, none } = props;
+  if (rows.length === 0) return <p class="quiet">{none}</p>;
+  return (
+    <div class="scroll" tabIndex={0} role="region" aria-label={name}>
+      <table>
+        <caption>{name}</caption>
+        <thead><tr>{heads.map((head) => <th key={head}>{head}</th>)}</tr></thead>
+        <tbody>
+          {rows.map((row, i) => <tr key={i}>{row.map((cell, j) => <td key={j}>{cell}</td>)}</tr>)}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function Lists({ map, layer }: { map: string; layer: Orientation }) {
+  const link = (id: number) => <FrameLink map={map} layer={layer} id={id} />;
+  const loops = layer.edges.filter((e) => e.kind === "loop");
+  return (
+    <div class="lists">
+      <Table
+        name="Turns"
+        heads={["Frame", "Direction", "Angle jumped", "Then along"]}
+        rows={layer.turns.map((t) => [
+          link(t.frame), t.confirmed ? t.direction : `${t.direction}, camera alone`,
+          `${(t.angle_rad * kDegrees).toFixed(0)}°`, `the building’s ${t.axis_after}`,
+        ])}
+        none="No turn."
+      />
+      <Table
+        name="Corridors"
+        heads={["Corridor", "Along", "Frames"]}
+        rows={layer.corridors.map((c) => [c.id, `the building’s ${c.axis}`, <>{link(c.first)} to {link(c.last)}</>])}
+        none="No corridor."
+      />
+      <Table
+        name="Loops"
+        heads={["Frames", "Verified matches"]}
+        rows={loops.map((e) => [<>{link(e.a)} and {link(e.b)}</>, e.matches])}
+        none="No loop: the way doesn’t come back, or wasn’t recognised when it did."
+      />
+    </div>
+  );
+}
+
+function Steps({ map, layer, id }: { map: string; layer: Orientation; id: number }) {
+  const before = layer.nodes.filter((n) => n.id < id).pop();
+  const after = layer.nodes.find((n) => n.id > id);
+  const link = (node: Node | undefined, text: string) =>
+    node ? <a href={href(map, "orientation", node.id)}>{text}</a> : <span class="quiet">{text}</span>;
+  return <p class="steps">{link(before, "← previous node")} {link(after, "next node →")}</p>;
+}
+
+function Layer({ map, id }: { map: string; id: number | null }) {
+  const layer = useGet<Orientation>(`${mapPath(map)}/orientation`);
+  const ways = useMemo(() => (layer.value ? stretches(layer.value) : []), [layer.value]);
+  if (layer.error) return <Failure error={layer.error} />;
+  if (!layer.value) return <Waiting what="the orientation layer" />;
+  const { frames, nodes } = layer.value;
+  if (frames.id.length === 0) return <p>The layer has no frame.</p>;
+  const first = nodes[0]?.id ?? frames.id[0];
+  const row = Math.max(0, frames.id.indexOf(id ?? first));
+  const stretch = ways.find((w) => w.first <= row && row <= w.last)!;
+  const choose = (to: number) => {
+    location.hash = href(map, "orientation", frames.id[to]);
+  };
+  return (
+    <>
+      {ways.length > 1 && (
+        <p>
+          Way{" "}
+          {ways.map((w, i) => (
+            <a key={w.sequence} class="other-way" href={href(map, "orientation", frames.id[w.first])}
+              aria-current={w === stretch ? "true" : undefined}>{i + 1}</a>
+          ))}
+        </p>
+      )}
+      <div class="split">
+        <WayMap layer={layer.value} stretch={stretch} row={row} choose={choose} />
+        <section aria-label="The chosen frame">
+          <Steps map={map} layer={layer.value} id={frames.id[row]} />
+          <Frame map={map} layer={layer.value} id={frames.id[row]} />
+        </section>
+      </div>
+      <Plots layer={layer.value} stretch={stretch} row={row} choose={choose} />
+      <Lists map={map} layer={layer.value} />
+    </>
+  );
+}
+
+export function OrientationView({ map, route }: ViewProps) {
+  const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
+  if (overview.error) return <Failure error={overview.error} />;
+  if (!overview.value) return <Waiting what="the layers" />;
+  return (
+    <>
+      <h1>Turns and corridors</h1>
+      {overview.value.layers.includes("orientation") ? <Layer map={map.name} id={route.id} /> : (
+        <p class="missing">
+          This map has no orientation layer. A map gets one when it is built from a calibrated
+          camera’s images of a building with walls at right angles.
+        </p>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a keyframe sees in space: its planes' outlines where their homographies put them.
+import { useEffect, useRef, useState } from "preact/hooks";
+import { type Keyframe, mapPath, type MapSummary, type Space } from "./api";
+import { colourOf } from "./colours";
+import { Failure, PlaneLink, Swatch, Waiting } from "./parts";
+import type { Side, SpaceView } from "./space_view";
+import { useGet, useMedia, usePicture } from "./use";
+import { counted } from "./words";
+
+const kDegrees = 180 / Math.PI;
+
+const kTroubles: Record<string, string> = {
+  no_parallax: "the camera hardly moved while it saw it",
+  ambiguous: "two shapes explain its views",
+  uncertain: "its views don’t tell precisely enough",
+};
+
+const kSides: [Side, string][] = [
+  ["camera", "from behind the camera"],
+  ["side", "from the side"],
+  ["above", "from above"],
+];
+
+function Scene({ space, keyframe, colours }: {
+  space: Space;
+  keyframe: Keyframe;
+  colours: Map<number, string>;
+}) {
+  const box = useRef<HTMLDivElement>(null);
+  const view = useRef<SpaceView | null>(null);
+  const picture = usePicture(keyframe.image);
+  const dark = useMedia("(prefers-color-scheme: dark)");
+  useEffect(() => {
+    let gone = false;
+    import("./space_view").then(({ showSpace }) => {
+      if (gone) return;
+      const size: [number, number] = [keyframe.width, keyframe.height];
+      view.current = showSpace(box.current!, { space, colours, picture, size });
+    });
+    return () => {
+      gone = true;
+      view.current?.destroy();
+      view.current = null;
+    };
+  }, [space, picture, dark]);
+  return (
+    <>
+      <div class="space" ref={box} role="img"
+        aria-label={`The planes of keyframe ${keyframe.id} in space, with its camera`} />
+      <p class="steps">
+        {kSides.map(([side, text]) => (
+          <button key={side} onClick={() => view.current?.look(side)}>{text}</button>
+        ))}
+      </p>
+    </>
+  );
+}
+
+function Table({ map, space, colours }: { map: string; space: Space; colours: Map<number, string> }) {
+  return (
+    <div class="scroll" tabIndex={0} role="region" aria-label="Planes in space">
+      <table>
+        <caption>Distances in those of plane {space.unit_plane}</caption>
+        <thead><tr><th>Plane</th><th>Distance</th><th>Normal to within</th></tr></thead>
+        <tbody>
+          {space.planes.map((p) => (
+            <tr key={p.id}>
+              <td><Swatch colour={colours.get(p.id)!} /><PlaneLink map={map} id={p.id} /></td>
+              {p.trouble !== null
+                ? <td colSpan={2} class="quiet">not known: {kTroubles[p.trouble]}</td>
+                : (
+                  <>
+                    <td>{p.distance!.toFixed(2)} ± {p.distance_deviation!.toFixed(2)}</td>
+                    <td>{(p.normal_deviation_rad! * kDegrees).toFixed(1)}°</td>
+                  </>
+                )}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function Found({ map, keyframe }: { map: MapSummary; keyframe: Keyframe }) {
+  const space = useGet<Space>(`${mapPath(map.name)}/keyframes/${keyframe.id}/space`);
+  if (space.error) return <Failure error={space.error} />;
+  if (!space.value) return <Waiting what="the planes in space" />;
+  const colours = new Map(keyframe.planes.map((p, i) => [p.id, colourOf(i)]));
+  const placed = space.value.planes.filter((p) => p.trouble === null).length;
+  return (
+    <>
+      <p class="quiet">
+        {counted(placed, "plane")} of {space.value.planes.length} placed by the homographies to{" "}
+        {counted(space.value.views, "other keyframe")}. Lengths are relative: nothing says how long a
+        metre is. Drag to turn, scroll to come closer.
+      </p>
+      {placed > 0 && <Scene space={space.value} keyframe={keyframe} colours={colours} />}
+      {space.value.unit_plane !== null && <Table map={map.name} space={space.value} colours={colours} />}
+    </>
+  );
+}
+
+// Planes in space, looked for when they are asked for.
+export function InSpace({ map, keyframe }: { map: MapSummary; keyframe: Keyframe }) {
+  const [asked, setAsked] = useState(false);
+  return (
+    <section>
+      <h2>In space</h2>
+      {asked
+        ? <Found map={map} keyframe={keyframe} />
+        : <button onClick={() => setAsked(true)}>Show its planes in space</button>}
+    </section>
+  );
+}
