@@ -62,7 +62,7 @@ struct TurnOptions {
   double settled_rad = 0.35;
   // Motions in a row along the same axis before the way counts as following it, 1 to 100. More
   // leave out short detours and short ways between two turns.
-  int settled_motions = 2;
+  int settled_motions = 3;
 
   void Check() const;
 };
