@@ -56,11 +56,12 @@ struct PanoramaQueryOptions {
   // trusts what is seen at the same height and angle; less bears motion.
   double phase_weight = 0.5;
   // Few frequencies: places near each other agree in these alone.
-  PhaseCompassOptions phases{.frequencies = 12};
-  // Whether the heading is refined by the warping search, which costs about 8 ms. Without it, it
+  PhaseCompassOptions phases{.frequencies = 12, .steps = 128};
+  // Whether the heading is refined by the warping search, which costs about 0.5 ms. Without it, it
   // is the phases', which is exact for a pure turn alone.
   bool fine_heading = true;
-  CompassOptions compass;
+  // Between nodes, which are farther apart than steps of a walk, finer frequencies add nothing.
+  CompassOptions compass{.small_motion = {.fine_frequencies = 32}};
   // Standard deviation of the phases' heading, 0.001 to 3, where it isn't refined.
   double phase_deviation_rad = 0.3;
   // Whether candidates are verified by features, where the nodes have some. Costs the extraction.

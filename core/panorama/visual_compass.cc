@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -25,21 +26,21 @@ double Wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * kPi); }
 std::vector<std::complex<double>> CrossSpectrum(const FourierSignature& a,
                                                 const FourierSignature& b,
                                                 const PhaseCompassOptions& options) {
+  using Values = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const int count = std::min({options.frequencies, CommonFrequencies(a), CommonFrequencies(b)});
+  const auto of = [&](const HalfMatrix& values) -> Values {
+    return values.middleCols(1, count - 1).cast<float>().array();
+  };
+  const Values products = of(a.magnitudes) * of(b.magnitudes);
+  const Values turns = of(a.phases) - of(b.phases);
+  // A power by its logarithm, of which there are instructions for several at a time.
+  const auto power = static_cast<float>(options.power);
+  const Values weights = (power * products.max(std::numeric_limits<float>::min()).log()).exp();
+  const Eigen::ArrayXd re = (weights * turns.cos()).colwise().sum().transpose().cast<double>();
+  const Eigen::ArrayXd im = (weights * turns.sin()).colwise().sum().transpose().cast<double>();
+  const double all = std::max<double>(weights.sum(), 1e-300);
   std::vector<std::complex<double>> spectrum(count);
-  double weights = 0;
-  for (Eigen::Index row = 0; row < a.magnitudes.rows(); ++row) {
-    for (int l = 1; l < count; ++l) {
-      const float product =
-          static_cast<float>(a.magnitudes(row, l)) * static_cast<float>(b.magnitudes(row, l));
-      const double weight = std::pow(product, options.power);
-      const float turn =
-          static_cast<float>(a.phases(row, l)) - static_cast<float>(b.phases(row, l));
-      spectrum[l] += std::polar(weight, static_cast<double>(turn));
-      weights += weight;
-    }
-  }
-  for (auto& term : spectrum) term /= std::max(weights, 1e-300);
+  for (int l = 1; l < count; ++l) spectrum[l] = std::complex<double>(re[l - 1], im[l - 1]) / all;
   return spectrum;
 }
 
@@ -140,20 +141,17 @@ double DeviationOf(const SmallMotion& small, const CompassOptions& options) {
   return std::hypot(small.turn_deviation_rad, options.uneven_depth * small.motion.norm());
 }
 
-// From both starts, whichever explains more: the warping search's heading is coarse, that of the
-// phases is far off after a motion.
+// From the warping search's heading, which is coarse, or that of the phases, which is far off after
+// a motion: whichever fits better once what is coarse has been refined.
 SmallMotion BestSmallMotion(const FourierSignature& a, const FourierSignature& b,
                             const Warping& warping, const PhaseCompass& phases,
                             const CompassOptions& options) {
-  const SmallMotion small =
-      RefineSmallMotion(a, b, options.band, warping.turn_rad, options.small_motion);
-  if (std::abs(Wrapped(phases.best.heading_rad - warping.turn_rad)) > options.agreement_rad) {
-    return small;
+  const double still_rad = phases.best.heading_rad;
+  std::optional<StillStart> still;
+  if (std::abs(Wrapped(still_rad - warping.turn_rad)) <= options.agreement_rad) {
+    still = {still_rad, options.still_frequencies};
   }
-  SmallMotionOptions fine = options.small_motion;
-  fine.coarse_frequencies = options.still_frequencies;
-  const SmallMotion other = RefineSmallMotion(a, b, options.band, phases.best.heading_rad, fine);
-  return other.correlation > small.correlation ? other : small;
+  return RefineSmallMotion(a, b, options.band, warping.turn_rad, options.small_motion, still);
 }
 
 bool Fits(const SmallMotion& small, const Warping& warping, const CompassOptions& options) {
