@@ -36,8 +36,11 @@ std::vector<std::complex<double>> CrossSpectrum(const FourierSignature& a,
   // A power by its logarithm, of which there are instructions for several at a time.
   const auto power = static_cast<float>(options.power);
   const Values weights = (power * products.max(std::numeric_limits<float>::min()).log()).exp();
-  const Eigen::ArrayXd re = (weights * turns.cos()).colwise().sum().transpose().cast<double>();
-  const Eigen::ArrayXd im = (weights * turns.sin()).colwise().sum().transpose().cast<double>();
+  // Evaluated before they are summed, again for several at a time.
+  const Values x = weights * turns.cos();
+  const Values y = weights * turns.sin();
+  const Eigen::ArrayXd re = x.colwise().sum().transpose().cast<double>();
+  const Eigen::ArrayXd im = y.colwise().sum().transpose().cast<double>();
   const double all = std::max<double>(weights.sum(), 1e-300);
   std::vector<std::complex<double>> spectrum(count);
   for (int l = 1; l < count; ++l) spectrum[l] = std::complex<double>(re[l - 1], im[l - 1]) / all;
@@ -53,9 +56,12 @@ struct Score {
 
 Score ScoreAt(const std::vector<std::complex<double>>& spectrum, double turn_rad) {
   Score score;
+  const std::complex<double> step = std::polar(1.0, -turn_rad);
+  std::complex<double> turn = 1;
   for (size_t l = 1; l < spectrum.size(); ++l) {
     const auto frequency = static_cast<double>(l);
-    const std::complex<double> term = spectrum[l] * std::polar(1.0, -frequency * turn_rad);
+    turn *= step;
+    const std::complex<double> term = spectrum[l] * turn;
     score.value += term.real();
     score.slope += frequency * term.imag();
     score.bend -= frequency * frequency * term.real();
@@ -91,10 +97,12 @@ CompassPeak Refined(const std::vector<std::complex<double>>& spectrum, double tu
 
 // The index of the least value that lies off `from` by `separation_rad` at least, on a circle.
 int LeastBeyond(const std::vector<double>& values, int from, double separation_rad) {
-  const double step_rad = 2 * kPi / static_cast<double>(values.size());
+  const int size = static_cast<int>(values.size());
+  const double step_rad = 2 * kPi / size;
   int least = -1;
-  for (int i = 0; i < static_cast<int>(values.size()); ++i) {
-    if (std::abs(Wrapped((i - from) * step_rad)) < separation_rad) continue;
+  for (int i = 0; i < size; ++i) {
+    const int apart = std::abs(i - from);
+    if (std::min(apart, size - apart) * step_rad < separation_rad) continue;
     if (least < 0 || values[i] < values[least]) least = i;
   }
   return least;
