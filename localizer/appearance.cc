@@ -134,6 +134,9 @@ void PanoramaQueryOptions::Check() const {
   CheckRange("settled_probability", settled_probability, 0.5, 1);
   CheckRange("max_poses", max_poses, 1, 1000);
   CheckRange("photo_features", photo_features, 10, 100'000);
+  CheckRange("photo_neighbours", photo_neighbours, 2, 1000);
+  CheckRange("photo_probes", photo_probes, 1, 32768);
+  CheckRange("photo_candidates", photo_candidates, 1, 10'000);
   relative.Check();
   CheckRange("interpolation_cost", interpolation_cost, 0.001, 10);
   CheckRange("direction_deviation_rad", direction_deviation_rad, 0.001, 1);

@@ -59,9 +59,9 @@ struct Matched {
 
 std::vector<Matched> MatchNodes(const MapIndex& index, const BearingFeatures& query,
                                 const std::vector<ComparedNode>& nodes,
-                                const PanoramaQueryOptions& options) {
+                                const PanoramaQueryOptions& options, const Deadline& deadline) {
   std::vector<Matched> matched;
-  for (size_t at = 0; at < nodes.size(); ++at) {
+  for (size_t at = 0; at < nodes.size() && !HasPassed(deadline); ++at) {
     const NodeFeatures& kept = NodeAt(index, nodes[at].node).features;
     if (kept.bearings.empty()) continue;
     matched.push_back(
@@ -104,10 +104,11 @@ std::vector<ComparedNode> CompareByAppearance(const MapIndex& index, const Fouri
 
 std::vector<ComparedNode> VerifyByFeatures(const MapIndex& index, const BearingFeatures& query,
                                            std::vector<ComparedNode> nodes,
-                                           const PanoramaQueryOptions& options) {
+                                           const PanoramaQueryOptions& options,
+                                           const Deadline& deadline) {
   int poses = 0;
-  for (const Matched& matched : MatchNodes(index, query, nodes, options)) {
-    if (poses++ == options.max_poses) break;
+  for (const Matched& matched : MatchNodes(index, query, nodes, options, deadline)) {
+    if (poses++ == options.max_poses || HasPassed(deadline)) break;
     const RelativePose pose = FindRelativePose(matched.rays, options.relative);
     if (!pose.accepted()) continue;
     TakeMotion(NodeAt(index, nodes[matched.at].node), matched.rays, pose, nodes[matched.at]);

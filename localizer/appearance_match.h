@@ -35,10 +35,12 @@ std::vector<ComparedNode> CompareByAppearance(const MapIndex& index, const Fouri
                                               const PanoramaQueryOptions& options,
                                               const std::vector<bool>& left_out);
 
-// The same ranked by the inliers of relative poses to the nodes with the most matches.
+// The same ranked by the inliers of relative poses to the nodes with the most matches. Nodes that
+// aren't reached before the deadline have none.
 std::vector<ComparedNode> VerifyByFeatures(const MapIndex& index, const BearingFeatures& query,
                                            std::vector<ComparedNode> nodes,
-                                           const PanoramaQueryOptions& options);
+                                           const PanoramaQueryOptions& options,
+                                           const Deadline& deadline = {});
 
 // A panorama as the layer describes its own.
 struct PanoramaQuery {

@@ -12,6 +12,7 @@
 #include "localizer/panorama_series.h"
 #include "localizer/photo.h"
 #include "localizer/shortlist.h"
+#include "localizer/undecided.h"
 #include "localizer/verify.h"
 
 namespace waystone {
@@ -30,16 +31,6 @@ class LapTimer {
  private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
-
-// The deadline passed after `stage`.
-Answer Undecided(const std::string& stage) {
-  Answer answer;
-  answer.verdict = Verdict::kUndecided;
-  answer.decided_by = "deadline";
-  answer.stage = stage;
-  answer.message = "the deadline passed after the stage '" + stage + "'; ask with a later one";
-  return answer;
-}
 
 void Sign(const MapIndex& index, Answer& answer) {
   answer.map = index.map().info.name;
@@ -151,9 +142,7 @@ Answer LocalizeFeatures(const MapIndex& index, const Features& query,
 namespace {
 
 Answer AskPanoramas(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
-  if (!IsPanoramic(grey.size())) {
-    return LocalizePhoto(index, grey, options.camera, options.panorama);
-  }
+  if (!IsPanoramic(grey.size())) return LocalizePhoto(index, grey, options);
   if (!options.series) return LocalizePanorama(index, grey, options.panorama);
   SeriesOptions series;
   series.query = options.panorama;
@@ -178,6 +167,7 @@ Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeO
     Answer answer = AskPanoramas(index, grey, options);
     // Lines cost as much as features: a place that the appearance settled goes without.
     AddTimedBuilding(index, grey, answer.decided_by != "panorama_signature", options, answer);
+    if (options.deadline && answer.stage.empty()) answer.stage = "decide";
     return answer;
   }
   LapTimer timer;

@@ -6,6 +6,7 @@
 #include <malloc.h>
 #endif
 
+#include "core/base/check.h"
 #include "core/base/error.h"
 #include "schema/index_features.h"
 
@@ -121,6 +122,15 @@ void MapIndex::CheckSignatures() const {
                                                " has a signature of another shape than the layer "
                                                "says; run `waystone check` on the map");
   }
+}
+
+const NodeFeatureIndex& MapIndex::node_features() const {
+  WS_CHECK(map_.appearance, "the map has no appearance layer");
+  std::call_once(node_features_made_, [this] {
+    node_features_ =
+        std::make_unique<const NodeFeatureIndex>(*map_.appearance, map_.info.feature_type);
+  });
+  return *node_features_;
 }
 
 const Plane* MapIndex::FindPlane(PlaneId id) const {

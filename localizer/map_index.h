@@ -3,12 +3,14 @@
 
 #include <map>
 #include <memory>
+#include <mutex>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "core/search/search_index.h"
 #include "localizer/appearance_index.h"
+#include "localizer/node_feature_index.h"
 #include "schema/map_data.h"
 
 namespace waystone {
@@ -42,6 +44,10 @@ class MapIndex {
   // The appearance layer's signatures, node by node as in map().appearance; empty without one.
   const AppearanceIndex& appearance() const { return appearance_; }
   bool HasAppearance() const { return appearance_.size() > 0; }
+  // What the layer's nodes keep of features, for photos. Made when it is first asked for, which
+  // takes about a second for a million features: who asks panoramas alone has no use for it. The
+  // map has an appearance layer (WS_CHECK).
+  const NodeFeatureIndex& node_features() const;
 
  private:
   explicit MapIndex(MapData map);
@@ -52,6 +58,8 @@ class MapIndex {
   MapData map_;
   SearchIndex search_;
   AppearanceIndex appearance_;
+  mutable std::once_flag node_features_made_;
+  mutable std::unique_ptr<const NodeFeatureIndex> node_features_;
   std::vector<int> plane_of_row_;
   std::vector<int> first_row_;  // of each plane, and one more for the end
   std::unordered_map<PlaneId, int> plane_index_;

@@ -40,6 +40,13 @@ struct GateOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
+// When an answer is no use any more; nothing for never.
+using Deadline = std::optional<std::chrono::steady_clock::time_point>;
+
+inline bool HasPassed(const Deadline& deadline) {
+  return deadline && std::chrono::steady_clock::now() >= *deadline;
+}
+
 // What a panorama is asked by.
 struct PanoramaQueryOptions {
   // Nodes that are compared, nearest signature first, 1 to 1000: by their phases, and by their
@@ -50,11 +57,12 @@ struct PanoramaQueryOptions {
   // trusts what is seen at the same height and angle; less bears motion.
   double phase_weight = 0.5;
   // Few frequencies: places near each other agree in these alone.
-  PhaseCompassOptions phases{.frequencies = 12};
-  // Whether the heading is refined by the warping search, which costs about 8 ms. Without it, it
+  PhaseCompassOptions phases{.frequencies = 12, .steps = 128};
+  // Whether the heading is refined by the warping search, which costs about 0.5 ms. Without it, it
   // is the phases', which is exact for a pure turn alone.
   bool fine_heading = true;
-  CompassOptions compass;
+  // Between nodes, which are farther apart than steps of a walk, finer frequencies add nothing.
+  CompassOptions compass{.small_motion = {.fine_frequencies = 32}};
   // Standard deviation of the phases' heading, 0.001 to 3, where it isn't refined.
   double phase_deviation_rad = 0.3;
   // Whether candidates are verified by features, where the nodes have some. Costs the extraction.
@@ -68,6 +76,13 @@ struct PanoramaQueryOptions {
   int max_poses = 4;
   // Features of a perspective photo, 10 to 100,000: more match more of what nodes keep.
   int photo_features = 1500;
+  // Each of them votes for the nodes of so many nearest features, 2 to 1000, in so many lists of
+  // the nodes' index, 1 to 32768: as many as see a place together. More find more and take longer.
+  int photo_neighbours = 20;
+  int photo_probes = 8;
+  // Nodes that the photo is matched with, most voted first, 1 to 10,000. More find more places and
+  // cost about 4 ms each.
+  int photo_candidates = 32;
   RelativeOptions relative{.max_samples = 200};
   // Costs by which a neighbour counts e times less for the position, 0.001 to 10. More interpolates
   // more widely.
@@ -151,13 +166,12 @@ struct LocalizeOptions {
   bool explain = false;
   // Seed of the sampling: the same query, map and options give the same answer.
   uint64_t seed = 1;
-  // When an answer is no use any more. It is looked at between stages and between planes; the
-  // verdict is kUndecided from then on. An answer depends on the machine's speed with it, and not
-  // without.
-  std::optional<std::chrono::steady_clock::time_point> deadline;
+  // It is looked at between stages, between planes and between panoramas; the verdict is kUndecided
+  // from then on. An answer depends on the machine's speed with it, and not without.
+  Deadline deadline;
 
   // Whether there is a deadline and it has passed.
-  bool TooLate() const { return deadline && std::chrono::steady_clock::now() >= *deadline; }
+  bool TooLate() const { return HasPassed(deadline); }
 
   void Check() const;  // throws MapError(kBadOptions)
 };

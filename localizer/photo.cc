@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "core/base/check.h"
 #include "core/camera/rig.h"
 #include "localizer/appearance.h"
+#include "localizer/undecided.h"
 
 namespace waystone {
 namespace {
@@ -49,11 +51,14 @@ BearingFeatures RaysOf(const cv::Mat& grey, const Camera& camera, FeatureType ty
   return ExtractBearings(RigOfOne(camera), std::vector<cv::Mat>{grey}, bearings);
 }
 
-// All nodes that may be asked, without any order yet: a photo has no signature to rank them by.
-std::vector<ComparedNode> NodesToAsk(const MapIndex& index, const std::vector<bool>& left_out) {
+// The nodes to match with; a photo has no signature that says more of them.
+std::vector<ComparedNode> NodesToAsk(const MapIndex& index, const BearingFeatures& query,
+                                     const PanoramaQueryOptions& options,
+                                     const std::vector<bool>& left_out) {
   std::vector<ComparedNode> nodes;
-  for (int node = 0; node < std::ssize(index.map().appearance->nodes); ++node) {
-    if (!left_out.empty() && left_out[node]) continue;
+  for (const int node :
+       index.node_features().MostVoted(query.descriptors, options.photo_candidates,
+                                       options.photo_neighbours, options.photo_probes, left_out)) {
     ComparedNode compared;
     compared.node = node;
     compared.cost = 1;
@@ -84,38 +89,60 @@ std::vector<ComparedNode> Agreeing(const std::vector<ComparedNode>& nodes) {
   return best;
 }
 
+// The answer by the nodes that agree.
+Answer Judged(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+              const PanoramaQueryOptions& options) {
+  if (nodes.size() >= kWitnesses) {
+    PanoramaQueryOptions rays_alone = options;
+    rays_alone.fine_heading = false;  // a photo has no signature
+    Answer answer = AnswerFor(index, {}, nodes, true, rays_alone);
+    answer.decided_by = "photo_features";
+    return answer;
+  }
+  Answer answer;
+  answer.decided_by = "photo";
+  answer.message =
+      "no two panoramas of the map show enough of this photo; step back, or send a panorama";
+  return answer;
+}
+
+// What comes after the features, with its times.
+Answer Ask(const MapIndex& index, const BearingFeatures& query, const LocalizeOptions& options,
+           const std::vector<bool>& left_out) {
+  if (options.TooLate()) return Undecided("extract");
+  const auto start = Clock::now();
+  std::vector<ComparedNode> nodes = NodesToAsk(index, query, options.panorama, left_out);
+  const double shortlist_ms = MillisecondsSince(start);
+  PanoramaQueryOptions asked = options.panorama;
+  asked.max_poses = std::max(asked.max_poses, kPoses);
+  nodes = Agreeing(VerifyByFeatures(index, query, std::move(nodes), asked, options.deadline));
+  Answer answer =
+      options.TooLate() ? Undecided("shortlist") : Judged(index, nodes, options.panorama);
+  answer.timing.shortlist_ms = shortlist_ms;
+  answer.timing.verify_ms = MillisecondsSince(start) - shortlist_ms;
+  return answer;
+}
+
 }  // namespace
 
-Answer LocalizePhoto(const MapIndex& index, const cv::Mat& grey,
-                     const std::optional<Camera>& camera, const PanoramaQueryOptions& options,
+Answer LocalizePhoto(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options,
                      const std::vector<bool>& left_out) {
   options.Check();
   WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
   const auto start = Clock::now();
   Answer answer;
+  answer.decided_by = "photo";
+  answer.message = Hindrance(index, grey, options.camera);
+  if (answer.message.empty()) {
+    const BearingFeatures query =
+        RaysOf(grey, *options.camera, index.map().info.feature_type, options.panorama);
+    const double extract_ms = MillisecondsSince(start);
+    answer = Ask(index, query, options, left_out);
+    answer.timing.extract_ms = extract_ms;
+  }
   answer.map = index.map().info.name;
   answer.map_version = index.map().info.version;
-  answer.decided_by = "photo";
-  answer.message = Hindrance(index, grey, camera);
-  if (!answer.message.empty()) return answer;
-  const BearingFeatures query = RaysOf(grey, *camera, index.map().info.feature_type, options);
-  const double extract_ms = MillisecondsSince(start);
-  PanoramaQueryOptions asked = options;
-  asked.max_poses = std::max(options.max_poses, kPoses);
-  const std::vector<ComparedNode> nodes =
-      Agreeing(VerifyByFeatures(index, query, NodesToAsk(index, left_out), asked));
-  if (nodes.size() < kWitnesses) {
-    answer.message =
-        "no two panoramas of the map show enough of this photo; step back, or send a panorama";
-  } else {
-    PanoramaQueryOptions rays_alone = options;
-    rays_alone.fine_heading = false;  // a photo has no signature
-    answer = AnswerFor(index, {}, nodes, true, rays_alone);
-    answer.decided_by = "photo_features";
-  }
   answer.timing.total_ms = MillisecondsSince(start);
-  answer.timing.extract_ms = extract_ms;
-  answer.timing.verify_ms = answer.timing.total_ms - extract_ms;
   return answer;
 }
 

@@ -3,41 +3,73 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <complex>
+#include <opencv2/core.hpp>
 
 #include "core/base/check.h"
 
 namespace waystone {
+namespace {
+
+// Where a frequency goes in a row of OpenCV's packed spectrum (Re 0, Re 1, Im 1, Re 2, ...) of so
+// many columns, and what it counts there: sampled, l looks like l - columns and, its conjugate,
+// like columns - l.
+struct Slot {
+  int re = 0;
+  int im = -1;  // none at frequencies 0 and columns / 2
+  float re_scale = 1;
+  float im_scale = 1;
+};
+
+Slot SlotOf(int frequency, int columns) {
+  const int around = frequency % columns;
+  const int folded = std::min(around, columns - around);
+  // An inverse transform takes each frequency twice, but for these two.
+  if (folded == 0) return {0, -1, frequency == 0 ? 1.0F : 2.0F, 0};
+  if (2 * folded == columns) return {columns - 1, -1, 2, 0};
+  return {2 * folded - 1, 2 * folded, 1, around == folded ? 1.0F : -1.0F};
+}
+
+}  // namespace
 
 int CommonFrequencies(const FourierSignature& signature) {
   return static_cast<int>(std::min(signature.magnitudes.cols(), signature.phases.cols()));
 }
 
-RowImage Rebuild(const FourierSignature& signature, int frequencies, int columns, double turn_rad) {
-  WS_CHECK(frequencies >= 1 && frequencies <= CommonFrequencies(signature) && columns >= 1,
+RowSpectra SpectraOf(const FourierSignature& signature, int frequencies) {
+  WS_CHECK(frequencies >= 1 && frequencies <= CommonFrequencies(signature),
            "frequencies that the signature doesn't have");
-  const auto rows = signature.magnitudes.rows();
-  // A row is the real part of sum (2) m_l exp(j (p_l + l turn)) exp(j l azimuth).
-  const RowImage phases =
-      signature.phases.leftCols(frequencies).cast<float>().rowwise() +
-      Eigen::RowVectorXf::LinSpaced(frequencies, 0, frequencies - 1) * static_cast<float>(turn_rad);
-  RowImage amplitudes = signature.magnitudes.leftCols(frequencies).cast<float>();
-  amplitudes.rightCols(frequencies - 1) *= 2;
-  Eigen::ArrayXf angles(columns);
-  for (int j = 0; j < columns; ++j) angles[j] = 2 * std::numbers::pi_v<float> * j / columns;
-  RowImage cosines(frequencies, columns);
-  RowImage sines(frequencies, columns);
+  const RowImage magnitudes = signature.magnitudes.leftCols(frequencies).cast<float>();
+  const RowImage phases = signature.phases.leftCols(frequencies).cast<float>();
+  return {magnitudes.array() * phases.array().cos(), magnitudes.array() * phases.array().sin()};
+}
+
+RowImage ImageOf(const RowSpectra& spectra, int frequencies, int columns, double turn_rad) {
+  WS_CHECK(frequencies >= 1 && frequencies <= spectra.frequencies() && columns >= 1,
+           "frequencies that the spectra don't have");
+  const auto rows = spectra.re.rows();
+  RowImage packed = RowImage::Zero(rows, columns);
   for (int l = 0; l < frequencies; ++l) {
-    for (int j = 0; j < columns; ++j) {
-      const float angle = angles[(static_cast<int64_t>(l) * j) % columns];
-      cosines(l, j) = std::cos(angle);
-      sines(l, j) = std::sin(angle);
+    const std::complex<float> turn(std::polar(1.0, l * turn_rad));
+    const Slot slot = SlotOf(l, columns);
+    for (Eigen::Index row = 0; row < rows; ++row) {
+      const float re = spectra.re(row, l) * turn.real() - spectra.im(row, l) * turn.imag();
+      packed(row, slot.re) += slot.re_scale * re;
+      if (slot.im < 0) continue;
+      const float im = spectra.re(row, l) * turn.imag() + spectra.im(row, l) * turn.real();
+      packed(row, slot.im) += slot.im_scale * im;
     }
   }
+  // A row of the image is the real part of sum (2) m_l exp(j (p_l + l turn)) exp(j l azimuth).
   RowImage image(rows, columns);
-  image.noalias() = amplitudes.cwiseProduct(phases.array().cos().matrix()) * cosines;
-  image.noalias() -= amplitudes.cwiseProduct(phases.array().sin().matrix()) * sines;
+  cv::Mat out(static_cast<int>(rows), columns, CV_32FC1, image.data());
+  cv::dft(cv::Mat(static_cast<int>(rows), columns, CV_32FC1, packed.data()), out,
+          cv::DFT_INVERSE | cv::DFT_REAL_OUTPUT | cv::DFT_ROWS);
   return image;
+}
+
+RowImage Rebuild(const FourierSignature& signature, int frequencies, int columns, double turn_rad) {
+  return ImageOf(SpectraOf(signature, frequencies), frequencies, columns, turn_rad);
 }
 
 }  // namespace waystone

@@ -14,8 +14,23 @@ using RowImage = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::Row
 // The frequencies for which a signature has both magnitude and phase.
 int CommonFrequencies(const FourierSignature& signature);
 
-// Rebuilds the image from the frequencies below `frequencies` (at most CommonFrequencies), turned
-// so that azimuth `turn_rad` of the signature comes to the front. Row means are in it.
+// A signature's rows as complex numbers, from which images of several sizes and turns are made.
+struct RowSpectra {
+  RowImage re;  // rows x frequencies: m_l cos p_l
+  RowImage im;  // m_l sin p_l
+
+  int frequencies() const { return static_cast<int>(re.cols()); }
+};
+
+// Of the frequencies below `frequencies` (1 to CommonFrequencies).
+RowSpectra SpectraOf(const FourierSignature& signature, int frequencies);
+
+// The image of the frequencies below `frequencies` (at most those of the spectra), turned so that
+// azimuth `turn_rad` comes to the front: samples at so many columns, frequencies beyond half of
+// them folded over. Row means are in it.
+RowImage ImageOf(const RowSpectra& spectra, int frequencies, int columns, double turn_rad = 0);
+
+// Both steps.
 RowImage Rebuild(const FourierSignature& signature, int frequencies, int columns,
                  double turn_rad = 0);
 

@@ -4,14 +4,17 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <string>
 #include <vector>
 
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
+#include "core/panorama/motion_kernels.h"
 
 namespace waystone {
 namespace {
@@ -26,35 +29,36 @@ constexpr int kGain = 5;
 constexpr int kNearness = 6;
 constexpr int kWaves = 4;
 constexpr int kParameters = kNearness + kWaves;
+static_assert(kParameters == kMotionParameters);
+constexpr size_t kStepSamples = 250;    // residuals whose median is taken, about, on the way
+constexpr size_t kFinalSamples = 2000;  // and in the end, when it scales the deviations
+constexpr int kPadded = 12;             // of them in whole registers
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 using Information = Eigen::Matrix<double, kParameters, kParameters>;
 
-// Grey value and its slopes along columns and rows (a pixel), at a position between pixels.
-struct Sample {
-  float value = 0;
-  float along_columns = 0;
-  float along_rows = 0;
+// Pixels, block by block as the kernels want them.
+using Pixels = std::vector<float>;
+
+// Where each column of a comes from in b; columns that fill up the last block come from anywhere.
+struct ColumnMap {
+  std::vector<int> left;  // column, and the next one around the circle
+  std::vector<int> right;
+  std::vector<float> part;  // of the way from left to right
+  std::vector<float> lift;  // rows up, for a row's lift of 1
+  std::vector<float> tilt;  // rows up
 };
 
-// Bilinear; x wraps around, y must lie in [0, rows - 1).
-Sample SampleAt(const RowImage& image, double x, double y) {
-  const auto columns = static_cast<int>(image.cols());
-  const double left = std::floor(x);
-  const auto fx = static_cast<float>(x - left);
-  const int x0 = ((static_cast<int>(left) % columns) + columns) % columns;
-  const int x1 = x0 + 1 == columns ? 0 : x0 + 1;
-  const int y0 = static_cast<int>(y);
-  const auto fy = static_cast<float>(y - y0);
-  const float a = image(y0, x0);
-  const float b = image(y0, x1);
-  const float c = image(y0 + 1, x0);
-  const float d = image(y0 + 1, x1);
-  const float upper = a + fx * (b - a);
-  const float lower = c + fx * (d - c);
-  return {upper + fy * (lower - upper), (1 - fy) * (b - a) + fy * (d - c), lower - upper};
-}
+int BlocksOf(int columns) { return (columns + kMotionLanes - 1) / kMotionLanes; }
 
-double MedianOf(std::vector<float> values) {
+// The median of magnitudes, of some of many, which is as good.
+double MedianMagnitude(const Pixels& residuals, const Pixels& weights, size_t samples) {
+  const size_t step = std::max<size_t>(1, residuals.size() / samples) | 1;  // odd: all columns
+  std::vector<float> values;
+  values.reserve(residuals.size() / step + 1);
+  for (size_t k = 0; k < residuals.size(); k += step) {
+    if (weights[k] > 0) values.push_back(std::abs(residuals[k]));
+  }
+  WS_CHECK(!values.empty(), "no overlap of two signatures");
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -63,57 +67,71 @@ double MedianOf(std::vector<float> values) {
 // One stage: two images of so many frequencies; b is turned already by what is known of the turn.
 class Stage {
  public:
-  Stage(RowImage a, RowImage b, const ElevationBand& band, const SmallMotionOptions& options)
-      : a_(std::move(a)),
-        b_(std::move(b)),
+  Stage(const RowImage& a, const RowImage& b, const ElevationBand& band,
+        const SmallMotionOptions& options)
+      : b_(b),
         options_(options),
-        row_step_rad_((band.top_rad - band.bottom_rad) / static_cast<double>(a_.rows())),
-        column_step_rad_(2 * kPi / static_cast<double>(a_.cols())) {
-    for (Eigen::Index j = 0; j < a_.cols(); ++j) {
-      const double azimuth = static_cast<double>(j) * column_step_rad_;
-      cosines_.push_back(std::cos(azimuth));
-      sines_.push_back(std::sin(azimuth));
-      waves_.emplace_back(std::cos(azimuth), std::sin(azimuth), std::cos(2 * azimuth),
-                          std::sin(2 * azimuth));
+        rows_(static_cast<int>(a.rows())),
+        columns_(static_cast<int>(a.cols())),
+        blocks_(BlocksOf(columns_)),
+        rows_per_rad_(rows_ / (band.top_rad - band.bottom_rad)),
+        columns_per_rad_(columns_ / (2 * kPi)) {
+    for (int j = 0; j < blocks_ * kMotionLanes; ++j) {
+      const double azimuth = j / columns_per_rad_;
+      const double c = std::cos(azimuth);
+      const double s = std::sin(azimuth);
+      const double waves[kWaves] = {c, s, c * c - s * s, 2 * s * c};
+      for (int wave = 0; wave < kWaves; ++wave) {
+        waves_[wave].push_back(static_cast<float>(waves[wave]));
+      }
+      inside_.push_back(j < columns_ ? 1.0F : 0.0F);
     }
-    for (Eigen::Index i = 0; i < a_.rows(); ++i) {
-      const double elevation = band.top_rad - (static_cast<double>(i) + 0.5) * row_step_rad_;
-      lifts_.push_back(std::sin(elevation) * std::cos(elevation));
+    for (int i = 0; i < rows_; ++i) {
+      const double elevation = band.top_rad - (i + 0.5) / rows_per_rad_;
+      lifts_.push_back(static_cast<float>(std::sin(elevation) * std::cos(elevation)));
+    }
+    for (Pixels* pixels : {&a_, &turned_, &slope_, &residual_, &u_, &v_, &weight_}) {
+      pixels->resize(static_cast<size_t>(rows_) * blocks_ * kMotionLanes);
+    }
+    for (int j = 0; j < columns_; ++j) {
+      for (int i = 0; i < rows_; ++i) a_[At(i, j)] = a(i, j);
+    }
+    moments_.resize(MomentsAt(blocks_));
+    for (std::vector<float>* each : {&nearness_, &aside_, &along_}) {
+      each->resize(static_cast<size_t>(blocks_) * kMotionLanes);
     }
   }
 
-  // The residuals, and their slopes by the parameters, at `p`.
-  void Linearise(const Parameters& p) {
-    residuals_.clear();
-    slopes_.clear();
-    for (Eigen::Index i = 0; i < a_.rows(); ++i) {
-      for (Eigen::Index j = 0; j < a_.cols(); ++j) AddPixel(p, i, j);
+  // The normal equations at `p`.
+  void Linearise(const Parameters& p, size_t median_samples) {
+    Look(p, median_samples);
+    std::vector<float> entries(static_cast<size_t>(kMotionEntries) * kMotionLanes, 0);
+    for (int i = 0; i < blocks_; ++i) {
+      kernels_.add(ColumnsOf(i), moments_.data() + MomentsAt(i), entries.data());
     }
-    WS_CHECK(!residuals_.empty(), "no overlap of two signatures");
-    std::vector<float> magnitudes(residuals_.size());
-    std::ranges::transform(residuals_, magnitudes.begin(), [](float r) { return std::abs(r); });
-    deviation_ = std::max(kDeviationOfMedian * MedianOf(std::move(magnitudes)), 1e-9);
+    const float* entry = entries.data();
+    const auto next = [&] {
+      entry += kMotionLanes;
+      return std::accumulate(entry - kMotionLanes, entry, 0.0);
+    };
+    for (int row = 0; row < kParameters; ++row) {
+      for (int column = 0; column <= row; ++column) {
+        information_(row, column) = information_(column, row) = next();
+      }
+    }
+    for (int row = 0; row < kParameters; ++row) gradient_[row] = next();
   }
 
   // One Gauss-Newton step; leaves the information (inverse covariance) of what it was taken from.
   Parameters Step(const Parameters& p) {
-    information_.setZero();
-    Parameters gradient = Parameters::Zero();
-    for (size_t k = 0; k < residuals_.size(); ++k) {
-      const double weight = WeightOf(residuals_[k]);
-      const Parameters slope = slopes_[k].cast<double>();
-      information_.selfadjointView<Eigen::Lower>().rankUpdate(slope, weight);
-      gradient += weight * residuals_[k] * slope;
-    }
-    information_ = information_.selfadjointView<Eigen::Lower>();
     // The waves' prior, in the units of the residuals.
     const double prior = deviation_ * deviation_ * options_.correlated_pixels /
                          (options_.nearness_deviation * options_.nearness_deviation);
     information_.diagonal().tail<kWaves>().array() += prior;
-    gradient.tail<kWaves>() += prior * p.tail<kWaves>();
+    gradient_.tail<kWaves>() += prior * p.tail<kWaves>();
     // A band without texture in some direction leaves that direction where it is.
     information_.diagonal().array() += 1e-6 * information_.trace();
-    return -information_.ldlt().solve(gradient);
+    return -information_.ldlt().solve(gradient_);
   }
 
   Information Covariance() const {
@@ -122,108 +140,234 @@ class Stage {
 
   // How much of a is explained: 1 - weighted squares of residuals over those of a.
   double Correlation() const {
-    double residual = 0;
     double whole = 0;
-    for (size_t k = 0; k < residuals_.size(); ++k) {
-      const double grey = slopes_[k][kGain];
-      residual += WeightOf(residuals_[k]) * residuals_[k] * residuals_[k];
-      whole += WeightOf(residuals_[k]) * grey * grey;
+    double residual = 0;
+    for (int j = 0; j < columns_; ++j) {
+      whole += MomentOf(kAA, j);
+      residual += MomentOf(kRR, j);
     }
     return whole > 0 ? 1 - residual / whole : 0;
   }
 
  private:
-  double WeightOf(double residual) const {
-    const double share = residual / (options_.cauchy_deviations * deviation_);
-    return 1 / (1 + share * share);
+  // Of a pixel in the kernels' order.
+  size_t At(int row, int column) const {
+    const int block = column / kMotionLanes;
+    return static_cast<size_t>(block * rows_ + row) * kMotionLanes + column % kMotionLanes;
   }
 
-  void AddPixel(const Parameters& p, Eigen::Index i, Eigen::Index j) {
-    const double c = cosines_[j];
-    const double s = sines_[j];
-    const double lift = lifts_[i];
-    const Eigen::Vector4d& waves = waves_[j];
-    const double near = 1 + waves.dot(p.tail<kWaves>());
-    const double aside = p[1] * s - p[2] * c;  // what a landmark at nearness 1 moves by
-    const double up = lift * (p[1] * c + p[2] * s);
-    const double du = p[0] + near * aside;
-    const double dv = near * up + p[3] * c + p[4] * s;
-    const double y = static_cast<double>(i) - dv / row_step_rad_;
-    if (y < 0 || y >= static_cast<double>(a_.rows() - 1)) return;
-    const Sample b = SampleAt(b_, static_cast<double>(j) + du / column_step_rad_, y);
-    const double u = b.along_columns / column_step_rad_;
-    const double v = -b.along_rows / row_step_rad_;
-    Parameters slope;
-    slope << u, near * (u * s + v * lift * c), near * (-u * c + v * lift * s), v * c, v * s,
-        -a_(i, j), (u * aside + v * up) * waves;
-    residuals_.push_back(static_cast<float>(b.value - (1 + p[kGain]) * a_(i, j)));
-    slopes_.push_back(slope.cast<float>());
+  float MomentOf(Moment moment, int column) const {
+    const int block = column / kMotionLanes;
+    return moments_[(block * kMoments + moment) * kMotionLanes + column % kMotionLanes];
   }
 
-  RowImage a_;
-  RowImage b_;
+  size_t MomentsAt(int block) const { return static_cast<size_t>(block) * kMoments * kMotionLanes; }
+
+  MotionColumns ColumnsOf(int block) const {
+    const auto at = [block](const std::vector<float>& values) {
+      return values.data() + static_cast<ptrdiff_t>(block) * kMotionLanes;
+    };
+    return {at(waves_[0]), at(waves_[1]), at(waves_[2]), at(waves_[3]),
+            at(nearness_), at(aside_),    at(along_)};
+  }
+
+  // Where the columns of a come from in b, at `p`.
+  ColumnMap MapOf(const Parameters& p) {
+    ColumnMap map;
+    const auto columns_per_rad = static_cast<float>(columns_per_rad_);
+    const auto rows_per_rad = static_cast<float>(rows_per_rad_);
+    const Eigen::Matrix<float, kParameters, 1> q = p.cast<float>();
+    for (int j = 0; j < blocks_ * kMotionLanes; ++j) {
+      const float c = waves_[0][j];
+      const float s = waves_[1][j];
+      nearness_[j] = 1 + q[6] * c + q[7] * s + q[8] * waves_[2][j] + q[9] * waves_[3][j];
+      aside_[j] = q[1] * s - q[2] * c;
+      along_[j] = q[1] * c + q[2] * s;
+      const float on = (q[0] + nearness_[j] * aside_[j]) * columns_per_rad;
+      const float left = std::floor(on);
+      const int at = (((j + static_cast<int>(left)) % columns_) + columns_) % columns_;
+      map.left.push_back(at);
+      map.right.push_back(at + 1 == columns_ ? 0 : at + 1);
+      map.part.push_back(on - left);
+      map.lift.push_back(nearness_[j] * along_[j] * rows_per_rad);
+      map.tilt.push_back((q[3] * c + q[4] * s) * rows_per_rad);
+    }
+    return map;
+  }
+
+  // How far a pixel goes aside depends on its column alone.
+  void Turn(const ColumnMap& map) {
+    for (int block = 0; block < blocks_; ++block) {
+      const int column = block * kMotionLanes;
+      const size_t at = At(0, column);
+      kernels_.turn(
+          {rows_, columns_, b_.data(), map.left.data() + column, map.right.data() + column,
+           map.part.data() + column, static_cast<float>(columns_per_rad_)},
+          turned_.data() + at, slope_.data() + at);
+    }
+  }
+
+  MotionBlock BlockOf(int block, const ColumnMap& map, const Parameters& p) const {
+    const int column = block * kMotionLanes;
+    const size_t at = At(0, column);
+    return {.rows = rows_,
+            .lift = lifts_.data(),
+            .a = a_.data() + at,
+            .b = turned_.data() + at,
+            .slope = slope_.data() + at,
+            .lifts = map.lift.data() + column,
+            .tilts = map.tilt.data() + column,
+            .inside = inside_.data() + column,
+            .gain = static_cast<float>(1 + p[kGain]),
+            .rows_per_rad = static_cast<float>(rows_per_rad_)};
+  }
+
+  MotionPixels PixelsOf(int block) {
+    const size_t at = At(0, block * kMotionLanes);
+    return {residual_.data() + at, u_.data() + at, v_.data() + at, weight_.data() + at};
+  }
+
+  // Residuals and slopes at `p`, their deviation and the moments.
+  void Look(const Parameters& p, size_t median_samples) {
+    const ColumnMap map = MapOf(p);
+    Turn(map);
+    for (int i = 0; i < blocks_; ++i) kernels_.sample(BlockOf(i, map, p), PixelsOf(i));
+    const double median = MedianMagnitude(residual_, weight_, median_samples);
+    deviation_ = std::max(kDeviationOfMedian * median, 1e-9);
+    const auto per_deviation = static_cast<float>(1 / (options_.cauchy_deviations * deviation_));
+    for (int i = 0; i < blocks_; ++i) {
+      kernels_.sum(BlockOf(i, map, p), PixelsOf(i), per_deviation, moments_.data() + MomentsAt(i));
+    }
+  }
+
+  const RowImage& b_;
   const SmallMotionOptions& options_;
-  double row_step_rad_;
-  double column_step_rad_;
-  std::vector<double> cosines_;  // of each column's azimuth
-  std::vector<double> sines_;
-  std::vector<Eigen::Vector4d> waves_;
-  std::vector<double> lifts_;  // sin e cos e of each row
-  std::vector<float> residuals_;
-  std::vector<Eigen::Matrix<float, kParameters, 1>> slopes_;
+  int rows_;
+  int columns_;
+  int blocks_;
+  double rows_per_rad_;
+  double columns_per_rad_;
+  std::array<std::vector<float>, kWaves> waves_;  // of each column: cos t, sin t, cos 2t, sin 2t
+  std::vector<float> nearness_;                   // at the last parameters, with the next two
+  std::vector<float> aside_;                      // MotionColumns
+  std::vector<float> along_;
+  std::vector<float> inside_;  // of each column
+  std::vector<float> lifts_;   // sin e cos e of each row
+  MotionKernels kernels_ = FastestMotionKernels();
+  Pixels a_;
+  Pixels turned_;  // b's columns, and their slopes
+  Pixels slope_;
+  Pixels residual_;
+  Pixels u_;
+  Pixels v_;
+  Pixels weight_;
+  std::vector<float> moments_;  // of each block
   double deviation_ = 0;
   Information information_ = Information::Zero();
+  Parameters gradient_ = Parameters::Zero();
 };
 
 // The image of the frequencies below `frequencies` without the rows' means, which don't turn.
-RowImage Ripples(const FourierSignature& signature, int frequencies, double turn_rad) {
-  RowImage image = Rebuild(signature, frequencies, kColumnsPerFrequency * frequencies, turn_rad);
+RowImage Ripples(const RowSpectra& spectra, int frequencies, double turn_rad) {
+  RowImage image = ImageOf(spectra, frequencies, kColumnsPerFrequency * frequencies, turn_rad);
   image.colwise() -= image.rowwise().mean();
   return image;
 }
+
+// What is known of the motion between two stages.
+struct Estimate {
+  double turn_rad = 0;
+  Parameters rest = Parameters::Zero();  // whose turn is 0: b is turned exactly, by the phases
+};
+
+class Refinement {
+ public:
+  Refinement(const FourierSignature& a, const FourierSignature& b, const ElevationBand& band,
+             const SmallMotionOptions& options)
+      : band_(band),
+        options_(options),
+        frequencies_(
+            std::min({options.fine_frequencies, CommonFrequencies(a), CommonFrequencies(b)})),
+        a_(SpectraOf(a, frequencies_)),
+        b_(SpectraOf(b, frequencies_)) {}
+
+  SmallMotion Run(double turn_rad, std::optional<StillStart> still) const {
+    Estimate estimate{turn_rad};
+    for (int stage = std::min(options_.coarse_frequencies, frequencies_);;
+         stage = std::min(2 * stage, frequencies_)) {
+      const RowImage of_a = Ripples(a_, stage, 0);
+      const double correlation = Settle(of_a, stage, estimate);
+      if (still && stage >= std::min(still->frequencies, frequencies_)) {
+        Estimate other{still->turn_rad};
+        if (Settle(of_a, stage, other) > correlation) estimate = other;
+        still.reset();
+      }
+      if (stage == frequencies_) return MotionAt(of_a, stage, estimate);
+    }
+  }
+
+ private:
+  // Gauss-Newton steps, until they are small beside the stage's pixels. The correlation before the
+  // last one.
+  double Settle(const RowImage& of_a, int stage, Estimate& estimate) const {
+    const RowImage of_b = Ripples(b_, stage, estimate.turn_rad);
+    Stage images(of_a, of_b, band_, options_);
+    const double settled_rad = options_.settled_pixels * 2 * kPi / (kColumnsPerFrequency * stage);
+    Parameters& p = estimate.rest;
+    for (int i = 0; i < options_.steps; ++i) {
+      images.Linearise(p, kStepSamples);
+      const Parameters step = images.Step(p);
+      p += step;
+      if (step.head<kGain>().lpNorm<Eigen::Infinity>() < settled_rad) break;
+    }
+    estimate.turn_rad += p[0];
+    p[0] = 0;
+    return images.Correlation();
+  }
+
+  SmallMotion MotionAt(const RowImage& of_a, int stage, const Estimate& estimate) const {
+    const RowImage of_b = Ripples(b_, stage, estimate.turn_rad);
+    Stage images(of_a, of_b, band_, options_);
+    images.Linearise(estimate.rest, kFinalSamples);
+    images.Step(estimate.rest);
+    const Information covariance = images.Covariance();
+    SmallMotion result;
+    result.turn_rad = estimate.turn_rad;
+    result.motion = estimate.rest.segment<2>(1);
+    result.tilt_rad = estimate.rest.segment<2>(3);
+    result.turn_deviation_rad = std::sqrt(covariance(0, 0));
+    result.motion_covariance = covariance.block<2, 2>(1, 1);
+    result.correlation = images.Correlation();
+    return result;
+  }
+
+  const ElevationBand& band_;
+  const SmallMotionOptions& options_;
+  int frequencies_;
+  RowSpectra a_;
+  RowSpectra b_;
+};
 
 }  // namespace
 
 void SmallMotionOptions::Check() const {
   CheckRange("coarse_frequencies", coarse_frequencies, 2, 64);
+  CheckRange("fine_frequencies", fine_frequencies, 2, 4096);
   CheckRange("steps", steps, 1, 50);
   CheckRange("cauchy_deviations", cauchy_deviations, 1, 10);
   CheckRange("nearness_deviation", nearness_deviation, 0.01, 10);
   CheckRange("correlated_pixels", correlated_pixels, 1, 1000);
+  CheckRange("settled_pixels", settled_pixels, 0, 1);
 }
 
 SmallMotion RefineSmallMotion(const FourierSignature& a, const FourierSignature& b,
                               const ElevationBand& band, double turn_rad,
-                              const SmallMotionOptions& options) {
+                              const SmallMotionOptions& options,
+                              const std::optional<StillStart>& still) {
   options.Check();
   WS_CHECK(a.magnitudes.rows() == b.magnitudes.rows() && a.magnitudes.rows() >= 2,
            "signatures of different rows, or of one");
-  const int frequencies = std::min(CommonFrequencies(a), CommonFrequencies(b));
-  Parameters p = Parameters::Zero();
-  SmallMotion result;
-  for (int stage = std::min(options.coarse_frequencies, frequencies);;
-       stage = std::min(2 * stage, frequencies)) {
-    // The turn is taken exactly from the phases; the rest is small.
-    turn_rad += p[0];
-    p[0] = 0;
-    Stage images(Ripples(a, stage, 0), Ripples(b, stage, turn_rad), band, options);
-    for (int step = 0; step < options.steps; ++step) {
-      images.Linearise(p);
-      p += images.Step(p);
-    }
-    if (stage < frequencies) continue;
-    images.Linearise(p);
-    images.Step(p);
-    const Information covariance = images.Covariance();
-    result.turn_deviation_rad = std::sqrt(covariance(0, 0));
-    result.motion_covariance = covariance.block<2, 2>(1, 1);
-    result.correlation = images.Correlation();
-    break;
-  }
-  result.turn_rad = turn_rad + p[0];
-  result.motion = p.segment<2>(1);
-  result.tilt_rad = p.segment<2>(3);
-  return result;
+  return Refinement(a, b, band, options).Run(turn_rad, still);
 }
 
 }  // namespace waystone

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -25,21 +26,24 @@ double Wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * kPi); }
 std::vector<std::complex<double>> CrossSpectrum(const FourierSignature& a,
                                                 const FourierSignature& b,
                                                 const PhaseCompassOptions& options) {
+  using Values = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const int count = std::min({options.frequencies, CommonFrequencies(a), CommonFrequencies(b)});
+  const auto of = [&](const HalfMatrix& values) -> Values {
+    return values.middleCols(1, count - 1).cast<float>().array();
+  };
+  const Values products = of(a.magnitudes) * of(b.magnitudes);
+  const Values turns = of(a.phases) - of(b.phases);
+  // A power by its logarithm, of which there are instructions for several at a time.
+  const auto power = static_cast<float>(options.power);
+  const Values weights = (power * products.max(std::numeric_limits<float>::min()).log()).exp();
+  // Evaluated before they are summed, again for several at a time.
+  const Values x = weights * turns.cos();
+  const Values y = weights * turns.sin();
+  const Eigen::ArrayXd re = x.colwise().sum().transpose().cast<double>();
+  const Eigen::ArrayXd im = y.colwise().sum().transpose().cast<double>();
+  const double all = std::max<double>(weights.sum(), 1e-300);
   std::vector<std::complex<double>> spectrum(count);
-  double weights = 0;
-  for (Eigen::Index row = 0; row < a.magnitudes.rows(); ++row) {
-    for (int l = 1; l < count; ++l) {
-      const float product =
-          static_cast<float>(a.magnitudes(row, l)) * static_cast<float>(b.magnitudes(row, l));
-      const double weight = std::pow(product, options.power);
-      const float turn =
-          static_cast<float>(a.phases(row, l)) - static_cast<float>(b.phases(row, l));
-      spectrum[l] += std::polar(weight, static_cast<double>(turn));
-      weights += weight;
-    }
-  }
-  for (auto& term : spectrum) term /= std::max(weights, 1e-300);
+  for (int l = 1; l < count; ++l) spectrum[l] = std::complex<double>(re[l - 1], im[l - 1]) / all;
   return spectrum;
 }
 
@@ -52,9 +56,12 @@ struct Score {
 
 Score ScoreAt(const std::vector<std::complex<double>>& spectrum, double turn_rad) {
   Score score;
+  const std::complex<double> step = std::polar(1.0, -turn_rad);
+  std::complex<double> turn = 1;
   for (size_t l = 1; l < spectrum.size(); ++l) {
     const auto frequency = static_cast<double>(l);
-    const std::complex<double> term = spectrum[l] * std::polar(1.0, -frequency * turn_rad);
+    turn *= step;
+    const std::complex<double> term = spectrum[l] * turn;
     score.value += term.real();
     score.slope += frequency * term.imag();
     score.bend -= frequency * frequency * term.real();
@@ -90,10 +97,12 @@ CompassPeak Refined(const std::vector<std::complex<double>>& spectrum, double tu
 
 // The index of the least value that lies off `from` by `separation_rad` at least, on a circle.
 int LeastBeyond(const std::vector<double>& values, int from, double separation_rad) {
-  const double step_rad = 2 * kPi / static_cast<double>(values.size());
+  const int size = static_cast<int>(values.size());
+  const double step_rad = 2 * kPi / size;
   int least = -1;
-  for (int i = 0; i < static_cast<int>(values.size()); ++i) {
-    if (std::abs(Wrapped((i - from) * step_rad)) < separation_rad) continue;
+  for (int i = 0; i < size; ++i) {
+    const int apart = std::abs(i - from);
+    if (std::min(apart, size - apart) * step_rad < separation_rad) continue;
     if (least < 0 || values[i] < values[least]) least = i;
   }
   return least;
@@ -140,20 +149,17 @@ double DeviationOf(const SmallMotion& small, const CompassOptions& options) {
   return std::hypot(small.turn_deviation_rad, options.uneven_depth * small.motion.norm());
 }
 
-// From both starts, whichever explains more: the warping search's heading is coarse, that of the
-// phases is far off after a motion.
+// From the warping search's heading, which is coarse, or that of the phases, which is far off after
+// a motion: whichever fits better once what is coarse has been refined.
 SmallMotion BestSmallMotion(const FourierSignature& a, const FourierSignature& b,
                             const Warping& warping, const PhaseCompass& phases,
                             const CompassOptions& options) {
-  const SmallMotion small =
-      RefineSmallMotion(a, b, options.band, warping.turn_rad, options.small_motion);
-  if (std::abs(Wrapped(phases.best.heading_rad - warping.turn_rad)) > options.agreement_rad) {
-    return small;
+  const double still_rad = phases.best.heading_rad;
+  std::optional<StillStart> still;
+  if (std::abs(Wrapped(still_rad - warping.turn_rad)) <= options.agreement_rad) {
+    still = {still_rad, options.still_frequencies};
   }
-  SmallMotionOptions fine = options.small_motion;
-  fine.coarse_frequencies = options.still_frequencies;
-  const SmallMotion other = RefineSmallMotion(a, b, options.band, phases.best.heading_rad, fine);
-  return other.correlation > small.correlation ? other : small;
+  return RefineSmallMotion(a, b, options.band, warping.turn_rad, options.small_motion, still);
 }
 
 bool Fits(const SmallMotion& small, const Warping& warping, const CompassOptions& options) {

@@ -46,11 +46,11 @@ PhaseCompass TurnByPhases(const FourierSignature& a, const FourierSignature& b,
                           const PhaseCompassOptions& options = {});
 
 struct CompassOptions {
-  PhaseCompassOptions phases;
+  PhaseCompassOptions phases{};
   // The band of the signatures (SignatureOptions::band).
   ElevationBand band = SignatureOptions{}.band;
-  WarpingOptions warping;
-  SmallMotionOptions small_motion;
+  WarpingOptions warping{};
+  SmallMotionOptions small_motion{};
   // How far a runner-up of the warping search lies off, radians, 0.01 to 3.
   double separation_rad = 0.35;
   // Costs of the warping search, summed over the columns, by which a hypothesis becomes e times

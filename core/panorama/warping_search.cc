@@ -6,15 +6,20 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
+#include "core/panorama/warping_kernels.h"
 
 namespace waystone {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kMaxLevels = 100;      // of a byte, a unit of cost
+constexpr double kMostPerColumn = 2.5;  // cost with its penalty: what a byte holds
+constexpr double kMaxSum = 65535;       // of a hypothesis over the columns
 
 // Change from row to row, upper to lower: edges without the brightness around them.
 RowImage VerticalGradient(const RowImage& image) {
@@ -26,11 +31,13 @@ RowImage VerticalGradient(const RowImage& image) {
 }
 
 // The image as it looks when everything is `scale` times nearer: what was at elevation e comes to
-// tan(e') = scale tan(e). Columns have mean 0 and length 1 (0 where there is nothing).
-RowImage ScaledColumns(const RowImage& image, const ElevationBand& band, double scale) {
+// tan(e') = scale tan(e). Columns have mean 0 and length 1 (0 where there is nothing), and are
+// filled up with empty ones to `filled`.
+RowImage ScaledColumns(const RowImage& image, const ElevationBand& band, double scale, int filled) {
   const auto rows = image.rows();
   const double step = (band.top_rad - band.bottom_rad) / static_cast<double>(rows);
-  RowImage scaled = RowImage::Zero(rows, image.cols());
+  RowImage scaled = RowImage::Zero(rows, filled);
+  auto used = scaled.leftCols(image.cols());
   for (Eigen::Index row = 0; row < rows; ++row) {
     const double elevation = band.top_rad - (static_cast<double>(row) + 0.5) * step;
     const double from = (band.top_rad - std::atan(std::tan(elevation) / scale)) / step - 0.5;
@@ -38,55 +45,74 @@ RowImage ScaledColumns(const RowImage& image, const ElevationBand& band, double 
     const auto upper = static_cast<Eigen::Index>(from);
     const auto part = static_cast<float>(from - static_cast<double>(upper));
     const Eigen::Index lower = std::min(upper + 1, rows - 1);
-    scaled.row(row) = (1 - part) * image.row(upper) + part * image.row(lower);
+    used.row(row) = (1 - part) * image.row(upper) + part * image.row(lower);
   }
-  scaled.rowwise() -= scaled.colwise().mean();
-  for (Eigen::Index j = 0; j < scaled.cols(); ++j) {
-    const float length = scaled.col(j).norm();
-    if (length > std::numeric_limits<float>::epsilon()) scaled.col(j) /= length;
+  const Eigen::RowVectorXf means = used.colwise().mean();
+  used.rowwise() -= means;
+  Eigen::RowVectorXf squares = Eigen::RowVectorXf::Zero(used.cols());
+  for (Eigen::Index row = 0; row < rows; ++row) squares += used.row(row).cwiseAbs2();
+  constexpr float kNothing = std::numeric_limits<float>::epsilon();
+  const Eigen::RowVectorXf factors =
+      (squares.array() > kNothing * kNothing).select(squares.array().rsqrt(), 1).matrix();
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    used.row(row) = used.row(row).cwiseProduct(factors);
   }
   return scaled;
 }
 
-// One search: the costs of all pairs of columns at all scales, then all hypotheses.
+// One search: the costs of all pairs of columns at all scales, then all hypotheses. Costs are
+// bytes, of which many fit a register: each is rounded, and of a mean over the columns nothing is
+// left of that.
 class Search {
  public:
   Search(const RowImage& a, const RowImage& b, const ElevationBand& band,
          const WarpingOptions& options)
-      : options_(options), columns_(options.columns), step_rad_(2 * kPi / columns_) {
+      : options_(options),
+        columns_(options.columns),
+        turns_(FilledUp(columns_, kWarpingBytes)),
+        levels_(static_cast<float>(
+            std::min(kMaxLevels, std::floor(kMaxSum / (kMostPerColumn * options.columns))))),
+        step_rad_(2 * kPi / columns_) {
+    const int middle = options_.scales / 2;
+    std::vector<RowImage> of_a;  // from scale 1 on
+    std::vector<RowImage> of_b;
+    for (int s = middle; s < options_.scales; ++s) {
+      of_a.push_back(ScaledColumns(a, band, ScaleOf(s), columns_));
+      of_b.push_back(ScaledColumns(b, band, ScaleOf(s), FilledUp(columns_, kWarpingFloats)));
+    }
     for (int s = 0; s < options_.scales; ++s) {
-      const double scale = ScaleOf(s);
-      const RowImage columns_a = ScaledColumns(a, band, std::max(scale, 1.0));
-      const RowImage columns_b = ScaledColumns(b, band, std::max(1 / scale, 1.0));
-      RowImage cost(columns_, 2 * columns_);  // twice around, so that no turn wraps
-      cost.leftCols(columns_).noalias() = -(columns_a.transpose() * columns_b);
-      cost.leftCols(columns_).array() += 1;
-      cost.rightCols(columns_) = cost.leftCols(columns_);
-      costs_.push_back(std::move(cost));
+      costs_.push_back(CostsOf(of_a[std::max(0, s - middle)], of_b[std::max(0, middle - s)]));
     }
   }
 
   // Mean cost of each hypothesis: rows are directions of motion, columns turns.
   RowImage Costs() const {
-    RowImage total = RowImage::Zero(columns_, columns_);
+    std::vector<uint16_t> sums(static_cast<size_t>(columns_) * turns_, 0);
     for (int angle = 0; angle < columns_; ++angle) {
-      const RowImage best = BestMatches(angle);
-      for (int column = 0; column < columns_; ++column) {
-        const int motion = (column - angle + columns_) % columns_;
-        total.row(motion) += best.row(column);
+      const std::vector<ColumnStep> steps = StepsOf(angle);
+      kernels_.add_least(
+          {steps.data(), static_cast<int>(steps.size()), columns_, RowBytes() + 1, angle, turns_},
+          sums.data());
+    }
+    RowImage costs(columns_, columns_);
+    const float per_unit = 1 / (levels_ * static_cast<float>(columns_));
+    for (int motion = 0; motion < columns_; ++motion) {
+      for (int turn = 0; turn < columns_; ++turn) {
+        costs(motion, turn) = per_unit * static_cast<float>(sums[motion * turns_ + turn]);
       }
     }
-    return total / static_cast<float>(columns_);
+    return costs;
   }
 
   // Mean cost of each turn without motion.
   Eigen::RowVectorXf StillCosts() const {
-    const RowImage& same_scale = costs_[options_.scales / 2];
+    const uint8_t* same_scale = CostsFrom(options_.scales / 2, 0);
     Eigen::RowVectorXf total = Eigen::RowVectorXf::Zero(columns_);
     for (int column = 0; column < columns_; ++column) {
-      total += same_scale.row(column).segment(column, columns_);
+      const uint8_t* row = same_scale + column * (RowBytes() + 1);
+      for (int turn = 0; turn < columns_; ++turn) total[turn] += row[turn];
     }
-    return total / static_cast<float>(columns_);
+    return total / (levels_ * static_cast<float>(columns_));
   }
 
  private:
@@ -95,48 +121,67 @@ class Search {
   }
 
   // The step of a ratio of distances, or -1 when it is out of reach by more than half a step.
-  int StepOf(double ratio) const {
+  int ScaleStepOf(double ratio) const {
     const double exponent = std::log(ratio) / std::log(options_.max_scale);  // -1 to 1
     const auto s = std::lround((exponent + 1) / 2 * (options_.scales - 1));
     return s < 0 || s >= options_.scales ? -1 : static_cast<int>(s);
   }
 
-  // For landmarks `angle` columns clockwise of the direction of motion: the least cost of each
-  // column of a (row) under each turn (column).
-  RowImage BestMatches(int angle) const {
-    RowImage best = RowImage::Constant(columns_, columns_, std::numeric_limits<float>::max());
+  // Half a circle before the columns of b and more than one and a half after them, so that neither
+  // shift (a quarter at most) nor turn wraps, and what the last register reads beyond.
+  int Lead() const { return columns_ / 2; }
+  int64_t RowBytes() const { return 3 * columns_ + kWarpingBytes; }
+
+  // Of column 0 of a and a column of b, -Lead() to Lead(); of the next of both RowBytes() + 1 on.
+  const uint8_t* CostsFrom(int scale, int column_of_b) const {
+    return costs_[scale].data() + Lead() + column_of_b;
+  }
+
+  std::vector<uint8_t> CostsOf(const RowImage& a, const RowImage& b) const {
+    std::vector<uint8_t> costs(columns_ * RowBytes());
+    kernels_.multiply({static_cast<int>(a.rows()), columns_, a.data(), b.data(), levels_,
+                       costs.data() + Lead(), RowBytes()});
+    for (int column = 0; column < columns_; ++column) {
+      uint8_t* row = costs.data() + column * RowBytes();
+      for (int64_t k = Lead() + columns_; k < RowBytes(); ++k) row[k] = row[k - columns_];
+      for (int64_t k = 0; k < Lead(); ++k) row[k] = row[k + columns_];
+    }
+    return costs;
+  }
+
+  // For landmarks `angle` columns clockwise of the direction of motion.
+  std::vector<ColumnStep> StepsOf(int angle) const {
     const double x = std::abs(std::remainder(angle * step_rad_, 2 * kPi));
     const int side = 2 * angle <= columns_ ? 1 : -1;
+    const int middle = options_.scales / 2;
+    std::vector<ColumnStep> steps;
     // Straight ahead and straight behind nothing moves sideways, and any distance goes.
     if (angle == 0) {
-      AddScales(options_.scales / 2, options_.scales - 1, 0, best);
+      for (int s = middle; s < options_.scales; ++s) steps.push_back({CostsFrom(s, 0), 0});
     } else if (2 * angle == columns_) {
-      AddScales(0, options_.scales / 2, 0, best);
+      for (int s = 0; s <= middle; ++s) steps.push_back({CostsFrom(s, 0), 0});
     } else {
       const int reach = static_cast<int>(options_.max_shift_rad / step_rad_);
       for (int shift = 0; shift <= reach && x + shift * step_rad_ < kPi; ++shift) {
-        const int s = StepOf(std::sin(x + shift * step_rad_) / std::sin(x));
-        if (s >= 0) AddScales(s, s, side * shift, best);
+        const int s = ScaleStepOf(std::sin(x + shift * step_rad_) / std::sin(x));
+        if (s >= 0) steps.push_back({CostsFrom(s, side * shift), PenaltyOf(shift)});
       }
     }
-    return best;
+    return steps;
   }
 
-  void AddScales(int first, int last, int shift, RowImage& best) const {
-    const auto penalty = static_cast<float>(options_.shift_cost * std::abs(shift));
-    for (int s = first; s <= last; ++s) {
-      for (int column = 0; column < columns_; ++column) {
-        const int to = (column + shift + columns_) % columns_;
-        best.row(column) = best.row(column).cwiseMin(
-            (costs_[s].row(column).segment(to, columns_).array() + penalty).matrix());
-      }
-    }
+  uint8_t PenaltyOf(int shift) const {
+    const double most = (kMostPerColumn - 2) * levels_ - 1;  // beside a cost of 2
+    return static_cast<uint8_t>(std::lround(std::min(options_.shift_cost * shift * levels_, most)));
   }
 
   const WarpingOptions& options_;
   int columns_;
+  int turns_;  // filled up
+  float levels_;
   double step_rad_;
-  std::vector<RowImage> costs_;  // of each scale: columns x 2 columns
+  WarpingKernels kernels_ = FastestWarpingKernels();
+  std::vector<std::vector<uint8_t>> costs_;  // of each scale: columns x RowBytes
 };
 
 // Where between its neighbours the least of a circle of values lies, in -0.5 to 0.5: the vertex of

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
@@ -207,8 +208,10 @@ TEST(Appearance, APhotoIsFoundByWhatItSeesOrRefused) {
   const auto photo = [&](const World& world, const Pose2& at) {
     return renderer.Render(world, WorldFromCamera({at.x, at.y, kHeight_m}, at.theta_rad)).grey;
   };
+  LocalizeOptions options;
+  options.camera = camera;
   for (const Pose2& truth : kQueries) {
-    const Answer answer = LocalizePhoto(Grid(true), photo(Rooms(), truth), camera, {});
+    const Answer answer = LocalizePhoto(Grid(true), photo(Rooms(), truth), options);
     EXPECT_EQ(answer.verdict, Verdict::kLocalized) << answer.message << answer.probability;
     ASSERT_TRUE(answer.panorama && answer.heading);
     EXPECT_LT(Apart(answer.panorama->pose, truth), 0.3);
@@ -217,16 +220,59 @@ TEST(Appearance, APhotoIsFoundByWhatItSeesOrRefused) {
   WorldOptions other = TestOptions();
   other.seed = 99;
   const World elsewhere(DemoPlan(), other);
-  EXPECT_EQ(LocalizePhoto(Grid(true), photo(elsewhere, {3, 3, 0.2}), camera, {}).verdict,
+  EXPECT_EQ(LocalizePhoto(Grid(true), photo(elsewhere, {3, 3, 0.2}), options).verdict,
             Verdict::kNotInMap);
   const cv::Mat image = photo(Rooms(), kQueries[0]);
-  EXPECT_NE(LocalizePhoto(Grid(true), image, {}, {}).message.find("field of view"),
+  EXPECT_NE(LocalizePhoto(Grid(true), image, {}).message.find("field of view"), std::string::npos);
+  EXPECT_NE(LocalizePhoto(Grid(false), image, options).message.find("--node-features"),
             std::string::npos);
-  EXPECT_NE(LocalizePhoto(Grid(false), image, camera, {}).message.find("--node-features"),
-            std::string::npos);
-  EXPECT_NE(
-      LocalizePhoto(Grid(true), image, PinholeCamera(100, 80, 1), {}).message.find("unscaled"),
-      std::string::npos);
+  options.camera = PinholeCamera(100, 80, 1);
+  EXPECT_NE(LocalizePhoto(Grid(true), image, options).message.find("unscaled"), std::string::npos);
+}
+
+TEST(Appearance, APhotoPassesOverNodesThatAreLeftOut) {
+  LocalizeOptions options;
+  options.camera = PinholeCamera(480, 360, 1.4);
+  const Renderer renderer(*options.camera);
+  const cv::Mat photo = renderer.Render(Rooms(), WorldFromCamera({1.9, 1.7, kHeight_m}, -2.5)).grey;
+  std::vector<bool> left_out(9, false);
+  left_out[4] = true;
+  const Answer answer = LocalizePhoto(Grid(true), photo, options, left_out);
+  EXPECT_EQ(answer.verdict, Verdict::kLocalized);
+  for (const NodeCandidate& node : answer.nodes) EXPECT_NE(node.node.id.value, 5);
+  left_out.assign(9, true);
+  EXPECT_EQ(LocalizePhoto(Grid(true), photo, options, left_out).verdict, Verdict::kNotInMap);
+}
+
+TEST(Appearance, ADeadlineThatPassedLeavesAPhotoUndecided) {
+  LocalizeOptions options;
+  options.camera = PinholeCamera(480, 360, 1.4);
+  const Renderer renderer(*options.camera);
+  const cv::Mat photo = renderer.Render(Rooms(), WorldFromCamera({1.9, 1.7, kHeight_m}, -2.5)).grey;
+  const Answer without = LocalizePhoto(Grid(true), photo, options);
+  options.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
+  const Answer early = LocalizeImage(Grid(true), photo, options);
+  EXPECT_EQ(early.stage, "decide");
+  EXPECT_EQ(early.verdict, Verdict::kLocalized);
+  EXPECT_EQ(early.probability, without.probability);
+  options.deadline = std::chrono::steady_clock::now();
+  const Answer late = LocalizePhoto(Grid(true), photo, options);
+  EXPECT_EQ(late.verdict, Verdict::kUndecided);
+  EXPECT_EQ(late.stage, "extract");
+  EXPECT_EQ(late.decided_by, "deadline");
+  EXPECT_EQ(late.map, "rooms");
+  EXPECT_FALSE(late.panorama);
+}
+
+TEST(Appearance, NodesThatTheDeadlineKeepsFromBeingVerifiedHaveNoInliers) {
+  const PanoramaQuery query = DescribeQuery(Grid(true), Panorama(Rooms(), kQueries[0]), {});
+  ASSERT_TRUE(query.features);
+  std::vector<ComparedNode> nodes(2);
+  nodes[0].node = 0;
+  nodes[1].node = 4;
+  const auto now = std::chrono::steady_clock::now();
+  EXPECT_GT(VerifyByFeatures(Grid(true), *query.features, nodes, {})[0].inliers, 0);
+  EXPECT_EQ(VerifyByFeatures(Grid(true), *query.features, nodes, {}, now)[0].inliers, 0);
 }
 
 TEST(Appearance, RefusesOptionsOutOfRange) {

@@ -104,6 +104,25 @@ TEST(FourierSignature, RebuildsTheBandThatItWasMadeOf) {
   EXPECT_LT(std::sqrt(squares) / cv::norm(band), 0.02);
 }
 
+// Sums of cosines at the columns, whether they are enough for the frequencies or not.
+TEST(FourierSignature, ImagesAreSampledAtTheirColumns) {
+  const FourierSignature signature = Signature(RenderedPanorama(RoomCentre(), 0.5));
+  const RowSpectra spectra = SpectraOf(signature, 40);
+  constexpr double kTurn = 0.3;
+  for (const int columns : {1, 24, 39, 40, 78, 79, 200}) {
+    const RowImage image = ImageOf(spectra, 40, columns, kTurn);
+    for (int j = 0; j < columns; ++j) {
+      double value = 0;
+      for (int l = 0; l < 40; ++l) {
+        const double phase = static_cast<float>(signature.phases(7, l));
+        value += (l == 0 ? 1 : 2) * static_cast<float>(signature.magnitudes(7, l)) *
+                 std::cos(phase + l * (kTurn + 2 * kPi * j / columns));
+      }
+      EXPECT_NEAR(image(7, j), value, 1e-4) << columns << " " << j;
+    }
+  }
+}
+
 TEST(FourierSignature, NormalisingTakesExposureAway) {
   const cv::Mat panorama = RenderedPanorama(RoomCentre(), 0.5);
   cv::Mat darker;

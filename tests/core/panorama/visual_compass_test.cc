@@ -92,6 +92,32 @@ TEST(VisualCompass, BearsTilt) {
   EXPECT_NEAR(small.tilt_rad.y(), 2 * kDegree * std::sin(1.2), 0.3 * kDegree);
 }
 
+// What covers a tenth of the columns misleads coarse stages: a start at the true turn wins over
+// one that is off, and one that is off doesn't over a good one.
+TEST(VisualCompass, TheStartThatFitsBetterGoesOn) {
+  const FourierSignature a = Signature(RenderedPanorama(RoomCentre(), 0));
+  const FourierSignature b = Signature(RenderedPanorama(RoomCentre(), 1.2));
+  const ElevationBand band = SignatureOptions{}.band;
+  const SmallMotion alone = RefineSmallMotion(a, b, band, 2.4, {});
+  EXPECT_GT(Error(alone.turn_rad, 1.2), 2 * kDegree);
+  const SmallMotion with = RefineSmallMotion(a, b, band, 2.4, {}, StillStart{1.2, 32});
+  EXPECT_LT(Error(with.turn_rad, 1.2), 0.1 * kDegree);
+  const SmallMotion better = RefineSmallMotion(a, b, band, 1.25, {}, StillStart{2.4, 32});
+  EXPECT_LT(Error(better.turn_rad, 1.2), 0.1 * kDegree);
+}
+
+TEST(VisualCompass, FewerFrequenciesRefineLessFinely) {
+  const FourierSignature a = Signature(RenderedPanorama(RoomCentre(), 0));
+  const FourierSignature b = Signature(RenderedPanorama(RoomCentre(), 1.2));
+  SmallMotionOptions options;
+  for (const int frequencies : {5, 20, 32, 4096}) {  // also some that fill no whole block
+    options.fine_frequencies = frequencies;
+    const SmallMotion small = RefineSmallMotion(a, b, SignatureOptions{}.band, 1.25, options);
+    EXPECT_LT(Error(small.turn_rad, 1.2), 0.5 * kDegree) << frequencies;
+    EXPECT_GT(small.correlation, 0.9) << frequencies;
+  }
+}
+
 // Steps of a robot in a room: heading and direction of motion.
 TEST(VisualCompass, TellsWhereTheCameraWent) {
   const FourierSignature a = Signature(RenderedPanorama(RoomCentre(), 0.2));
@@ -144,6 +170,9 @@ TEST(CompassOptions, RefuseWhatIsOutOfRange) {
   EXPECT_THROW(options.Check(), MapError);
   options = {};
   options.small_motion.steps = 0;
+  EXPECT_THROW(options.Check(), MapError);
+  options = {};
+  options.small_motion.fine_frequencies = 1;
   EXPECT_THROW(options.Check(), MapError);
   PhaseCompassOptions phases;
   phases.power = 2;
