@@ -55,7 +55,9 @@ CornerWalk MakeCorner() {
   walk.corner = {7.5, 3.5};
   fs::create_directories(walk.images);
   const Camera camera = PinholeCamera(640, 480, 1.2);
-  const World world(ParseFloorPlan(kRoom));
+  WorldOptions look;
+  look.trim = true;
+  const World world(ParseFloorPlan(kRoom), look);
   const Renderer renderer(camera);
   for (int i = 0; i < 14; ++i) {
     const double aside = 0.12 * i;
@@ -70,8 +72,8 @@ CornerWalk MakeCorner() {
                 ", 0, 319.5, 0, " + f +
                 ", 239.5, 0, 0, 1]}\ndistortion_model: plumb_bob\n"
                 "distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}\n");
-  const RunResult built =
-      RunWaystone({"build", walk.images, "-o", walk.map, "--camera", walk.camera});
+  const RunResult built = RunWaystone({"build", walk.images, "-o", walk.map, "--camera",
+                                       walk.camera, "--layers", "planes,orientation"});
   EXPECT_EQ(built.code, 0) << built.err;
   return walk;
 }

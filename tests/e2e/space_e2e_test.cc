@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <numbers>
 #include <string>
@@ -11,6 +12,7 @@
 #include "server/http/application.h"
 #include "server/http/json.h"
 #include "tests/e2e/calibrated_maps.h"
+#include "tests/e2e/shared_map.h"
 
 namespace waystone {
 namespace {
@@ -31,6 +33,21 @@ class CalibratedMapsTest : public testing::Test {
     request.header = [](const std::string&) { return std::nullopt; };
     const HttpResponse response = app_.Answer(request);
     EXPECT_EQ(response.status, 200) << path << ": " << response.body;
+    return Json::parse(response.body);
+  }
+
+  Json Localize(const std::string& map, const std::filesystem::path& photo,
+                const std::map<std::string, std::string>& query) {
+    HttpRequest request;
+    request.method = "POST";
+    request.path = "/v1/maps/" + map + "/localize";
+    request.query = query;
+    request.header = [](const std::string& name) {
+      return name == "Content-Type" ? std::optional<std::string>("image/jpeg") : std::nullopt;
+    };
+    request.read_body = [&photo] { return ReadFile(photo); };
+    const HttpResponse response = app_.Answer(request);
+    EXPECT_EQ(response.status, 200) << response.body;
     return Json::parse(response.body);
   }
 
@@ -84,6 +101,27 @@ TEST_F(CalibratedMapsTest, PlacedPlanesAreTheWalls) {
   }
   EXPECT_GE(placed, 4);
   EXPECT_GE(keyframes_with_both, 1);
+}
+
+// The building's axes are the room's, up to quarter turns.
+TEST_F(CalibratedMapsTest, AnswersSayHowTheCameraStandsInTheBuilding) {
+  constexpr double kQuarter = std::numbers::pi / 2;
+  for (const int photo : {3, 7, 11}) {
+    const auto image = TheCorner().images / (photo < 10 ? "00" + std::to_string(photo) + ".jpg"
+                                                        : "0" + std::to_string(photo) + ".jpg");
+    const Json answer = Localize("walls", image, {{"camera", "images"}});
+    ASSERT_EQ(answer["verdict"], "localized") << answer;
+    ASSERT_TRUE(answer.contains("building")) << answer;
+    EXPECT_FALSE(answer.contains("unused")) << answer;
+    const Json& building = answer["building"];
+    ASSERT_TRUE(building["heading"].is_object()) << building;
+    EXPECT_EQ(answer["heading"], building["heading"]);
+    const Eigen::Vector3d ahead = TheCorner().poses[photo].linear() * Eigen::Vector3d::UnitZ();
+    const double off = building["heading"]["rad"].get<double>() - std::atan2(ahead.y(), ahead.x());
+    EXPECT_LT(std::abs(std::remainder(off, kQuarter)) * kDegrees, 2) << building;
+    const Json plain = Localize("walls", image, {});
+    EXPECT_FALSE(plain.contains("building")) << "without a camera there is no rotation";
+  }
 }
 
 // The rig is level, so what is upright in the building is so in its pictures; of short lines nobody
