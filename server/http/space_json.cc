@@ -17,8 +17,8 @@ constexpr size_t kMostViews = 12;
 // Points of a plane that stand for its homography, and the fewest that determine it well.
 constexpr size_t kMostPoints = 12;
 constexpr size_t kLeastPoints = 6;
-// Standard deviation of a point that a stored homography transfers, px: one pixel, and the points of
-// a homography have the freedom of four, so that a dozen count a third each.
+// Standard deviation of a point that a stored homography transfers, px: one pixel, and the points
+// of a homography have the freedom of four, so that a dozen count a third each.
 constexpr double kPointSigmaPx = 1.7;
 // An outline's points that lie beyond this many times the plane's distance are left out: they are
 // seen so flatly that their place says nothing.

@@ -100,7 +100,7 @@ fs::path MakeTurns() {
                   renderer.Render(world, pose).grey);
     }
   }
-  const fs::path map = TheMap().folder / "turns.db";
+  fs::path map = TheMap().folder / "turns.db";
   const RunResult built = RunWaystone({"build", folder, "-o", map});
   EXPECT_EQ(built.code, 0) << built.err;
   return map;

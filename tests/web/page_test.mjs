@@ -176,6 +176,28 @@ async function testOrientation(page) {
   await page.waitForURL((to) => !to.hash.endsWith(`/${turn.frame}`));
 }
 
+// The same layer with a corridor, a turn of the camera alone and a loop, which its short walk hasn't.
+async function testCorridors() {
+  const { page, complaints, close } = await open({});
+  const layer = await getJson("/v1/maps/turns/orientation");
+  const at = layer.turns[0].frame;
+  layer.corridors = [{ id: 1, axis: "x", first: 3, last: at - 3, nodes: [] }];
+  layer.turns.push({ frame: at + 5, direction: "left", angle_rad: 1.5, confirmed: false, axis_after: "y" });
+  layer.edges.push({ a: layer.nodes[0].id, b: layer.nodes.at(-1).id, kind: "loop", matches: 60 });
+  await page.route("**/turns/orientation", (route) => route.fulfill(json(layer)));
+  await page.goto(`${url}/#/turns/orientation/${at}`);
+  await page.locator(".way .false-turn").click();
+  await page.waitForURL(new RegExp(`orientation/${at + 5}$`));
+  await page.locator(".facts", { hasText: "to the left, of the camera alone" }).waitFor();
+  assert.equal(await page.locator(".way .corridor").count(), 1);
+  assert.equal(await page.locator(".way .loop").count(), 1);
+  assert.match(await page.getByRole("region", { name: "Corridors" }).innerText(), /the building’s x/);
+  assert.match(await page.getByRole("region", { name: "Loops" }).innerText(), /60/);
+  await checkAccess(page, "corridors");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
 // A keyframe that has planes with a place: lines by direction, and planes in space.
 async function testSpace(page) {
   const { keyframes } = await getJson("/v1/maps/walls/keyframes");
@@ -399,6 +421,7 @@ try {
   }
   await close();
   await testOtherLayers();
+  await testCorridors();
   await testPanorama();
   await testPanoramaAnswer();
   await testTokens();

@@ -39,7 +39,8 @@ PlaneSighting Sighting(const MadeSpace& space, int plane, int view, double sigma
   const Eigen::Matrix3d h = space.views[view].HomographyOf(space.planes[plane]);
   const double left = -0.5 + 0.25 * (plane % 4);
   for (int i = 0; i < 9; ++i) {
-    const Eigen::Vector2d a(left + 0.12 * (i % 3), -0.3 + 0.3 * (i / 3));
+    const int row = i / 3;
+    const Eigen::Vector2d a(left + 0.12 * (i % 3), -0.3 + 0.3 * row);
     const Eigen::Vector2d noise(random.Normal(), random.Normal());
     seen.points.Add(a, Apply(h, a) + sigma * noise);
   }
