@@ -38,10 +38,10 @@ void AddServerFlags(CLI::App* command, ServerFlags& flags) {
 }
 
 Json AskServer(const ServerFlags& flags, const std::string& map, const std::string& name,
-               const std::string& bytes) {
+               const std::string& bytes, const Json& request) {
   try {
     const Client client(flags.url, {.token = TokenOf(flags)});
-    return client.Localize(Photo{name, bytes}, map == "-" ? "" : map);
+    return client.Localize(Photo{name, bytes}, map == "-" ? "" : map, request);
   } catch (const ClientError& error) {
     throw MapError(ErrorCode::kFileUnreadable, flags.url + ": " + error.what());
   }

@@ -15,10 +15,11 @@ struct ServerFlags {
 };
 void AddServerFlags(CLI::App* command, ServerFlags& flags);
 
-// Asks a server where a photo was taken: of the map of that name, or of all for "-". Throws
-// MapError for what keeps it from answering, by the server's own code where it gave one:
-// kFileUnreadable for a server that can't be reached or doesn't answer as ours do.
+// Asks a server where a photo was taken: of the map of that name, or of all for "-", with the
+// fields of `request` (docs/http-api.md). Throws MapError for what keeps it from answering, by the
+// server's own code where it gave one: kFileUnreadable for a server that can't be reached or
+// doesn't answer as ours do.
 Json AskServer(const ServerFlags& flags, const std::string& map, const std::string& name,
-               const std::string& bytes);
+               const std::string& bytes, const Json& request = {});
 
 }  // namespace waystone

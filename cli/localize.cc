@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "localizer/localizer.h"
 #include "localizer/panorama_series.h"
 #include "server/http/answer_json.h"
+#include "server/http/localize_request.h"
 
 namespace waystone {
 namespace {
@@ -23,8 +25,16 @@ struct LocalizeFlags {
   std::vector<std::string> photos;
   bool json = false;
   bool series = false;
+  std::optional<double> fov_deg;
   ServerFlags server;
 };
+
+// The flags as a request of the server says them, so that both understand the same.
+LocalizeRequest RequestOf(const LocalizeFlags& flags) {
+  Json object = Json::object();
+  if (flags.fov_deg) object["fov_deg"] = *flags.fov_deg;
+  return ParseRequestObject(object, {});
+}
 
 void PrintJson(const Json& answer, bool json) {
   std::cout << (json ? Dump(answer) : AnswerLine(answer)) << std::endl;
@@ -36,7 +46,7 @@ void Print(Answer answer, const OpenMap& map, bool json) {
 }
 
 // Returns whether the photo could be read.
-bool AnswerOne(const OpenMap& map, const std::string& photo, bool json) {
+bool AnswerOne(const OpenMap& map, const std::string& photo, const LocalizeFlags& flags) {
   std::vector<uint8_t> bytes;
   try {
     bytes = ReadBytes(photo);
@@ -44,8 +54,11 @@ bool AnswerOne(const OpenMap& map, const std::string& photo, bool json) {
     std::cerr << "waystone: " << error.what() << '\n';
     return false;
   }
-  const Answer answer = Localize(*map.index, bytes, photo, {});
-  Print(answer, map, json);
+  LocalizeOptions options;
+  options.camera = CameraFor(RequestOf(flags), map.index->map(),
+                             {photo, std::string(bytes.begin(), bytes.end())});
+  const Answer answer = Localize(*map.index, bytes, photo, options);
+  Print(answer, map, flags.json);
   return answer.verdict != Verdict::kBadImage;
 }
 
@@ -82,7 +95,8 @@ bool AnswerByServer(const LocalizeFlags& flags) {
     try {
       const std::vector<uint8_t> bytes = ReadBytes(photo);
       const Json answer =
-          AskServer(flags.server, flags.map, photo, std::string(bytes.begin(), bytes.end()));
+          AskServer(flags.server, flags.map, photo, std::string(bytes.begin(), bytes.end()),
+                    RequestObject(RequestOf(flags)));
       PrintJson(answer, flags.json);
       all_read &= answer.value("verdict", "") != NameOf(Verdict::kBadImage);
     } catch (const MapError& error) {
@@ -103,7 +117,7 @@ int RunLocalize(const LocalizeFlags& flags) {
   const OpenMap map = OpenMapFile(flags.map, false);
   if (flags.series) return AnswerSeries(map, flags) ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
   bool all_read = true;
-  for (const std::string& photo : flags.photos) all_read &= AnswerOne(map, photo, flags.json);
+  for (const std::string& photo : flags.photos) all_read &= AnswerOne(map, photo, flags);
   return all_read ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
 }
 
@@ -119,11 +133,18 @@ void AddLocalize(CLI::App& app, Run& run) {
   command->add_flag("--series", flags->series,
                     "The images are panoramas of one robot in order: each answer builds on those "
                     "before it");
+  command
+      ->add_option("--fov-deg", flags->fov_deg,
+                   "Horizontal field of view of the photos, which a map of panoramas answers them "
+                   "by; else what their EXIF data say")
+      ->check(CLI::Range(1.0, 179.0))
+      ->excludes("--series");
   AddServerFlags(command, flags->server);
   command->footer(
       "Exits with 3 when a photo can't be read, after answering the others.\n"
       "Example: waystone localize lab.db photo.jpg --json\n"
       "         waystone localize office.db 1.jpg 2.jpg 3.jpg --series\n"
+      "         waystone localize office.db photo.jpg --fov-deg 63\n"
       "         waystone localize - photo.jpg --server http://127.0.0.1:8080");
   command->callback([flags, &run] { run = [flags] { return RunLocalize(*flags); }; });
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <iostream>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,15 +25,16 @@ struct ReplayFlags {
 // What of an answer two maps can be compared by.
 struct Outcome {
   std::string verdict;
-  std::string place;  // the keyframe's sequence and source; empty without one
+  std::string place;  // the sequence and source of the keyframe or panorama; empty without one
   bool operator==(const Outcome&) const = default;
 };
 
 Outcome OutcomeOf(const Json& answer) {
   Outcome outcome{answer.value("verdict", ""), ""};
-  if (answer.contains("keyframe") && answer["keyframe"].is_object()) {
-    const Json& keyframe = answer["keyframe"];
-    outcome.place = keyframe.value("sequence", "") + "/" + keyframe.value("source", "");
+  const Json panorama = answer.value("panorama", Json::object());
+  for (const Json& place : {answer.value("keyframe", Json()), panorama.value("node", Json())}) {
+    if (!place.is_object()) continue;
+    outcome.place = place.value("sequence", "") + "/" + place.value("source", "");
   }
   return outcome;
 }
@@ -43,11 +46,41 @@ struct Replayed {
   Outcome after;
 };
 
-Replayed Ask(LoggedQuery query, const ServedMaps& maps) {
-  // Time and cameras are the server's: what is compared is what the map makes of the image.
+// What the next query of a series is asked with, by what the log's answer before it had.
+using Beliefs = std::map<std::string, Json>;
+
+std::string KeyOf(const Json& answer) {
+  return answer.contains("belief") ? Dump(answer["belief"]) : "";
+}
+
+// A series goes on from what the map asked now made of its earlier panoramas, not from what the
+// log's did: a belief names panoramas of one map. One whose beginning isn't in the log begins here.
+void TakePrevious(const Beliefs& beliefs, LocalizeRequest& request) {
+  const auto before =
+      request.previous.is_null() ? beliefs.end() : beliefs.find(KeyOf(request.previous));
+  request.previous = before == beliefs.end() ? Json(nullptr) : before->second;
+}
+
+// Nothing for a camera that the log's map stores and the one asked now doesn't.
+std::optional<Camera> CameraIn(const MapData& map, const LocalizeRequest& request) {
+  try {
+    return CameraFor(request, map, request.images.front());
+  } catch (const MapError& error) {
+    if (error.code() != ErrorCode::kBadCamera) throw;
+    return std::nullopt;
+  }
+}
+
+Replayed Ask(LoggedQuery query, const ServedMaps& maps, Beliefs& beliefs) {
+  // Time is the server's: what is compared is what the map makes of the image.
   query.request.deadline_ms.reset();
-  const RequestAnswer answer = AnswerRequest(query.request, maps, {});
+  TakePrevious(beliefs, query.request);
+  LocalizeOptions options;
+  options.camera = CameraIn(maps.front()->index().map(), query.request);
+  const RequestAnswer answer = AnswerRequest(query.request, maps, options);
   const Json json = ToJson(query.request, answer, false, std::nullopt);
+  const std::string key = KeyOf(query.answer);
+  if (!key.empty()) beliefs[key] = {{"belief", answer.belief}};
   return {query.id, query.request.images.front().name, OutcomeOf(query.answer), OutcomeOf(json)};
 }
 
@@ -72,9 +105,10 @@ int RunReplay(const ReplayFlags& flags) {
   OpenMap map = OpenMapFile(flags.map, false);
   const ServedMaps maps = {std::make_shared<const ServedMap>(map.name, std::move(map.index))};
   std::vector<Replayed> queries;
+  Beliefs beliefs;
   size_t changed = 0;
   for (LoggedQuery& query : ReadQueryLog(flags.log)) {
-    queries.push_back(Ask(std::move(query), maps));
+    queries.push_back(Ask(std::move(query), maps, beliefs));
     changed += queries.back().before != queries.back().after;
   }
   if (flags.json) {
@@ -100,7 +134,9 @@ void AddReplay(CLI::App& app, Run& run) {
   command->add_option("map", flags->map, "Map file")->required();
   command->add_flag("--json", flags->json, "One JSON object");
   command->footer(
-      "Says which verdicts and places changed.\n"
+      "Says which verdicts and places changed. A series goes on with what the map asked now made "
+      "of "
+      "its earlier panoramas.\n"
       "Example: waystone replay queries/ lab-new.db");
   command->callback([flags, &run] { run = [flags] { return RunReplay(*flags); }; });
 }

@@ -400,4 +400,17 @@ std::optional<Camera> CameraByExif(const QueryImage& image) {
       {exif->focal_px, exif->focal_px, (exif->width - 1) / 2.0, (exif->height - 1) / 2.0}};
 }
 
+std::optional<Camera> CameraFor(const LocalizeRequest& request, const MapData& map,
+                                const QueryImage& image) {
+  const bool given = request.intrinsics || request.fov_rad || request.stored_camera;
+  if (!given) return CameraByExif(image);
+  const auto* bytes = reinterpret_cast<const uint8_t*>(image.bytes.data());
+  try {
+    return CameraOf(request, map, ReadImageHeader({bytes, image.bytes.size()}));
+  } catch (const MapError& error) {
+    if (error.code() != ErrorCode::kBadImage) throw;
+    return std::nullopt;
+  }
+}
+
 }  // namespace waystone

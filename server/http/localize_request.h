@@ -77,4 +77,9 @@ std::optional<Camera> CameraOf(const LocalizeRequest& request, const MapData& ma
 // The camera by the image's own EXIF data, without distortion; nothing for images that say nothing.
 std::optional<Camera> CameraByExif(const QueryImage& image);
 
+// The camera of an image by the request or else by the image itself; nothing without one, or for
+// bytes that are no image, whose answer says so. Throws as CameraOf.
+std::optional<Camera> CameraFor(const LocalizeRequest& request, const MapData& map,
+                                const QueryImage& image);
+
 }  // namespace waystone

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <optional>
-#include <span>
 #include <utility>
 
 #include "core/base/error.h"
@@ -12,22 +11,6 @@
 
 namespace waystone {
 namespace {
-
-// The camera of the request's first image, by the request or else by the image itself; nothing
-// without one or for bytes that are no image, whose answer says so.
-std::optional<Camera> CheckedCamera(const LocalizeRequest& request, const ServedMap& map) {
-  const bool given = request.intrinsics || request.fov_rad || request.stored_camera;
-  if (!given) return CameraByExif(request.images.front());
-  const std::string& bytes = request.images.front().bytes;
-  try {
-    const ImageHeader header =
-        ReadImageHeader(std::span(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()));
-    return CameraOf(request, map.index().map(), header);
-  } catch (const MapError& error) {
-    if (error.code() != ErrorCode::kBadImage) throw;
-    return std::nullopt;
-  }
-}
 
 void RefuseMapsOwn(const LocalizeRequest& request) {
   if (request.prior_keyframe || !request.previous.is_null() || request.stored_camera ||
@@ -66,7 +49,8 @@ HttpResponse LocalizeService::Answer(const HttpRequest& http, const ServedMaps& 
   } else {
     CheckPrior(request, maps.front()->index());
   }
-  const std::optional<Camera> camera = CheckedCamera(request, *maps.front());
+  const std::optional<Camera> camera =
+      CameraFor(request, maps.front()->index().map(), request.images.front());
   LocalizeOptions options = options_;
   options.explain = request.debug;
   options.camera = camera;

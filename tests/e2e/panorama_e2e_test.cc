@@ -26,17 +26,21 @@ class PanoramaCommands : public testing::Test {
  protected:
   ~PanoramaCommands() override { fs::remove_all(folder_); }
 
-  // Writes a panorama with this yaw.
-  fs::path Write(const std::string& name, double yaw_rad) const {
+  static const World& Hall() {
     static const World world = [] {
       WorldOptions options;
       options.texel_m = 0.02;
       return World(DemoPlan(), options);
     }();
+    return world;
+  }
+
+  // Writes a panorama with this yaw.
+  fs::path Write(const std::string& name, double yaw_rad) const {
     const Renderer renderer(PanoramaCamera(256));
     const fs::path path = folder_ / name;
     cv::imwrite(path.string(),
-                renderer.Render(world, WorldFromCamera({6.5, 10.5, 1.5}, yaw_rad)).grey);
+                renderer.Render(Hall(), WorldFromCamera({6.5, 10.5, 1.5}, yaw_rad)).grey);
     return path;
   }
 
@@ -106,17 +110,19 @@ class PanoramaMap : public PanoramaCommands {
 
   // What is seen after so many steps of the walk.
   static void Draw(const fs::path& path, double step) {
-    static const World world = [] {
-      WorldOptions options;
-      options.texel_m = 0.02;
-      return World(DemoPlan(), options);
-    }();
     const Renderer renderer(PanoramaCamera(256));
     RenderOptions noisy;
     noisy.noise_sigma = 2;
     noisy.noise_seed = static_cast<uint64_t>(10 * step) + 1;
     const auto pose = WorldFromCamera({5.6 + 0.2 * step, 10.5, 1.5}, 0.05 * step);
-    cv::imwrite(path.string(), renderer.Render(world, pose, noisy).grey);
+    cv::imwrite(path.string(), renderer.Render(Hall(), pose, noisy).grey);
+  }
+
+  // A photo to the front after so many steps, 80 degrees wide.
+  static void DrawPhoto(const fs::path& path, double step) {
+    const Renderer renderer(PinholeCamera(320, 240, 80 / 57.29578));
+    const auto pose = WorldFromCamera({5.6 + 0.2 * step, 10.5, 1.5}, 0.05 * step);
+    cv::imwrite(path.string(), renderer.Render(Hall(), pose).grey);
   }
 
   static fs::path Query(int step) { return home_ / ("query" + std::to_string(step) + ".png"); }
@@ -152,6 +158,32 @@ TEST_F(PanoramaMap, LocalizeAnswersASeriesInOrder) {
   EXPECT_EQ(answers, 3);
   EXPECT_EQ(Json::parse(series.out.substr(series.out.rfind("{\"verdict\"")))["verdict"],
             "localized");
+}
+
+TEST_F(PanoramaMap, AFieldOfViewSaysWhatAPhotoSees) {
+  ASSERT_EQ(build_.code, 0) << build_.err;
+  const fs::path photo = folder_ / "photo.png";
+  DrawPhoto(photo, 3.5);
+  const auto ask = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"localize", home_ / "hall.db", photo, "--json"});
+    return RunWaystone(more);
+  };
+  const RunResult blind = ask({});
+  ASSERT_EQ(blind.code, 0) << blind.err;
+  EXPECT_NE(blind.out.find("field of view"), std::string::npos) << blind.out;
+  // It is asked now; panoramas of 256 pixels keep too little to find it.
+  const Json seen = Json::parse(ask({"--fov-deg", "80"}).out);
+  EXPECT_NE(seen["message"].get<std::string>().find("show enough of this photo"), std::string::npos)
+      << seen;
+  EXPECT_EQ(ask({"--fov-deg", "200"}).code, 2);
+  EXPECT_EQ(ask({"--fov-deg", "80", "--series"}).code, 2);
+  ChildProcess server({WAYSTONE_PROGRAM, "serve", home_ / "hall.db", "--port", "0"}, true);
+  const std::string line = server.ReadLine();
+  const Json served = Json::parse(RunWaystone({"localize", "hall", photo, "--json", "--fov-deg",
+                                               "80", "--server", line.substr(line.find("http://"))})
+                                      .out);
+  EXPECT_EQ(served["camera"]["source"], "fov") << served;
+  EXPECT_EQ(served["message"], seen["message"]);
 }
 
 TEST_F(PanoramaMap, SeveralPanoramasOverHttpAreASeriesAndTheBeliefGoesOn) {
@@ -197,6 +229,45 @@ TEST_F(PanoramaMap, SeveralPanoramasOverHttpAreASeriesAndTheBeliefGoesOn) {
   const auto [refused, problem] = ask({4}, request);
   EXPECT_EQ(refused, 400);
   EXPECT_NE(problem["detail"].get<std::string>().find("999"), std::string::npos);
+}
+
+// The log's own map, and one that names the same panoramas otherwise: the belief is of the map that
+// is asked, so the series goes on with either.
+TEST_F(PanoramaMap, AReplayedSeriesGoesOn) {
+  ASSERT_EQ(build_.code, 0) << build_.err;
+  {
+    ChildProcess server({WAYSTONE_PROGRAM, "serve", home_ / "hall.db", "--port", "0", "--query-log",
+                         folder_ / "log"},
+                        true);
+    const std::string line = server.ReadLine();
+    httplib::Client client(line.substr(line.find("http://")));
+    client.set_read_timeout(30);
+    Json request = Json::object();
+    for (const int step : {2, 3, 4}) {
+      const httplib::MultipartFormDataItems form = {
+          {"image", ReadFile(Query(step)), std::to_string(step) + ".png", "image/png"},
+          {"request", request.dump(), "", "application/json"}};
+      const auto result = client.Post("/v1/maps/hall/localize", form);
+      ASSERT_TRUE(result);
+      const Json answer = Json::parse(result->body);
+      ASSERT_TRUE(answer.contains("belief")) << answer;
+      request["previous"] = {{"belief", answer["belief"]}, {"map_version", answer["map_version"]}};
+    }
+  }
+  const RunResult same = RunWaystone({"replay", folder_ / "log", home_ / "hall.db"});
+  EXPECT_EQ(same.out, "0 of 3 answers changed\n") << same.err;
+  // Without its first panoramas the walk's nodes have other ids.
+  fs::create_directory(folder_ / "walk");
+  for (int i = 1; i < kPanoramas; ++i) {
+    const std::string name = std::to_string(i) + ".png";
+    fs::copy_file(home_ / "walk" / name, folder_ / "walk" / name);
+  }
+  const RunResult built =
+      RunWaystone({"build", folder_ / "walk", "-o", folder_ / "other.db", "--quiet"});
+  ASSERT_EQ(built.code, 0) << built.err;
+  const RunResult other = RunWaystone({"replay", folder_ / "log", folder_ / "other.db"});
+  EXPECT_EQ(other.code, 0) << other.err;
+  EXPECT_NE(other.out.find("of 3 answers changed"), std::string::npos) << other.out;
 }
 
 }  // namespace
