@@ -60,8 +60,7 @@ struct PanoramaQueryOptions {
   // Whether the heading is refined by the warping search, which costs about 0.5 ms. Without it, it
   // is the phases', which is exact for a pure turn alone.
   bool fine_heading = true;
-  // Between nodes, which are farther apart than steps of a walk, finer frequencies add nothing.
-  CompassOptions compass{.small_motion = {.fine_frequencies = 32}};
+  CompassOptions compass;
   // Standard deviation of the phases' heading, 0.001 to 3, where it isn't refined.
   double phase_deviation_rad = 0.3;
   // Whether candidates are verified by features, where the nodes have some. Costs the extraction.
@@ -80,8 +79,8 @@ struct PanoramaQueryOptions {
   int photo_neighbours = 20;
   int photo_probes = 8;
   // Nodes that the photo is matched with, most voted first, 1 to 10,000. More find more places and
-  // cost about 4 ms each.
-  int photo_candidates = 32;
+  // cost about 1 ms each.
+  int photo_candidates = 64;
   RelativeOptions relative{.max_samples = 200};
   // Costs by which a neighbour counts e times less for the position, 0.001 to 10. More interpolates
   // more widely.
