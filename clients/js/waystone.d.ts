@@ -226,6 +226,7 @@ export interface Answer {
   map_version: string;
   keyframe: null | KeyframeRef;
   heading: null | Record<string, unknown>;
+  building?: BuildingView;
   planes: RecognisedPlane[];
   panorama?: PanoramaPlace;
   belief?: Belief;
@@ -244,6 +245,14 @@ export interface Answer {
   camera?: QueryCamera;
   /** What was understood and no layer of this map uses. */
   unused?: ("camera" | "prior" | "previous" | "odometry")[];
+}
+
+/** The query's rotation in the building, where the map has an orientation layer and the query's camera is known or it is a panorama. The disagreement is that of the query's lines with the building's axes at the place, null where they say nothing clear. */
+export interface BuildingView {
+  heading: null | Record<string, unknown>;
+  building_from_query: null | Matrix;
+  lines: [number, number, number];
+  disagreement_rad: number | null;
 }
 
 /** From the appearance layer. The nearest node and the position when localized, else null, and what was considered. */

@@ -206,8 +206,10 @@ RequestAnswer AnswerRequest(const LocalizeRequest& request, const ServedMaps& ma
     }
   }
   RequestAnswer result;
-  const MapData& first = maps.front()->index().map();
-  result.used_camera = first.orientation || (panoramas && photos > 0 && first.planes.empty());
+  result.used_camera = std::ranges::any_of(maps, [&](const auto& map) {
+    const MapData& data = map->index().map();
+    return data.orientation || (panoramas && photos > 0 && data.planes.empty());
+  });
   for (const QueryImage& image : request.images) {
     std::vector<Answer> answers = AskMaps(image, maps, options);
     // Over HTTP a map goes by the name in the path, whatever it was called when it was built.

@@ -188,7 +188,8 @@ def every_body(base):
         several = json.loads(ask("POST", target, body, headers)[2])
         assert several["verdict"] == "localized" and several["image"] == "b.jpg", several
         assert [one["verdict"] for one in several["images"]] == ["not_in_map", "localized"]
-        assert several["unused"] == ["camera"]
+        # Of all maps together, one knows the building's directions and so makes use of a camera.
+        assert several.get("unused") == (["camera"] if target.startswith(base) else None)
         same = json.loads(ask("POST", target, *in_json({}, PHOTO))[2])
         assert same["planes"][0]["id"] == raw["planes"][0]["id"]
         late = json.loads(ask("POST", target + "?deadline_ms=1", PHOTO, image)[2])

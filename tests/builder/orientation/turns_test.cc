@@ -100,14 +100,15 @@ TEST(Turns, ACameraOnTheDiagonalDoesNotSwitchBackAndForth) {
 }
 
 TEST(Turns, ShortDetoursAndUnknownMotionsDoNotUnsettle) {
-  const std::vector<MotionSample> samples{{0, 0.1},  {5, -0.1}, {10, {}},        {15, 0.0},
-                                          {20, 0.7}, {25, 0.0}, {30, kPi / 2},   {35, 0.1},
-                                          {40, 0.0}, {45, kPi}, {50, -kPi + 0.1}};
+  const std::vector<MotionSample> samples{
+      {0, 0.1},  {5, -0.1}, {10, {}},         {15, 0.0},     {20, 0.7}, {25, 0.0},
+      {28, 0.1}, {30, 0.0}, {35, kPi / 2},    {40, kPi / 2}, {45, 0.1}, {50, 0.0},
+      {55, 0.1}, {60, kPi}, {65, -kPi + 0.1}, {70, kPi}};
   const auto settled = SettledMotions(samples, {});
   ASSERT_EQ(settled.size(), 2U);
   EXPECT_EQ(settled[0].quarter_turns, 0);
   EXPECT_EQ(settled[0].first, 0);
-  EXPECT_EQ(settled[0].last, 40);
+  EXPECT_EQ(settled[0].last, 55) << "two motions don't settle anew";
   EXPECT_EQ(settled[1].quarter_turns, 2);
 }
 
