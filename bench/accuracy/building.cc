@@ -25,7 +25,8 @@ using Json = nlohmann::ordered_json;
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kRight_m = 2.5;  // a place nearer than this is right
 
-// What came of the answers' rotations and of their axes as a gate.
+// What came of the answers' rotations (of panoramas: of all answers of a right place, believed or
+// not) and of their axes as a gate.
 struct Score {
   int asked = 0;
   int localized = 0;  // before the gate
@@ -93,7 +94,7 @@ Score AskKitchen(const std::string& folder) {
   BuildOptions build;
   build.layers = LayerChoiceByNames("planes,orientation");
   const std::optional<Camera> camera = sources.front()->camera();
-  const auto index = MapIndex::Build(BuildMap(sources, build).map);
+  const auto index = MapIndex::Build(BuildMap(sources, build, {}).map);
   const RgbdTruth truth(folder);
   const auto world_from_camera = [&](int frame) -> Matrix3d {
     return truth.world_from_camera(frame).linear();
@@ -127,7 +128,7 @@ Score AskPlaces(const std::string& folder) {
   sources.push_back(OpenSource(folder + "/panorama", {}));
   BuildOptions build;
   build.appearance.redundancy.max_loss = 0;  // every place is asked for
-  MapData map = BuildMap(sources, build).map;
+  MapData map = BuildMap(sources, build, {}).map;
   for (AppearanceNode& node : map.appearance->nodes) {
     const PanoramaPlace& place = places[node.frame];
     node.pose = {place.position_m.x(), place.position_m.y(), place.yaw_rad};
@@ -158,15 +159,15 @@ Score AskPlaces(const std::string& folder) {
     const ManhattanFrame lines = LinesOf(place.grey, std::nullopt, options.building);
     answer.building = ViewBuilding(guesses, lines, options.building);
     Count(*answer.building, right, options.building, score);
-    if (!localized) continue;
-    ++score.localized;
-    if (answer.building->heading && own && own->reliable) {
+    if (right && answer.building->heading && own && own->reliable) {
       ++score.with_heading;
       // Both are of one layer, whose axes may be turned by quarters against the world's.
       const double truth = place.yaw_rad + turned(*own);
       score.errors_rad.push_back(
           std::abs(std::remainder(answer.building->heading->rad - truth, 2 * std::numbers::pi)));
     }
+    if (!localized) continue;
+    ++score.localized;
     JudgeByAxes(static_cast<int>(guesses.size()), options, answer);
     score.refused += answer.verdict == Verdict::kLocalized ? 0 : 1;
   }

@@ -263,6 +263,17 @@ Json ToJson(const Score& s) {
           {"reliable_off_by_5_deg", s.wrong_rotations}};
 }
 
+void PrintLines(const OrientationLayer& layer, const TrueStretch& stretch) {
+  std::array<int, 3> sums{};
+  for (int i = stretch.first; i <= stretch.last; ++i) {
+    const OrientationFrame& frame = layer.frames[i];
+    if (!frame.reliable) continue;
+    for (int axis = 0; axis < 2; ++axis) sums[axis] += frame.lines[axis];
+    ++sums[2];
+  }
+  std::printf(" %d:%d (%d)", sums[0], sums[1], sums[2]);
+}
+
 // What was found where, for people.
 void PrintLayer(const OrientationWorld& made, const OrientationLayer& layer) {
   std::printf("  corners");
@@ -282,15 +293,10 @@ void PrintLayer(const OrientationWorld& made, const OrientationLayer& layer) {
     std::printf(" %d-%d", static_cast<int>(c.first.value - 1), static_cast<int>(c.last.value - 1));
   }
   std::printf("\n  lines along x and y, reliable frames, of each");
-  for (const TrueStretch& s : made.corridors) {
-    std::array<int, 3> sums{};
-    for (int i = s.first; i <= s.last; ++i) {
-      const OrientationFrame& frame = layer.frames[i];
-      if (!frame.reliable) continue;
-      for (int axis = 0; axis < 2; ++axis) sums[axis] += frame.lines[axis];
-      ++sums[2];
-    }
-    std::printf(" %d:%d (%d)", sums[0], sums[1], sums[2]);
+  for (const TrueStretch& corridor : made.corridors) PrintLines(layer, corridor);
+  std::printf("; between the room's corners");
+  for (size_t i = 0; i + 1 < made.turns.size() && i < 3; ++i) {
+    PrintLines(layer, {made.turns[i].frame, made.turns[i + 1].frame});
   }
   std::printf("\n  nodes");
   for (const OrientationNode& node : layer.nodes) {

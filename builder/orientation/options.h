@@ -73,7 +73,7 @@ struct CorridorOptions {
   double heading_range_rad = 0.35;
   // Lines along the corridor over those across it, at least, 1 to 20. Higher leaves out rooms and
   // wide halls.
-  double min_ratio = 1.5;
+  double min_ratio = 1.33;
   // Shortest corridor, 1 to 100,000. frames
   int min_frames = 30;
   // Frames in a row that may have no rotation, 0 to 1000.
