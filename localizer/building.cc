@@ -243,10 +243,23 @@ void JudgeByAxes(int guesses, const LocalizeOptions& options, Answer& answer) {
                    " degrees against the building there; send another image";
 }
 
+namespace {
+
+// The camera of the query; nothing for panoramas, which need none, and for images that aren't the
+// camera's: of several images of a request only the first has to be.
+std::optional<Camera> CameraOf(const cv::Mat& grey, const LocalizeOptions& options,
+                               const Answer& answer) {
+  if (!options.camera || (answer.panorama && IsPanoramic(grey.size()))) return std::nullopt;
+  const bool fits = grey.cols == options.camera->width && grey.rows == options.camera->height;
+  return fits ? options.camera : std::nullopt;
+}
+
+}  // namespace
+
 void AddBuilding(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options,
                  bool with_lines, Answer& answer) {
   if (!index.map().orientation || answer.verdict != Verdict::kLocalized) return;
-  const std::optional<Camera> camera = IsPanoramic(grey.size()) ? std::nullopt : options.camera;
+  const std::optional<Camera> camera = CameraOf(grey, options, answer);
   const std::vector<BuildingGuess> guesses = GuessRotation(index, answer, camera);
   if (guesses.empty()) return;
   const ManhattanFrame lines =

@@ -50,7 +50,8 @@ ManhattanFrame LinesOf(const cv::Mat& grey, const std::optional<Camera>& camera,
 void JudgeByAxes(int guesses, const LocalizeOptions& options, Answer& answer);
 
 // Adds to a localized answer the rotation in the building and judges it by the axes. Leaves others,
-// and all of maps without the layer, as they are. Lines are looked for only where `with_lines`.
+// all of maps without the layer, and photos of another size than options.camera's, as they are.
+// Lines are looked for only where `with_lines`.
 void AddBuilding(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options,
                  bool with_lines, Answer& answer);
 

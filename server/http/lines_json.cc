@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/lines_json.h"
 
-#include <algorithm>
 #include <optional>
 
 #include "core/base/error.h"
@@ -29,15 +28,6 @@ std::optional<Camera> CameraOf(const MapIndex& index, SequenceId id) {
 std::optional<Eigen::Matrix3d> HeadFromBuilding(const OrientationFrame* frame) {
   if (!frame || !frame->reliable) return std::nullopt;
   return Eigen::Matrix3d(frame->rotation->building_from_head.conjugate());
-}
-
-const OrientationFrame* FrameOf(const MapIndex& index, const Keyframe& keyframe) {
-  if (!index.map().orientation) return nullptr;
-  const auto& frames = index.map().orientation->frames;
-  const auto it = std::ranges::find_if(frames, [&](const OrientationFrame& frame) {
-    return frame.sequence == keyframe.sequence && frame.frame == keyframe.frame;
-  });
-  return it == frames.end() ? nullptr : &*it;
 }
 
 // `scale` takes pixels of the picture to those of the answer, whose middle of the first one is
@@ -86,7 +76,8 @@ Json LinesJson(const MapIndex& index, const Keyframe& keyframe) {
   }
   const cv::Mat picture = PictureOf(keyframe.jpeg);
   return Sized(keyframe.width, keyframe.height,
-               LinesJson(picture, ScaledCamera(*camera, picture.cols), FrameOf(index, keyframe),
+               LinesJson(picture, ScaledCamera(*camera, picture.cols),
+                         index.FindFrame(keyframe.sequence, keyframe.frame),
                          static_cast<double>(keyframe.width) / picture.cols));
 }
 

@@ -99,6 +99,32 @@ TEST(Building, PlanesThatAgreeTellWithoutLines) {
   EXPECT_FALSE(view.disagreement_rad.has_value()) << "no lines, no say";
 }
 
+TEST(Building, PhotosThatArentTheCamerasGoWithout) {
+  const MapData map = OrientedMap();
+  const auto index = MapIndex::Build(map);
+  Answer answer = Asked(*index, map, PoseOf(2.5));
+  LocalizeOptions options;
+  options.camera = MadeCamera();
+  AddBuilding(*index, cv::Mat(240, 320, CV_8UC1, cv::Scalar(90)), options, true, answer);
+  EXPECT_FALSE(answer.building.has_value());
+  EXPECT_EQ(answer.verdict, Verdict::kLocalized);
+}
+
+// Twice as wide as high, but no panorama: the planes answered.
+TEST(Building, WidePhotosHaveACameraToo) {
+  const MapData map = OrientedMap();
+  const auto index = MapIndex::Build(map);
+  const MadePose pose = PoseOf(2.5);
+  Answer answer = Asked(*index, map, pose);
+  LocalizeOptions options;
+  options.camera = MadeCamera();
+  options.camera->height = 320;
+  AddBuilding(*index, cv::Mat(320, 640, CV_8UC1, cv::Scalar(90)), options, true, answer);
+  ASSERT_TRUE(answer.building.has_value());
+  EXPECT_LT(RotationAngle(answer.building->building_from_query.toRotationMatrix(), Truth(pose)),
+            2 * kDegree);
+}
+
 TEST(Building, LinesSettleTheRotationUpToItsQuarterTurn) {
   const Matrix3d truth = Truth(PoseOf(2));
   const Matrix3d near = AngleAxisd(3 * kDegree, Vector3d::UnitZ()) * truth;
