@@ -106,7 +106,8 @@ class Closer {
     const Eigen::RowVectorXf dots = low_.row(b) * low_.topRows(b).transpose();
     return (squares_.head(b).transpose().array() + squares_(b) - 2 * dots.array())
         .max(0)
-        .sqrt()
+        // Not Eigen's root, which begins with what the processor guesses: processors differ.
+        .unaryExpr([](float square) { return std::sqrt(square); })
         .matrix();
   }
 

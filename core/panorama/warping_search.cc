@@ -51,9 +51,11 @@ RowImage ScaledColumns(const RowImage& image, const ElevationBand& band, double 
   used.rowwise() -= means;
   Eigen::RowVectorXf squares = Eigen::RowVectorXf::Zero(used.cols());
   for (Eigen::Index row = 0; row < rows; ++row) squares += used.row(row).cwiseAbs2();
-  constexpr float kNothing = std::numeric_limits<float>::epsilon();
-  const Eigen::RowVectorXf factors =
-      (squares.array() > kNothing * kNothing).select(squares.array().rsqrt(), 1).matrix();
+  // Eigen's own roots of floats begin with what the processor guesses, and processors differ.
+  const Eigen::RowVectorXf factors = squares.unaryExpr([](float square) {
+    constexpr float kNothing = std::numeric_limits<float>::epsilon();
+    return square > kNothing * kNothing ? 1 / std::sqrt(square) : 1.0F;
+  });
   for (Eigen::Index row = 0; row < rows; ++row) {
     used.row(row) = used.row(row).cwiseProduct(factors);
   }
