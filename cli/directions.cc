@@ -67,7 +67,8 @@ std::string HumanText(const Directions& answer) {
   std::string text = answer.image + ": ";
   char line[128];
   if (frame.reliable()) {
-    (void)std::snprintf(line, sizeof line, "reliable, to %.2f degrees\n", kDegrees * frame.sigma_rad());
+    (void)std::snprintf(line, sizeof line, "reliable, to %.2f degrees\n",
+                        kDegrees * frame.sigma_rad());
     text += line;
   } else {
     text += "not reliable: " + std::string(SentenceOf(frame.trouble)) + "\n";
@@ -75,7 +76,7 @@ std::string HumanText(const Directions& answer) {
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d v = frame.head_from_axes.col(axis);
     (void)std::snprintf(line, sizeof line, "  axis %d  (%7.4f, %7.4f, %7.4f)  %d lines\n", axis + 1,
-                  v.x(), v.y(), v.z(), frame.lines[axis]);
+                        v.x(), v.y(), v.z(), frame.lines[axis]);
     text += line;
   }
   return text;

@@ -38,8 +38,8 @@ int RunRelative(const Args& args);
 // orientation [--buildings N] [--frames N] [--camera rig|pinhole|both]: the whole orientation layer
 // of made buildings against their truth, and its time beside lines and features alone.
 int RunOrientation(const Args& args);
-// building KITCHEN DEALERSHIP: the query's rotation in the building, and its axes as a gate, asked of
-// maps with an orientation layer.
+// building KITCHEN DEALERSHIP: the query's rotation in the building, and its axes as a gate, asked
+// of maps with an orientation layer.
 int RunBuilding(const Args& args);
 // linear DIR N...: seconds per frame of builds over the first N frames.
 int RunLinear(const Args& args);
