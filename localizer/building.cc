@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/camera/cube_faces.h"
+#include "core/camera/image_plane.h"
 #include "core/manhattan/cube_rotations.h"
 #include "localizer/appearance.h"
 
@@ -27,7 +28,7 @@ double HeadingOf(const Matrix3d& building_from_head) {
   return std::atan2(ahead.y(), ahead.x());
 }
 
-// Points of the plane at z = 1; the first few rows of both sets that both cameras see ahead.
+// Points of the image planes that both cameras see ahead.
 struct Rays {
   std::vector<cv::Point2d> query;
   std::vector<cv::Point2d> reference;
@@ -35,14 +36,13 @@ struct Rays {
 
 Rays RaysOf(const RecognisedPlane& plane, const Camera& camera, const Camera& reference,
             size_t first, size_t step) {
-  constexpr double kMinAhead = 0.05;
   Rays rays;
   for (size_t i = first; i < plane.query_points.size(); i += step) {
-    const Vector3d q = Unproject(camera, plane.query_points[i]);
-    const Vector3d r = Unproject(reference, plane.reference_points[i]);
-    if (q.z() < kMinAhead || r.z() < kMinAhead) continue;
-    rays.query.emplace_back(q.x() / q.z(), q.y() / q.z());
-    rays.reference.emplace_back(r.x() / r.z(), r.y() / r.z());
+    const auto q = OnImagePlane(camera, plane.query_points[i]);
+    const auto r = OnImagePlane(reference, plane.reference_points[i]);
+    if (!q || !r) continue;
+    rays.query.emplace_back(q->x(), q->y());
+    rays.reference.emplace_back(r->x(), r->y());
   }
   return rays;
 }

@@ -5,7 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/camera/rig.h"
-#include "core/camera/scaled_camera.h"
+#include "core/camera/image_plane.h"
 #include "core/image/decode.h"
 #include "core/manhattan/directed_segments.h"
 #include "server/http/layer_json.h"

@@ -1,10 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/camera/scaled_camera.h"
+#include "core/camera/image_plane.h"
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
+
 namespace waystone {
 namespace {
+
+TEST(ImagePlane, IsWhereRaysCrossIt) {
+  const Camera camera{CameraModel::kPinhole, 640, 480, {500, 510, 322, 241}};
+  const auto x = OnImagePlane(camera, {372, 292});
+  ASSERT_TRUE(x.has_value());
+  EXPECT_NEAR(x->x(), 0.1, 1e-12);
+  EXPECT_NEAR(x->y(), 0.1, 1e-12);
+  const Eigen::Vector3d px = ImageFromCamera(camera) * x->homogeneous();
+  EXPECT_TRUE(px.isApprox(Eigen::Vector3d(372, 292, 1), 1e-12)) << px.transpose();
+  const Camera one_focal_length{CameraModel::kRadial, 640, 480, {500, 322, 241, -0.1, 0.02}};
+  EXPECT_EQ(ImageFromCamera(one_focal_length)(1, 1), 500);
+  EXPECT_EQ(ImageFromCamera(one_focal_length)(1, 2), 241);
+  // A fisheye sees beside itself, where there is no image plane.
+  const Camera fisheye{CameraModel::kOpenCvFisheye, 640, 640, {200, 200, 320, 320, 0, 0, 0, 0}};
+  EXPECT_FALSE(OnImagePlane(fisheye, {636, 320}).has_value());
+}
 
 // Borders of pixels, which lie at -1/2, scale with the image.
 TEST(ScaledCamera, SeesTheSameRaysAtScaledPixels) {

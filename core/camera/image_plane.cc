@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/camera/scaled_camera.h"
+#include "core/camera/image_plane.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,6 +24,22 @@ int FocalLengths(CameraModel model) {
 }
 
 }  // namespace
+
+std::optional<Eigen::Vector2d> OnImagePlane(const Camera& camera, const Eigen::Vector2d& pixel) {
+  constexpr double kLeastAhead = 0.05;  // z of the unit ray
+  const Eigen::Vector3d ray = Unproject(camera, pixel);
+  if (ray.z() < kLeastAhead) return std::nullopt;
+  return Eigen::Vector2d(ray.x() / ray.z(), ray.y() / ray.z());
+}
+
+Eigen::Matrix3d ImageFromCamera(const Camera& camera) {
+  const int focal_lengths = FocalLengths(camera.model);
+  WS_CHECK(focal_lengths > 0, "a panorama has no linear part");
+  const double* centre = camera.params.data() + focal_lengths;
+  Eigen::Matrix3d k;
+  k << camera.params[0], 0, centre[0], 0, camera.params[focal_lengths - 1], centre[1], 0, 0, 1;
+  return k;
+}
 
 Camera ScaledCamera(const Camera& camera, int width) {
   WS_CHECK(width >= 1, "a camera without pixels");

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "core/camera/camera.h"
+
+// A camera and its image plane z = 1. All functions are pure and thread-safe.
+namespace waystone {
+
+// The point of the image plane that a pixel shows; nothing for one that lies nearly across the view
+// or behind, as in an extreme fisheye.
+std::optional<Eigen::Vector2d> OnImagePlane(const Camera& camera, const Eigen::Vector2d& pixel);
+
+// The camera's linear part K, px: x_image = K (x, y, 1) but for the distortion. Any camera but an
+// equirectangular one (WS_CHECK).
+Eigen::Matrix3d ImageFromCamera(const Camera& camera);
+
+// The camera of an image that was resized to `width` px, its shape kept: focal lengths and the
+// principal point scale, (c + 1/2) s - 1/2 as pixel (0, 0) is the middle of the first one;
+// distortions don't. `camera` passes CheckCamera.
+Camera ScaledCamera(const Camera& camera, int width);
+
+}  // namespace waystone
