@@ -13,6 +13,7 @@
 #include "core/camera/image_plane.h"
 #include "core/manhattan/cube_rotations.h"
 #include "localizer/appearance.h"
+#include "schema/orientation_way.h"
 
 namespace waystone {
 namespace {
@@ -22,11 +23,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kMinDeviationRad = 0.003;  // calibration and the frame's own axes
-
-double HeadingOf(const Matrix3d& building_from_head) {
-  const Vector3d ahead = building_from_head * Vector3d::UnitZ();
-  return std::atan2(ahead.y(), ahead.x());
-}
 
 // Points of the image planes that both cameras see ahead.
 struct Rays {
@@ -144,7 +140,8 @@ const BuildingGuess* Agreed(const std::vector<BuildingGuess>& guesses, double ag
 BuildingView ViewOf(const Matrix3d& building_from_query, double deviation_rad) {
   BuildingView view;
   view.building_from_query = Eigen::Quaterniond(building_from_query).normalized();
-  view.heading = Heading{HeadingOf(building_from_query), deviation_rad, "building"};
+  const auto heading_rad = HeadingOf({view.building_from_query, Matrix3d::Zero()});
+  if (heading_rad) view.heading = Heading{*heading_rad, deviation_rad, "building"};
   return view;
 }
 

@@ -71,6 +71,12 @@ Eigen::Vector2d StepOf(int axis, const Straight& straight, const Eigen::Vector2d
 
 }  // namespace
 
+std::optional<double> HeadingOf(const BuildingRotation& rotation) {
+  const Eigen::Vector3d ahead = rotation.building_from_head * Eigen::Vector3d::UnitZ();
+  if (std::hypot(ahead.x(), ahead.y()) < 1e-6) return std::nullopt;
+  return std::atan2(ahead.y(), ahead.x());
+}
+
 std::vector<Eigen::Vector2d> WayOf(const OrientationLayer& layer) {
   std::vector<Eigen::Vector2d> way;
   const std::vector<Straight> straights = StraightsOf(layer);

@@ -2,11 +2,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "schema/orientation_layer.h"
 
 namespace waystone {
+
+// Where a head looks in the building: 0 along its x, pi / 2 along its y. rad, (-pi, pi]. Nothing
+// for a head that looks straight up or down.
+std::optional<double> HeadingOf(const BuildingRotation& rotation);
 
 // Where the frames of a layer lie in the plane as its turns alone tell it, for drawing the map of
 // Puig et al. (2012), fig. 10: a step of 1 a frame along one of the building's axes, which changes

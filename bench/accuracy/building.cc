@@ -15,6 +15,7 @@
 #include "core/manhattan/cube_rotations.h"
 #include "localizer/appearance.h"
 #include "localizer/building.h"
+#include "schema/orientation_way.h"
 
 namespace waystone::bench {
 namespace {
@@ -136,8 +137,7 @@ Score AskPlaces(const std::string& folder) {
   const auto index = MapIndex::Build(std::move(map));
   const AppearanceLayer& layer = *index->map().appearance;
   const auto turned = [&](const OrientationFrame& frame) {
-    const Eigen::Vector3d ahead = frame.rotation->building_from_head * Eigen::Vector3d::UnitZ();
-    return std::atan2(ahead.y(), ahead.x()) - places[frame.frame].yaw_rad;
+    return HeadingOf(*frame.rotation).value_or(0) - places[frame.frame].yaw_rad;
   };
   Score score;
   LocalizeOptions options;

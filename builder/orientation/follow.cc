@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/manhattan/cube_rotations.h"
+#include "schema/orientation_way.h"
 
 namespace waystone {
 namespace {
@@ -71,9 +72,7 @@ void Join(const Eigen::Matrix3d& measured, const Eigen::Matrix3d& measured_covar
 }  // namespace
 
 std::optional<double> HeadingOf(const OrientationFrame& frame) {
-  if (!frame.rotation) return std::nullopt;
-  const Eigen::Vector3d ahead = frame.rotation->building_from_head * Eigen::Vector3d::UnitZ();
-  return std::atan2(ahead.y(), ahead.x());
+  return frame.rotation ? HeadingOf(*frame.rotation) : std::nullopt;
 }
 
 AxesFollower::AxesFollower(const FollowOptions& options,

@@ -18,14 +18,6 @@ constexpr int kAngleDecimals = 5;
 double Length(double value) { return Rounded(value, kLengthDecimals); }
 double Angle(double value_rad) { return Rounded(value_rad, kAngleDecimals); }
 
-// Where the head looks in the building: 0 along its x, pi / 2 along its y. Nothing for a head that
-// looks straight up or down.
-std::optional<double> HeadingOf(const BuildingRotation& rotation) {
-  const Eigen::Vector3d ahead = rotation.building_from_head * Eigen::Vector3d::UnitZ();
-  if (std::hypot(ahead.x(), ahead.y()) < 1e-6) return std::nullopt;
-  return std::atan2(ahead.y(), ahead.x());
-}
-
 Json HeadingJson(const OrientationFrame& frame) {
   if (!frame.rotation) return nullptr;
   const std::optional<double> heading = HeadingOf(*frame.rotation);
