@@ -4,7 +4,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
@@ -16,6 +15,7 @@
 #include "builder/planes/plane_features.h"
 #include "builder/planes/plane_tracker.h"
 #include "builder/rendered_negatives.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
 #include "schema/index_features.h"
@@ -25,12 +25,6 @@ namespace {
 
 constexpr int kMaxNamedSkips = 20;
 constexpr int kThumbnailQuality = 80;  // of JPEG
-
-using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::string OptionsJson(const BuildOptions& options) {
   const PlaneLayerOptions& planes = options.planes;

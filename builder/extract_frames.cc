@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/extract_frames.h"
+#include "core/base/clock.h"
 
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <opencv2/imgproc.hpp>
 
 namespace waystone {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 cv::Mat Thumbnail(const cv::Mat& grey, int width) {
   if (grey.cols <= width) return grey;

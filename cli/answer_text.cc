@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/answer_text.h"
+#include "core/base/angle.h"
 
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 namespace waystone {
 namespace {
@@ -32,14 +32,13 @@ double NumberAt(const Json& json, std::initializer_list<const char*> path) {
 std::string PlaceText(const Json& answer) {
   const Json position = At(answer, {"panorama", "position"});
   if (!position.is_object()) return "";
-  constexpr double kDegrees = 180 / std::numbers::pi;
   char text[100];
   (void)std::snprintf(text, sizeof text, " at (%.2f, %.2f)", NumberAt(position, {"x"}),
                       NumberAt(position, {"y"}));
   std::string line = text;
   if (At(answer, {"heading"}).is_object()) {
     (void)std::snprintf(text, sizeof text, ", heading %.0f deg",
-                        NumberAt(answer, {"heading", "rad"}) * kDegrees);
+                        NumberAt(answer, {"heading", "rad"}) * kDegreesPerRadian);
     line += text;
   }
   return line;

@@ -2,18 +2,16 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
-#include <numbers>
 
 #include "cli/commands.h"
 #include "cli/panorama_file.h"
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/panorama/visual_compass.h"
 #include "server/http/json.h"
 
 namespace waystone {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct CompassFlags {
   std::vector<std::string> images;
@@ -25,14 +23,14 @@ Json HeadingJson(const std::string& image, const std::string& first,
                  const CompassHeading& heading) {
   Json json = {{"image", image},
                {"against", first},
-               {"heading_deg", heading.heading_rad * kDegrees},
-               {"deviation_deg", heading.deviation_rad * kDegrees},
+               {"heading_deg", heading.heading_rad * kDegreesPerRadian},
+               {"deviation_deg", heading.deviation_rad * kDegreesPerRadian},
                {"sharpness", heading.sharpness},
-               {"runner_up_deg", heading.runner_up_rad * kDegrees},
+               {"runner_up_deg", heading.runner_up_rad * kDegreesPerRadian},
                {"motion", nullptr}};
   if (heading.motion) {
-    json["motion"] = {{"direction_deg", heading.motion->direction_rad * kDegrees},
-                      {"deviation_deg", heading.motion->deviation_rad * kDegrees}};
+    json["motion"] = {{"direction_deg", heading.motion->direction_rad * kDegreesPerRadian},
+                      {"deviation_deg", heading.motion->deviation_rad * kDegreesPerRadian}};
   }
   return json;
 }
@@ -41,12 +39,13 @@ Json HeadingJson(const std::string& image, const std::string& first,
 std::string HumanLine(const std::string& image, const CompassHeading& heading) {
   char text[200];
   std::snprintf(text, sizeof(text), "%+.2f degrees +- %.2f (runner-up %+.0f, sharpness %.3f)",
-                heading.heading_rad * kDegrees, heading.deviation_rad * kDegrees,
-                heading.runner_up_rad * kDegrees, heading.sharpness);
+                heading.heading_rad * kDegreesPerRadian, heading.deviation_rad * kDegreesPerRadian,
+                heading.runner_up_rad * kDegreesPerRadian, heading.sharpness);
   std::string line = image + ": " + text;
   if (!heading.motion) return line;
   std::snprintf(text, sizeof(text), ", moved towards %+.0f +- %.0f",
-                heading.motion->direction_rad * kDegrees, heading.motion->deviation_rad * kDegrees);
+                heading.motion->direction_rad * kDegreesPerRadian,
+                heading.motion->deviation_rad * kDegreesPerRadian);
   return line + text;
 }
 
@@ -54,8 +53,9 @@ void CheckSameBand(const std::string& image, const ElevationBand& band,
                    const ElevationBand& first) {
   if (band == first) return;
   throw MapError(ErrorCode::kBadImage,
-                 image + " shows other elevations (" + std::to_string(band.top_rad * kDegrees) +
-                     " to " + std::to_string(band.bottom_rad * kDegrees) +
+                 image + " shows other elevations (" +
+                     std::to_string(band.top_rad * kDegreesPerRadian) + " to " +
+                     std::to_string(band.bottom_rad * kDegreesPerRadian) +
                      " degrees) than the first panorama; give a --band that both show");
 }
 

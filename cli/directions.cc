@@ -5,7 +5,6 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "builder/sources/rig_source.h"
 #include "cli/commands.h"
 #include "cli/directions_picture.h"
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"
@@ -62,13 +62,12 @@ Json ToJson(const Directions& answer) {
 }
 
 std::string HumanText(const Directions& answer) {
-  constexpr double kDegrees = 180 / std::numbers::pi;
   const ManhattanFrame& frame = answer.frame;
   std::string text = answer.image + ": ";
   char line[128];
   if (frame.reliable()) {
     (void)std::snprintf(line, sizeof line, "reliable, to %.2f degrees\n",
-                        kDegrees * frame.sigma_rad());
+                        kDegreesPerRadian * frame.sigma_rad());
     text += line;
   } else {
     text += "not reliable: " + std::string(SentenceOf(frame.trouble)) + "\n";

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/panorama_file.h"
 
-#include <numbers>
-
 #include "cli/map_file.h"
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/camera/cube_faces.h"
 #include "core/image/decode.h"
@@ -13,10 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRadians = std::numbers::pi / 180;
-
 ElevationBand BandOfDegrees(const std::vector<double>& top_and_bottom) {
-  return {top_and_bottom[0] * kRadians, top_and_bottom[1] * kRadians};
+  return {top_and_bottom[0] * kDegree, top_and_bottom[1] * kDegree};
 }
 
 // The face's image in a rig's folder; empty when there is none.

@@ -19,14 +19,13 @@
 #include "cli/map_file.h"
 #include "cli/signals.h"
 #include "core/base/check.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "localizer/localizer.h"
 #include "server/http/answer_json.h"
 
 namespace waystone {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 struct WatchFlags {
   std::string map;

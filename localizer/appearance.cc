@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/check.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
 #include "localizer/panorama_series.h"
@@ -16,8 +17,6 @@ namespace {
 
 constexpr double kPanoramaRatio = 2;
 constexpr double kRatioTolerance = 0.02;  // as ToPanorama's
-
-using Clock = std::chrono::steady_clock;
 
 double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localizer/appearance_match.h"
+#include "core/base/linear_algebra.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -196,9 +197,9 @@ PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& n
     information += weights;
     pull += weights * PositionOf(NodeAt(index, compared.node));
   }
-  const Eigen::Vector2d position = information.ldlt().solve(pull);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(information);
-  return {{position.x(), position.y(), best.heading_rad}, 1 / std::sqrt(axes.eigenvalues()(0))};
+  const Eigen::Vector2d position = SolveSymmetric(information, pull);
+  const double least = EigenOfSymmetric(information).values(0);
+  return {{position.x(), position.y(), best.heading_rad}, 1 / std::sqrt(least)};
 }
 
 }  // namespace waystone

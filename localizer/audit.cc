@@ -92,13 +92,12 @@ int CountWithin(const Plane& plane, const Plane& other, const Eigen::Matrix3d& o
 
 double SharedPart(const Plane& plane, const Plane& other, const Features& query,
                   const VerifiedPlane& verified) {
-  const auto position = [](const Keypoint& k) { return Eigen::Vector2d(k.x_px, k.y_px); };
   const Match& match = verified.inliers.front();
   const Eigen::Matrix3d& other_from_plane = verified.reference_from_query.b_from_a;
   const int within =
-      CountWithin(plane, other, other_from_plane, position(query.keypoints[match.a]));
+      CountWithin(plane, other, other_from_plane, PositionOf(query.keypoints[match.a]));
   const int within_other = CountWithin(other, plane, other_from_plane.inverse(),
-                                       position(other.features[match.b].reference));
+                                       PositionOf(other.features[match.b].reference));
   const int both = std::max(1, std::min(within, within_other));
   return std::min(1.0, static_cast<double>(verified.inliers.size()) / both);
 }

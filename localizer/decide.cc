@@ -15,8 +15,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-Vector2d PositionOf(const Keypoint& keypoint) { return {keypoint.x_px, keypoint.y_px}; }
-
 const Plane& PlaneOf(const MapIndex& index, const VerifiedPlane& verified) {
   return index.map().planes[verified.plane];
 }

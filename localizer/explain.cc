@@ -11,8 +11,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-Vector2d PositionOf(const Keypoint& keypoint) { return {keypoint.x_px, keypoint.y_px}; }
-
 const VerifiedPlane* Find(const std::vector<VerifiedPlane>& tried, int plane) {
   const auto it = std::find_if(tried.begin(), tried.end(),
                                [&](const VerifiedPlane& one) { return one.plane == plane; });

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/check.h"
+#include "core/base/linear_algebra.h"
 
 namespace waystone {
 namespace {
@@ -45,7 +46,7 @@ Eigen::VectorXd FitLogistic(std::span<const LogisticSample> samples, const Eigen
       gradient += sample.weight * ((sample.right ? 1 : 0) - p) * x;
       curvature += sample.weight * p * (1 - p) * x * x.transpose();
     }
-    Eigen::VectorXd change = curvature.ldlt().solve(gradient);
+    Eigen::VectorXd change = SolveSymmetric(curvature, gradient);
     while (change.norm() > kConverged && cost_of(at + change) > cost) change /= 2;
     if (change.norm() <= kConverged) break;
     at += change;

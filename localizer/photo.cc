@@ -7,14 +7,13 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/clock.h"
 #include "core/camera/rig.h"
 #include "localizer/appearance.h"
 #include "localizer/undecided.h"
 
 namespace waystone {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr int kPoses = 10;        // nodes whose relative pose is looked for
 constexpr size_t kWitnesses = 2;  // nodes that have to agree

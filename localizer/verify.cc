@@ -11,8 +11,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-Vector2d PositionOf(const Keypoint& keypoint) { return {keypoint.x_px, keypoint.y_px}; }
-
 // Inliers that lie at least `apart` from every one counted before.
 int CountDistinct(const Features& query, const std::vector<Match>& inliers, double apart) {
   std::vector<Vector2d> counted;

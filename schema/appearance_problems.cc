@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <unordered_set>
 #include <utility>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/features/descriptor_codes.h"
 #include "schema/layer_problems.h"
@@ -14,7 +14,6 @@
 namespace waystone {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Pi as a 16-bit float.
 constexpr float kPiAsHalf = 3.140625F;
 constexpr int kStraightUp = 16384;  // in kBearingUnit_rad
@@ -39,9 +38,9 @@ std::string SizeOf(const HalfMatrix& matrix) {
   return std::to_string(matrix.rows()) + "x" + std::to_string(matrix.cols());
 }
 
-class Finder {
+class AppearanceProblemFinder {
  public:
-  Finder(const MapData& map, std::vector<MapProblem>& problems)
+  AppearanceProblemFinder(const MapData& map, std::vector<MapProblem>& problems)
       : map_(map), layer_(*map.appearance), problems_(problems) {}
 
   void Find() {
@@ -160,7 +159,7 @@ class Finder {
 }  // namespace
 
 void FindAppearanceProblems(const MapData& map, std::vector<MapProblem>& problems) {
-  Finder(map, problems).Find();
+  AppearanceProblemFinder(map, problems).Find();
 }
 
 }  // namespace waystone

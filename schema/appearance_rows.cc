@@ -24,9 +24,9 @@ Pose2 ReadPose(Row& row) {
   return {x, y, row.Real()};
 }
 
-class Reader {
+class AppearanceReader {
  public:
-  Reader(SQLite::Database& database, FeatureType type, std::vector<MapProblem>& problems)
+  AppearanceReader(SQLite::Database& database, FeatureType type, std::vector<MapProblem>& problems)
       : database_(database), code_bytes_(CodeBytes(type)), problems_(problems) {}
 
   std::optional<AppearanceLayer> Read(bool images) {
@@ -235,7 +235,7 @@ void WriteVerdicts(const AppearanceLayer& layer, SQLite::Database& database) {
 std::optional<AppearanceLayer> ReadAppearance(SQLite::Database& database, FeatureType type,
                                               const ReadOptions& options,
                                               std::vector<MapProblem>& problems) {
-  return Reader(database, type, problems).Read(options.images);
+  return AppearanceReader(database, type, problems).Read(options.images);
 }
 
 void WriteAppearance(const AppearanceLayer& layer, SQLite::Database& database) {

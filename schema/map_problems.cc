@@ -11,6 +11,7 @@
 #include <unordered_set>
 
 #include "core/base/error.h"
+#include "core/base/linear_algebra.h"
 #include "schema/blob.h"
 #include "schema/index_features.h"
 #include "schema/layer_problems.h"
@@ -43,7 +44,7 @@ double ConditionOf(const Matrix3d& to_from, double to_px, double from_px) {
 
 // Whether `h` has the eigenvalues (1, 1, third), whichever of the three the third one is.
 bool HasEigenvalues(const Matrix3d& h, double third, double tolerance) {
-  const Eigen::Vector3cd values = Eigen::EigenSolver<Matrix3d>(h, false).eigenvalues();
+  const Eigen::Vector3cd values = EigenvaluesOf3x3(h);
   const double imaginary = values.imag().cwiseAbs().maxCoeff();
   for (int i = 0; i < 3; ++i) {
     const std::complex<double> p = values((i + 1) % 3);

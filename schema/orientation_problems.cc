@@ -2,18 +2,17 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
+#include "core/base/angle.h"
 #include "schema/layer_problems.h"
 
 namespace waystone {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // How far a quaternion's norm may be from 1, and how much a covariance may break symmetry or have
 // below 0, relative to its largest entry: rounding.
 constexpr double kRounding = 1e-9;
@@ -37,9 +36,9 @@ bool IsCovariance(const Eigen::Matrix3d& covariance) {
   return solver.eigenvalues().minCoeff() >= -allowed;
 }
 
-class Finder {
+class OrientationProblemFinder {
  public:
-  Finder(const MapData& map, std::vector<MapProblem>& problems)
+  OrientationProblemFinder(const MapData& map, std::vector<MapProblem>& problems)
       : map_(map), layer_(*map.orientation), problems_(problems) {}
 
   void Find() {
@@ -167,7 +166,7 @@ class Finder {
 }  // namespace
 
 void FindOrientationProblems(const MapData& map, std::vector<MapProblem>& problems) {
-  Finder(map, problems).Find();
+  OrientationProblemFinder(map, problems).Find();
 }
 
 }  // namespace waystone

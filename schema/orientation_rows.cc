@@ -24,9 +24,9 @@ BuildingRotation ReadRotation(Row& row) {
   return rotation;
 }
 
-class Reader {
+class OrientationReader {
  public:
-  Reader(SQLite::Database& database, std::vector<MapProblem>& problems)
+  OrientationReader(SQLite::Database& database, std::vector<MapProblem>& problems)
       : database_(database), problems_(problems) {}
 
   std::optional<OrientationLayer> Read(bool images) {
@@ -181,7 +181,7 @@ void WriteNodes(const OrientationLayer& layer, SQLite::Database& database) {
 std::optional<OrientationLayer> ReadOrientation(SQLite::Database& database,
                                                 const ReadOptions& options,
                                                 std::vector<MapProblem>& problems) {
-  return Reader(database, problems).Read(options.images);
+  return OrientationReader(database, problems).Read(options.images);
 }
 
 void WriteOrientation(const OrientationLayer& layer, SQLite::Database& database) {

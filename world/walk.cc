@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
 #include "core/base/random.h"
@@ -16,7 +16,6 @@ namespace waystone {
 namespace {
 
 constexpr double kSampleM = 0.02;  // spacing at which ways are worked out, finer than any frame's
-constexpr double kPi = std::numbers::pi;
 
 // Where the camera is and looks at some length of the way.
 struct Sample {

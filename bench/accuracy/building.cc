@@ -10,6 +10,7 @@
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
 #include "bench/accuracy/rgbd_truth.h"
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/image/decode.h"
 #include "core/manhattan/cube_rotations.h"
@@ -23,7 +24,6 @@ namespace {
 using Eigen::Matrix3d;
 using Json = nlohmann::ordered_json;
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kRight_m = 2.5;  // a place nearer than this is right
 
 // What came of the answers' rotations (of panoramas: of all answers of a right place, believed or
@@ -46,8 +46,8 @@ Json ToJson(const Score& s) {
   return {{"asked", s.asked},
           {"localized_before_gate", s.localized},
           {"with_heading", s.with_heading},
-          {"median_error_deg", Quantile(s.errors_rad, 0.5) * kDegrees},
-          {"p90_error_deg", Quantile(s.errors_rad, 0.9) * kDegrees},
+          {"median_error_deg", Quantile(s.errors_rad, 0.5) * kDegreesPerRadian},
+          {"p90_error_deg", Quantile(s.errors_rad, 0.9) * kDegreesPerRadian},
           {"refused_by_axes", s.refused},
           {"right_with_clear_lines", s.right_clear},
           {"right_disagreeing", s.right_disagree},
@@ -59,8 +59,9 @@ void Print(const std::string& name, const Score& s) {
   std::printf(
       "%s: %d of %d localized, %d with a rotation, median %.2f deg off, 90 %% within %.2f; %d "
       "refused; clear lines disagree at %d of %d right places and %d of %d wrong ones\n",
-      name.c_str(), s.localized, s.asked, s.with_heading, Quantile(s.errors_rad, 0.5) * kDegrees,
-      Quantile(s.errors_rad, 0.9) * kDegrees, s.refused, s.right_disagree, s.right_clear,
+      name.c_str(), s.localized, s.asked, s.with_heading,
+      Quantile(s.errors_rad, 0.5) * kDegreesPerRadian,
+      Quantile(s.errors_rad, 0.9) * kDegreesPerRadian, s.refused, s.right_disagree, s.right_clear,
       s.wrong_disagree, s.wrong_clear);
 }
 

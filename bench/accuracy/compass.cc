@@ -14,6 +14,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/image/decode.h"
 #include "core/panorama/visual_compass.h"
@@ -21,7 +22,6 @@
 namespace waystone::bench {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kRight_deg = 10;   // a heading closer than this is right
 constexpr double kClaimed_deg = 5;  // a deviation below this claims to be right
 constexpr int kRuns = 50;           // whose median time is printed
@@ -46,7 +46,7 @@ struct PairResult {
 };
 
 double Error(double angle_rad, double truth_rad) {
-  return std::abs(std::remainder(angle_rad - truth_rad, 2 * std::numbers::pi)) * kDegrees;
+  return std::abs(std::remainder(angle_rad - truth_rad, 2 * std::numbers::pi)) * kDegreesPerRadian;
 }
 
 // The plain compass to compare with: the middle 28 % of the rows as 50 x 360, row means removed,
@@ -94,10 +94,10 @@ PairResult Compare(const PanoramaPlace& a, const PanoramaPlace& b, const Fourier
   result.phases_deg = Error(TurnByPhases(of_a, of_b).best.heading_rad, truth);
   result.heading = RelativeHeading(of_a, of_b);
   result.error_deg = Error(result.heading.heading_rad, truth);
-  result.deviation_deg = result.heading.deviation_rad * kDegrees;
+  result.deviation_deg = result.heading.deviation_rad * kDegreesPerRadian;
   if (result.heading.motion) {
     result.motion_error_deg = Error(result.heading.motion->direction_rad, TrueDirection(a, b));
-    result.motion_deviation_deg = result.heading.motion->deviation_rad * kDegrees;
+    result.motion_deviation_deg = result.heading.motion->deviation_rad * kDegreesPerRadian;
   }
   return result;
 }

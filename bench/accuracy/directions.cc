@@ -3,11 +3,11 @@
 #include <chrono>
 #include <cstdio>
 #include <iostream>
-#include <numbers>
 #include <numeric>
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/oriented_set.h"
+#include "core/base/angle.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"
 #include "core/manhattan/manhattan_frame.h"
@@ -15,7 +15,6 @@
 namespace waystone::bench {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kWrong = 5;  // degrees
 
 struct Measured {
@@ -53,8 +52,9 @@ Measured Measure(const OrientedSet& set, int i, SegmentDetector detector) {
   start = std::chrono::steady_clock::now();
   const ManhattanFrame frame = FindManhattanFrame(lines);
   measured.frame_ms = MillisecondsSince(start);
-  measured.worst_deg = kDegrees * WorstAxisAngle(frame.head_from_axes, set.head_from_axes[i]);
-  measured.sigma_deg = kDegrees * frame.sigma_rad();
+  measured.worst_deg =
+      kDegreesPerRadian * WorstAxisAngle(frame.head_from_axes, set.head_from_axes[i]);
+  measured.sigma_deg = kDegreesPerRadian * frame.sigma_rad();
   measured.deviations = DeviationsOf(frame, set.head_from_axes[i]);
   measured.trouble = frame.trouble;
   return measured;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
-#include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -14,6 +13,7 @@
 #include "bench/accuracy/panorama_places.h"
 #include "builder/appearance/describe_frames.h"
 #include "builder/appearance_calibration.h"
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/camera/cube_faces.h"
@@ -24,7 +24,6 @@
 namespace waystone::bench {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kRight_m = 2.5;    // an answer nearer than this is right
 constexpr double kNeighbour_m = 2;  // a place with another one within this is asked for
 constexpr int kRenderedPlaces = 120;
@@ -134,7 +133,8 @@ bool HasNeighbour(const std::vector<PanoramaPlace>& places, size_t of) {
 void TakeErrors(const PanoramaPlace& place, Asked& asked) {
   const Pose2& pose = asked.answer.panorama->pose;
   asked.error_m = (Eigen::Vector2d(pose.x, pose.y) - place.position_m).norm();
-  asked.heading_error_deg = std::abs(WrappedAngle(pose.theta_rad - place.yaw_rad)) * kDegrees;
+  asked.heading_error_deg =
+      std::abs(WrappedAngle(pose.theta_rad - place.yaw_rad)) * kDegreesPerRadian;
   asked.right = asked.error_m <= kRight_m;
 }
 

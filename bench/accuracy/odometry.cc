@@ -4,13 +4,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
-#include <numbers>
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
 #include "bench/accuracy/panorama_walks.h"
 #include "bench/accuracy/world_source.h"
 #include "builder/appearance/build_appearance.h"
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "schema/map_store.h"
 #include "world/rig.h"
@@ -18,8 +18,6 @@
 
 namespace waystone::bench {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 // Bytes by which a map grows through the layer.
 double BytesPerNode(const AppearanceResult& result) {
@@ -44,7 +42,7 @@ double BytesPerNode(const AppearanceResult& result) {
 double Drift(const std::vector<Pose2>& poses, const std::vector<Pose2>& truth) {
   const double turned = poses.back().theta_rad - poses.front().theta_rad;
   const double really = truth.back().theta_rad - truth.front().theta_rad;
-  return WrappedAngle(turned - really) * kDegrees;
+  return WrappedAngle(turned - really) * kDegreesPerRadian;
 }
 
 // The loops whose ends are really farther apart than a room's corner from the next.

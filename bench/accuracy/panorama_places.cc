@@ -6,10 +6,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <fstream>
-#include <numbers>
 #include <sstream>
 
 #include "bench/accuracy/common.h"
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/image/decode.h"
@@ -23,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kRenderedWidth = 512;   // px
 constexpr double kHeight_m = 1.5;     // of the camera
 constexpr double kFromWalls_m = 0.4;  // at least

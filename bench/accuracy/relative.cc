@@ -5,11 +5,11 @@
 #include <array>
 #include <cstdio>
 #include <iostream>
-#include <numbers>
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/oriented_set.h"
 #include "bench/accuracy/stopwatch.h"
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"
@@ -19,7 +19,6 @@
 namespace waystone::bench {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kWrong = 5;      // degrees off the truth
 constexpr double kCongruent = 5;  // degrees between the two rotations of a traversable pair
 // Places apart, of the pairs whose verdict is compared with what is visible.
@@ -62,10 +61,10 @@ Pair Judge(const OrientedSet& set, const std::vector<Place>& places, int a, int 
   pair.inliers = static_cast<double>(pose.inliers.size());
   const Eigen::Isometry3d truth =
       set.world_from_head[pair.b].inverse() * set.world_from_head[pair.a];
-  pair.rotation_deg = kDegrees * RotationAngle(pose.b_from_a, truth.linear());
+  pair.rotation_deg = kDegreesPerRadian * RotationAngle(pose.b_from_a, truth.linear());
   const Eigen::Vector3d direction = truth.translation().normalized();
-  pair.direction_deg = kDegrees * std::atan2(direction.cross(pose.translation).norm(),
-                                             direction.dot(pose.translation));
+  pair.direction_deg = kDegreesPerRadian * std::atan2(direction.cross(pose.translation).norm(),
+                                                      direction.dot(pose.translation));
   if (pair.accepted) {
     const Eigen::AngleAxisd turn(truth.linear() * pose.b_from_a.transpose());
     const Eigen::Vector3d w = turn.angle() * turn.axis();
@@ -76,7 +75,7 @@ Pair Judge(const OrientedSet& set, const std::vector<Place>& places, int a, int 
       NearestOfCube(to.frame.head_from_axes, pose.b_from_a * from.frame.head_from_axes);
   const Eigen::Matrix3d from_axes = b_from_axes * from.frame.head_from_axes.transpose();
   pair.traversable = pair.accepted && from.frame.reliable() && to.frame.reliable() &&
-                     kDegrees * RotationAngle(from_axes, pose.b_from_a) < kCongruent;
+                     kDegreesPerRadian * RotationAngle(from_axes, pose.b_from_a) < kCongruent;
   pair.visible = !set.visible.empty() &&
                  (set.visible[pair.a].contains(pair.b) || set.visible[pair.b].contains(pair.a));
   return pair;

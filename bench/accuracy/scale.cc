@@ -2,7 +2,6 @@
 #include <tbb/task_arena.h>
 
 #include <unistd.h>
-#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -12,6 +11,7 @@
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/scale_map.h"
 #include "bench/accuracy/world_source.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "schema/index_features.h"
 #include "schema/map_store.h"
@@ -22,16 +22,11 @@ namespace waystone::bench {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 constexpr int kMapFrames = 300;         // of the walk that is mapped
 constexpr int kQueryStep = 5;           // frames of the other walk between queries
 constexpr int kExhaustiveQueries = 30;  // that are asked once more without the index
 constexpr double kRight_px = 10;        // a homography that is farther from the truth is wrong
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 int64_t ResidentBytes() {
   std::ifstream statm("/proc/self/statm");

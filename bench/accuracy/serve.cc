@@ -9,6 +9,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/world_source.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "schema/map_store.h"
 #include "server/http/application.h"
@@ -20,8 +21,6 @@
 
 namespace waystone::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr int kMapFrames = 120;  // of the world's walk that is mapped
 constexpr int kPhotoStep = 6;    // frames between the photos of the world

@@ -12,6 +12,7 @@
 #include "bench/accuracy/panorama_walks.h"
 #include "bench/accuracy/world_source.h"
 #include "builder/appearance/visual_odometry.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "world/rig.h"
 #include "world/setting.h"
@@ -68,10 +69,6 @@ std::vector<Pose2> WithLengths(const std::vector<FourierSignature>& signatures,
     poses.push_back(poses.back() * scaled);
   }
   return poses;
-}
-
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 void AddStep(const std::vector<FourierSignature>& all, const std::vector<Pose2>& truth, int step,

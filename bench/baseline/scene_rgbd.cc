@@ -7,8 +7,6 @@
 namespace waystone::bench {
 namespace {
 
-constexpr size_t kMinJudged = 5;  // points with a depth that the median needs
-
 class RgbdScene : public Scene {
  public:
   RgbdScene(const std::string& folder, const Range& map, const Range& queries,

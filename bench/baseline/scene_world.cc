@@ -10,8 +10,6 @@
 namespace waystone::bench {
 namespace {
 
-constexpr size_t kMinJudged = 5;  // points on a plane that the median needs
-
 Walk MapWalk(const World& world, int frames) {
   WalkOptions options;
   options.step_m = 0.1;

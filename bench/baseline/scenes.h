@@ -40,6 +40,9 @@ class Scene {
   virtual std::string Criterion() const = 0;
 };
 
+// Points whose truth is known that a median error needs.
+inline constexpr size_t kMinJudged = 5;
+
 // Median distance, px, at which an answer still counts as right.
 struct SceneLimits {
   double kitchen_px = 20;  // its truth has noise of about 5 px

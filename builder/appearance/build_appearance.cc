@@ -2,26 +2,20 @@
 #include "builder/appearance/build_appearance.h"
 
 #include <algorithm>
-#include <chrono>
 #include <mutex>
 #include <opencv2/core.hpp>
 #include <utility>
 
 #include "builder/appearance/appearance_graph.h"
 #include "builder/appearance/take_panoramas.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr double kGapSteps = 5;  // between sequences that nothing ties together
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // The poses of panoramas, by odometry and then by all that ties them together.
 class LayerBuilder {

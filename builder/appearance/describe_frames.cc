@@ -6,28 +6,22 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/base/clock.h"
 #include "core/base/error.h"
 
 namespace waystone {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr double kPanoramaAspect = 2;
 constexpr double kAspectTolerance = 0.02;
 constexpr int kSmallestImage_px = 16;
 constexpr int kLargestImage_px = 4096;
 constexpr int kBestQuality = 100;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::vector<uint8_t> SmallJpeg(const cv::Mat& grey, const DescribeOptions& options) {
   cv::Mat small = grey;

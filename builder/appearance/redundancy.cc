@@ -9,8 +9,6 @@
 namespace waystone {
 namespace {
 
-using Matrix = Eigen::MatrixXf;
-
 // Longer runs are too costly to try, and interpolation over them says nothing.
 constexpr int kLongestRun = 64;
 
@@ -21,7 +19,7 @@ class Keeper {
   Keeper(const std::vector<FourierSignature>& signatures, const std::vector<Pose2>& poses,
          double max_loss)
       : signatures_(signatures), max_loss_(max_loss) {
-    mean_ = Matrix::Zero(signatures[0].magnitudes.rows(), signatures[0].magnitudes.cols());
+    mean_ = Eigen::MatrixXf::Zero(signatures[0].magnitudes.rows(), signatures[0].magnitudes.cols());
     for (size_t i = 0; i < signatures.size(); ++i) mean_ += At(static_cast<int>(i));
     mean_ /= static_cast<float>(signatures.size());
     way_ = {0};
@@ -41,15 +39,15 @@ class Keeper {
   }
 
  private:
-  Matrix At(int i) const { return signatures_[i].magnitudes.cast<float>(); }
+  Eigen::MatrixXf At(int i) const { return signatures_[i].magnitudes.cast<float>(); }
 
   bool CanSpan(int from, int to) const {
-    const Matrix a = At(from);
-    const Matrix b = At(to);
+    const Eigen::MatrixXf a = At(from);
+    const Eigen::MatrixXf b = At(to);
     const double length = way_[to] - way_[from];
     for (int i = from + 1; i < to; ++i) {
       const double share = length > 0 ? (way_[i] - way_[from]) / length : 0;
-      const Matrix own = At(i);
+      const Eigen::MatrixXf own = At(i);
       const double lost =
           (own - static_cast<float>(1 - share) * a - static_cast<float>(share) * b).squaredNorm();
       if (lost > max_loss_ * (own - mean_).squaredNorm()) return false;
@@ -59,7 +57,7 @@ class Keeper {
 
   const std::vector<FourierSignature>& signatures_;
   double max_loss_;
-  Matrix mean_;
+  Eigen::MatrixXf mean_;
   std::vector<double> way_;  // to each panorama
 };
 

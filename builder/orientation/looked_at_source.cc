@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/orientation/looked_at_source.h"
 
-#include <chrono>
 #include <utility>
 
+#include "core/base/clock.h"
 #include "core/base/error.h"
 
 namespace waystone {
@@ -50,12 +50,11 @@ std::vector<cv::Mat> LookedAtSource::LoadAndLook(const EncodedFrame& frame, int 
     HandOver(place, Unreadable(frame.info(), error.what()), 0);
     throw;
   }
-  const auto start = std::chrono::steady_clock::now();
+  const Clock::time_point start = Clock::now();
   const auto load = [&] { return head_.ImagesOf(images); };
   auto view = std::make_shared<OrientationView>(
       LookAt(head_.rig, {.info = frame.info(), .load = load}, options_));
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  HandOver(place, std::move(view), took.count());
+  HandOver(place, std::move(view), SecondsSince(start));
   return images;
 }
 

@@ -6,26 +6,21 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <chrono>
 #include <opencv2/imgcodecs.hpp>
 #include <utility>
 
 #include "builder/orientation/loops.h"
 #include "builder/orientation/sequence_mapper.h"
 #include "builder/orientation/traversable_directions.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 
 namespace waystone {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Progress = std::function<bool(const OrientationProgress&)>;
 
 constexpr size_t kNamed = 20;  // unreadable frames that a report names
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 struct TimedView {
   OrientationViewPtr view;

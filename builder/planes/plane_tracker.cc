@@ -18,8 +18,6 @@ using Eigen::Vector2d;
 
 constexpr int kNone = -1;
 
-Vector2d PositionOf(const Keypoint& keypoint) { return {keypoint.x_px, keypoint.y_px}; }
-
 std::vector<int> AllRows(int count) {
   std::vector<int> rows(count);
   std::iota(rows.begin(), rows.end(), 0);

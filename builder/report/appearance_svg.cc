@@ -12,9 +12,9 @@ namespace waystone {
 namespace {
 
 // The drawing, in its own units.
-constexpr double kWidth = 1200;
-constexpr double kMostHeight = 800;
-constexpr double kMargin = 20;
+constexpr double kPlanWidth = 1200;
+constexpr double kPlanMostHeight = 800;
+constexpr double kPlanMargin = 20;
 constexpr double kLeastExtent = 1e-6;  // of nodes that are all at one place
 
 struct Point {
@@ -23,23 +23,25 @@ struct Point {
 };
 
 // From the layer's units to the drawing's.
-class Frame {
+class PlanFrame {
  public:
-  explicit Frame(const AppearanceLayer& layer) {
+  explicit PlanFrame(const AppearanceLayer& layer) {
     const auto [left, right] = std::ranges::minmax(layer.nodes, {}, XOf);
     const auto [bottom, top] = std::ranges::minmax(layer.nodes, {}, YOf);
     left_ = left.pose.x;
     top_ = top.pose.y;
     const double wide = std::max(right.pose.x - left_, kLeastExtent);
     const double high = std::max(top_ - bottom.pose.y, kLeastExtent);
-    scale_ = std::min((kWidth - 2 * kMargin) / wide, (kMostHeight - 2 * kMargin) / high);
-    height_ = 2 * kMargin + scale_ * high;
-    margin_ = (kWidth - scale_ * wide) / 2;  // a way that is higher than wide stands in the middle
+    scale_ =
+        std::min((kPlanWidth - 2 * kPlanMargin) / wide, (kPlanMostHeight - 2 * kPlanMargin) / high);
+    height_ = 2 * kPlanMargin + scale_ * high;
+    margin_ =
+        (kPlanWidth - scale_ * wide) / 2;  // a way that is higher than wide stands in the middle
   }
 
   double height() const { return height_; }
   Point At(const Pose2& pose) const {
-    return {margin_ + scale_ * (pose.x - left_), kMargin + scale_ * (top_ - pose.y)};
+    return {margin_ + scale_ * (pose.x - left_), kPlanMargin + scale_ * (top_ - pose.y)};
   }
 
  private:
@@ -50,7 +52,7 @@ class Frame {
   double top_ = 0;
   double scale_ = 1;
   double height_ = 0;
-  double margin_ = kMargin;  // to the left and right
+  double margin_ = kPlanMargin;  // to the left and right
 };
 
 void Line(std::ostream& svg, const Point& a, const Point& b, bool loop) {
@@ -62,11 +64,11 @@ void Line(std::ostream& svg, const Point& a, const Point& b, bool loop) {
 
 std::string AppearanceSvg(const AppearanceLayer& layer) {
   if (layer.nodes.empty()) return "";
-  const Frame frame(layer);
+  const PlanFrame frame(layer);
   std::unordered_map<AppearanceNodeId, Point> at;
   for (const AppearanceNode& node : layer.nodes) at[node.id] = frame.At(node.pose);
   std::ostringstream svg;
-  svg << std::fixed << std::setprecision(1) << "<svg viewBox=\"0 0 " << kWidth << ' '
+  svg << std::fixed << std::setprecision(1) << "<svg viewBox=\"0 0 " << kPlanWidth << ' '
       << frame.height() << "\" role=img aria-label=\"Way of the panoramas\">\n";
   for (const AppearanceEdge& edge : layer.edges) {
     Line(svg, at[edge.a], at[edge.b], edge.kind == AppearanceEdgeKind::kLoop);

@@ -14,18 +14,18 @@
 namespace waystone {
 namespace {
 
-constexpr int kWidth = 640;          // px, of the pictures on the page
+constexpr int kPictureWidth = 640;   // px, of the pictures on the page
 constexpr int kDotRadius = 3;        // px
 constexpr int kSubPixelBits = 4;     // cv::polylines takes fractions of a pixel this fine
 constexpr double kFarAwayPx = 2000;  // beyond which a line's end isn't drawn
 const cv::Scalar kNoPicture(90, 90, 90);
 
 cv::Mat Canvas(const Keyframe& keyframe) {
-  const int height = std::max(1, kWidth * keyframe.height / std::max(1, keyframe.width));
+  const int height = std::max(1, kPictureWidth * keyframe.height / std::max(1, keyframe.width));
   cv::Mat picture;
   if (!keyframe.jpeg.empty()) picture = cv::imdecode(keyframe.jpeg, cv::IMREAD_COLOR);
-  if (picture.empty()) return {height, kWidth, CV_8UC3, kNoPicture};
-  cv::resize(picture, picture, {kWidth, height}, 0, 0, cv::INTER_CUBIC);
+  if (picture.empty()) return {height, kPictureWidth, CV_8UC3, kNoPicture};
+  cv::resize(picture, picture, {kPictureWidth, height}, 0, 0, cv::INTER_CUBIC);
   return picture;
 }
 

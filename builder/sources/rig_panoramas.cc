@@ -13,7 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kSideFaces = 4;       // front, right, back, left: always there
 constexpr int64_t kBytesPerPixel = 6;  // of a file: 16 bits in three colours
 
 std::vector<std::string> FaceNames() {

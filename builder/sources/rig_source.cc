@@ -22,9 +22,6 @@ namespace fs = std::filesystem;
 constexpr const char* kRigFile = "rig.yaml";
 constexpr const char* kCameraFile = "camera.yaml";
 
-// Faces that need no rig file, the first four of them always there.
-constexpr size_t kSideFaces = 4;
-
 // The first of these files that is there.
 std::optional<fs::path> FirstThere(const std::vector<fs::path>& files) {
   std::error_code ignored;
@@ -64,7 +61,7 @@ std::optional<Rig> FacesByName(const std::vector<std::string>& names, int width_
   const auto has = [&](const std::string& name) {
     return std::ranges::find(names, name) != names.end();
   };
-  for (size_t i = 0; i < kSideFaces; ++i) {
+  for (int i = 0; i < kSideFaces; ++i) {
     if (!has(rig.cameras[i].name)) return std::nullopt;
   }
   std::erase_if(rig.cameras, [&](const RigCamera& camera) { return !has(camera.name); });

@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
 
 namespace waystone {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kMaxSide = 100'000;  // px
 
 struct ModelRow {

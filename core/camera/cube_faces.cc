@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/camera/camera.h"
@@ -14,7 +15,6 @@
 namespace waystone {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr std::array<std::string_view, kCubeFaces> kNames = {"front", "right", "back",
                                                              "left",  "up",    "down"};
 

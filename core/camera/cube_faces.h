@@ -14,6 +14,7 @@ namespace waystone {
 // down, z forward. Up and down are what the front camera sees when it tilts by 90 degrees.
 enum class CubeFace { kFront = 0, kRight, kBack, kLeft, kUp, kDown };
 inline constexpr int kCubeFaces = 6;
+inline constexpr int kSideFaces = 4;  // the first ones, which every such rig has
 
 // "front", "right", "back", "left", "up", "down".
 std::string_view NameOf(CubeFace face);

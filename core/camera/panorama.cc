@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
@@ -15,7 +16,6 @@
 namespace waystone {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kMinColumns = 64;
 constexpr int kMinRows = 8;
 constexpr double kMinDeviation = 1;        // grey levels: less is an image of nothing
@@ -31,7 +31,7 @@ constexpr double kMaxInner_share = 0.5;  // of the outer radius
 constexpr double kMinInner_share = 0.08;
 constexpr double kUsualInner_share = 0.25;
 
-[[noreturn]] void Refuse(const std::string& message) {
+[[noreturn]] void RefusePanorama(const std::string& message) {
   throw MapError(ErrorCode::kBadImage, message);
 }
 
@@ -55,15 +55,16 @@ cv::Mat GreyOf(const cv::Mat& image) {
 
 void CheckContent(const cv::Mat& grey) {
   if (grey.cols < kMinColumns || grey.rows < kMinRows) {
-    Refuse("the image has " + SizeOf(grey) + " pixels, too few for a panorama; give at least " +
-           std::to_string(kMinColumns) + "x" + std::to_string(kMinRows));
+    RefusePanorama("the image has " + SizeOf(grey) +
+                   " pixels, too few for a panorama; give at least " + std::to_string(kMinColumns) +
+                   "x" + std::to_string(kMinRows));
   }
   cv::Scalar mean;
   cv::Scalar deviation;
   cv::meanStdDev(grey, mean, deviation);
   if (deviation[0] < kMinDeviation) {
-    Refuse("the image shows nothing: all its grey levels are near " + Rounded(mean[0]) +
-           "; uncover the lens or lengthen the exposure");
+    RefusePanorama("the image shows nothing: all its grey levels are near " + Rounded(mean[0]) +
+                   "; uncover the lens or lengthen the exposure");
   }
 }
 
@@ -166,9 +167,9 @@ double AspectOf(const cv::Mat& image) { return static_cast<double>(image.cols) /
 void CheckSeam(const cv::Mat& grey, double max_seam) {
   const double ratio = SeamRatio(grey);
   if (ratio <= max_seam) return;
-  Refuse("the image isn't 360 degrees wide: its left and right edge differ " + Rounded(ratio) +
-         " times as much as neighbouring columns do, more than " + Rounded(max_seam) +
-         "; give a whole panorama, or raise max_seam");
+  RefusePanorama("the image isn't 360 degrees wide: its left and right edge differ " +
+                 Rounded(ratio) + " times as much as neighbouring columns do, more than " +
+                 Rounded(max_seam) + "; give a whole panorama, or raise max_seam");
 }
 
 }  // namespace
@@ -208,11 +209,12 @@ MirrorRing FindMirror(const cv::Mat& grey, const PanoramaOptions& options) {
   WS_CHECK(grey.type() == CV_8UC1, "a mirror's image must be grey");
   const Circle outer = FindCircle(grey);
   if (outer.contrast < options.min_mirror_contrast) {
-    Refuse("the image of " + SizeOf(grey) +
-           " pixels is neither a panorama (twice as wide as high) nor that of a mirror (its best "
-           "circle has a contrast of " +
-           Rounded(outer.contrast) + ", less than " + Rounded(options.min_mirror_contrast) +
-           "); give a 360 degree image, or the mirror's centre and radii");
+    RefusePanorama(
+        "the image of " + SizeOf(grey) +
+        " pixels is neither a panorama (twice as wide as high) nor that of a mirror (its best "
+        "circle has a contrast of " +
+        Rounded(outer.contrast) + ", less than " + Rounded(options.min_mirror_contrast) +
+        "); give a 360 degree image, or the mirror's centre and radii");
   }
   return {outer.centre, InnerRadius(grey, outer, options.min_mirror_contrast), outer.radius};
 }

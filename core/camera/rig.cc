@@ -13,7 +13,9 @@ constexpr size_t kMaxCameras = 64;
 constexpr int kMaxFaceWidth = 8192;  // px
 constexpr double kMaxSkew = 1e-6;    // of a rotation matrix, entry by entry
 
-[[noreturn]] void Refuse(const std::string& cause) { throw MapError(ErrorCode::kBadCamera, cause); }
+[[noreturn]] void RefuseRig(const std::string& cause) {
+  throw MapError(ErrorCode::kBadCamera, cause);
+}
 
 bool IsRotation(const Eigen::Matrix3d& r) {
   return r.allFinite() && (r.transpose() * r).isIdentity(kMaxSkew) && r.determinant() > 0;
@@ -31,21 +33,21 @@ RigCamera Face(const char* name, const Camera& camera, const Eigen::Vector3d& ri
 
 void CheckRig(const Rig& rig) {
   if (rig.cameras.empty() || rig.cameras.size() > kMaxCameras) {
-    Refuse("a rig of " + std::to_string(rig.cameras.size()) + " cameras; give 1 to " +
-           std::to_string(kMaxCameras));
+    RefuseRig("a rig of " + std::to_string(rig.cameras.size()) + " cameras; give 1 to " +
+              std::to_string(kMaxCameras));
   }
   std::set<std::string> names;
   for (const RigCamera& camera : rig.cameras) {
     const std::string name = "camera '" + camera.name + "'";
-    if (!names.insert(camera.name).second) Refuse(name + " is there twice; rename one of them");
+    if (!names.insert(camera.name).second) RefuseRig(name + " is there twice; rename one of them");
     try {
       CheckCamera(camera.camera);
     } catch (const MapError& error) {
-      Refuse(name + ": " + error.what());
+      RefuseRig(name + ": " + error.what());
     }
     if (!IsRotation(camera.head_from_camera.linear()) ||
         !camera.head_from_camera.translation().allFinite()) {
-      Refuse(name + ": its pose in the head is no rotation and finite translation; correct it");
+      RefuseRig(name + ": its pose in the head is no rotation and finite translation; correct it");
     }
   }
 }
@@ -63,8 +65,8 @@ Rig RigOfOne(const Camera& camera) { return {.cameras = {{.name = "camera", .cam
 
 Rig CubeRig(int width_px) {
   if (width_px < 1 || width_px > kMaxFaceWidth) {
-    Refuse("faces " + std::to_string(width_px) + " px wide; give 1 to " +
-           std::to_string(kMaxFaceWidth));
+    RefuseRig("faces " + std::to_string(width_px) + " px wide; give 1 to " +
+              std::to_string(kMaxFaceWidth));
   }
   const double focal_px = 0.5 * width_px;
   const double middle_px = 0.5 * (width_px - 1);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <string_view>
@@ -29,6 +30,10 @@ struct Keypoint {
 
   bool operator==(const Keypoint&) const = default;
 };
+
+inline Eigen::Vector2d PositionOf(const Keypoint& keypoint) {
+  return {keypoint.x_px, keypoint.y_px};
+}
 
 // N descriptors of `bytes` bytes each, in one contiguous row-major block.
 // SIFT: RootSIFT (the L1-normalised descriptor's square root, after Arandjelovic and Zisserman

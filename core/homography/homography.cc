@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/check.h"
+#include "core/base/linear_algebra.h"
 
 namespace waystone {
 namespace {
@@ -149,7 +150,7 @@ std::optional<Matrix3d> Minimise(const PointPairs& pairs, Matrix3d h) {
   for (int step = 0; step < kMaxSteps; ++step) {
     Matrix8d damped = equations.jtj;
     damped.diagonal() *= 1 + damping;
-    const Matrix3d next = Stepped(h, damped.ldlt().solve(-equations.jtr));
+    const Matrix3d next = Stepped(h, SolveSymmetric(damped, -equations.jtr));
     const double cost = Cost(pairs, next);
     if (!std::isfinite(cost) || cost >= equations.cost) {
       damping *= 10;
@@ -241,13 +242,13 @@ std::optional<Matrix3d> HomographyByDlt(const PointPairs& pairs, std::span<const
         -y.y() * x.transpose();
     ata.noalias() += (weights.empty() ? 1.0 : weights[i]) * rows.transpose() * rows;
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix9d> solver(ata);
-  if (solver.info() != Eigen::Success) return std::nullopt;
+  const SymmetricEigen eigen = EigenOfSymmetric(ata);
+  if (!eigen.converged) return std::nullopt;
   // Both are judged in normalised coordinates: in pixels they would depend on the image's size.
   constexpr double kUndetermined = 1e-10;  // second smallest eigenvalue, as a share of the largest
   constexpr double kSingular = 1e-6;       // determinant at unit norm
-  const Matrix3d normalised = FromVector(solver.eigenvectors().col(0));
-  if (!(solver.eigenvalues()(1) > kUndetermined * solver.eigenvalues()(8)) ||
+  const Matrix3d normalised = FromVector(eigen.vectors.col(0));
+  if (!(eigen.values(1) > kUndetermined * eigen.values(8)) ||
       !(std::abs(normalised.determinant()) > kSingular)) {
     return std::nullopt;
   }
@@ -271,15 +272,14 @@ std::optional<HomographyEstimate> RefineHomography(const PointPairs& pairs,
   if (!h) return std::nullopt;
 
   const NormalEquations equations = Linearise(normalised, *h);
-  const Eigen::SelfAdjointEigenSolver<Matrix8d> solver(equations.jtj);
-  if (solver.info() != Eigen::Success || solver.eigenvalues()(0) <= 0) return std::nullopt;
+  const SymmetricEigen eigen = EigenOfSymmetric(equations.jtj);
+  if (!eigen.converged || eigen.values(0) <= 0) return std::nullopt;
   // The errors in the two images are the same noise seen twice, so the information is counted
   // twice: hence the factor 2.
   const double variance =
       equations.cost / (4.0 * pairs.size() - 16.0 > 0 ? 4.0 * pairs.size() - 16.0 : 4.0);
   const Matrix8d root =
-      solver.eigenvectors() *
-      (2 * variance * solver.eigenvalues().cwiseInverse()).cwiseSqrt().asDiagonal();
+      eigen.vectors * (2 * variance * eigen.values.cwiseInverse()).cwiseSqrt().asDiagonal();
   HomographyEstimate estimate;
   estimate.b_from_a = Normalised(tb_inverse * *h * ta);
   Eigen::Matrix<double, 9, 8> spread = Eigen::Matrix<double, 9, 8>::Zero();

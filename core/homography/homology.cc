@@ -7,6 +7,7 @@
 #include <complex>
 
 #include "core/base/error.h"
+#include "core/base/linear_algebra.h"
 #include "core/base/random.h"
 
 namespace waystone {
@@ -53,8 +54,7 @@ void HomologyOptions::Check() const {
 }
 
 HomologyEigenvalues EigenvaluesOf(const Matrix3d& homology) {
-  const Eigen::EigenSolver<Matrix3d> solver(homology, false);
-  const Eigen::Vector3cd values = solver.eigenvalues();
+  const Eigen::Vector3cd values = EigenvaluesOf3x3(homology);
   int odd = 0;  // the one that is not in the closest pair
   double closest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {

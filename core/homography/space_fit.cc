@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/homography/space_fit.h"
+#include "core/base/linear_algebra.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -163,7 +164,7 @@ void RefineSpace(SpaceModel& model, std::span<const PlaneSighting> sightings,
     Eigen::MatrixXd damped = equations.normal;
     damped.diagonal() *= 1 + damping;
     damped.diagonal().array() += 1e-9;  // the scale is free
-    SpaceModel next = Stepped(model, columns, damped.ldlt().solve(equations.right));
+    SpaceModel next = Stepped(model, columns, SolveSymmetric(damped, equations.right));
     next.cost = CostOf(next, sightings, options);
     if (!(next.cost < model.cost)) {
       damping *= 10;
@@ -190,8 +191,7 @@ std::vector<std::optional<Eigen::Matrix3d>> PlaneCovariances(
   equations.normal.diagonal().array() += 1e-6;
   const double freedom = std::max(1.0, 2 * equations.weights - columns.size);
   const double scale = std::max(1.0, equations.weighted / freedom);
-  const Eigen::MatrixXd covariance =
-      scale * equations.normal.ldlt().solve(Eigen::MatrixXd::Identity(columns.size, columns.size));
+  const Eigen::MatrixXd covariance = scale * InverseOfSymmetric(equations.normal);
   std::vector<std::optional<Eigen::Matrix3d>> planes(model.planes.size());
   for (size_t p = 0; p < planes.size(); ++p) {
     if (!model.planes[p]) continue;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/manhattan/edge_chains.h"
+#include "core/base/linear_algebra.h"
 
 #include <Eigen/Eigenvalues>
 #include <array>
@@ -84,8 +85,7 @@ ImageSegment FitLine(std::span<const cv::Point> chain) {
     const Eigen::Vector2d offset = ToVector(point) - mean;
     scatter += offset * offset.transpose();
   }
-  const Eigen::Vector2d along =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter).eigenvectors().col(1);
+  const Eigen::Vector2d along = EigenOfSymmetric(scatter).vectors.col(1);
   const auto foot = [&](const cv::Point& point) -> Eigen::Vector2d {
     return mean + along * along.dot(ToVector(point) - mean);
   };

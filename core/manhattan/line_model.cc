@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/manhattan/line_model.h"
+#include "core/base/linear_algebra.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -136,7 +137,7 @@ RefinedRotation RefineRotation(std::span<const Line> lines, const Eigen::Matrix3
   Eigen::Matrix3d rotation = start;
   for (int step = 0; step < options.max_steps; ++step) {
     const NormalEquations sum = Linearise(lines, rotation, options);
-    const Eigen::Vector3d w = -sum.h.ldlt().solve(sum.g);
+    const Eigen::Vector3d w = -SolveSymmetric(sum.h, sum.g);
     rotation = Exp(w) * rotation;
     if (w.norm() < kArrived) break;
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/manhattan/refine_segment.h"
+#include "core/base/linear_algebra.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -73,7 +74,7 @@ Eigen::Vector2d FitRobustly(const std::vector<Peak>& peaks) {
       a += weight * row * row.transpose();
       b += weight * peak.across_px * row;
     }
-    line = a.ldlt().solve(b);
+    line = SolveSymmetric(a, b);
   }
   return line;
 }

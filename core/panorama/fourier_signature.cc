@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
@@ -15,7 +16,6 @@
 namespace waystone {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kMinDeviation = 0.5;  // grey levels: below that is nothing but rounding
 
 // Adds weight times a row of the panorama.

@@ -6,20 +6,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <string>
 #include <vector>
 
+#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/linear_algebra.h"
 #include "core/base/option_range.h"
 #include "core/panorama/motion_kernels.h"
 
 namespace waystone {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kColumnsPerFrequency = 3;  // samples of the shortest wave, for linear interpolation
 constexpr double kDeviationOfMedian = 1.4826;  // normal deviation over median absolute deviation
 
@@ -131,11 +131,12 @@ class Stage {
     gradient_.tail<kWaves>() += prior * p.tail<kWaves>();
     // A band without texture in some direction leaves that direction where it is.
     information_.diagonal().array() += 1e-6 * information_.trace();
-    return -information_.ldlt().solve(gradient_);
+    return -SolveSymmetric(information_, gradient_);
   }
 
   Information Covariance() const {
-    return information_.inverse() * (deviation_ * deviation_ * options_.correlated_pixels);
+    return InverseOfSymmetric(information_) *
+           (deviation_ * deviation_ * options_.correlated_pixels);
   }
 
   // How much of a is explained: 1 - weighted squares of residuals over those of a.

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
@@ -16,7 +17,6 @@
 namespace waystone {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kNewtonSteps = 5;                             // from within a step of a smooth peak
 constexpr double kUnknown_rad = kPi / std::numbers::sqrt3;  // deviation of a uniform direction
 
@@ -142,7 +142,7 @@ MotionDirection MotionOf(const Warping& warping, const CompassOptions& options) 
 
 // The motion over its deviation: chi with two degrees of freedom.
 double MotionDeviations(const SmallMotion& small) {
-  return std::sqrt(small.motion.dot(small.motion_covariance.ldlt().solve(small.motion)));
+  return std::sqrt(small.motion.dot(small.motion_covariance.inverse() * small.motion));
 }
 
 double DeviationOf(const SmallMotion& small, const CompassOptions& options) {

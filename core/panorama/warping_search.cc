@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
@@ -16,7 +16,6 @@
 namespace waystone {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kMaxLevels = 100;      // of a byte, a unit of cost
 constexpr double kMostPerColumn = 2.5;  // cost with its penalty: what a byte holds
 constexpr double kMaxSum = 65535;       // of a hypothesis over the columns

@@ -19,17 +19,17 @@ namespace {
 
 constexpr int kMaxLists = 1 << 15;
 // Blocks of centres whose distances are taken at a time.
-constexpr int kChunk = 32;
+constexpr int kCentreBlocks = 32;
 
 // The nearest centre of a row; the lower one of two as near.
 int NearestCentre(const PackedRows& centres, const uint8_t* row) {
   const PackedQuery query(centres.type(), row);
-  std::array<int32_t, kChunk * kPackRows> distances;
-  std::array<uint8_t, kChunk> near;
+  std::array<int32_t, kCentreBlocks * kPackRows> distances;
+  std::array<uint8_t, kCentreBlocks> near;
   int32_t best = kEmptySlotDistance;
   int nearest = 0;
-  for (int start = 0; start < centres.blocks(); start += kChunk) {
-    const int count = std::min(kChunk, centres.blocks() - start);
+  for (int start = 0; start < centres.blocks(); start += kCentreBlocks) {
+    const int count = std::min(kCentreBlocks, centres.blocks() - start);
     PackedDistances(query, centres, start, count, best - 1, distances.data(), near.data());
     for (int b = 0; b < count; ++b) {
       if (near[b] == 0) continue;

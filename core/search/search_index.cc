@@ -13,7 +13,7 @@ namespace waystone {
 namespace {
 
 // Blocks whose distances are taken at a time: they fit the first-level cache.
-constexpr int kChunk = 16;
+constexpr int kChunkBlocks = 16;
 // Queries that choose their lists together, so that the centres are fetched once for all of them.
 constexpr int kBatch = 32;
 
@@ -37,10 +37,10 @@ void InsertSorted(Neighbour* best, int k, Neighbour candidate) {
 template <class Visit>
 void ForEachNear(const PackedQuery& query, const PackedRows& rows, int first, int end,
                  const int32_t& limit, const Visit& visit) {
-  std::array<int32_t, kChunk * kPackRows> distances;
-  std::array<uint8_t, kChunk> near;
-  for (int start = first; start < end; start += kChunk) {
-    const int count = std::min(kChunk, end - start);
+  std::array<int32_t, kChunkBlocks * kPackRows> distances;
+  std::array<uint8_t, kChunkBlocks> near;
+  for (int start = first; start < end; start += kChunkBlocks) {
+    const int count = std::min(kChunkBlocks, end - start);
     PackedDistances(query, rows, start, count, limit, distances.data(), near.data());
     for (int b = 0; b < count; ++b) {
       if (near[b] == 0) continue;
@@ -142,11 +142,11 @@ SearchIndex::Visits SearchIndex::ChooseLists(const std::vector<PackedQuery>& que
   Visits visits{std::vector<int>(lists() + 1, 0), {}};
   const size_t slots = static_cast<size_t>(centres_.slots());
   std::vector<int32_t> distances(kBatch * slots);
-  std::array<uint8_t, kChunk> near;
+  std::array<uint8_t, kChunkBlocks> near;
   for (int first = 0; first < count; first += kBatch) {
     const int batch = std::min(kBatch, count - first);
-    for (int block = 0; block < centres_.blocks(); block += kChunk) {
-      const int blocks = std::min(kChunk, centres_.blocks() - block);
+    for (int block = 0; block < centres_.blocks(); block += kChunkBlocks) {
+      const int blocks = std::min(kChunkBlocks, centres_.blocks() - block);
       for (int q = 0; q < batch; ++q) {
         PackedDistances(queries[first + q], centres_, block, blocks, kEmptySlotDistance,
                         distances.data() + static_cast<size_t>(q) * slots + block * kPackRows,
@@ -191,8 +191,8 @@ std::vector<Neighbour> SearchIndex::Nearest(DescriptorsView queries, int k, int 
   const Visits visits = ChooseLists(packed, probes);
   // Chunk by chunk rather than query by query: one stays in the cache for all who visit its list.
   for (int list = 0; list < lists(); ++list) {
-    for (int start = first_block_[list]; start < first_block_[list + 1]; start += kChunk) {
-      const int end = std::min(start + kChunk, first_block_[list + 1]);
+    for (int start = first_block_[list]; start < first_block_[list + 1]; start += kChunkBlocks) {
+      const int end = std::min(start + kChunkBlocks, first_block_[list + 1]);
       for (int v = visits.start[list]; v < visits.start[list + 1]; ++v) {
         const int query = visits.query[v];
         SearchBlocks(start, end, packed[query], k, best.data() + static_cast<size_t>(query) * k);

@@ -21,9 +21,9 @@ std::array<Eigen::Matrix3d, 13> MakeViews() {
       for (int z = 0; z <= 1; ++z) {
         // Half of the 26 directions of a cube: faces, edges, corners.
         if (z == 0 && (x < 0 || (x == 0 && y <= 0))) continue;
-        const Eigen::Vector3d forward(x, y, z);
-        views[count++] = Eigen::Quaterniond::FromTwoVectors(forward, Eigen::Vector3d::UnitZ())
-                             .toRotationMatrix();
+        const Eigen::Vector3d forward = Eigen::Vector3d(x, y, z).normalized();
+        const Eigen::Vector3d right = forward.unitOrthogonal();
+        views[count++] << right.transpose(), forward.cross(right).transpose(), forward.transpose();
       }
     }
   }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/linear_algebra.h"
 #include "core/base/option_range.h"
 #include "core/base/random.h"
 #include "core/two_view/five_point.h"
@@ -132,7 +133,7 @@ Motion Refine(const MatchedRays& rays, const std::vector<int>& rows, Motion moti
   for (int step = 0; step < options.max_steps; ++step) {
     const Eigen::Matrix<double, 3, 2> basis = TangentBasis(motion.translation);
     const Equations sum = Linearise(rays, rows, motion, basis, options.max_error_rad);
-    const Vector5d x = -(sum.h + Damping(options.max_error_rad)).ldlt().solve(sum.g);
+    const Vector5d x = -SolveSymmetric(sum.h + Damping(options.max_error_rad), sum.g);
     if (!x.allFinite()) break;
     const double angle = x.head<3>().norm();
     if (angle > 0) {
@@ -211,7 +212,8 @@ Eigen::Matrix3d CovarianceOf(const MatchedRays& rays, const Fit& fit, double max
       Linearise(rays, fit.inliers, fit.motion, TangentBasis(fit.motion.translation), max_error);
   const double freedom = std::max(1.0, sum.weight - kSample);
   const double variance = std::max(sum.error2 / freedom, 1e-4 * max_error * max_error);
-  const Matrix5d inverse = (sum.h + variance / kFreeVariance * Matrix5d::Identity()).inverse();
+  const Matrix5d inverse =
+      InverseOfSymmetric(sum.h + variance / kFreeVariance * Matrix5d::Identity());
   return variance * inverse.topLeftCorner<3, 3>();
 }
 
@@ -225,8 +227,8 @@ Eigen::Matrix3d PlaneOf(const MatchedRays& rays, const std::vector<int>& rows) {
     for (int k = 0; k < 3; ++k) j.middleCols<3>(3 * k) = rays.a[i](k) * cross;
     sum += j.transpose() * j;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(sum);
-  Eigen::Matrix3d h = Eigen::Map<const Eigen::Matrix3d>(solver.eigenvectors().col(0).data());
+  const Eigen::MatrixXd vectors = EigenOfSymmetric(sum).vectors;
+  const Eigen::Matrix3d h = Eigen::Map<const Eigen::Matrix3d>(vectors.data());
   double ahead = 0;
   for (const int i : rows) ahead += rays.b[i].dot(h * rays.a[i]);
   const double middle = Eigen::JacobiSVD<Eigen::Matrix3d>(h).singularValues()(1);

@@ -17,6 +17,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "server/http/problem.h"
 
@@ -35,8 +36,6 @@ bool IsLoopback(const std::string& host) {
 
 // A path may have a line break in it, which the usual dot doesn't stand for.
 constexpr const char* kAnyPath = "[\\s\\S]*";
-
-using Clock = std::chrono::steady_clock;
 
 // Bytes of all bodies that are in memory.
 class BodyBudget {

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/image/exif.h"
 #include "server/http/body_parts.h"
@@ -25,7 +26,6 @@ constexpr double kMaxWay = 1e9;        // of a layer's units
 constexpr double kMaxPixel = 100'000;  // of focal lengths and principal points
 constexpr double kMinFovDeg = 1;
 constexpr double kMaxFovDeg = 179;
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 [[noreturn]] void Refuse(const std::string& cause) {
   throw MapError(ErrorCode::kBadRequest, cause);
@@ -158,7 +158,7 @@ void ReadCamera(const Json& object, LocalizeRequest& request) {
     if (object.contains(name) && !request.intrinsics) request.intrinsics = ReadIntrinsics(object);
   }
   if (object.contains("fov_deg")) {
-    request.fov_rad = kRadPerDeg * NumberIn(object["fov_deg"], "fov_deg", kMinFovDeg, kMaxFovDeg);
+    request.fov_rad = kDegree * NumberIn(object["fov_deg"], "fov_deg", kMinFovDeg, kMaxFovDeg);
   }
   if (object.contains("camera")) request.stored_camera = TextIn(object["camera"], "camera");
   const int given = int{request.intrinsics.has_value()} + int{request.fov_rad.has_value()} +
@@ -355,7 +355,7 @@ Json RequestObject(const LocalizeRequest& request) {
     json["cx"] = request.intrinsics->cx;
     json["cy"] = request.intrinsics->cy;
   }
-  if (request.fov_rad) json["fov_deg"] = *request.fov_rad / kRadPerDeg;
+  if (request.fov_rad) json["fov_deg"] = *request.fov_rad / kDegree;
   if (request.stored_camera) json["camera"] = *request.stored_camera;
   if (request.prior_keyframe) json["prior"] = {{"keyframe", *request.prior_keyframe}};
   if (!request.previous.is_null()) json["previous"] = request.previous;

@@ -27,8 +27,8 @@ std::vector<std::string> Split(const std::string& path) {
 
 bool IsCapture(const std::string& segment) { return segment.starts_with('{'); }
 
-std::optional<Router::Captures> Match(const std::vector<std::string>& pattern,
-                                      const std::vector<std::string>& path) {
+std::optional<Router::Captures> CapturesOf(const std::vector<std::string>& pattern,
+                                           const std::vector<std::string>& path) {
   if (pattern.size() != path.size()) return std::nullopt;
   Router::Captures captures;
   for (size_t i = 0; i < pattern.size(); ++i) {
@@ -66,7 +66,7 @@ HttpResponse Router::Dispatch(const HttpRequest& request) const {
   const std::string method = request.method == "HEAD" ? "GET" : request.method;
   std::set<std::string> allowed;
   for (const Route& route : routes_) {
-    const std::optional<Captures> captures = Match(route.segments, path);
+    const std::optional<Captures> captures = CapturesOf(route.segments, path);
     if (!captures) continue;
     if (route.method == method) {
       HttpResponse response = Handle(request, route, *captures);

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Cells of half a metre: the room's corner is at (7.5, 3.5).
-constexpr const char* kRoom = R"(
+constexpr const char* kSmallRoom = R"(
 ################
 #..............#
 #..............#
@@ -57,7 +57,7 @@ CornerWalk MakeCorner() {
   const Camera camera = PinholeCamera(640, 480, 1.2);
   WorldOptions look;
   look.trim = true;
-  const World world(ParseFloorPlan(kRoom), look);
+  const World world(ParseFloorPlan(kSmallRoom), look);
   const Renderer renderer(camera);
   for (int i = 0; i < 14; ++i) {
     const double aside = 0.12 * i;

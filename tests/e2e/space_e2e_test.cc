@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/base/angle.h"
 #include "schema/map_store.h"
 #include "server/http/application.h"
 #include "server/http/json.h"
@@ -16,8 +17,6 @@
 
 namespace waystone {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 class CalibratedMapsTest : public testing::Test {
  protected:
@@ -88,7 +87,7 @@ TEST_F(CalibratedMapsTest, PlacedPlanesAreTheWalls) {
       ++placed;
       const Eigen::Vector3d normal = Vector(plane["normal"]);
       const size_t wall = normal.dot(walls[0].normal) > normal.dot(walls[1].normal) ? 0 : 1;
-      EXPECT_LT(std::acos(std::min(1.0, normal.dot(walls[wall].normal))) * kDegrees, 6)
+      EXPECT_LT(std::acos(std::min(1.0, normal.dot(walls[wall].normal))) * kDegreesPerRadian, 6)
           << keyframe["id"] << ' ' << plane["id"];
       metres_per_unit[wall] = walls[wall].distance_m / plane["distance"].get<double>();
       for (const Json& point : plane["outline"]) {
@@ -118,7 +117,7 @@ TEST_F(CalibratedMapsTest, AnswersSayHowTheCameraStandsInTheBuilding) {
     EXPECT_EQ(answer["heading"], building["heading"]);
     const Eigen::Vector3d ahead = TheCorner().poses[photo].linear() * Eigen::Vector3d::UnitZ();
     const double off = building["heading"]["rad"].get<double>() - std::atan2(ahead.y(), ahead.x());
-    EXPECT_LT(std::abs(std::remainder(off, kQuarter)) * kDegrees, 2) << building;
+    EXPECT_LT(std::abs(std::remainder(off, kQuarter)) * kDegreesPerRadian, 2) << building;
     const Json plain = Localize("walls", image, {});
     EXPECT_FALSE(plain.contains("building")) << "without a camera there is no rotation";
   }
@@ -137,7 +136,8 @@ TEST_F(CalibratedMapsTest, UprightLinesAreUpright) {
       const double dy = line["points"][0][1].get<double>() - line["points"][1][1].get<double>();
       if (line["axis"] != "z" || std::hypot(dx, dy) < 20) continue;
       ++upright;
-      EXPECT_LT(std::atan2(std::abs(dx), std::abs(dy)) * kDegrees, 10) << node["id"] << line;
+      EXPECT_LT(std::atan2(std::abs(dx), std::abs(dy)) * kDegreesPerRadian, 10)
+          << node["id"] << line;
     }
   }
   EXPECT_GE(upright, 3);

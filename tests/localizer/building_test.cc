@@ -5,8 +5,8 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/manhattan/cube_rotations.h"
 #include "localizer/localizer.h"
@@ -19,8 +19,6 @@ namespace {
 using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 Camera MadeCamera() { return {CameraModel::kPinhole, 640, 480, {500, 500, 319.5, 239.5}}; }
 

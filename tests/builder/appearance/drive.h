@@ -21,6 +21,9 @@
 
 namespace waystone {
 
+// The elevations that signatures use.
+inline const ElevationBand kBand = SignatureOptions{}.band;
+
 // A circle through a room of the demo building, once around and a bit more, with panoramas and
 // their truth: rendered once for all tests.
 struct Drive {

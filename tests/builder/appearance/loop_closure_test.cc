@@ -9,8 +9,6 @@
 namespace waystone {
 namespace {
 
-const ElevationBand kBand = SignatureOptions{}.band;
-
 LoopOptions ShortLoops() {
   LoopOptions options;
   options.min_gap = 20;  // the drive is a short one

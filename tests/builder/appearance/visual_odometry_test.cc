@@ -10,8 +10,6 @@
 namespace waystone {
 namespace {
 
-const ElevationBand kBand = SignatureOptions{}.band;
-
 TEST(VisualOdometryTest, FollowsAKnownWay) {
   const VisualOdometry way = FollowPanoramas(DriveSignatures(), kBand);
   ASSERT_EQ(way.poses.size(), TheDrive().truth.size());

@@ -24,7 +24,7 @@ OrientationFrame FrameAt(int i, double heading_rad, int along_x, int along_y) {
 
 // A corridor along x, a turn at frame 100, a corridor along y, a room from frame 200 on in which
 // the camera looks another way.
-std::vector<OrientationFrame> Walk() {
+std::vector<OrientationFrame> CorridorWalk() {
   std::vector<OrientationFrame> frames;
   for (int i = 0; i < 260; ++i) {
     const double turn = std::clamp((i - 90) / 20.0, 0.0, 1.0);
@@ -36,7 +36,7 @@ std::vector<OrientationFrame> Walk() {
 }
 
 TEST(Corridors, StretchesBetweenTurnsWithOneDominantAxis) {
-  const auto frames = Walk();
+  const auto frames = CorridorWalk();
   const std::vector<int> turns{100};
   const auto corridors = FindCorridors(frames, turns, {}, {});
   ASSERT_EQ(corridors.size(), 2U);
@@ -49,7 +49,7 @@ TEST(Corridors, StretchesBetweenTurnsWithOneDominantAxis) {
 }
 
 TEST(Corridors, TheMotionHasToFollowTheirAxis) {
-  const auto frames = Walk();
+  const auto frames = CorridorWalk();
   const std::vector<int> turns{100};
   const std::vector<SettledMotion> motions{{.first = 0, .last = 90, .quarter_turns = 1},
                                            {.first = 110, .last = 259, .quarter_turns = 3}};
@@ -60,7 +60,7 @@ TEST(Corridors, TheMotionHasToFollowTheirAxis) {
 
 TEST(Corridors, BridgeAFewFramesWithoutRotationButNotMany) {
   for (const int bad : {8, 20}) {
-    auto frames = Walk();
+    auto frames = CorridorWalk();
     for (int i = 40; i < 40 + bad; ++i) {
       frames[i].reliable = false;
       frames[i].rotation.reset();

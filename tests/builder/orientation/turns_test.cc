@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/orientation/turns.h"
+#include "core/base/angle.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
-#include <numbers>
 
 namespace waystone {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // A smooth change from 0 to 1 around a frame, over 20 frames as in the paper.
 double Bend(int frame, int at) { return std::clamp((frame - at + 10) / 20.0, 0.0, 1.0); }

@@ -19,8 +19,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-constexpr int kWidth = 640;
-constexpr int kHeight = 480;
+constexpr int kFrameWidth = 640;
+constexpr int kFrameHeight = 480;
 constexpr FeatureType kType = FeatureType::kSift;
 
 // A flat thing with features, in a frame of its own (px of some picture of it).
@@ -57,7 +57,7 @@ Plane PlaneOf(int64_t id, int64_t keyframe, const Surface& surface, const Matrix
   for (size_t i = 0; i < surface.points.size(); ++i) {
     const Vector2d noise(random.Normal(), random.Normal());
     const Vector2d x = Apply(h, surface.points[i]) + 0.2 * noise;
-    if (x.x() < 0 || x.y() < 0 || x.x() >= kWidth || x.y() >= kHeight) continue;
+    if (x.x() < 0 || x.y() < 0 || x.x() >= kFrameWidth || x.y() >= kFrameHeight) continue;
     plane.features.push_back({{static_cast<float>(x.x()), static_cast<float>(x.y()), 8, 0}, 3, 4});
     plane.descriptors.Append(surface.descriptors[i].data());
   }
@@ -83,8 +83,8 @@ std::vector<Keyframe> Keyframes(int count) {
   std::vector<Keyframe> keyframes(count);
   for (int i = 0; i < count; ++i) {
     keyframes[i].id = KeyframeId{i + 1};
-    keyframes[i].width = kWidth;
-    keyframes[i].height = kHeight;
+    keyframes[i].width = kFrameWidth;
+    keyframes[i].height = kFrameHeight;
   }
   return keyframes;
 }

@@ -6,8 +6,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/base/angle.h"
 #include "core/features/distance.h"
 #include "core/homography/homography.h"
 #include "tests/builder/planes/made_scene.h"
@@ -17,8 +17,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
-
-constexpr double kPi = std::numbers::pi;
 
 Matrix3d Similarity(double scale, double angle_rad, double x_px, double y_px) {
   Matrix3d h = Matrix3d::Identity();

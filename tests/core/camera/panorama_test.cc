@@ -4,18 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/camera/cube_faces.h"
 
 namespace waystone {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // A smooth pattern on the sphere, 0 to 255: continuous over the seam.
 double Pattern(double azimuth, double elevation) {

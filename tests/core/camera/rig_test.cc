@@ -37,7 +37,7 @@ TEST(CubeRig, FacesLookWhereTheirNamesSay) {
   EXPECT_TRUE(forward(4).isApprox(-Eigen::Vector3d::UnitY()));
 }
 
-std::string RefusalOf(const Rig& rig) {
+std::string RigRefusalOf(const Rig& rig) {
   try {
     CheckRig(rig);
   } catch (const MapError& error) {
@@ -48,16 +48,16 @@ std::string RefusalOf(const Rig& rig) {
 }
 
 TEST(CheckRig, RefusesWhatIsNoRig) {
-  EXPECT_NE(RefusalOf({}).find("a rig of 0 cameras"), std::string::npos);
+  EXPECT_NE(RigRefusalOf({}).find("a rig of 0 cameras"), std::string::npos);
   Rig twice = CubeRig(8);
   twice.cameras[1].name = "front";
-  EXPECT_NE(RefusalOf(twice).find("'front' is there twice"), std::string::npos);
+  EXPECT_NE(RigRefusalOf(twice).find("'front' is there twice"), std::string::npos);
   Rig skewed = CubeRig(8);
   skewed.cameras[2].head_from_camera.linear() *= 1.01;
-  EXPECT_NE(RefusalOf(skewed).find("camera 'back'"), std::string::npos);
+  EXPECT_NE(RigRefusalOf(skewed).find("camera 'back'"), std::string::npos);
   Rig flat = CubeRig(8);
   flat.cameras[3].camera.params[0] = 0;
-  EXPECT_NE(RefusalOf(flat).find("camera 'left'"), std::string::npos);
+  EXPECT_NE(RigRefusalOf(flat).find("camera 'left'"), std::string::npos);
   EXPECT_THROW(CubeRig(0), MapError);
 }
 

@@ -5,8 +5,8 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "tests/core/homography/made_views.h"
 
@@ -14,7 +14,6 @@ namespace waystone {
 namespace {
 
 constexpr double kSigma = 0.001;  // half a pixel at a focal length of 500 px
-constexpr double kDegree = std::numbers::pi / 180;
 
 // What a reference camera sees: planes n . X = d and views X_view = R X - t.
 struct MadeSpace {

@@ -4,18 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/panorama/row_images.h"
 #include "tests/core/panorama/panoramas.h"
 
 namespace waystone {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // Magnitudes of a band before they become 16-bit floats.
 cv::Mat Magnitudes(const cv::Mat& band, int frequencies) {

@@ -5,18 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "tests/core/panorama/panoramas.h"
 
 namespace waystone {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180;
 
 double Error(double angle_rad, double truth_rad) {
   return std::abs(std::remainder(angle_rad - truth_rad, 2 * kPi));

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kAll = std::numeric_limits<int>::max();
 
-InvertedFileOptions SmallOptions() {
+InvertedFileOptions FewLists() {
   InvertedFileOptions options;
   options.min_rows = 100;
   return options;
@@ -24,7 +24,7 @@ SearchIndex Filled(SearchIndex index, const Descriptors& rows) {
 }
 
 SearchIndex Indexed(FeatureType type, const Descriptors& rows) {
-  return Filled(SearchIndex(type, BuildInvertedFile(rows, type, SmallOptions())), rows);
+  return Filled(SearchIndex(type, BuildInvertedFile(rows, type, FewLists())), rows);
 }
 
 // Rows around seeds, as descriptors of the same corners seen from different places are.

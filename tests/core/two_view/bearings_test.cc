@@ -4,17 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <numbers>
 #include <set>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/two_view/relative_rotation.h"
 #include "tests/world/test_worlds.h"
 
 namespace waystone {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 std::vector<cv::Mat> Pictures(const Rig& rig, const Eigen::Isometry3d& world_from_head) {
   std::vector<cv::Mat> images;

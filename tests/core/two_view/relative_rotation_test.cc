@@ -6,14 +6,13 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/two_view/five_point.h"
 
 namespace waystone {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 Eigen::Vector3d RandomUnit(Random& random) {
   return Eigen::Vector3d(random.Normal(), random.Normal(), random.Normal()).normalized();
