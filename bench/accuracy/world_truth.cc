@@ -21,8 +21,6 @@ constexpr double kMaxScale = 1.6;
 // ... and this much foreshortening.
 constexpr double kMaxStretch = 1.6;
 
-Eigen::Vector2d PositionOf(const Keypoint& k) { return {k.x_px, k.y_px}; }
-
 std::string Key(const uint8_t* descriptor) {
   return {reinterpret_cast<const char*>(descriptor),
           static_cast<size_t>(DescriptorBytes(FeatureType::kSift))};
