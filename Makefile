@@ -49,7 +49,7 @@ lint: packages  ## layout, clang-tidy and compiler warnings; each one is an erro
 	@scripts/install_packages.sh scripts/lint_packages.txt
 	@$(SOURCES) | xargs clang-format --dry-run -Werror
 	@scripts/build.sh dev $(JOBS)
-	@scripts/tidy.sh build/dev $(JOBS)
+	@scripts/tidy.sh $(JOBS)
 
 web:  ## build the page anew into server/web/dist (needs Node 20 and npm; the result is committed)
 	@/usr/bin/python3 scripts/generate_js_client.py clients/openapi.yaml clients/js

@@ -20,7 +20,7 @@ fs::path DataFolder() {
 
 void Announce(const std::string& title) {
   std::printf("\n== %s\n", title.c_str());
-  std::fflush(stdout);
+  (void)std::fflush(stdout);
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
-#include <sstream>
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/stopwatch.h"
@@ -137,22 +136,16 @@ nlohmann::ordered_json MeasureApart(const Args& paths, int frames) {
   for (ssize_t got = 0; (got = read(ends[0], buffer, sizeof buffer)) > 0;) text.append(buffer, got);
   close(ends[0]);
   waitpid(child, nullptr, 0);
-  const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
+  auto json = nlohmann::ordered_json::parse(text, nullptr, false);
   if (json.is_discarded()) throw MapError(ErrorCode::kInternal, "the measuring process failed");
   if (json.contains("error")) throw MapError(ErrorCode::kBadSource, json["error"]);
   return json;
 }
 
 std::vector<int> ParseCounts(const std::string& text) {
-  std::vector<int> counts;
-  std::istringstream list(text);
-  for (std::string count; std::getline(list, count, ',');) {
-    char rest = 0;
-    int frames = 0;
-    if (std::sscanf(count.c_str(), "%d%c", &frames, &rest) != 1 || frames < 1) {
-      throw MapError(ErrorCode::kUsage, "'" + text + "' are no counts; write --frames 250,500");
-    }
-    counts.push_back(frames);
+  std::vector<int> counts = ParseNumbers(text, ',');
+  if (counts.empty() || std::ranges::min(counts) < 1) {
+    throw MapError(ErrorCode::kUsage, "'" + text + "' are no counts; write --frames 250,500");
   }
   return counts;
 }
@@ -178,7 +171,7 @@ int RunBuild(const Args& raw) {
         number("build_s"), number("build_cpu_s"), number("ratio"), number("cpu_ratio"),
         number("choose_s"), number("planes_s"), number("fusion_s"), number("map_mb"),
         number("peak_mb"));
-    std::fflush(stdout);
+    (void)std::fflush(stdout);
     json["runs"].push_back(run);
   }
   std::cout << json.dump() << std::endl;

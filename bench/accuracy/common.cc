@@ -2,7 +2,7 @@
 #include "bench/accuracy/common.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <charconv>
 #include <fstream>
 #include <iterator>
 
@@ -10,12 +10,27 @@
 
 namespace waystone::bench {
 
+std::vector<int> ParseNumbers(const std::string& text, char separator) {
+  std::vector<int> numbers;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (true) {
+    const auto [stop, error] = std::from_chars(at, end, numbers.emplace_back());
+    if (error != std::errc()) return {};
+    if (stop == end) return numbers;
+    if (*stop != separator) return {};
+    at = stop + 1;
+  }
+}
+
 Range ParseRange(const std::string& text) {
+  const std::vector<int> numbers = ParseNumbers(text, ':');
   Range range;
-  char rest = 0;
-  const int read =
-      std::sscanf(text.c_str(), "%d:%d:%d%c", &range.from, &range.to, &range.step, &rest);
-  if (read < 2 || read > 3 || range.from < 0 || range.to < range.from || range.step < 1) {
+  if (numbers.size() == 2 || numbers.size() == 3) {
+    range = {numbers[0], numbers[1], numbers.size() == 3 ? numbers[2] : 1};
+  }
+  if (numbers.size() < 2 || numbers.size() > 3 || range.from < 0 || range.to < range.from ||
+      range.step < 1) {
     throw MapError(ErrorCode::kUsage,
                    "'" + text + "' is no range of frames; write 0:499 or 0:499:10");
   }
@@ -28,7 +43,7 @@ std::string TakeOption(Args& args, const std::string& name, const std::string& f
   if (found + 1 == args.end()) {
     throw MapError(ErrorCode::kUsage, "--" + name + " wants a value");
   }
-  const std::string value = *(found + 1);
+  std::string value = *(found + 1);
   args.erase(found, found + 2);
   return value;
 }

@@ -15,6 +15,10 @@
 
 namespace waystone::bench {
 
+// "250,500" and a comma: {250, 500}; empty where the text is no whole numbers with `separator`
+// between them.
+std::vector<int> ParseNumbers(const std::string& text, char separator);
+
 // "A:B" or "A:B:STEP": frame numbers from A to B inclusive.
 struct Range {
   int from = 0;

@@ -219,7 +219,7 @@ nlohmann::json Times(const PanoramaPlace& a, const PanoramaPlace& b) {
   const FourierSignature of_a = SignatureOfBand(band, options);
   const FourierSignature of_b = Signature(b.grey, options);
   cv::Mat spectrum;
-  const nlohmann::json times = {
+  nlohmann::json times = {
       {"decode", MedianMicroseconds([&] { DecodeGrey(jpeg); })},
       {"band", MedianMicroseconds([&] { BandOf(panorama, options); })},
       {"dft", MedianMicroseconds([&] { cv::dft(band, spectrum, cv::DFT_ROWS); })},

@@ -95,8 +95,9 @@ std::string HeatMapSvg(const HeatMap& map) {
       << "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
   Text(svg, kLeft_px, 22, map.title, "start");
   for (size_t i = 0; i < map.panels.size(); ++i) {
+    const size_t row = i / kPanelsInARow;
     DrawPanel(svg, map, map.panels[i], range, static_cast<double>(i % kPanelsInARow) * wide,
-              kHead_px + static_cast<double>(i / kPanelsInARow) * high);
+              kHead_px + static_cast<double>(row) * high);
   }
   svg << "</svg>\n";
   return svg.str();

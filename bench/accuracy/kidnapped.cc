@@ -358,7 +358,7 @@ nlohmann::json Times(const std::vector<PanoramaPlace>& places, AppearanceLayer l
     return MedianMs(kRuns, [&](int) { Localize(*index, jpeg, "query", options); });
   };
   const std::vector<AppearanceNode>& nodes = index->map().appearance->nodes;
-  const nlohmann::json times = {
+  nlohmann::json times = {
       {"decode_ms", MedianMs(kRuns, [&](int) { DecodeGrey(jpeg); })},
       {"search_10000_ms",
        MedianMs(kSearches, [&](int run) { many.Nearest(nodes[run % nodes.size()].signature, 8); })},

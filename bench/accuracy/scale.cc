@@ -11,6 +11,7 @@
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/scale_map.h"
 #include "bench/accuracy/world_source.h"
+#include "cli/child_process.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "schema/index_features.h"
@@ -47,13 +48,9 @@ int OpenOnly(const std::string& path) {
 }
 
 nlohmann::json OpenElsewhere(const fs::path& map) {
-  const std::string command =
-      fs::read_symlink("/proc/self/exe").string() + " scale --open '" + map.string() + "'";
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) throw MapError(ErrorCode::kInternal, "can't start " + command);
-  std::string text(1000, '\0');
-  text.resize(fread(text.data(), 1, text.size(), pipe));
-  if (pclose(pipe) != 0) throw MapError(ErrorCode::kInternal, command + " failed");
+  ChildProcess child({ThisProgram(), "scale", "--open", map.string()}, true);
+  const std::string text = child.ReadLine();
+  if (child.Wait() != 0) throw MapError(ErrorCode::kInternal, "can't open " + map.string());
   return nlohmann::json::parse(text);
 }
 
@@ -270,7 +267,7 @@ void PrintRow(const nlohmann::ordered_json& j) {
       100 * e["distinct_nearest_share"].get<double>(), e["shortlist_ms"].get<double>(),
       j["open_s"].get<double>(), j["memory_ratio"].get<double>(),
       j["index_bytes"].get<double>() / 1000);
-  std::fflush(stdout);
+  (void)std::fflush(stdout);
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ class Mixer {
     }
     for (uint8_t& byte : made) {
       const double noisy = byte + kNoise * random_.Normal();
-      byte = static_cast<uint8_t>(std::clamp(static_cast<int>(noisy + 0.5), 0, kMaxByte));
+      byte = static_cast<uint8_t>(std::clamp<long>(std::lround(noisy), 0, kMaxByte));
     }
     return random_.Below(2) == 0 ? made : Mirrored(made);
   }

@@ -54,11 +54,12 @@ struct QueryFigures {
 // "M:N", of KeyframeOptions.
 BuildOptions KeyframesAsTold(const std::string& text) {
   BuildOptions options;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%d:%d%c", &options.keyframes.min_matches_last,
-                  &options.keyframes.min_matches_before_last, &rest) != 2) {
+  const std::vector<int> counts = ParseNumbers(text, ':');
+  if (counts.size() != 2) {
     throw MapError(ErrorCode::kUsage, "'" + text + "' is no M:N; write --keyframes 300:150");
   }
+  options.keyframes.min_matches_last = counts[0];
+  options.keyframes.min_matches_before_last = counts[1];
   return options;
 }
 
@@ -213,7 +214,7 @@ Json Report(const Scene& scene, const Graphs& g, const Table3& t) {
     std::printf(" %s %.1f", name.c_str(), ratio.get<double>());
   }
   std::printf("\n");
-  std::fflush(stdout);
+  (void)std::fflush(stdout);
   return {{"scene", scene.name()},
           {"keyframes", g.images.nodes},
           {"shared_s", g.shared.wall_s},

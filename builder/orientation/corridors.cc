@@ -4,16 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <set>
 
 #include "builder/orientation/follow.h"
+#include "core/base/angle.h"
 
 namespace waystone {
 namespace {
-
-constexpr double kQuarter = 0.5 * std::numbers::pi;
 
 struct Stretch {
   int first = 0;
@@ -28,7 +26,7 @@ std::vector<std::optional<double>> Unwrapped(std::span<const OrientationFrame> f
   double last = 0;
   for (const OrientationFrame& frame : frames) {
     std::optional<double> heading = HeadingOf(frame);
-    if (heading) last += std::remainder(*heading - last, 4 * kQuarter);
+    if (heading) last += std::remainder(*heading - last, 4 * kQuarterTurn_rad);
     headings.push_back(heading ? std::optional(last) : std::nullopt);
   }
   return headings;

@@ -12,6 +12,7 @@
 #include "builder/orientation/loops.h"
 #include "builder/orientation/sequence_mapper.h"
 #include "builder/orientation/traversable_directions.h"
+#include "core/base/angle.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
 
@@ -50,13 +51,12 @@ OrientedFeatures Oriented(const MappedSequence& mapped, const NodeInWork& node) 
 
 // The way's axis at a node: that of the motion there, else the one nearest to the view ahead.
 int WayAt(const MappedSequence& mapped, const NodeInWork& node) {
-  constexpr double kQuarter = 1.5707963267948966;
   for (const SettledMotion& motion : mapped.motions) {
     if (motion.last >= node.frame) return motion.quarter_turns;
   }
   if (!mapped.motions.empty()) return mapped.motions.back().quarter_turns;
   const double heading = HeadingOf(mapped.frames[node.frame]).value_or(0);
-  return static_cast<int>(std::lround(heading / kQuarter) + 4) % 4;
+  return static_cast<int>(std::lround(heading / kQuarterTurn_rad) + 4) % 4;
 }
 
 OrientationNode NodeOf(const MappedSequence& mapped, const NodeInWork& work) {

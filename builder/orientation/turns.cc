@@ -1,23 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/orientation/turns.h"
+#include "core/base/angle.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
 
 namespace waystone {
 namespace {
 
-constexpr double kQuarter = std::numbers::pi / 2;
-
 int Sector(double heading_rad) {
-  return static_cast<int>(std::lround(heading_rad / kQuarter) + 4) % 4;
+  return static_cast<int>(std::lround(heading_rad / kQuarterTurn_rad) + 4) % 4;
 }
 
 // Angle from an axis to a heading, (-pi, pi].
 double FromAxis(double heading_rad, int sector) {
-  return std::remainder(heading_rad - sector * kQuarter, 4 * kQuarter);
+  return std::remainder(heading_rad - sector * kQuarterTurn_rad, 4 * kQuarterTurn_rad);
 }
 
 // From one axis to another: -1, 0, 1 or 2.
@@ -73,13 +71,13 @@ std::optional<HeadingJump> JumpWatch::Next(int frame, double heading_rad) {
     return std::nullopt;
   }
   const double off = FromAxis(heading_rad, *sector_);
-  if (std::abs(off) <= kQuarter / 2 + options_.hysteresis_rad) return std::nullopt;
+  if (std::abs(off) <= kQuarterTurn_rad / 2 + options_.hysteresis_rad) return std::nullopt;
   const int before = *sector_;
   sector_ = Sector(heading_rad);
   const double angle = FromAxis(heading_rad, *sector_) - FromAxis(last_rad, before);
   return HeadingJump{.frame = frame,
                      .quarter_turns = QuarterTurns(before, *sector_),
-                     .angle_rad = std::remainder(angle, 4 * kQuarter)};
+                     .angle_rad = std::remainder(angle, 4 * kQuarterTurn_rad)};
 }
 
 std::vector<SettledMotion> SettledMotions(std::span<const MotionSample> samples,

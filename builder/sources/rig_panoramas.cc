@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t kBytesPerPixel = 6;  // of a file: 16 bits in three colours
+constexpr int64_t kBytesPerColourPixel = 6;  // of a file: 16 bits in three colours
 
 std::vector<std::string> FaceNames() {
   std::vector<std::string> names;
@@ -34,7 +34,7 @@ std::vector<cv::Mat> LoadFaces(const FacePaths& paths, const DecodeLimits& limit
   std::vector<cv::Mat> faces;
   for (const auto& [face, path] : paths) {
     faces.push_back(DecodeGrey(
-        ReadFile(path, limits.max_pixels * kBytesPerPixel, ErrorCode::kBadImage), limits));
+        ReadFile(path, limits.max_pixels * kBytesPerColourPixel, ErrorCode::kBadImage), limits));
   }
   return faces;
 }
@@ -83,7 +83,7 @@ class RigPanoramaSource : public Source {
       const FacePaths paths = PathsOf(frame);
       try {
         const ImageHeader header = ReadImageHeader(ReadFile(
-            paths.front().second, limits_.max_pixels * kBytesPerPixel, ErrorCode::kBadImage));
+            paths.front().second, limits_.max_pixels * kBytesPerColourPixel, ErrorCode::kBadImage));
         CheckLimits(header, limits_);
         Rig rig;
         for (const auto& [face, path] : paths) {

@@ -17,18 +17,15 @@
 #include <thread>
 #include <utility>
 
-#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "server/http/problem.h"
+#include "server/http/request_body.h"
 
 namespace waystone {
 namespace {
 
 // Requests on one connection. The library's default of 5 would close good connections.
 constexpr int kRequestsPerConnection = 1'000'000;
-// How much of a body that nobody wants is read, as a multiple of the limit, so that the client gets
-// to read the answer: closing with unread bytes would reset the connection under it.
-constexpr int kDrainFactor = 2;
 
 bool IsLoopback(const std::string& host) {
   return host == "localhost" || host == "::1" || host.starts_with("127.");
@@ -36,86 +33,6 @@ bool IsLoopback(const std::string& host) {
 
 // A path may have a line break in it, which the usual dot doesn't stand for.
 constexpr const char* kAnyPath = "[\\s\\S]*";
-
-// Bytes of all bodies that are in memory.
-class BodyBudget {
- public:
-  explicit BodyBudget(int64_t limit) : limit_(limit) {}
-  bool Take(int64_t bytes) { return (used_ += bytes) <= limit_; }
-  void Return(int64_t bytes) { used_ -= bytes; }
-
- private:
-  const int64_t limit_;
-  std::atomic<int64_t> used_ = 0;
-};
-
-// The body of one request, read at most once.
-class Body {
- public:
-  Body(const httplib::ContentReader& reader, const HttpOptions& options, BodyBudget& budget)
-      : reader_(reader),
-        budget_(budget),
-        limit_(options.max_body_bytes),
-        end_(Clock::now() + std::chrono::seconds(options.body_timeout_s)) {}
-  ~Body() { budget_.Return(taken_); }
-  Body(const Body&) = delete;
-  Body& operator=(const Body&) = delete;
-
-  std::string Read() {
-    std::string bytes;
-    const bool complete = ReadInto([&](const char* data, size_t size) {
-      taken_ += static_cast<int64_t>(size);
-      crowded_ |= !budget_.Take(static_cast<int64_t>(size));
-      if (!crowded_) bytes.append(data, size);
-    });
-    if (late_) {
-      throw MapError(ErrorCode::kTooSlow,
-                     "the body took longer than the server waits; send a "
-                     "smaller image or use a faster link");
-    }
-    if (crowded_) {
-      throw MapError(ErrorCode::kBusy, "too many bodies are being read at once; try again");
-    }
-    if (count_ > limit_) {
-      throw MapError(ErrorCode::kPayloadTooLarge,
-                     "the body is over " + std::to_string(limit_) + " bytes; send a smaller image");
-    }
-    if (!complete) throw MapError(ErrorCode::kBadRequest, "the body ended before its length");
-    return bytes;
-  }
-
-  // Reads what is left. Returns whether the connection is at the end of the body, and so at the
-  // start of the next request.
-  bool Drain() {
-    if (!started_) complete_ = ReadInto([](const char*, size_t) {});
-    return complete_;
-  }
-
- private:
-  template <class Take>
-  bool ReadInto(const Take& take) {
-    started_ = true;
-    complete_ = reader_([&](const char* data, size_t size) {
-      count_ += static_cast<int64_t>(size);
-      late_ |= Clock::now() > end_;
-      if (late_ || crowded_) return false;
-      if (count_ <= limit_) take(data, size);
-      return count_ <= kDrainFactor * limit_;
-    });
-    return complete_;
-  }
-
-  const httplib::ContentReader& reader_;
-  BodyBudget& budget_;
-  int64_t limit_;
-  Clock::time_point end_;
-  int64_t count_ = 0;
-  int64_t taken_ = 0;     // of the budget
-  bool late_ = false;     // the time was over
-  bool crowded_ = false;  // the budget was
-  bool started_ = false;
-  bool complete_ = false;
-};
 
 // The library's pool without its endless queue: connections beyond the threads wait in the kernel,
 // which holds as many as the backlog says.
@@ -345,7 +262,7 @@ class HttpServer::Impl {
 
   void Post(const httplib::Request& in, httplib::Response& out,
             const httplib::ContentReader& reader) {
-    Body body(reader, options_, budget_);
+    RequestBody body(reader, options_, budget_);
     HttpRequest request = ToRequest(in);
     request.read_body = [&body] { return body.Read(); };
     const HttpResponse response = dispatch_(request);
