@@ -153,11 +153,11 @@ class MapBuilder {
     const Clock::time_point start = Clock::now();
     std::vector<ChosenKeyframe> chosen = choose();
     report_.choose_s += SecondsSince(start);
-    for (ChosenKeyframe& keyframe : chosen) AddKeyframe(std::move(keyframe));
+    for (const ChosenKeyframe& keyframe : chosen) AddKeyframe(keyframe);
     report_.track_s += SecondsSince(start);
   }
 
-  void AddKeyframe(ChosenKeyframe chosen) {
+  void AddKeyframe(const ChosenKeyframe& chosen) {
     Keyframe keyframe;
     keyframe.id = KeyframeId{static_cast<int64_t>(map_.keyframes.size()) + 1};
     keyframe.sequence = map_.sequences.back().id;

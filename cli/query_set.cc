@@ -173,7 +173,7 @@ std::optional<Eigen::Vector3d> PositionIn(const CsvFile& file, const CsvFile::Ro
 
 fs::path ImageIn(const CsvFile& file, const CsvFile::Row& row, size_t column) {
   if (row.cells[column].empty()) file.Fail(row.line, "no image; give its path");
-  const fs::path image = file.path().parent_path() / row.cells[column];
+  fs::path image = file.path().parent_path() / row.cells[column];
   std::error_code error;
   if (fs::is_regular_file(image, error)) return image;
   throw MapError(ErrorCode::kFileUnreadable, file.path().string() + ", line " +

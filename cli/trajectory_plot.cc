@@ -51,6 +51,15 @@ double RoundStep(double step) {
   return 10 * power;
 }
 
+std::vector<double> Multiples(double step, double from, double to) {
+  std::vector<double> multiples;
+  const auto last = static_cast<int>(std::floor(to / step));
+  for (auto i = static_cast<int>(std::ceil(from / step)); i <= last; ++i) {
+    multiples.push_back(i * step);
+  }
+  return multiples;
+}
+
 class Plot {
  public:
   explicit Plot(const Eigen::AlignedBox2d& box)
@@ -89,15 +98,15 @@ class Plot {
 
   void DrawGrid() {
     const double step = RoundStep(box_.sizes().maxCoeff() / kGridLines);
-    for (double i = std::ceil(box_.min().x() / step); i * step <= box_.max().x(); ++i) {
-      Segment(X(i * step), kTop, X(i * step), kTop + height_);
-      svg_ << "<text x=\"" << X(i * step) << "\" y=\"" << kTop + height_ + 20
-           << "\" text-anchor=\"middle\" fill=\"#555\">" << i * step << "</text>\n";
+    for (const double x : Multiples(step, box_.min().x(), box_.max().x())) {
+      Segment(X(x), kTop, X(x), kTop + height_);
+      svg_ << "<text x=\"" << X(x) << "\" y=\"" << kTop + height_ + 20
+           << "\" text-anchor=\"middle\" fill=\"#555\">" << x << "</text>\n";
     }
-    for (double i = std::ceil(box_.min().y() / step); i * step <= box_.max().y(); ++i) {
-      Segment(kMargin, Y(i * step), kMargin + width_, Y(i * step));
-      svg_ << "<text x=\"" << kMargin - 8 << "\" y=\"" << Y(i * step) + 5
-           << "\" text-anchor=\"end\" fill=\"#555\">" << i * step << "</text>\n";
+    for (const double y : Multiples(step, box_.min().y(), box_.max().y())) {
+      Segment(kMargin, Y(y), kMargin + width_, Y(y));
+      svg_ << "<text x=\"" << kMargin - 8 << "\" y=\"" << Y(y) + 5
+           << "\" text-anchor=\"end\" fill=\"#555\">" << y << "</text>\n";
     }
     svg_ << "<text x=\"" << kMargin + width_ << "\" y=\"" << kTop + height_ + 40
          << "\" text-anchor=\"end\" fill=\"#555\">metres; a dot marks the start</text>\n";

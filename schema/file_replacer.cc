@@ -110,7 +110,7 @@ void RemoveAbandoned(const fs::path& target) {
 fs::path CreateTemporary(const fs::path& target) {
   const std::string stem = StemOf(target) + std::to_string(getpid()) + "-";
   for (int number = 0;; ++number) {
-    const fs::path path = FolderOf(target) / (stem + std::to_string(number));
+    fs::path path = FolderOf(target) / (stem + std::to_string(number));
     const int file = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (file >= 0) {
       close(file);

@@ -47,6 +47,7 @@ cv::Mat Expose(const cv::Mat& light, const RenderOptions& options) {
     for (int x = 0; x < light.cols; ++x, ++pixel) {
       float value = gain * in[x];
       if (sigma > 0.0F) value += sigma * UnitNoise(options.noise_seed, pixel);
+      // Never negative, so adding a half rounds. NOLINTNEXTLINE(bugprone-incorrect-roundings)
       out[x] = static_cast<uint8_t>(std::clamp(value, 0.0F, 255.0F) + 0.5F);
     }
   }
@@ -151,8 +152,9 @@ class Renderer::Pass {
     const Eigen::Vector3d down = RayStep(x, y, 0, 1);
     float sum = 0.0F;
     for (int k = 0; k < rays * rays; ++k) {
+      const int row = k / rays;
       const double dx = (k % rays + 0.5) / rays - 0.5;
-      const double dy = (k / rays + 0.5) / rays - 0.5;
+      const double dy = (row + 0.5) / rays - 0.5;
       const Eigen::Vector3d ray = (centre + dx * right + dy * down).normalized();
       float light = 0.0F;
       CastRay(ray, renderer_.cones_rad_[i] / rays, light);
@@ -177,7 +179,7 @@ Renderer::Renderer(const Camera& camera) : camera_(camera) {
   rays_.reserve(pixels);
   for (int y = 0; y < camera_.height; ++y) {
     for (int x = 0; x < camera_.width; ++x) {
-      rays_.push_back(Unproject(camera_, {x, y}).normalized().cast<float>());
+      rays_.emplace_back(Unproject(camera_, {x, y}).normalized().cast<float>());
     }
   }
   cones_rad_.resize(pixels);

@@ -26,7 +26,9 @@ WorldOptions OfficeLook(uint64_t seed) {
 // The camera looks along the way: from the position before to the position after it.
 void LookAlong(Walk& walk) {
   std::vector<Eigen::Vector3d> way;
-  for (const WalkFrame& frame : walk.frames) way.push_back(frame.world_from_camera.translation());
+  for (const WalkFrame& frame : walk.frames) {
+    way.emplace_back(frame.world_from_camera.translation());
+  }
   for (size_t i = 0; i < way.size(); ++i) {
     const Eigen::Vector3d along = way[std::min(i + 1, way.size() - 1)] - way[i == 0 ? 0 : i - 1];
     walk.frames[i].world_from_camera = WorldFromCamera(way[i], std::atan2(along.y(), along.x()));

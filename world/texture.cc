@@ -154,8 +154,8 @@ class Painter {
                  const cv::Scalar& grey) {
     const auto node = [&](int index) {
       const cv::Point2d right = Polar({0.0, 0.0}, angle_rad, 0.5 * size_px);
-      const double across = index % 3 - 1;
-      const double down = index / 3 - 1;
+      const int across = index % 3 - 1;
+      const int down = index / 3 - 1;
       return Fixed({centre.x + across * right.x - down * right.y,
                     centre.y + across * right.y + down * right.x});
     };

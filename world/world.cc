@@ -164,7 +164,7 @@ RayHit World::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& directi
   AxisWalk x(origin.x(), direction.x(), geometry_.cell_m);
   AxisWalk y(origin.y(), direction.y(), geometry_.cell_m);
   const CellFaces* cell =
-      &geometry_.cells[static_cast<size_t>(y.cell * geometry_.columns + x.cell)];
+      &geometry_.cells[static_cast<size_t>(y.cell) * geometry_.columns + x.cell];
   const std::ptrdiff_t row_step = y.step * geometry_.columns;
   const size_t x_side = x.step > 0 ? 0 : 2;
   const size_t y_side = y.step > 0 ? 1 : 3;

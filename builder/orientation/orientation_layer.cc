@@ -24,8 +24,10 @@ using Progress = std::function<bool(const OrientationProgress&)>;
 constexpr size_t kNamed = 20;  // unreadable frames that a report names
 
 struct TimedView {
+  TimedView(OrientationViewPtr looked, double seconds) : view(std::move(looked)), look_s(seconds) {}
+
   OrientationViewPtr view;
-  double look_s = 0;
+  double look_s;
 };
 
 void Count(const OrientationView& view, OrientationReport& report) {

@@ -212,7 +212,8 @@ class Fuser {
     for (const Keyframe& keyframe : keyframes) keyframes_[keyframe.id] = &keyframe;
     for (Plane& plane : planes) {
       PackedRows packed(type_, plane.descriptors);
-      planes_[plane.id] = {std::move(plane), std::move(packed), false};
+      const PlaneId id = plane.id;
+      planes_[id] = {std::move(plane), std::move(packed), false};
     }
     covisible_ = Covisible(edges_);
   }

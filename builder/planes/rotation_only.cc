@@ -86,8 +86,9 @@ std::vector<Matrix3d> Calibrations(int width, int height, const RotationOptions&
   const double factor =
       std::pow(options.max_focal / options.min_focal, 1.0 / (options.focal_steps - 1));
   double share = options.min_focal;
-  for (int step = 0; step < options.focal_steps; ++step, share *= factor) {
+  for (int step = 0; step < options.focal_steps; ++step) {
     calibrations.push_back(Calibration(share * longer, 0.5 * (width - 1), 0.5 * (height - 1)));
+    share *= factor;
   }
   return calibrations;
 }

@@ -22,8 +22,8 @@ using Names = std::initializer_list<const char*>;
 // A mapping of a camera file that names the file and the key in what it throws.
 class CameraSection {
  public:
-  CameraSection(const std::filesystem::path& path, YAML::Node node)
-      : path_(path), node_(std::move(node)) {}
+  CameraSection(const std::filesystem::path& path, const YAML::Node& node)
+      : path_(path), node_(node) {}
 
   [[noreturn]] void Refuse(const std::string& cause) const {
     throw MapError(ErrorCode::kBadCamera, Quoted(path_) + ": " + cause);
@@ -48,7 +48,7 @@ class CameraSection {
     const YAML::Node value = Need({key});
     if (!value.IsSequence()) Refuse(std::string(key) + " is no list; correct it");
     std::vector<CameraSection> sections;
-    for (const YAML::Node& item : value) sections.push_back(CameraSection(path_, item));
+    for (const YAML::Node& item : value) sections.emplace_back(path_, item);
     return sections;
   }
 

@@ -47,7 +47,7 @@ std::vector<uint8_t> ReadImageBytes(const fs::path& path, const DecodeLimits& li
 
 ImageHeader HeaderOf(const fs::path& path, const DecodeLimits& limits) {
   try {
-    const ImageHeader header = ReadImageHeader(ReadImageBytes(path, limits));
+    ImageHeader header = ReadImageHeader(ReadImageBytes(path, limits));
     CheckLimits(header, limits);
     return header;
   } catch (const MapError& error) {

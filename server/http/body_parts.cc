@@ -53,7 +53,7 @@ std::optional<std::string> Parameter(std::string_view text, const std::string& n
 }
 
 std::string BoundaryOf(const std::string& content_type) {
-  const std::string boundary = Parameter(content_type, "boundary").value_or("");
+  std::string boundary = Parameter(content_type, "boundary").value_or("");
   if (boundary.empty() || boundary.size() > kMaxBoundary) {
     RefuseBody("multipart/form-data without a boundary; let your HTTP library write the header");
   }
@@ -63,7 +63,7 @@ std::string BoundaryOf(const std::string& content_type) {
 // A part from its headers on, up to the next boundary.
 BodyPart ParsePart(std::string_view text) {
   const size_t end = text.starts_with("\r\n") ? 0 : text.find("\r\n\r\n");
-  if (end == std::string_view::npos || end > kMaxPartHeaders) {
+  if (end > kMaxPartHeaders) {  // or npos
     RefuseBody("a part of the form has no headers; each needs Content-Disposition");
   }
   BodyPart part;

@@ -262,7 +262,8 @@ class HttpServer::Impl {
 
   void Post(const httplib::Request& in, httplib::Response& out,
             const httplib::ContentReader& reader) {
-    RequestBody body(reader, options_, budget_);
+    RequestBody body([&reader](const BodyReceiver& receive) { return reader(receive); }, options_,
+                     budget_);
     HttpRequest request = ToRequest(in);
     request.read_body = [&body] { return body.Read(); };
     const HttpResponse response = dispatch_(request);

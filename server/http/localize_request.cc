@@ -146,9 +146,10 @@ std::vector<std::optional<Pose2>> ReadOdometry(const Json& list) {
     for (const char* name : {"heading_rad", "x", "y"}) {
       if (!one.contains(name)) Refuse("a motion has no " + std::string(name));
     }
-    motions.push_back(Pose2{NumberIn(one["x"], "odometry's x", -kMaxWay, kMaxWay),
-                            NumberIn(one["y"], "odometry's y", -kMaxWay, kMaxWay),
-                            AngleIn(one, "heading_rad", "odometry's heading_rad")});
+    const Pose2 motion = {NumberIn(one["x"], "odometry's x", -kMaxWay, kMaxWay),
+                          NumberIn(one["y"], "odometry's y", -kMaxWay, kMaxWay),
+                          AngleIn(one, "heading_rad", "odometry's heading_rad")};
+    motions.emplace_back(motion);
   }
   return motions;
 }
@@ -201,7 +202,7 @@ Json ParameterValue(const std::string& name, const std::string& text) {
     if (text == "false" || text == "0") return false;
     Refuse("debug=" + text.substr(0, 40) + " is neither true nor false");
   }
-  const Json value = Json::parse(text, nullptr, false);
+  Json value = Json::parse(text, nullptr, false);
   if (!value.is_number()) Refuse(name + "=" + text.substr(0, 40) + " is not a number");
   return value;
 }

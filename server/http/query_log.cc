@@ -98,7 +98,7 @@ void QueryLog::Add(const std::string& id, const Json& map, const LocalizeRequest
 }
 
 std::string QueryLog::Store(const std::string& bytes) {
-  const std::string name = Sha256Hex(bytes) + ".image";
+  std::string name = Sha256Hex(bytes) + ".image";
   if (fs::exists(folder_ / name)) return name;
   std::ofstream out(folder_ / name, std::ios::binary);
   if (!out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush()) {

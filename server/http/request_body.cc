@@ -2,6 +2,7 @@
 #include "server/http/request_body.h"
 
 #include <chrono>
+#include <utility>
 
 #include "core/base/error.h"
 
@@ -14,9 +15,8 @@ constexpr int kDrainFactor = 2;
 
 }  // namespace
 
-RequestBody::RequestBody(const httplib::ContentReader& reader, const HttpOptions& options,
-                         BodyBudget& budget)
-    : reader_(reader),
+RequestBody::RequestBody(BodyReader reader, const HttpOptions& options, BodyBudget& budget)
+    : reader_(std::move(reader)),
       budget_(budget),
       limit_(options.max_body_bytes),
       end_(Clock::now() + std::chrono::seconds(options.body_timeout_s)) {}

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <httplib.h>
-
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "core/base/clock.h"
@@ -25,10 +24,15 @@ class BodyBudget {
   std::atomic<int64_t> used_ = 0;
 };
 
-// The body of one request, read at most once. What it is given has to outlive it.
+// Takes the next bytes of a body and says whether to go on.
+using BodyReceiver = std::function<bool(const char* data, size_t size)>;
+// Hands a body over piece by piece; whether all of it was taken.
+using BodyReader = std::function<bool(const BodyReceiver& receive)>;
+
+// The body of one request, read at most once. The budget has to outlive it.
 class RequestBody {
  public:
-  RequestBody(const httplib::ContentReader& reader, const HttpOptions& options, BodyBudget& budget);
+  RequestBody(BodyReader reader, const HttpOptions& options, BodyBudget& budget);
   ~RequestBody();
   RequestBody(const RequestBody&) = delete;
   RequestBody& operator=(const RequestBody&) = delete;
@@ -45,7 +49,7 @@ class RequestBody {
   template <class Take>
   bool ReadInto(const Take& take);
 
-  const httplib::ContentReader& reader_;
+  BodyReader reader_;
   BodyBudget& budget_;
   int64_t limit_;
   Clock::time_point end_;

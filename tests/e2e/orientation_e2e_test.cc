@@ -29,7 +29,7 @@ constexpr const char* kCorridor = R"(
 // Six steps of a six-camera rig along a corridor, one folder a moment; made once.
 const fs::path& RigFolder() {
   static const fs::path folder = [] {
-    const fs::path made = TheMap().folder / "rig";
+    fs::path made = TheMap().folder / "rig";
     WorldOptions look;
     look.texel_m = 0.02;
     look.texture_richness = 0.3;
@@ -71,7 +71,7 @@ int Coloured(const cv::Mat& picture, int channel) {
   int count = 0;
   for (int y = 0; y < picture.rows; ++y) {
     for (int x = 0; x < picture.cols; ++x) {
-      const auto pixel = picture.at<cv::Vec3b>(y, x);
+      const auto& pixel = picture.at<cv::Vec3b>(y, x);
       const int others = std::max(pixel[(channel + 1) % 3], pixel[(channel + 2) % 3]);
       count += pixel[channel] > others + 80 ? 1 : 0;
     }

@@ -38,7 +38,7 @@ class PanoramaCommands : public testing::Test {
   // Writes a panorama with this yaw.
   fs::path Write(const std::string& name, double yaw_rad) const {
     const Renderer renderer(PanoramaCamera(256));
-    const fs::path path = folder_ / name;
+    fs::path path = folder_ / name;
     cv::imwrite(path.string(),
                 renderer.Render(Hall(), WorldFromCamera({6.5, 10.5, 1.5}, yaw_rad)).grey);
     return path;

@@ -42,7 +42,8 @@ MapData GridMap(bool features) {
     node.id = AppearanceNodeId{i + 1};
     node.sequence = SequenceId{1};
     node.source = std::to_string(i) + ".jpg";
-    node.pose = {1.3 + 0.4 * (i % 3), 1.5 + 0.4 * (i / 3), WrappedAngle(0.7 * i)};
+    const int row = i / 3;
+    node.pose = {1.3 + 0.4 * (i % 3), 1.5 + 0.4 * row, WrappedAngle(0.7 * i)};
     const cv::Mat image = Panorama(Rooms(), node.pose);
     node.signature = Signature(image, layer.described);
     if (features) node.features = ToNodeFeatures(ExtractPanoramaFeatures(image));

@@ -51,7 +51,7 @@ MapData OrientedMap() {
 }
 
 Answer Asked(const MapIndex& index, const MapData& map, const MadePose& pose) {
-  const Answer answer = LocalizeFeatures(index, QueryOf(map, {1, 2}, pose, 20, 7), {});
+  Answer answer = LocalizeFeatures(index, QueryOf(map, {1, 2}, pose, 20, 7), {});
   EXPECT_EQ(answer.verdict, Verdict::kLocalized);
   return answer;
 }

@@ -11,7 +11,8 @@ namespace {
 // In the made map keyframes 1 to 4 saw plane 2, and 5 and 6 are elsewhere.
 class EvaluationTest : public testing::Test {
  protected:
-  static ScoredQuery Query(std::vector<int> truth, Verdict verdict, int place, double probability) {
+  static ScoredQuery Query(const std::vector<int>& truth, Verdict verdict, int place,
+                           double probability) {
     ScoredQuery query;
     for (const int id : truth) query.truth.push_back(KeyframeId{id});
     query.answer.verdict = verdict;

@@ -68,7 +68,7 @@ TEST(MapIndex, NeighboursAreThoseOfTheEdgesAscendingFromBothEnds) {
   map.edges.back().a = PlaneId{2};
   map.edges.back().b = PlaneId{4};
   const auto index = MapIndex::Build(std::move(map));
-  const auto ids = [](std::vector<int64_t> values) {
+  const auto ids = [](const std::vector<int64_t>& values) {
     std::vector<PlaneId> planes;
     for (int64_t value : values) planes.push_back(PlaneId{value});
     return planes;

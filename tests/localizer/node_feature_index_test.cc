@@ -29,7 +29,7 @@ std::vector<uint8_t> MadeDescriptor(uint64_t seed) {
 Descriptors SeenFrom(int node) {
   Descriptors seen(128);
   for (int i = 0; i < kPerNode; ++i) {
-    seen.Append(MadeDescriptor(static_cast<uint64_t>(1 + kStep * node + i)).data());
+    seen.Append(MadeDescriptor(uint64_t{1} + kStep * node + i).data());
   }
   return seen;
 }

@@ -159,7 +159,7 @@ TEST(RotatesOnly, LeavesOutWhatLiesBehind) {
     for (MatchedPoints* points : {&all, &behind}) {
       if (points == &behind && ray.z() > -0.2) continue;
       points->from.push_back(*Project(panorama, ray));
-      points->to.push_back(*Project(panorama, turn * ray) + noise);
+      points->to.emplace_back(*Project(panorama, turn * ray) + noise);
     }
   }
   EXPECT_TRUE(RotatesOnly(all, 2400, 1200, panorama, {}, {}, 1));

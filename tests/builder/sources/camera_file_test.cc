@@ -10,7 +10,7 @@ class CameraFileTest : public TemporaryFolder {
 
   void ExpectRefusal(const std::string& text, const std::vector<std::string>& parts) {
     std::vector<std::string> all = parts;
-    all.push_back("camera.yaml");
+    all.emplace_back("camera.yaml");
     ExpectError([&] { Read(text); }, ErrorCode::kBadCamera, all);
   }
 };

@@ -28,7 +28,7 @@ class TemporaryFolder : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   std::filesystem::path Write(const std::string& name, const std::string& text) {
-    const std::filesystem::path path = folder_ / name;
+    std::filesystem::path path = folder_ / name;
     std::filesystem::create_directories(path.parent_path());
     std::ofstream(path, std::ios::binary) << text;
     return path;
@@ -36,7 +36,7 @@ class TemporaryFolder : public testing::Test {
 
   // A plain image whose grey value tells which one it is.
   void WriteImage(const std::string& name, int grey = 0, cv::Size size = {16, 12}) {
-    const std::filesystem::path path = folder_ / name;
+    std::filesystem::path path = folder_ / name;
     std::filesystem::create_directories(path.parent_path());
     ASSERT_TRUE(cv::imwrite(path.string(), cv::Mat(size, CV_8UC1, cv::Scalar(grey))));
   }

@@ -268,8 +268,8 @@ TEST(FindPlane, NothingWithoutFourRowsOrInALine) {
   EXPECT_FALSE(Find({}, {}, 1));
   MatchedPoints line;
   for (int i = 0; i < 40; ++i) {
-    line.from.push_back(Vector2d(10 * i, 5 * i));
-    line.to.push_back(Vector2d(9 * i, 6 * i));
+    line.from.emplace_back(10 * i, 5 * i);
+    line.to.emplace_back(9 * i, 6 * i);
   }
   EXPECT_FALSE(Find(line, RowsUpTo(40), 1));
 }

@@ -55,7 +55,7 @@ Answer LocalizedPanorama() {
   answer.heading = Heading{0.31, 0.02, "layer"};
   const NodeRef node{AppearanceNodeId{7}, "walk", "7.jpg", {}, {}};
   answer.panorama = LayerPlace{node, {1.5, -2, 0.31}, 0.25, 0.5};
-  answer.nodes = {{node, 0.97, 0.4, 120}};
+  answer.nodes = {{node, 0.97, 0.4, 120, {}}};
   answer.decided_by = "panorama_features";
   return answer;
 }

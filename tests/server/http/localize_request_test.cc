@@ -121,31 +121,22 @@ TEST(LocalizeRequest, WhatIsWrongIsABadRequest) {
   }
   const std::string deep(100'000, '[');
   for (const std::string& body : std::vector<std::string>{
-           "",
-           "null",
-           "[]",
-           "{",
-           deep,
-           "{\"images\":[]}",
-           R"({"images":[{"data":"a"}]})",
-           R"({"images":[{"data":"=aaa"}]})",
-           R"({"images":[{"data":"a\na="}]})",
-           R"({"images":[{"data":7}]})",
-           R"({"images":[{}]})",
-           R"({"images":{"data":""}})",
+           "", "null", "[]", "{", deep, "{\"images\":[]}", R"({"images":[{"data":"a"}]})",
+           R"({"images":[{"data":"=aaa"}]})", R"({"images":[{"data":"a\na="}]})",
+           R"({"images":[{"data":7}]})", R"({"images":[{}]})", R"({"images":{"data":""}})",
            R"({"images":[{"data":""},{"data":""},{"data":""},{"data":""}]})",
            R"({"images":[{"data":""}],"other":1})",
            R"({"images":[{"data":""}],"prior":{"keyframe":1.5}})",
            R"({"images":[{"data":""}],"previous":{"pose":1}})",
            R"({"images":[{"data":""}],"previous":{"belief":7}})",
            R"({"images":[{"data":""}],"previous":{"belief":[{"node":1,"probability":1}]}})",
+           // NOLINTNEXTLINE(bugprone-suspicious-missing-comma)
            R"({"images":[{"data":""}],"previous":{"belief":[{"node":1,"probability":2,)"
            R"("heading_rad":0,"deviation_rad":1}]}})",
            R"({"images":[{"data":""}],"odometry":[]})",
            R"({"images":[{"data":""}],"odometry":[{"x":1,"y":2}]})",
            R"({"images":[{"data":""}],"odometry":[null,null]})",
-           R"({"images":[{"data":""}],"debug":1})",
-           "{\"images\":[{\"name\":\"\xff\"}]}"}) {
+           R"({"images":[{"data":""}],"debug":1})", "{\"images\":[{\"name\":\"\xff\"}]}"}) {
     EXPECT_EQ(CodeOf("application/json", body), ErrorCode::kBadRequest) << body.substr(0, 80);
   }
   EXPECT_EQ(CodeOf("application/json", R"({"images":[{"data":""}]})", {{"top_k", "1"}}),
