@@ -35,7 +35,7 @@ bench: packages  ## build and run the benchmarks (waystone-bench alone lists the
 
 asan: packages  ## the tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@scripts/build.sh asan $(JOBS)
-	@ctest --test-dir build/asan --parallel $(JOBS) --output-on-failure --no-tests=error
+	@LSAN_OPTIONS=suppressions=$(CURDIR)/scripts/lsan.supp:print_suppressions=0 ctest --test-dir build/asan --parallel $(JOBS) --output-on-failure --no-tests=error
 
 tsan: packages  ## the tests under ThreadSanitizer
 	@scripts/build.sh tsan $(JOBS)
