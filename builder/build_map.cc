@@ -8,13 +8,13 @@
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
-#include "builder/calibrate.h"
+#include "builder/calibration/calibrate.h"
+#include "builder/calibration/rendered_negatives.h"
 #include "builder/extract_frames.h"
 #include "builder/orientation_pass.h"
 #include "builder/planes/fusion.h"
 #include "builder/planes/plane_features.h"
 #include "builder/planes/plane_tracker.h"
-#include "builder/rendered_negatives.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/version.h"

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "builder/appearance/build_appearance.h"
-#include "builder/appearance_calibration.h"
-#include "builder/calibrate.h"
-#include "builder/keyframes/keyframe_selector.h"
+#include "builder/calibration/appearance_calibration.h"
+#include "builder/calibration/calibrate.h"
 #include "builder/layer_choice.h"
 #include "builder/orientation/orientation_layer.h"
+#include "builder/planes/keyframe_selector.h"
 #include "builder/planes/options.h"
 #include "builder/sources/source.h"
 #include "core/features/features.h"

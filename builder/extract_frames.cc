@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/extract_frames.h"
-#include "core/base/clock.h"
 
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
@@ -10,6 +9,8 @@
 #include <cmath>
 #include <memory>
 #include <opencv2/imgproc.hpp>
+
+#include "core/base/clock.h"
 
 namespace waystone {
 namespace {

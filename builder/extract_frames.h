@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "builder/keyframes/keyframe_selector.h"
+#include "builder/planes/keyframe_selector.h"
 #include "builder/sources/source.h"
 #include "core/features/features.h"
 

@@ -44,7 +44,7 @@ std::optional<LayerKind> LayerOf(const Source& source, const LayerChoice& layers
 
 bool GivesOrientation(const Source& source, const LayerChoice& layers) {
   if (!layers.automatic && !layers.orientation) return false;
-  const std::optional<SourceHead> head = HeadOf(source);
+  const std::optional<SourceRig> head = RigOfSource(source);
   return head && (layers.orientation || head->rig.cameras.size() > 1);
 }
 

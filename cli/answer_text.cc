@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/answer_text.h"
-#include "core/base/angle.h"
 
 #include <cmath>
 #include <cstdio>
+
+#include "core/base/angle.h"
 
 namespace waystone {
 namespace {

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "server/http/json.h"
+#include "api/json.h"
 
 namespace waystone {
 

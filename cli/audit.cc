@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localizer/audit.h"
+#include "quality/audit.h"
 
 #include <iostream>
 #include <memory>
 #include <string>
 
+#include "api/audit_text.h"
 #include "cli/commands.h"
 #include "cli/map_file.h"
-#include "server/http/audit_text.h"
 
 namespace waystone {
 namespace {

@@ -17,7 +17,7 @@
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "core/base/error.h"
-#include "schema/map_store.h"
+#include "schema/file/map_store.h"
 
 namespace waystone {
 namespace {

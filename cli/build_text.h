@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "api/json.h"
 #include "builder/build_map.h"
+#include "schema/file/map_store.h"
 #include "schema/map_data.h"
-#include "schema/map_store.h"
-#include "server/http/json.h"
 
 // What maps and builds look like to people, and to programs.
 namespace waystone {

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "api/json.h"
 #include "cli/commands.h"
 #include "core/base/error.h"
-#include "schema/map_store.h"
-#include "server/http/json.h"
+#include "schema/file/map_store.h"
 
 namespace waystone {
 namespace {

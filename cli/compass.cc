@@ -3,12 +3,12 @@
 #include <iostream>
 #include <memory>
 
+#include "api/json.h"
 #include "cli/commands.h"
 #include "cli/panorama_file.h"
 #include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/panorama/visual_compass.h"
-#include "server/http/json.h"
 
 namespace waystone {
 namespace {
@@ -24,13 +24,13 @@ Json HeadingJson(const std::string& image, const std::string& first,
   Json json = {{"image", image},
                {"against", first},
                {"heading_deg", heading.heading_rad * kDegreesPerRadian},
-               {"deviation_deg", heading.deviation_rad * kDegreesPerRadian},
+               {"deviation_deg", heading.sigma_rad * kDegreesPerRadian},
                {"sharpness", heading.sharpness},
                {"runner_up_deg", heading.runner_up_rad * kDegreesPerRadian},
                {"motion", nullptr}};
   if (heading.motion) {
     json["motion"] = {{"direction_deg", heading.motion->direction_rad * kDegreesPerRadian},
-                      {"deviation_deg", heading.motion->deviation_rad * kDegreesPerRadian}};
+                      {"deviation_deg", heading.motion->sigma_rad * kDegreesPerRadian}};
   }
   return json;
 }
@@ -39,13 +39,13 @@ Json HeadingJson(const std::string& image, const std::string& first,
 std::string HumanLine(const std::string& image, const CompassHeading& heading) {
   char text[200];
   std::snprintf(text, sizeof(text), "%+.2f degrees +- %.2f (runner-up %+.0f, sharpness %.3f)",
-                heading.heading_rad * kDegreesPerRadian, heading.deviation_rad * kDegreesPerRadian,
+                heading.heading_rad * kDegreesPerRadian, heading.sigma_rad * kDegreesPerRadian,
                 heading.runner_up_rad * kDegreesPerRadian, heading.sharpness);
   std::string line = image + ": " + text;
   if (!heading.motion) return line;
   std::snprintf(text, sizeof(text), ", moved towards %+.0f +- %.0f",
                 heading.motion->direction_rad * kDegreesPerRadian,
-                heading.motion->deviation_rad * kDegreesPerRadian);
+                heading.motion->sigma_rad * kDegreesPerRadian);
   return line + text;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "api/json.h"
 #include "cli/asked_server.h"
 #include "cli/child_process.h"
 #include "cli/commands.h"
@@ -14,7 +15,6 @@
 #include "cli/map_file.h"
 #include "cli/progress.h"
 #include "core/base/error.h"
-#include "server/http/json.h"
 
 namespace waystone {
 namespace {

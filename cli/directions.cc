@@ -36,7 +36,7 @@ struct Directions {
   ManhattanFrame frame;
 };
 
-// Columns are the axes, as the head sees them.
+// Columns are the axes, as the rig sees them.
 Json AxesJson(const Eigen::Matrix3d& axes) {
   Json rows = Json::array();
   for (int axis = 0; axis < 3; ++axis) {
@@ -51,8 +51,8 @@ Json ToJson(const Directions& answer) {
   const ManhattanFrame& frame = answer.frame;
   return {{"image", answer.image},
           {"reliable", frame.reliable()},
-          {"trouble", NameOf(frame.trouble)},
-          {"axes", AxesJson(frame.head_from_axes)},
+          {"trouble", NameOf(frame.error)},
+          {"axes", AxesJson(frame.rig_from_axes)},
           {"lines", frame.lines},
           {"support", frame.support},
           {"lines_of_no_axis", std::ranges::count(frame.axis_of_line, -1)},
@@ -70,10 +70,10 @@ std::string HumanText(const Directions& answer) {
                         kDegreesPerRadian * frame.sigma_rad());
     text += line;
   } else {
-    text += "not reliable: " + std::string(SentenceOf(frame.trouble)) + "\n";
+    text += "not reliable: " + std::string(SentenceOf(frame.error)) + "\n";
   }
   for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d v = frame.head_from_axes.col(axis);
+    const Eigen::Vector3d v = frame.rig_from_axes.col(axis);
     (void)std::snprintf(line, sizeof line, "  axis %d  (%7.4f, %7.4f, %7.4f)  %d lines\n", axis + 1,
                         v.x(), v.y(), v.z(), frame.lines[axis]);
     text += line;
@@ -123,7 +123,7 @@ bool AnswerSequence(const std::string& path, const DirectionsFlags& flags) {
   const RigSequence sequence = OpenRigSequence(path, options);
   const SegmentOptions segments{.detector = SegmentDetectorByName(flags.detector)};
   bool all_read = true;
-  // At first the axes nearest to the head's own: x right, y down, z forward.
+  // At first the axes nearest to the rig's own: x right, y down, z forward.
   Eigen::Matrix3d previous = Eigen::Matrix3d::Identity();
   for (const RigMoment& moment : sequence.moments) {
     Looked looked;
@@ -135,7 +135,7 @@ bool AnswerSequence(const std::string& path, const DirectionsFlags& flags) {
       continue;
     }
     looked.frame = Renumbered(std::move(looked.frame), previous);
-    if (looked.frame.reliable()) previous = looked.frame.head_from_axes;
+    if (looked.frame.reliable()) previous = looked.frame.rig_from_axes;
     if (!flags.draw.empty()) {
       SavePicture(flags.draw, moment.source,
                   DrawDirections(sequence.rig, looked.images, looked.lines, looked.frame));

@@ -38,7 +38,7 @@ void DrawLines(cv::Mat& picture, double scale, int camera, std::span<const Great
 // The axes as arrows in the lower left corner, and their vanishing points.
 void DrawAxes(cv::Mat& picture, double scale, const RigCamera& seen, const ManhattanFrame& frame) {
   const Eigen::Matrix3d camera_from_axes =
-      seen.head_from_camera.linear().transpose() * frame.head_from_axes;
+      seen.rig_from_camera.linear().transpose() * frame.rig_from_axes;
   const cv::Point corner(kArrow + 14, picture.rows - kArrow - 14);
   cv::circle(picture, corner, kArrow + 8, cv::Scalar(30, 30, 30), cv::FILLED, cv::LINE_AA);
   for (int axis = 0; axis < 3; ++axis) {

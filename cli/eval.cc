@@ -11,8 +11,8 @@
 #include "cli/progress.h"
 #include "cli/query_set.h"
 #include "core/base/error.h"
-#include "localizer/evaluation.h"
 #include "localizer/localizer.h"
+#include "quality/evaluation.h"
 
 namespace waystone {
 namespace {

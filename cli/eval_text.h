@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "localizer/evaluation.h"
-#include "server/http/json.h"
+#include "api/json.h"
+#include "quality/evaluation.h"
 
 namespace waystone {
 

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "api/json.h"
 #include "cli/commands.h"
 #include "cli/trajectory_file.h"
 #include "cli/trajectory_plot.h"
 #include "core/base/error.h"
-#include "server/http/json.h"
 
 namespace waystone {
 namespace {
@@ -58,17 +58,17 @@ std::string ErrorText(const std::string& name, const TrajectoryError& error) {
 
 void WritePlot(const TrajectoryFlags& flags, const Trajectory& truth, const TrajectoryError& error,
                const std::optional<TrajectoryError>& odometry) {
-  PlotLine way{"truth", "#222222", {}};
-  for (const Pose2& pose : truth.poses) way.points.emplace_back(pose.x, pose.y);
-  std::vector<PlotLine> lines = {way};
+  PlotLine trajectory{"truth", "#222222", {}};
+  for (const Pose2& pose : truth.poses) trajectory.points.emplace_back(pose.x, pose.y);
+  std::vector<PlotLine> lines = {trajectory};
   const auto label = [](const std::string& name, const TrajectoryError& of) {
     return name + ", aligned: shape difference " + Number(of.shape.mu, "%.4f");
   };
   if (odometry) lines.push_back({label("odometry", *odometry), "#e08214", odometry->shape.aligned});
   lines.push_back({label("estimate", error), "#2166ac", error.shape.aligned});
   std::ofstream out(flags.plot, std::ios::binary);
-  out << PlotWays(std::filesystem::path(flags.estimate).filename().string() + " beside the truth",
-                  lines);
+  out << PlotTrajectories(
+      std::filesystem::path(flags.estimate).filename().string() + " beside the truth", lines);
   out.close();
   if (!out) {
     throw MapError(ErrorCode::kFileUnwritable,

@@ -4,11 +4,11 @@
 #include <memory>
 #include <string>
 
+#include "api/graph_formats.h"
 #include "cli/commands.h"
 #include "cli/map_file.h"
 #include "core/base/error.h"
-#include "schema/map_store.h"
-#include "server/http/graph_formats.h"
+#include "schema/file/map_store.h"
 
 namespace waystone {
 namespace {

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "api/map_json.h"
 #include "cli/build_text.h"
 #include "cli/commands.h"
 #include "cli/map_file.h"
-#include "schema/map_store.h"
-#include "server/http/map_json.h"
+#include "schema/file/map_store.h"
 
 namespace waystone {
 namespace {

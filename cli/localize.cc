@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "api/answer_json.h"
 #include "cli/answer_text.h"
 #include "cli/asked_server.h"
 #include "cli/commands.h"
 #include "cli/map_file.h"
 #include "core/base/error.h"
 #include "core/image/decode.h"
+#include "localizer/appearance/panorama_series.h"
 #include "localizer/localizer.h"
-#include "localizer/panorama_series.h"
-#include "server/http/answer_json.h"
 #include "server/http/localize_request.h"
 
 namespace waystone {

@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "core/base/error.h"
-#include "schema/map_store.h"
+#include "schema/file/map_store.h"
 
 namespace waystone {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "cli/commands.h"
-#include "schema/map_store.h"
+#include "schema/file/map_store.h"
 
 namespace waystone {
 namespace {

@@ -8,8 +8,8 @@
 #include "cli/served_files.h"
 #include "cli/signals.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "server/http/application.h"
-#include "server/http/home_page.h"
 #include "server/http/http_server.h"
 
 namespace waystone {

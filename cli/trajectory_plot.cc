@@ -137,7 +137,7 @@ class Plot {
 
 }  // namespace
 
-std::string PlotWays(const std::string& title, const std::vector<PlotLine>& lines) {
+std::string PlotTrajectories(const std::string& title, const std::vector<PlotLine>& lines) {
   return Plot(BoxOf(lines)).Svg(title, lines);
 }
 

@@ -17,6 +17,6 @@ struct PlotLine {
 
 // An SVG picture of ways seen from above, x to the right, y up, one scale for both, with a grid, a
 // legend and a mark where each begins. Every list has a point; all are finite.
-std::string PlotWays(const std::string& title, const std::vector<PlotLine>& lines);
+std::string PlotTrajectories(const std::string& title, const std::vector<PlotLine>& lines);
 
 }  // namespace waystone

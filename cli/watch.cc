@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "api/answer_json.h"
 #include "cli/answer_text.h"
 #include "cli/asked_server.h"
 #include "cli/commands.h"
@@ -22,7 +23,6 @@
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "localizer/localizer.h"
-#include "server/http/answer_json.h"
 
 namespace waystone {
 namespace {

@@ -11,7 +11,7 @@
 #include "core/base/ids.h"
 #include "core/base/pose2.h"
 #include "core/localization/graph_filter.h"
-#include "localizer/explanation.h"
+#include "localizer/planes/explanation.h"
 
 namespace waystone {
 
@@ -52,7 +52,7 @@ struct PlaceCandidate {
 
 struct Heading {
   double rad = 0;
-  double deviation_rad = 0;
+  double sigma_rad = 0;
   std::string of;  // "keyframe", "building" or "layer": counter-clockwise from the layer's x axis
 };
 
@@ -92,7 +92,7 @@ struct NodeCandidate {
 struct LayerPlace {
   NodeRef node;                           // the nearest
   Pose2 pose;                             // of the query, in the layer's frame and units
-  double deviation = 0;                   // of the position, in the layer's units
+  double sigma = 0;                       // of the position, in the layer's units
   std::optional<double> metres_per_unit;  // nothing when the layer's scale isn't known
 };
 

@@ -4,16 +4,16 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "localizer/appearance.h"
-#include "localizer/building.h"
-#include "localizer/decide.h"
-#include "localizer/explain.h"
+#include "localizer/appearance/appearance.h"
+#include "localizer/appearance/panorama_series.h"
+#include "localizer/appearance/photo.h"
 #include "localizer/localizer.h"
-#include "localizer/panorama_series.h"
-#include "localizer/photo.h"
-#include "localizer/shortlist.h"
+#include "localizer/orientation/building.h"
+#include "localizer/planes/decide.h"
+#include "localizer/planes/explain.h"
+#include "localizer/planes/shortlist.h"
+#include "localizer/planes/verify.h"
 #include "localizer/undecided.h"
-#include "localizer/verify.h"
 
 namespace waystone {
 namespace {

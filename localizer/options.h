@@ -15,7 +15,7 @@
 #include "core/manhattan/manhattan_frame.h"
 #include "core/panorama/visual_compass.h"
 #include "core/two_view/relative_rotation.h"
-#include "localizer/panorama_features.h"
+#include "localizer/appearance/panorama_features.h"
 
 namespace waystone {
 
@@ -62,8 +62,8 @@ struct PanoramaQueryOptions {
   // is the phases', which is exact for a pure turn alone.
   bool fine_heading = true;
   CompassOptions compass;
-  // Standard deviation of the phases' heading, 0.001 to 3, where it isn't refined.
-  double phase_deviation_rad = 0.3;
+  // Standard sigma of the phases' heading, 0.001 to 3, where it isn't refined.
+  double phase_sigma_rad = 0.3;
   // Whether candidates are verified by features, where the nodes have some. Costs the extraction.
   bool verify = true;
   // An answer by appearance alone that is as probable isn't verified, 0.5 to 1 (all are). Less
@@ -86,9 +86,9 @@ struct PanoramaQueryOptions {
   // Costs by which a neighbour counts e times less for the position, 0.001 to 10. More interpolates
   // more widely.
   double interpolation_cost = 0.1;
-  // Standard deviation of a direction between two panoramas, 0.001 to 1. More trusts the nodes'
+  // Standard sigma of a direction between two panoramas, 0.001 to 1. More trusts the nodes'
   // places instead.
-  double direction_deviation_rad = 0.03;
+  double direction_sigma_rad = 0.03;
   // Nodes farther apart than so many spacings are different places, 1 to 1000.
   double elsewhere_spacings = 4;
   // A margin beyond this says no more, 0.001 to 10.

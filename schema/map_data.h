@@ -11,8 +11,8 @@
 #include "core/camera/camera.h"
 #include "core/features/features.h"
 #include "core/search/inverted_file.h"
-#include "schema/appearance_layer.h"
-#include "schema/orientation_layer.h"
+#include "schema/layers/appearance/appearance_layer.h"
+#include "schema/layers/orientation/orientation_layer.h"
 
 // A map as values: what the builder hands to MapStore and what the localizer gets from it.
 // FORMAT.md says how each field is stored.

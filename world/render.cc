@@ -31,8 +31,8 @@ float UnitNoise(uint64_t seed, uint64_t pixel) {
   const auto sum = static_cast<float>((bits & 0xFFFF) + ((bits >> 16) & 0xFFFF) +
                                       ((bits >> 32) & 0xFFFF) + (bits >> 48));
   constexpr float kMean = 2.0F * 65535.0F;
-  constexpr float kDeviation = 65536.0F * 0.57735027F;  // sqrt(4 / 12)
-  return (sum - kMean) / kDeviation;
+  constexpr float kSigma = 65536.0F * 0.57735027F;  // sqrt(4 / 12)
+  return (sum - kMean) / kSigma;
 }
 
 // Light to grey values: gain, noise, cut and rounded.

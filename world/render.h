@@ -14,9 +14,9 @@ namespace waystone {
 
 // What a real camera adds to the picture. The truth (ids, depth) stays sharp.
 struct RenderOptions {
-  // Standard deviation of the lens's blur, pixels, 0 to 20; 0 is a perfect lens.
+  // Standard sigma of the lens's blur, pixels, 0 to 20; 0 is a perfect lens.
   double lens_blur_px = 0.0;
-  // Standard deviation of the sensor's noise, grey levels, 0 to 100; every pixel draws its own.
+  // Standard sigma of the sensor's noise, grey levels, 0 to 100; every pixel draws its own.
   double noise_sigma = 0.0;
   // Seed of the noise; give every frame another one.
   uint64_t noise_seed = 0;

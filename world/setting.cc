@@ -23,15 +23,17 @@ WorldOptions OfficeLook(uint64_t seed) {
   return look;
 }
 
-// The camera looks along the way: from the position before to the position after it.
+// The camera looks along the trajectory: from the position before to the position after it.
 void LookAlong(Walk& walk) {
-  std::vector<Eigen::Vector3d> way;
+  std::vector<Eigen::Vector3d> trajectory;
   for (const WalkFrame& frame : walk.frames) {
-    way.emplace_back(frame.world_from_camera.translation());
+    trajectory.emplace_back(frame.world_from_camera.translation());
   }
-  for (size_t i = 0; i < way.size(); ++i) {
-    const Eigen::Vector3d along = way[std::min(i + 1, way.size() - 1)] - way[i == 0 ? 0 : i - 1];
-    walk.frames[i].world_from_camera = WorldFromCamera(way[i], std::atan2(along.y(), along.x()));
+  for (size_t i = 0; i < trajectory.size(); ++i) {
+    const Eigen::Vector3d along =
+        trajectory[std::min(i + 1, trajectory.size() - 1)] - trajectory[i == 0 ? 0 : i - 1];
+    walk.frames[i].world_from_camera =
+        WorldFromCamera(trajectory[i], std::atan2(along.y(), along.x()));
   }
 }
 
@@ -141,12 +143,12 @@ std::vector<Pose2> WheelOdometry(const Walk& walk, const OdometryOptions& option
       continue;
     }
     Pose2 step = Inverse(truth[i - 1]) * truth[i];
-    const double way_m = std::hypot(step.x, step.y);
+    const double trajectory_m = std::hypot(step.x, step.y);
     const double slip = 1.0 + options.distance_noise * random.Normal();
     step.x *= slip;
     step.y *= slip;
-    step.theta_rad +=
-        options.turn_bias * way_m + options.turn_noise * std::sqrt(way_m) * random.Normal();
+    step.theta_rad += options.turn_bias * trajectory_m +
+                      options.turn_noise * std::sqrt(trajectory_m) * random.Normal();
     poses.push_back(poses.back() * step);
   }
   return poses;

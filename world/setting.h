@@ -36,9 +36,9 @@ Setting LaboratorySetting();
 Setting SettingByName(std::string_view name);
 
 struct OdometryOptions {
-  // Standard deviation of a wheel's slip: relative, per step, 0 to 0.5.
+  // Standard sigma of a wheel's slip: relative, per step, 0 to 0.5.
   double distance_noise = 0.05;
-  // Standard deviation of the error of the heading, rad per square root of a metre, 0 to 1.
+  // Standard sigma of the error of the heading, rad per square root of a metre, 0 to 1.
   double turn_noise = 0.05;
   // Constant error of the heading, as by wheels of unequal size: rad/m, -1 to 1.
   double turn_bias = 0.05;

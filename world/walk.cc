@@ -17,21 +17,21 @@ namespace {
 
 constexpr double kSampleM = 0.02;  // spacing at which ways are worked out, finer than any frame's
 
-// Where the camera is and looks at some length of the way.
+// Where the camera is and looks at some length of the trajectory.
 struct Sample {
   Eigen::Vector2d point = Eigen::Vector2d::Zero();
   double yaw_rad = 0.0;
-  double way_m = 0.0;
+  double trajectory_m = 0.0;
 };
 
 double WrapAngle(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
 
 // The way's direction at every point, continuous (no jumps by 2 pi), averaged over `radius_m` so
 // that the gaze turns into a bend before and after it.
-std::vector<double> Headings(const std::vector<Eigen::Vector2d>& way, double radius_m) {
-  std::vector<double> raw(way.size(), 0.0);
-  for (size_t i = 0; i + 1 < way.size(); ++i) {
-    const Eigen::Vector2d edge = way[i + 1] - way[i];
+std::vector<double> Headings(const std::vector<Eigen::Vector2d>& trajectory, double radius_m) {
+  std::vector<double> raw(trajectory.size(), 0.0);
+  for (size_t i = 0; i + 1 < trajectory.size(); ++i) {
+    const Eigen::Vector2d edge = trajectory[i + 1] - trajectory[i];
     const double angle = std::atan2(edge.y(), edge.x());
     raw[i] = i == 0 ? angle : raw[i - 1] + WrapAngle(angle - raw[i - 1]);
   }
@@ -49,19 +49,21 @@ std::vector<double> Headings(const std::vector<Eigen::Vector2d>& way, double rad
   return smooth;
 }
 
-std::vector<Sample> GazeAlong(const std::vector<Eigen::Vector2d>& way, const WalkOptions& options) {
-  const std::vector<double> headings = Headings(way, 2.0 * options.rounding_m);
+std::vector<Sample> GazeAlong(const std::vector<Eigen::Vector2d>& trajectory,
+                              const WalkOptions& options) {
+  const std::vector<double> headings = Headings(trajectory, 2.0 * options.rounding_m);
   std::vector<Sample> samples;
-  double way_m = 0.0;
-  for (size_t i = 0; i < way.size(); ++i) {
-    if (i > 0) way_m += (way[i] - way[i - 1]).norm();
-    const double swing = options.gaze_rad * std::sin(2.0 * kPi * way_m / options.gaze_period_m);
-    samples.push_back({way[i], headings[i] + options.gaze_offset_rad + swing, way_m});
+  double trajectory_m = 0.0;
+  for (size_t i = 0; i < trajectory.size(); ++i) {
+    if (i > 0) trajectory_m += (trajectory[i] - trajectory[i - 1]).norm();
+    const double swing =
+        options.gaze_rad * std::sin(2.0 * kPi * trajectory_m / options.gaze_period_m);
+    samples.push_back({trajectory[i], headings[i] + options.gaze_offset_rad + swing, trajectory_m});
   }
   return samples;
 }
 
-// Puts a turn there and back into the middle of the way.
+// Puts a turn there and back into the middle of the trajectory.
 void TurnOnSpot(const WalkOptions& options, std::vector<Sample>& samples) {
   const double angle = options.turn_on_spot_rad;
   if (angle == 0.0) return;
@@ -91,7 +93,7 @@ std::vector<Sample> AtFrames(const std::vector<Sample>& samples, const WalkOptio
       const double share = cost > 0.0 ? (due - spent) / cost : 0.0;
       frames.push_back({from.point + share * (to.point - from.point),
                         from.yaw_rad + share * (to.yaw_rad - from.yaw_rad),
-                        from.way_m + share * (to.way_m - from.way_m)});
+                        from.trajectory_m + share * (to.trajectory_m - from.trajectory_m)});
     }
     spent += cost;
   }
@@ -105,28 +107,28 @@ class Hand {
     Random random(options.seed);
     for (double& phase : phases_) phase = random.Uniform(0.0, 2.0 * kPi);
   }
-  double Height(double way_m) const { return factor_ * kHeightM * Wave(0, way_m); }
-  double Pitch(double way_m) const { return factor_ * kPitchRad * Wave(2, way_m); }
-  double Roll(double way_m) const { return factor_ * kRollRad * Wave(4, way_m); }
+  double Height(double trajectory_m) const { return factor_ * kHeightM * Wave(0, trajectory_m); }
+  double Pitch(double trajectory_m) const { return factor_ * kPitchRad * Wave(2, trajectory_m); }
+  double Roll(double trajectory_m) const { return factor_ * kRollRad * Wave(4, trajectory_m); }
 
  private:
   static constexpr double kHeightM = 0.02;
   static constexpr double kPitchRad = 2.0 * kPi / 180.0;
   static constexpr double kRollRad = 1.0 * kPi / 180.0;
 
-  double Wave(size_t first, double way_m) const {
+  double Wave(size_t first, double trajectory_m) const {
     constexpr double kStrideM = 1.4;
     constexpr double kSlowM = 4.7;
-    return 0.4 * std::sin(2.0 * kPi * way_m / kStrideM + phases_[first]) +
-           0.6 * std::sin(2.0 * kPi * way_m / kSlowM + phases_[first + 1]);
+    return 0.4 * std::sin(2.0 * kPi * trajectory_m / kStrideM + phases_[first]) +
+           0.6 * std::sin(2.0 * kPi * trajectory_m / kSlowM + phases_[first + 1]);
   }
 
   double factor_;
   std::array<double, 6> phases_{};
 };
 
-void CheckWay(const FloorPlan& plan, const std::vector<Eigen::Vector2d>& way) {
-  for (const Eigen::Vector2d& point : way) {
+void CheckTrajectory(const FloorPlan& plan, const std::vector<Eigen::Vector2d>& trajectory) {
+  for (const Eigen::Vector2d& point : trajectory) {
     if (plan.IsFree(point, 0.0)) continue;
     const int column = static_cast<int>(std::floor(point.x() / plan.size.cell_m));
     const int row = plan.rows - 1 - static_cast<int>(std::floor(point.y() / plan.size.cell_m));
@@ -140,26 +142,26 @@ void CheckWay(const FloorPlan& plan, const std::vector<Eigen::Vector2d>& way) {
 Walk WalkAlong(const FloorPlan& plan, const std::vector<Eigen::Vector2d>& line,
                const WalkOptions& options) {
   const std::vector<Eigen::Vector2d> fine = Resampled(line, kSampleM);
-  CheckWay(plan, fine);
-  const std::vector<Eigen::Vector2d> way =
+  CheckTrajectory(plan, fine);
+  const std::vector<Eigen::Vector2d> trajectory =
       Smoothed(plan, fine, kSampleM, options.rounding_m, options.clearance_m);
-  CheckWay(plan, way);
-  std::vector<Sample> samples = GazeAlong(way, options);
+  CheckTrajectory(plan, trajectory);
+  std::vector<Sample> samples = GazeAlong(trajectory, options);
   TurnOnSpot(options, samples);
   const Hand hand(options);
   Walk walk;
   for (const Sample& frame : AtFrames(samples, options)) {
     const Eigen::Vector3d centre(frame.point.x(), frame.point.y(),
-                                 options.height_m + hand.Height(frame.way_m));
-    walk.frames.push_back(
-        {static_cast<double>(walk.frames.size()) / options.frame_rate,
-         WorldFromCamera(centre, frame.yaw_rad, hand.Pitch(frame.way_m), hand.Roll(frame.way_m))});
+                                 options.height_m + hand.Height(frame.trajectory_m));
+    walk.frames.push_back({static_cast<double>(walk.frames.size()) / options.frame_rate,
+                           WorldFromCamera(centre, frame.yaw_rad, hand.Pitch(frame.trajectory_m),
+                                           hand.Roll(frame.trajectory_m))});
   }
   return walk;
 }
 
-// A loop around a stop, as wide as the room allows up to `kLoopM`, entered where the way comes
-// from.
+// A loop around a stop, as wide as the room allows up to `kLoopM`, entered where the trajectory
+// comes from.
 void AddLoop(const FloorPlan& plan, const Eigen::Vector2d& stop, const Eigen::Vector2d& from,
              double clearance_m, std::vector<Eigen::Vector2d>& line) {
   constexpr double kLoopM = 0.8;

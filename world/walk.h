@@ -35,10 +35,10 @@ struct WalkOptions {
   double turn_rad = 0.05;
   // Frames a second, 1 to 1000: the time stamps.
   double frame_rate = 15.0;
-  // The gaze swings by this angle to the left and right of the way, radians, 0 to 1.5, so that
-  // walls are passed at an oblique angle; 0 looks straight ahead.
+  // The gaze swings by this angle to the left and right of the trajectory, radians, 0 to 1.5, so
+  // that walls are passed at an oblique angle; 0 looks straight ahead.
   double gaze_rad = 0.8;
-  // Length of way for a swing to the left, the right and back, metres, 0.5 to 100.
+  // Length of trajectory for a swing to the left, the right and back, metres, 0.5 to 100.
   double gaze_period_m = 7.0;
   // Constant angle between way and gaze, radians, -3.2 to 3.2; pi / 2 looks to the left all the
   // way.
@@ -49,9 +49,9 @@ struct WalkOptions {
   // Half way the camera stops and turns on the spot by this angle and back, radians, -6.3 to 6.3: a
   // stretch without parallax. 0 is none.
   double turn_on_spot_rad = 0.0;
-  // Corners of the way are rounded off over this length, metres, 0.05 to 2.
+  // Corners of the trajectory are rounded off over this length, metres, 0.05 to 2.
   double rounding_m = 0.4;
-  // Distance kept from walls where the way allows it, metres, 0 to 2.
+  // Distance kept from walls where the trajectory allows it, metres, 0 to 2.
   double clearance_m = 0.35;
   // Phases of the sway.
   uint64_t seed = 1;
@@ -62,8 +62,8 @@ struct WalkOptions {
 
 // A walk through waypoints in plan coordinates: (column, row), where (0.5, 0.5) is the middle of
 // the first cell of the first line. Straight from each to the next, corners rounded. Throws
-// MapError(kBadOptions) where the way meets a wall, for fewer than two waypoints, and for options
-// out of range. A function of its arguments alone.
+// MapError(kBadOptions) where the trajectory meets a wall, for fewer than two waypoints, and for
+// options out of range. A function of its arguments alone.
 Walk WalkThrough(const FloorPlan& plan, const std::vector<Eigen::Vector2d>& waypoints,
                  const WalkOptions& options = {});
 

@@ -14,9 +14,9 @@
 #include "core/base/error.h"
 #include "core/image/decode.h"
 #include "core/manhattan/cube_rotations.h"
-#include "localizer/appearance.h"
-#include "localizer/building.h"
-#include "schema/orientation_way.h"
+#include "localizer/appearance/appearance.h"
+#include "localizer/orientation/building.h"
+#include "schema/layers/orientation/orientation_trajectory.h"
 
 namespace waystone::bench {
 namespace {
@@ -78,7 +78,7 @@ Matrix3d BuildingFromWorld(const OrientationLayer& layer,
   Matrix3d sum = Matrix3d::Zero();
   for (const OrientationFrame& frame : layer.frames) {
     if (!frame.reliable) continue;
-    sum += frame.rotation->building_from_head.toRotationMatrix() *
+    sum += frame.rotation->building_from_rig.toRotationMatrix() *
            world_from_camera(frame.frame).transpose();
   }
   const Eigen::JacobiSVD<Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);

@@ -23,7 +23,7 @@ namespace waystone::bench {
 namespace {
 
 constexpr double kRight_deg = 10;   // a heading closer than this is right
-constexpr double kClaimed_deg = 5;  // a deviation below this claims to be right
+constexpr double kClaimed_deg = 5;  // a sigma below this claims to be right
 constexpr int kRuns = 50;           // whose median time is printed
 constexpr int kRenderedPlaces = 60;
 constexpr uint64_t kSeed = 1;
@@ -39,9 +39,9 @@ struct PairResult {
   double plain_deg = 0;  // errors
   double phases_deg = 0;
   double error_deg = 0;
-  double deviation_deg = 0;
+  double sigma_deg = 0;
   double motion_error_deg = -1;  // -1: not determined
-  double motion_deviation_deg = 0;
+  double motion_sigma_deg = 0;
   CompassHeading heading;
 };
 
@@ -94,10 +94,10 @@ PairResult Compare(const PanoramaPlace& a, const PanoramaPlace& b, const Fourier
   result.phases_deg = Error(TurnByPhases(of_a, of_b).best.heading_rad, truth);
   result.heading = RelativeHeading(of_a, of_b);
   result.error_deg = Error(result.heading.heading_rad, truth);
-  result.deviation_deg = result.heading.deviation_rad * kDegreesPerRadian;
+  result.sigma_deg = result.heading.sigma_rad * kDegreesPerRadian;
   if (result.heading.motion) {
     result.motion_error_deg = Error(result.heading.motion->direction_rad, TrueDirection(a, b));
-    result.motion_deviation_deg = result.heading.motion->deviation_rad * kDegreesPerRadian;
+    result.motion_sigma_deg = result.heading.motion->sigma_rad * kDegreesPerRadian;
   }
   return result;
 }
@@ -148,7 +148,7 @@ nlohmann::json BinJson(const std::vector<PairResult>& results, const Bin& bin) {
     plain.push_back(result.plain_deg);
     phases.push_back(result.phases_deg);
     ours.push_back(result.error_deg);
-    if (result.deviation_deg <= kClaimed_deg) claimed.push_back(result.error_deg);
+    if (result.sigma_deg <= kClaimed_deg) claimed.push_back(result.error_deg);
     if (result.motion_error_deg >= 0) motions.push_back(result.motion_error_deg);
   }
   std::printf(
@@ -169,9 +169,9 @@ void WriteCsv(const std::string& path, const std::vector<PairResult>& results) {
   out << "distance_m,error_deg,deviation_deg,sharpness,small_motion,phases_deg,plain_deg,"
          "motion_error_deg,motion_deviation_deg\n";
   for (const PairResult& r : results) {
-    out << r.distance_m << ',' << r.error_deg << ',' << r.deviation_deg << ','
-        << r.heading.sharpness << ',' << r.heading.small_motion << ',' << r.phases_deg << ','
-        << r.plain_deg << ',' << r.motion_error_deg << ',' << r.motion_deviation_deg << '\n';
+    out << r.distance_m << ',' << r.error_deg << ',' << r.sigma_deg << ',' << r.heading.sharpness
+        << ',' << r.heading.small_motion << ',' << r.phases_deg << ',' << r.plain_deg << ','
+        << r.motion_error_deg << ',' << r.motion_sigma_deg << '\n';
   }
   if (!out.flush()) throw MapError(ErrorCode::kFileUnwritable, path + " can't be written");
 }
@@ -184,7 +184,7 @@ nlohmann::json Accuracy(const std::string& name, const std::vector<PanoramaPlace
   for (const Bin& bin : kBins) bins.push_back(BinJson(results, bin));
   std::vector<double> claimed;
   for (const PairResult& result : results) {
-    if (result.deviation_deg <= kClaimed_deg) claimed.push_back(result.error_deg);
+    if (result.sigma_deg <= kClaimed_deg) claimed.push_back(result.error_deg);
   }
   std::printf("claims of %.0f deg or better: %zu of %zu, %.1f %% within %.0f deg\n", kClaimed_deg,
               claimed.size(), results.size(), 100 * ShareRight(claimed), kRight_deg);

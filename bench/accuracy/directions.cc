@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <iostream>
 #include <numeric>
@@ -8,6 +7,7 @@
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/oriented_set.h"
 #include "core/base/angle.h"
+#include "core/base/clock.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"
 #include "core/manhattan/manhattan_frame.h"
@@ -18,22 +18,17 @@ namespace {
 constexpr double kWrong = 5;  // degrees
 
 struct Measured {
-  double worst_deg = 0;   // axis against the truth, best assignment
-  double sigma_deg = 0;   // that the frame states
-  double deviations = 0;  // of the rotation, in those its covariance states
+  double worst_deg = 0;  // axis against the truth, best assignment
+  double sigma_deg = 0;  // that the frame states
+  double sigmas = 0;     // of the rotation, in those its covariance states
   double segments_ms = 0;
   double frame_ms = 0;
-  FrameTrouble trouble = FrameTrouble::kNone;
+  FrameError error = FrameError::kNone;
 };
 
-double MillisecondsSince(std::chrono::steady_clock::time_point start) {
-  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-  return took.count();
-}
-
 // sqrt(w^T C^-1 w / 3) of the rotation w between the two.
-double DeviationsOf(const ManhattanFrame& frame, const Eigen::Matrix3d& truth) {
-  const Eigen::AngleAxisd turn(truth * NearestOfCube(frame.head_from_axes, truth).transpose());
+double SigmasOf(const ManhattanFrame& frame, const Eigen::Matrix3d& truth) {
+  const Eigen::AngleAxisd turn(truth * NearestOfCube(frame.rig_from_axes, truth).transpose());
   const Eigen::Vector3d w = turn.angle() * turn.axis();
   return std::sqrt(w.dot(frame.covariance.ldlt().solve(w)) / 3);
 }
@@ -41,7 +36,7 @@ double DeviationsOf(const ManhattanFrame& frame, const Eigen::Matrix3d& truth) {
 Measured Measure(const OrientedSet& set, int i, SegmentDetector detector) {
   const std::vector<cv::Mat> images = set.images(i);
   Measured measured;
-  auto start = std::chrono::steady_clock::now();
+  auto start = Clock::now();
   std::vector<GreatCircle> lines;
   for (size_t c = 0; c < images.size(); ++c) {
     const auto segments = DetectSegments(images[c], {.detector = detector});
@@ -49,14 +44,14 @@ Measured Measure(const OrientedSet& set, int i, SegmentDetector detector) {
     lines.insert(lines.end(), found.begin(), found.end());
   }
   measured.segments_ms = MillisecondsSince(start);
-  start = std::chrono::steady_clock::now();
+  start = Clock::now();
   const ManhattanFrame frame = FindManhattanFrame(lines);
   measured.frame_ms = MillisecondsSince(start);
   measured.worst_deg =
-      kDegreesPerRadian * WorstAxisAngle(frame.head_from_axes, set.head_from_axes[i]);
+      kDegreesPerRadian * WorstAxisAngle(frame.rig_from_axes, set.rig_from_axes[i]);
   measured.sigma_deg = kDegreesPerRadian * frame.sigma_rad();
-  measured.deviations = DeviationsOf(frame, set.head_from_axes[i]);
-  measured.trouble = frame.trouble;
+  measured.sigmas = SigmasOf(frame, set.rig_from_axes[i]);
+  measured.error = frame.error;
   return measured;
 }
 
@@ -80,11 +75,10 @@ std::vector<double> Collect(const std::vector<Measured>& all, double Measured::*
 
 nlohmann::ordered_json Summary(const OrientedSet& set, const std::vector<Measured>& all) {
   const std::vector<double> errors = Collect(all, &Measured::worst_deg);
-  const auto unreliable = std::ranges::count_if(
-      all, [](const Measured& m) { return m.trouble != FrameTrouble::kNone; });
-  const auto unnoticed = std::ranges::count_if(all, [](const Measured& m) {
-    return m.trouble == FrameTrouble::kNone && m.worst_deg >= kWrong;
-  });
+  const auto unreliable =
+      std::ranges::count_if(all, [](const Measured& m) { return m.error != FrameError::kNone; });
+  const auto unnoticed = std::ranges::count_if(
+      all, [](const Measured& m) { return m.error == FrameError::kNone && m.worst_deg >= kWrong; });
   return {{"set", set.name},
           {"photos", set.size()},
           {"worst_axis_median_deg", Quantile(errors, 0.5)},
@@ -98,8 +92,8 @@ nlohmann::ordered_json Summary(const OrientedSet& set, const std::vector<Measure
           {"unreliable", unreliable},
           {"reliable_above_5_deg", unnoticed},
           {"stated_sigma_median_deg", Quantile(Collect(all, &Measured::sigma_deg), 0.5)},
-          {"deviations_median", Quantile(Collect(all, &Measured::deviations), 0.5)},
-          {"deviations_95", Quantile(Collect(all, &Measured::deviations), 0.95)},
+          {"deviations_median", Quantile(Collect(all, &Measured::sigmas), 0.5)},
+          {"deviations_95", Quantile(Collect(all, &Measured::sigmas), 0.95)},
           {"segments_ms_median", Quantile(Collect(all, &Measured::segments_ms), 0.5)},
           {"frame_ms_median", Quantile(Collect(all, &Measured::frame_ms), 0.5)}};
 }
@@ -124,7 +118,7 @@ std::vector<Measured> MeasureAll(const OrientedSet& set, SegmentDetector detecto
     if (!verbose) continue;
     std::printf("%-18s %-10s %8.3f deg, stated %.3f deg, %s\n", set.name.c_str(),
                 set.names[i].c_str(), all[i].worst_deg, all[i].sigma_deg,
-                std::string(NameOf(all[i].trouble)).c_str());
+                std::string(NameOf(all[i].error)).c_str());
   }
   return all;
 }

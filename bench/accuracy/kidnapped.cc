@@ -12,14 +12,14 @@
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
 #include "builder/appearance/describe_frames.h"
-#include "builder/appearance_calibration.h"
+#include "builder/calibration/appearance_calibration.h"
 #include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/camera/cube_faces.h"
 #include "core/image/decode.h"
-#include "localizer/appearance.h"
-#include "localizer/photo.h"
+#include "localizer/appearance/appearance.h"
+#include "localizer/appearance/photo.h"
 
 namespace waystone::bench {
 namespace {

@@ -12,7 +12,7 @@
 #include "builder/appearance/build_appearance.h"
 #include "core/base/angle.h"
 #include "core/base/error.h"
-#include "schema/map_store.h"
+#include "schema/file/map_store.h"
 #include "world/rig.h"
 #include "world/setting.h"
 

@@ -23,7 +23,7 @@ namespace waystone::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using HeadFiles = std::vector<std::vector<std::vector<unsigned char>>>;  // frame, camera, bytes
+using RigFiles = std::vector<std::vector<std::vector<unsigned char>>>;  // frame, camera, bytes
 
 // How near a turn has to be to its corner, as a share of the frames: the bend's half length.
 constexpr double kTurnShare = 0.03;
@@ -111,7 +111,7 @@ void ScoreCorridors(const OrientationWorld& made, const OrientationLayer& layer,
     score.corridor_least_overlap = std::min(score.corridor_least_overlap, best);
   }
   for (const Corridor& found : layer.corridors) {
-    // Looking aside, the head is in the corridor all the same.
+    // Looking aside, the rig is in the corridor all the same.
     const bool known = Overlap(made.looked_aside, found) > 0 ||
                        std::ranges::any_of(made.corridors, [&](const TrueStretch& truth) {
                          return Overlap(truth, found) > 0;
@@ -171,7 +171,7 @@ void ScoreNodes(const OrientationWorld& made, const Rig& rig, const OrientationL
   score.common_at_nodes = Quantile(common, 0.5);
 }
 
-// The building's x is the way's first direction, or another by a quarter turn.
+// The building's x is the trajectory's first direction, or another by a quarter turn.
 void ScoreRotations(const OrientationWorld& made, const OrientationLayer& layer, Score& score) {
   constexpr double kWrong = 5 * M_PI / 180;
   std::optional<Eigen::Matrix3d> world_from_building;
@@ -179,14 +179,13 @@ void ScoreRotations(const OrientationWorld& made, const OrientationLayer& layer,
     const OrientationFrame& frame = layer.frames[i];
     if (!frame.reliable) continue;
     ++score.reliable;
-    const Eigen::Matrix3d world_from_head = made.walk.frames[i].world_from_camera.linear();
-    const Eigen::Matrix3d building_from_head =
-        frame.rotation->building_from_head.toRotationMatrix();
+    const Eigen::Matrix3d world_from_rig = made.walk.frames[i].world_from_camera.linear();
+    const Eigen::Matrix3d building_from_rig = frame.rotation->building_from_rig.toRotationMatrix();
     if (!world_from_building) {
-      const Eigen::Matrix3d raw = world_from_head * building_from_head.transpose();
+      const Eigen::Matrix3d raw = world_from_rig * building_from_rig.transpose();
       world_from_building = raw.array().round().matrix();
     }
-    const double off = RotationAngle(*world_from_building * building_from_head, world_from_head);
+    const double off = RotationAngle(*world_from_building * building_from_rig, world_from_rig);
     score.wrong_rotations += off > kWrong ? 1 : 0;
   }
 }
@@ -202,17 +201,17 @@ Score ScoreOf(const OrientationWorld& made, const Rig& rig, const OrientationLay
   return score;
 }
 
-HeadFiles RenderAll(const OrientationWorld& made, const Rig& rig) {
+RigFiles RenderAll(const OrientationWorld& made, const Rig& rig) {
   std::vector<Renderer> renderers;
   for (const RigCamera& camera : rig.cameras) renderers.emplace_back(camera.camera);
-  HeadFiles files(made.walk.frames.size());
+  RigFiles files(made.walk.frames.size());
   tbb::parallel_for(size_t{0}, files.size(), [&](size_t i) {
-    files[i] = RenderHead(made, rig, renderers, static_cast<int>(i));
+    files[i] = RenderRig(made, rig, renderers, static_cast<int>(i));
   });
   return files;
 }
 
-OrientationSequence SequenceOfFiles(const Rig& rig, const HeadFiles& files) {
+OrientationSequence SequenceOfFiles(const Rig& rig, const RigFiles& files) {
   const auto next = [&files, i = 0]() mutable -> std::optional<OrientationMoment> {
     if (i == static_cast<int>(files.size())) return std::nullopt;
     const auto& head = files[i];
@@ -229,7 +228,7 @@ OrientationSequence SequenceOfFiles(const Rig& rig, const HeadFiles& files) {
 }
 
 // CPU seconds a frame of lines and features alone.
-double LookSeconds(const Rig& rig, const HeadFiles& files, const OrientationOptions& options) {
+double LookSeconds(const Rig& rig, const RigFiles& files, const OrientationOptions& options) {
   constexpr int kMost = 100;
   const int every = std::max<int>(1, static_cast<int>(files.size()) / kMost);
   const OrientationSequence all = SequenceOfFiles(rig, files);
@@ -317,7 +316,7 @@ Json RunOne(int building, bool rig_wanted, const Runs& runs) {
   const Rig rig =
       rig_wanted ? CubeRig(pixels(320)) : RigOfOne(PinholeCamera(pixels(640), pixels(480), 1.1));
   const OrientationWorld made = MakeOrientationWorld(building, runs.frames, runs.trim);
-  const HeadFiles files = RenderAll(made, rig);
+  const RigFiles files = RenderAll(made, rig);
   const OrientationOptions options;
   const double look_s = LookSeconds(rig, files, options);
   const std::vector<OrientationSequence> sequences{SequenceOfFiles(rig, files)};

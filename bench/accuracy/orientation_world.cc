@@ -33,7 +33,7 @@ constexpr std::array<Shape, 3> kShapes{{
     {"deep", 38, 28, 15, 25, false, 0.0, 13},
 }};
 
-// Rows of floor in the room, and the way's corners in it.
+// Rows of floor in the room, and the trajectory's corners in it.
 constexpr int kRoomTop = 5;
 constexpr int kRoomBottom = 11;
 constexpr double kRoomRow = 8.5;
@@ -69,13 +69,13 @@ std::vector<Eigen::Vector2d> Corners(const Shape& shape) {
   const double bottom = shape.rows - 2.5;
   const double in = shape.room_first + 1;
   const double out = shape.room_last + 1;
-  std::vector<Eigen::Vector2d> way{{4.5, 2.5}, {in, 2.5},      {in, kRoomRow},  {out, kRoomRow},
-                                   {out, 2.5}, {right, 2.5},   {right, bottom}, {2.5, bottom},
-                                   {2.5, 2.5}, {in - 1.5, 2.5}};
+  std::vector<Eigen::Vector2d> trajectory{
+      {4.5, 2.5},   {in, 2.5},       {in, kRoomRow}, {out, kRoomRow}, {out, 2.5},
+      {right, 2.5}, {right, bottom}, {2.5, bottom},  {2.5, 2.5},      {in - 1.5, 2.5}};
   if (shape.mirrored) {
-    for (Eigen::Vector2d& corner : way) corner.x() = shape.columns - corner.x();
+    for (Eigen::Vector2d& corner : trajectory) corner.x() = shape.columns - corner.x();
   }
-  return way;
+  return trajectory;
 }
 
 Eigen::Vector2d OnGround(const FloorPlan& plan, const Eigen::Vector2d& corner) {
@@ -86,7 +86,8 @@ Eigen::Vector2d PointOf(const Walk& walk, int frame) {
   return walk.frames[frame].world_from_camera.translation().head<2>();
 }
 
-// The frame after `from` at which the way is nearest to a point, up to where it comes back there.
+// The frame after `from` at which the trajectory is nearest to a point, up to where it comes back
+// there.
 int NearestFrame(const Walk& walk, const Eigen::Vector2d& point, int from) {
   int best = from;
   const double radius_m = 1.0;
@@ -125,7 +126,7 @@ void AddCorridors(const Walk& walk, int first, int last, std::vector<TrueStretch
   }
 }
 
-double WayLength(const std::vector<Eigen::Vector2d>& corners, double cell_m) {
+double TrajectoryLength(const std::vector<Eigen::Vector2d>& corners, double cell_m) {
   double length = 0;
   for (size_t i = 1; i < corners.size(); ++i) length += (corners[i] - corners[i - 1]).norm();
   return cell_m * length;
@@ -179,7 +180,7 @@ OrientationWorld MakeOrientationWorld(int building, int frames, bool trim) {
   walk.gaze_rad = 0;
   walk.sway = 0.5;
   walk.clearance_m = 0.3;
-  walk.step_m = WayLength(corners, plan.size.cell_m) / frames;
+  walk.step_m = TrajectoryLength(corners, plan.size.cell_m) / frames;
   walk.turn_rad = std::min(1.0, 0.05 * 1000 / frames);
   made.walk = WalkThrough(plan, corners, walk);
   std::vector<int> at{0};
@@ -213,9 +214,9 @@ OrientationWorld MakeOrientationWorld(int building, int frames, bool trim) {
   return made;
 }
 
-std::vector<std::vector<unsigned char>> RenderHead(const OrientationWorld& made, const Rig& rig,
-                                                   const std::vector<Renderer>& renderers,
-                                                   int frame) {
+std::vector<std::vector<unsigned char>> RenderRig(const OrientationWorld& made, const Rig& rig,
+                                                  const std::vector<Renderer>& renderers,
+                                                  int frame) {
   std::vector<std::vector<unsigned char>> files;
   for (size_t c = 0; c < rig.cameras.size(); ++c) {
     RenderOptions options;
@@ -224,7 +225,7 @@ std::vector<std::vector<unsigned char>> RenderHead(const OrientationWorld& made,
     options.noise_seed = static_cast<uint64_t>(frame) * rig.cameras.size() + c;
     options.depth = true;
     const Eigen::Isometry3d pose =
-        made.walk.frames[frame].world_from_camera * rig.cameras[c].head_from_camera;
+        made.walk.frames[frame].world_from_camera * rig.cameras[c].rig_from_camera;
     RenderedFrame rendered = renderers[c].Render(*made.world, pose, options);
     PaintStripes(made, rig.cameras[c].camera, pose, rendered);
     cv::imencode(".jpg", rendered.grey, files.emplace_back());
@@ -243,7 +244,7 @@ double CommonView(const OrientationWorld& made, const Rig& rig, int a, int b, do
     const RigCamera& camera = rig.cameras[i % rig.cameras.size()];
     const Eigen::Vector2d pixel(random.Uniform(0, camera.camera.width - 1),
                                 random.Uniform(0, camera.camera.height - 1));
-    const Eigen::Vector3d ray = from.linear() * camera.head_from_camera.linear() *
+    const Eigen::Vector3d ray = from.linear() * camera.rig_from_camera.linear() *
                                 Unproject(camera.camera, pixel).normalized();
     const double far_a = made.world->Cast(from.translation(), ray).t;
     const Eigen::Vector3d point = from.translation() + far_a * ray;
@@ -252,7 +253,7 @@ double CommonView(const OrientationWorld& made, const Rig& rig, int a, int b, do
     if (std::max(far_a / far_b, far_b / far_a) > max_scale) continue;
     if (made.world->Cast(to.translation(), back / far_b).t < far_b - kSameM) continue;
     common += std::ranges::any_of(rig.cameras, [&](const RigCamera& seen) {
-      const Eigen::Vector3d x = (to * seen.head_from_camera).linear().transpose() * back;
+      const Eigen::Vector3d x = (to * seen.rig_from_camera).linear().transpose() * back;
       const std::optional<Eigen::Vector2d> p = Project(seen.camera, x);
       return p && p->x() >= 0 && p->y() >= 0 && p->x() < seen.camera.width &&
              p->y() < seen.camera.height;

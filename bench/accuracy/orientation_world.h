@@ -14,7 +14,7 @@
 
 namespace waystone::bench {
 
-// A bend of the way by a right angle.
+// A bend of the trajectory by a right angle.
 struct TrueTurn {
   int frame = 0;      // nearest to the corner
   int direction = 1;  // 1 left, -1 right
@@ -40,18 +40,18 @@ struct OrientationWorld {
 };
 
 // One of three buildings, 0 to 2, driven through in about `frames` frames. The camera looks along
-// the way but for one stretch in which it turns by 70 degrees and back. One part of a corridor has
-// stripes painted on floor, ceiling and walls that run along none of the building's axes. Without
-// `trim` (see WorldOptions) surfaces are full of shapes at any angle, and nearly all lines are
-// theirs.
+// the trajectory but for one stretch in which it turns by 70 degrees and back. One part of a
+// corridor has stripes painted on floor, ceiling and walls that run along none of the building's
+// axes. Without `trim` (see WorldOptions) surfaces are full of shapes at any angle, and nearly all
+// lines are theirs.
 OrientationWorld MakeOrientationWorld(int building, int frames, bool trim);
 
 // The pictures of a frame, one a camera, as JPEG files.
-std::vector<std::vector<unsigned char>> RenderHead(const OrientationWorld& made, const Rig& rig,
-                                                   const std::vector<Renderer>& renderers,
-                                                   int frame);
+std::vector<std::vector<unsigned char>> RenderRig(const OrientationWorld& made, const Rig& rig,
+                                                  const std::vector<Renderer>& renderers,
+                                                  int frame);
 
-// Share of what a head sees in frame `a` (rays drawn over the rig's images) that it also sees in
+// Share of what a rig sees in frame `a` (rays drawn over the rig's images) that it also sees in
 // frame `b`: in some camera, not hidden, and at most `max_scale` times as far or near.
 double CommonView(const OrientationWorld& made, const Rig& rig, int a, int b, double max_scale);
 

@@ -63,7 +63,7 @@ OrientedSet OpenVanishingPoints(const fs::path& folder) {
     axes.row(1) *= -1;
     if (axes.determinant() < 0) axes.col(2) *= -1;
     set.names.push_back(cells[0]);
-    set.head_from_axes.push_back(axes);
+    set.rig_from_axes.push_back(axes);
     sequence.moments.push_back(
         {.source = cells[0], .time_s = {}, .images = {folder / "images" / (cells[0] + ".jpg")}});
   }
@@ -72,7 +72,7 @@ OrientedSet OpenVanishingPoints(const fs::path& folder) {
   return set;
 }
 
-// id,x,y,z,qx,qy,qz,qw,visible places apart by spaces: world_from_head.
+// id,x,y,z,qx,qy,qz,qw,visible places apart by spaces: world_from_rig.
 OrientedSet OpenPlaces(const fs::path& folder) {
   constexpr size_t kCells = 8;
   OrientedSet set;
@@ -87,8 +87,8 @@ OrientedSet OpenPlaces(const fs::path& folder) {
                         .toRotationMatrix();
     pose.translation() = Eigen::Vector3d(number(1), number(2), number(3));
     set.names.push_back(cells[0]);
-    set.world_from_head.push_back(pose);
-    set.head_from_axes.emplace_back(pose.linear().transpose());
+    set.world_from_rig.push_back(pose);
+    set.rig_from_axes.emplace_back(pose.linear().transpose());
     std::istringstream places(cells.size() > kCells ? cells[kCells] : "");
     std::set<int>& visible = set.visible.emplace_back();
     for (int place = 0; places >> place;) visible.insert(place);
@@ -129,10 +129,10 @@ OrientedSet RenderedSet(bool rig, int frames) {
   const int step = std::max<int>(1, static_cast<int>(walk.frames.size()) / frames);
   for (size_t i = 0; i < walk.frames.size(); i += step) {
     set.names.push_back(std::to_string(i));
-    set.world_from_head.push_back(walk.frames[i].world_from_camera);
-    set.head_from_axes.emplace_back(walk.frames[i].world_from_camera.linear().transpose());
+    set.world_from_rig.push_back(walk.frames[i].world_from_camera);
+    set.rig_from_axes.emplace_back(walk.frames[i].world_from_camera.linear().transpose());
   }
-  set.images = [stage, cameras = set.rig.cameras, poses = set.world_from_head](int i) {
+  set.images = [stage, cameras = set.rig.cameras, poses = set.world_from_rig](int i) {
     std::vector<cv::Mat> images;
     for (size_t c = 0; c < cameras.size(); ++c) {
       RenderOptions options;
@@ -140,7 +140,7 @@ OrientedSet RenderedSet(bool rig, int frames) {
       options.noise_sigma = 4;
       options.noise_seed = static_cast<uint64_t>(i) * cameras.size() + c;
       images.push_back(stage->renderers[c]
-                           .Render(stage->world, poses[i] * cameras[c].head_from_camera, options)
+                           .Render(stage->world, poses[i] * cameras[c].rig_from_camera, options)
                            .grey);
     }
     return images;

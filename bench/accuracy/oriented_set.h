@@ -13,13 +13,13 @@
 
 namespace waystone::bench {
 
-// Photos of heads whose rotation against their building is known.
+// Photos of rigs whose rotation against their building is known.
 struct OrientedSet {
   std::string name;
   Rig rig;
   std::vector<std::string> names;
-  std::vector<Eigen::Matrix3d> head_from_axes;
-  std::vector<Eigen::Isometry3d> world_from_head;   // empty where no poses are known
+  std::vector<Eigen::Matrix3d> rig_from_axes;
+  std::vector<Eigen::Isometry3d> world_from_rig;    // empty where no poses are known
   std::vector<std::set<int>> visible;               // places seen from each; empty where not known
   std::function<std::vector<cv::Mat>(int)> images;  // of a photo, one a camera; any thread
 

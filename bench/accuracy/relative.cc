@@ -48,7 +48,7 @@ struct Pair {
   bool visible = false;
   double rotation_deg = 0;   // off the truth
   double direction_deg = 0;  // of the motion, off the truth
-  double deviations = 0;     // of the rotation, in those its covariance states
+  double sigmas = 0;         // of the rotation, in those its covariance states
   double inliers = 0;
 };
 
@@ -59,8 +59,7 @@ Pair Judge(const OrientedSet& set, const std::vector<Place>& places, int a, int 
   const RelativePose pose = FindRelativePose(MatchBearings(from.features, to.features));
   pair.accepted = pose.accepted();
   pair.inliers = static_cast<double>(pose.inliers.size());
-  const Eigen::Isometry3d truth =
-      set.world_from_head[pair.b].inverse() * set.world_from_head[pair.a];
+  const Eigen::Isometry3d truth = set.world_from_rig[pair.b].inverse() * set.world_from_rig[pair.a];
   pair.rotation_deg = kDegreesPerRadian * RotationAngle(pose.b_from_a, truth.linear());
   const Eigen::Vector3d direction = truth.translation().normalized();
   pair.direction_deg = kDegreesPerRadian * std::atan2(direction.cross(pose.translation).norm(),
@@ -68,12 +67,12 @@ Pair Judge(const OrientedSet& set, const std::vector<Place>& places, int a, int 
   if (pair.accepted) {
     const Eigen::AngleAxisd turn(truth.linear() * pose.b_from_a.transpose());
     const Eigen::Vector3d w = turn.angle() * turn.axis();
-    pair.deviations = std::sqrt(w.dot(pose.covariance.ldlt().solve(w)) / 3);
+    pair.sigmas = std::sqrt(w.dot(pose.covariance.ldlt().solve(w)) / 3);
   }
   // R_c = R_1 R_2^T, axes numbered so that it is as near to the essential matrix's as can be.
   const Eigen::Matrix3d b_from_axes =
-      NearestOfCube(to.frame.head_from_axes, pose.b_from_a * from.frame.head_from_axes);
-  const Eigen::Matrix3d from_axes = b_from_axes * from.frame.head_from_axes.transpose();
+      NearestOfCube(to.frame.rig_from_axes, pose.b_from_a * from.frame.rig_from_axes);
+  const Eigen::Matrix3d from_axes = b_from_axes * from.frame.rig_from_axes.transpose();
   pair.traversable = pair.accepted && from.frame.reliable() && to.frame.reliable() &&
                      kDegreesPerRadian * RotationAngle(from_axes, pose.b_from_a) < kCongruent;
   pair.visible = !set.visible.empty() &&
@@ -84,12 +83,12 @@ Pair Judge(const OrientedSet& set, const std::vector<Place>& places, int a, int 
 nlohmann::ordered_json RotationSummary(const std::vector<Pair>& pairs) {
   std::vector<double> rotation;
   std::vector<double> direction;
-  std::vector<double> deviations;
+  std::vector<double> sigmas;
   for (const Pair& pair : pairs) {
     if (!pair.accepted) continue;
     rotation.push_back(pair.rotation_deg);
     direction.push_back(pair.direction_deg);
-    deviations.push_back(pair.deviations);
+    sigmas.push_back(pair.sigmas);
   }
   return {{"pairs", pairs.size()},
           {"accepted", rotation.size()},
@@ -97,7 +96,7 @@ nlohmann::ordered_json RotationSummary(const std::vector<Pair>& pairs) {
           {"rotation_95_deg", Quantile(rotation, 0.95)},
           {"rotation_max_deg", Quantile(rotation, 1)},
           {"direction_median_deg", Quantile(direction, 0.5)},
-          {"deviations_median", Quantile(deviations, 0.5)},
+          {"deviations_median", Quantile(sigmas, 0.5)},
           {"accepted_above_5_deg",
            std::ranges::count_if(rotation, [](double deg) { return deg > kWrong; })}};
 }
@@ -146,7 +145,7 @@ int RunRelative(const Args& args) {
   constexpr int kFrames = 120;
   if (args.size() > 1) throw MapError(ErrorCode::kUsage, "relative takes one folder, or none");
   const OrientedSet set = args.empty() ? RenderedSet(true, kFrames) : OpenOrientedSet(args[0]);
-  if (set.world_from_head.empty()) throw MapError(ErrorCode::kUsage, "relative wants poses");
+  if (set.world_from_rig.empty()) throw MapError(ErrorCode::kUsage, "relative wants poses");
   std::vector<Place> places(set.size());
   tbb::parallel_for(0, set.size(), [&](int i) { places[i] = LookAt(set, i); });
   std::vector<std::pair<int, int>> wanted;

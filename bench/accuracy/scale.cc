@@ -14,8 +14,8 @@
 #include "cli/child_process.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "schema/file/map_store.h"
 #include "schema/index_features.h"
-#include "schema/map_store.h"
 #include "world/rig.h"
 #include "world/truth.h"
 

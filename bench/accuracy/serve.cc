@@ -11,7 +11,7 @@
 #include "bench/accuracy/world_source.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "schema/map_store.h"
+#include "schema/file/map_store.h"
 #include "server/http/application.h"
 #include "server/http/http_server.h"
 #include "world/rig.h"
@@ -62,17 +62,13 @@ Scene GivenScene(const Args& args) {
   return scene;
 }
 
-double MsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
 // Seconds for one query after the other without HTTP, each.
 double SingleQueryS(const Scene& scene) {
   const Clock::time_point start = Clock::now();
   for (const std::string& photo : scene.photos) {
     Localize(*scene.index, {reinterpret_cast<const uint8_t*>(photo.data()), photo.size()}, "", {});
   }
-  return MsSince(start) / 1e3 / static_cast<double>(scene.photos.size());
+  return MillisecondsSince(start) / 1e3 / static_cast<double>(scene.photos.size());
 }
 
 // A server of the scene's map, and its clients.
@@ -92,7 +88,7 @@ class Served {
     for (const std::string& photo : scene_.photos) {
       const Clock::time_point start = Clock::now();
       const std::string body = Post(client, photo);
-      const double ms = MsSince(start);
+      const double ms = MillisecondsSince(start);
       overhead.push_back(ms - nlohmann::json::parse(body)["timing_ms"]["total"].get<double>());
     }
     return overhead;
@@ -113,7 +109,7 @@ class Served {
       });
     }
     for (std::thread& client : clients) client.join();
-    return queries / (MsSince(start) / 1e3);
+    return queries / (MillisecondsSince(start) / 1e3);
   }
 
   // Times of inspection requests until `stop`, ms.
@@ -123,7 +119,7 @@ class Served {
     while (!stop) {
       const Clock::time_point start = Clock::now();
       const auto result = client.Get("/v1/maps/map/planes?limit=20");
-      times.push_back(MsSince(start));
+      times.push_back(MillisecondsSince(start));
       if (!result || result->status != 200) {
         throw MapError(ErrorCode::kInternal, "an inspection request failed");
       }

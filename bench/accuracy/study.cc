@@ -57,9 +57,9 @@ std::vector<FourierSignature> WithPhases(std::vector<FourierSignature> signature
 // The paper's odometry: each panorama against the one before it alone. `odometry` has k1 of all
 // magnitudes; a smaller one changes the lengths of the steps and nothing else.
 std::vector<Pose2> WithLengths(const std::vector<FourierSignature>& signatures,
-                               const VisualOdometry& way, int k1) {
+                               const VisualOdometry& trajectory, int k1) {
   std::vector<Pose2> poses(1);
-  for (const PanoramaRelation& step : way.steps) {
+  for (const PanoramaRelation& step : trajectory.steps) {
     const double length = SignatureDistance(signatures[step.a], signatures[step.b], k1);
     Pose2 scaled = step.a_from_b;
     if (step.distance > 0) {
@@ -82,13 +82,13 @@ void AddStep(const std::vector<FourierSignature>& all, const std::vector<Pose2>&
   for (const int k2 : kPhases) {
     const std::vector<FourierSignature> signatures = WithPhases(Every(all, step), k2);
     const auto start = std::chrono::steady_clock::now();
-    const VisualOdometry way = FollowPanoramas(signatures, options.compass.band, options);
+    const VisualOdometry trajectory = FollowPanoramas(signatures, options.compass.band, options);
     const double of_headings = SecondsSince(start);
     shapes.values.emplace_back();
     seconds.values.emplace_back();
     for (const int k1 : kMagnitudes) {
       const auto lengths = std::chrono::steady_clock::now();
-      const std::vector<Pose2> poses = WithLengths(signatures, way, k1);
+      const std::vector<Pose2> poses = WithLengths(signatures, trajectory, k1);
       seconds.values.back().push_back(of_headings + SecondsSince(lengths));
       shapes.values.back().push_back(CompareShapes(places, PlacesOf(poses)).mu);
     }

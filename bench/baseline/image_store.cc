@@ -6,7 +6,7 @@
 #include <SQLiteCpp/Transaction.h>
 
 #include "core/base/error.h"
-#include "schema/blob.h"
+#include "schema/tables/blob.h"
 
 namespace waystone::bench {
 namespace {

@@ -11,7 +11,7 @@
 #include "builder/planes/fusion.h"
 #include "builder/planes/plane_tracker.h"
 #include "core/base/check.h"
-#include "schema/map_store.h"
+#include "schema/file/map_store.h"
 
 namespace waystone::bench {
 namespace {

@@ -14,9 +14,9 @@ using Relations = std::map<std::pair<int, int>, AppearanceEdge>;
 
 class GraphMaker {
  public:
-  GraphMaker(TakenPanoramas taken, const std::vector<VisualOdometry>& ways,
+  GraphMaker(TakenPanoramas taken, const std::vector<VisualOdometry>& trajectories,
              const std::vector<Pose2>& poses, const AppearanceOptions& options)
-      : taken_(std::move(taken)), ways_(ways), poses_(poses), options_(options) {}
+      : taken_(std::move(taken)), trajectories_(trajectories), poses_(poses), options_(options) {}
 
   AppearanceGraph Make(const LoopClosure& closure) {
     MakeNodes();
@@ -60,18 +60,18 @@ class GraphMaker {
     }
   }
 
-  // By the steps of the odometry between two panoramas of one sequence: a_from_b and its deviation.
+  // By the steps of the odometry between two panoramas of one sequence: a_from_b and its sigma.
   AppearanceEdge BySteps(int a, int b) const {
     AppearanceEdge edge;
     const size_t s = taken_.StretchOf(a);
     double variance = 0;
     for (int i = std::min(a, b); i < std::max(a, b); ++i) {
-      const PanoramaRelation& step = ways_[s].steps[i - taken_.stretches[s].first];
+      const PanoramaRelation& step = trajectories_[s].steps[i - taken_.stretches[s].first];
       edge.a_from_b = edge.a_from_b * step.a_from_b;
-      variance += step.heading.deviation_rad * step.heading.deviation_rad;
+      variance += step.heading.sigma_rad * step.heading.sigma_rad;
     }
     if (a > b) edge.a_from_b = Inverse(edge.a_from_b);
-    edge.deviation_rad = std::sqrt(variance);
+    edge.sigma_rad = std::sqrt(variance);
     return edge;
   }
 
@@ -110,13 +110,12 @@ class GraphMaker {
     AppearanceEdge edge;
     edge.kind = AppearanceEdgeKind::kLoop;
     edge.a_from_b = to_a.a_from_b * loop.a_from_b * from_b.a_from_b;
-    edge.deviation_rad =
-        std::hypot(to_a.deviation_rad, loop.heading.deviation_rad, from_b.deviation_rad);
+    edge.sigma_rad = std::hypot(to_a.sigma_rad, loop.heading.sigma_rad, from_b.sigma_rad);
     edges[{a, b}] = edge;
   }
 
   TakenPanoramas taken_;
-  const std::vector<VisualOdometry>& ways_;
+  const std::vector<VisualOdometry>& trajectories_;
   const std::vector<Pose2>& poses_;
   const AppearanceOptions& options_;
   std::vector<int> kept_;  // panoramas that became nodes
@@ -125,10 +124,11 @@ class GraphMaker {
 
 }  // namespace
 
-AppearanceGraph MakeAppearanceGraph(TakenPanoramas taken, const std::vector<VisualOdometry>& ways,
+AppearanceGraph MakeAppearanceGraph(TakenPanoramas taken,
+                                    const std::vector<VisualOdometry>& trajectories,
                                     const LoopClosure& closure, const std::vector<Pose2>& poses,
                                     const AppearanceOptions& options) {
-  return GraphMaker(std::move(taken), ways, poses, options).Make(closure);
+  return GraphMaker(std::move(taken), trajectories, poses, options).Make(closure);
 }
 
 }  // namespace waystone

@@ -15,7 +15,8 @@ struct AppearanceGraph {
   std::vector<AppearanceSampleFrame> samples;
 };
 
-AppearanceGraph MakeAppearanceGraph(TakenPanoramas taken, const std::vector<VisualOdometry>& ways,
+AppearanceGraph MakeAppearanceGraph(TakenPanoramas taken,
+                                    const std::vector<VisualOdometry>& trajectories,
                                     const LoopClosure& closure, const std::vector<Pose2>& poses,
                                     const AppearanceOptions& options);
 

@@ -30,7 +30,7 @@ class LayerBuilder {
     if (options_.close_loops) closure = Close();
     LayOut(closure);
     Optimise(closure);
-    return MakeAppearanceGraph(std::move(taken_), ways_, closure, report_.poses, options_);
+    return MakeAppearanceGraph(std::move(taken_), trajectories_, closure, report_.poses, options_);
   }
 
  private:
@@ -41,10 +41,10 @@ class LayerBuilder {
           GoOn("odometry", static_cast<int>(s), static_cast<int>(taken_.stretches.size()));
       go_on();
       const auto [first, last] = taken_.stretches[s];
-      ways_.push_back(
+      trajectories_.push_back(
           FollowPanoramas({taken_.signatures.begin() + first, taken_.signatures.begin() + last},
                           taken_.band, options_.odometry, go_on));
-      report_.uncertain += ways_.back().uncertain;
+      report_.uncertain += trajectories_.back().uncertain;
     }
     report_.odometry_s = SecondsSince(start);
   }
@@ -53,8 +53,8 @@ class LayerBuilder {
     const Clock::time_point start = Clock::now();
     const auto go_on = GoOn("loops", 0, 1);
     go_on();
-    LoopClosure closure = CloseLoops(taken_.signatures, taken_.band, taken_.stretches, ways_,
-                                     options_.odometry, options_.loops, go_on);
+    LoopClosure closure = CloseLoops(taken_.signatures, taken_.band, taken_.stretches,
+                                     trajectories_, options_.odometry, options_.loops, go_on);
     report_.loop_candidates = closure.candidates;
     report_.loops_certain = closure.certain;
     report_.loops_supported = static_cast<int>(closure.loops.size());
@@ -70,24 +70,25 @@ class LayerBuilder {
       const PanoramaRelation* tie = s == 0 ? nullptr : SurestTie(closure, static_cast<int>(s));
       if (tie != nullptr) {
         layer_from_first = report_.odometry[tie->a] * tie->a_from_b *
-                           Inverse(ways_[s].poses[tie->b - taken_.stretches[s].first]);
+                           Inverse(trajectories_[s].poses[tie->b - taken_.stretches[s].first]);
       } else if (s > 0) {
-        layer_from_first.y = lowest - Top(ways_[s]) - kGapSteps * ways_[s].mean_step;
+        layer_from_first.y =
+            lowest - Top(trajectories_[s]) - kGapSteps * trajectories_[s].mean_step;
       }
-      for (const Pose2& pose : ways_[s].poses) {
+      for (const Pose2& pose : trajectories_[s].poses) {
         report_.odometry.push_back(layer_from_first * pose);
         lowest = std::min(lowest, report_.odometry.back().y);
       }
     }
   }
 
-  static double Top(const VisualOdometry& way) {
+  static double Top(const VisualOdometry& trajectory) {
     double top = 0;
-    for (const Pose2& pose : way.poses) top = std::max(top, pose.y);
+    for (const Pose2& pose : trajectory.poses) top = std::max(top, pose.y);
     return top;
   }
 
-  // The loop of the least deviation from a sequence before it.
+  // The loop of the least sigma from a sequence before it.
   const PanoramaRelation* SurestTie(const LoopClosure& closure, int s) const {
     const PanoramaRelation* surest = nullptr;
     for (const PanoramaRelation& loop : closure.loops) {
@@ -95,7 +96,7 @@ class LayerBuilder {
           loop.b >= taken_.stretches[s].last) {
         continue;
       }
-      if (surest == nullptr || loop.heading.deviation_rad < surest->heading.deviation_rad) {
+      if (surest == nullptr || loop.heading.sigma_rad < surest->heading.sigma_rad) {
         surest = &loop;
       }
     }
@@ -109,7 +110,7 @@ class LayerBuilder {
     if (closure.loops.empty()) return;
     std::vector<PoseEdge> edges;
     for (size_t s = 0; s < taken_.stretches.size(); ++s) {
-      for (PoseEdge edge : ways_[s].edges) {
+      for (PoseEdge edge : trajectories_[s].edges) {
         edge.a += taken_.stretches[s].first;
         edge.b += taken_.stretches[s].first;
         edges.push_back(edge);
@@ -141,7 +142,7 @@ class LayerBuilder {
   const AppearanceOptions& options_;
   const AppearanceProgress& progress_;
   AppearanceReport& report_;
-  std::vector<VisualOdometry> ways_;
+  std::vector<VisualOdometry> trajectories_;
   std::mutex reporting_;  // one call at a time
 };
 

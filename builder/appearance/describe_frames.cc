@@ -51,9 +51,9 @@ DescribedFrame Describe(const EncodedFrame& encoded, const DescribeOptions& opti
   try {
     const Panorama panorama = ToPanorama(frame.grey, options.panorama);
     described.signature = Signature(panorama, options.signature);
-    SignatureOptions of_way = options.signature;
-    of_way.rows = options.way_rows;
-    described.way_signature = Signature(panorama, of_way);
+    SignatureOptions of_trajectory = options.signature;
+    of_trajectory.rows = options.trajectory_rows;
+    described.trajectory_signature = Signature(panorama, of_trajectory);
     described.band = UsedBand(panorama, options.signature);
     if (options.features.max_kept > 0 && IsWholeSphere(panorama)) {
       described.features = ExtractPanoramaFeatures(panorama.grey, options.features.extract);
@@ -76,9 +76,9 @@ void DescribeOptions::Check() const {
   panorama.Check();
   signature.Check();
   features.Check();
-  SignatureOptions of_way = signature;
-  of_way.rows = way_rows;
-  of_way.Check();
+  SignatureOptions of_trajectory = signature;
+  of_trajectory.rows = trajectory_rows;
+  of_trajectory.Check();
   if (image_width != 0 && (image_width < kSmallestImage_px || image_width > kLargestImage_px)) {
     RefuseOption("image_width is " + std::to_string(image_width) + "; give 0 or 16 to 4096");
   }

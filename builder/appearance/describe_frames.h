@@ -21,7 +21,7 @@ struct DescribeOptions {
   SignatureOptions signature{.rows = 32};
   // Rows of the signatures that odometry and loops are measured by, 1 to 1024; the map doesn't keep
   // them. More measure headings and steps more finely.
-  int way_rows = 64;
+  int trajectory_rows = 64;
   // Features are taken from whole spheres alone: a mirror's image or a rig without its upper and
   // lower face gives none.
   NodeFeatureOptions features;
@@ -38,8 +38,8 @@ struct DescribeOptions {
 struct DescribedFrame {
   FrameInfo info;
   FourierSignature signature;
-  FourierSignature way_signature;  // the same with way_rows
-  ElevationBand band;              // that the signature's rows span
+  FourierSignature trajectory_signature;  // the same with way_rows
+  ElevationBand band;                     // that the signature's rows span
   BearingFeatures features;
   std::vector<uint8_t> jpeg;
   std::string error;      // set when it can't be used; the rest is empty then

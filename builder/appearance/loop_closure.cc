@@ -15,9 +15,9 @@
 namespace waystone {
 namespace {
 
-constexpr int kUsualSamples = 64;      // panoramas whose distances tell what is usual
-constexpr double kWayShare = 1.0 / 3;  // what odometry may be off by between two loops
-constexpr double kLeastDeviation = 1e-6;
+constexpr int kUsualSamples = 64;             // panoramas whose distances tell what is usual
+constexpr double kTrajectoryShare = 1.0 / 3;  // what odometry may be off by between two loops
+constexpr double kLeastSigma = 1e-6;
 
 using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -44,12 +44,12 @@ double MedianOf(std::vector<double> values) {
 class Closer {
  public:
   Closer(const std::vector<FourierSignature>& signatures,
-         const std::vector<PanoramaStretch>& stretches, const std::vector<VisualOdometry>& ways,
-         const VisualOdometryOptions& odometry, const LoopOptions& options,
-         const std::function<void()>& before_each)
+         const std::vector<PanoramaStretch>& stretches,
+         const std::vector<VisualOdometry>& trajectories, const VisualOdometryOptions& odometry,
+         const LoopOptions& options, const std::function<void()>& before_each)
       : signatures_(signatures),
         stretches_(stretches),
-        ways_(ways),
+        trajectories_(trajectories),
         odometry_(odometry),
         options_(options),
         before_each_(before_each),
@@ -80,12 +80,12 @@ class Closer {
     return stretch_of_[a] != stretch_of_[b] || std::abs(a - b) >= options_.min_gap;
   }
 
-  // What a panorama's mean distance of landmarks is in the unit of the way: the median over the
-  // steps near it, for single ones are noisy. 0 where no step tells.
+  // What a panorama's mean distance of landmarks is in the unit of the trajectory: the median over
+  // the steps near it, for single ones are noisy. 0 where no step tells.
   void FindUnits() {
     units_.assign(size(), 0);
     for (size_t s = 0; s < stretches_.size(); ++s) {
-      const auto& steps = ways_[s].steps;
+      const auto& steps = trajectories_[s].steps;
       const int count = stretches_[s].last - stretches_[s].first;
       for (int i = 0; i < count; ++i) {
         std::vector<double> units;
@@ -169,7 +169,7 @@ class Closer {
   std::optional<PanoramaRelation> Relation(int a, int b) const {
     const CompassHeading heading =
         RelativeHeading(signatures_[a], signatures_[b], odometry_.compass);
-    if (!heading.small_motion || heading.deviation_rad > options_.max_deviation_rad) return {};
+    if (!heading.small_motion || heading.sigma_rad > options_.max_sigma_rad) return {};
     double length = 0;  // without a direction it is the same place
     double direction = 0;
     if (heading.motion) {
@@ -182,12 +182,12 @@ class Closer {
         Pose2{length * std::cos(direction), length * std::sin(direction), heading.heading_rad}};
   }
 
-  const Pose2& WayPose(int i) const {
+  const Pose2& TrajectoryPose(int i) const {
     const int s = stretch_of_[i];
-    return ways_[s].poses[i - stretches_[s].first];
+    return trajectories_[s].poses[i - stretches_[s].first];
   }
 
-  double StepOf(int i) const { return ways_[stretch_of_[i]].mean_step; }
+  double StepOf(int i) const { return trajectories_[stretch_of_[i]].mean_step; }
 
   // How many others of the neighbourhood in both passes say the same.
   int Supporters(const PanoramaRelation& r, const std::vector<PanoramaRelation>& all) const {
@@ -207,15 +207,15 @@ class Closer {
   }
 
   bool Agree(const PanoramaRelation& r, const PanoramaRelation& other) const {
-    const Pose2 a_from_other_a = Inverse(WayPose(r.a)) * WayPose(other.a);
-    const Pose2 other_b_from_b = Inverse(WayPose(other.b)) * WayPose(r.b);
+    const Pose2 a_from_other_a = Inverse(TrajectoryPose(r.a)) * TrajectoryPose(other.a);
+    const Pose2 other_b_from_b = Inverse(TrajectoryPose(other.b)) * TrajectoryPose(r.b);
     const Pose2 difference =
         Inverse(r.a_from_b) * (a_from_other_a * other.a_from_b * other_b_from_b);
-    const double way = std::hypot(a_from_other_a.x, a_from_other_a.y) +
-                       std::hypot(other_b_from_b.x, other_b_from_b.y);
+    const double trajectory = std::hypot(a_from_other_a.x, a_from_other_a.y) +
+                              std::hypot(other_b_from_b.x, other_b_from_b.y);
     return std::abs(difference.theta_rad) <= options_.agreement_rad &&
            std::hypot(difference.x, difference.y) <=
-               options_.agreement_steps * StepOf(r.a) + kWayShare * way;
+               options_.agreement_steps * StepOf(r.a) + kTrajectoryShare * trajectory;
   }
 
   PoseEdge EdgeOf(const PanoramaRelation& r) const {
@@ -223,17 +223,17 @@ class Closer {
     edge.a = r.a;
     edge.b = r.b;
     edge.a_from_b = r.a_from_b;
-    edge.position_deviation = std::max(
-        kLeastDeviation, options_.length_deviation * std::hypot(r.a_from_b.x, r.a_from_b.y) +
-                             options_.steps_deviation * StepOf(r.a));
-    edge.heading_deviation_rad = std::max(kLeastDeviation, r.heading.deviation_rad);
+    edge.position_sigma =
+        std::max(kLeastSigma, options_.length_sigma * std::hypot(r.a_from_b.x, r.a_from_b.y) +
+                                  options_.steps_sigma * StepOf(r.a));
+    edge.heading_sigma_rad = std::max(kLeastSigma, r.heading.sigma_rad);
     edge.loop = true;
     return edge;
   }
 
   const std::vector<FourierSignature>& signatures_;
   const std::vector<PanoramaStretch>& stretches_;
-  const std::vector<VisualOdometry>& ways_;
+  const std::vector<VisualOdometry>& trajectories_;
   const VisualOdometryOptions& odometry_;
   const LoopOptions& options_;
   const std::function<void()>& before_each_;
@@ -251,25 +251,25 @@ void LoopOptions::Check() const {
   CheckRange("loop k1", k1, 1, 4096);
   CheckRange("max_distance_share", max_distance_share, 0.05, 1);
   CheckRange("candidates", candidates, 1, 20);
-  CheckRange("loop max_deviation_rad", max_deviation_rad, 0.001, 1);
+  CheckRange("loop max_deviation_rad", max_sigma_rad, 0.001, 1);
   CheckRange("min_supporters", min_supporters, 0, 20);
   CheckRange("neighbourhood", neighbourhood, 1, 1000);
   CheckRange("agreement_rad", agreement_rad, 0.001, 1);
   CheckRange("agreement_steps", agreement_steps, 0.1, 100);
-  CheckRange("loop length_deviation", length_deviation, 0.01, 10);
-  CheckRange("steps_deviation", steps_deviation, 0.01, 100);
+  CheckRange("loop length_deviation", length_sigma, 0.01, 10);
+  CheckRange("steps_deviation", steps_sigma, 0.01, 100);
 }
 
 LoopClosure CloseLoops(const std::vector<FourierSignature>& signatures, const ElevationBand& band,
                        const std::vector<PanoramaStretch>& stretches,
-                       const std::vector<VisualOdometry>& ways,
+                       const std::vector<VisualOdometry>& trajectories,
                        const VisualOdometryOptions& odometry, const LoopOptions& options,
                        const std::function<void()>& before_each) {
   options.Check();
   if (signatures.empty()) return {};
   VisualOdometryOptions of_band = odometry;
   of_band.compass.band = band;
-  return Closer(signatures, stretches, ways, of_band, options, before_each).Run();
+  return Closer(signatures, stretches, trajectories, of_band, options, before_each).Run();
 }
 
 }  // namespace waystone

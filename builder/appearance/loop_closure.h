@@ -21,7 +21,7 @@ struct LoopOptions {
   // Candidates a panorama, 1 to 20, each min_gap from the others.
   int candidates = 2;
   // Headings less certain than this close no loop, radians, 0.001 to 1.
-  double max_deviation_rad = 0.03;
+  double max_sigma_rad = 0.03;
   // Other candidates that must say the same, 0 to 20, among those of panoramas at most
   // neighbourhood (1 to 1000) before or behind in both passes: rooms that look alike seldom do so
   // over a stretch and from the same side.
@@ -33,8 +33,8 @@ struct LoopOptions {
   double agreement_steps = 2;
   // Deviation of the place of a loop: a share of its length, 0.01 to 10, and so many steps, 0.01
   // to 100.
-  double length_deviation = 0.3;
-  double steps_deviation = 0.5;
+  double length_sigma = 0.3;
+  double steps_sigma = 0.5;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -60,7 +60,7 @@ struct PanoramaStretch {
 // `before_each` is as for FollowPanoramas. The same for any number of threads.
 LoopClosure CloseLoops(const std::vector<FourierSignature>& signatures, const ElevationBand& band,
                        const std::vector<PanoramaStretch>& stretches,
-                       const std::vector<VisualOdometry>& ways,
+                       const std::vector<VisualOdometry>& trajectories,
                        const VisualOdometryOptions& odometry, const LoopOptions& options = {},
                        const std::function<void()>& before_each = {});
 

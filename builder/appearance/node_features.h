@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "localizer/panorama_features.h"
+#include "localizer/appearance/panorama_features.h"
 
 namespace waystone {
 

@@ -12,7 +12,7 @@ namespace {
 // Longer runs are too costly to try, and interpolation over them says nothing.
 constexpr int kLongestRun = 64;
 
-double Way(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+double Trajectory(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
 class Keeper {
  public:
@@ -22,9 +22,9 @@ class Keeper {
     mean_ = Eigen::MatrixXf::Zero(signatures[0].magnitudes.rows(), signatures[0].magnitudes.cols());
     for (size_t i = 0; i < signatures.size(); ++i) mean_ += At(static_cast<int>(i));
     mean_ /= static_cast<float>(signatures.size());
-    way_ = {0};
+    trajectory_ = {0};
     for (size_t i = 1; i < poses.size(); ++i) {
-      way_.push_back(way_.back() + Way(poses[i - 1], poses[i]));
+      trajectory_.push_back(trajectory_.back() + Trajectory(poses[i - 1], poses[i]));
     }
   }
 
@@ -44,9 +44,9 @@ class Keeper {
   bool CanSpan(int from, int to) const {
     const Eigen::MatrixXf a = At(from);
     const Eigen::MatrixXf b = At(to);
-    const double length = way_[to] - way_[from];
+    const double length = trajectory_[to] - trajectory_[from];
     for (int i = from + 1; i < to; ++i) {
-      const double share = length > 0 ? (way_[i] - way_[from]) / length : 0;
+      const double share = length > 0 ? (trajectory_[i] - trajectory_[from]) / length : 0;
       const Eigen::MatrixXf own = At(i);
       const double lost =
           (own - static_cast<float>(1 - share) * a - static_cast<float>(share) * b).squaredNorm();
@@ -58,7 +58,7 @@ class Keeper {
   const std::vector<FourierSignature>& signatures_;
   double max_loss_;
   Eigen::MatrixXf mean_;
-  std::vector<double> way_;  // to each panorama
+  std::vector<double> trajectory_;  // to each panorama
 };
 
 }  // namespace

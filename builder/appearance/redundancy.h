@@ -18,7 +18,7 @@ struct RedundancyOptions {
 };
 
 // Which panoramas of the stretches are kept; the ends of each stretch always are. Greedy along the
-// way: as many in a row are left out as all lose max_loss at most. `poses` give the way.
+// way: as many in a row are left out as all lose max_loss at most. `poses` give the trajectory.
 std::vector<bool> KeepInformative(const std::vector<FourierSignature>& signatures,
                                   const std::vector<Pose2>& poses,
                                   const std::vector<PanoramaStretch>& stretches,

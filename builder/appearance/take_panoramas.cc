@@ -56,7 +56,7 @@ void PanoramaTaker::Take(DescribedFrame frame) {
   if (taken_.signatures.empty()) taken_.band = frame.band;
   CheckBand(frame);
   TakeFeatures(frame);
-  taken_.signatures.push_back(std::move(frame.way_signature));
+  taken_.signatures.push_back(std::move(frame.trajectory_signature));
   taken_.frames.push_back(
       {std::move(frame.info), std::move(frame.signature), std::move(frame.jpeg), {}});
 }

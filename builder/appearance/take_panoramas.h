@@ -9,7 +9,7 @@
 // First step of BuildAppearanceLayer: sequences are read and described.
 namespace waystone {
 
-// What stays of a frame, besides what its way is measured by, until the nodes are made.
+// What stays of a frame, besides what its trajectory is measured by, until the nodes are made.
 struct TakenFrame {
   FrameInfo info;
   FourierSignature signature;

@@ -12,9 +12,9 @@
 namespace waystone {
 namespace {
 
-// Panoramas that are exactly alike: deviations must be above 0.
+// Panoramas that are exactly alike: sigmas must be above 0.
 constexpr double kLeastLength = 1e-6;
-constexpr double kLeastDeviation_rad = 1e-6;
+constexpr double kLeastSigma_rad = 1e-6;
 
 bool StoodStill(const CompassHeading& heading) { return heading.small_motion && !heading.motion; }
 
@@ -27,14 +27,14 @@ Pose2 Step(double length, const CompassHeading& heading) {
   return {length * std::cos(direction), length * std::sin(direction), heading.heading_rad};
 }
 
-PoseEdge EdgeOf(int a, int b, const Pose2& a_from_b, double position_deviation,
+PoseEdge EdgeOf(int a, int b, const Pose2& a_from_b, double position_sigma,
                 const CompassHeading& heading) {
   PoseEdge edge;
   edge.a = a;
   edge.b = b;
   edge.a_from_b = a_from_b;
-  edge.position_deviation = std::max(position_deviation, kLeastLength);
-  edge.heading_deviation_rad = std::max(heading.deviation_rad, kLeastDeviation_rad);
+  edge.position_sigma = std::max(position_sigma, kLeastLength);
+  edge.heading_sigma_rad = std::max(heading.sigma_rad, kLeastSigma_rad);
   return edge;
 }
 
@@ -53,10 +53,10 @@ class Follower {
     if (signatures_.empty()) return {};
     AddSteps();
     for (int span = 2; span <= options_.max_span; span *= 2) AddSpans(span);
-    if (way_.edges.size() > way_.steps.size()) {
-      way_.poses = OptimisePoseGraph(way_.poses, way_.edges).poses;
+    if (trajectory_.edges.size() > trajectory_.steps.size()) {
+      trajectory_.poses = OptimisePoseGraph(trajectory_.poses, trajectory_.edges).poses;
     }
-    return std::move(way_);
+    return std::move(trajectory_);
   }
 
  private:
@@ -73,29 +73,30 @@ class Follower {
 
   void AddSteps() {
     const std::vector<CompassHeading> headings = HeadingsOver(1);
-    way_.poses.emplace_back();
-    double way = 0;
+    trajectory_.poses.emplace_back();
+    double trajectory = 0;
     for (int a = 0; a + 1 < size(); ++a) {
       const CompassHeading& heading = headings[a];
       const double distance = SignatureDistance(signatures_[a], signatures_[a + 1], options_.k1);
       const Pose2 a_from_b = Step(StoodStill(heading) ? 0 : distance, heading);
-      way_.steps.push_back({a, a + 1, distance, heading, a_from_b});
-      way_.edges.push_back(
-          EdgeOf(a, a + 1, a_from_b, options_.length_deviation * distance, heading));
-      way_.poses.push_back(way_.poses.back() * a_from_b);
-      way_.uncertain += heading.deviation_rad > options_.max_deviation_rad;
-      way += std::hypot(a_from_b.x, a_from_b.y);
+      trajectory_.steps.push_back({a, a + 1, distance, heading, a_from_b});
+      trajectory_.edges.push_back(
+          EdgeOf(a, a + 1, a_from_b, options_.length_sigma * distance, heading));
+      trajectory_.poses.push_back(trajectory_.poses.back() * a_from_b);
+      trajectory_.uncertain += heading.sigma_rad > options_.max_sigma_rad;
+      trajectory += std::hypot(a_from_b.x, a_from_b.y);
     }
-    way_.mean_step = way / std::max(1, size() - 1);
+    trajectory_.mean_step = trajectory / std::max(1, size() - 1);
   }
 
   void AddSpans(int span) {
     const std::vector<CompassHeading> headings = HeadingsOver(span);
     for (int a = 0; a + span < size(); ++a) {
-      const Pose2 by_steps = Inverse(way_.poses[a]) * way_.poses[a + span];
+      const Pose2 by_steps = Inverse(trajectory_.poses[a]) * trajectory_.poses[a + span];
       const double length = std::hypot(by_steps.x, by_steps.y);
-      const double deviation = options_.span_deviation * std::max(length, way_.mean_step);
-      way_.edges.push_back(EdgeOf(a, a + span, Step(length, headings[a]), deviation, headings[a]));
+      const double sigma = options_.span_sigma * std::max(length, trajectory_.mean_step);
+      trajectory_.edges.push_back(
+          EdgeOf(a, a + span, Step(length, headings[a]), sigma, headings[a]));
     }
   }
 
@@ -103,7 +104,7 @@ class Follower {
   const VisualOdometryOptions& options_;
   const std::function<void()>& before_each_;
   CompassOptions compass_;
-  VisualOdometry way_;
+  VisualOdometry trajectory_;
 };
 
 }  // namespace
@@ -112,9 +113,9 @@ void VisualOdometryOptions::Check() const {
   compass.Check();
   CheckRange("odometry k1", k1, 1, 4096);
   CheckRange("max_span", max_span, 1, 64);
-  CheckRange("length_deviation", length_deviation, 0.01, 10);
-  CheckRange("span_deviation", span_deviation, 0.01, 10);
-  CheckRange("max_deviation_rad", max_deviation_rad, 0.01, 3);
+  CheckRange("length_deviation", length_sigma, 0.01, 10);
+  CheckRange("span_deviation", span_sigma, 0.01, 10);
+  CheckRange("max_deviation_rad", max_sigma_rad, 0.01, 3);
 }
 
 double SignatureDistance(const FourierSignature& a, const FourierSignature& b, int k1) {

@@ -13,9 +13,10 @@ namespace waystone {
 
 struct VisualOdometryOptions {
   // Magnitudes a row that the distance of two panoramas (eq. 2) is summed over, 1 to 4096, at most
-  // what the signatures have. The distance grows more slowly than the way: with all frequencies
-  // hardly any more after a few steps, so that even steps come out even, and uneven ones more even
-  // than they are. With few it follows the way longer, and the nearness of the walls more.
+  // what the signatures have. The distance grows more slowly than the trajectory: with all
+  // frequencies hardly any more after a few steps, so that even steps come out even, and uneven
+  // ones more even than they are. With few it follows the trajectory longer, and the nearness of
+  // the walls more.
   int k1 = 64;
   // Each panorama is compared with as many before it as powers of 2 up to this, 1 to 64: headings
   // over several steps don't share the errors of those over one, and don't add up. Costs a compass
@@ -23,14 +24,14 @@ struct VisualOdometryOptions {
   int max_span = 4;
   // The compass; its band is replaced by that of the signatures.
   CompassOptions compass;
-  // Standard deviation of a step's place, in its lengths, 0.01 to 10. Errors of neighbouring steps
+  // Standard sigma of a step's place, in its lengths, 0.01 to 10. Errors of neighbouring steps
   // are alike, for the walls stay as near as they were: more than a single step is off by. More
-  // lets loops bend the way more.
-  double length_deviation = 0.5;
+  // lets loops bend the trajectory more.
+  double length_sigma = 0.5;
   // The same for the longer spans, whose lengths are those of the steps in them, 0.01 to 10.
-  double span_deviation = 1.0;
+  double span_sigma = 1.0;
   // Steps whose headings are less certain are counted as uncertain, radians, 0.01 to 3.
-  double max_deviation_rad = 0.2;
+  double max_sigma_rad = 0.2;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -58,8 +59,8 @@ double SignatureDistance(const FourierSignature& a, const FourierSignature& b, i
 // The way of a camera that took these panoramas one after the other, in the unit of eq. (2).
 // A step is D long (eq. 2). The paper's robot looks where it goes, so its steps go along the
 // heading (eqs. 3 and 4); here they go where the compass saw the camera go, for cameras need not
-// look along their way, and along the middle of the turn only where it could not tell. A camera
-// that stood still (small motion without a direction) didn't move, though noise gives it a
+// look along their trajectory, and along the middle of the turn only where it could not tell. A
+// camera that stood still (small motion without a direction) didn't move, though noise gives it a
 // distance. Headings add up (eq. 5), and those over longer spans correct the sum (least squares).
 // `before_each`, where given, is called before each comparison, from any thread and by several at a
 // time; what it throws ends the work and is passed on.

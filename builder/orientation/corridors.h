@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "builder/orientation/turns.h"
-#include "schema/orientation_layer.h"
+#include "schema/layers/orientation/orientation_layer.h"
 
 namespace waystone {
 

@@ -10,12 +10,12 @@
 #include <utility>
 
 #include "core/manhattan/cube_rotations.h"
-#include "schema/orientation_way.h"
+#include "schema/layers/orientation/orientation_trajectory.h"
 
 namespace waystone {
 namespace {
 
-// head_from_building of a head that looks along x: x ahead, y to the left, z up.
+// rig_from_building of a rig that looks along x: x ahead, y to the left, z up.
 Eigen::Matrix3d LookingAlongX() {
   Eigen::Matrix3d axes;
   axes.col(0) = Eigen::Vector3d::UnitZ();
@@ -24,22 +24,22 @@ Eigen::Matrix3d LookingAlongX() {
   return axes;
 }
 
-BuildingRotation RotationOf(const Eigen::Matrix3d& head_from_building,
-                            const Eigen::Matrix3d& head_covariance) {
+BuildingRotation RotationOf(const Eigen::Matrix3d& rig_from_building,
+                            const Eigen::Matrix3d& rig_covariance) {
   BuildingRotation rotation;
-  Eigen::Quaterniond q(Eigen::Matrix3d(head_from_building.transpose()));
+  Eigen::Quaterniond q(Eigen::Matrix3d(rig_from_building.transpose()));
   q.normalize();
   if (q.w() < 0) q.coeffs() *= -1;
-  rotation.building_from_head = q;
-  // exp(w) R of the head is R^T exp(-w) = exp(-R^T w) R^T of the building.
-  const Eigen::Matrix3d c = head_from_building.transpose() * head_covariance * head_from_building;
+  rotation.building_from_rig = q;
+  // exp(w) R of the rig is R^T exp(-w) = exp(-R^T w) R^T of the building.
+  const Eigen::Matrix3d c = rig_from_building.transpose() * rig_covariance * rig_from_building;
   rotation.covariance = 0.5 * (c + c.transpose());
   return rotation;
 }
 
 constexpr double kEighth = 0.25 * std::numbers::pi;  // half a quarter turn
 constexpr double kClearly = 0.5;     // one of two is meant when its misfit is this share at most
-constexpr double kDoubt = 0.15;      // of their difference: deviation of a choice between two
+constexpr double kDoubt = 0.15;      // of their difference: sigma of a choice between two
 constexpr int kSteadyFrames = 10;    // for which a camera may be taken to turn on as before
 constexpr size_t kMostGuesses = 12;  // frames that are carried on before the axes are settled
 
@@ -54,7 +54,7 @@ Eigen::Matrix3d RotationBy(const Eigen::Vector3d& vector) {
   return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
 }
 
-// Standard deviation about the worst-known direction.
+// Standard sigma about the worst-known direction.
 double SigmaOf(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
@@ -103,7 +103,7 @@ std::optional<AxesFollower::Known> AxesFollower::Predict(const Known& from,
   }
   return Known{.view = view,
                .frame = frame_,
-               .head_from_building = turn * from.head_from_building,
+               .rig_from_building = turn * from.rig_from_building,
                .covariance = pose.covariance + turn * from.covariance * turn.transpose() +
                              sigma * sigma * Eigen::Matrix3d::Identity(),
                .votes = from.votes,
@@ -113,16 +113,16 @@ std::optional<AxesFollower::Known> AxesFollower::Predict(const Known& from,
 std::optional<ManhattanFrame> AxesFollower::AxesNear(const OrientationViewPtr& view,
                                                      const Known& predicted) const {
   const auto drift = [&](const ManhattanFrame& axes) {
-    return RotationAngle(axes.head_from_axes, predicted.head_from_building);
+    return RotationAngle(axes.rig_from_axes, predicted.rig_from_building);
   };
   if (view->frame.reliable()) {
-    ManhattanFrame own = Renumbered(view->frame, predicted.head_from_building);
+    ManhattanFrame own = Renumbered(view->frame, predicted.rig_from_building);
     if (drift(own) <= options_.max_drift_rad) return own;
   }
   // A doubtful prediction would find lines near it anyway.
   if (SigmaOf(predicted.covariance) > kClearly * options_.max_rival_drift_rad) return std::nullopt;
   ManhattanFrame near =
-      FindManhattanFrameNear(view->lines, predicted.head_from_building, manhattan_);
+      FindManhattanFrameNear(view->lines, predicted.rig_from_building, manhattan_);
   if (!near.reliable() || drift(near) > options_.max_rival_drift_rad) return std::nullopt;
   return near;
 }
@@ -130,7 +130,7 @@ std::optional<ManhattanFrame> AxesFollower::AxesNear(const OrientationViewPtr& v
 FollowedFrame AxesFollower::Know(Known known, ManhattanFrame axes, bool reliable) {
   constexpr size_t kMostAnchors = 24;
   FollowedFrame followed;
-  followed.rotation = RotationOf(known.head_from_building, known.covariance);
+  followed.rotation = RotationOf(known.rig_from_building, known.covariance);
   followed.anchored = anchored_;
   followed.reliable = reliable && anchored_;
   followed.axes = std::move(axes);
@@ -147,10 +147,10 @@ FollowedFrame AxesFollower::Know(Known known, ManhattanFrame axes, bool reliable
 FollowedFrame AxesFollower::Carry(Known predicted) {
   const std::optional<ManhattanFrame> axes = AxesNear(predicted.view, predicted);
   if (!axes) {
-    ManhattanFrame none = Renumbered(predicted.view->frame, predicted.head_from_building);
+    ManhattanFrame none = Renumbered(predicted.view->frame, predicted.rig_from_building);
     return Know(std::move(predicted), std::move(none), false);
   }
-  Join(axes->head_from_axes, axes->covariance, predicted.head_from_building, predicted.covariance);
+  Join(axes->rig_from_axes, axes->covariance, predicted.rig_from_building, predicted.covariance);
   return Know(std::move(predicted), *axes, true);
 }
 
@@ -163,21 +163,21 @@ FollowedFrame AxesFollower::Settle(const OrientationViewPtr& view) {
   }
   FollowedFrame followed;
   followed.axes = Renumbered(view->frame, LookingAlongX());
-  const bool told = view->frame.reliable() || view->frame.trouble == FrameTrouble::kRival;
+  const bool told = view->frame.reliable() || view->frame.error == FrameError::kRival;
   if (told) {
     const auto same = std::ranges::find_if(guesses, [&](const Known& guess) {
-      return CubeAngle(view->frame.head_from_axes, guess.head_from_building) <=
+      return CubeAngle(view->frame.rig_from_axes, guess.rig_from_building) <=
              options_.max_rival_drift_rad;
     });
     if (same == guesses.end()) {
       guesses.push_back({.view = view,
                          .frame = frame_,
-                         .head_from_building = followed.axes.head_from_axes,
+                         .rig_from_building = followed.axes.rig_from_axes,
                          .covariance = view->frame.covariance});
     } else {
       ++same->votes;
-      Join(Renumbered(view->frame, same->head_from_building).head_from_axes, view->frame.covariance,
-           same->head_from_building, same->covariance);
+      Join(Renumbered(view->frame, same->rig_from_building).rig_from_axes, view->frame.covariance,
+           same->rig_from_building, same->covariance);
     }
   }
   std::ranges::stable_sort(guesses, std::greater<>(), &Known::votes);
@@ -187,14 +187,14 @@ FollowedFrame AxesFollower::Settle(const OrientationViewPtr& view) {
   if (clear) {
     return Know({.view = view,
                  .frame = frame_,
-                 .head_from_building = followed.axes.head_from_axes,
+                 .rig_from_building = followed.axes.rig_from_axes,
                  .covariance = view->frame.covariance},
                 followed.axes, true);
   }
   if (guesses_.empty() || guesses_.front().votes < options_.min_votes) return followed;
   if (guesses_.size() > 1 && guesses_[1].votes > kClearly * guesses_.front().votes) return followed;
   Known best = guesses_.front();
-  best.head_from_building = NearestOfCube(best.head_from_building, LookingAlongX());
+  best.rig_from_building = NearestOfCube(best.rig_from_building, LookingAlongX());
   return Carry(std::move(best));
 }
 
@@ -209,7 +209,7 @@ std::optional<AxesFollower::Known> AxesFollower::Anchored(const OrientationViewP
 // A frame that nothing joins to the one before it.
 FollowedFrame AxesFollower::TakeUp(const OrientationViewPtr& view) {
   FollowedFrame followed;
-  followed.axes = Renumbered(view->frame, last_->head_from_building);
+  followed.axes = Renumbered(view->frame, last_->rig_from_building);
   if (!view->frame.reliable()) return followed;
   // Less than half a quarter turn can have gone by.
   const bool short_gap = (frame_ - last_->frame) * options_.max_jump_rad < kEighth;
@@ -217,11 +217,11 @@ FollowedFrame AxesFollower::TakeUp(const OrientationViewPtr& view) {
     anchors_.push_back(*last_);
     anchored_ = false;
   }
-  const double turned = RotationAngle(followed.axes.head_from_axes, last_->head_from_building);
+  const double turned = RotationAngle(followed.axes.rig_from_axes, last_->rig_from_building);
   if (short_gap && turned > options_.max_jump_rad * (frame_ - last_->frame)) return followed;
   return Know({.view = view,
                .frame = frame_,
-               .head_from_building = followed.axes.head_from_axes,
+               .rig_from_building = followed.axes.rig_from_axes,
                .covariance = view->frame.covariance},
               followed.axes, true);
 }
@@ -238,13 +238,13 @@ FollowedFrame AxesFollower::Follow(const OrientationViewPtr& view) {
     }
   }
   if (clear && frame_ - last_->frame == 1) {
-    const ManhattanFrame nearest = Renumbered(view->frame, last_->head_from_building);
-    const Eigen::Matrix3d turn = nearest.head_from_axes * last_->head_from_building.transpose();
+    const ManhattanFrame nearest = Renumbered(view->frame, last_->rig_from_building);
+    const Eigen::Matrix3d turn = nearest.rig_from_axes * last_->rig_from_building.transpose();
     const Eigen::Vector3d by = RotationVector(turn);
     if (by.norm() <= options_.max_jump_rad && (by - last_->rate).norm() <= options_.max_drift_rad) {
       return Know({.view = view,
                    .frame = frame_,
-                   .head_from_building = nearest.head_from_axes,
+                   .rig_from_building = nearest.rig_from_axes,
                    .covariance = nearest.covariance,
                    .rate = by},
                   nearest, true);

@@ -10,7 +10,7 @@
 
 namespace waystone {
 
-// Heading of a head in the building: 0 looks along x, pi / 2 along y; (-pi, pi]. Nothing for a
+// Heading of a rig in the building: 0 looks along x, pi / 2 along y; (-pi, pi]. Nothing for a
 // frame without a rotation.
 std::optional<double> HeadingOf(const OrientationFrame& frame);
 
@@ -43,8 +43,8 @@ class AxesFollower {
   struct Known {
     OrientationViewPtr view;
     int frame = 0;
-    Eigen::Matrix3d head_from_building;
-    Eigen::Matrix3d covariance;  // of its rotation vector, head's frame
+    Eigen::Matrix3d rig_from_building;
+    Eigen::Matrix3d covariance;  // of its rotation vector, rig's frame
     int votes = 1;               // frames that agreed, before the axes are settled
     Eigen::Vector3d rate = Eigen::Vector3d::Zero();  // turn from a frame to the next, rad
   };

@@ -9,8 +9,8 @@
 namespace waystone {
 namespace {
 
-SourceHead CalibratedHead(const Source& source) {
-  std::optional<SourceHead> head = HeadOf(source);
+SourceRig RequireRig(const Source& source) {
+  std::optional<SourceRig> head = RigOfSource(source);
   if (head) return std::move(*head);
   throw MapError(ErrorCode::kBadCamera, source.name() + " has no camera; give --camera");
 }
@@ -26,11 +26,7 @@ OrientationViewPtr Unreadable(const FrameInfo& info, const std::string& error) {
 
 LookedAtSource::LookedAtSource(SequenceId id, Source& source, const OrientationOptions& options,
                                OrientationBuilder& builder)
-    : id_(id),
-      source_(source),
-      head_(CalibratedHead(source)),
-      options_(options),
-      builder_(builder) {}
+    : id_(id), source_(source), head_(RequireRig(source)), options_(options), builder_(builder) {}
 
 std::optional<EncodedFrame> LookedAtSource::NextEncoded() {
   if (given_ == 0) builder_.StartSequence(id_);

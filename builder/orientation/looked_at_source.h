@@ -42,7 +42,7 @@ class LookedAtSource : public Source {
 
   SequenceId id_;
   Source& source_;
-  SourceHead head_;
+  SourceRig head_;
   OrientationOptions options_;
   OrientationBuilder& builder_;
   int given_ = 0;  // frames

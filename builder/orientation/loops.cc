@@ -24,8 +24,8 @@ Descriptors SampleOf(const BearingFeatures& features, int wanted) {
   return sample;
 }
 
-Eigen::Matrix3d HeadFromBuilding(const OrientationFrame& frame) {
-  return frame.rotation->building_from_head.conjugate().toRotationMatrix();
+Eigen::Matrix3d RigFromBuilding(const OrientationFrame& frame) {
+  return frame.rotation->building_from_rig.conjugate().toRotationMatrix();
 }
 
 bool MayClose(const OrientationFrame& a, const OrientationFrame& b,
@@ -33,7 +33,7 @@ bool MayClose(const OrientationFrame& a, const OrientationFrame& b,
   if (!a.reliable || !b.reliable) return false;
   if (a.sequence != b.sequence) return true;
   if (std::abs(b.frame - a.frame) < options.min_gap_frames) return false;
-  return RotationAngle(HeadFromBuilding(a), HeadFromBuilding(b)) <= options.max_turn_rad;
+  return RotationAngle(RigFromBuilding(a), RigFromBuilding(b)) <= options.max_turn_rad;
 }
 
 // The same orientation by the features, which don't depend on how axes are numbered.

@@ -23,7 +23,7 @@ struct FollowOptions {
   // The same where the lines leave a choice of frames, 0.005 to 0.5. Lower believes fewer frames of
   // single cameras. rad
   double max_rival_drift_rad = 0.04;
-  // Standard deviation of a rotation between two frames beside what its matches tell, 1e-5 to 0.1.
+  // Standard sigma of a rotation between two frames beside what its matches tell, 1e-5 to 0.1.
   // Higher trusts the lines more and the features less. rad
   double step_sigma_rad = 0.001;
   // A frame is kept every so many to find the quarter turn by, should it get lost, 1 to 1000; and
@@ -34,7 +34,7 @@ struct FollowOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Whether one can see the way from a frame to another (sec. II-B.2).
+// Whether one frame can be reached in view from another (sec. II-B.2).
 struct TraversabilityOptions {
   MatchOptions matching;
   // min_inliers is the paper's 10 correspondences. What a plane leaves open is settled by how the
@@ -60,8 +60,8 @@ struct TurnOptions {
   // A motion whose heading is within this angle of an axis follows it, 0.05 to 0.7. Higher settles
   // earlier and takes ways across a room for ways along an axis. rad
   double settled_rad = 0.35;
-  // Motions in a row along the same axis before the way counts as following it, 1 to 100. More
-  // leave out short detours and short ways between two turns.
+  // Motions in a row along the same axis before the trajectory counts as following it, 1 to 100.
+  // More leave out short detours and short ways between two turns.
   int settled_motions = 3;
 
   void Check() const;

@@ -52,7 +52,7 @@ OrientedFeatures Oriented(const MappedSequence& mapped, const NodeInWork& node) 
 }
 
 // The way's axis at a node: that of the motion there, else the one nearest to the view ahead.
-int WayAt(const MappedSequence& mapped, const NodeInWork& node) {
+int TrajectoryAt(const MappedSequence& mapped, const NodeInWork& node) {
   for (const SettledMotion& motion : mapped.motions) {
     if (motion.last >= node.frame) return motion.quarter_turns;
   }
@@ -66,8 +66,8 @@ OrientationNode NodeOf(const MappedSequence& mapped, const NodeInWork& work) {
   OrientationNode node{.frame = frame.id, .kind = work.kind, .directions = {}, .jpeg = {}};
   if (frame.reliable) {
     node.directions = TraversableDirections(work.view->lines, work.axes.axis_of_line,
-                                            frame.rotation->building_from_head.toRotationMatrix(),
-                                            WayAt(mapped, work));
+                                            frame.rotation->building_from_rig.toRotationMatrix(),
+                                            TrajectoryAt(mapped, work));
   }
   if (!work.view->thumbnail.empty()) cv::imencode(".jpg", work.view->thumbnail, node.jpeg);
   return node;
@@ -75,8 +75,8 @@ OrientationNode NodeOf(const MappedSequence& mapped, const NodeInWork& work) {
 
 // Consecutive nodes are joined where the last step to the later one is traversable, or it is seen
 // from the earlier one.
-std::vector<OrientationEdge> WayEdges(const MappedSequence& mapped,
-                                      const OrientationOptions& options) {
+std::vector<OrientationEdge> TrajectoryEdges(const MappedSequence& mapped,
+                                             const OrientationOptions& options) {
   if (mapped.nodes.empty()) return {};
   std::vector<int> matches(mapped.nodes.size() - 1);
   tbb::parallel_for(size_t{0}, matches.size(), [&](size_t i) {
@@ -98,7 +98,7 @@ std::vector<OrientationEdge> WayEdges(const MappedSequence& mapped,
   return edges;
 }
 
-// A loop between nodes that the way joins already is no news.
+// A loop between nodes that the trajectory joins already is no news.
 void AddLoops(const std::vector<MappedSequence>& sequences, const OrientationOptions& options,
               OrientationLayer& layer) {
   std::vector<LoopNode> nodes;
@@ -125,7 +125,7 @@ void AddSequence(const MappedSequence& mapped, const OrientationOptions& options
                            .axis_after = turn.axis_after});
   }
   for (const NodeInWork& node : mapped.nodes) layer.nodes.push_back(NodeOf(mapped, node));
-  const std::vector<OrientationEdge> edges = WayEdges(mapped, options);
+  const std::vector<OrientationEdge> edges = TrajectoryEdges(mapped, options);
   layer.edges.insert(layer.edges.end(), edges.begin(), edges.end());
   layer.corridors.insert(layer.corridors.end(), mapped.corridors.begin(), mapped.corridors.end());
 }

@@ -10,7 +10,7 @@
 #include "builder/orientation/options.h"
 #include "builder/orientation/sequence_mapper.h"
 #include "builder/orientation/view.h"
-#include "schema/orientation_layer.h"
+#include "schema/layers/orientation/orientation_layer.h"
 
 namespace waystone {
 

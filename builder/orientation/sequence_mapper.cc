@@ -93,9 +93,9 @@ void SequenceMapper::AddNode(int frame, OrientationNodeKind kind, int step_match
                            .step_matches = step_matches});
 }
 
-// From the last node on, every n frames: is the way still traversable? Where it isn't, the frame
-// becomes a node and the search starts anew from it. A frame that shows nothing says nothing about
-// the way: the next one is asked instead.
+// From the last node on, every n frames: is the trajectory still traversable? Where it isn't, the
+// frame becomes a node and the search starts anew from it. A frame that shows nothing says nothing
+// about the trajectory: the next one is asked instead.
 void SequenceMapper::LookFromNode() {
   const int frame = static_cast<int>(mapped_.frames.size()) - 1;
   if (At(frame).view->features.size() == 0) return;

@@ -8,7 +8,7 @@
 #include "builder/orientation/traversability.h"
 #include "builder/orientation/turns.h"
 #include "builder/orientation/view.h"
-#include "schema/orientation_layer.h"
+#include "schema/layers/orientation/orientation_layer.h"
 
 namespace waystone {
 
@@ -33,8 +33,8 @@ struct MappedSequence {
 };
 
 // Takes the views of one sequence in order and makes its topological map (sec. II-B): follows the
-// axes, watches for turns, and looks from each node as far as the way is traversable. Keeps the
-// views of the last few frames, of nodes and of jumps alone. Not thread-safe.
+// axes, watches for turns, and looks from each node as far as the trajectory is traversable. Keeps
+// the views of the last few frames, of nodes and of jumps alone. Not thread-safe.
 class SequenceMapper {
  public:
   SequenceMapper(SequenceId id, int64_t first_frame_id, const OrientationOptions& options);

@@ -26,7 +26,7 @@ double Parallax(const MatchedRays& rays, const RelativePose& pose) {
   return *middle;
 }
 
-// Azimuth around the building's vertical as the head sees it: 0 ahead, growing to the left.
+// Azimuth around the building's vertical as the rig sees it: 0 ahead, growing to the left.
 double Azimuth(const Eigen::Vector3d& ray, const Eigen::Vector3d& up) {
   const Eigen::Vector3d left = up.cross(Eigen::Vector3d::UnitZ());
   const Eigen::Vector3d ahead = left.cross(up);
@@ -35,7 +35,7 @@ double Azimuth(const Eigen::Vector3d& ray, const Eigen::Vector3d& up) {
 
 Eigen::Vector3d UpOf(const OrientationFrame& frame) {
   if (!frame.rotation) return -Eigen::Vector3d::UnitY();
-  return frame.rotation->building_from_head.conjugate() * Eigen::Vector3d::UnitZ();
+  return frame.rotation->building_from_rig.conjugate() * Eigen::Vector3d::UnitZ();
 }
 
 double Flow(const MatchedRays& rays, const std::vector<int>& inliers, const OrientationFrame& a,
@@ -51,8 +51,8 @@ double Flow(const MatchedRays& rays, const std::vector<int>& inliers, const Orie
 std::optional<double> Disagreement(const OrientationFrame& a, const OrientationFrame& b,
                                    const RelativePose& pose) {
   if (!a.reliable || !b.reliable) return std::nullopt;
-  const Eigen::Matrix3d a_from_axes = a.rotation->building_from_head.conjugate().toRotationMatrix();
-  const Eigen::Matrix3d b_from_axes = b.rotation->building_from_head.conjugate().toRotationMatrix();
+  const Eigen::Matrix3d a_from_axes = a.rotation->building_from_rig.conjugate().toRotationMatrix();
+  const Eigen::Matrix3d b_from_axes = b.rotation->building_from_rig.conjugate().toRotationMatrix();
   // Only the axes count, not their numbers: these may differ between sequences.
   const Eigen::Matrix3d nearest = NearestOfCube(b_from_axes, pose.b_from_a * a_from_axes);
   return RotationAngle(nearest * a_from_axes.transpose(), pose.b_from_a);
@@ -87,8 +87,8 @@ Traversal TestTraversability(const OrientedFeatures& a, const OrientedFeatures& 
   }
   traversal.connected = traversal.disagreement_rad.value_or(0) <= options.max_disagreement_rad;
   if (b.frame->rotation && Parallax(rays, pose) >= options.min_parallax_rad) {
-    // a's centre lies at t in b's frame: the head went the other way.
-    const Eigen::Vector3d motion = b.frame->rotation->building_from_head * -pose.translation;
+    // a's centre lies at t in b's frame: the rig went the other way.
+    const Eigen::Vector3d motion = b.frame->rotation->building_from_rig * -pose.translation;
     traversal.motion_rad = std::atan2(motion.y(), motion.x());
   }
   return traversal;

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "builder/orientation/options.h"
-#include "schema/orientation_layer.h"
+#include "schema/layers/orientation/orientation_layer.h"
 
 namespace waystone {
 
@@ -22,10 +22,10 @@ struct Traversal {
   // Angle between the essential matrix's rotation and R1 R2^T; nothing unless both frames are
   // reliable. rad
   std::optional<double> disagreement_rad;
-  // Heading of the motion in the building, from a to b, (-pi, pi]; nothing when the head hardly
+  // Heading of the motion in the building, from a to b, (-pi, pi]; nothing when the rig hardly
   // moved, or b has no rotation. rad
   std::optional<double> motion_rad;
-  // Mean motion of the features around the vertical, rad; above 0 to the left (the head turned to
+  // Mean motion of the features around the vertical, rad; above 0 to the left (the rig turned to
   // the right). 0 without matches.
   double flow_rad = 0;
 };

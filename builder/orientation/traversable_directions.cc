@@ -17,9 +17,9 @@ Eigen::Vector3d LeftOf(int quarter_turns) {
 
 }  // namespace
 
-DirectionCell CellOf(const Eigen::Vector3d& head_ray, const Eigen::Matrix3d& building_from_head,
+DirectionCell CellOf(const Eigen::Vector3d& rig_ray, const Eigen::Matrix3d& building_from_rig,
                      int quarter_turns) {
-  const Eigen::Vector3d ray = building_from_head * head_ray;
+  const Eigen::Vector3d ray = building_from_rig * rig_ray;
   const double left = ray.dot(LeftOf(quarter_turns));
   if (std::abs(ray.z()) >= std::abs(left)) {
     return ray.z() >= 0 ? DirectionCell::kUp : DirectionCell::kDown;
@@ -29,14 +29,14 @@ DirectionCell CellOf(const Eigen::Vector3d& head_ray, const Eigen::Matrix3d& bui
 
 std::array<int, 4> TraversableDirections(std::span<const GreatCircle> lines,
                                          std::span<const int> axis_of_line,
-                                         const Eigen::Matrix3d& building_from_head,
+                                         const Eigen::Matrix3d& building_from_rig,
                                          int quarter_turns) {
   WS_CHECK(lines.size() == axis_of_line.size(), "an axis a line");
   const int across = 1 - quarter_turns % 2;
   std::array<int, 4> counts{};
   for (size_t i = 0; i < lines.size(); ++i) {
     if (axis_of_line[i] != across) continue;
-    ++counts[static_cast<size_t>(CellOf(lines[i].middle, building_from_head, quarter_turns))];
+    ++counts[static_cast<size_t>(CellOf(lines[i].middle, building_from_rig, quarter_turns))];
   }
   return counts;
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/orientation/turns.h"
-#include "core/base/angle.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+
+#include "core/base/angle.h"
 
 namespace waystone {
 namespace {

@@ -62,7 +62,7 @@ struct DecidedTurn {
 };
 
 // Which jumps are turns (sec. II-B.1): a jump is one where the motion settles along another axis
-// around it, in the sense in which the head turned. The paper's test alone, not connected means
+// around it, in the sense in which the rig turned. The paper's test alone, not connected means
 // turned, decides where the motion isn't known before or after it: cameras that see all around stay
 // connected through a turn. Pure.
 std::vector<DecidedTurn> DecideTurns(std::span<const TestedJump> jumps,

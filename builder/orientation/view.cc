@@ -33,26 +33,26 @@ OrientationSequence SequenceOf(SequenceId id, RigSequence sequence) {
   return {.id = id, .rig = shared->rig, .next = next};
 }
 
-std::vector<cv::Mat> SourceHead::ImagesOf(const std::vector<cv::Mat>& loaded) const {
+std::vector<cv::Mat> SourceRig::ImagesOf(const std::vector<cv::Mat>& loaded) const {
   return panorama ? FacesOfPanorama(loaded.front(), rig.cameras.front().camera.width) : loaded;
 }
 
-std::optional<SourceHead> HeadOf(const Source& source) {
+std::optional<SourceRig> RigOfSource(const Source& source) {
   constexpr int kFaceShare = 4;
-  if (const std::optional<Rig> faces = source.faces()) return SourceHead{.rig = *faces};
+  if (const std::optional<Rig> faces = source.faces()) return SourceRig{.rig = *faces};
   const std::optional<Camera>& camera = source.camera();
   const cv::Size size = camera ? cv::Size(camera->width, camera->height) : source.frame_size();
   const bool panorama = camera ? camera->model == CameraModel::kEquirectangular
                                : size.height > 0 && size.width == 2 * size.height;
   if (panorama) {
-    return SourceHead{.rig = CubeRig(std::max(1, size.width / kFaceShare)), .panorama = true};
+    return SourceRig{.rig = CubeRig(std::max(1, size.width / kFaceShare)), .panorama = true};
   }
-  if (camera) return SourceHead{.rig = RigOfOne(*camera)};
+  if (camera) return SourceRig{.rig = RigOfOne(*camera)};
   return std::nullopt;
 }
 
 OrientationSequence SequenceOf(SequenceId id, Source& source) {
-  const std::optional<SourceHead> head = HeadOf(source);
+  const std::optional<SourceRig> head = RigOfSource(source);
   if (!head) {
     throw MapError(
         ErrorCode::kBadCamera,

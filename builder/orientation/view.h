@@ -31,8 +31,8 @@ struct OrientationSequence {
   std::function<std::optional<OrientationMoment>()> next;
 };
 
-// The head that takes a source's frames.
-struct SourceHead {
+// The rig that takes a source's frames.
+struct SourceRig {
   Rig rig;
   bool panorama = false;  // frames are whole panoramas, which become the rig's faces
 
@@ -43,7 +43,7 @@ struct SourceHead {
 // The faces of a rig; six faces, a quarter as wide, of panoramas (an equirectangular camera, or
 // none and exactly twice as wide as high); or the one camera. Nothing for a source without a
 // calibration.
-std::optional<SourceHead> HeadOf(const Source& source);
+std::optional<SourceRig> RigOfSource(const Source& source);
 
 // All moments of a rig's folder. The sequence is copied.
 OrientationSequence SequenceOf(SequenceId id, RigSequence sequence);

@@ -35,8 +35,8 @@ class PlanFrame {
     scale_ =
         std::min((kPlanWidth - 2 * kPlanMargin) / wide, (kPlanMostHeight - 2 * kPlanMargin) / high);
     height_ = 2 * kPlanMargin + scale_ * high;
-    margin_ =
-        (kPlanWidth - scale_ * wide) / 2;  // a way that is higher than wide stands in the middle
+    margin_ = (kPlanWidth - scale_ * wide) /
+              2;  // a trajectory that is higher than wide stands in the middle
   }
 
   double height() const { return height_; }

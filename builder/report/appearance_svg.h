@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "schema/appearance_layer.h"
+#include "schema/layers/appearance/appearance_layer.h"
 
 namespace waystone {
 

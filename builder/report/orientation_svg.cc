@@ -11,7 +11,7 @@
 
 #include "builder/orientation/follow.h"
 #include "core/base/text.h"
-#include "schema/orientation_way.h"
+#include "schema/layers/orientation/orientation_trajectory.h"
 
 namespace waystone {
 namespace {
@@ -76,15 +76,15 @@ class Curve {
 };
 
 // The way of a sequence in the drawing, y up.
-class DrawnWay {
+class DrawnTrajectory {
  public:
-  DrawnWay(const OrientationLayer& layer, const Rows& rows) : rows_(rows) {
-    const std::vector<Eigen::Vector2d> way = WayOf(layer);
-    Eigen::Vector2d low = way[rows.first];
+  DrawnTrajectory(const OrientationLayer& layer, const Rows& rows) : rows_(rows) {
+    const std::vector<Eigen::Vector2d> trajectory = ComputeTrajectory(layer);
+    Eigen::Vector2d low = trajectory[rows.first];
     Eigen::Vector2d high = low;
     for (size_t i = rows.first; i <= rows.last; ++i) {
-      low = low.cwiseMin(way[i]);
-      high = high.cwiseMax(way[i]);
+      low = low.cwiseMin(trajectory[i]);
+      high = high.cwiseMax(trajectory[i]);
     }
     const Eigen::Vector2d size = (high - low).cwiseMax(1);
     const double scale =
@@ -92,8 +92,8 @@ class DrawnWay {
     height_ = scale * (high.y() - low.y()) + 2 * kMargin;
     const double left = (kWidth - scale * (high.x() - low.x())) / 2;
     for (size_t i = rows.first; i <= rows.last; ++i) {
-      points_.emplace_back(left + scale * (way[i].x() - low.x()),
-                           kMargin + scale * (high.y() - way[i].y()));
+      points_.emplace_back(left + scale * (trajectory[i].x() - low.x()),
+                           kMargin + scale * (high.y() - trajectory[i].y()));
       row_[layer.frames[i].id] = i;
     }
   }
@@ -124,10 +124,10 @@ void Circle(std::ostream& svg, const Eigen::Vector2d& at, double radius, const s
       << "><title>" << EscapeHtml(title) << "</title></circle>\n";
 }
 
-void DrawNode(std::ostream& svg, const DrawnWay& way, const OrientationLayer& layer,
+void DrawNode(std::ostream& svg, const DrawnTrajectory& trajectory, const OrientationLayer& layer,
               const OrientationNode& node) {
-  const OrientationFrame& frame = layer.frames[way.RowOf(node.frame)];
-  const Eigen::Vector2d& at = way.At(node.frame);
+  const OrientationFrame& frame = layer.frames[trajectory.RowOf(node.frame)];
+  const Eigen::Vector2d& at = trajectory.At(node.frame);
   if (const std::optional<double> heading = HeadingOf(frame)) {
     Line(svg, at, at + kTick * Eigen::Vector2d(std::cos(*heading), -std::sin(*heading)),
          "currentColor", 2);
@@ -154,12 +154,12 @@ struct Panel {
 
 // What both panels show: corridors, turns and the values' axis.
 void DrawGround(std::ostream& svg, const Panel& panel, const OrientationLayer& layer,
-                const DrawnWay& way, const std::vector<double>& ticks) {
+                const DrawnTrajectory& trajectory, const std::vector<double>& ticks) {
   const auto frame_of = [&](OrientationFrameId id) {
-    return static_cast<double>(layer.frames[way.RowOf(id)].frame);
+    return static_cast<double>(layer.frames[trajectory.RowOf(id)].frame);
   };
   for (const Corridor& corridor : layer.corridors) {
-    if (!way.Has(corridor.first)) continue;
+    if (!trajectory.Has(corridor.first)) continue;
     const double left = panel.X(frame_of(corridor.first));
     svg << "<rect x=" << left << " y=" << panel.top
         << " width=" << panel.X(frame_of(corridor.last)) - left << " height=" << panel.height
@@ -171,7 +171,7 @@ void DrawGround(std::ostream& svg, const Panel& panel, const OrientationLayer& l
         << std::lround(tick) << "</text>\n";
   }
   for (const OrientationTurn& turn : layer.turns) {
-    if (!way.Has(turn.frame)) continue;
+    if (!trajectory.Has(turn.frame)) continue;
     const double x = panel.X(frame_of(turn.frame));
     Line(svg, {x, panel.top}, {x, panel.top + panel.height}, turn.confirmed ? kRed : kBlue, 2);
   }
@@ -222,24 +222,26 @@ std::vector<SequenceId> SequencesOf(const OrientationLayer& layer) {
 
 std::string OrientationMapSvg(const OrientationLayer& layer, SequenceId sequence) {
   const Rows rows = RowsOf(layer, sequence);
-  const DrawnWay way(layer, rows);
-  std::ostringstream svg = Svg(way.height(), "Way by its turns");
+  const DrawnTrajectory trajectory(layer, rows);
+  std::ostringstream svg = Svg(trajectory.height(), "Way by its turns");
   for (const Corridor& corridor : layer.corridors) {
-    if (way.Has(corridor.first)) way.Draw(svg, corridor);
+    if (trajectory.Has(corridor.first)) trajectory.Draw(svg, corridor);
   }
-  way.Draw(svg, rows.first, rows.last, "#8888", 2);
+  trajectory.Draw(svg, rows.first, rows.last, "#8888", 2);
   for (const OrientationEdge& edge : layer.edges) {
-    if (edge.kind != OrientationEdgeKind::kLoop || !way.Has(edge.a) || !way.Has(edge.b)) continue;
-    Line(svg, way.At(edge.a), way.At(edge.b), kOrange, 2);
+    if (edge.kind != OrientationEdgeKind::kLoop || !trajectory.Has(edge.a) ||
+        !trajectory.Has(edge.b))
+      continue;
+    Line(svg, trajectory.At(edge.a), trajectory.At(edge.b), kOrange, 2);
   }
   for (const OrientationNode& node : layer.nodes) {
-    if (way.Has(node.frame)) DrawNode(svg, way, layer, node);
+    if (trajectory.Has(node.frame)) DrawNode(svg, trajectory, layer, node);
   }
   for (const OrientationTurn& turn : layer.turns) {
-    if (turn.confirmed || !way.Has(turn.frame)) continue;
-    Circle(svg, way.At(turn.frame), 8,
+    if (turn.confirmed || !trajectory.Has(turn.frame)) continue;
+    Circle(svg, trajectory.At(turn.frame), 8,
            std::string("fill=none stroke=\"") + kBlue + "\" stroke-width=4",
-           "the camera turned alone: " + layer.frames[way.RowOf(turn.frame)].source);
+           "the camera turned alone: " + layer.frames[trajectory.RowOf(turn.frame)].source);
   }
   svg << "</svg>\n";
   return svg.str();
@@ -247,16 +249,16 @@ std::string OrientationMapSvg(const OrientationLayer& layer, SequenceId sequence
 
 std::string OrientationPlotSvg(const OrientationLayer& layer, SequenceId sequence) {
   const Rows rows = RowsOf(layer, sequence);
-  const DrawnWay way(layer, rows);
+  const DrawnTrajectory trajectory(layer, rows);
   const double first = layer.frames[rows.first].frame;
   const double last = layer.frames[rows.last].frame;
   const Panel headings{20, kHeadingHeight, -185, 185, first, last};
   const double most = MostLines(layer, rows);
   const Panel lines{20 + kHeadingHeight + kGap, kLinesHeight, 0, most, first, last};
   std::ostringstream svg = Svg(lines.top + kLinesHeight + 40, "Heading and lines over the frames");
-  DrawGround(svg, headings, layer, way, {-180, -90, 0, 90, 180});
+  DrawGround(svg, headings, layer, trajectory, {-180, -90, 0, 90, 180});
   DrawHeadings(svg, headings, layer, rows);
-  DrawGround(svg, lines, layer, way, {0, std::floor(most / 2), most});
+  DrawGround(svg, lines, layer, trajectory, {0, std::floor(most / 2), most});
   DrawLineCounts(svg, lines, layer, rows);
   const double bottom = lines.top + kLinesHeight + 25;
   svg << "<text x=" << kLeft << " y=" << bottom << '>' << std::lround(first)

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "schema/orientation_layer.h"
+#include "schema/layers/orientation/orientation_layer.h"
 
 // Pictures of the orientation layer (Puig et al. 2012), each as one <svg> of the report's style.
 // They draw a sequence, which has at least one frame in the layer.
@@ -13,9 +13,9 @@ namespace waystone {
 // The sequences of a layer in the order of its frames.
 std::vector<SequenceId> SequencesOf(const OrientationLayer& layer);
 
-// The topological map (fig. 10): the way by its turns alone (schema/orientation_way.h) with red
-// turns, green nodes where the view breaks, blue false turns where the camera turned alone, loops
-// and corridors; a stroke at a node is its heading.
+// The topological map (fig. 10): the trajectory by its turns alone
+// (schema/orientation_trajectory.h) with red turns, green nodes where the view breaks, blue false
+// turns where the camera turned alone, loops and corridors; a stroke at a node is its heading.
 std::string OrientationMapSvg(const OrientationLayer& layer, SequenceId sequence);
 
 // Heading and lines along each axis over the frames (figs. 3, 4 and 11) with turns as vertical

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "builder/build_map.h"
+#include "schema/file/map_store.h"
 #include "schema/map_data.h"
-#include "schema/map_store.h"
 
 namespace waystone {
 

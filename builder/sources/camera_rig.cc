@@ -22,7 +22,7 @@ bool IsCube(const Rig& rig) {
     const Rig cube = CubeRig(width);
     const auto face = std::ranges::find(cube.cameras, camera.name, &RigCamera::name);
     if (face == cube.cameras.end()) return false;
-    if (!camera.head_from_camera.isApprox(face->head_from_camera, kSamePose)) return false;
+    if (!camera.rig_from_camera.isApprox(face->rig_from_camera, kSamePose)) return false;
     for (size_t i = 0; i < face->camera.params.size(); ++i) {
       const double off = std::abs(camera.camera.params[i] - face->camera.params[i]);
       if (off > kSameShare * width) return false;

@@ -47,8 +47,8 @@ Rig ReadCamchain(const CameraSection& file) {
     const CameraSection section = file.Under(name);  // refuses a gap in the numbers
     RigCamera camera{.name = name, .camera = ReadCameraSection(section)};
     if (i > 0) {
-      camera.head_from_camera =
-          rig.cameras.back().head_from_camera * ReadChainLink(section).inverse();
+      camera.rig_from_camera =
+          rig.cameras.back().rig_from_camera * ReadChainLink(section).inverse();
     }
     rig.cameras.push_back(camera);
   }
@@ -71,7 +71,7 @@ RigCamera ReadOwnRigCamera(const CameraSection& section) {
     const std::vector<double> numbers = section.Numbers({kTranslation}, 3);
     t = {numbers[0], numbers[1], numbers[2]};
   }
-  camera.head_from_camera = Pose(section, quaternion.normalized().toRotationMatrix(), t, kRotation);
+  camera.rig_from_camera = Pose(section, quaternion.normalized().toRotationMatrix(), t, kRotation);
   return camera;
 }
 

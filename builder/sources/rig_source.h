@@ -13,7 +13,7 @@
 namespace waystone {
 
 // Reads a rig file, recognising by its keys
-//   Kalibr's camchain: cam0, cam1, ... with T_cn_cnm1 (x_cn = T x_cn-1); the head is cam0
+//   Kalibr's camchain: cam0, cam1, ... with T_cn_cnm1 (x_cn = T x_cn-1); the rig is cam0
 //   our own:
 //     cameras:
 //       - name: front                        # also its folder or file
@@ -29,14 +29,14 @@ Rig ReadRigFile(const std::filesystem::path& path);
 // list. Throws MapError(kBadCamera) for a file that can't be read.
 bool HasSeveralCameras(const std::filesystem::path& path);
 
-// One moment of a head.
+// One moment of a rig.
 struct RigMoment {
   std::string source;  // relative to the sequence: "017", "000012.jpg"
   std::optional<double> time_s;
   std::vector<std::filesystem::path> images;  // one a camera; for a panorama the one image
 };
 
-// A head's images in order.
+// A rig's images in order.
 struct RigSequence {
   std::string
       layout;  // "parallel folders", "numbered folders", "one moment", "images", "panoramas"
@@ -58,7 +58,7 @@ struct RigOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Recognises how a folder holds the images of a head:
+// Recognises how a folder holds the images of a rig:
 //   one folder a camera (FRONT/000.jpg, BACK/000.jpg; also in a folder rig/)   parallel folders, by
 //                                      order, or by time where all names are time stamps
 //   one folder a moment (000/front.jpg, 000/back.jpg)                          numbered folders

@@ -11,4 +11,6 @@ inline double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+inline double MillisecondsSince(Clock::time_point start) { return 1000 * SecondsSince(start); }
+
 }  // namespace waystone

@@ -10,4 +10,7 @@ namespace waystone {
 // become character references.
 std::string EscapeHtml(std::string_view text);
 
+// `text` as one segment of a URL's path: all but letters, digits and "-._~" as %XX.
+std::string EncodeSegment(std::string_view text);
+
 }  // namespace waystone

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kMinColumns = 64;
 constexpr int kMinRows = 8;
-constexpr double kMinDeviation = 1;        // grey levels: less is an image of nothing
+constexpr double kMinSigma = 1;            // grey levels: less is an image of nothing
 constexpr double kAspectTolerance = 0.02;  // of twice as wide as high
 constexpr double kUsualColumns = 0.98;     // share of the columns whose differences are usual
 // The mirror's search: on an image of this many pixels a side, then on finer ones.
@@ -60,9 +60,9 @@ void CheckContent(const cv::Mat& grey) {
                    "x" + std::to_string(kMinRows));
   }
   cv::Scalar mean;
-  cv::Scalar deviation;
-  cv::meanStdDev(grey, mean, deviation);
-  if (deviation[0] < kMinDeviation) {
+  cv::Scalar sigma;
+  cv::meanStdDev(grey, mean, sigma);
+  if (sigma[0] < kMinSigma) {
     RefusePanorama("the image shows nothing: all its grey levels are near " + Rounded(mean[0]) +
                    "; uncover the lens or lengthen the exposure");
   }

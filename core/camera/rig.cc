@@ -25,7 +25,7 @@ bool IsRotation(const Eigen::Matrix3d& r) {
 RigCamera Face(const char* name, const Camera& camera, const Eigen::Vector3d& right,
                const Eigen::Vector3d& down) {
   RigCamera face{.name = name, .camera = camera};
-  face.head_from_camera.linear() << right, down, right.cross(down);
+  face.rig_from_camera.linear() << right, down, right.cross(down);
   return face;
 }
 
@@ -45,8 +45,8 @@ void CheckRig(const Rig& rig) {
     } catch (const MapError& error) {
       RefuseRig(name + ": " + error.what());
     }
-    if (!IsRotation(camera.head_from_camera.linear()) ||
-        !camera.head_from_camera.translation().allFinite()) {
+    if (!IsRotation(camera.rig_from_camera.linear()) ||
+        !camera.rig_from_camera.translation().allFinite()) {
       RefuseRig(name + ": its pose in the head is no rotation and finite translation; correct it");
     }
   }

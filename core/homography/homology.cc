@@ -2,7 +2,6 @@
 #include "core/homography/homology.h"
 
 #include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <complex>
 
@@ -46,7 +45,7 @@ Matrix3d WithNoiseOf(const HomographyEstimate& n, const Matrix3d& b_from_a, cons
 }  // namespace
 
 void HomologyOptions::Check() const {
-  if (!(max_deviations > 0) || draws < 10) {
+  if (!(max_sigmas > 0) || draws < 10) {
     throw MapError(ErrorCode::kBadOptions,
                    "homology: max_deviations must be above 0 and draws 10 "
                    "or more; leave them at their defaults");
@@ -100,9 +99,9 @@ Homology TestHomology(const HomographyEstimate& m, const HomographyEstimate& n,
   result.split_sigma = std::sqrt(split2 / options.draws);
   result.third_sigma = std::sqrt(third2 / options.draws);
 
-  const bool pair_near_one = result.split <= options.max_deviations * result.split_sigma;
+  const bool pair_near_one = result.split <= options.max_sigmas * result.split_sigma;
   const bool third_near_one =
-      std::abs(result.third_eigenvalue - 1) <= options.max_deviations * result.third_sigma;
+      std::abs(result.third_eigenvalue - 1) <= options.max_sigmas * result.third_sigma;
   if (!pair_near_one) {
     result.kind = HomologyKind::kInvalid;
   } else {

@@ -18,7 +18,7 @@ enum class HomologyKind {
 struct HomologyOptions {
   // How many standard deviations of its noise an eigenvalue may be off and still count as near one.
   // Higher accepts more false planes, lower rejects more true ones.
-  double max_deviations = 4.0;
+  double max_sigmas = 4.0;
   // Draws from which those standard deviations are taken.
   int draws = 40;
   uint64_t seed = 1;

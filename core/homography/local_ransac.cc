@@ -102,7 +102,7 @@ PlaneFit Evaluate(const MatchedPoints& points, std::span<const int> active, cons
   return fit;
 }
 
-// Standard deviation of the errors' coordinates, from their median: outliers don't move it much.
+// Standard sigma of the errors' coordinates, from their median: outliers don't move it much.
 double RobustSigma(const MatchedPoints& points, const PlaneFit& fit) {
   const PlaneModel inverse = Inverse(fit.model);
   std::vector<double> errors2;
@@ -170,7 +170,7 @@ Neighbourhoods::Neighbourhoods(std::span<const Vector2d> points, int k)
 }
 
 void LocalRansacOptions::Check() const {
-  const bool good = min_error_px > 0 && max_error_px >= min_error_px && max_deviations > 1 &&
+  const bool good = min_error_px > 0 && max_error_px >= min_error_px && max_sigmas > 1 &&
                     confidence > 0 && confidence < 1 && max_samples >= 1 && neighbourhood >= 3 &&
                     min_height_ratio >= 0 && min_height_ratio < 0.5 && max_refits >= 0 &&
                     wide_refits >= 0 && min_refit_share >= 0 && min_refit_share <= 1;
@@ -195,7 +195,7 @@ PlaneModel Inverse(const PlaneModel& model) {
 }
 
 double ErrorBound(double sigma_px, const LocalRansacOptions& options) {
-  return std::clamp(options.max_deviations * sigma_px, options.min_error_px, options.max_error_px);
+  return std::clamp(options.max_sigmas * sigma_px, options.min_error_px, options.max_error_px);
 }
 
 double SamplesNeeded(double confidence, double sample_probability) {
@@ -204,8 +204,8 @@ double SamplesNeeded(double confidence, double sample_probability) {
   return std::log(1 - confidence) / std::log1p(-sample_probability);  // eq. (1)
 }
 
-PlaneFit Regrow(const MatchedPoints& points, std::span<const int> active, const PlaneFit& start,
-                const LocalRansacOptions& options) {
+PlaneFit LocalOptimize(const MatchedPoints& points, std::span<const int> active,
+                       const PlaneFit& start, const LocalRansacOptions& options) {
   PlaneFit best = start;
   std::vector<int> support = start.inliers;
   for (int refit = 0; refit < options.max_refits && support.size() >= 5; ++refit) {
@@ -243,7 +243,7 @@ std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const i
     PlaneFit fit = Evaluate(points, active, *model, options.max_error_px);
     // Local samples extrapolate badly: one that is much worse than the best may still grow past it.
     if (fit.score <= options.min_refit_share * best.score) continue;
-    fit = Regrow(points, active, fit, options);
+    fit = LocalOptimize(points, active, fit, options);
     if (fit.score <= best.score) continue;
     best = std::move(fit);
     needed = std::min<double>(

@@ -44,7 +44,7 @@ struct LocalRansacOptions {
   double max_error_px = 2.0;
   // The bound is tightened to this many standard deviations of the errors of the plane's own
   // inliers, so that sharp images tell planes apart that blurred ones can't ...
-  double max_deviations = 4.0;
+  double max_sigmas = 4.0;
   // ... but not below this. px
   double min_error_px = 0.75;
   // p of eq. (1): probability that one sample at least is made of inliers alone.
@@ -94,8 +94,8 @@ std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const i
                                   const LocalRansacOptions& options, Random& random);
 
 // Least-squares refits of a model on its own inliers among the `active` rows until they don't grow.
-PlaneFit Regrow(const MatchedPoints& points, std::span<const int> active, const PlaneFit& start,
-                const LocalRansacOptions& options);
+PlaneFit LocalOptimize(const MatchedPoints& points, std::span<const int> active,
+                       const PlaneFit& start, const LocalRansacOptions& options);
 
 // The largest error of an inlier of a plane whose inliers' errors have a given standard deviation
 // (of a coordinate), px.

@@ -190,7 +190,7 @@ std::vector<bool> AmbiguousPlanes(const SpaceModel& best, std::span<SpaceModel> 
                                   std::span<const PlaneSighting> sightings,
                                   const SpaceOptions& options, double scale) {
   std::vector<bool> ambiguous(best.planes.size(), false);
-  const double limit = best.cost + scale * options.rival_deviations * options.rival_deviations;
+  const double limit = best.cost + scale * options.rival_sigmas * options.rival_sigmas;
   for (SpaceModel& rival : rivals) {
     if (rival.cost > 4 * limit) break;  // hopeless after its first steps; sorted by that cost
     RefineSpace(rival, sightings, options, options.max_steps);
@@ -229,7 +229,7 @@ PlaneInSpace PlaneOf(const Eigen::Vector3d& m, const Eigen::Matrix3d& covariance
       std::sqrt(std::max(0.0, plane.normal.dot(covariance * plane.normal))) / length;
   const bool sure = plane.normal_sigma_rad <= options.max_normal_sigma_rad &&
                     plane.distance_sigma <= options.max_distance_sigma;
-  plane.trouble = sure ? SpaceTrouble::kNone : SpaceTrouble::kUncertain;
+  plane.error = sure ? SpaceError::kNone : SpaceError::kUncertain;
   return plane;
 }
 
@@ -251,8 +251,8 @@ SpaceEstimate FindPlanesInSpace(int planes, int views, std::span<const PlaneSigh
   RefineSpace(best, sightings, options, options.max_steps);
   int points = 0;
   for (const PlaneSighting& seen : sightings) points += seen.points.size();
-  estimate.deviations = std::sqrt(best.cost / std::max(1, 2 * points));
-  const double scale = std::max(1.0, estimate.deviations * estimate.deviations);
+  estimate.sigmas = std::sqrt(best.cost / std::max(1, 2 * points));
+  const double scale = std::max(1.0, estimate.sigmas * estimate.sigmas);
   const std::vector<bool> ambiguous =
       AmbiguousPlanes(best, std::span(solutions).subspan(1), sightings, options, scale);
   estimate.unit_plane = UnitPlane(best, sightings);
@@ -262,7 +262,7 @@ SpaceEstimate FindPlanesInSpace(int planes, int views, std::span<const PlaneSigh
     if (!best.planes[p]) continue;
     estimate.planes[p] = PlaneOf(*best.planes[p], *covariances[p], unit, options);
     if (p == estimate.unit_plane) estimate.planes[p].distance_sigma = 0;
-    if (ambiguous[p]) estimate.planes[p].trouble = SpaceTrouble::kAmbiguous;
+    if (ambiguous[p]) estimate.planes[p].error = SpaceError::kAmbiguous;
   }
   estimate.views = std::move(best.views);
   for (auto& view : estimate.views) {
@@ -271,13 +271,13 @@ SpaceEstimate FindPlanesInSpace(int planes, int views, std::span<const PlaneSigh
   return estimate;
 }
 
-std::string_view NameOf(SpaceTrouble trouble) {
-  switch (trouble) {
-    case SpaceTrouble::kNone:
+std::string_view NameOf(SpaceError error) {
+  switch (error) {
+    case SpaceError::kNone:
       return "none";
-    case SpaceTrouble::kNoParallax:
+    case SpaceError::kNoParallax:
       return "no_parallax";
-    case SpaceTrouble::kAmbiguous:
+    case SpaceError::kAmbiguous:
       return "ambiguous";
     default:
       return "uncertain";
@@ -288,7 +288,7 @@ void SpaceOptions::Check() const {
   CheckRange("point_sigma", point_sigma, 1e-5, 0.1);
   CheckRange("seeds", seeds, 1, 1000);
   CheckRange("max_steps", max_steps, 1, 1000);
-  CheckRange("rival_deviations", rival_deviations, 0, 100);
+  CheckRange("rival_deviations", rival_sigmas, 0, 100);
   CheckRange("rival_angle_rad", rival_angle_rad, 0.01, 1.5);
   CheckRange("max_normal_sigma_rad", max_normal_sigma_rad, 0.001, 1);
   CheckRange("max_distance_sigma", max_distance_sigma, 0.001, 1);

@@ -20,7 +20,7 @@ struct PlaneSighting {
 };
 
 struct SpaceOptions {
-  // Standard deviation of a coordinate of a point in a view, image plane z = 1, 1e-5 to 0.1. Higher
+  // Standard sigma of a coordinate of a point in a view, image plane z = 1, 1e-5 to 0.1. Higher
   // trusts small motions less.
   double point_sigma = 0.002;
   // Sightings, those with most parallax, whose decompositions are tried, 1 to 1000. More find the
@@ -28,9 +28,9 @@ struct SpaceOptions {
   int seeds = 16;
   // Steps of the refinement, 1 to 1000.
   int max_steps = 30;
-  // A solution whose error is within this many deviations of the best one's leaves the choice open,
+  // A solution whose error is within this many sigmas of the best one's leaves the choice open,
   // 0 to 100. Higher calls more planes ambiguous.
-  double rival_deviations = 4;
+  double rival_sigmas = 4;
   // Normals of two solutions that differ by more are two answers, 0.01 to 1.5. rad
   double rival_angle_rad = 0.2;
   // What a plane needs to be called determined: standard deviations of its normal (0.001 to 1 rad)
@@ -42,13 +42,13 @@ struct SpaceOptions {
 };
 
 // Why a plane's place isn't known.
-enum class SpaceTrouble {
+enum class SpaceError {
   kNone,
   kNoParallax,  // the camera hardly moved between its views, beside what their noise tells
   kAmbiguous,   // another normal explains its views as well: of the two of a homography, say
-  kUncertain,   // its normal or distance has too large a deviation
+  kUncertain,   // its normal or distance has too large a sigma
 };
-std::string_view NameOf(SpaceTrouble trouble);  // "none", "no_parallax", "ambiguous", "uncertain"
+std::string_view NameOf(SpaceError error);  // "none", "no_parallax", "ambiguous", "uncertain"
 
 // A plane n . X = d of the reference camera's frame; n points away from the camera.
 struct PlaneInSpace {
@@ -56,7 +56,7 @@ struct PlaneInSpace {
   double distance = 0;          // d > 0 in the estimate's unit; 0 where nothing is known
   double normal_sigma_rad = 0;  // standard deviation, worst direction
   double distance_sigma = 0;    // of the distance, as a share of it; 0 for the unit plane
-  SpaceTrouble trouble = SpaceTrouble::kNoParallax;
+  SpaceError error = SpaceError::kNoParallax;
 };
 
 // X_view = rotation X_reference + translation.
@@ -69,7 +69,7 @@ struct SpaceEstimate {
   std::vector<PlaneInSpace> planes;
   std::vector<std::optional<ViewMotion>> views;  // nothing where no motion was found
   int unit_plane = -1;                           // its distance is 1; -1 where nothing is known
-  double deviations = 0;  // root mean square error of the points over point_sigma
+  double sigmas = 0;  // root mean square error of the points over point_sigma
 };
 
 // The planes that a reference camera and several views of it saw, in space. Each homography

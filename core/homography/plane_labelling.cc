@@ -9,9 +9,9 @@
 
 namespace waystone {
 void LabellingOptions::Check() const {
-  const bool good = min_deviations > 0 && max_deviations >= std::max(1.0, min_deviations) &&
-                    min_sigma_px > 0 && max_sigma_px >= min_sigma_px && tail > 0 &&
-                    plane_cost >= 0 && smoothness >= 0 && companions >= 1 && rounds >= 1;
+  const bool good = min_sigmas > 0 && max_sigmas >= std::max(1.0, min_sigmas) && min_sigma_px > 0 &&
+                    max_sigma_px >= min_sigma_px && tail > 0 && plane_cost >= 0 &&
+                    smoothness >= 0 && companions >= 1 && rounds >= 1;
   if (!good) {
     throw MapError(ErrorCode::kBadOptions,
                    "plane labels: an option is out of its range; leave them at their defaults");
@@ -24,7 +24,7 @@ PlaneLabelling::PlaneLabelling(const MatchedPoints& points, const Neighbourhoods
       neighbourhoods_(&neighbourhoods),
       options_(options),
       labels_(points.size(), kNoPlane),
-      deviations_(options.min_deviations) {
+      sigmas_(options.min_sigmas) {
   options_.Check();
 }
 
@@ -62,11 +62,11 @@ std::vector<int> PlaneLabelling::RowsOf(int plane) const {
 
 void PlaneLabelling::Settle() {
   for (int round = 0; round < options_.rounds; ++round) {
-    EstimateDeviations();
+    EstimateSigmas();
     if (!Label() && round > 0) break;
     Refit();
   }
-  EstimateDeviations();
+  EstimateSigmas();
   Label();
 }
 
@@ -84,8 +84,8 @@ void PlaneLabelling::Measure(Labelled& plane) const {
 // distance is likelier a plane's than one of the things beside the planes, whose density is taken
 // from those farther out. One number for all planes of a pair, because only all together give
 // enough to count.
-void PlaneLabelling::EstimateDeviations() {
-  const int last = static_cast<int>(options_.max_deviations);
+void PlaneLabelling::EstimateSigmas() {
+  const int last = static_cast<int>(options_.max_sigmas);
   std::vector<int> shells(2 * last + 1, 0);
   for (int row = 0; row < points_->size(); ++row) {
     double nearest = 2 * last + 1;
@@ -97,10 +97,10 @@ void PlaneLabelling::EstimateDeviations() {
   double clutter = 0;  // matches a shell beyond the planes' reach
   for (int shell = last; shell < 2 * last; ++shell) clutter += shells[shell];
   clutter /= last;
-  deviations_ = options_.min_deviations;
-  for (int shell = static_cast<int>(options_.min_deviations); shell < last; ++shell) {
+  sigmas_ = options_.min_sigmas;
+  for (int shell = static_cast<int>(options_.min_sigmas); shell < last; ++shell) {
     if (shells[shell] <= 2 * clutter) break;
-    deviations_ = shell + 1;
+    sigmas_ = shell + 1;
   }
 }
 
@@ -115,9 +115,9 @@ double PlaneLabelling::Disagreement(int row, int plane) const {
 }
 
 // Of an error of a plane's own match, by Student's distribution in two dimensions.
-double PlaneLabelling::Cost(double deviations) const {
+double PlaneLabelling::Cost(double sigmas) const {
   const double tail = options_.tail;
-  return (tail + 2) / 2 * std::log1p(deviations * deviations / tail);
+  return (tail + 2) / 2 * std::log1p(sigmas * sigmas / tail);
 }
 
 double PlaneLabelling::CostOf(int row, int plane) const {
@@ -182,9 +182,9 @@ void PlaneLabelling::Refit() {
     PointPairs pairs;
     std::vector<double> weights;  // those of Student's distribution
     for (int row : rows) {
-      const double deviations = plane.errors_px[row] / plane.sigma_px;
+      const double sigmas = plane.errors_px[row] / plane.sigma_px;
       pairs.Add(points_->from[row], points_->to[row]);
-      weights.push_back((options_.tail + 2) / (options_.tail + deviations * deviations));
+      weights.push_back((options_.tail + 2) / (options_.tail + sigmas * sigmas));
     }
     const auto to_from = HomographyByDlt(pairs, weights);
     if (!to_from) continue;

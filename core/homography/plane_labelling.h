@@ -12,11 +12,11 @@ inline constexpr int kNoPlane = -1;
 
 struct LabellingOptions {
   // The bound on a plane's errors is this many standard deviations of its own noise at least ...
-  double min_deviations = 5.0;
+  double min_sigmas = 5.0;
   // ... and this many at the most, as far as the matches of no plane leave room: real planes are
   // bent by lenses and not quite flat, so that their errors have long tails, but beside other
   // things a long tail takes in what isn't the plane's.
-  double max_deviations = 10.0;
+  double max_sigmas = 10.0;
   // The noise of a plane is at least and at most this. px
   double min_sigma_px = 0.2;
   double max_sigma_px = 2.5;
@@ -76,11 +76,11 @@ class PlaneLabelling {
     std::vector<float> errors_px;  // of every match
   };
 
-  double bound_px(int plane) const { return deviations_ * planes_[plane].sigma_px; }
+  double bound_px(int plane) const { return sigmas_ * planes_[plane].sigma_px; }
   void Measure(Labelled& plane) const;
-  void EstimateDeviations();
+  void EstimateSigmas();
   bool Label();
-  double Cost(double deviations) const;
+  double Cost(double sigmas) const;
   double CostOf(int row, int plane) const;
   double Disagreement(int row, int plane) const;
   void Refit();
@@ -90,7 +90,7 @@ class PlaneLabelling {
   LabellingOptions options_;
   std::vector<Labelled> planes_;
   std::vector<int> labels_;
-  double deviations_;  // between min_deviations and max_deviations
+  double sigmas_;  // between min_deviations and max_deviations
 };
 
 }  // namespace waystone

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/homography/space_fit.h"
-#include "core/base/linear_algebra.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/linear_algebra.h"
+
 namespace waystone {
 namespace {
 
-constexpr double kLargestCost = 25;  // of a point: 5 deviations are wrong, however much it is
+constexpr double kLargestCost = 25;  // of a point: 5 sigmas are wrong, however much it is
 constexpr double kFirstDamping = 1e-3;
 constexpr double kLargestDamping = 1e8;
 constexpr double kSmallestGain = 1e-9;  // of the cost, as a share of it
@@ -31,7 +30,7 @@ Eigen::Vector3d Moved(const ViewMotion& motion, const Eigen::Vector3d& m,
   return motion.rotation * x + motion.translation * m.dot(x);
 }
 
-// Error of a point in deviations; nothing for one behind either camera.
+// Error of a point in sigmas; nothing for one behind either camera.
 std::optional<Eigen::Vector2d> ErrorOf(const ViewMotion& motion, const Eigen::Vector3d& m,
                                        const Eigen::Vector2d& a, const Eigen::Vector2d& b,
                                        double sigma) {
@@ -40,7 +39,7 @@ std::optional<Eigen::Vector2d> ErrorOf(const ViewMotion& motion, const Eigen::Ve
   return (y.hnormalized() - b) / sigma;
 }
 
-// Geman and McClure's cost of a squared deviation, which levels off at kLargestCost.
+// Geman and McClure's cost of a squared sigma, which levels off at kLargestCost.
 double Robust(double squared) { return squared * kLargestCost / (squared + kLargestCost); }
 double WeightOf(double squared) {
   const double share = kLargestCost / (squared + kLargestCost);

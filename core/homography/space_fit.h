@@ -19,7 +19,7 @@ struct SpaceModel {
   double cost = 0;  // robust, of all sightings; unknown ones count as wrong ones
 };
 
-// Robust cost of a model: sum of squared deviations, each point's at most kLargestCost.
+// Robust cost of a model: sum of squared sigmas, each point's at most kLargestCost.
 double CostOf(const SpaceModel& model, std::span<const PlaneSighting> sightings,
               const SpaceOptions& options);
 

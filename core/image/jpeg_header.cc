@@ -38,7 +38,7 @@ bool IsOtherSegment(int marker) {
          (marker >= kFirstApplication && marker <= kLastApplication);
 }
 
-// Walks the segments the way libjpeg does, so that what is counted here is what is decoded there.
+// Walks the segments as libjpeg does, so that what is counted here is what is decoded there.
 // Thumbnails are images of their own, but inside a segment, so they are stepped over with it.
 class JpegWalk {
  public:

@@ -19,7 +19,7 @@ void CheckPrevious(const FilterState& previous, size_t nodes) {
   for (const Belief& belief : previous) {
     const bool possible = belief.node >= 0 && belief.node < static_cast<int>(nodes) &&
                           belief.probability >= 0 && std::isfinite(belief.heading_rad) &&
-                          belief.deviation_rad > 0 && std::isfinite(belief.deviation_rad);
+                          belief.sigma_rad > 0 && std::isfinite(belief.sigma_rad);
     if (!possible) {
       throw MapError(ErrorCode::kBadRequest, "the previous answer has a belief in node " +
                                                  std::to_string(belief.node) +
@@ -32,12 +32,12 @@ void CheckPrevious(const FilterState& previous, size_t nodes) {
                                              std::to_string(sum) + "; leave it out");
 }
 
-double NormalDensity(double x, double deviation) {
-  const double z = x / deviation;
-  return std::exp(-0.5 * z * z) / (deviation * std::sqrt(2 * std::numbers::pi));
+double NormalDensity(double x, double sigma) {
+  const double z = x / sigma;
+  return std::exp(-0.5 * z * z) / (sigma * std::sqrt(2 * std::numbers::pi));
 }
 
-// A node before the image is looked at, with the mean and deviation of its heading.
+// A node before the image is looked at, with the mean and sigma of its heading.
 struct Prior {
   double weight = 0;
   double heading_x = 0;  // weighted sum of unit vectors
@@ -58,7 +58,7 @@ class Update {
     for (const Prior& prior : priors_) moved += prior.weight;
     double known = 0;
     for (const Belief& belief : previous) known += belief.probability;
-    // Where the way leads off the graph nothing can be predicted.
+    // Where the trajectory leads off the graph nothing can be predicted.
     const double share = moved > 0 ? (1 - options_.kidnapped) * known / moved : 0;
     for (Prior& prior : priors_) {
       prior.weight *= share;
@@ -97,15 +97,15 @@ class Update {
   void MoveOne(const Belief& from, const std::optional<Pose2>& odometry) {
     const Pose2& at = poses_[from.node];
     Pose2 robot{at.x, at.y, from.heading_rad};
-    double reach = std::hypot(options_.position_deviation, options_.step_deviation);
+    double reach = std::hypot(options_.position_sigma, options_.step_sigma);
     double variance = std::pow(std::numbers::pi, 2);  // without odometry any turn is possible
     if (odometry) {
       robot = robot * *odometry;
-      const double way = std::hypot(odometry->x, odometry->y);
+      const double trajectory = std::hypot(odometry->x, odometry->y);
       // A heading that is off leads the way aside.
-      reach = std::hypot(options_.position_deviation, options_.share_of_way * way,
-                         from.deviation_rad * way);
-      variance = std::pow(from.deviation_rad, 2) + std::pow(options_.turn_deviation_rad, 2);
+      reach = std::hypot(options_.position_sigma, options_.share_of_trajectory * trajectory,
+                         from.sigma_rad * trajectory);
+      variance = std::pow(from.sigma_rad, 2) + std::pow(options_.turn_sigma_rad, 2);
     }
     double sum = 0;
     std::vector<double> weights(poses_.size());
@@ -130,19 +130,19 @@ class Update {
     const double likelihood = std::exp(seen.log_likelihood - best);
     const double flat = 1 / (2 * std::numbers::pi);  // the density of an unknown heading
     Belief belief{static_cast<int>(i), likelihood * anywhere_ * flat,
-                  WrappedAngle(seen.heading_rad), seen.deviation_rad};
+                  WrappedAngle(seen.heading_rad), seen.sigma_rad};
     if (prior.weight <= 0) return belief;
     const double mean = std::atan2(prior.heading_y, prior.heading_x);
     const double variance = prior.variance / prior.weight;
     const double off = WrappedAngle(seen.heading_rad - mean);
-    const double seen_variance = seen.deviation_rad * seen.deviation_rad;
+    const double seen_variance = seen.sigma_rad * seen.sigma_rad;
     const bool unknown = std::sqrt(variance) >= std::numbers::pi;
     const double fit = unknown ? flat : NormalDensity(off, std::sqrt(variance + seen_variance));
     const double moved = likelihood * prior.weight * fit;
     belief.probability += moved;
     if (unknown || moved < 0.5 * belief.probability) return belief;  // the image alone knows
     belief.heading_rad = WrappedAngle(mean + off * variance / (variance + seen_variance));
-    belief.deviation_rad = std::sqrt(variance * seen_variance / (variance + seen_variance));
+    belief.sigma_rad = std::sqrt(variance * seen_variance / (variance + seen_variance));
     return belief;
   }
 
@@ -164,10 +164,10 @@ class Update {
 }  // namespace
 
 void GraphFilterOptions::Check() const {
-  CheckRange("position_deviation", position_deviation, 1e-9, 1e9);
-  CheckRange("share_of_way", share_of_way, 0, 1);
-  CheckRange("step_deviation", step_deviation, 1e-9, 1e9);
-  CheckRange("turn_deviation_rad", turn_deviation_rad, 0.001, 3);
+  CheckRange("position_deviation", position_sigma, 1e-9, 1e9);
+  CheckRange("share_of_way", share_of_trajectory, 0, 1);
+  CheckRange("step_deviation", step_sigma, 1e-9, 1e9);
+  CheckRange("turn_deviation_rad", turn_sigma_rad, 0.001, 3);
   CheckRange("kidnapped", kidnapped, 1e-9, 0.5);
   CheckRange("max_beliefs", max_beliefs, 1, 10'000);
 }

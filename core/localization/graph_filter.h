@@ -13,16 +13,16 @@
 namespace waystone {
 
 struct GraphFilterOptions {
-  // Standard deviation of where an image is taken around the predicted place, in the poses' units,
+  // Standard sigma of where an image is taken around the predicted place, in the poses' units,
   // besides share_of_way; above 0. At least the distance between nodes: a robot is rarely at one.
-  double position_deviation = 0.3;
-  // The same per unit of way that the odometry reports, 0 to 1.
-  double share_of_way = 0.1;
-  // Standard deviation of how far a robot gets between two images without odometry, above 0. More
+  double position_sigma = 0.3;
+  // The same per unit of trajectory that the odometry reports, 0 to 1.
+  double share_of_trajectory = 0.1;
+  // Standard sigma of how far a robot gets between two images without odometry, above 0. More
   // bear fast robots; less resolves likenesses sooner.
-  double step_deviation = 1.0;
-  // Standard deviation of a turn that the odometry reports, rad, 0.001 to 3.
-  double turn_deviation_rad = 0.1;
+  double step_sigma = 1.0;
+  // Standard sigma of a turn that the odometry reports, rad, 0.001 to 3.
+  double turn_sigma_rad = 0.1;
   // Chance that the robot was carried elsewhere between two images, 1e-9 to 0.5. More recover
   // sooner from an error; less holds on to what is known.
   double kidnapped = 1e-3;
@@ -35,16 +35,16 @@ struct GraphFilterOptions {
 
 // What an image says about one node.
 struct NodeEvidence {
-  double log_likelihood = 0;   // of the image at this node, up to a constant; -infinity: impossible
-  double heading_rad = 0;      // the robot's heading in the graph's frame if it is there
-  double deviation_rad = 0.1;  // of that heading, above 0
+  double log_likelihood = 0;  // of the image at this node, up to a constant; -infinity: impossible
+  double heading_rad = 0;     // the robot's heading in the graph's frame if it is there
+  double sigma_rad = 0.1;     // of that heading, above 0
 };
 
 struct Belief {
   int node = 0;
   double probability = 0;
   double heading_rad = 0;  // in the graph's frame
-  double deviation_rad = 0;
+  double sigma_rad = 0;
 
   bool operator==(const Belief&) const = default;
 };

@@ -36,14 +36,14 @@ double RotationAngle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return 2 * std::asin(std::clamp((a - b).norm() / std::sqrt(8.0), 0.0, 1.0));
 }
 
-Eigen::Matrix3d NearestOfCube(const Eigen::Matrix3d& head_from_axes,
+Eigen::Matrix3d NearestOfCube(const Eigen::Matrix3d& rig_from_axes,
                               const Eigen::Matrix3d& previous) {
-  const Eigen::Matrix3d between = head_from_axes.transpose() * previous;
+  const Eigen::Matrix3d between = rig_from_axes.transpose() * previous;
   // tr(C^T between) is largest where the angle is smallest.
   const auto& all = CubeRotations();
   const auto best = std::ranges::max_element(
       all, {}, [&](const Eigen::Matrix3d& c) { return c.cwiseProduct(between).sum(); });
-  return head_from_axes * *best;
+  return rig_from_axes * *best;
 }
 
 double CubeAngle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {

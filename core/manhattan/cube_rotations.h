@@ -12,10 +12,10 @@ const std::array<Eigen::Matrix3d, 24>& CubeRotations();
 // Angle of the rotation between two frames' axes, rad, in [0, pi].
 double RotationAngle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
 
-// Of the 24 descriptions head_from_axes C of a Manhattan frame, the one nearest to a previous one:
+// Of the 24 descriptions rig_from_axes C of a Manhattan frame, the one nearest to a previous one:
 // how axes are followed through a sequence, so that only true jumps are left (turns of the camera
 // by more than 45 degrees between two frames can't be told from the axes alone).
-Eigen::Matrix3d NearestOfCube(const Eigen::Matrix3d& head_from_axes,
+Eigen::Matrix3d NearestOfCube(const Eigen::Matrix3d& rig_from_axes,
                               const Eigen::Matrix3d& previous);
 
 // Angle between two frames whose axes may be numbered and signed differently, rad, in [0, 1.1].

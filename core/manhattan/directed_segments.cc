@@ -7,17 +7,17 @@
 namespace waystone {
 namespace {
 
-// Building axes of a head that stands upright and looks along x.
-Eigen::Matrix3d UprightHead() {
-  Eigen::Matrix3d head_from_building;
-  head_from_building << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  return head_from_building;
+// Building axes of a rig that stands upright and looks along x.
+Eigen::Matrix3d UprightRig() {
+  Eigen::Matrix3d rig_from_building;
+  rig_from_building << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  return rig_from_building;
 }
 
 }  // namespace
 
 DirectedSegments FindDirectedSegments(const cv::Mat& grey, const Camera& camera,
-                                      const std::optional<Eigen::Matrix3d>& head_from_building,
+                                      const std::optional<Eigen::Matrix3d>& rig_from_building,
                                       const SegmentOptions& segments,
                                       const ManhattanOptions& manhattan) {
   WS_CHECK(camera.model != CameraModel::kEquirectangular, "lines of a panorama are bent");
@@ -25,12 +25,12 @@ DirectedSegments FindDirectedSegments(const cv::Mat& grey, const Camera& camera,
       GreatCirclesOf(RigOfOne(camera), 0, DetectSegments(grey, segments));
   DirectedSegments found;
   Eigen::Matrix3d axes;
-  if (head_from_building) {
-    axes = *head_from_building;
+  if (rig_from_building) {
+    axes = *rig_from_building;
     found.reliable = true;
   } else {
-    const ManhattanFrame frame = Renumbered(FindManhattanFrame(circles, manhattan), UprightHead());
-    axes = frame.head_from_axes;
+    const ManhattanFrame frame = Renumbered(FindManhattanFrame(circles, manhattan), UprightRig());
+    axes = frame.rig_from_axes;
     found.reliable = frame.reliable();
   }
   for (const Line& line : LinesOf(circles, manhattan.max_lines)) {

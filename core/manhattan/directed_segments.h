@@ -25,11 +25,11 @@ struct DirectedSegments {
 };
 
 // The straight lines of a picture (CV_8UC1, of the camera's size) by the axes of the building, the
-// longest ones (sec. II-A and fig. 2 of Puig et al. 2012). Without head_from_building the lines
+// longest ones (sec. II-A and fig. 2 of Puig et al. 2012). Without rig_from_building the lines
 // themselves give the axes: z is the one nearest to the picture's upright, x the one nearest to the
 // view ahead. Any camera but an equirectangular one. Deterministic; thread-safe.
 DirectedSegments FindDirectedSegments(const cv::Mat& grey, const Camera& camera,
-                                      const std::optional<Eigen::Matrix3d>& head_from_building,
+                                      const std::optional<Eigen::Matrix3d>& rig_from_building,
                                       const SegmentOptions& segments = {},
                                       const ManhattanOptions& manhattan = {});
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/manhattan/edge_chains.h"
-#include "core/base/linear_algebra.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <array>
 #include <cmath>
 #include <optional>
 #include <span>
 #include <utility>
+
+#include "core/base/linear_algebra.h"
 
 namespace waystone {
 namespace {

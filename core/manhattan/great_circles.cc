@@ -31,7 +31,7 @@ std::optional<GreatCircle> CircleOf(const RigCamera& seen, const ImageSegment& s
   const double pixel_rad = PixelAngle(seen.camera, segment);
   const Eigen::Vector3d seen_middle = Unproject(seen.camera, 0.5 * (segment.a + segment.b));
   if (std::abs(normal.dot(seen_middle)) > options.max_sag_px * pixel_rad) return std::nullopt;
-  const Eigen::Matrix3d rotation = seen.head_from_camera.linear();
+  const Eigen::Matrix3d rotation = seen.rig_from_camera.linear();
   GreatCircle circle;
   circle.normal = rotation * normal;
   circle.middle = rotation * (a + b).normalized();

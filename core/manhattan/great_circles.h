@@ -10,8 +10,8 @@
 
 namespace waystone {
 
-// A segment as an arc on the unit sphere around the head's centre. All vectors are unit vectors of
-// the head's frame, perpendicular to each other: normal = middle x along.
+// A segment as an arc on the unit sphere around the rig's centre. All vectors are unit vectors of
+// the rig's frame, perpendicular to each other: normal = middle x along.
 struct GreatCircle {
   Eigen::Vector3d normal;  // of the plane through the centre and the line, l = x1 x x2 (sec. II-A)
   Eigen::Vector3d middle;  // ray through the middle of the arc
@@ -23,7 +23,7 @@ struct GreatCircle {
 };
 
 struct GreatCircleOptions {
-  // Standard deviation of a segment's end point across the segment, 0.05 to 5. Higher trusts short
+  // Standard sigma of a segment's end point across the segment, 0.05 to 5. Higher trusts short
   // segments less. px
   double end_sigma_px = 0.5;
   // How far a segment's middle may lie from the great circle of its ends, 0.1 to 20. A segment that
@@ -33,7 +33,7 @@ struct GreatCircleOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// The arcs of one camera's segments. The camera's place in the head is ignored: directions of lines
+// The arcs of one camera's segments. The camera's place in the rig is ignored: directions of lines
 // don't depend on it. Segments whose ends have one ray, and those that sag, are left out.
 std::vector<GreatCircle> GreatCirclesOf(const Rig& rig, int camera,
                                         std::span<const ImageSegment> segments,

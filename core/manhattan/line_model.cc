@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/manhattan/line_model.h"
-#include "core/base/linear_algebra.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include "core/base/linear_algebra.h"
 
 namespace waystone {
 namespace {
@@ -46,10 +47,10 @@ std::array<NormalEquations, 3> LineariseAxes(std::span<const Line> lines,
     if (best.axis < 0) continue;
     const Eigen::Vector3d v = rotation.col(best.axis);
     const LineError error = ErrorOf(line, v, options);
-    const double weight = error.say / (1 + error.deviations * error.deviations);
+    const double weight = error.say / (1 + error.sigmas * error.sigmas);
     const Eigen::Vector3d j = v.cross(line.normal) / error.sigma;
     axes[best.axis].h += weight * j * j.transpose();
-    axes[best.axis].g += weight * error.deviations * j;
+    axes[best.axis].g += weight * error.sigmas * j;
   }
   return axes;
 }
@@ -104,31 +105,31 @@ LineError ErrorOf(const Line& line, const Eigen::Vector3d& direction,
                                  line.shift_variance * to_middle * to_middle);
   // Seen at angle t from the direction, an arc turned by any angle has l^T v up to sin t.
   const double sine = std::sqrt(std::max(0.0, 1 - to_middle * to_middle));
-  const double say = 1 - std::min(1.0, options.max_deviations * sigma / std::max(sine, 1e-9));
-  return {.deviations = line.normal.dot(direction) / sigma, .sigma = sigma, .say = say};
+  const double say = 1 - std::min(1.0, options.max_sigmas * sigma / std::max(sine, 1e-9));
+  return {.sigmas = line.normal.dot(direction) / sigma, .sigma = sigma, .say = say};
 }
 
-LineSupport SupportOf(const Line& line, const Eigen::Matrix3d& head_from_axes,
+LineSupport SupportOf(const Line& line, const Eigen::Matrix3d& rig_from_axes,
                       const ManhattanOptions& options) {
   LineSupport best;
-  // No line's error can have a larger deviation than this.
+  // No line's error can have a larger sigma than this.
   const double bound =
-      options.max_deviations * std::sqrt(options.line_sigma_rad * options.line_sigma_rad +
-                                         std::max(line.turn_variance, line.shift_variance));
+      options.max_sigmas * std::sqrt(options.line_sigma_rad * options.line_sigma_rad +
+                                     std::max(line.turn_variance, line.shift_variance));
   for (int axis = 0; axis < 3; ++axis) {
-    if (std::abs(line.normal.dot(head_from_axes.col(axis))) > bound) continue;
-    const LineError error = ErrorOf(line, head_from_axes.col(axis), options);
-    const double ratio = error.deviations / options.max_deviations;
+    if (std::abs(line.normal.dot(rig_from_axes.col(axis))) > bound) continue;
+    const LineError error = ErrorOf(line, rig_from_axes.col(axis), options);
+    const double ratio = error.sigmas / options.max_sigmas;
     const double support = line.weight * error.say * (1 - ratio * ratio);
     if (support > best.support) best = {axis, support};
   }
   return best;
 }
 
-double TotalSupport(std::span<const Line> lines, const Eigen::Matrix3d& head_from_axes,
+double TotalSupport(std::span<const Line> lines, const Eigen::Matrix3d& rig_from_axes,
                     const ManhattanOptions& options) {
   double total = 0;
-  for (const Line& line : lines) total += SupportOf(line, head_from_axes, options).support;
+  for (const Line& line : lines) total += SupportOf(line, rig_from_axes, options).support;
   return total;
 }
 

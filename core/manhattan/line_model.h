@@ -28,7 +28,7 @@ std::vector<Line> LinesOf(std::span<const GreatCircle> circles, int max_lines);
 // Error l^T v of a line against a direction, over its standard deviation; and how much the line
 // has to say about that direction: 1, down to 0 where an arc in any direction would pass.
 struct LineError {
-  double deviations = 0;
+  double sigmas = 0;
   double sigma = 1;
   double say = 0;
 };
@@ -40,16 +40,16 @@ struct LineSupport {
   int axis = -1;
   double support = 0;
 };
-LineSupport SupportOf(const Line& line, const Eigen::Matrix3d& head_from_axes,
+LineSupport SupportOf(const Line& line, const Eigen::Matrix3d& rig_from_axes,
                       const ManhattanOptions& options);
 
 // Support of all lines.
-double TotalSupport(std::span<const Line> lines, const Eigen::Matrix3d& head_from_axes,
+double TotalSupport(std::span<const Line> lines, const Eigen::Matrix3d& rig_from_axes,
                     const ManhattanOptions& options);
 
 // A refined rotation and the covariance of its rotation vector.
 struct RefinedRotation {
-  Eigen::Matrix3d head_from_axes;
+  Eigen::Matrix3d rig_from_axes;
   Eigen::Matrix3d covariance;
 };
 RefinedRotation RefineRotation(std::span<const Line> lines, const Eigen::Matrix3d& start,

@@ -20,7 +20,7 @@ constexpr double kSameLine = 0.02;
 constexpr int kLeastLines = 3;
 
 struct ScoredFrame {
-  Eigen::Matrix3d head_from_axes;
+  Eigen::Matrix3d rig_from_axes;
   double support = 0;
 };
 
@@ -118,33 +118,33 @@ std::vector<ScoredFrame> Distinct(std::vector<ScoredFrame> frames, double apart_
   for (const ScoredFrame& frame : frames) {
     if (static_cast<int>(kept.size()) == most) break;
     const bool near = std::ranges::any_of(kept, [&](const ScoredFrame& better) {
-      return CubeAngle(better.head_from_axes, frame.head_from_axes) < apart_rad;
+      return CubeAngle(better.rig_from_axes, frame.rig_from_axes) < apart_rad;
     });
     if (!near) kept.push_back(frame);
   }
   return kept;
 }
 
-FrameTrouble TroubleOf(const ManhattanFrame& frame, const ManhattanOptions& options) {
+FrameError ErrorOf(const ManhattanFrame& frame, const ManhattanOptions& options) {
   std::array<int, 3> counts = frame.lines;
   std::ranges::sort(counts, std::greater<>());
-  if (counts[0] < options.min_second_lines) return FrameTrouble::kFewLines;
-  if (counts[1] < options.min_second_lines) return FrameTrouble::kOneDirection;
+  if (counts[0] < options.min_second_lines) return FrameError::kFewLines;
+  if (counts[1] < options.min_second_lines) return FrameError::kOneDirection;
   const double support = frame.support[0] + frame.support[1] + frame.support[2];
-  if (support < options.min_support) return FrameTrouble::kLittleSupport;
-  if (frame.rival > options.max_rival) return FrameTrouble::kRival;
-  if (frame.sigma_rad() > options.max_sigma_rad) return FrameTrouble::kUncertain;
-  return FrameTrouble::kNone;
+  if (support < options.min_support) return FrameError::kLittleSupport;
+  if (frame.rival > options.max_rival) return FrameError::kRival;
+  if (frame.sigma_rad() > options.max_sigma_rad) return FrameError::kUncertain;
+  return FrameError::kNone;
 }
 
 ManhattanFrame Describe(std::span<const Line> lines, size_t all_lines,
                         const RefinedRotation& refined, const ManhattanOptions& options) {
   ManhattanFrame frame;
-  frame.head_from_axes = refined.head_from_axes;
+  frame.rig_from_axes = refined.rig_from_axes;
   frame.covariance = refined.covariance;
   frame.axis_of_line.assign(all_lines, -1);
   for (const Line& line : lines) {
-    const int axis = SupportOf(line, refined.head_from_axes, options).axis;
+    const int axis = SupportOf(line, refined.rig_from_axes, options).axis;
     if (axis < 0) continue;
     frame.axis_of_line[line.index] = axis;
     ++frame.lines[axis];
@@ -176,37 +176,37 @@ ManhattanFrame FindManhattanFrame(std::span<const GreatCircle> circles,
   std::vector<ScoredFrame> refined;
   for (const ScoredFrame& start :
        Distinct(std::move(voted), 0.5 * options.rival_angle_rad, options.refined_frames)) {
-    const RefinedRotation better = RefineRotation(lines, start.head_from_axes, options);
-    refined.push_back({better.head_from_axes, TotalSupport(lines, better.head_from_axes, options)});
+    const RefinedRotation better = RefineRotation(lines, start.rig_from_axes, options);
+    refined.push_back({better.rig_from_axes, TotalSupport(lines, better.rig_from_axes, options)});
   }
   const std::vector<ScoredFrame> rivals = Distinct(std::move(refined), options.rival_angle_rad, 2);
-  ManhattanFrame frame = Describe(
-      lines, circles.size(), RefineRotation(lines, rivals[0].head_from_axes, options), options);
+  ManhattanFrame frame = Describe(lines, circles.size(),
+                                  RefineRotation(lines, rivals[0].rig_from_axes, options), options);
   if (rivals.size() > 1 && rivals[0].support > 0) {
     frame.rival = rivals[1].support / rivals[0].support;
   }
-  frame.trouble = TroubleOf(frame, options);
+  frame.error = ErrorOf(frame, options);
   return frame;
 }
 
 ManhattanFrame FindManhattanFrameNear(std::span<const GreatCircle> circles,
-                                      const Eigen::Matrix3d& head_from_axes,
+                                      const Eigen::Matrix3d& rig_from_axes,
                                       const ManhattanOptions& options) {
   options.Check();
   const std::vector<Line> lines = LinesOf(circles, options.max_lines);
   ManhattanFrame frame;
-  frame.head_from_axes = head_from_axes;
+  frame.rig_from_axes = rig_from_axes;
   frame.axis_of_line.assign(circles.size(), -1);
   if (static_cast<int>(lines.size()) < kLeastLines) return frame;
-  frame = Describe(lines, circles.size(), RefineRotation(lines, head_from_axes, options), options);
-  frame.trouble = TroubleOf(frame, options);
+  frame = Describe(lines, circles.size(), RefineRotation(lines, rig_from_axes, options), options);
+  frame.error = ErrorOf(frame, options);
   return frame;
 }
 
 ManhattanFrame Renumbered(ManhattanFrame frame, const Eigen::Matrix3d& previous) {
-  const Eigen::Matrix3d nearest = NearestOfCube(frame.head_from_axes, previous);
+  const Eigen::Matrix3d nearest = NearestOfCube(frame.rig_from_axes, previous);
   // Column i of the nearest is plus or minus column from[i] of what it was.
-  const Eigen::Matrix3d cube = frame.head_from_axes.transpose() * nearest;
+  const Eigen::Matrix3d cube = frame.rig_from_axes.transpose() * nearest;
   std::array<int, 3> to{};
   const ManhattanFrame before = frame;
   for (int axis = 0; axis < 3; ++axis) {
@@ -219,7 +219,7 @@ ManhattanFrame Renumbered(ManhattanFrame frame, const Eigen::Matrix3d& previous)
   for (int& axis : frame.axis_of_line) {
     if (axis >= 0) axis = to[axis];
   }
-  frame.head_from_axes = nearest;
+  frame.rig_from_axes = nearest;
   return frame;
 }
 
@@ -228,7 +228,7 @@ void ManhattanOptions::Check() const {
   CheckRange("max_lines", max_lines, 10, 10'000);
   CheckRange("line_sigma_rad", line_sigma_rad, 1e-4, 0.1);
   CheckRange("axis_sigma_rad", axis_sigma_rad, 0, 0.1);
-  CheckRange("max_deviations", max_deviations, 1, 10);
+  CheckRange("max_deviations", max_sigmas, 1, 10);
   CheckRange("vote_bin_rad", vote_bin_rad, 0.001, 0.1);
   CheckRange("refined_frames", refined_frames, 1, 100);
   CheckRange("max_steps", max_steps, 1, 100);
@@ -239,34 +239,34 @@ void ManhattanOptions::Check() const {
   CheckRange("rival_angle_rad", rival_angle_rad, 0.01, 0.7);
 }
 
-std::string_view NameOf(FrameTrouble trouble) {
-  switch (trouble) {
-    case FrameTrouble::kNone:
+std::string_view NameOf(FrameError error) {
+  switch (error) {
+    case FrameError::kNone:
       return "none";
-    case FrameTrouble::kFewLines:
+    case FrameError::kFewLines:
       return "few_lines";
-    case FrameTrouble::kOneDirection:
+    case FrameError::kOneDirection:
       return "one_direction";
-    case FrameTrouble::kLittleSupport:
+    case FrameError::kLittleSupport:
       return "little_support";
-    case FrameTrouble::kRival:
+    case FrameError::kRival:
       return "rival_frame";
     default:
       return "uncertain";
   }
 }
 
-std::string_view SentenceOf(FrameTrouble trouble) {
-  switch (trouble) {
-    case FrameTrouble::kNone:
+std::string_view SentenceOf(FrameError error) {
+  switch (error) {
+    case FrameError::kNone:
       return "reliable";
-    case FrameTrouble::kFewLines:
+    case FrameError::kFewLines:
       return "there are hardly any straight lines";
-    case FrameTrouble::kOneDirection:
+    case FrameError::kOneDirection:
       return "the lines show one direction only";
-    case FrameTrouble::kLittleSupport:
+    case FrameError::kLittleSupport:
       return "most lines belong to no common frame";
-    case FrameTrouble::kRival:
+    case FrameError::kRival:
       return "another frame fits nearly as well";
     default:
       return "the lines don't determine the rotation well enough";

@@ -19,17 +19,17 @@ struct ManhattanOptions {
   int max_pairs = 300;
   // Lines that are looked at, the longest ones, 10 to 10,000. Bounds the time.
   int max_lines = 600;
-  // Standard deviation of the angle between a line of the building and its axis, plus what the
+  // Standard sigma of the angle between a line of the building and its axis, plus what the
   // calibration leaves, 1e-4 to 0.1. Higher puts up with crooked buildings and poor calibration and
   // takes in more lines that belong to no axis. rad
   double line_sigma_rad = 0.003;
-  // Standard deviation of an axis as a whole, shared by all its lines: calibration, distortion, and
+  // Standard sigma of an axis as a whole, shared by all its lines: calibration, distortion, and
   // directions of a building that aren't quite perpendicular, 0 to 0.1. Higher weighs the axes more
   // alike and states a larger covariance. rad
   double axis_sigma_rad = 0.008;
   // How many standard deviations a line of an axis may be off it, 1 to 10. Also the scale of the
   // final refinement's robust kernel.
-  double max_deviations = 3.0;
+  double max_sigmas = 3.0;
   // Width of the bins in which directions across the first one are counted, 0.001 to 0.1. rad
   double vote_bin_rad = 0.0175;
   // Best frames of the voting that are refined, 1 to 100.
@@ -55,7 +55,7 @@ struct ManhattanOptions {
 };
 
 // Why a frame isn't reliable.
-enum class FrameTrouble {
+enum class FrameError {
   kNone,
   kFewLines,       // hardly a line: fog, darkness, bare walls
   kOneDirection,   // the lines show one direction only
@@ -66,15 +66,15 @@ enum class FrameTrouble {
 
 // "none", "few_lines", "one_direction", "little_support", "rival_frame", "uncertain"; and a
 // sentence for people.
-std::string_view NameOf(FrameTrouble trouble);
-std::string_view SentenceOf(FrameTrouble trouble);
+std::string_view NameOf(FrameError error);
+std::string_view SentenceOf(FrameError error);
 
-// The rotation between a head and the three orthogonal directions of a building. Which axis is
+// The rotation between a rig and the three orthogonal directions of a building. Which axis is
 // which, and their signs, are arbitrary (24 rotations describe one frame): see NearestOfCube.
 struct ManhattanFrame {
-  // x_head = head_from_axes x_axes: columns are the vanishing points v_i = R e_i (sec. II-A).
-  Eigen::Matrix3d head_from_axes = Eigen::Matrix3d::Identity();
-  // Of the rotation vector w, head's frame, rad^2: R_true = exp(w) R. The lines' errors are taken
+  // x_head = rig_from_axes x_axes: columns are the vanishing points v_i = R e_i (sec. II-A).
+  Eigen::Matrix3d rig_from_axes = Eigen::Matrix3d::Identity();
+  // Of the rotation vector w, rig's frame, rad^2: R_true = exp(w) R. The lines' errors are taken
   // to be independent of each other, those of its axes as the options have them. The identity where
   // nothing is known.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
@@ -82,9 +82,9 @@ struct ManhattanFrame {
   std::array<double, 3> support{};  // their share of the length of all lines
   double rival = 0;                 // support of the best other frame over this one's
   std::vector<int> axis_of_line;    // a line: 0, 1, 2, or -1 for none
-  FrameTrouble trouble = FrameTrouble::kFewLines;
+  FrameError error = FrameError::kFewLines;
 
-  bool reliable() const { return trouble == FrameTrouble::kNone; }
+  bool reliable() const { return error == FrameError::kNone; }
   double sigma_rad() const;  // about the worst-known direction
 };
 
@@ -101,11 +101,11 @@ ManhattanFrame FindManhattanFrame(std::span<const GreatCircle> lines,
 // them as well don't count as rivals, the prediction has chosen already. The caller sees to how far
 // the result may lie from the prediction. Deterministic; thread-safe.
 ManhattanFrame FindManhattanFrameNear(std::span<const GreatCircle> lines,
-                                      const Eigen::Matrix3d& head_from_axes,
+                                      const Eigen::Matrix3d& rig_from_axes,
                                       const ManhattanOptions& options = {});
 
 // The same frame with its axes numbered and signed so that they are nearest to `previous`
-// (head_from_axes of the frame before): how axes are followed through a sequence. See
+// (rig_from_axes of the frame before): how axes are followed through a sequence. See
 // NearestOfCube.
 ManhattanFrame Renumbered(ManhattanFrame frame, const Eigen::Matrix3d& previous);
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/manhattan/refine_segment.h"
-#include "core/base/linear_algebra.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <vector>
+
+#include "core/base/linear_algebra.h"
 
 namespace waystone {
 namespace {

@@ -33,7 +33,7 @@ struct SegmentOptions {
   // Shortest segment that is kept, as a share of the image's longer side, 0.005 to 0.5. Shorter
   // ones are many and point anywhere; longer ones may be too few.
   double min_length = 0.03;
-  // Standard deviation of the blur before edges are looked for (edge drawing and Canny), 0.3 to 5.
+  // Standard sigma of the blur before edges are looked for (edge drawing and Canny), 0.3 to 5.
   // More blur finds fewer, steadier edges. px
   double blur_px = 1.0;
   // Least gradient of an edge pixel, grey levels a pixel, 1 to 255. Lower finds fainter lines and

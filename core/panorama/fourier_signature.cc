@@ -16,7 +16,7 @@
 namespace waystone {
 namespace {
 
-constexpr double kMinDeviation = 0.5;  // grey levels: below that is nothing but rounding
+constexpr double kMinSigma = 0.5;  // grey levels: below that is nothing but rounding
 
 // Adds weight times a row of the panorama.
 void AddRow(const cv::Mat& grey, int row, float weight, float* sum) {
@@ -36,16 +36,15 @@ void MeanOfRows(const cv::Mat& grey, double top, double bottom, float* mean) {
 
 void Normalise(cv::Mat& band) {
   cv::Scalar mean;
-  cv::Scalar deviation;
-  cv::meanStdDev(band, mean, deviation);
-  if (deviation[0] < kMinDeviation) {
+  cv::Scalar sigma;
+  cv::meanStdDev(band, mean, sigma);
+  if (sigma[0] < kMinSigma) {
     throw MapError(ErrorCode::kBadImage,
                    "the panorama's band has no texture (its grey levels deviate by " +
-                       std::to_string(deviation[0]) + ", less than " +
-                       std::to_string(kMinDeviation) +
+                       std::to_string(sigma[0]) + ", less than " + std::to_string(kMinSigma) +
                        "); uncover the lens, lengthen the exposure or choose another band");
   }
-  band.convertTo(band, CV_32F, 1 / deviation[0], -mean[0] / deviation[0]);
+  band.convertTo(band, CV_32F, 1 / sigma[0], -mean[0] / sigma[0]);
 }
 
 // cv::dft counts the azimuth from the centre of column 0, the signature from the front, which is

@@ -20,7 +20,7 @@ using HalfMatrix = Eigen::Matrix<Eigen::half, Eigen::Dynamic, Eigen::Dynamic, Ei
 // from the phases, which is the paper's eq. (1) with q = h N_y / (2 pi).
 // 16-bit floats: 2^-11 relative.
 struct FourierSignature {
-  HalfMatrix magnitudes;  // rows x k1: |A_l| / N_y; grey levels, or the band's deviations when
+  HalfMatrix magnitudes;  // rows x k1: |A_l| / N_y; grey levels, or the band's sigmas when
                           // photometrically normalised
   HalfMatrix phases;      // rows x k2, radians in [-pi, pi]; column 0 is 0 or pi: the mean's sign
 

@@ -73,7 +73,7 @@ WS_INLINE void SampleBlock(const MotionBlock& block, const MotionPixels& pixels)
   }
 }
 
-WS_INLINE void SumBlock(const MotionBlock& block, const MotionPixels& pixels, float per_deviation,
+WS_INLINE void SumBlock(const MotionBlock& block, const MotionPixels& pixels, float per_sigma,
                         float* moments) {
   Lanes sums[kMoments] = {};
   for (int row = 0; row < block.rows; ++row) {
@@ -88,7 +88,7 @@ WS_INLINE void SumBlock(const MotionBlock& block, const MotionPixels& pixels, fl
     Load(pixels.v + at, v);
     Load(block.a + at, a);
     Load(pixels.weight + at, weight);
-    const Lanes share = r * per_deviation;
+    const Lanes share = r * per_sigma;
     weight = weight / (1 + share * share);
     const Lanes lv = block.lift[row] * v;
     const Lanes wu = weight * u;
@@ -190,9 +190,9 @@ void TurnPortable(const TurnedBlock& block, float* grey, float* slope) {
 void SamplePortable(const MotionBlock& block, const MotionPixels& pixels) {
   SampleBlock(block, pixels);
 }
-void SumPortable(const MotionBlock& block, const MotionPixels& pixels, float per_deviation,
+void SumPortable(const MotionBlock& block, const MotionPixels& pixels, float per_sigma,
                  float* moments) {
-  SumBlock(block, pixels, per_deviation, moments);
+  SumBlock(block, pixels, per_sigma, moments);
 }
 
 void AddPortable(const MotionColumns& columns, const float* moments, float* entries) {
@@ -212,8 +212,8 @@ __attribute__((target("avx2"))) void SampleAvx2(const MotionBlock& block,
   SampleBlock(block, pixels);
 }
 __attribute__((target("avx2"))) void SumAvx2(const MotionBlock& block, const MotionPixels& pixels,
-                                             float per_deviation, float* moments) {
-  SumBlock(block, pixels, per_deviation, moments);
+                                             float per_sigma, float* moments) {
+  SumBlock(block, pixels, per_sigma, moments);
 }
 #endif
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/panorama/small_motion.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,8 +19,8 @@
 namespace waystone {
 namespace {
 
-constexpr int kColumnsPerFrequency = 3;  // samples of the shortest wave, for linear interpolation
-constexpr double kDeviationOfMedian = 1.4826;  // normal deviation over median absolute deviation
+constexpr int kColumnsPerFrequency = 3;    // samples of the shortest wave, for linear interpolation
+constexpr double kSigmaOfMedian = 1.4826;  // normal sigma over median absolute sigma
 
 // Turn, motion to the front and to the right, tilt (front, right), gain less 1, the waves of the
 // landmarks' nearness.
@@ -31,7 +30,7 @@ constexpr int kWaves = 4;
 constexpr int kParameters = kNearness + kWaves;
 static_assert(kParameters == kMotionParameters);
 constexpr size_t kStepSamples = 250;    // residuals whose median is taken, about, on the way
-constexpr size_t kFinalSamples = 2000;  // and in the end, when it scales the deviations
+constexpr size_t kFinalSamples = 2000;  // and in the end, when it scales the sigmas
 constexpr int kPadded = 12;             // of them in whole registers
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 using Information = Eigen::Matrix<double, kParameters, kParameters>;
@@ -43,7 +42,7 @@ using Pixels = std::vector<float>;
 struct ColumnMap {
   std::vector<int> left;  // column, and the next one around the circle
   std::vector<int> right;
-  std::vector<float> part;  // of the way from left to right
+  std::vector<float> part;  // of the trajectory from left to right
   std::vector<float> lift;  // rows up, for a row's lift of 1
   std::vector<float> tilt;  // rows up
 };
@@ -125,8 +124,8 @@ class Stage {
   // One Gauss-Newton step; leaves the information (inverse covariance) of what it was taken from.
   Parameters Step(const Parameters& p) {
     // The waves' prior, in the units of the residuals.
-    const double prior = deviation_ * deviation_ * options_.correlated_pixels /
-                         (options_.nearness_deviation * options_.nearness_deviation);
+    const double prior = sigma_ * sigma_ * options_.correlated_pixels /
+                         (options_.nearness_sigma * options_.nearness_sigma);
     information_.diagonal().tail<kWaves>().array() += prior;
     gradient_.tail<kWaves>() += prior * p.tail<kWaves>();
     // A band without texture in some direction leaves that direction where it is.
@@ -135,8 +134,7 @@ class Stage {
   }
 
   Information Covariance() const {
-    return InverseOfSymmetric(information_) *
-           (deviation_ * deviation_ * options_.correlated_pixels);
+    return InverseOfSymmetric(information_) * (sigma_ * sigma_ * options_.correlated_pixels);
   }
 
   // How much of a is explained: 1 - weighted squares of residuals over those of a.
@@ -228,16 +226,16 @@ class Stage {
     return {residual_.data() + at, u_.data() + at, v_.data() + at, weight_.data() + at};
   }
 
-  // Residuals and slopes at `p`, their deviation and the moments.
+  // Residuals and slopes at `p`, their sigma and the moments.
   void Look(const Parameters& p, size_t median_samples) {
     const ColumnMap map = MapOf(p);
     Turn(map);
     for (int i = 0; i < blocks_; ++i) kernels_.sample(BlockOf(i, map, p), PixelsOf(i));
     const double median = MedianMagnitude(residual_, weight_, median_samples);
-    deviation_ = std::max(kDeviationOfMedian * median, 1e-9);
-    const auto per_deviation = static_cast<float>(1 / (options_.cauchy_deviations * deviation_));
+    sigma_ = std::max(kSigmaOfMedian * median, 1e-9);
+    const auto per_sigma = static_cast<float>(1 / (options_.cauchy_sigmas * sigma_));
     for (int i = 0; i < blocks_; ++i) {
-      kernels_.sum(BlockOf(i, map, p), PixelsOf(i), per_deviation, moments_.data() + MomentsAt(i));
+      kernels_.sum(BlockOf(i, map, p), PixelsOf(i), per_sigma, moments_.data() + MomentsAt(i));
     }
   }
 
@@ -263,7 +261,7 @@ class Stage {
   Pixels v_;
   Pixels weight_;
   std::vector<float> moments_;  // of each block
-  double deviation_ = 0;
+  double sigma_ = 0;
   Information information_ = Information::Zero();
   Parameters gradient_ = Parameters::Zero();
 };
@@ -336,7 +334,7 @@ class Refinement {
     result.turn_rad = estimate.turn_rad;
     result.motion = estimate.rest.segment<2>(1);
     result.tilt_rad = estimate.rest.segment<2>(3);
-    result.turn_deviation_rad = std::sqrt(covariance(0, 0));
+    result.turn_sigma_rad = std::sqrt(covariance(0, 0));
     result.motion_covariance = covariance.block<2, 2>(1, 1);
     result.correlation = images.Correlation();
     return result;
@@ -355,8 +353,8 @@ void SmallMotionOptions::Check() const {
   CheckRange("coarse_frequencies", coarse_frequencies, 2, 64);
   CheckRange("fine_frequencies", fine_frequencies, 2, 4096);
   CheckRange("steps", steps, 1, 50);
-  CheckRange("cauchy_deviations", cauchy_deviations, 1, 10);
-  CheckRange("nearness_deviation", nearness_deviation, 0.01, 10);
+  CheckRange("cauchy_deviations", cauchy_sigmas, 1, 10);
+  CheckRange("nearness_deviation", nearness_sigma, 0.01, 10);
   CheckRange("correlated_pixels", correlated_pixels, 1, 1000);
   CheckRange("settled_pixels", settled_pixels, 0, 1);
 }

@@ -18,14 +18,14 @@ struct SmallMotionOptions {
   // stage's columns, 0 to 1. Fewer are faster and stop short of the best fit.
   int steps = 4;
   double settled_pixels = 0.01;
-  // Residuals beyond so many deviations count less (Cauchy's weights), 1 to 10: bears what is
+  // Residuals beyond so many sigmas count less (Cauchy's weights), 1 to 10: bears what is
   // covered or has moved.
-  double cauchy_deviations = 2.4;
+  double cauchy_sigmas = 2.4;
   // How much the nearness of landmarks varies around the circle, 0.01 to 10 of its mean: the prior
-  // deviation of each of its four waves. More fits uneven rooms, less bears noise.
-  double nearness_deviation = 0.5;
+  // sigma of each of its four waves. More fits uneven rooms, less bears noise.
+  double nearness_sigma = 0.5;
   // Residuals of neighbouring pixels are alike: how many pixels carry the information of one,
-  // 1 to 1000. Scales the deviations.
+  // 1 to 1000. Scales the sigmas.
   double correlated_pixels = 20;
 
   void Check() const;  // throws MapError(kBadOptions)
@@ -37,7 +37,7 @@ struct SmallMotion {
   Eigen::Vector2d motion{0, 0};  // step over the mean distance of landmarks, towards the front and
                                  // towards the right of a
   Eigen::Vector2d tilt_rad{0, 0};  // what is in front, what is on the right goes up by this
-  double turn_deviation_rad = 0;
+  double turn_sigma_rad = 0;
   Eigen::Matrix2d motion_covariance = Eigen::Matrix2d::Zero();
   double correlation = 0;  // of b brought back to a, with a: 1 is a perfect fit
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/panorama/visual_compass.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -12,13 +12,14 @@
 #include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/linear_algebra.h"
 #include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
 
 constexpr int kNewtonSteps = 5;                             // from within a step of a smooth peak
-constexpr double kUnknown_rad = kPi / std::numbers::sqrt3;  // deviation of a uniform direction
+constexpr double kUnknown_rad = kPi / std::numbers::sqrt3;  // sigma of a uniform direction
 
 double Wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * kPi); }
 
@@ -108,7 +109,7 @@ int LeastBeyond(const std::vector<double>& values, int from, double separation_r
   return least;
 }
 
-// The deviation from the angle of the least cost, over a circle of costs, when a hypothesis
+// The sigma from the angle of the least cost, over a circle of costs, when a hypothesis
 // becomes e times less likely by `cost_per_e` (of all columns together). Angles within `near_rad`
 // count as right.
 double SpreadOf(const std::vector<double>& costs, double cost_per_e, double near_rad) {
@@ -129,24 +130,26 @@ double SpreadOf(const std::vector<double>& costs, double cost_per_e, double near
 MotionDirection MotionOf(const SmallMotion& small, const CompassOptions& options) {
   const double length = small.motion.norm();
   const Eigen::Vector2d across(-small.motion.y(), small.motion.x());
-  const double deviation =
+  const double sigma =
       std::sqrt(across.dot(small.motion_covariance * across)) / std::max(length * length, 1e-12);
   return {-std::atan2(small.motion.y(), small.motion.x()),
-          std::min(std::hypot(deviation, options.uneven_depth), kUnknown_rad), length};
+          std::min(std::hypot(sigma, options.uneven_depth), kUnknown_rad), length};
 }
 
 MotionDirection MotionOf(const Warping& warping, const CompassOptions& options) {
   const double spread = SpreadOf(warping.motion_costs, options.cost_per_e, 0);
-  return {Wrapped(-warping.motion_rad), std::hypot(spread, options.warping_deviation_rad), {}};
+  return {Wrapped(-warping.motion_rad), std::hypot(spread, options.warping_sigma_rad), {}};
 }
 
-// The motion over its deviation: chi with two degrees of freedom.
-double MotionDeviations(const SmallMotion& small) {
-  return std::sqrt(small.motion.dot(small.motion_covariance.inverse() * small.motion));
+// The motion over its sigma: chi with two degrees of freedom.
+double MotionSigmas(const SmallMotion& small) {
+  // Of two equal panoramas the covariance is 0: no motion.
+  const Eigen::Vector2d weighed = SolveSymmetric(small.motion_covariance, small.motion);
+  return std::sqrt(small.motion.dot(weighed));
 }
 
-double DeviationOf(const SmallMotion& small, const CompassOptions& options) {
-  return std::hypot(small.turn_deviation_rad, options.uneven_depth * small.motion.norm());
+double SigmaOf(const SmallMotion& small, const CompassOptions& options) {
+  return std::hypot(small.turn_sigma_rad, options.uneven_depth * small.motion.norm());
 }
 
 // From the warping search's heading, which is coarse, or that of the phases, which is far off after
@@ -182,13 +185,13 @@ void CompassOptions::Check() const {
   small_motion.Check();
   CheckRange("separation_rad", separation_rad, 0.01, 3);
   CheckRange("cost_per_e", cost_per_e, 0.01, 100);
-  CheckRange("warping_deviation_rad", warping_deviation_rad, 0.001, 0.5);
+  CheckRange("warping_deviation_rad", warping_sigma_rad, 0.001, 0.5);
   CheckRange("min_correlation", min_correlation, 0, 1);
   CheckRange("agreement_rad", agreement_rad, 0.001, 1);
   CheckRange("still_frequencies", still_frequencies, 2, 64);
-  CheckRange("still_deviations", still_deviations, 0, 100);
+  CheckRange("still_deviations", still_sigmas, 0, 100);
   CheckRange("uneven_depth", uneven_depth, 0, 1);
-  CheckRange("max_motion_deviation_rad", max_motion_deviation_rad, 0.01, 1.8);
+  CheckRange("max_motion_deviation_rad", max_motion_sigma_rad, 0.01, 1.8);
 }
 
 PhaseCompass TurnByPhases(const FourierSignature& a, const FourierSignature& b,
@@ -222,19 +225,18 @@ CompassHeading RelativeHeading(const FourierSignature& a, const FourierSignature
   CompassHeading heading;
   heading.small_motion = Fits(small, warping, options);
   const bool still =
-      heading.small_motion && MotionDeviations(small) < options.still_deviations &&
+      heading.small_motion && MotionSigmas(small) < options.still_sigmas &&
       std::abs(Wrapped(small.turn_rad - phases.best.heading_rad)) <= options.agreement_rad;
   heading.heading_rad = still                  ? phases.best.heading_rad
                         : heading.small_motion ? Wrapped(small.turn_rad)
                                                : Wrapped(warping.turn_rad);
-  heading.deviation_rad =
-      std::hypot(wrong_rad, heading.small_motion ? DeviationOf(small, options)
-                                                 : options.warping_deviation_rad);
+  heading.sigma_rad = std::hypot(
+      wrong_rad, heading.small_motion ? SigmaOf(small, options) : options.warping_sigma_rad);
   heading.runner_up_rad = Wrapped(second * step_rad);
   heading.sharpness = warping.turn_costs[second] - warping.turn_costs[best];
   const MotionDirection motion =
       heading.small_motion ? MotionOf(small, options) : MotionOf(warping, options);
-  if (motion.deviation_rad <= options.max_motion_deviation_rad) heading.motion = motion;
+  if (motion.sigma_rad <= options.max_motion_sigma_rad) heading.motion = motion;
   return heading;
 }
 

@@ -54,10 +54,10 @@ struct CompassOptions {
   // How far a runner-up of the warping search lies off, radians, 0.01 to 3.
   double separation_rad = 0.35;
   // Costs of the warping search, summed over the columns, by which a hypothesis becomes e times
-  // less likely, 0.01 to 100. More states larger deviations.
+  // less likely, 0.01 to 100. More states larger sigmas.
   double cost_per_e = 0.6;
-  // The warping's own deviation, radians, 0.001 to 0.5: its columns and its model are coarse.
-  double warping_deviation_rad = 0.03;
+  // The warping's own sigma, radians, 0.001 to 0.5: its columns and its model are coarse.
+  double warping_sigma_rad = 0.03;
   // The small motion is believed where it explains this share of a, 0 to 1, and turns within
   // agreement_rad (0.001 to 1) of the warping search.
   double min_correlation = 0.5;
@@ -65,14 +65,14 @@ struct CompassOptions {
   // Frequencies of the coarsest stage from the phases' heading, 2 to 64: that heading is exact for
   // a pure turn, and what is covered misleads coarse stages.
   int still_frequencies = 32;
-  // A small motion of fewer of its own deviations is none, 0 to 100: the heading then comes from
+  // A small motion of fewer of its own sigmas is none, 0 to 100: the heading then comes from
   // the phases alone, which what is covered or noisy disturbs less.
-  double still_deviations = 6;
+  double still_sigmas = 6;
   // How unevenly far the landmarks are, 0 to 1: the small motion takes them for equally far, and
-  // errs by this share of step over distance. More states larger deviations of larger steps.
+  // errs by this share of step over distance. More states larger sigmas of larger steps.
   double uneven_depth = 0.15;
   // Directions of motion less certain than this are left out, radians, 0.01 to 1.8.
-  double max_motion_deviation_rad = 0.8;
+  double max_motion_sigma_rad = 0.8;
 
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -80,14 +80,14 @@ struct CompassOptions {
 // The direction from a to b, in a's frame: 0 is a's front, pi / 2 its left.
 struct MotionDirection {
   double direction_rad = 0;
-  double deviation_rad = 0;
+  double sigma_rad = 0;
   // The step over the mean distance of the landmarks; known for small motions alone.
   std::optional<double> step_per_distance;
 };
 
 struct CompassHeading {
   double heading_rad = 0;
-  double deviation_rad = 0;   // with the chance of being altogether wrong in it
+  double sigma_rad = 0;       // with the chance of being altogether wrong in it
   double sharpness = 0;       // how much more a column costs under the runner-up, of the cost of
                               // uncorrelated columns
   double runner_up_rad = 0;   // the best heading that lies off by separation_rad at least

@@ -30,7 +30,7 @@ T Wrapped(const T& angle) {
   return angle - kTurn * floor((angle + std::numbers::pi) / kTurn);
 }
 
-// What is left between an edge and two poses, in the edge's deviations.
+// What is left between an edge and two poses, in the edge's sigmas.
 struct EdgeResidual {
   const PoseEdge& edge;
 
@@ -44,19 +44,19 @@ struct EdgeResidual {
     const T dx = b[0] - a[0];
     const T dy = b[1] - a[1];
     const T scale = exp(*log_scale);
-    residual[0] = (c * dx + s * dy - scale * edge.a_from_b.x) / edge.position_deviation;
-    residual[1] = (c * dy - s * dx - scale * edge.a_from_b.y) / edge.position_deviation;
-    residual[2] = Wrapped(b[2] - a[2] - edge.a_from_b.theta_rad) / edge.heading_deviation_rad;
+    residual[0] = (c * dx + s * dy - scale * edge.a_from_b.x) / edge.position_sigma;
+    residual[1] = (c * dy - s * dx - scale * edge.a_from_b.y) / edge.position_sigma;
+    residual[2] = Wrapped(b[2] - a[2] - edge.a_from_b.theta_rad) / edge.heading_sigma_rad;
     return true;
   }
 };
 
 struct ScalePrior {
-  double deviation;
+  double sigma;
 
   template <class T>
   bool operator()(const T* log_scale, T* residual) const {
-    residual[0] = *log_scale / deviation;
+    residual[0] = *log_scale / sigma;
     return true;
   }
 };
@@ -111,7 +111,7 @@ class Optimiser {
   }
 
  private:
-  // Graduated non-convexity (Yang et al. 2020): a drift of many deviations would let the robust
+  // Graduated non-convexity (Yang et al. 2020): a drift of many sigmas would let the robust
   // loss give up right loops at once, so at first it is as wide as the worst of them and then
   // narrows.
   void SolveRobustly() {
@@ -157,7 +157,7 @@ class Optimiser {
         continue;
       }
       problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ScalePrior, 1, 1>(
-                                   new ScalePrior{options_.log_scale_deviation}),
+                                   new ScalePrior{options_.log_scale_sigma}),
                                nullptr, &log_scales_[group]);
     }
   }
@@ -219,7 +219,7 @@ class Optimiser {
 void PoseGraphOptions::Check() const {
   CheckRange("loop_loss", loop_loss, 0.1, 100);
   CheckRange("reject_beyond", reject_beyond, 1, 1000);
-  CheckRange("log_scale_deviation", log_scale_deviation, 0.001, 10);
+  CheckRange("log_scale_deviation", log_scale_sigma, 0.001, 10);
   CheckRange("max_iterations", max_iterations, 1, 1000);
 }
 
@@ -231,7 +231,7 @@ PoseGraphResult OptimisePoseGraph(const std::vector<Pose2>& start,
   for (const PoseEdge& edge : edges) {
     WS_CHECK(edge.a >= 0 && edge.b >= 0 && edge.a < count && edge.b < count && edge.a != edge.b,
              "an edge from " + std::to_string(edge.a) + " to " + std::to_string(edge.b));
-    WS_CHECK(edge.position_deviation > 0 && edge.heading_deviation_rad > 0 && edge.scale_group >= 0,
+    WS_CHECK(edge.position_sigma > 0 && edge.heading_sigma_rad > 0 && edge.scale_group >= 0,
              "an edge without deviations or with a scale group below 0");
   }
   return Optimiser(start, edges, options).Run();

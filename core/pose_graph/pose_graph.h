@@ -11,10 +11,10 @@ namespace waystone {
 struct PoseEdge {
   int a = 0;  // indices of poses
   int b = 0;
-  Pose2 a_from_b;                 // as measured
-  double position_deviation = 1;  // standard deviation of x and of y, in units of a_from_b, above 0
-  double heading_deviation_rad = 0.1;  // above 0
-  bool loop = false;                   // may be wrong altogether
+  Pose2 a_from_b;             // as measured
+  double position_sigma = 1;  // standard deviation of x and of y, in units of a_from_b, above 0
+  double heading_sigma_rad = 0.1;  // above 0
+  bool loop = false;               // may be wrong altogether
   // Edges of one group measured lengths in one unknown unit: their x and y are multiplied by the
   // group's scale, which is estimated. Group 0 is in the graph's unit. Distances of signatures
   // (Fernandez et al. 2011, eq. 2) are such lengths, a group a sequence.
@@ -22,15 +22,15 @@ struct PoseEdge {
 };
 
 struct PoseGraphOptions {
-  // How many deviations a loop edge may be off before it counts less (Cauchy's loss), 0.1 to 100.
+  // How many sigmas a loop edge may be off before it counts less (Cauchy's loss), 0.1 to 100.
   // More trusts loops more; fewer bear more wrong ones and need a better start.
   double loop_loss = 3.0;
-  // Loop edges farther off than this after the robust optimisation are taken out, in deviations, 1
-  // to 1000. 3.4 keeps 99 % of the right ones if their deviations are right.
+  // Loop edges farther off than this after the robust optimisation are taken out, in sigmas, 1
+  // to 1000. 3.4 keeps 99 % of the right ones if their sigmas are right.
   double reject_beyond = 3.4;
-  // Standard deviation of the logarithm of a group's scale around 0, 0.001 to 10: without it a
+  // Standard sigma of the logarithm of a group's scale around 0, 0.001 to 10: without it a
   // graph whose groups nothing ties to metres would shrink to a point.
-  double log_scale_deviation = 0.5;
+  double log_scale_sigma = 0.5;
   // Steps of each optimisation, 1 to 1000.
   int max_iterations = 100;
 
@@ -41,7 +41,7 @@ struct PoseGraphResult {
   std::vector<Pose2> poses;       // those of the start where nothing is known
   std::vector<double> scales;     // by group; the first is 1
   std::vector<bool> rejected;     // by edge: loop edges that were taken out
-  std::vector<double> residuals;  // by edge: how far off it is in the end, in deviations
+  std::vector<double> residuals;  // by edge: how far off it is in the end, in sigmas
   double initial_cost = 0;        // half the sum of the squared residuals without rejected edges
   double final_cost = 0;
   int iterations = 0;  // of all optimisations
@@ -53,7 +53,7 @@ struct PoseGraphResult {
 // narrows down to loop_loss, then without those that it rejects. The lowest pose of
 // each connected part keeps its place. Runs on the calling thread alone; the same input gives the
 // same bytes. Throws MapError(kBadOptions) for options out of range; edges that name no pose, one
-// pose twice, or have deviations of 0 are programmer's errors.
+// pose twice, or have sigmas of 0 are programmer's errors.
 PoseGraphResult OptimisePoseGraph(const std::vector<Pose2>& start,
                                   const std::vector<PoseEdge>& edges,
                                   const PoseGraphOptions& options = {});

@@ -37,7 +37,7 @@ void Append(BearingFeatures& all, const RigCamera& seen, int camera, const Featu
   for (const int i : Bucketed(features, options)) {
     const Keypoint& keypoint = features.keypoints[i];
     const Eigen::Vector3d ray = Unproject(seen.camera, PositionOf(keypoint));
-    all.rays.emplace_back(seen.head_from_camera.linear() * ray);
+    all.rays.emplace_back(seen.rig_from_camera.linear() * ray);
     all.camera.push_back(camera);
     all.keypoints.push_back(keypoint);
     all.descriptors.Append(features.descriptors.row(i));

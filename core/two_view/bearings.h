@@ -25,7 +25,7 @@ struct BearingFeatureOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Features of all images of a head: the unit ray of each in the head's frame, and its descriptor.
+// Features of all images of a rig: the unit ray of each in the rig's frame, and its descriptor.
 struct BearingFeatures {
   FeatureType type = FeatureType::kSift;
   std::vector<Eigen::Vector3d> rays;
@@ -37,12 +37,12 @@ struct BearingFeatures {
 };
 
 // Features of the images of a rig, one 8-bit grey image a camera; an empty image gives none. The
-// head is taken to have one centre: the cameras' places are ignored. Throws MapError(kBadImage) for
+// rig is taken to have one centre: the cameras' places are ignored. Throws MapError(kBadImage) for
 // an image whose size isn't its camera's. Deterministic; thread-safe.
 BearingFeatures ExtractBearings(const Rig& rig, std::span<const cv::Mat> images,
                                 const BearingFeatureOptions& options = {});
 
-// Rays of two heads that see the same points: row i of each belongs together.
+// Rays of two rigs that see the same points: row i of each belongs together.
 struct MatchedRays {
   std::vector<Eigen::Vector3d> a;
   std::vector<Eigen::Vector3d> b;

@@ -19,7 +19,7 @@ constexpr double kTiny = 1e-12;
 // Length of a step at which refinement has arrived, rad.
 constexpr double kArrived = 1e-8;
 // Refits of a promising sample on its growing inliers.
-constexpr int kRegrowths = 3;
+constexpr int kLocalRounds = 3;
 // A translation that the rays leave free has this variance (its direction is a unit vector).
 constexpr double kFreeVariance = 1.0;
 
@@ -148,8 +148,8 @@ Motion Refine(const MatchedRays& rays, const std::vector<int>& rows, Motion moti
 }
 
 // Refits on its own inliers while they gain.
-Fit Regrow(const MatchedRays& rays, Fit fit, const RelativeOptions& options) {
-  for (int round = 0; round < kRegrowths; ++round) {
+Fit LocalOptimize(const MatchedRays& rays, Fit fit, const RelativeOptions& options) {
+  for (int round = 0; round < kLocalRounds; ++round) {
     if (static_cast<int>(fit.inliers.size()) < kSample) break;
     const Motion better = Refine(rays, fit.inliers, fit.motion, options);
     Fit next = FitOf(rays, better, options.max_error_rad);
@@ -257,7 +257,7 @@ std::vector<Motion> MotionsOfPlane(const Eigen::Matrix3d& h) {
     const Eigen::Matrix3d r = to * from.transpose();
     const Eigen::Vector3d t = (h - r) * v2.cross(u);
     if (t.norm() < kTiny) continue;
-    for (const int way : {1, -1}) motions.push_back({r, way * t.normalized()});
+    for (const int trajectory : {1, -1}) motions.push_back({r, trajectory * t.normalized()});
   }
   return motions;
 }
@@ -268,7 +268,7 @@ std::optional<RelativePose::Rival> RivalOf(const MatchedRays& rays, const Fit& b
   std::optional<RelativePose::Rival> rival;
   double most = options.max_rival * best.score;
   for (const Motion& motion : MotionsOfPlane(PlaneOf(rays, best.inliers))) {
-    const Fit fit = Regrow(rays, FitOf(rays, motion, options.max_error_rad), options);
+    const Fit fit = LocalOptimize(rays, FitOf(rays, motion, options.max_error_rad), options);
     const Eigen::AngleAxisd turned(fit.motion.b_from_a * best.motion.b_from_a.transpose());
     if (fit.score < most || turned.angle() < options.rival_angle_rad) continue;
     most = fit.score;
@@ -277,14 +277,14 @@ std::optional<RelativePose::Rival> RivalOf(const MatchedRays& rays, const Fit& b
   return rival;
 }
 
-RelativeTrouble TroubleOf(const RelativePose& pose, const RelativeOptions& options) {
+RelativeError ErrorOf(const RelativePose& pose, const RelativeOptions& options) {
   if (static_cast<int>(pose.inliers.size()) < options.min_inliers) {
-    return RelativeTrouble::kFewInliers;
+    return RelativeError::kFewInliers;
   }
-  if (pose.log10_chance > options.max_log10_chance) return RelativeTrouble::kChance;
-  if (pose.sigma_rad() > options.max_sigma_rad) return RelativeTrouble::kUncertain;
-  if (pose.rival) return RelativeTrouble::kPlanar;
-  return RelativeTrouble::kNone;
+  if (pose.log10_chance > options.max_log10_chance) return RelativeError::kChance;
+  if (pose.sigma_rad() > options.max_sigma_rad) return RelativeError::kUncertain;
+  if (pose.rival) return RelativeError::kPlanar;
+  return RelativeError::kNone;
 }
 
 }  // namespace
@@ -302,15 +302,15 @@ void RelativeOptions::Check() const {
   CheckRange("rival_angle_rad", rival_angle_rad, 0.001, 1);
 }
 
-std::string_view NameOf(RelativeTrouble trouble) {
-  switch (trouble) {
-    case RelativeTrouble::kNone:
+std::string_view NameOf(RelativeError error) {
+  switch (error) {
+    case RelativeError::kNone:
       return "none";
-    case RelativeTrouble::kFewInliers:
+    case RelativeError::kFewInliers:
       return "few_inliers";
-    case RelativeTrouble::kChance:
+    case RelativeError::kChance:
       return "chance";
-    case RelativeTrouble::kPlanar:
+    case RelativeError::kPlanar:
       return "planar";
     default:
       return "uncertain";
@@ -339,7 +339,7 @@ RelativePose FindRelativePose(const MatchedRays& rays, const RelativeOptions& op
     ++pose.samples;
     for (const Eigen::Matrix3d& e : Sampled(rays, random)) {
       if (ScoreOf(rays, e, options.max_error_rad) <= best.score) continue;
-      Fit fit = Regrow(rays, BestMotion(rays, e, options.max_error_rad), options);
+      Fit fit = LocalOptimize(rays, BestMotion(rays, e, options.max_error_rad), options);
       if (fit.score <= best.score) continue;
       best = std::move(fit);
       needed =
@@ -356,7 +356,7 @@ RelativePose FindRelativePose(const MatchedRays& rays, const RelativeOptions& op
   if (static_cast<int>(best.inliers.size()) >= options.min_inliers) {
     pose.rival = RivalOf(rays, best, options);
   }
-  pose.trouble = TroubleOf(pose, options);
+  pose.error = ErrorOf(pose, options);
   return pose;
 }
 

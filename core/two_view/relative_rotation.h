@@ -40,8 +40,8 @@ struct RelativeOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Why two heads have no relative rotation.
-enum class RelativeTrouble {
+// Why two rigs have no relative rotation.
+enum class RelativeError {
   kNone,
   kFewInliers,  // fewer correspondences fit one motion than are asked for
   kChance,      // so many would fit by accident
@@ -49,12 +49,12 @@ enum class RelativeTrouble {
   kPlanar,      // they lie on a plane, which another motion explains as well: see `rival`
 };
 // "none", "few_inliers", "chance", "uncertain", "planar".
-std::string_view NameOf(RelativeTrouble trouble);
+std::string_view NameOf(RelativeError error);
 
-// The motion between two heads from matched rays: x_b = b_from_a x_a + s * translation.
+// The motion between two rigs from matched rays: x_b = b_from_a x_a + s * translation.
 struct RelativePose {
   Eigen::Matrix3d b_from_a = Eigen::Matrix3d::Identity();
-  // Unit vector, b's frame; without a meaning when the heads hardly moved.
+  // Unit vector, b's frame; without a meaning when the rigs hardly moved.
   Eigen::Vector3d translation = Eigen::Vector3d::UnitZ();
   // Of the rotation vector w, b's frame, rad^2: R_true = exp(w) R. The identity where nothing is
   // known.
@@ -69,11 +69,11 @@ struct RelativePose {
     Eigen::Vector3d translation;
   };
   std::optional<Rival> rival;
-  RelativeTrouble trouble = RelativeTrouble::kFewInliers;
+  RelativeError error = RelativeError::kFewInliers;
 
-  bool accepted() const { return trouble == RelativeTrouble::kNone; }
+  bool accepted() const { return error == RelativeError::kNone; }
   // Accepted, but for the choice between it and its rival.
-  bool one_of_two() const { return trouble == RelativeTrouble::kPlanar; }
+  bool one_of_two() const { return error == RelativeError::kPlanar; }
   double sigma_rad() const;
 };
 

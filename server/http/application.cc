@@ -12,7 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/base/version.h"
-#include "schema/map_store.h"
+#include "schema/file/map_store.h"
 #include "server/http/openapi.h"
 #include "server/http/problem.h"
 #include "server/http/responses.h"

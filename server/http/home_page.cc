@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/home_page.h"
 
-#include <cctype>
-#include <string_view>
-
 #include "core/base/text.h"
 
 namespace waystone {
@@ -29,21 +26,6 @@ std::string Link(const std::string& address, const std::string& text) {
 }
 
 }  // namespace
-
-std::string EncodeSegment(const std::string& text) {
-  static constexpr std::string_view kHex = "0123456789ABCDEF";
-  std::string out;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if ((std::isalnum(byte) != 0 && byte < 128) ||
-        std::string_view("-._~").find(c) != std::string_view::npos) {
-      out += c;
-    } else {
-      out += {'%', kHex[byte >> 4], kHex[byte & 15]};
-    }
-  }
-  return out;
-}
 
 std::string HomePage(const std::vector<std::string>& map_names, const std::string& host) {
   std::string page = kHead;

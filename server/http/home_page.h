@@ -9,7 +9,4 @@ namespace waystone {
 // The page at "/": which maps there are and how to ask them. Self-contained HTML, no scripts.
 std::string HomePage(const std::vector<std::string>& map_names, const std::string& host);
 
-// `text` as one segment of a URL's path: all but letters, digits and "-._~" as %XX.
-std::string EncodeSegment(const std::string& text);
-
 }  // namespace waystone

@@ -21,9 +21,9 @@ constexpr size_t kMaxObjectBytes = 65'536;  // of a form's part `request`
 constexpr int kMaxDepth = 8;                // of JSON: nothing we read is deeper
 constexpr int kMaxTopK = 50;
 constexpr size_t kMaxBeliefs = 1000;
-constexpr size_t kMaxMotions = 64;     // no request has more images
-constexpr double kMaxWay = 1e9;        // of a layer's units
-constexpr double kMaxPixel = 100'000;  // of focal lengths and principal points
+constexpr size_t kMaxMotions = 64;      // no request has more images
+constexpr double kMaxTrajectory = 1e9;  // of a layer's units
+constexpr double kMaxPixel = 100'000;   // of focal lengths and principal points
 constexpr double kMinFovDeg = 1;
 constexpr double kMaxFovDeg = 179;
 
@@ -146,8 +146,8 @@ std::vector<std::optional<Pose2>> ReadOdometry(const Json& list) {
     for (const char* name : {"heading_rad", "x", "y"}) {
       if (!one.contains(name)) Refuse("a motion has no " + std::string(name));
     }
-    const Pose2 motion = {NumberIn(one["x"], "odometry's x", -kMaxWay, kMaxWay),
-                          NumberIn(one["y"], "odometry's y", -kMaxWay, kMaxWay),
+    const Pose2 motion = {NumberIn(one["x"], "odometry's x", -kMaxTrajectory, kMaxTrajectory),
+                          NumberIn(one["y"], "odometry's y", -kMaxTrajectory, kMaxTrajectory),
                           AngleIn(one, "heading_rad", "odometry's heading_rad")};
     motions.emplace_back(motion);
   }

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "api/json.h"
 #include "core/base/pose2.h"
 #include "core/camera/camera.h"
 #include "core/image/decode.h"
 #include "schema/map_data.h"
-#include "server/http/json.h"
 #include "server/http/message.h"
 
 namespace waystone {
@@ -46,7 +46,7 @@ struct LocalizeRequest {
   std::optional<std::string> stored_camera;  // name of a sequence of the map
   std::optional<int64_t> prior_keyframe;     // where the client believes to be
   // The answer before this one, as its client keeps it: {"keyframe": id, "heading_rad": angle,
-  // "map_version": text, "belief": [{"node": id, "probability", "heading_rad", "deviation_rad"}]},
+  // "map_version": text, "belief": [{"node": id, "probability", "heading_rad", "sigma_rad"}]},
   // each optional. Null without one.
   Json previous;
   // Of each image, in their order, the motion since the image or answer before it, in the units of

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "localizer/audit.h"
+#include "quality/audit.h"
 
 namespace waystone {
 

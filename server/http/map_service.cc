@@ -8,19 +8,20 @@
 #include <utility>
 #include <vector>
 
+#include "api/audit_text.h"
+#include "api/graph_formats.h"
+#include "api/layer_json.h"
+#include "api/lines_json.h"
+#include "api/map_json.h"
+#include "api/overview_json.h"
+#include "api/space_json.h"
 #include "core/base/error.h"
-#include "server/http/audit_text.h"
-#include "server/http/graph_formats.h"
+#include "core/base/text.h"
 #include "server/http/home_page.h"
-#include "server/http/layer_json.h"
-#include "server/http/lines_json.h"
-#include "server/http/map_json.h"
 #include "server/http/openapi.h"
-#include "server/http/overview_json.h"
 #include "server/http/paging.h"
 #include "server/http/responses.h"
 #include "server/http/shrink_image.h"
-#include "server/http/space_json.h"
 #include "server/http/web_page.h"
 
 namespace waystone {

@@ -3,8 +3,8 @@
 
 #include <cctype>
 
+#include "api/json.h"
 #include "core/base/text.h"
-#include "server/http/json.h"
 
 namespace waystone {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "server/http/json.h"
+#include "api/json.h"
 #include "server/http/message.h"
 
 namespace waystone {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/problem.h"
 
-#include "server/http/json.h"
+#include "api/json.h"
 
 namespace waystone {
 namespace {

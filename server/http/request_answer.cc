@@ -6,9 +6,9 @@
 #include <span>
 #include <utility>
 
+#include "api/answer_json.h"
 #include "core/base/error.h"
-#include "localizer/appearance.h"
-#include "server/http/answer_json.h"
+#include "localizer/appearance/appearance.h"
 
 namespace waystone {
 namespace {
@@ -163,7 +163,7 @@ Json BeliefJson(const FilterState& belief, const MapIndex& index) {
     list.push_back({{"node", index.map().appearance->nodes[one.node].id.value},
                     {"probability", probability},
                     {"heading_rad", Rounded(one.heading_rad, 5)},
-                    {"deviation_rad", std::max(1e-5, Rounded(one.deviation_rad, 5))}});
+                    {"deviation_rad", std::max(1e-5, Rounded(one.sigma_rad, 5))}});
   }
   return list;
 }

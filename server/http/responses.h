@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "server/http/json.h"
+#include "api/json.h"
 #include "server/http/message.h"
 
 namespace waystone {

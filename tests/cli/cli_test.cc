@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 
+#include "api/audit_text.h"
 #include "cli/answer_text.h"
 #include "cli/build_text.h"
 #include "cli/csv_file.h"
@@ -17,7 +18,6 @@
 #include "cli/trajectory_file.h"
 #include "cli/trajectory_plot.h"
 #include "core/base/error.h"
-#include "server/http/audit_text.h"
 
 namespace waystone {
 namespace {
@@ -251,11 +251,11 @@ TEST_F(TrajectoryTest, ReadsCsvByItsColumns) {
 
 // A camera that looks along x: its z axis is the world's x, its y axis points down.
 TEST_F(TrajectoryTest, ReadsTum) {
-  const Trajectory way = Read(".txt", "# time x y z q\n10.5 1 2 3 -0.5 0.5 -0.5 0.5\n\n");
-  ASSERT_EQ(way.poses.size(), 1u);
-  EXPECT_EQ(way.times_s[0], 10.5);
-  EXPECT_EQ(way.poses[0].y, 2);
-  EXPECT_NEAR(way.poses[0].theta_rad, 0, 1e-12);
+  const Trajectory trajectory = Read(".txt", "# time x y z q\n10.5 1 2 3 -0.5 0.5 -0.5 0.5\n\n");
+  ASSERT_EQ(trajectory.poses.size(), 1u);
+  EXPECT_EQ(trajectory.times_s[0], 10.5);
+  EXPECT_EQ(trajectory.poses[0].y, 2);
+  EXPECT_NEAR(trajectory.poses[0].theta_rad, 0, 1e-12);
 }
 
 TEST_F(TrajectoryTest, SaysWhichLineIsWrong) {
@@ -265,8 +265,8 @@ TEST_F(TrajectoryTest, SaysWhichLineIsWrong) {
   EXPECT_THROW(ReadTrajectory("no such file.txt"), MapError);
 }
 
-TEST(PlotWays, ShowsEveryLineAndEscapesLabels) {
-  const std::string svg = PlotWays(
+TEST(PlotTrajectories, ShowsEveryLineAndEscapesLabels) {
+  const std::string svg = PlotTrajectories(
       "a & b", {{"<truth>", "#222", {{0, 0}, {4, 0}}}, {"estimate", "#00f", {{0, 1}, {4, 2}}}});
   EXPECT_EQ(svg.find("<svg"), 0u);
   EXPECT_NE(svg.find("a &amp; b"), std::string::npos);
@@ -275,7 +275,7 @@ TEST(PlotWays, ShowsEveryLineAndEscapesLabels) {
   for (size_t at = 0; (at = svg.find("<polyline", at)) != std::string::npos; ++at) ++lines;
   EXPECT_EQ(lines, 2u);
   // One place alone still has a picture.
-  EXPECT_EQ(PlotWays("", {{"", "red", {{3, 3}}}}).find("nan"), std::string::npos);
+  EXPECT_EQ(PlotTrajectories("", {{"", "red", {{3, 3}}}}).find("nan"), std::string::npos);
 }
 
 }  // namespace

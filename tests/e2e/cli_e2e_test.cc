@@ -8,8 +8,8 @@
 #include <string>
 #include <thread>
 
+#include "api/json.h"
 #include "cli/child_process.h"
-#include "server/http/json.h"
 #include "tests/e2e/shared_map.h"
 
 namespace waystone {

@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "api/json.h"
 #include "cli/child_process.h"
-#include "server/http/json.h"
 #include "tests/e2e/shared_map.h"
 
 // After Eigen, for which the macro _res of the resolver's header spells trouble.

@@ -8,7 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
-#include "server/http/json.h"
+#include "api/json.h"
 #include "tests/e2e/shared_map.h"
 #include "world/render.h"
 #include "world/rig.h"

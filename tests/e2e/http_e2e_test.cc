@@ -12,9 +12,9 @@
 #include <thread>
 #include <vector>
 
+#include "api/json.h"
 #include "cli/child_process.h"
-#include "schema/map_store.h"
-#include "server/http/json.h"
+#include "schema/file/map_store.h"
 #include "tests/e2e/calibrated_maps.h"
 #include "tests/e2e/shared_map.h"
 #include "tests/server/http/made_map.h"

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
-#include "server/http/json.h"
+#include "api/json.h"
 #include "tests/e2e/shared_map.h"
 #include "world/render.h"
 #include "world/rig.h"

@@ -6,8 +6,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "api/json.h"
 #include "cli/child_process.h"
-#include "server/http/json.h"
 #include "tests/e2e/shared_map.h"
 #include "world/render.h"
 #include "world/rig.h"

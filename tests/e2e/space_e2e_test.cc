@@ -8,10 +8,10 @@
 #include <numbers>
 #include <string>
 
+#include "api/json.h"
 #include "core/base/angle.h"
-#include "schema/map_store.h"
+#include "schema/file/map_store.h"
 #include "server/http/application.h"
-#include "server/http/json.h"
 #include "tests/e2e/calibrated_maps.h"
 #include "tests/e2e/shared_map.h"
 

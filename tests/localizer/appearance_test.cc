@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localizer/appearance.h"
+#include "localizer/appearance/appearance.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "localizer/appearance/panorama_series.h"
+#include "localizer/appearance/photo.h"
 #include "localizer/localizer.h"
-#include "localizer/panorama_series.h"
-#include "localizer/photo.h"
 #include "tests/world/test_worlds.h"
 
 namespace waystone {
@@ -82,7 +82,7 @@ TEST(Appearance, FeaturesIntersectDirections) {
     EXPECT_LT(Apart(answer.panorama->pose, truth), 0.15);
     EXPECT_LT(std::abs(WrappedAngle(answer.panorama->pose.theta_rad - truth.theta_rad)), 0.02);
     ASSERT_TRUE(answer.heading);
-    EXPECT_LT(answer.heading->deviation_rad, 0.05);
+    EXPECT_LT(answer.heading->sigma_rad, 0.05);
     EXPECT_GT(answer.nodes.front().inliers, 20);
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localizer/appearance_verdict.h"
+#include "localizer/verdict/appearance_verdict.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localizer/building.h"
+#include "localizer/orientation/building.h"
 
 #include <gtest/gtest.h>
 
@@ -59,11 +59,11 @@ Answer Asked(const MapIndex& index, const MapData& map, const MadePose& pose) {
 // A frame of lines that can be relied on.
 ManhattanFrame ClearLines(const Matrix3d& building_from_query) {
   ManhattanFrame lines;
-  lines.head_from_axes = building_from_query.transpose() * CubeRotations()[17];
+  lines.rig_from_axes = building_from_query.transpose() * CubeRotations()[17];
   lines.covariance = 1e-6 * Matrix3d::Identity();
   lines.lines = {20, 20, 20};
   lines.rival = 0.3;
-  lines.trouble = FrameTrouble::kNone;
+  lines.error = FrameError::kNone;
   return lines;
 }
 
@@ -80,7 +80,7 @@ TEST(Building, OneGuessOfEachPlaneIsTheTruth) {
   for (const BuildingGuess& guess : guesses) {
     const double off = RotationAngle(guess.building_from_query, Truth(pose));
     near += off < 1.5 * kDegree ? 1 : 0;
-    EXPECT_GT(guess.deviation_rad, 0);
+    EXPECT_GT(guess.sigma_rad, 0);
   }
   EXPECT_GE(near, 2) << "one of each plane";
   EXPECT_TRUE(GuessRotation(*index, answer, std::nullopt).empty()) << "takes a camera";
@@ -133,7 +133,7 @@ TEST(Building, LinesSettleTheRotationUpToItsQuarterTurn) {
   EXPECT_LT(RotationAngle(view.building_from_query.toRotationMatrix(), truth), 1e-6);
   const Vector3d ahead = truth * Vector3d::UnitZ();
   EXPECT_NEAR(view.heading->rad, std::atan2(ahead.y(), ahead.x()), 1e-6);
-  EXPECT_NEAR(view.heading->deviation_rad, 1e-3, 1e-4);
+  EXPECT_NEAR(view.heading->sigma_rad, 1e-3, 1e-4);
   EXPECT_EQ(view.heading->of, "building");
   EXPECT_NEAR(*view.disagreement_rad, 3 * kDegree, 1e-6);
   EXPECT_EQ(view.lines[0] + view.lines[1] + view.lines[2], 60);
@@ -188,9 +188,9 @@ TEST(Building, LinesOfRenderedImages) {
   const cv::Mat panorama = Render(world, around, pose).grey;
   const Matrix3d truth = pose.linear().transpose();
   const ManhattanFrame of_photo = LinesOf(photo, camera, {});
-  EXPECT_LT(CubeAngle(of_photo.head_from_axes, truth), 1 * kDegree);
+  EXPECT_LT(CubeAngle(of_photo.rig_from_axes, truth), 1 * kDegree);
   const ManhattanFrame of_panorama = LinesOf(panorama, std::nullopt, {});
-  EXPECT_LT(CubeAngle(of_panorama.head_from_axes, truth), 1 * kDegree);
+  EXPECT_LT(CubeAngle(of_panorama.rig_from_axes, truth), 1 * kDegree);
 }
 
 TEST(Building, OptionsOutOfRangeAreRefused) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localizer/decide.h"
+#include "localizer/planes/decide.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "localizer/shortlist.h"
-#include "localizer/verify.h"
+#include "localizer/planes/shortlist.h"
+#include "localizer/planes/verify.h"
 #include "tests/localizer/made_map.h"
 
 namespace waystone {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localizer/explain.h"
+#include "localizer/planes/explain.h"
 
 #include <gtest/gtest.h>
 

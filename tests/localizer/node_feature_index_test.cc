@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localizer/node_feature_index.h"
+#include "localizer/appearance/node_feature_index.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

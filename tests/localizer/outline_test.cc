@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localizer/outline.h"
+#include "localizer/planes/outline.h"
 
 #include <gtest/gtest.h>
 

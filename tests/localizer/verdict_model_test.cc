@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localizer/verdict_model.h"
+#include "localizer/verdict/verdict_model.h"
 
 #include <gtest/gtest.h>
 
@@ -92,7 +92,7 @@ TEST(VerdictModel, MoreInliersNeverSpeakAgainstAPlace) {
   EXPECT_GT(FitVerdictModel(samples, loose).log_inliers, 0);
 }
 
-TEST(VerdictModel, DeviationsMustBePositive) {
+TEST(VerdictModel, SigmasMustBePositive) {
   FitOptions options;
   options.log_inliers_sigma = 0;
   EXPECT_THROW(FitVerdictModel({}, options), MapError);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "schema/blob.h"
+#include "schema/tables/blob.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/base/check.h"
-#include "schema/sha256.h"
+#include "schema/file/sha256.h"
 #include "tests/schema/made_map.h"
 
 namespace waystone {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "schema/map_store.h"
+#include "schema/file/map_store.h"
 #include "tests/schema/made_map.h"
 
 namespace waystone {

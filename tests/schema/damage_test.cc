@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/base/random.h"
-#include "schema/map_store.h"
+#include "schema/file/map_store.h"
 #include "tests/schema/made_map.h"
 
 namespace waystone {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "schema/file_replacer.h"
+#include "schema/file/file_replacer.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

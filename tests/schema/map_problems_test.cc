@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "schema/map_problems.h"
+#include "schema/file/map_problems.h"
 
 #include <gtest/gtest.h>
 
@@ -117,7 +117,7 @@ const std::vector<Fault>& AppearanceFaults() {
       {"heading NaN", "appearance_edges 1/2",
        [](MapData& m) { m.appearance->edges[0].a_from_b.theta_rad = kNan; }},
       {"deviation below 0", "appearance_edges 1/2",
-       [](MapData& m) { m.appearance->edges[0].deviation_rad = -0.1; }},
+       [](MapData& m) { m.appearance->edges[0].sigma_rad = -0.1; }},
       {"term twice", "appearance_verdict 1",
        [](MapData& m) { m.appearance->verdict->terms[1].name = "a"; }},
       {"weight NaN", "appearance_verdict 1",
@@ -143,7 +143,7 @@ const std::vector<Fault>& OrientationFaults() {
       {"reliable without a rotation", "orientation_frames 1",
        [](MapData& m) { m.orientation->frames[0].rotation.reset(); }},
       {"quaternion of another norm", "orientation_frames 1",
-       [](MapData& m) { m.orientation->frames[0].rotation->building_from_head.x() = 0.1; }},
+       [](MapData& m) { m.orientation->frames[0].rotation->building_from_rig.x() = 0.1; }},
       {"covariance below 0", "orientation_frames 1",
        [](MapData& m) { m.orientation->frames[0].rotation->covariance(1, 1) = -1; }},
       {"covariance not symmetric", "orientation_frames 1",

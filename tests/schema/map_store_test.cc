@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "schema/map_store.h"
+#include "schema/file/map_store.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <thread>
 
-#include "schema/map_database.h"
-#include "schema/sha256.h"
+#include "schema/file/map_database.h"
+#include "schema/file/sha256.h"
 #include "tests/schema/made_map.h"
 
 namespace waystone {

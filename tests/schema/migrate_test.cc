@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "schema/migrate.h"
+#include "schema/file/migrate.h"
 
 #include <SQLiteCpp/Database.h>
 #include <SQLiteCpp/Statement.h>
@@ -7,8 +7,8 @@
 
 #include <set>
 
-#include "schema/map_database.h"
-#include "schema/map_store.h"
+#include "schema/file/map_database.h"
+#include "schema/file/map_store.h"
 #include "tests/schema/made_map.h"
 
 namespace waystone {

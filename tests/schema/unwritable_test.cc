@@ -7,7 +7,7 @@
 
 #include <csignal>
 
-#include "schema/map_store.h"
+#include "schema/file/map_store.h"
 #include "tests/schema/made_map.h"
 
 namespace waystone {

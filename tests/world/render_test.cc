@@ -67,7 +67,7 @@ TEST(Render, SameSeedSameBytesOnAnyThreadAndOtherSeedOther) {
   EXPECT_GT(cv::norm(unlike, first, cv::NORM_L1) / first.total(), 10.0);
 }
 
-TEST(Render, NoiseHasTheAskedDeviationAndItsOwnSeed) {
+TEST(Render, NoiseHasTheAskedSigmaAndItsOwnSeed) {
   const cv::Mat clean = GreyOf({});
   RenderOptions options;
   options.noise_sigma = 5.0;
@@ -76,10 +76,10 @@ TEST(Render, NoiseHasTheAskedDeviationAndItsOwnSeed) {
   cv::Mat difference;
   cv::subtract(noisy, clean, difference, inside, CV_32F);
   cv::Scalar mean;
-  cv::Scalar deviation;
-  cv::meanStdDev(difference, mean, deviation, inside);
+  cv::Scalar sigma;
+  cv::meanStdDev(difference, mean, sigma, inside);
   EXPECT_NEAR(mean[0], 0.0, 0.2);
-  EXPECT_NEAR(deviation[0], 5.0, 0.25);
+  EXPECT_NEAR(sigma[0], 5.0, 0.25);
   EXPECT_TRUE(SameBytes(noisy, GreyOf(options)));
   options.noise_seed = 1;
   EXPECT_FALSE(SameBytes(noisy, GreyOf(options)));

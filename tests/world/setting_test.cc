@@ -43,10 +43,11 @@ TEST(Setting, TheRobotLooksWhereItGoes) {
   for (const Setting& setting : {OfficeSetting(), LaboratorySetting()}) {
     const std::vector<Pose2> poses = GroundPoses(setting.walk);
     for (size_t i = 1; i < poses.size(); ++i) {
-      const double way = std::atan2(poses[i].y - poses[i - 1].y, poses[i].x - poses[i - 1].x);
+      const double trajectory =
+          std::atan2(poses[i].y - poses[i - 1].y, poses[i].x - poses[i - 1].x);
       const double between = WrappedAngle(poses[i].theta_rad - poses[i - 1].theta_rad) / 2;
       // A step on a circle goes along the middle between its two headings.
-      EXPECT_NEAR(WrappedAngle(way - poses[i - 1].theta_rad - between), 0, 0.03) << i;
+      EXPECT_NEAR(WrappedAngle(trajectory - poses[i - 1].theta_rad - between), 0, 0.03) << i;
     }
   }
 }

@@ -220,7 +220,7 @@ TEST(World, BareWallsHaveFarFewerCorners) {
 }
 
 // The strongest change from one row of a picture to the next, as a mean over the row: shapes at any
-// angle cancel out, level bars add up. Of a wall seen head-on.
+// angle cancel out, level bars add up. Of a wall seen rig-on.
 double StrongestLevel(const World& world) {
   const Eigen::Isometry3d pose = WorldFromCamera({2.2, 2.0, 1.3}, 0.5 * std::numbers::pi);
   const cv::Mat grey = Render(world, PinholeCamera(320, 240, 1.1), pose).grey;

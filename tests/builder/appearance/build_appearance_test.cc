@@ -6,8 +6,8 @@
 
 #include "builder/build_map.h"
 #include "core/base/error.h"
-#include "localizer/appearance.h"
-#include "schema/map_store.h"
+#include "localizer/appearance/appearance.h"
+#include "schema/file/map_store.h"
 #include "tests/builder/appearance/drive.h"
 
 namespace waystone {

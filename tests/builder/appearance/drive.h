@@ -38,7 +38,7 @@ struct Drive {
     std::vector<Eigen::Isometry3d> poses;
     for (int i = 0; i < kFrames; ++i) {
       const double angle = 2 * std::numbers::pi * i / kAround;
-      // The camera doesn't look along its way all the time.
+      // The camera doesn't look along its trajectory all the time.
       const double yaw = angle + std::numbers::pi / 2 + 0.3 * std::sin(2 * angle);
       truth.push_back(
           {6.5 + 0.9 * std::cos(angle), 10.5 + 0.6 * std::sin(angle), WrappedAngle(yaw)});

@@ -18,8 +18,8 @@ LoopOptions ShortLoops() {
 LoopClosure LoopsOf(const std::vector<FourierSignature>& signatures, const LoopOptions& options) {
   VisualOdometryOptions odometry;
   odometry.max_span = 1;  // fast
-  const VisualOdometry way = FollowPanoramas(signatures, kBand, odometry);
-  return CloseLoops(signatures, kBand, {{0, static_cast<int>(signatures.size())}}, {way}, {},
+  const VisualOdometry trajectory = FollowPanoramas(signatures, kBand, odometry);
+  return CloseLoops(signatures, kBand, {{0, static_cast<int>(signatures.size())}}, {trajectory}, {},
                     options);
 }
 

@@ -11,12 +11,12 @@ namespace waystone {
 namespace {
 
 TEST(VisualOdometryTest, FollowsAKnownWay) {
-  const VisualOdometry way = FollowPanoramas(DriveSignatures(), kBand);
-  ASSERT_EQ(way.poses.size(), TheDrive().truth.size());
-  EXPECT_LT(CompareShapes(PlacesOf(TheDrive().truth), PlacesOf(way.poses)).mu, 0.03);
+  const VisualOdometry trajectory = FollowPanoramas(DriveSignatures(), kBand);
+  ASSERT_EQ(trajectory.poses.size(), TheDrive().truth.size());
+  EXPECT_LT(CompareShapes(PlacesOf(TheDrive().truth), PlacesOf(trajectory.poses)).mu, 0.03);
   const Pose2 turned = Inverse(TheDrive().truth.front()) * TheDrive().truth.back();
-  EXPECT_NEAR(WrappedAngle(way.poses.back().theta_rad - turned.theta_rad), 0, 0.1);
-  EXPECT_EQ(way.uncertain, 0);
+  EXPECT_NEAR(WrappedAngle(trajectory.poses.back().theta_rad - turned.theta_rad), 0, 0.1);
+  EXPECT_EQ(trajectory.uncertain, 0);
 }
 
 // Eqs. (3) to (5): without longer spans the poses are the steps, one after the other.
@@ -25,13 +25,13 @@ TEST(VisualOdometryTest, PosesAreTheChainOfTheSteps) {
   signatures.resize(6);
   VisualOdometryOptions options;
   options.max_span = 1;
-  const VisualOdometry way = FollowPanoramas(signatures, kBand, options);
+  const VisualOdometry trajectory = FollowPanoramas(signatures, kBand, options);
   Pose2 pose;
-  for (const PanoramaRelation& step : way.steps) {
+  for (const PanoramaRelation& step : trajectory.steps) {
     EXPECT_DOUBLE_EQ(step.distance, SignatureDistance(signatures[step.a], signatures[step.b], 64));
     EXPECT_NEAR(std::hypot(step.a_from_b.x, step.a_from_b.y), step.distance, 1e-9);
     pose = pose * step.a_from_b;
-    EXPECT_EQ(way.poses[step.b], pose);
+    EXPECT_EQ(trajectory.poses[step.b], pose);
   }
 }
 
@@ -51,8 +51,8 @@ TEST(VisualOdometryTest, DistanceIsTheNormOfEquation2) {
 
 TEST(VisualOdometryTest, AStandingCameraStays) {
   const FourierSignature one = Signature(TheDrive().panoramas[3]);
-  const VisualOdometry way = FollowPanoramas({one, one, one, one}, kBand);
-  for (const Pose2& pose : way.poses) {
+  const VisualOdometry trajectory = FollowPanoramas({one, one, one, one}, kBand);
+  for (const Pose2& pose : trajectory.poses) {
     EXPECT_NEAR(std::hypot(pose.x, pose.y), 0, 1e-6);
     EXPECT_NEAR(pose.theta_rad, 0, 1e-3);
   }

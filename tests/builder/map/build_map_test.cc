@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "core/homography/homology.h"
 #include "localizer/localizer.h"
-#include "schema/map_store.h"
+#include "schema/file/map_store.h"
 #include "tests/builder/map/stage.h"
 #include "world/truth.h"
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "builder/calibrate.h"
+#include "builder/calibration/calibrate.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <set>
 
-#include "builder/rendered_negatives.h"
+#include "builder/calibration/rendered_negatives.h"
 #include "core/base/error.h"
 #include "core/features/features.h"
-#include "localizer/verdict_model.h"
+#include "localizer/verdict/verdict_model.h"
 #include "tests/builder/map/stage.h"
 
 namespace waystone {

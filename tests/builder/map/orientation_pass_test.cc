@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
-#include "schema/map_problems.h"
+#include "schema/file/map_problems.h"
 #include "tests/builder/map/stage.h"
 
 namespace waystone {

@@ -10,8 +10,8 @@ OrientationFrame FrameAt(int i, double heading_rad, int along_x, int along_y) {
   BuildingRotation rotation;
   Eigen::Matrix3d looking_along_x;  // x ahead, y left, z up
   looking_along_x << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  rotation.building_from_head = Eigen::AngleAxisd(heading_rad, Eigen::Vector3d::UnitZ()) *
-                                Eigen::Quaterniond(looking_along_x);
+  rotation.building_from_rig = Eigen::AngleAxisd(heading_rad, Eigen::Vector3d::UnitZ()) *
+                               Eigen::Quaterniond(looking_along_x);
   return {.id = {i + 1},
           .sequence = {1},
           .frame = i,

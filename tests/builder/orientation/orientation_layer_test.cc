@@ -7,7 +7,7 @@
 
 #include "builder/orientation/follow.h"
 #include "core/base/error.h"
-#include "schema/map_problems.h"
+#include "schema/file/map_problems.h"
 #include "world/render.h"
 #include "world/rig.h"
 #include "world/walk.h"

@@ -12,7 +12,7 @@
 namespace waystone {
 namespace {
 
-// Points around a head in a room of 8 x 6 x 3 m, each with a descriptor of its own.
+// Points around a rig in a room of 8 x 6 x 3 m, each with a descriptor of its own.
 class Room {
  public:
   explicit Room(uint64_t seed) : seed_(seed) {
@@ -22,13 +22,13 @@ class Room {
     }
   }
 
-  // What a head at a place with a heading sees: x ahead, y left, z up of the building.
+  // What a rig at a place with a heading sees: x ahead, y left, z up of the building.
   BearingFeatures From(const Eigen::Vector3d& place, double heading_rad) const {
     BearingFeatures features;
     features.descriptors = Descriptors(DescriptorBytes(features.type));
-    const Eigen::Quaterniond head_from_building = RotationAt(heading_rad).conjugate();
+    const Eigen::Quaterniond rig_from_building = RotationAt(heading_rad).conjugate();
     for (size_t i = 0; i < points_.size(); ++i) {
-      features.rays.push_back((head_from_building * (points_[i] - place)).normalized());
+      features.rays.push_back((rig_from_building * (points_[i] - place)).normalized());
       features.camera.push_back(0);
       features.keypoints.emplace_back();
       Random random(seed_ * 1000 + i);
@@ -52,7 +52,7 @@ class Room {
 };
 
 OrientationFrame FrameOf(int frame, double heading_rad) {
-  BuildingRotation rotation{.building_from_head = Room::RotationAt(heading_rad),
+  BuildingRotation rotation{.building_from_rig = Room::RotationAt(heading_rad),
                             .covariance = 1e-6 * Eigen::Matrix3d::Identity()};
   return {.id = {frame + 1},
           .sequence = {1},
@@ -76,7 +76,7 @@ TEST(Traversability, TellsRotationMotionAndTheFeaturesFlow) {
     EXPECT_GT(t.matches, 200);
     EXPECT_LT(t.disagreement_rad.value(), 0.01);
     EXPECT_NEAR(t.motion_rad.value(), std::atan2(0.4, 0.3), 0.02);
-    // The head turns to the left: what it sees moves to the right.
+    // The rig turns to the left: what it sees moves to the right.
     EXPECT_LT(t.flow_rad * turn, 0);
   }
 }
@@ -137,9 +137,9 @@ TEST(Loops, JoinAPlaceWithWhatItWasLongBefore) {
 OrientationViewPtr ViewOf(const Room& room, const Eigen::Vector3d& place, double heading_rad,
                           double lines_heading_rad, bool reliable) {
   auto view = std::make_shared<OrientationView>();
-  view->frame.head_from_axes = Room::RotationAt(lines_heading_rad).conjugate().toRotationMatrix();
+  view->frame.rig_from_axes = Room::RotationAt(lines_heading_rad).conjugate().toRotationMatrix();
   view->frame.covariance = 1e-6 * Eigen::Matrix3d::Identity();
-  view->frame.trouble = reliable ? FrameTrouble::kNone : FrameTrouble::kFewLines;
+  view->frame.error = reliable ? FrameError::kNone : FrameError::kFewLines;
   view->features = room.From(place, heading_rad);
   return view;
 }

@@ -6,11 +6,11 @@
 namespace waystone {
 namespace {
 
-// A head that looks along the building's x: x ahead, y left, z up.
+// A rig that looks along the building's x: x ahead, y left, z up.
 Eigen::Matrix3d LookingAlongX() {
-  Eigen::Matrix3d building_from_head;
-  building_from_head << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  return building_from_head;
+  Eigen::Matrix3d building_from_rig;
+  building_from_rig << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  return building_from_rig;
 }
 
 TEST(TraversableDirections, CellsLieAroundTheWay) {

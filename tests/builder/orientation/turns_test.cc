@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/orientation/turns.h"
-#include "core/base/angle.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
+
+#include "core/base/angle.h"
 
 namespace waystone {
 namespace {

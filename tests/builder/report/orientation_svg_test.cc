@@ -26,7 +26,7 @@ OrientationFrame FrameAt(int64_t id, int64_t sequence, int frame, bool reliable)
   if (!reliable) return made;
   Eigen::Matrix3d upright;  // looks along the building's x
   upright << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  made.rotation->building_from_head = Eigen::Quaterniond(upright);
+  made.rotation->building_from_rig = Eigen::Quaterniond(upright);
   return made;
 }
 

@@ -35,8 +35,8 @@ TEST_F(RigSourceTest, KalibrsChainOfPoses) {
   const Rig rig = ReadRigFile(Write("camchain.yaml", Camchain()));
   ASSERT_EQ(rig.cameras.size(), 2u);
   EXPECT_EQ(rig.cameras[1].name, "cam1");
-  EXPECT_TRUE(rig.cameras[0].head_from_camera.matrix().isIdentity());
-  const Eigen::Isometry3d& pose = rig.cameras[1].head_from_camera;
+  EXPECT_TRUE(rig.cameras[0].rig_from_camera.matrix().isIdentity());
+  const Eigen::Isometry3d& pose = rig.cameras[1].rig_from_camera;
   EXPECT_TRUE(pose.translation().isApprox(Eigen::Vector3d(0.1, 0, 0), 1e-12));
   EXPECT_TRUE((pose.linear() * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d::UnitX(), 1e-12));
 }
@@ -72,7 +72,7 @@ constexpr const char* kSidePose =
 TEST_F(RigSourceTest, OwnFile) {
   const Rig rig = ReadRigFile(Write("rig.yaml", OwnRig(kSidePose)));
   ASSERT_EQ(rig.cameras.size(), 2u);
-  const Eigen::Vector3d there = rig.cameras[1].head_from_camera * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d there = rig.cameras[1].rig_from_camera * Eigen::Vector3d::UnitZ();
   EXPECT_TRUE(there.isApprox(Eigen::Vector3d(1.2, 0, 0), 1e-6)) << there.transpose();
 }
 

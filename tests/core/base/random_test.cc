@@ -50,7 +50,7 @@ TEST(Random, BelowStaysInItsRangeAndFillsItEvenly) {
       ASSERT_LT(x, n);
       ++counts[x];
     }
-    // 1000 +- 32 a number; seven of those deviations never happen by chance.
+    // 1000 +- 32 a number; seven of those sigmas never happen by chance.
     for (int count : counts) EXPECT_NEAR(count, 1000, n == 1 ? 0 : 225) << "of " << n;
   }
 }

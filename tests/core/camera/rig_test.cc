@@ -17,7 +17,7 @@ TEST(CubeRig, SeesEveryDirectionOnce) {
         Eigen::Vector3d(0.3, 1, -0.2)}) {
     int seen = 0;
     for (const RigCamera& camera : rig.cameras) {
-      const auto pixel = Project(camera.camera, camera.head_from_camera.inverse() * ray);
+      const auto pixel = Project(camera.camera, camera.rig_from_camera.inverse() * ray);
       seen += pixel && pixel->minCoeff() >= -0.5 && pixel->maxCoeff() < 63.5 ? 1 : 0;
     }
     EXPECT_EQ(seen, 1) << ray.transpose();
@@ -27,7 +27,7 @@ TEST(CubeRig, SeesEveryDirectionOnce) {
 TEST(CubeRig, FacesLookWhereTheirNamesSay) {
   const Rig rig = CubeRig(10);
   const auto forward = [&](int i) -> Eigen::Vector3d {
-    return rig.cameras[i].head_from_camera * Eigen::Vector3d::UnitZ();
+    return rig.cameras[i].rig_from_camera * Eigen::Vector3d::UnitZ();
   };
   EXPECT_EQ(rig.cameras[1].name, "right");
   EXPECT_TRUE(forward(1).isApprox(Eigen::Vector3d::UnitX()));
@@ -53,7 +53,7 @@ TEST(CheckRig, RefusesWhatIsNoRig) {
   twice.cameras[1].name = "front";
   EXPECT_NE(RigRefusalOf(twice).find("'front' is there twice"), std::string::npos);
   Rig skewed = CubeRig(8);
-  skewed.cameras[2].head_from_camera.linear() *= 1.01;
+  skewed.cameras[2].rig_from_camera.linear() *= 1.01;
   EXPECT_NE(RigRefusalOf(skewed).find("camera 'back'"), std::string::npos);
   Rig flat = CubeRig(8);
   flat.cameras[3].camera.params[0] = 0;

@@ -211,13 +211,13 @@ TEST(HomologyOptions, OutOfTheirRangeAreRefused) {
   const auto expect_refused = [](const HomologyOptions& options) {
     try {
       options.Check();
-      ADD_FAILURE() << options.max_deviations << ", " << options.draws << " were taken";
+      ADD_FAILURE() << options.max_sigmas << ", " << options.draws << " were taken";
     } catch (const MapError& error) {
       EXPECT_EQ(error.code(), ErrorCode::kBadOptions);
     }
   };
-  expect_refused({.max_deviations = 0});
-  expect_refused({.max_deviations = std::numeric_limits<double>::quiet_NaN()});
+  expect_refused({.max_sigmas = 0});
+  expect_refused({.max_sigmas = std::numeric_limits<double>::quiet_NaN()});
   expect_refused({.draws = 9});
   EXPECT_NO_THROW(HomologyOptions{}.Check());
 }

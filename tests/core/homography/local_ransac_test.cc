@@ -274,7 +274,7 @@ TEST(FindPlane, NothingWithoutFourRowsOrInALine) {
   EXPECT_FALSE(Find(line, RowsUpTo(40), 1));
 }
 
-TEST(Regrow, NeverLosesScoreAndKeepsTheSamples) {
+TEST(LocalOptimize, NeverLosesScoreAndKeepsTheSamples) {
   Random random(8);
   for (int trial = 0; trial < 20; ++trial) {
     const Matrix3d truth = RandomHomography(random);
@@ -287,7 +287,7 @@ TEST(Regrow, NeverLosesScoreAndKeepsTheSamples) {
     for (int i = 0; i < 80; ++i) {
       if (points.from[i].x() < 300) start.inliers.push_back(i);
     }
-    const PlaneFit grown = Regrow(points, RowsUpTo(points.size()), start, {});
+    const PlaneFit grown = LocalOptimize(points, RowsUpTo(points.size()), start, {});
     EXPECT_EQ(grown.samples, 11);
     EXPECT_GE(grown.score, start.score);
     EXPECT_GE(grown.inliers.size(), 70u);

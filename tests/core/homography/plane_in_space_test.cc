@@ -82,10 +82,10 @@ TEST(PlanesInSpace, NormalsAndDistancesOfSeveralPlanesInSeveralViews) {
     const SpaceEstimate estimate = Find(space, Sightings(space, kSigma, random));
     ASSERT_GE(estimate.unit_plane, 0);
     EXPECT_NEAR(estimate.planes[estimate.unit_plane].distance, 1, 1e-9);
-    EXPECT_LT(estimate.deviations, 1.3);
+    EXPECT_LT(estimate.sigmas, 1.3);
     for (size_t p = 0; p < space.planes.size(); ++p, ++all) {
       const PlaneInSpace& plane = estimate.planes[p];
-      if (plane.trouble != SpaceTrouble::kNone) continue;
+      if (plane.error != SpaceError::kNone) continue;
       ++sure;
       const double angle = AngleOff(plane, space.planes[p]);
       const double ratio = RatioOff(estimate, space, p);
@@ -134,8 +134,8 @@ TEST(PlanesInSpace, OnePlaneInOneViewIsAmbiguousOrRight) {
     const MadeSpace space = RandomSpace(random, 1, 1);
     const SpaceEstimate estimate = Find(space, Sightings(space, kSigma, random));
     const PlaneInSpace& plane = estimate.planes[0];
-    ambiguous += plane.trouble == SpaceTrouble::kAmbiguous ? 1 : 0;
-    if (plane.trouble != SpaceTrouble::kNone) continue;
+    ambiguous += plane.error == SpaceError::kAmbiguous ? 1 : 0;
+    if (plane.error != SpaceError::kNone) continue;
     EXPECT_LT(AngleOff(plane, space.planes[0]), 10 * kDegree) << trial;
   }
   EXPECT_GT(ambiguous, 10);
@@ -151,7 +151,7 @@ TEST(PlanesInSpace, AWrongHomographyIsOutvoted) {
     sightings[1 * 5 + 2] = Sighting(other, 1, 2, kSigma, random);
     const SpaceEstimate estimate = Find(space, sightings);
     for (size_t p = 0; p < 3; ++p) {
-      if (estimate.planes[p].trouble != SpaceTrouble::kNone) continue;
+      if (estimate.planes[p].error != SpaceError::kNone) continue;
       EXPECT_LT(AngleOff(estimate.planes[p], space.planes[p]), 6 * kDegree) << trial << ' ' << p;
     }
   }
@@ -162,12 +162,12 @@ TEST(PlanesInSpace, ACameraThatOnlyTurnsTellsNothing) {
   MadeSpace space = RandomSpace(random, 3, 4);
   for (MadeViews& view : space.views) view.t.setZero();
   for (const PlaneInSpace& plane : Find(space, Sightings(space, kSigma, random)).planes) {
-    EXPECT_NE(plane.trouble, SpaceTrouble::kNone);
+    EXPECT_NE(plane.error, SpaceError::kNone);
   }
   const SpaceEstimate exact = Find(space, Sightings(space, 1e-7, random));
   EXPECT_EQ(exact.unit_plane, -1);
   for (const PlaneInSpace& plane : exact.planes) {
-    EXPECT_EQ(plane.trouble, SpaceTrouble::kNoParallax);
+    EXPECT_EQ(plane.error, SpaceError::kNoParallax);
   }
 }
 

@@ -119,7 +119,7 @@ TEST(PlaneLabelling, RemovingAPlaneFreesItsMatchesAndKeepsTheOthers) {
   EXPECT_EQ(CountOf(labelling.labels(), 0, 260, 0), static_cast<int>(right.size()));
 }
 
-TEST(PlaneLabelling, NoMatchesAreNoTrouble) {
+TEST(PlaneLabelling, NoMatchesAreNoError) {
   const MatchedPoints points;
   const Neighbourhoods neighbourhoods(points.from, 20);
   PlaneLabelling labelling(points, neighbourhoods, {});

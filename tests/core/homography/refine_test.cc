@@ -122,21 +122,21 @@ TEST(RefineHomography, SigmaIsTheNoiseOfATransferError) {
   }
 }
 
-// Standard deviation of where a homography sends points, from its own spread and from the same
+// Standard sigma of where a homography sends points, from its own spread and from the same
 // scene measured many times.
-struct Deviations {
+struct Sigmas {
   std::vector<double> stated;
   std::vector<double> true_ones;
 };
 
-Deviations CompareDeviations(const Matrix3d& truth, int count, double sigma, const Box& box,
-                             Random& random) {
+Sigmas CompareSigmas(const Matrix3d& truth, int count, double sigma, const Box& box,
+                     Random& random) {
   const std::vector<Vector2d> probes = {{box.x, box.y},
                                         {box.x + box.width, box.y},
                                         {box.x + box.width / 2, box.y + box.height / 2},
                                         {box.x - box.width / 2, box.y + box.height * 1.5}};
   constexpr int kRuns = 400;
-  Deviations deviations{std::vector<double>(probes.size()), std::vector<double>(probes.size())};
+  Sigmas sigmas{std::vector<double>(probes.size()), std::vector<double>(probes.size())};
   const PointPairs exact = PairsOf(truth, count, 0, random, box);
   for (int run = 0; run < kRuns; ++run) {
     PointPairs noisy;
@@ -150,11 +150,11 @@ Deviations CompareDeviations(const Matrix3d& truth, int count, double sigma, con
     const Matrix3d drawn = Perturbed(*estimate, Normals(random));
     for (size_t p = 0; p < probes.size(); ++p) {
       const Vector2d here = Apply(estimate->b_from_a, probes[p]);
-      deviations.stated[p] += (Apply(drawn, probes[p]) - here).squaredNorm() / kRuns;
-      deviations.true_ones[p] += (Apply(truth, probes[p]) - here).squaredNorm() / kRuns;
+      sigmas.stated[p] += (Apply(drawn, probes[p]) - here).squaredNorm() / kRuns;
+      sigmas.true_ones[p] += (Apply(truth, probes[p]) - here).squaredNorm() / kRuns;
     }
   }
-  return deviations;
+  return sigmas;
 }
 
 TEST(RefineHomography, SpreadAgreesWithMonteCarlo) {
@@ -163,9 +163,9 @@ TEST(RefineHomography, SpreadAgreesWithMonteCarlo) {
     const Matrix3d truth = RandomHomography(random);
     const int count = scene % 2 == 0 ? 25 : 80;
     const Box box = scene < 3 ? Box{} : Box{220, 130, 180, 140};
-    const Deviations deviations = CompareDeviations(truth, count, 0.7, box, random);
-    for (size_t p = 0; p < deviations.stated.size(); ++p) {
-      const double ratio = std::sqrt(deviations.stated[p] / deviations.true_ones[p]);
+    const Sigmas sigmas = CompareSigmas(truth, count, 0.7, box, random);
+    for (size_t p = 0; p < sigmas.stated.size(); ++p) {
+      const double ratio = std::sqrt(sigmas.stated[p] / sigmas.true_ones[p]);
       EXPECT_GT(ratio, 1 / 1.5) << "scene " << scene << ", probe " << p;
       EXPECT_LT(ratio, 1.5) << "scene " << scene << ", probe " << p;
     }
@@ -241,8 +241,8 @@ TEST(Composed, WithTheIdentityChangesNothing) {
   EXPECT_TRUE(composed.spread.isApprox(estimate->spread, 1e-9));
 }
 
-// To first order it is the deviation of the drawn homographies' images.
-TEST(TransferSigma, IsTheDeviationOfDrawnHomographies) {
+// To first order it is the sigma of the drawn homographies' images.
+TEST(TransferSigma, IsTheSigmaOfDrawnHomographies) {
   Random random(21);
   const Matrix3d truth = RandomHomography(random);
   const Box box{100, 100, 300, 200};

@@ -330,8 +330,8 @@ TEST(SegmentationOptions, OutOfTheirRangeAreRefused) {
   expect_refused([](auto& o) { o.labelling.min_sigma_px = 0; });
   expect_refused([](auto& o) { o.labelling.tail = 0; });
   expect_refused([](auto& o) { o.labelling.plane_cost = -1; });
-  expect_refused([](auto& o) { o.labelling.min_deviations = o.labelling.max_deviations = 0.5; });
-  expect_refused([](auto& o) { o.labelling.max_deviations = o.labelling.min_deviations - 1; });
+  expect_refused([](auto& o) { o.labelling.min_sigmas = o.labelling.max_sigmas = 0.5; });
+  expect_refused([](auto& o) { o.labelling.max_sigmas = o.labelling.min_sigmas - 1; });
   EXPECT_NO_THROW(SegmentationOptions{}.Check());
 }
 

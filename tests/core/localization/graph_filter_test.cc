@@ -84,24 +84,24 @@ TEST(GraphFilter, OdometryTellsTheHeadingsApart) {
   const FilterState at_middle = {{1, 1.0, 0, 0.05}};
   const std::vector<NodeEvidence> same(3, {0, 0, 0.05});
   const FilterAnswer answer =
-      UpdateBelief(poses, same, at_middle, Pose2{1, 0, 0}, {.position_deviation = 0.2});
+      UpdateBelief(poses, same, at_middle, Pose2{1, 0, 0}, {.position_sigma = 0.2});
   EXPECT_EQ(answer.state[0].node, 2);
   EXPECT_GT(answer.state[0].probability, 0.99);
   std::vector<NodeEvidence> turned = same;
   turned[2].heading_rad = std::numbers::pi;  // would need a turn that the odometry didn't see
   EXPECT_LT(
       ProbabilityOf(
-          UpdateBelief(poses, turned, at_middle, Pose2{1, 0, 0}, {.position_deviation = 0.3}).state,
-          2, 2),
+          UpdateBelief(poses, turned, at_middle, Pose2{1, 0, 0}, {.position_sigma = 0.3}).state, 2,
+          2),
       0.7);
 }
 
 TEST(GraphFilter, HeadingsAreFused) {
   const FilterAnswer answer = UpdateBelief({{0, 0, 0}}, {{0, 0.2, 0.1}}, {{0, 1.0, 3.0, 0.06}},
-                                           Pose2{0, 0, -2.8}, {.turn_deviation_rad = 0.08});
-  // Predicted 0.2 with deviation 0.1, seen 0.2 with deviation 0.1.
+                                           Pose2{0, 0, -2.8}, {.turn_sigma_rad = 0.08});
+  // Predicted 0.2 with sigma 0.1, seen 0.2 with sigma 0.1.
   EXPECT_NEAR(answer.state[0].heading_rad, 0.2, 1e-9);
-  EXPECT_NEAR(answer.state[0].deviation_rad, 0.1 / std::sqrt(2), 1e-9);
+  EXPECT_NEAR(answer.state[0].sigma_rad, 0.1 / std::sqrt(2), 1e-9);
   EXPECT_NEAR(answer.effective_nodes, 1, 1e-9);
 }
 

@@ -63,10 +63,10 @@ TEST(ManhattanFrame, FindsAnyRotationAmongStrayLines) {
     const Eigen::Matrix3d truth = RandomRotation(random);
     const auto lines = Lines(truth, {40, 25, 15}, 60, 0.001, random);
     const ManhattanFrame frame = FindManhattanFrame(lines);
-    EXPECT_LT(WorstAxisAngle(frame.head_from_axes, truth), 0.3 * kDegree) << trial;
-    EXPECT_TRUE(frame.reliable()) << NameOf(frame.trouble);
-    EXPECT_TRUE((frame.head_from_axes.transpose() * frame.head_from_axes).isIdentity(1e-12));
-    EXPECT_GT(frame.head_from_axes.determinant(), 0);
+    EXPECT_LT(WorstAxisAngle(frame.rig_from_axes, truth), 0.3 * kDegree) << trial;
+    EXPECT_TRUE(frame.reliable()) << NameOf(frame.error);
+    EXPECT_TRUE((frame.rig_from_axes.transpose() * frame.rig_from_axes).isIdentity(1e-12));
+    EXPECT_GT(frame.rig_from_axes.determinant(), 0);
   }
 }
 
@@ -74,7 +74,7 @@ TEST(ManhattanFrame, TwoDirectionsAreEnough) {
   Random random(4);
   const Eigen::Matrix3d truth = RandomRotation(random);
   const ManhattanFrame frame = FindManhattanFrame(Lines(truth, {20, 20, 0}, 5, 0.0005, random));
-  EXPECT_LT(WorstAxisAngle(frame.head_from_axes, truth), 0.3 * kDegree);
+  EXPECT_LT(WorstAxisAngle(frame.rig_from_axes, truth), 0.3 * kDegree);
   EXPECT_TRUE(frame.reliable());
 }
 
@@ -82,7 +82,7 @@ TEST(ManhattanFrame, ExactLinesGiveTheExactFrame) {
   Random random(5);
   const Eigen::Matrix3d truth = RandomRotation(random);
   const ManhattanFrame frame = FindManhattanFrame(Lines(truth, {10, 10, 10}, 0, 0, random));
-  EXPECT_LT(WorstAxisAngle(frame.head_from_axes, truth), 1e-6);
+  EXPECT_LT(WorstAxisAngle(frame.rig_from_axes, truth), 1e-6);
   EXPECT_EQ(frame.lines, (std::array{10, 10, 10}));
   EXPECT_NEAR(frame.support[0] + frame.support[1] + frame.support[2], 1, 1e-9);
 }
@@ -117,7 +117,7 @@ TEST(ManhattanFrame, CovarianceCoversTheErrors) {
       bent.col(axis).normalize();
     }
     const ManhattanFrame frame = FindManhattanFrame(Lines(bent, {40, 30, 20}, 20, 0.001, random));
-    const Eigen::AngleAxisd turn(truth * NearestOfCube(frame.head_from_axes, truth).transpose());
+    const Eigen::AngleAxisd turn(truth * NearestOfCube(frame.rig_from_axes, truth).transpose());
     const Eigen::Vector3d w = turn.angle() * turn.axis();
     sum += w.dot(frame.covariance.ldlt().solve(w)) / 3;
   }
@@ -128,12 +128,12 @@ TEST(ManhattanFrame, CovarianceCoversTheErrors) {
 TEST(ManhattanFrame, SaysWhyItIsNotReliable) {
   Random random(8);
   const Eigen::Matrix3d truth = RandomRotation(random);
-  EXPECT_EQ(FindManhattanFrame({}).trouble, FrameTrouble::kFewLines);
+  EXPECT_EQ(FindManhattanFrame({}).error, FrameError::kFewLines);
   EXPECT_EQ(FindManhattanFrame({}).sigma_rad(), 1) << "nothing is known";
-  EXPECT_EQ(FindManhattanFrame(Lines(truth, {1, 1, 0}, 0, 0.001, random)).trouble,
-            FrameTrouble::kFewLines);
-  EXPECT_EQ(FindManhattanFrame(Lines(truth, {30, 0, 0}, 0, 0.0002, random)).trouble,
-            FrameTrouble::kOneDirection);
+  EXPECT_EQ(FindManhattanFrame(Lines(truth, {1, 1, 0}, 0, 0.001, random)).error,
+            FrameError::kFewLines);
+  EXPECT_EQ(FindManhattanFrame(Lines(truth, {30, 0, 0}, 0, 0.0002, random)).error,
+            FrameError::kOneDirection);
   EXPECT_FALSE(FindManhattanFrame(Lines(truth, {0, 0, 0}, 200, 0.001, random)).reliable());
   // Two buildings at 30 degrees to each other.
   auto lines = Lines(truth, {30, 20, 20}, 0, 0.0005, random);
@@ -141,13 +141,13 @@ TEST(ManhattanFrame, SaysWhyItIsNotReliable) {
       truth * Eigen::AngleAxisd(30 * kDegree, Eigen::Vector3d::UnitX()).toRotationMatrix();
   const auto more = Lines(other, {0, 20, 20}, 0, 0.0005, random);
   lines.insert(lines.end(), more.begin(), more.end());
-  EXPECT_EQ(FindManhattanFrame(lines).trouble, FrameTrouble::kRival);
+  EXPECT_EQ(FindManhattanFrame(lines).error, FrameError::kRival);
 }
 
 TEST(ManhattanFrame, SameSeedSameFrame) {
   Random random(9);
   const auto lines = Lines(RandomRotation(random), {30, 30, 30}, 100, 0.001, random);
-  EXPECT_EQ(FindManhattanFrame(lines).head_from_axes, FindManhattanFrame(lines).head_from_axes);
+  EXPECT_EQ(FindManhattanFrame(lines).rig_from_axes, FindManhattanFrame(lines).rig_from_axes);
 }
 
 TEST(ManhattanFrame, RenumberingKeepsWhatBelongsTogether) {
@@ -156,11 +156,11 @@ TEST(ManhattanFrame, RenumberingKeepsWhatBelongsTogether) {
   const auto lines = Lines(truth, {30, 20, 10}, 10, 0.0005, random);
   for (const Eigen::Matrix3d& c : CubeRotations()) {
     const ManhattanFrame frame = Renumbered(FindManhattanFrame(lines), truth * c);
-    EXPECT_LT(RotationAngle(frame.head_from_axes, truth * c), 0.01);
+    EXPECT_LT(RotationAngle(frame.rig_from_axes, truth * c), 0.01);
     for (size_t i = 0; i < 60; ++i) {
       const int axis = frame.axis_of_line[i];
       if (axis < 0) continue;
-      EXPECT_LT(std::abs(lines[i].normal.dot(frame.head_from_axes.col(axis))), 0.05);
+      EXPECT_LT(std::abs(lines[i].normal.dot(frame.rig_from_axes.col(axis))), 0.05);
     }
     std::array<int, 3> counted{};
     for (const int axis : frame.axis_of_line) {
@@ -189,22 +189,21 @@ TEST(GreatCircles, UndoDistortion) {
   EXPECT_NEAR(arcs[0].end_sigma_rad, 0.5 / 400, 0.3 / 400);
 }
 
-// A rendered room seen by a tilted six-face head and by one tilted camera.
+// A rendered room seen by a tilted six-face rig and by one tilted camera.
 TEST(ManhattanFrame, RenderedRoom) {
   const Eigen::Isometry3d pose = WorldFromCamera({1.5, 2.0, 1.4}, 0.5, 0.2, 0.1);
   for (const Rig& rig : {CubeRig(240), RigOfOne(PinholeCamera(480, 360, 1.2))}) {
     std::vector<GreatCircle> lines;
     for (size_t c = 0; c < rig.cameras.size(); ++c) {
       const cv::Mat image =
-          Render(TwoRoomWorld(), rig.cameras[c].camera, pose * rig.cameras[c].head_from_camera)
-              .grey;
+          Render(TwoRoomWorld(), rig.cameras[c].camera, pose * rig.cameras[c].rig_from_camera).grey;
       const auto found = GreatCirclesOf(rig, static_cast<int>(c), DetectSegments(image));
       lines.insert(lines.end(), found.begin(), found.end());
     }
     const ManhattanFrame frame = FindManhattanFrame(lines);
     const Eigen::Matrix3d truth = pose.linear().transpose();
-    EXPECT_LT(WorstAxisAngle(frame.head_from_axes, truth), 0.5 * kDegree) << rig.cameras.size();
-    EXPECT_TRUE(frame.reliable()) << NameOf(frame.trouble);
+    EXPECT_LT(WorstAxisAngle(frame.rig_from_axes, truth), 0.5 * kDegree) << rig.cameras.size();
+    EXPECT_TRUE(frame.reliable()) << NameOf(frame.error);
   }
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kRows = 12;
 constexpr int kPixels = kRows * kMotionLanes;
-constexpr float kPerDeviation = 0.7F;
+constexpr float kPerSigma = 0.7F;
 
 std::vector<float> Noise(int count, double scale, uint64_t seed) {
   Random random(seed);
@@ -56,7 +56,7 @@ struct Worked {
                                lifts.data(), tilts.data(), inside.data(), 1.1F,     20};
     const MotionPixels pixels = {residual.data(), u.data(), v.data(), weight.data()};
     kernels.sample(block, pixels);
-    kernels.sum(block, pixels, kPerDeviation, moments.data());
+    kernels.sum(block, pixels, kPerSigma, moments.data());
     const auto at = [&](int i) { return of_columns.data() + i * kMotionLanes; };
     kernels.add({at(0), at(1), at(2), at(3), at(4), at(5), at(6)}, moments.data(), entries.data());
   }
@@ -124,7 +124,7 @@ TEST(MotionKernels, AddTheNormalEquations) {
       slope << u, near * (u * s + lv * c), near * (-u * c + lv * s), v * c, v * s, -worked.a[at],
           common * c, common * s, common * of(2), common * of(3);
       const double r = worked.residual[at];
-      const double share = r * kPerDeviation;
+      const double share = r * kPerSigma;
       const double weight = worked.weight[at] / (1 + share * share);
       information += weight * slope * slope.transpose();
       gradient += weight * r * slope;

@@ -49,7 +49,7 @@ void ExpectTurnsFound(const std::vector<cv::Mat>& panoramas) {
       errors.push_back(Error(heading.heading_rad, truth));
       EXPECT_LT(errors.back(), 0.2 * kDegree) << columns << " " << gain;
       EXPECT_LT(phase_errors.back(), 0.2 * kDegree) << columns << " " << gain;
-      EXPECT_LT(heading.deviation_rad, 1 * kDegree);
+      EXPECT_LT(heading.sigma_rad, 1 * kDegree);
     }
   }
   for (std::vector<double>* each : {&errors, &phase_errors}) {
@@ -134,7 +134,7 @@ TEST(VisualCompass, SaysWhenItDoesNotKnow) {
   const FourierSignature a = Signature(RenderedPanorama(RoomCentre(), 0));
   const FourierSignature b = Signature(RenderedPanorama({4.5, 1.5}, 0));  // another room
   const CompassHeading heading = RelativeHeading(a, b);
-  EXPECT_GT(heading.deviation_rad, 5 * kDegree);
+  EXPECT_GT(heading.sigma_rad, 5 * kDegree);
   EXPECT_LT(heading.sharpness, 0.05);
   EXPECT_LT(TurnByPhases(a, b).sharpness, TurnByPhases(a, a).sharpness / 4);
 }

@@ -107,7 +107,7 @@ TEST(PoseGraph, AWrongLoopEdgeIsRejected) {
 TEST(PoseGraph, AnUnknownUnitIsFound) {
   const std::vector<Pose2> truth = Circle();
   Graph graph = Drifting(truth, 1.6, 1);
-  for (PoseEdge& edge : graph.edges) edge.position_deviation *= 1.6;
+  for (PoseEdge& edge : graph.edges) edge.position_sigma *= 1.6;
   for (const auto& [a, b] : {std::pair(0, 99), {0, 50}, {25, 75}, {10, 60}}) {
     PoseEdge edge = LoopEdge(truth, a, b);
     edge.loop = false;

@@ -14,11 +14,11 @@
 namespace waystone {
 namespace {
 
-std::vector<cv::Mat> Pictures(const Rig& rig, const Eigen::Isometry3d& world_from_head) {
+std::vector<cv::Mat> Pictures(const Rig& rig, const Eigen::Isometry3d& world_from_rig) {
   std::vector<cv::Mat> images;
   for (const RigCamera& camera : rig.cameras) {
     images.push_back(
-        Render(TwoRoomWorld(), camera.camera, world_from_head * camera.head_from_camera).grey);
+        Render(TwoRoomWorld(), camera.camera, world_from_rig * camera.rig_from_camera).grey);
   }
   return images;
 }
@@ -29,7 +29,7 @@ TEST(Bearings, MotionBetweenTwoPlacesOfARoom) {
   const Eigen::Isometry3d b = WorldFromCamera({1.7, 2.1, 1.4}, 1.4, 0.1, 0.05);
   const RelativePose pose = FindRelativePose(MatchBearings(ExtractBearings(rig, Pictures(rig, a)),
                                                            ExtractBearings(rig, Pictures(rig, b))));
-  ASSERT_TRUE(pose.accepted()) << NameOf(pose.trouble);
+  ASSERT_TRUE(pose.accepted()) << NameOf(pose.error);
   const Eigen::Isometry3d truth = b.inverse() * a;
   const Eigen::AngleAxisd turn(Eigen::Matrix3d(truth.linear() * pose.b_from_a.transpose()));
   EXPECT_LT(turn.angle(), 0.5 * kDegree);
@@ -57,7 +57,7 @@ TEST(Bearings, RaysAreThoseOfTheCameras) {
   ASSERT_GT(features.size(), 50);
   for (int i = 0; i < features.size(); ++i) {
     const RigCamera& camera = rig.cameras[features.camera[i]];
-    const auto pixel = Project(camera.camera, camera.head_from_camera.inverse() * features.rays[i]);
+    const auto pixel = Project(camera.camera, camera.rig_from_camera.inverse() * features.rays[i]);
     ASSERT_TRUE(pixel);
     EXPECT_NEAR(pixel->x(), features.keypoints[i].x_px, 1e-3);
   }

@@ -24,7 +24,7 @@ struct Scene {
   MatchedRays rays;
 };
 
-// Points all around two heads, seen with errors, and matches of nothing with nothing.
+// Points all around two rigs, seen with errors, and matches of nothing with nothing.
 Scene MakeScene(Random& random, int good, int wrong, double noise_rad, double step_m) {
   Scene scene;
   scene.b_from_a =
@@ -77,7 +77,7 @@ TEST(RelativePose, FindsAnyMotionAmongWrongMatches) {
   for (int trial = 0; trial < 20; ++trial) {
     const Scene scene = MakeScene(random, 60, 60, 0.0005, 1);
     const RelativePose pose = FindRelativePose(scene.rays);
-    ASSERT_TRUE(pose.accepted()) << NameOf(pose.trouble);
+    ASSERT_TRUE(pose.accepted()) << NameOf(pose.error);
     EXPECT_LT(RotationError(scene, pose), 0.15 * kDegree) << trial;
     EXPECT_GT(pose.translation.dot(scene.translation), std::cos(1 * kDegree)) << trial;
     EXPECT_GE(pose.inliers.size(), 55u);
@@ -126,12 +126,12 @@ TEST(RelativePose, OfAPlaneAloneIsOneOfTwo) {
     scene.rays.a.push_back(x_a.normalized());
     scene.rays.b.push_back((scene.b_from_a * x_a + scene.translation).normalized());
   };
-  // All of it lies on the side to which the head moves.
+  // All of it lies on the side to which the rig moves.
   for (int i = 0; i < 200; ++i) see({random.Uniform(0.3, 1.7), random.Uniform(-0.5, 0.5), 1.2});
   const RelativePose wall = FindRelativePose(scene.rays, {});
   EXPECT_TRUE(wall.one_of_two());
   EXPECT_FALSE(wall.accepted());
-  EXPECT_EQ(NameOf(wall.trouble), "planar");
+  EXPECT_EQ(NameOf(wall.error), "planar");
   ASSERT_TRUE(wall.rival);
   const auto off = [&](const Eigen::Matrix3d& found) {
     return Eigen::AngleAxisd(Eigen::Matrix3d(scene.b_from_a * found.transpose())).angle();
@@ -152,7 +152,7 @@ TEST(RelativePose, RefusesMatchesOfNothing) {
     EXPECT_FALSE(FindRelativePose(scene.rays).accepted()) << wrong;
   }
   const Scene few = MakeScene(random, 9, 0, 0, 1);
-  EXPECT_EQ(FindRelativePose(few.rays).trouble, RelativeTrouble::kFewInliers);
+  EXPECT_EQ(FindRelativePose(few.rays).error, RelativeError::kFewInliers);
 }
 
 TEST(RelativePose, SameSeedSamePose) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/http/answer_json.h"
+#include "api/answer_json.h"
 
 #include <gtest/gtest.h>
 

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "api/json.h"
+#include "api/pose_formats.h"
 #include "core/base/error.h"
 #include "server/http/application.h"
-#include "server/http/json.h"
-#include "server/http/pose_formats.h"
 #include "tests/server/http/made_map.h"
 #include "tests/server/http/made_picture.h"
 
@@ -164,7 +164,7 @@ TEST_F(LayersTest, LinesOfANodeInItsPicturesPixels) {
 }
 
 // Five features a plane are too few to say anything.
-TEST_F(LayersTest, PlanesInSpaceThatNothingTellsHaveTheirTrouble) {
+TEST_F(LayersTest, PlanesInSpaceThatNothingTellsHaveTheirError) {
   const Json space = GetJson("pictured/keyframes/1/space");
   EXPECT_EQ(space["keyframe"], 1);
   EXPECT_TRUE(space["unit_plane"].is_null());
@@ -245,7 +245,7 @@ TEST(PoseFormats, G2oIsTheGraph) {
   ASSERT_EQ(lines.size(), 1u + 3 + 3);
   EXPECT_NE(lines[0].find("metres"), std::string::npos);
   EXPECT_EQ(lines[3], "VERTEX_SE2 3 1 1 1.5");
-  // 2 units are 1 m: a deviation of half a metre; 0.02 rad for the heading.
+  // 2 units are 1 m: a sigma of half a metre; 0.02 rad for the heading.
   EXPECT_EQ(lines[4], "EDGE_SE2 1 2 1 0 0 4 0 0 4 0 2500");
 }
 

@@ -86,11 +86,11 @@ inline MapData MadeLayeredMap(int planes, std::optional<double> metres_per_unit 
     frame.source = "rgb/" + std::to_string(i - 1) + ".jpg";
     frame.reliable = i < 4;
     if (i < 4) {  // upright; looks along x, from frame 3 on along y
-      Eigen::Matrix3d building_from_head;
-      building_from_head << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+      Eigen::Matrix3d building_from_rig;
+      building_from_rig << 0, 0, 1, -1, 0, 0, 0, -1, 0;
       const double heading = i < 3 ? 0 : 1.5707963267948966;
       Eigen::Quaterniond q(Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) *
-                           Eigen::Quaterniond(building_from_head));
+                           Eigen::Quaterniond(building_from_rig));
       if (q.w() < 0) q.coeffs() *= -1;
       frame.rotation = BuildingRotation{q, Eigen::Vector3d(1e-4, 1e-4, 4e-4).asDiagonal()};
     }

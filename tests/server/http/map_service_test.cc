@@ -6,8 +6,8 @@
 #include <set>
 #include <string>
 
+#include "api/json.h"
 #include "core/base/error.h"
-#include "server/http/json.h"
 #include "tests/server/http/made_map.h"
 
 namespace waystone {

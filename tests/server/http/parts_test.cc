@@ -10,9 +10,10 @@
 #include <thread>
 #include <vector>
 
+#include "api/json.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "server/http/home_page.h"
-#include "server/http/json.h"
 #include "server/http/paging.h"
 #include "server/http/problem.h"
 #include "server/http/query_gate.h"

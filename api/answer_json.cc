@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "api/answer_json.h"
+
+#include "api/explanation_json.h"
+
+namespace waystone {
+namespace {
+
+Json KeyframeJson(const KeyframeRef& ref) {
+  Json json;
+  json["id"] = ref.id.value;
+  json["sequence"] = ref.sequence;
+  json["source"] = ref.source;
+  json["time_s"] = OrNull(ref.time_s);
+  return json;
+}
+
+Json HeadingJson(const Heading& heading) {
+  Json json;
+  json["rad"] = heading.rad;
+  json["deviation_rad"] = heading.sigma_rad;
+  json["of"] = heading.of;
+  return json;
+}
+
+Json BuildingJson(const BuildingView& view) {
+  Json json;
+  json["heading"] = view.heading ? HeadingJson(*view.heading) : Json(nullptr);
+  json["building_from_query"] =
+      view.heading ? ToJson(view.building_from_query.toRotationMatrix()) : Json(nullptr);
+  json["lines"] = view.lines;
+  json["disagreement_rad"] = OrNull(view.disagreement_rad);
+  return json;
+}
+
+Json PlaneJson(const RecognisedPlane& plane) {
+  Json json;
+  json["id"] = plane.id.value;
+  json["inliers"] = plane.inliers;
+  json["reference"]["id"] = plane.reference.id.value;
+  json["reference"]["source"] = plane.reference.source;
+  json["reference_from_query"] = ToJson(plane.reference_from_query);
+  json["outline"] = ToJson(plane.outline);
+  json["expect_next"] = ToJson(plane.expect_next);
+  return json;
+}
+
+Json RunnerUpJson(const PlaceCandidate& place) {
+  Json json;
+  json["keyframe"]["id"] = place.keyframe.id.value;
+  json["probability"] = Rounded(place.probability, 4);
+  return json;
+}
+
+Json NodeJson(const NodeRef& ref) {
+  Json json;
+  json["id"] = ref.id.value;
+  json["sequence"] = ref.sequence;
+  json["source"] = ref.source;
+  json["time_s"] = OrNull(ref.time_s);
+  return json;
+}
+
+Json CandidateJson(const NodeCandidate& candidate) {
+  Json json;
+  json["node"] = NodeJson(candidate.node);
+  json["probability"] = Rounded(candidate.probability, 4);
+  json["cost"] = Rounded(candidate.cost, 4);
+  json["inliers"] = candidate.inliers;
+  return json;
+}
+
+Json PositionJson(const LayerPlace& place) {
+  Json json;
+  json["x"] = Rounded(place.pose.x, 4);
+  json["y"] = Rounded(place.pose.y, 4);
+  json["deviation"] = Rounded(place.sigma, 4);
+  json["metres_per_unit"] = OrNull(place.metres_per_unit);
+  return json;
+}
+
+// Where it isn't localized, there are candidates and no place.
+Json PanoramaJson(const Answer& answer) {
+  const bool localized = answer.verdict == Verdict::kLocalized;
+  Json json;
+  json["node"] = localized ? NodeJson(answer.panorama->node) : Json(nullptr);
+  json["position"] = localized ? PositionJson(*answer.panorama) : Json(nullptr);
+  json["candidates"] = Json::array();
+  for (const NodeCandidate& node : answer.nodes) json["candidates"].push_back(CandidateJson(node));
+  json["runner_up"] = answer.node_runner_up ? CandidateJson(*answer.node_runner_up) : Json(nullptr);
+  return json;
+}
+
+Json TimingJson(const StageTimes& times) {
+  Json json;
+  json["decode"] = Rounded(times.decode_ms, 2);
+  json["extract"] = Rounded(times.extract_ms, 2);
+  json["shortlist"] = Rounded(times.shortlist_ms, 2);
+  json["verify"] = Rounded(times.verify_ms, 2);
+  json["total"] = Rounded(times.total_ms, 2);
+  return json;
+}
+
+}  // namespace
+
+Json ToJson(const PlaceCandidate& place) {
+  Json json;
+  json["keyframe"] = KeyframeJson(place.keyframe);
+  json["probability"] = Rounded(place.probability, 4);
+  json["inliers"] = place.inliers;
+  return json;
+}
+
+Json ToJson(const Answer& answer) {
+  Json json;
+  json["verdict"] = NameOf(answer.verdict);
+  json["probability"] = Rounded(answer.probability, 4);
+  json["image"] = answer.image;
+  json["map"] = answer.map;
+  json["map_version"] = answer.map_version;
+  json["keyframe"] = answer.keyframe ? KeyframeJson(*answer.keyframe) : Json(nullptr);
+  json["heading"] = answer.heading ? HeadingJson(*answer.heading) : Json(nullptr);
+  if (answer.building) json["building"] = BuildingJson(*answer.building);
+  json["planes"] = Json::array();
+  for (const RecognisedPlane& plane : answer.planes) json["planes"].push_back(PlaneJson(plane));
+  if (answer.panorama) json["panorama"] = PanoramaJson(answer);
+  if (answer.verdict == Verdict::kAmbiguous) {
+    json["places"] = Json::array();
+    for (const PlaceCandidate& place : answer.places) json["places"].push_back(ToJson(place));
+  }
+  json["runner_up"] = answer.runner_up ? RunnerUpJson(*answer.runner_up) : Json(nullptr);
+  json["decided_by"] = answer.decided_by;
+  if (answer.verdict != Verdict::kLocalized) json["message"] = answer.message;
+  json["timing_ms"] = TimingJson(answer.timing);
+  if (answer.explanation) json["explanation"] = ToJson(*answer.explanation);
+  return json;
+}
+
+}  // namespace waystone

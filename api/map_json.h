@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+
+#include "api/json.h"
+#include "localizer/map_index.h"
+
+// The parts of a map as the HTTP API shows them. Matrices are three rows of three, points are
+// [x, y] in pixels, links are by id.
+namespace waystone {
+
+// name, version, program, feature_type, sequences, keyframes, planes, edges, features (counts).
+Json MapJson(const std::string& name, const MapIndex& index);
+
+// A plane in a list: id, reference, features, views (counts), neighbours, outline.
+Json PlaneSummaryJson(const MapIndex& index, const Plane& plane);
+// The whole plane: the features and views themselves instead of their counts, too.
+Json PlaneJson(const MapIndex& index, const Plane& plane);
+
+// A feature of a plane, in its reference image; and a keyframe that saw the plane.
+Json FeatureJson(const PlaneFeature& feature);
+Json ViewJson(const PlaneView& view);
+
+// Nodes and edges of the graph of planes.
+Json GraphJson(const MapIndex& index);
+
+// A keyframe: id, sequence, source, time, size, the planes it saw with their inliers,
+// reference_from_keyframe and outline in the keyframe, and the address of its image (null when
+// images were left out).
+Json KeyframeJson(const std::string& map_name, const MapIndex& index, const Keyframe& keyframe);
+
+// A plane's outline as a keyframe saw it, clipped to the keyframe, px.
+std::vector<Eigen::Vector2d> OutlineIn(const Keyframe& keyframe, const Plane& plane,
+                                       const PlaneView& view);
+
+}  // namespace waystone

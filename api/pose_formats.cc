@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "api/pose_formats.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+#include <unordered_map>
+
+#include "api/json.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+[[noreturn]] void CannotGive(const std::string& reason) {
+  throw MapError(ErrorCode::kNotAvailable, reason);
+}
+
+// What the formats write: the layer with its lengths scaled.
+struct PoseGraph {
+  const MapData& map;
+  const AppearanceLayer& layer;
+  double scale = 1;  // of the lengths below
+  std::string unit;  // "m", or "unit" of the layer
+
+  Pose2 Scaled(const Pose2& pose) const { return {scale * pose.x, scale * pose.y, pose.theta_rad}; }
+  std::string UnitText() const {
+    return unit == "m" ? "metres" : "the layer's own unit, which isn't known in metres";
+  }
+};
+
+PoseGraph GraphOf(const MapData& map) {
+  if (!map.appearance) {
+    CannotGive(
+        "this map has homographies between images and no poses, which come with an appearance "
+        "layer (build it from panoramas); take graphml or dot");
+  }
+  const std::optional<double> metres = map.appearance->metres_per_unit;
+  return {map, *map.appearance, metres.value_or(1), metres ? "m" : "unit"};
+}
+
+std::string SequenceName(const MapData& map, SequenceId id) {
+  for (const Sequence& sequence : map.sequences) {
+    if (sequence.id == id) return sequence.name;
+  }
+  return "";
+}
+
+// One word of a line: formats that part fields by blanks know no quotes.
+std::string Word(const std::string& text) {
+  std::string word;
+  for (const char c : text) word += static_cast<unsigned char>(c) <= ' ' ? '_' : c;
+  return word.empty() ? "_" : word;
+}
+
+// Standard sigma of an edge's position (see the header).
+class PositionSigma {
+ public:
+  explicit PositionSigma(const PoseGraph& graph) : graph_(graph) {
+    for (const AppearanceEdge& edge : graph.layer.edges) mean_ += LengthOf(edge);
+    if (!graph.layer.edges.empty()) mean_ /= static_cast<double>(graph.layer.edges.size());
+    if (!(mean_ > 0)) mean_ = 1;
+  }
+
+  double Of(const AppearanceEdge& edge) const { return std::max(LengthOf(edge) / 2, mean_ / 10); }
+
+ private:
+  double LengthOf(const AppearanceEdge& edge) const {
+    return graph_.scale * std::hypot(edge.a_from_b.x, edge.a_from_b.y);
+  }
+
+  const PoseGraph& graph_;
+  double mean_ = 0;
+};
+
+std::string G2o(const PoseGraph& graph) {
+  constexpr double kMinSigmaRad = 1e-4;  // 0 would be infinite information
+  std::ostringstream out;
+  out.precision(12);
+  out << "# " << graph.map.info.program << "; lengths in " << graph.UnitText() << '\n';
+  for (const AppearanceNode& node : graph.layer.nodes) {
+    const Pose2 pose = graph.Scaled(node.pose);
+    out << "VERTEX_SE2 " << node.id.value << ' ' << pose.x << ' ' << pose.y << ' ' << pose.theta_rad
+        << '\n';
+  }
+  const PositionSigma sigma(graph);
+  for (const AppearanceEdge& edge : graph.layer.edges) {
+    const Pose2 pose = graph.Scaled(edge.a_from_b);
+    const double position = 1 / std::pow(sigma.Of(edge), 2);
+    const double heading = 1 / std::pow(std::max(edge.sigma_rad, kMinSigmaRad), 2);
+    out << "EDGE_SE2 " << edge.a.value << ' ' << edge.b.value << ' ' << pose.x << ' ' << pose.y
+        << ' ' << pose.theta_rad << ' ' << position << " 0 0 " << position << " 0 " << heading
+        << '\n';
+  }
+  return out.str();
+}
+
+Json PointJson(const Pose2& pose) { return {Rounded(pose.x, 4), Rounded(pose.y, 4)}; }
+
+std::string GeoJson(const PoseGraph& graph) {
+  Json features = Json::array();
+  std::unordered_map<AppearanceNodeId, Json> points;
+  for (const AppearanceNode& node : graph.layer.nodes) {
+    const Json& point = points[node.id] = PointJson(graph.Scaled(node.pose));
+    Json properties = {{"sequence", SequenceName(graph.map, node.sequence)},
+                       {"source", node.source},
+                       {"time_s", OrNull(node.time_s)},
+                       {"heading_rad", Rounded(node.pose.theta_rad, 5)}};
+    features.push_back({{"type", "Feature"},
+                        {"id", node.id.value},
+                        {"geometry", {{"type", "Point"}, {"coordinates", point}}},
+                        {"properties", std::move(properties)}});
+  }
+  for (const AppearanceEdge& edge : graph.layer.edges) {
+    const bool loop = edge.kind == AppearanceEdgeKind::kLoop;
+    const Json line = Json::array({points[edge.a], points[edge.b]});
+    features.push_back({{"type", "Feature"},
+                        {"geometry", {{"type", "LineString"}, {"coordinates", line}}},
+                        {"properties", {{"kind", loop ? "loop" : "odometry"}}}});
+  }
+  const Json frame = {{"name", "layer"},
+                      {"unit", graph.unit},
+                      {"note", "coordinates are x and y of the map's own frame, not degrees"}};
+  const Json json = {{"type", "FeatureCollection"}, {"frame", frame}, {"features", features}};
+  return Dump(json) + "\n";
+}
+
+std::string Ply(const PoseGraph& graph) {
+  std::ostringstream out;
+  out.precision(9);
+  out << "ply\nformat ascii 1.0\ncomment lengths in " << graph.UnitText() << "\nelement vertex "
+      << graph.layer.nodes.size()
+      << "\nproperty float x\nproperty float y\nproperty float z\nproperty int node\nelement edge "
+      << graph.layer.edges.size()
+      << "\nproperty int vertex1\nproperty int vertex2\nproperty uchar loop\nend_header\n";
+  std::unordered_map<AppearanceNodeId, size_t> row;
+  for (const AppearanceNode& node : graph.layer.nodes) {
+    row.emplace(node.id, row.size());
+    const Pose2 pose = graph.Scaled(node.pose);
+    out << pose.x << ' ' << pose.y << " 0 " << node.id.value << '\n';
+  }
+  for (const AppearanceEdge& edge : graph.layer.edges) {
+    out << row.at(edge.a) << ' ' << row.at(edge.b) << ' '
+        << (edge.kind == AppearanceEdgeKind::kLoop ? 1 : 0) << '\n';
+  }
+  return out.str();
+}
+
+std::string Tum(const PoseGraph& graph) {
+  const std::vector<AppearanceNode>& nodes = graph.layer.nodes;
+  const bool timed =
+      std::all_of(nodes.begin(), nodes.end(), [](const auto& n) { return n.time_s.has_value(); });
+  std::ostringstream out;
+  out << "# " << (timed ? "time_s" : "frame number (not all nodes have a time)")
+      << " x y z qx qy qz qw; x ahead, z up; lengths in " << graph.UnitText() << '\n';
+  SequenceId sequence;
+  for (const AppearanceNode& node : nodes) {
+    if (node.sequence != sequence) {
+      out << "# sequence " << Word(SequenceName(graph.map, node.sequence)) << '\n';
+      sequence = node.sequence;
+    }
+    const Pose2 pose = graph.Scaled(node.pose);
+    char line[200];
+    (void)std::snprintf(line, sizeof line, "%.6f %.6f %.6f 0 0 0 %.9f %.9f\n",
+                        timed ? *node.time_s : node.frame, pose.x, pose.y,
+                        std::sin(pose.theta_rad / 2), std::cos(pose.theta_rad / 2));
+    out << line;
+  }
+  return out.str();
+}
+
+std::string ResultLines(const PoseGraph& graph) {
+  if (graph.unit != "m") {
+    CannotGive(
+        "lines of visuallocalization.net are in metres, and the scale of this map's appearance "
+        "layer isn't known; take tum");
+  }
+  // The front camera's axes in the node's frame: x right, y down, z forward of x ahead, y left.
+  Eigen::Matrix3d node_from_camera;
+  node_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  std::ostringstream out;
+  out.precision(9);
+  for (const AppearanceNode& node : graph.layer.nodes) {
+    const Pose2 pose = graph.Scaled(node.pose);
+    const Eigen::Matrix3d world_from_camera =
+        Eigen::AngleAxisd(pose.theta_rad, Eigen::Vector3d::UnitZ()) * node_from_camera;
+    Eigen::Quaterniond q(Eigen::Matrix3d(world_from_camera.transpose()));
+    if (q.w() < 0) q.coeffs() *= -1;
+    const Eigen::Vector3d t = -(q * Eigen::Vector3d(pose.x, pose.y, 0));
+    out << Word(node.source) << ' ' << q.w() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << ' '
+        << t.x() << ' ' << t.y() << ' ' << t.z() << '\n';
+  }
+  return out.str();
+}
+
+std::string Colmap(const PoseGraph&) {
+  CannotGive(
+      "a COLMAP model has the intrinsics of cameras and points in space, and no panoramas; this "
+      "map has poses on the ground alone, take tum, g2o or ply");
+}
+
+struct PoseFormat {
+  const char* name;
+  const char* media_type;
+  std::string (*write)(const PoseGraph&);
+};
+constexpr PoseFormat kFormats[] = {
+    {"g2o", "text/plain; charset=utf-8", G2o},
+    {"geojson", "application/geo+json", GeoJson},
+    {"ply", "text/plain; charset=utf-8", Ply},
+    {"tum", "text/plain; charset=utf-8", Tum},
+    {"colmap", "text/plain; charset=utf-8", Colmap},
+    {"poses", "text/plain; charset=utf-8", ResultLines},
+};
+
+}  // namespace
+
+std::vector<std::string> PoseFormatNames() {
+  std::vector<std::string> names;
+  for (const PoseFormat& format : kFormats) names.emplace_back(format.name);
+  return names;
+}
+
+std::optional<GraphText> FormatPoses(const MapData& map, const std::string& format) {
+  for (const PoseFormat& known : kFormats) {
+    if (format == known.name) return GraphText{known.write(GraphOf(map)), known.media_type};
+  }
+  return std::nullopt;
+}
+
+}  // namespace waystone

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/graph_formats.h"
+#include "schema/map_data.h"
+
+namespace waystone {
+
+// "g2o", "geojson", "ply", "tum", "colmap", "poses".
+std::vector<std::string> PoseFormatNames();
+
+// The poses of a map's appearance layer in a format that other programs read. Lengths are metres
+// where the layer's scale is known and in its own unit elsewhere; each format says which.
+//   g2o      VERTEX_SE2 a node, EDGE_SE2 a measured edge. The layer keeps the sigma of headings
+//            alone: positions are given half the edge's length, a tenth of the mean edge at least.
+//   geojson  nodes as points, edges as lines, x and y in the layer's frame. That is not on the
+//            earth, as RFC 7946 has it without an agreement: the member `frame` says so.
+//   ply      nodes as vertices at height 0, and edges, ASCII.
+//   tum      "time x y z qx qy qz qw" a node, as the tools of the TUM RGB-D benchmark read it; x is
+//            ahead of the camera, z up. The frame's number stands for the time where a node of the
+//            map has none.
+//   poses    "name qw qx qy qz tx ty tz" a node, as visuallocalization.net takes results:
+//            camera_from_world of the panorama's front, x right, y down, z forward. Metres: needs
+//            a known scale.
+//   colmap   always MapError(kNotAvailable): its models have camera intrinsics and points in space,
+//            and it knows no panoramas.
+// Nothing for another name. Throws MapError(kNotAvailable) for a map without an appearance layer
+// and for what a layer can't give. Deterministic; thread-safe.
+std::optional<GraphText> FormatPoses(const MapData& map, const std::string& format);
+
+}  // namespace waystone

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/planes/keyframe_selector.h"
+
+#include <algorithm>
+
+#include "core/base/error.h"
+
+namespace waystone {
+
+void KeyframeOptions::Check() const {
+  const bool good = min_matches_stretch >= 4 && min_matches_before_last >= min_matches_stretch &&
+                    min_matches_last >= min_matches_before_last && lookahead >= 0 && max_gap >= 1;
+  if (!good) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "keyframes: min_matches_last >= min_matches_before_last >= "
+                   "min_matches_stretch >= 4 must hold; leave them at their defaults");
+  }
+}
+
+KeyframeSelector::KeyframeSelector(const KeyframeOptions& options, const MatchOptions& match)
+    : options_(options), match_(match) {
+  options_.Check();
+}
+
+std::vector<ChosenKeyframe> KeyframeSelector::Add(ExtractedFrame frame) {
+  std::vector<ChosenKeyframe> chosen;
+  Consider(std::move(frame), chosen);
+  return chosen;
+}
+
+std::vector<ChosenKeyframe> KeyframeSelector::Finish() {
+  std::vector<ChosenKeyframe> chosen;
+  while (best_ || !beyond_.empty()) Decide(chosen);
+  return chosen;
+}
+
+int KeyframeSelector::CountMatches(const Features& a, const Features& b) const {
+  return static_cast<int>(MatchDescriptors(a.descriptors, b.descriptors, a.type, match_).size());
+}
+
+void KeyframeSelector::Consider(ExtractedFrame frame, std::vector<ChosenKeyframe>& chosen) {
+  if (!last_) {
+    Choose(std::move(frame), true, chosen);
+    return;
+  }
+  ++gap_;
+  const int matches_last = CountMatches(frame.features, *last_);
+  const bool fulfils = matches_last >= options_.min_matches_last &&
+                       (!before_last_ || CountMatches(frame.features, *before_last_) >=
+                                             options_.min_matches_before_last);
+  if (fulfils) {
+    best_ = std::move(frame);
+    beyond_.clear();
+  } else {
+    beyond_.push_back({std::move(frame), matches_last});
+  }
+  if (gap_ >= options_.max_gap || static_cast<int>(beyond_.size()) > options_.lookahead) {
+    Decide(chosen);
+  }
+}
+
+// The conditions can't be fulfilled any farther: takes the farthest frame that fulfilled them, else
+// the best of the others, else starts a new stretch. What comes after it is looked at again.
+void KeyframeSelector::Decide(std::vector<ChosenKeyframe>& chosen) {
+  std::deque<Candidate> rest = std::move(beyond_);
+  beyond_.clear();
+  if (best_) {
+    ExtractedFrame frame = std::move(*best_);
+    Choose(std::move(frame), false, chosen);
+  } else {
+    const auto most = std::max_element(rest.begin(), rest.end(), [](const auto& a, const auto& b) {
+      return a.matches_last < b.matches_last;
+    });
+    const bool broken = most->matches_last < options_.min_matches_stretch;
+    const auto pick = broken ? rest.begin() : most;
+    ExtractedFrame frame = std::move(pick->frame);
+    rest.erase(rest.begin(), pick + 1);
+    Choose(std::move(frame), broken, chosen);
+  }
+  for (Candidate& candidate : rest) Consider(std::move(candidate.frame), chosen);
+}
+
+void KeyframeSelector::Choose(ExtractedFrame frame, bool starts_stretch,
+                              std::vector<ChosenKeyframe>& chosen) {
+  before_last_ = starts_stretch ? std::nullopt : std::move(last_);
+  last_ = frame.features;
+  best_.reset();
+  gap_ = 0;
+  chosen.push_back({std::move(frame), starts_stretch});
+}
+
+}  // namespace waystone

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "core/base/error.h"
+#include "localizer/answer.h"
+#include "localizer/appearance/appearance_match.h"
+#include "localizer/map_index.h"
+#include "localizer/options.h"
+
+// Answers about panoramas from a map's appearance layer.
+namespace waystone {
+
+// The panorama as the layer describes its own.
+// Throws MapError(kBadImage) for an image that is no panorama or shows other elevations than the
+// layer's (ToPanorama, UsedBand). The map has an appearance layer (WS_CHECK).
+PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,
+                            const PanoramaQueryOptions& options);
+
+// Whether an image is for the appearance layer: twice as wide as high, to 2 %.
+bool IsPanoramic(const cv::Size& size);
+
+// Where was this panorama taken? The nearest signatures are ranked again by the phases (eq. 1's
+// turn); where the nodes have features, they are verified by relative poses over bearings. The
+// place is interpolated among those that agree, or intersected from the directions in which they
+// see the query. `left_out` passes over nodes, as for AppearanceIndex::Nearest. Thread-safe,
+// deterministic. The map has an appearance layer (WS_CHECK).
+Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
+                      const PanoramaQueryOptions& options, const std::vector<bool>& left_out = {});
+
+// The answer for nodes that a query was compared with (CompareQuery), best first; for who has
+// compared already. `verified` says whether features were. No nodes are "not in the map".
+Answer AnswerFor(const MapIndex& index, const FourierSignature& query,
+                 std::vector<ComparedNode> nodes, bool verified,
+                 const PanoramaQueryOptions& options);
+
+// Both steps, with times and the belief that a series begins with; features are taken only where
+// the appearance doesn't settle it. Nothing is thrown for a bad panorama: the verdict is kBadImage.
+Answer LocalizePanorama(const MapIndex& index, const cv::Mat& grey,
+                        const PanoramaQueryOptions& options);
+
+// An answer that says why an image is no panorama, with the map's name and version.
+Answer RefusePanorama(const MapIndex& index, const MapError& error);
+
+}  // namespace waystone

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/appearance/appearance_match.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "core/base/linear_algebra.h"
+
+namespace waystone {
+namespace {
+
+const AppearanceNode& NodeAt(const MapIndex& index, int node) {
+  return index.map().appearance->nodes[node];
+}
+
+Eigen::Vector2d PositionOf(const AppearanceNode& node) { return {node.pose.x, node.pose.y}; }
+
+void RankByCost(std::vector<ComparedNode>& nodes) {
+  std::ranges::sort(nodes, [](const ComparedNode& a, const ComparedNode& b) {
+    return std::tie(a.cost, a.node) < std::tie(b.cost, b.node);
+  });
+}
+
+// Ties, among them all that weren't accepted, stay in the order of appearance.
+void RankByInliers(std::vector<ComparedNode>& nodes) {
+  std::ranges::stable_sort(nodes, std::ranges::greater{}, &ComparedNode::inliers);
+}
+
+double MedianParallax(const MatchedRays& rays, const RelativePose& pose) {
+  std::vector<double> angles;
+  for (const int i : pose.inliers) {
+    const double cosine = (pose.b_from_a * rays.a[i]).dot(rays.b[i]);
+    angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
+  }
+  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
+  std::ranges::nth_element(angles, middle);
+  return *middle;
+}
+
+// Heading and direction of the query from the motion x_query = R x_node + t. Azimuths are clockwise
+// and yaws counter-clockwise: what is in front of the node is at azimuth `heading` of the query.
+void TakeMotion(const AppearanceNode& node, const MatchedRays& rays, const RelativePose& pose,
+                ComparedNode& compared) {
+  const Eigen::Matrix3d& r = pose.b_from_a;
+  const Eigen::Vector3d query_in_node = -(r.transpose() * pose.translation);
+  compared.inliers = static_cast<int>(pose.inliers.size());
+  compared.query_from_node = r;
+  compared.parallax_rad = MedianParallax(rays, pose);
+  compared.heading_rad = WrappedAngle(node.pose.theta_rad + std::atan2(r(0, 2), r(2, 2)));
+  compared.sigma_rad = std::sqrt(pose.covariance(1, 1));
+  compared.direction_rad =
+      WrappedAngle(node.pose.theta_rad - std::atan2(query_in_node.x(), query_in_node.z()));
+}
+
+struct Matched {
+  size_t at = 0;  // in the compared nodes
+  MatchedRays rays;
+};
+
+std::vector<Matched> MatchNodes(const MapIndex& index, const BearingFeatures& query,
+                                const std::vector<ComparedNode>& nodes,
+                                const PanoramaQueryOptions& options, const Deadline& deadline) {
+  std::vector<Matched> matched;
+  for (size_t at = 0; at < nodes.size() && !HasPassed(deadline); ++at) {
+    const NodeFeatures& kept = NodeAt(index, nodes[at].node).features;
+    if (kept.bearings.empty()) continue;
+    matched.push_back(
+        {at, MatchBearings(ToBearingFeatures(kept, query.type), query, options.match)});
+  }
+  std::ranges::stable_sort(matched, std::ranges::greater{},
+                           [](const Matched& m) { return m.rays.size(); });
+  return matched;
+}
+
+// The index of the best node that is elsewhere than nodes[at]; nodes.size() when there is none.
+size_t BestElsewhere(const MapIndex& index, const std::vector<ComparedNode>& nodes, size_t at,
+                     const PanoramaQueryOptions& options) {
+  for (size_t other = 0; other < nodes.size(); ++other) {
+    if (AreElsewhere(index, nodes[at].node, nodes[other].node, options)) return other;
+  }
+  return nodes.size();
+}
+
+}  // namespace
+
+std::vector<ComparedNode> CompareByAppearance(const MapIndex& index, const FourierSignature& query,
+                                              const PanoramaQueryOptions& options,
+                                              const std::vector<bool>& left_out) {
+  const int count = options.verify ? options.verified_candidates : options.candidates;
+  std::vector<ComparedNode> nodes;
+  for (const NearNode& near : index.appearance().Nearest(query, count, left_out)) {
+    const AppearanceNode& node = NodeAt(index, near.node);
+    const PhaseCompass turn = TurnByPhases(node.signature, query, options.phases);
+    ComparedNode compared;
+    compared.node = near.node;
+    compared.cost = near.distance + options.phase_weight * (1 - turn.best.score);
+    compared.heading_rad = WrappedAngle(node.pose.theta_rad + turn.best.heading_rad);
+    compared.sigma_rad = options.phase_sigma_rad;
+    nodes.push_back(compared);
+  }
+  RankByCost(nodes);
+  return nodes;
+}
+
+std::vector<ComparedNode> VerifyByFeatures(const MapIndex& index, const BearingFeatures& query,
+                                           std::vector<ComparedNode> nodes,
+                                           const PanoramaQueryOptions& options,
+                                           const Deadline& deadline) {
+  int poses = 0;
+  for (const Matched& matched : MatchNodes(index, query, nodes, options, deadline)) {
+    if (poses++ == options.max_poses || HasPassed(deadline)) break;
+    const RelativePose pose = FindRelativePose(matched.rays, options.relative);
+    if (!pose.accepted()) continue;
+    TakeMotion(NodeAt(index, nodes[matched.at].node), matched.rays, pose, nodes[matched.at]);
+  }
+  RankByInliers(nodes);
+  return nodes;
+}
+
+std::vector<ComparedNode> CompareQuery(const MapIndex& index, const PanoramaQuery& query,
+                                       const PanoramaQueryOptions& options,
+                                       const std::vector<bool>& left_out) {
+  PanoramaQueryOptions used = options;
+  used.verify = query.features.has_value();
+  std::vector<ComparedNode> nodes = CompareByAppearance(index, query.signature, used, left_out);
+  if (!query.features) return nodes;
+  return VerifyByFeatures(index, *query.features, std::move(nodes), options);
+}
+
+NodeRef RefOf(const MapIndex& index, const AppearanceNode& node) {
+  const Sequence* sequence = index.FindSequence(node.sequence);
+  return {node.id, sequence ? sequence->name : "", node.source, node.time_s, node.pose};
+}
+
+bool AreElsewhere(const MapIndex& index, int a, int b, const PanoramaQueryOptions& options) {
+  const double apart = (PositionOf(NodeAt(index, a)) - PositionOf(NodeAt(index, b))).norm();
+  return apart > options.elsewhere_spacings * index.appearance().spacing();
+}
+
+namespace {
+
+// log(1 + compared nodes beside nodes[at] that see the query's heading as it does).
+double AgreementOf(const MapIndex& index, const std::vector<ComparedNode>& nodes, size_t at,
+                   const PanoramaQueryOptions& options) {
+  int agreeing = 0;
+  for (size_t other = 0; other < nodes.size(); ++other) {
+    if (other == at || AreElsewhere(index, nodes[at].node, nodes[other].node, options)) continue;
+    const double off = WrappedAngle(nodes[other].heading_rad - nodes[at].heading_rad);
+    agreeing += std::abs(off) <= options.agreement_rad;
+  }
+  return std::log1p(agreeing);
+}
+
+}  // namespace
+
+AppearanceEvidence EvidenceOf(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+                              size_t at, const PanoramaQueryOptions& options) {
+  const size_t other = BestElsewhere(index, nodes, at, options);
+  AppearanceEvidence evidence;
+  evidence.cost = nodes[at].cost;
+  evidence.margin = options.max_margin;
+  evidence.agreement = AgreementOf(index, nodes, at, options);
+  evidence.parallax_rad = nodes[at].parallax_rad;
+  evidence.sigma_spacings =
+      PlaceQuery(index, nodes, options, at).sigma / std::max(index.appearance().spacing(), 1e-9);
+  evidence.log_inliers = evidence.log_inlier_margin = std::log1p(nodes[at].inliers);
+  if (other == nodes.size()) return evidence;
+  evidence.margin =
+      std::clamp(nodes[other].cost - nodes[at].cost, -options.max_margin, options.max_margin);
+  evidence.log_inlier_margin -= std::log1p(nodes[other].inliers);
+  return evidence;
+}
+
+// Least squares over the position p: each node that agrees with the best says "near me", and where
+// it has seen a motion also "in this direction": n . (p - node) = 0 with n across the direction.
+PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+                       const PanoramaQueryOptions& options, size_t at) {
+  const ComparedNode& best = nodes[at];
+  const double spacing = std::max(index.appearance().spacing(), 1e-9);
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d pull = Eigen::Vector2d::Zero();
+  for (const ComparedNode& compared : nodes) {
+    if (AreElsewhere(index, best.node, compared.node, options)) continue;
+    if ((best.inliers > 0) != (compared.inliers > 0)) continue;
+    // A view with fewer inliers, or of a higher cost, is farther away.
+    const double nearness =
+        best.inliers > 0 ? static_cast<double>(compared.inliers) / best.inliers
+                         : std::exp((best.cost - compared.cost) / options.interpolation_cost);
+    const double near_weight = nearness * nearness / (spacing * spacing);
+    Eigen::Matrix2d weights = near_weight * Eigen::Matrix2d::Identity();
+    if (compared.inliers > 0) {
+      const double across = options.direction_sigma_rad * spacing;
+      const Eigen::Vector2d n(-std::sin(compared.direction_rad), std::cos(compared.direction_rad));
+      weights += n * n.transpose() * nearness / (across * across);
+    }
+    information += weights;
+    pull += weights * PositionOf(NodeAt(index, compared.node));
+  }
+  const Eigen::Vector2d position = SolveSymmetric(information, pull);
+  const double least = EigenOfSymmetric(information).values(0);
+  return {{position.x(), position.y(), best.heading_rad}, 1 / std::sqrt(least)};
+}
+
+}  // namespace waystone

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "core/search/search_index.h"
+#include "schema/layers/appearance/appearance_layer.h"
+
+namespace waystone {
+
+struct NodeFeatureIndexOptions {
+  // Few lists, learned from few rows: that is done when the index is made, and what is looked for
+  // is a ranking of nodes, which bears a neighbour that is missed.
+  InvertedFileOptions file{.lists_per_root = 1, .training_rows = 16, .rounds = 4};
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// The features that an appearance layer's nodes keep, in one index: which nodes saw what a photo
+// shows, without matching it with each. 128 bytes a feature (SIFT). Immutable after construction:
+// any number of threads may ask. The same on any number of threads.
+class NodeFeatureIndex {
+ public:
+  // Copies what it needs. `type` is the map's.
+  NodeFeatureIndex(const AppearanceLayer& layer, FeatureType type,
+                   const NodeFeatureIndexOptions& options = {});
+
+  // The `count` nodes with the most votes, most first, ties by node; fewer where fewer have any.
+  // Each query descriptor votes for the nodes of its `neighbours` nearest features in the `probes`
+  // lists nearest to it, for a node once: the nearer it is beside the farthest of them, the more
+  // (Jegou, Douze and Schmid 2011, "Exploiting descriptor distances for precise image search").
+  // Nodes i with left_out[i] are passed over; empty leaves out none.
+  std::vector<int> MostVoted(DescriptorsView query, int count, int neighbours, int probes,
+                             const std::vector<bool>& left_out = {}) const;
+
+ private:
+  int nodes_ = 0;
+  SearchIndex search_;
+  std::vector<int> node_of_row_;
+};
+
+}  // namespace waystone

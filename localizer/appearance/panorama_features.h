@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "core/two_view/bearings.h"
+#include "schema/layers/appearance/appearance_layer.h"
+
+namespace waystone {
+
+struct PanoramaFeatureOptions {
+  // Features of each face, and how they are spread over it.
+  BearingFeatureOptions bearings{.features = {.max_features = 600}, .max_kept = 300};
+  // Width of a face over that of the panorama, 0.05 to 1. A face spans a quarter of the circle; at
+  // 1 / pi its middle has the panorama's own resolution. Less is faster and finds less.
+  double face_width = 0.318;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Features of a whole equirectangular panorama (CV_8UC1), taken from its front, right, back and
+// left faces, where lines are straight; rays in the rig's frame (x right, y down, z forward =
+// front). Both panoramas of a comparison should be taken with the same options. Deterministic;
+// thread-safe. Throws MapError(kBadImage) for a panorama of another shape.
+BearingFeatures ExtractPanoramaFeatures(const cv::Mat& equirectangular,
+                                        const PanoramaFeatureOptions& options = {});
+
+// The same as a map keeps them, and back.
+NodeFeatures ToNodeFeatures(const BearingFeatures& features);
+BearingFeatures ToBearingFeatures(const NodeFeatures& features, FeatureType type);
+
+}  // namespace waystone

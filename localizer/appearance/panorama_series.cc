@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/appearance/panorama_series.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/base/clock.h"
+#include "core/base/error.h"
+#include "core/base/option_range.h"
+
+namespace waystone {
+namespace {
+
+// The probability that the image is of a node if nothing elsewhere were like it.
+double AloneProbability(const MapIndex& index, const std::vector<ComparedNode>& compared, size_t at,
+                        bool verified, const AppearanceVerdict& model,
+                        const SeriesOptions& options) {
+  AppearanceEvidence evidence = EvidenceOf(index, compared, at, options.query);
+  evidence.verified = verified;
+  evidence.margin = options.query.max_margin;
+  evidence.log_inlier_margin = evidence.log_inliers;
+  return ProbabilityOf(evidence, model);
+}
+
+std::vector<NodeEvidence> EvidenceOfNodes(const MapIndex& index,
+                                          const std::vector<ComparedNode>& compared, bool verified,
+                                          const SeriesOptions& options) {
+  const AppearanceLayer& layer = *index.map().appearance;
+  const AppearanceVerdict model = VerdictFor(layer, verified);
+  // Nodes that weren't near enough to be compared, of whose heading nothing is known.
+  NodeEvidence other;
+  other.log_likelihood = -options.max_log_odds;
+  other.sigma_rad = std::numbers::pi;
+  std::vector<NodeEvidence> evidence(layer.nodes.size(), other);
+  for (size_t at = 0; at < compared.size(); ++at) {
+    const ComparedNode& node = compared[at];
+    const double p = AloneProbability(index, compared, at, verified, model, options);
+    const double log_odds = std::log(p) - std::log1p(-p);
+    evidence[node.node] = {std::clamp(log_odds, -options.max_log_odds, options.max_log_odds),
+                           node.heading_rad, std::max(node.sigma_rad, 1e-3)};
+  }
+  return evidence;
+}
+
+GraphFilterOptions FilterFor(const MapIndex& index, const SeriesOptions& options) {
+  const double spacing = std::max(index.appearance().spacing(), 1e-9);
+  GraphFilterOptions filter = options.filter;
+  filter.position_sigma = options.position_spacings * spacing;
+  filter.step_sigma = options.step_spacings * spacing;
+  return filter;
+}
+
+// The belief in the place of the likeliest node, and the place: the mean of the nodes there.
+void TakeBelief(const MapIndex& index, const FilterState& state, const SeriesOptions& options,
+                Answer& answer) {
+  const AppearanceLayer& layer = *index.map().appearance;
+  const Belief& best = state.front();
+  double here = 0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const Belief& belief : state) {
+    if (AreElsewhere(index, best.node, belief.node, options.query)) continue;
+    const Pose2& pose = layer.nodes[belief.node].pose;
+    here += belief.probability;
+    sum += belief.probability * Eigen::Vector2d(pose.x, pose.y);
+  }
+  answer.probability = std::min(here, 1.0);
+  answer.decided_by = "series";
+  const Eigen::Vector2d at = sum / here;
+  answer.panorama->pose = {at.x(), at.y(), best.heading_rad};
+  answer.panorama->sigma = options.position_spacings * index.appearance().spacing();
+  answer.panorama->node = RefOf(index, layer.nodes[best.node]);
+  const bool sure = answer.probability >= options.query.min_probability;
+  answer.verdict = sure ? Verdict::kLocalized : Verdict::kAmbiguous;
+  answer.heading.reset();
+  answer.message = "several places of the map fit what was seen so far; move on";
+  if (!sure) return;
+  answer.heading = Heading{best.heading_rad, best.sigma_rad, "layer"};
+  answer.message.clear();
+}
+
+}  // namespace
+
+void SeriesOptions::Check() const {
+  query.Check();
+  filter.Check();
+  CheckRange("position_spacings", position_spacings, 0.01, 1000);
+  CheckRange("step_spacings", step_spacings, 0.01, 1000);
+  CheckRange("max_log_odds", max_log_odds, 0.1, 100);
+  CheckRange("min_alone", min_alone, 0, 1);
+}
+
+FilterState BeliefAfter(const MapIndex& index, const std::vector<ComparedNode>& compared,
+                        bool verified, const SeriesContext& context, const SeriesOptions& options) {
+  std::vector<Pose2> poses;
+  for (const AppearanceNode& node : index.map().appearance->nodes) poses.push_back(node.pose);
+  return UpdateBelief(poses, EvidenceOfNodes(index, compared, verified, options), context.previous,
+                      context.odometry, FilterFor(index, options))
+      .state;
+}
+
+Answer ContinueSeries(const MapIndex& index, const PanoramaQuery& query,
+                      const SeriesContext& context, const SeriesOptions& options) {
+  options.Check();
+  const std::vector<ComparedNode> compared = CompareQuery(index, query, options.query, {});
+  const bool verified = query.features.has_value();
+  Answer answer = AnswerFor(index, query.signature, compared, verified, options.query);
+  answer.belief = context.previous;
+  answer.decided_by = "series";
+  const AppearanceVerdict model = VerdictFor(*index.map().appearance, verified);
+  if (compared.empty() ||
+      AloneProbability(index, compared, 0, verified, model, options) < options.min_alone) {
+    answer.verdict = Verdict::kNotInMap;
+    answer.heading.reset();
+    return answer;
+  }
+  answer.belief = BeliefAfter(index, compared, verified, context, options);
+  TakeBelief(index, answer.belief, options, answer);
+  return answer;
+}
+
+Answer LocalizeInSeries(const MapIndex& index, const cv::Mat& grey, const SeriesContext& context,
+                        const SeriesOptions& options) {
+  const Clock::time_point start = Clock::now();
+  Answer answer;
+  double extract_ms = 0;
+  try {
+    const PanoramaQuery query = DescribeQuery(index, grey, options.query);
+    extract_ms = MillisecondsSince(start);
+    answer = ContinueSeries(index, query, context, options);
+  } catch (const MapError& error) {
+    if (error.code() != ErrorCode::kBadImage) throw;
+    answer = RefusePanorama(index, error);
+    answer.belief = context.previous;
+  }
+  answer.timing.total_ms = MillisecondsSince(start);
+  answer.timing.extract_ms = extract_ms;
+  answer.timing.verify_ms = answer.timing.total_ms - extract_ms;
+  return answer;
+}
+
+}  // namespace waystone

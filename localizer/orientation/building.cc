@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/orientation/building.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core/eigen.hpp>
+
+#include "core/base/error.h"
+#include "core/camera/cube_faces.h"
+#include "core/camera/image_plane.h"
+#include "core/manhattan/cube_rotations.h"
+#include "localizer/appearance/appearance.h"
+#include "schema/layers/orientation/orientation_trajectory.h"
+
+namespace waystone {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kMinSigmaRad = 0.003;  // calibration and the frame's own axes
+
+// Points of the image planes that both cameras see ahead.
+struct Rays {
+  std::vector<cv::Point2d> query;
+  std::vector<cv::Point2d> reference;
+};
+
+Rays RaysOf(const RecognisedPlane& plane, const Camera& camera, const Camera& reference,
+            size_t first, size_t step) {
+  Rays rays;
+  for (size_t i = first; i < plane.query_points.size(); i += step) {
+    const auto q = OnImagePlane(camera, plane.query_points[i]);
+    const auto r = OnImagePlane(reference, plane.reference_points[i]);
+    if (!q || !r) continue;
+    rays.query.emplace_back(q->x(), q->y());
+    rays.reference.emplace_back(r->x(), r->y());
+  }
+  return rays;
+}
+
+// Rotations reference_from_query of H = R + t n^T for which the plane lies before the camera.
+std::vector<Matrix3d> RotationsOf(const Rays& rays) {
+  constexpr size_t kFewest = 8;
+  if (rays.query.size() < kFewest) return {};
+  const cv::Mat h = cv::findHomography(rays.query, rays.reference, 0);
+  if (h.empty()) return {};
+  std::vector<cv::Mat> rotations;
+  std::vector<cv::Mat> translations;
+  std::vector<cv::Mat> normals;
+  cv::decomposeHomographyMat(h, cv::Mat::eye(3, 3, CV_64F), rotations, translations, normals);
+  std::vector<Matrix3d> before;
+  for (size_t i = 0; i < rotations.size(); ++i) {
+    Vector3d n;
+    cv::cv2eigen(normals[i], n);
+    const auto ahead = std::ranges::count_if(
+        rays.query, [&](const cv::Point2d& p) { return n.dot(Vector3d(p.x, p.y, 1)) > 0; });
+    // Of a pure rotation the normal is nothing, and all motions are the one.
+    if (n.norm() > 0 && 2 * ahead < std::ssize(rays.query)) continue;
+    Matrix3d r;
+    cv::cv2eigen(rotations[i], r);
+    if (r.allFinite()) before.push_back(r);
+  }
+  return before;
+}
+
+// The rotation among `all` that is nearest to r, as an angle; pi where there is none.
+double NearestAngle(const Matrix3d& r, const std::vector<Matrix3d>& all) {
+  double nearest = std::numbers::pi;
+  for (const Matrix3d& other : all) nearest = std::min(nearest, RotationAngle(r, other));
+  return nearest;
+}
+
+void AddThroughPlane(const MapIndex& index, const RecognisedPlane& plane, const Camera& camera,
+                     std::vector<BuildingGuess>& guesses) {
+  const Keyframe& keyframe = *index.FindKeyframe(plane.reference.id);
+  const Sequence& sequence = *index.FindSequence(keyframe.sequence);
+  const OrientationFrame* frame = index.FindFrame(keyframe.sequence, keyframe.frame);
+  if (!sequence.camera || !frame || !frame->reliable) return;
+  const Camera& reference = *sequence.camera;
+  const std::vector<Matrix3d> odd = RotationsOf(RaysOf(plane, camera, reference, 1, 2));
+  const std::vector<Matrix3d> even = RotationsOf(RaysOf(plane, camera, reference, 0, 2));
+  for (const Matrix3d& r : RotationsOf(RaysOf(plane, camera, reference, 0, 1))) {
+    // Halves of the matches differ by twice the sigma of all of them.
+    const double halves = 0.5 * (NearestAngle(r, odd) + NearestAngle(r, even));
+    guesses.push_back({.building_from_query = frame->rotation->building_from_rig * r,
+                       .sigma_rad = std::max(kMinSigmaRad, halves),
+                       .weight = plane.inliers});
+  }
+}
+
+void AddThroughNode(const MapIndex& index, const Answer& answer,
+                    std::vector<BuildingGuess>& guesses) {
+  const std::vector<AppearanceNode>& nodes = index.map().appearance->nodes;
+  if (!answer.heading) return;
+  const AppearanceNodeId id = answer.panorama->node.id;
+  const auto node = std::ranges::lower_bound(nodes, id, {}, &AppearanceNode::id);
+  const OrientationFrame* frame = index.FindFrame(node->sequence, node->frame);
+  if (!frame || !frame->reliable) return;
+  const Matrix3d building_from_node = frame->rotation->building_from_rig.toRotationMatrix();
+  std::optional<Matrix3d> query_from_node;
+  for (const NodeCandidate& candidate : answer.nodes) {
+    if (candidate.node.id == id) query_from_node = candidate.query_from_node;
+  }
+  const double turned = answer.panorama->pose.theta_rad - node->pose.theta_rad;
+  const Matrix3d upright = Eigen::AngleAxisd(turned, Vector3d::UnitZ()).toRotationMatrix();
+  guesses.push_back(
+      {.building_from_query = query_from_node
+                                  ? Matrix3d(building_from_node * query_from_node->transpose())
+                                  : Matrix3d(upright * building_from_node),
+       .sigma_rad =
+           std::hypot(answer.heading->sigma_rad, std::sqrt(frame->rotation->covariance(2, 2))),
+       .weight = 1});
+}
+
+// The guess that most others agree with, if only one does or rivals mean the same.
+const BuildingGuess* Agreed(const std::vector<BuildingGuess>& guesses, double agree_rad) {
+  const auto support = [&](const BuildingGuess& guess) {
+    int weight = 0;
+    for (const BuildingGuess& other : guesses) {
+      const double apart = RotationAngle(guess.building_from_query, other.building_from_query);
+      weight += apart <= agree_rad ? other.weight : 0;
+    }
+    return weight;
+  };
+  if (guesses.empty()) return nullptr;
+  const auto best = std::ranges::max_element(guesses, {}, support);
+  const int most = support(*best);
+  for (const BuildingGuess& other : guesses) {
+    const double apart = RotationAngle(best->building_from_query, other.building_from_query);
+    if (apart > agree_rad && support(other) == most) return nullptr;
+  }
+  return &*best;
+}
+
+BuildingView ViewOf(const Matrix3d& building_from_query, double sigma_rad) {
+  BuildingView view;
+  view.building_from_query = Eigen::Quaterniond(building_from_query).normalized();
+  const auto heading_rad = HeadingOf({view.building_from_query, Matrix3d::Zero()});
+  if (heading_rad) view.heading = Heading{*heading_rad, sigma_rad, "building"};
+  return view;
+}
+
+}  // namespace
+
+void BuildingOptions::Check() const {
+  segments.Check();
+  circles.Check();
+  manhattan.Check();
+  const bool good = max_clear_rival >= 0 && max_clear_rival <= 1 && max_disagreement_rad > 0 &&
+                    max_disagreement_rad < std::numbers::pi / 4 && true_disagreeing > 0 &&
+                    true_disagreeing < 1;
+  if (!good) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "building: an option is out of its range; leave them at their defaults");
+  }
+}
+
+std::vector<BuildingGuess> GuessRotation(const MapIndex& index, const Answer& answer,
+                                         const std::optional<Camera>& camera) {
+  std::vector<BuildingGuess> guesses;
+  if (answer.panorama) {
+    AddThroughNode(index, answer, guesses);
+  } else if (camera) {
+    for (const RecognisedPlane& plane : answer.planes) {
+      AddThroughPlane(index, plane, *camera, guesses);
+    }
+  }
+  return guesses;
+}
+
+BuildingView ViewBuilding(const std::vector<BuildingGuess>& guesses, const ManhattanFrame& lines,
+                          const BuildingOptions& options) {
+  BuildingView view;
+  if (guesses.empty()) return view;
+  if (lines.reliable() && lines.rival <= options.max_clear_rival) {
+    const auto off = [&](const BuildingGuess& guess) {
+      return CubeAngle(lines.rig_from_axes, guess.building_from_query.transpose());
+    };
+    const BuildingGuess& nearest = *std::ranges::min_element(guesses, {}, off);
+    const double disagreement_rad = off(nearest);
+    if (disagreement_rad <= options.max_disagreement_rad) {
+      const ManhattanFrame axes = Renumbered(lines, nearest.building_from_query.transpose());
+      const Matrix3d building_from_query = axes.rig_from_axes.transpose();
+      const Matrix3d covariance =
+          building_from_query * axes.covariance * building_from_query.transpose();
+      view = ViewOf(building_from_query, std::sqrt(covariance(2, 2)));
+      view.lines = axes.lines;
+    }
+    view.disagreement_rad = disagreement_rad;
+    return view;
+  }
+  if (const BuildingGuess* agreed = Agreed(guesses, 0.5 * options.max_disagreement_rad)) {
+    view = ViewOf(agreed->building_from_query, agreed->sigma_rad);
+  }
+  return view;
+}
+
+ManhattanFrame LinesOf(const cv::Mat& grey, const std::optional<Camera>& camera,
+                       const BuildingOptions& options) {
+  constexpr int kFaceShare = 4;
+  const int face_px = std::max(1, grey.cols / kFaceShare);
+  const Rig rig = camera ? RigOfOne(*camera) : CubeRig(face_px);
+  std::vector<GreatCircle> lines;
+  for (int c = 0; c < std::ssize(rig.cameras); ++c) {
+    const cv::Mat image = camera ? grey : FaceOf(grey, static_cast<CubeFace>(c), face_px);
+    CheckImageSize(rig.cameras[c], image.cols, image.rows);
+    const auto found =
+        GreatCirclesOf(rig, c, DetectSegments(image, options.segments), options.circles);
+    lines.insert(lines.end(), found.begin(), found.end());
+  }
+  return FindManhattanFrame(lines, options.manhattan);
+}
+
+// Bayes: axes of wrong places disagree by anything up to an eighth of a turn, and each guess is a
+// chance to agree.
+void JudgeByAxes(int guesses, const LocalizeOptions& options, Answer& answer) {
+  const double limit = options.building.max_disagreement_rad;
+  const double disagreement_rad = answer.building->disagreement_rad.value_or(0);
+  if (disagreement_rad <= limit) return;
+  const double agree_by_chance = std::min(1.0, guesses * limit / (std::numbers::pi / 4));
+  const double right = answer.probability * options.building.true_disagreeing;
+  const double wrong = (1 - answer.probability) * (1 - agree_by_chance);
+  answer.probability = right / (right + wrong);
+  const double needed =
+      answer.panorama ? options.panorama.min_probability : options.gates.min_probability;
+  if (answer.probability >= needed) return;
+  const auto degrees = std::lround(disagreement_rad * 180 / std::numbers::pi);
+  answer.verdict = Verdict::kNotInMap;
+  answer.decided_by = "building_axes";
+  answer.keyframe.reset();
+  answer.heading.reset();
+  answer.planes.clear();
+  answer.message = "the place fits, but the image's lines are turned by " +
+                   std::to_string(degrees) +
+                   " degrees against the building there; send another image";
+}
+
+namespace {
+
+// The camera of the query; nothing for panoramas, which need none, and for images that aren't the
+// camera's: of several images of a request only the first has to be.
+std::optional<Camera> CameraOf(const cv::Mat& grey, const LocalizeOptions& options,
+                               const Answer& answer) {
+  if (!options.camera || (answer.panorama && IsPanoramic(grey.size()))) return std::nullopt;
+  const bool fits = grey.cols == options.camera->width && grey.rows == options.camera->height;
+  return fits ? options.camera : std::nullopt;
+}
+
+}  // namespace
+
+void AddBuilding(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options,
+                 bool with_lines, Answer& answer) {
+  if (!index.map().orientation || answer.verdict != Verdict::kLocalized) return;
+  const std::optional<Camera> camera = CameraOf(grey, options, answer);
+  const std::vector<BuildingGuess> guesses = GuessRotation(index, answer, camera);
+  if (guesses.empty()) return;
+  const ManhattanFrame lines =
+      with_lines ? LinesOf(grey, camera, options.building) : ManhattanFrame{};
+  answer.building = ViewBuilding(guesses, lines, options.building);
+  if (!answer.panorama) answer.heading = answer.building->heading;
+  JudgeByAxes(static_cast<int>(guesses.size()), options, answer);
+}
+
+}  // namespace waystone

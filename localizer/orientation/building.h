@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "core/camera/rig.h"
+#include "core/manhattan/manhattan_frame.h"
+#include "localizer/answer.h"
+#include "localizer/map_index.h"
+#include "localizer/options.h"
+
+// What the map's orientation layer and the query's own lines say of a camera's rotation in the
+// building (Puig et al. 2012, sec. II-A), once the place is known.
+namespace waystone {
+
+// A rotation that a query would have if its place and one reading of its motion were right.
+struct BuildingGuess {
+  Eigen::Matrix3d building_from_query = Eigen::Matrix3d::Identity();
+  double sigma_rad = 0;  // of its heading
+  int weight = 0;        // inliers that speak for it
+};
+
+// The guesses of a localized answer, best plane or node first; a homography allows two motions
+// (Malis and Vargas 2007), which give two. Rotations come through keyframes and nodes whose frame
+// is reliable in the orientation layer; none where there is no such frame. A panorama that no
+// feature verified is taken to stand as upright as the node's. The camera is the query's, not
+// needed for panoramas. Pure.
+std::vector<BuildingGuess> GuessRotation(const MapIndex& index, const Answer& answer,
+                                         const std::optional<Camera>& camera);
+
+// The rotation that the guesses and the lines agree on, with its heading; nothing where they leave
+// it open. Lines settle which guess is meant, and are more precise where they are reliable.
+// `disagreement_rad` is set where lines that can be relied on had a guess to be compared with, and
+// nothing is known but that when it is above options.max_disagreement_rad. Pure.
+BuildingView ViewBuilding(const std::vector<BuildingGuess>& guesses, const ManhattanFrame& lines,
+                          const BuildingOptions& options);
+
+// The query's lines: of one camera, or of the six faces of a panorama without one. Throws
+// MapError(kBadImage) for an image that hasn't the camera's size.
+ManhattanFrame LinesOf(const cv::Mat& grey, const std::optional<Camera>& camera,
+                       const BuildingOptions& options);
+
+// The gate "building_axes": an answer whose axes disagree by more than the options' bound is less
+// probable, since of true places options.true_disagreeing disagree and of wrong ones as many as
+// chance has it, and kNotInMap where that is too little. `guesses` had a chance to agree. The
+// answer is localized and has `building`. Pure.
+void JudgeByAxes(int guesses, const LocalizeOptions& options, Answer& answer);
+
+// Adds to a localized answer the rotation in the building and judges it by the axes. Leaves others,
+// all of maps without the layer, and photos of another size than options.camera's, as they are.
+// Lines are looked for only where `with_lines`.
+void AddBuilding(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options,
+                 bool with_lines, Answer& answer);
+
+}  // namespace waystone

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/planes/decide.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "localizer/planes/outline.h"
+
+namespace waystone {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+
+const Plane& PlaneOf(const MapIndex& index, const VerifiedPlane& verified) {
+  return index.map().planes[verified.plane];
+}
+
+}  // namespace
+
+bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b) {
+  for (const PlaneView& view_a : a.views) {
+    for (const PlaneView& view_b : b.views) {
+      if (view_a.keyframe == view_b.keyframe) return true;
+    }
+  }
+  const std::vector<PlaneId>& of_a = index.Neighbours(a.id);
+  const std::vector<PlaneId>& of_b = index.Neighbours(b.id);
+  if (std::binary_search(of_a.begin(), of_a.end(), b.id)) return true;
+  return std::any_of(of_a.begin(), of_a.end(),
+                     [&](PlaneId id) { return std::binary_search(of_b.begin(), of_b.end(), id); });
+}
+
+namespace {
+
+// A plane joins a place when it disagrees with none of its planes and is near one of them.
+bool Joins(const MapIndex& index, const Place& place, const VerifiedPlane& candidate,
+           const LocalizeOptions& options) {
+  bool near = false;
+  for (const VerifiedPlane& member : place.planes) {
+    const std::optional<bool> agree = PlanesAgree(index, member, candidate, options);
+    if (agree.has_value() && !*agree) return false;
+    near = near || agree.has_value() ||
+           PlanesAreNear(index, PlaneOf(index, member), PlaneOf(index, candidate));
+  }
+  return near;
+}
+
+void AddTo(const MapIndex& index, Place& place, VerifiedPlane plane) {
+  place.evidence.inliers += plane.distinct;
+  if (place.planes.empty()) {
+    place.evidence.best_share = static_cast<double>(plane.distinct) / std::max(1, plane.matches);
+  }
+  place.probability = ProbabilityOf(place.evidence, index.map().verdict.value_or(VerdictModel{}));
+  place.planes.push_back(std::move(plane));
+}
+
+KeyframeRef RefTo(const MapIndex& index, KeyframeId id) {
+  const Keyframe& keyframe = *index.FindKeyframe(id);
+  return {id, index.FindSequence(keyframe.sequence)->name, keyframe.source, keyframe.time_s};
+}
+
+// Weight of a plane's inliers for a keyframe: how many there are, discounted by how far they moved
+// in the image, as a share of its width.
+double Closeness(const VerifiedPlane& plane, const Matrix3d& keyframe_from_query,
+                 const Features& query) {
+  constexpr double kHalfShare = 0.25;  // of the width: where the discount reaches 1/e
+  double sum = 0;
+  for (const Match& match : plane.inliers) {
+    const Vector2d x = PositionOf(query.keypoints[match.a]);
+    const double moved = (Apply(keyframe_from_query, x) - x).norm();
+    if (std::isfinite(moved)) sum += std::exp(-moved / (kHalfShare * query.width));
+  }
+  return sum;
+}
+
+RecognisedPlane Recognised(const MapIndex& index, const Features& query,
+                           const VerifiedPlane& verified, const std::set<PlaneId>& present) {
+  const Plane& plane = PlaneOf(index, verified);
+  RecognisedPlane recognised;
+  recognised.id = plane.id;
+  recognised.inliers = static_cast<int>(verified.inliers.size());
+  recognised.reference = RefTo(index, plane.reference);
+  recognised.reference_from_query = verified.reference_from_query.b_from_a;
+  for (const Match& match : verified.inliers) {
+    recognised.query_points.push_back(PositionOf(query.keypoints[match.a]));
+    recognised.reference_points.push_back(PositionOf(plane.features[match.b].reference));
+  }
+  recognised.outline =
+      ClippedOutline(plane.outline, recognised.reference_from_query.inverse(),
+                     recognised.reference_points.front(), query.width, query.height);
+  for (PlaneId neighbour : index.Neighbours(plane.id)) {
+    if (!present.contains(neighbour)) recognised.expect_next.push_back(neighbour);
+  }
+  return recognised;
+}
+
+PlaceCandidate Candidate(const MapIndex& index, const Place& place, const Features& query) {
+  return {RefTo(index, NearestKeyframe(index, place, query)), place.probability,
+          place.evidence.inliers};
+}
+
+std::string Percent(double share) {
+  return std::to_string(static_cast<int>(std::floor(100 * share))) + " %";
+}
+
+// Not in the map: names the gate that stopped the best plane and what would have passed it.
+Answer Refuse(const MapIndex& index, const Features& query, int shortlisted,
+              const std::vector<VerifiedPlane>& tried, const LocalizeOptions& options) {
+  Answer answer;
+  answer.verdict = Verdict::kNotInMap;
+  if (query.size() < options.gates.min_inliers) {
+    answer.decided_by = "features";
+    answer.message = "the image has " + std::to_string(query.size()) +
+                     " features; send a sharper one or one with more to see";
+    return answer;
+  }
+  if (tried.empty()) {
+    answer.decided_by = shortlisted == 0 ? "shortlist_votes" : "homography_inliers";
+    answer.message = shortlisted == 0 ? "no plane of the map looks like anything in the image"
+                                      : "none of the " + std::to_string(shortlisted) +
+                                            " planes that look alike fits the image";
+    return answer;
+  }
+  const VerifiedPlane& best =
+      *std::max_element(tried.begin(), tried.end(),
+                        [](const auto& a, const auto& b) { return a.distinct < b.distinct; });
+  Place place;
+  AddTo(index, place, best);
+  answer.runner_up = Candidate(index, place, query);
+  answer.probability = place.probability;
+  answer.decided_by = best.accepted ? "place_probability" : "homography_inliers";
+  answer.message = "the best plane, " + std::to_string(PlaneOf(index, best).id.value) + ", has " +
+                   std::to_string(best.distinct) + " inliers of " + std::to_string(best.matches) +
+                   " matches: " + Percent(place.probability) + " sure, " +
+                   Percent(options.gates.min_probability) + " are needed; show more of the place";
+  return answer;
+}
+
+Answer Describe(const MapIndex& index, const Features& query, const Place& place) {
+  Answer answer;
+  answer.verdict = Verdict::kLocalized;
+  answer.decided_by = "homography_inliers";
+  answer.probability = place.probability;
+  answer.keyframe = RefTo(index, NearestKeyframe(index, place, query));
+  std::set<PlaneId> present;
+  for (const VerifiedPlane& plane : place.planes) present.insert(PlaneOf(index, plane).id);
+  for (const VerifiedPlane& plane : place.planes) {
+    answer.planes.push_back(Recognised(index, query, plane, present));
+  }
+  std::stable_sort(answer.planes.begin(), answer.planes.end(),
+                   [](const auto& a, const auto& b) { return a.inliers > b.inliers; });
+  return answer;
+}
+
+// What was considered, for those who ask why.
+void Account(const MapIndex& index, const Features& query, const std::vector<Place>& places,
+             Answer& answer) {
+  for (const Place& place : places) answer.candidates.push_back(Candidate(index, place, query));
+}
+
+}  // namespace
+
+bool AreNear(const MapIndex& index, const Place& a, const Place& b) {
+  for (const VerifiedPlane& m : a.planes) {
+    for (const VerifiedPlane& n : b.planes) {
+      if (PlanesAreNear(index, PlaneOf(index, m), PlaneOf(index, n))) return true;
+    }
+  }
+  return false;
+}
+
+std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane> accepted,
+                               const LocalizeOptions& options) {
+  std::stable_sort(accepted.begin(), accepted.end(),
+                   [](const auto& a, const auto& b) { return a.distinct > b.distinct; });
+  std::vector<Place> places;
+  for (VerifiedPlane& plane : accepted) {
+    const auto home = std::find_if(places.begin(), places.end(), [&](const Place& place) {
+      return Joins(index, place, plane, options);
+    });
+    Place& place = home == places.end() ? places.emplace_back() : *home;
+    AddTo(index, place, std::move(plane));
+  }
+  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    return a.evidence.inliers > b.evidence.inliers;
+  });
+  return places;
+}
+
+KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Features& query) {
+  std::map<KeyframeId, double> closeness;
+  for (const VerifiedPlane& plane : place.planes) {
+    for (const PlaneView& view : PlaneOf(index, plane).views) {
+      closeness[view.keyframe] += Closeness(
+          plane, view.reference_from_keyframe.inverse() * plane.reference_from_query.b_from_a,
+          query);
+    }
+  }
+  return std::max_element(closeness.begin(), closeness.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
+              const std::vector<VerifiedPlane>& tried, const LocalizeOptions& options) {
+  std::vector<VerifiedPlane> accepted;
+  for (const VerifiedPlane& plane : tried) {
+    if (plane.accepted) accepted.push_back(plane);
+  }
+  const std::vector<Place> places = GroupPlaces(index, std::move(accepted), options);
+  if (places.empty() || places.front().probability < options.gates.min_probability) {
+    Answer answer = Refuse(index, query, shortlisted, tried, options);
+    Account(index, query, places, answer);
+    return answer;
+  }
+  Answer answer = Describe(index, query, places.front());
+  Account(index, query, places, answer);
+  if (places.size() < 2) return answer;
+  answer.runner_up = Candidate(index, places[1], query);
+  const bool alike =
+      places[1].evidence.inliers >= options.gates.ambiguous_share * places.front().evidence.inliers;
+  if (!alike || AreNear(index, places[0], places[1])) return answer;
+  answer.verdict = Verdict::kAmbiguous;
+  answer.decided_by = "ambiguous_places";
+  answer.keyframe.reset();
+  answer.message = "two places look alike; move a little and ask again";
+  for (const Place& place : places) {
+    if (place.evidence.inliers >= options.gates.ambiguous_share * places.front().evidence.inliers) {
+      answer.places.push_back(Candidate(index, place, query));
+    }
+  }
+  return answer;
+}
+
+}  // namespace waystone

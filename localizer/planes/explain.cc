@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/planes/explain.h"
+
+#include <algorithm>
+
+#include "core/base/check.h"
+#include "localizer/planes/decide.h"
+
+namespace waystone {
+namespace {
+
+using Eigen::Vector2d;
+
+const VerifiedPlane* Find(const std::vector<VerifiedPlane>& tried, int plane) {
+  const auto it = std::find_if(tried.begin(), tried.end(),
+                               [&](const VerifiedPlane& one) { return one.plane == plane; });
+  return it == tried.end() ? nullptr : &*it;
+}
+
+void Fill(const Plane& plane, const Features& query, const VerifiedPlane& verified,
+          ExplainedCandidate& candidate) {
+  candidate.matches = verified.matches;
+  candidate.distinct = verified.distinct;
+  candidate.stopped_by = verified.stopped_by;
+  for (const Match& match : verified.inliers) {
+    candidate.query_points.push_back(PositionOf(query.keypoints[match.a]));
+    candidate.reference_points.push_back(PositionOf(plane.features[match.b].reference));
+  }
+}
+
+ExplainedPlace PlaceOf(const MapIndex& index, const Features& query, const Place& place) {
+  ExplainedPlace out;
+  out.nearest = NearestKeyframe(index, place, query);
+  for (const VerifiedPlane& member : place.planes) {
+    out.planes.push_back(index.map().planes[member.plane].id);
+  }
+  out.inliers = place.evidence.inliers;
+  out.best_share = place.evidence.best_share;
+  out.probability = place.probability;
+  return out;
+}
+
+std::vector<Place> PlacesOf(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
+                            const LocalizeOptions& options) {
+  std::vector<VerifiedPlane> accepted;
+  for (const VerifiedPlane& plane : tried) {
+    if (plane.accepted) accepted.push_back(plane);
+  }
+  return GroupPlaces(index, std::move(accepted), options);
+}
+
+int PlaceWith(const std::vector<ExplainedPlace>& places, PlaneId plane) {
+  for (size_t i = 0; i < places.size(); ++i) {
+    const std::vector<PlaneId>& planes = places[i].planes;
+    if (std::find(planes.begin(), planes.end(), plane) != planes.end()) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+}  // namespace
+
+const char* NameOf(Gate gate) {
+  switch (gate) {
+    case Gate::kPassed:
+      return "passed";
+    case Gate::kSettled:
+      return "settled";
+    case Gate::kNoHomography:
+      return "no_homography";
+    case Gate::kMinInliers:
+      return "min_inliers";
+    case Gate::kMinInlierShare:
+      return "min_inlier_share";
+    case Gate::kMaxScale:
+      return "max_scale";
+  }
+  WS_CHECK(false, "unknown gate");
+}
+
+Explanation Explain(const MapIndex& index, const Features& query,
+                    const std::vector<ShortlistedPlane>& shortlist,
+                    const std::vector<VerifiedPlane>& tried, const LocalizeOptions& options) {
+  Explanation explanation{query.width, query.height, query.size(), options.gates, {}, {}};
+  for (const Place& place : PlacesOf(index, tried, options)) {
+    explanation.places.push_back(PlaceOf(index, query, place));
+  }
+  const VerifiedPlane* best = nullptr;  // of those accepted so far, as in TryPlanes
+  for (const ShortlistedPlane& listed : shortlist) {
+    const Plane& plane = index.map().planes[listed.plane];
+    ExplainedCandidate candidate;
+    candidate.plane = plane.id;
+    candidate.reference = plane.reference;
+    candidate.votes = listed.votes;
+    if (const VerifiedPlane* verified = Find(tried, listed.plane)) {
+      Fill(plane, query, *verified, candidate);
+      candidate.place = PlaceWith(explanation.places, plane.id);
+      const bool better = !best || verified->distinct > best->distinct;
+      if (verified->accepted && better) best = verified;
+    } else {
+      const bool beaten = best && IsBeaten(index, listed, *best, options);
+      candidate.stopped_by = beaten ? Gate::kSettled : Gate::kNoHomography;
+    }
+    explanation.candidates.push_back(std::move(candidate));
+  }
+  return explanation;
+}
+
+}  // namespace waystone

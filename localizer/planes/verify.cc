@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/planes/verify.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numeric>
+
+namespace waystone {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+
+// Inliers that lie at least `apart` from every one counted before.
+int CountDistinct(const Features& query, const std::vector<Match>& inliers, double apart) {
+  std::vector<Vector2d> counted;
+  for (const Match& match : inliers) {
+    const Vector2d x = PositionOf(query.keypoints[match.a]);
+    const bool near = std::any_of(counted.begin(), counted.end(), [&](const Vector2d& other) {
+      return (other - x).squaredNorm() < apart * apart;
+    });
+    if (!near) counted.push_back(x);
+  }
+  return static_cast<int>(counted.size());
+}
+
+// Enlargement of the homography where the inliers lie, as a ratio of lengths; negative when it
+// turns the plane over.
+double ScaleAt(const Matrix3d& h, const Vector2d& x) {
+  const double w = h.row(2).dot(x.homogeneous());
+  const double area = h.determinant() / (w * w * w);  // determinant of the local affinity
+  return std::copysign(std::sqrt(std::abs(area)), area);
+}
+
+bool ScalesSensibly(const VerifiedPlane& verified, const Features& query, double max_scale) {
+  for (const Match& match : verified.inliers) {
+    const double scale =
+        ScaleAt(verified.reference_from_query.b_from_a, PositionOf(query.keypoints[match.a]));
+    if (!(scale > 1 / max_scale && scale < max_scale)) return false;
+  }
+  return true;
+}
+
+Gate FirstFailedGate(const VerifiedPlane& verified, const Features& query,
+                     const GateOptions& gates) {
+  if (verified.distinct < gates.min_inliers) return Gate::kMinInliers;
+  if (verified.distinct < gates.min_inlier_share * verified.matches) return Gate::kMinInlierShare;
+  if (!ScalesSensibly(verified, query, gates.max_scale)) return Gate::kMaxScale;
+  return Gate::kPassed;
+}
+
+}  // namespace
+
+std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeatures& packed,
+                                         int plane, const LocalizeOptions& options) {
+  const Features& query = packed.features;
+  const Plane& target = index.map().planes[plane];
+  const std::vector<Match> matches =
+      MatchDescriptors(packed.rows, query.size(), index.DescriptorsOf(plane), options.match);
+  MatchedPoints points;
+  for (const Match& match : matches) {
+    points.from.push_back(PositionOf(query.keypoints[match.a]));
+    points.to.push_back(PositionOf(target.features[match.b].reference));
+  }
+  const Neighbourhoods neighbourhoods(points.from, 2 * options.ransac.neighbourhood);
+  std::vector<int> all(points.size());
+  std::iota(all.begin(), all.end(), 0);
+  Random random(options.seed ^ static_cast<uint64_t>(target.id.value));
+  const auto fit = FindPlane(points, all, neighbourhoods, options.ransac, random);
+  if (!fit) return std::nullopt;
+  PointPairs pairs;
+  VerifiedPlane verified;
+  for (int row : fit->inliers) {
+    pairs.Add(points.from[row], points.to[row]);
+    verified.inliers.push_back(matches[row]);
+  }
+  const auto refined = RefineHomography(pairs, fit->model.to_from);
+  if (!refined) return std::nullopt;
+  verified.plane = plane;
+  verified.reference_from_query = *refined;
+  verified.matches = static_cast<int>(matches.size());
+  verified.distinct = CountDistinct(query, verified.inliers, options.gates.distinct_px);
+  verified.stopped_by = FirstFailedGate(verified, query, options.gates);
+  verified.accepted = verified.stopped_by == Gate::kPassed;
+  return verified;
+}
+
+std::optional<bool> PlanesAgree(const MapIndex& index, const VerifiedPlane& m,
+                                const VerifiedPlane& n, const LocalizeOptions& options) {
+  const std::vector<PlaneView>& views_m = index.map().planes[m.plane].views;
+  const std::vector<PlaneView>& views_n = index.map().planes[n.plane].views;
+  bool compared = false;
+  for (const PlaneView& view_m : views_m) {
+    for (const PlaneView& view_n : views_n) {
+      if (view_m.keyframe != view_n.keyframe) continue;
+      compared = true;
+      const Matrix3d keyframe_from_m = view_m.reference_from_keyframe.inverse();
+      const Matrix3d keyframe_from_n = view_n.reference_from_keyframe.inverse();
+      const auto via = [](const Matrix3d& keyframe_from_reference, const VerifiedPlane& plane) {
+        return Composed(keyframe_from_reference, plane.reference_from_query);
+      };
+      const Homology homology =
+          TestHomology(via(keyframe_from_m, m), via(keyframe_from_n, n), options.homology);
+      if (homology.kind != HomologyKind::kInvalid) return true;
+    }
+  }
+  if (!compared) return std::nullopt;
+  return false;
+}
+
+}  // namespace waystone

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/homography/homography.h"
+#include "localizer/map_index.h"
+#include "localizer/options.h"
+#include "localizer/planes/explanation.h"
+#include "localizer/planes/shortlist.h"
+
+namespace waystone {
+
+// A shortlisted plane after its homography was tried.
+struct VerifiedPlane {
+  int plane = 0;  // index in the map's planes
+  HomographyEstimate reference_from_query;
+  std::vector<Match> inliers;             // a: query keypoint, b: feature of the plane
+  int matches = 0;                        // that the homography was looked for in
+  int distinct = 0;                       // inliers at distinct positions of the query
+  bool accepted = false;                  // passed the plane's gates
+  Gate stopped_by = Gate::kNoHomography;  // the first gate that it failed; kPassed when accepted
+};
+
+// A query's features, packed once for all planes that they are matched with.
+struct PackedFeatures {
+  explicit PackedFeatures(const Features& query)
+      : features(query), rows(query.type, query.descriptors) {}
+
+  const Features& features;
+  PackedRows rows;
+};
+
+// The homography between a query and one plane by RANSAC, with its acceptance test. Nothing when
+// there is no homography at all.
+std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeatures& query,
+                                         int plane, const LocalizeOptions& options);
+
+// Whether a plane that settled where the query is makes it pointless to try a candidate.
+bool IsBeaten(const MapIndex& index, const ShortlistedPlane& candidate, const VerifiedPlane& best,
+              const LocalizeOptions& options);
+
+// The homographies of the shortlisted planes, in their order. Planes elsewhere are left out once
+// one has settled where the query is (LocalizeOptions::settled_inliers).
+std::vector<VerifiedPlane> TryPlanes(const MapIndex& index, const Features& query,
+                                     const std::vector<ShortlistedPlane>& shortlist,
+                                     const LocalizeOptions& options);
+
+// Whether two recognised planes agree: seen together in a keyframe, the homographies from the query
+// to that keyframe through either plane must form a valid homology (sec. II-B). Nothing when no
+// keyframe saw both, so that they can't be compared.
+std::optional<bool> PlanesAgree(const MapIndex& index, const VerifiedPlane& m,
+                                const VerifiedPlane& n, const LocalizeOptions& options);
+
+}  // namespace waystone

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/verdict/appearance_verdict.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "core/base/check.h"
+#include "core/base/option_range.h"
+#include "localizer/verdict/logistic_fit.h"
+
+namespace waystone {
+namespace {
+
+// A kind of evidence: the name by which a map keeps its weight, and where it is found.
+struct Term {
+  const char* name;
+  double AppearanceEvidence::*of;
+};
+
+// By kind, names ascending, as the map keeps them.
+constexpr Term kAlone[] = {{"agreement", &AppearanceEvidence::agreement},
+                           {"cost", &AppearanceEvidence::cost},
+                           {"margin", &AppearanceEvidence::margin}};
+constexpr Term kVerified[] = {{"deviation_spacings", &AppearanceEvidence::sigma_spacings},
+                              {"log_inlier_margin", &AppearanceEvidence::log_inlier_margin},
+                              {"log_inliers", &AppearanceEvidence::log_inliers},
+                              {"parallax_rad", &AppearanceEvidence::parallax_rad}};
+
+std::span<const Term> TermsOf(bool verified) {
+  return verified ? std::span<const Term>(kVerified) : std::span<const Term>(kAlone);
+}
+
+// 1, then the evidence in the order of the terms.
+Eigen::VectorXd FactorsOf(const AppearanceEvidence& evidence, bool verified) {
+  const std::span<const Term> terms = TermsOf(verified);
+  Eigen::VectorXd factors(1 + terms.size());
+  factors(0) = 1;
+  for (size_t i = 0; i < terms.size(); ++i) factors(1 + i) = evidence.*(terms[i].of);
+  return factors;
+}
+
+Eigen::VectorXd CoefficientsOf(const AppearanceVerdict& model) {
+  Eigen::VectorXd coefficients(1 + model.terms.size());
+  coefficients(0) = model.intercept;
+  for (size_t i = 0; i < model.terms.size(); ++i) coefficients(1 + i) = model.terms[i].weight;
+  return coefficients;
+}
+
+bool IsOfKind(const AppearanceVerdict& model, bool verified) {
+  return std::ranges::equal(model.terms, TermsOf(verified), {}, &VerdictTerm::name, &Term::name);
+}
+
+AppearanceVerdict ModelOf(const Eigen::VectorXd& coefficients, bool verified) {
+  AppearanceVerdict model;
+  model.intercept = coefficients(0);
+  const std::span<const Term> terms = TermsOf(verified);
+  for (size_t i = 0; i < terms.size(); ++i) {
+    model.terms.push_back({terms[i].name, coefficients(1 + i)});
+  }
+  return model;
+}
+
+}  // namespace
+
+void AppearanceFitOptions::Check() const {
+  CheckRange("intercept_sigma", intercept_sigma, 0.01, 100);
+  CheckRange("weight_sigma", weight_sigma, 0.01, 100);
+  CheckRange("wrong_weight", wrong_weight, 0.1, 100);
+}
+
+AppearanceVerdict DefaultVerdict(bool verified) {
+  // More than 13 inliers that no other place comes near, seen from nearly there; a view of half the
+  // typical cost that stands out.
+  Eigen::VectorXd coefficients(5);
+  coefficients << -12, -1, 1.5, 4, -4;
+  return verified ? ModelOf(coefficients, true) : ModelOf(Eigen::Vector4d(4, 1, -10, 15), false);
+}
+
+AppearanceVerdict VerdictFor(const AppearanceLayer& layer, bool verified) {
+  const auto& kept = verified ? layer.verified_verdict : layer.verdict;
+  return kept && IsOfKind(*kept, verified) ? *kept : DefaultVerdict(verified);
+}
+
+double ProbabilityOf(const AppearanceEvidence& evidence, const AppearanceVerdict& model) {
+  WS_CHECK(IsOfKind(model, evidence.verified), "a model for evidence of another kind");
+  return Logistic(CoefficientsOf(model).dot(FactorsOf(evidence, evidence.verified)));
+}
+
+AppearanceVerdict FitAppearanceVerdict(std::span<const AppearanceSample> samples, bool verified,
+                                       const AppearanceFitOptions& options) {
+  options.Check();
+  const auto positives = std::ranges::count_if(samples, &AppearanceSample::right);
+  const auto negatives = std::ssize(samples) - positives;
+  std::vector<LogisticSample> cases;
+  for (const AppearanceSample& sample : samples) {
+    const auto alike = static_cast<double>(sample.right ? positives : negatives);
+    const double balance = static_cast<double>(samples.size()) / (2 * alike);
+    cases.push_back({FactorsOf(sample.evidence, verified), sample.right,
+                     sample.right ? balance : balance * options.wrong_weight});
+  }
+  const Eigen::VectorXd mean = CoefficientsOf(DefaultVerdict(verified));
+  Eigen::VectorXd sigma = Eigen::VectorXd::Constant(mean.size(), options.weight_sigma);
+  sigma(0) = options.intercept_sigma;
+  AppearanceVerdict model = ModelOf(FitLogistic(cases, mean, sigma), verified);
+  model.positives = static_cast<int>(positives);
+  model.negatives = static_cast<int>(negatives);
+  return model;
+}
+
+}  // namespace waystone

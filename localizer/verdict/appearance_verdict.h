@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "schema/layers/appearance/appearance_layer.h"
+
+namespace waystone {
+
+// What speaks for a node as the place of a panorama. Terms of AppearanceVerdict, by name:
+//   "agreement", "cost", "margin"  for answers by appearance alone;
+//   "deviation_spacings", "log_inlier_margin", "log_inliers", "parallax_rad"  for answers that were
+//                                  verified by features.
+struct AppearanceEvidence {
+  double cost = 0;       // 0 the same view, about 1 another place
+  double margin = 0;     // by how much the best place elsewhere costs more; capped
+  double agreement = 0;  // log(1 + other nodes near it that see the same heading)
+  bool verified = false;
+  double log_inliers = 0;        // log(1 + inliers)
+  double log_inlier_margin = 0;  // less the same of the best place elsewhere
+  // Median angle between what the node and the query see of one point, without their turn: small
+  // where the query is near for the room's size, large where it sees the node's place from afar.
+  double parallax_rad = 0;
+  // Of the position, over the size of a place: 1 for a single view, less where the directions of
+  // several cross.
+  double sigma_spacings = 0;
+};
+
+// The model that holds where a layer has none of its own, for verified answers or the others.
+AppearanceVerdict DefaultVerdict(bool verified);
+
+// The layer's model for this kind of evidence where it knows all terms, else the default.
+AppearanceVerdict VerdictFor(const AppearanceLayer& layer, bool verified);
+
+// The probability that a place with this evidence is right, in (0, 1), by a model for its kind.
+double ProbabilityOf(const AppearanceEvidence& evidence, const AppearanceVerdict& model);
+
+struct AppearanceSample {
+  AppearanceEvidence evidence;
+  bool right = false;
+};
+
+struct AppearanceFitOptions {
+  // Standard sigmas of the model's numbers around the default's, 0.01 to 100. Larger ones trust
+  // few samples more.
+  double intercept_sigma = 5;
+  double weight_sigma = 5;
+  // What a wrong sample counts, besides that both classes weigh the same, 0.1 to 100: a wrong place
+  // that is believed costs a robot more than a right one that isn't. More refuses more.
+  double wrong_weight = 3;
+
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// The most probable model (logistic regression with a normal prior around the default), fitted to
+// samples of one kind. Deterministic. No samples give the default.
+AppearanceVerdict FitAppearanceVerdict(std::span<const AppearanceSample> samples, bool verified,
+                                       const AppearanceFitOptions& options = {});
+
+}  // namespace waystone

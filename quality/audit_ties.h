@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "quality/audit.h"
+#include "quality/audit_views.h"
+
+namespace waystone {
+
+// Visits that one plane alone ties to each other: inside localizer/audit only. Pure.
+std::vector<LoneTie> FindLoneTies(const MapIndex& index, const std::vector<KeyframeView>& views);
+
+}  // namespace waystone

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quality/evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/base/check.h"
+
+namespace waystone {
+namespace {
+
+bool Saw(const Plane& plane, KeyframeId keyframe) {
+  return std::any_of(plane.views.begin(), plane.views.end(),
+                     [&](const PlaneView& view) { return view.keyframe == keyframe; });
+}
+
+struct StatedAnswer {
+  double probability = 0;
+  bool right = false;
+};
+
+std::vector<ReliabilityBin> Binned(const std::vector<StatedAnswer>& answers) {
+  std::vector<ReliabilityBin> bins(kReliabilityBins);
+  for (int b = 0; b < kReliabilityBins; ++b) {
+    bins[b].from = static_cast<double>(b) / kReliabilityBins;
+    bins[b].to = static_cast<double>(b + 1) / kReliabilityBins;
+  }
+  for (const StatedAnswer& answer : answers) {
+    const int b = std::clamp(static_cast<int>(answer.probability * kReliabilityBins), 0,
+                             kReliabilityBins - 1);
+    ++bins[b].count;
+    bins[b].stated += answer.probability;
+    bins[b].observed += answer.right;
+  }
+  for (ReliabilityBin& bin : bins) {
+    bin.stated /= std::max(1, bin.count);
+    bin.observed /= std::max(1, bin.count);
+  }
+  return bins;
+}
+
+void MeasureReliability(const MapIndex& index, const std::vector<ScoredQuery>& queries,
+                        Evaluation& evaluation) {
+  std::vector<StatedAnswer> all;
+  std::vector<StatedAnswer> localized;
+  for (const ScoredQuery& query : queries) {
+    if (query.answer.verdict == Verdict::kBadImage) continue;
+    const std::optional<KeyframeId> place = BestPlace(query.answer);
+    all.push_back({query.answer.probability, place && IsRightPlace(index, query.truth, *place)});
+    if (query.answer.verdict == Verdict::kLocalized) localized.push_back(all.back());
+  }
+  evaluation.reliability = Binned(all);
+  evaluation.reliability_localized = Binned(localized);
+}
+
+Percentiles PercentilesOf(const std::vector<ScoredQuery>& queries, double StageTimes::*stage) {
+  std::vector<double> times;
+  for (const ScoredQuery& query : queries) {
+    if (query.answer.verdict != Verdict::kBadImage) times.push_back(query.answer.timing.*stage);
+  }
+  return {Quantile(times, 0.5), Quantile(times, 0.9), Quantile(times, 0.99)};
+}
+
+Latency LatencyOf(const std::vector<ScoredQuery>& queries) {
+  return {PercentilesOf(queries, &StageTimes::decode_ms),
+          PercentilesOf(queries, &StageTimes::extract_ms),
+          PercentilesOf(queries, &StageTimes::shortlist_ms),
+          PercentilesOf(queries, &StageTimes::verify_ms),
+          PercentilesOf(queries, &StageTimes::total_ms)};
+}
+
+std::optional<PositionErrors> PositionsOf(const std::vector<ScoredQuery>& queries) {
+  std::vector<double> errors;
+  for (const ScoredQuery& query : queries) {
+    const bool counts = query.answer.verdict == Verdict::kLocalized && !query.truth.empty();
+    if (counts && query.error_m) errors.push_back(*query.error_m);
+  }
+  if (errors.empty()) return std::nullopt;
+  const auto count = static_cast<double>(errors.size());
+  PositionErrors position;
+  position.count = static_cast<int>(errors.size());
+  position.mean_m = std::accumulate(errors.begin(), errors.end(), 0.0) / count;
+  position.rmse_m =
+      std::sqrt(std::inner_product(errors.begin(), errors.end(), errors.begin(), 0.0) / count);
+  position.median_m = Quantile(errors, 0.5);
+  position.p90_m = Quantile(errors, 0.9);
+  position.max_m = Quantile(errors, 1.0);
+  return position;
+}
+
+void Count(Outcome outcome, const ScoredQuery& query, Evaluation& evaluation) {
+  const bool positive = !query.truth.empty();
+  ++(positive ? evaluation.positives : evaluation.negatives);
+  evaluation.right += outcome == Outcome::kRight;
+  evaluation.wrong += outcome == Outcome::kWrong;
+  evaluation.false_accepts += outcome == Outcome::kFalseAccept;
+  if (outcome == Outcome::kUnsure) {
+    ++(positive ? evaluation.ambiguous_positives : evaluation.ambiguous_negatives);
+  }
+  evaluation.bad_images += query.answer.verdict == Verdict::kBadImage;
+}
+
+}  // namespace
+
+bool IsRightPlace(const MapIndex& index, const std::vector<KeyframeId>& truth,
+                  KeyframeId answered) {
+  if (std::find(truth.begin(), truth.end(), answered) != truth.end()) return true;
+  const std::vector<Plane>& planes = index.map().planes;
+  return std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
+    return Saw(plane, answered) &&
+           std::any_of(truth.begin(), truth.end(), [&](KeyframeId id) { return Saw(plane, id); });
+  });
+}
+
+std::optional<KeyframeId> BestPlace(const Answer& answer) {
+  if (answer.keyframe) return answer.keyframe->id;
+  if (!answer.places.empty()) return answer.places.front().keyframe.id;
+  if (answer.runner_up) return answer.runner_up->keyframe.id;
+  return std::nullopt;
+}
+
+const char* NameOf(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kRight:
+      return "right";
+    case Outcome::kWrong:
+      return "wrong";
+    case Outcome::kFalseAccept:
+      return "false_accept";
+    case Outcome::kMissed:
+      return "missed";
+    case Outcome::kUnsure:
+      return "unsure";
+    case Outcome::kRightlyRefused:
+      return "rightly_refused";
+  }
+  WS_CHECK(false, "unknown outcome");
+}
+
+Outcome OutcomeOf(const MapIndex& index, const ScoredQuery& query) {
+  const bool positive = !query.truth.empty();
+  if (query.answer.verdict == Verdict::kAmbiguous) return Outcome::kUnsure;
+  if (query.answer.verdict != Verdict::kLocalized) {
+    return positive ? Outcome::kMissed : Outcome::kRightlyRefused;
+  }
+  WS_CHECK(query.answer.keyframe.has_value(), "localized without a keyframe");
+  if (!positive) return Outcome::kFalseAccept;
+  return IsRightPlace(index, query.truth, query.answer.keyframe->id) ? Outcome::kRight
+                                                                     : Outcome::kWrong;
+}
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto rank = static_cast<int>(std::ceil(share * static_cast<double>(values.size()))) - 1;
+  const int at = std::clamp(rank, 0, static_cast<int>(values.size()) - 1);
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[at];
+}
+
+Evaluation Evaluate(const MapIndex& index, const std::vector<ScoredQuery>& queries) {
+  Evaluation evaluation;
+  evaluation.queries = static_cast<int>(queries.size());
+  std::vector<double> right;  // probabilities
+  for (const ScoredQuery& query : queries) {
+    const Outcome outcome = OutcomeOf(index, query);
+    Count(outcome, query, evaluation);
+    if (outcome == Outcome::kRight) right.push_back(query.answer.probability);
+    if (outcome == Outcome::kWrong || outcome == Outcome::kFalseAccept) {
+      evaluation.threshold = std::max(evaluation.threshold, query.answer.probability);
+    }
+  }
+  const double positives = std::max(1, evaluation.positives);
+  const int localized = evaluation.right + evaluation.wrong + evaluation.false_accepts;
+  evaluation.recall = evaluation.right / positives;
+  evaluation.precision = localized == 0 ? 1 : static_cast<double>(evaluation.right) / localized;
+  const auto sure = std::count_if(right.begin(), right.end(), [&](double probability) {
+    return probability > evaluation.threshold;
+  });
+  evaluation.recall_at_full_precision = static_cast<double>(sure) / positives;
+  MeasureReliability(index, queries, evaluation);
+  evaluation.latency = LatencyOf(queries);
+  evaluation.position = PositionsOf(queries);
+  return evaluation;
+}
+
+}  // namespace waystone

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "schema/file/file_replacer.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of the target's name in the temporary one: a name has at most 255 bytes.
+constexpr size_t kMaxNameBytes = 200;
+// What a process that this machine doesn't know left unchanged for so long is abandoned. Ids alone
+// don't tell: a process in another container or on another machine may share the folder.
+constexpr std::chrono::minutes kAbandonedAfter{10};
+
+[[noreturn]] void ThrowExists(const fs::path& path) {
+  throw MapError(ErrorCode::kFileExists,
+                 path.string() + " exists already; give another name, or --force to replace it");
+}
+
+[[noreturn]] void ThrowUnwritable(const fs::path& path, const std::string& cause,
+                                  const std::string& remedy) {
+  throw MapError(ErrorCode::kFileUnwritable, path.string() + ": " + cause + "; " + remedy);
+}
+
+fs::path FolderOf(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+// What a symbolic link stands for: renaming onto the link would leave the file it names as it was.
+fs::path Resolved(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_symlink(path, error)) return path;
+  const fs::path resolved = fs::weakly_canonical(path, error);
+  return error ? path : resolved;
+}
+
+void CheckTarget(const fs::path& target, bool overwrite) {
+  std::error_code error;
+  const fs::path folder = FolderOf(target);
+  if (!target.has_filename()) ThrowUnwritable(target, "is a folder", "add a file name to it");
+  if (!fs::is_directory(folder, error)) {
+    ThrowUnwritable(target, "there is no folder " + folder.string(),
+                    "create it first or write somewhere else");
+  }
+  const fs::file_status status = fs::status(target, error);
+  if (!fs::exists(status)) return;
+  if (fs::is_directory(status)) ThrowUnwritable(target, "is a folder", "add a file name to it");
+  if (!fs::is_regular_file(status)) {
+    ThrowUnwritable(target, "is a device or the like", "give the name of a plain file");
+  }
+  if (!overwrite) ThrowExists(target);
+}
+
+// What the names of a target's temporaries begin with; "<process>-<number>" follows.
+std::string StemOf(const fs::path& target) {
+  std::string name = target.filename().string();
+  if (name.size() > kMaxNameBytes) name.resize(kMaxNameBytes);
+  return "." + name + ".tmp-";
+}
+
+// The process that a temporary belongs to, or nothing for a file that isn't one.
+std::optional<pid_t> OwnerOf(std::string_view name, std::string_view stem) {
+  if (!name.starts_with(stem)) return std::nullopt;
+  name.remove_prefix(stem.size());
+  const char* const end = name.data() + name.size();
+  pid_t process = 0;
+  const auto [dash, error] = std::from_chars(name.data(), end, process);
+  if (error != std::errc() || process <= 0 || dash == end || *dash != '-') return std::nullopt;
+  unsigned number = 0;
+  const auto [rest, number_error] = std::from_chars(dash + 1, end, number);
+  if (number_error != std::errc() || rest != end) return std::nullopt;
+  return process;
+}
+
+bool IsAlive(pid_t process) { return kill(process, 0) == 0 || errno != ESRCH; }
+
+// Removes what writes of the same target left behind that were killed. Whatever can't be looked at
+// or removed stays: that is no reason not to write.
+void RemoveAbandoned(const fs::path& target) {
+  const std::string stem = StemOf(target);
+  std::error_code error;
+  for (fs::directory_iterator entry(FolderOf(target), error), end; !error && entry != end;
+       entry.increment(error)) {
+    const auto owner = OwnerOf(entry->path().filename().string(), stem);
+    std::error_code ignored;
+    if (!owner || IsAlive(*owner) || !fs::is_regular_file(entry->symlink_status(ignored))) continue;
+    const fs::file_time_type changed = entry->last_write_time(ignored);
+    if (ignored || fs::file_time_type::clock::now() - changed < kAbandonedAfter) continue;
+    fs::remove(entry->path(), ignored);
+  }
+}
+
+fs::path CreateTemporary(const fs::path& target) {
+  const std::string stem = StemOf(target) + std::to_string(getpid()) + "-";
+  for (int number = 0;; ++number) {
+    fs::path path = FolderOf(target) / (stem + std::to_string(number));
+    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file >= 0) {
+      close(file);
+      return path;
+    }
+    if (errno != EEXIST) throw UnwritableError(target, std::strerror(errno), 0);
+  }
+}
+
+// A replaced file keeps its permissions.
+void CopyPermissions(const fs::path& from, const fs::path& to) {
+  struct stat status {};
+  if (stat(from.c_str(), &status) == 0) chmod(to.c_str(), status.st_mode & 07777);
+}
+
+bool Flush(const fs::path& path, int flags) {
+  const int file = open(path.c_str(), flags | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool flushed = fsync(file) == 0;
+  const int cause = errno;
+  close(file);
+  errno = cause;
+  return flushed;
+}
+
+// Renames, but never onto a file that wasn't there when it was asked about.
+bool RenameOntoNothing(const fs::path& from, const fs::path& to) {
+  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
+  if (errno != EINVAL && errno != ENOSYS) return false;
+  // A file system without it (some network ones): the moment between the two calls stays open.
+  if (access(to.c_str(), F_OK) == 0) {
+    errno = EEXIST;
+    return false;
+  }
+  return std::rename(from.c_str(), to.c_str()) == 0;
+}
+
+std::string Megabytes(uintmax_t bytes) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.1f MB", static_cast<double>(bytes) / 1e6);
+  return text;
+}
+
+}  // namespace
+
+MapError UnwritableError(const fs::path& path, const std::string& cause, int64_t needed_bytes) {
+  std::string message = path.string() + " can't be written: " + cause;
+  if (needed_bytes > 0) message += ", " + Megabytes(needed_bytes) + " are needed";
+  std::error_code error;
+  const fs::space_info space = fs::space(FolderOf(path), error);
+  if (!error) message += ", " + Megabytes(space.available) + " are free";
+  return {ErrorCode::kFileUnwritable, message + "; make room or write to another folder"};
+}
+
+FileReplacer::FileReplacer(const fs::path& target, bool overwrite)
+    : target_(Resolved(target)), overwrite_(overwrite) {
+  CheckTarget(target_, overwrite_);
+  RemoveAbandoned(target_);
+  temporary_ = CreateTemporary(target_);
+}
+
+FileReplacer::~FileReplacer() {
+  if (committed_) return;
+  std::error_code error;
+  fs::remove(temporary_, error);
+}
+
+void FileReplacer::Commit() {
+  if (overwrite_) CopyPermissions(target_, temporary_);
+  if (!Flush(temporary_, O_RDONLY)) {
+    const std::string cause = std::strerror(errno);
+    const int64_t bytes = static_cast<int64_t>(fs::file_size(temporary_));
+    fs::remove(temporary_);  // so that what is free is all that is
+    throw UnwritableError(target_, cause, bytes);
+  }
+  const bool renamed = overwrite_ ? std::rename(temporary_.c_str(), target_.c_str()) == 0
+                                  : RenameOntoNothing(temporary_, target_);
+  if (!renamed) {
+    if (errno == EEXIST) ThrowExists(target_);
+    throw UnwritableError(target_, std::strerror(errno), 0);
+  }
+  committed_ = true;
+  // The file is in place by now: a file system that can't flush a folder is no reason to fail.
+  Flush(FolderOf(target_), O_RDONLY | O_DIRECTORY);
+}
+
+}  // namespace waystone

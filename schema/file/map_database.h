@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <SQLiteCpp/Database.h>
+#include <SQLiteCpp/Exception.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "schema/file/map_store.h"
+#include "schema/file/migrate.h"
+
+// A map file as a database: opening it without trusting it, and what must hold whatever its tables
+// mean. SQLite's own errors leave these functions as SQLite::Exception unless they say otherwise.
+namespace waystone {
+
+// What the first 100 bytes of a file say, read without SQLite.
+struct MapHeader {
+  int32_t application_id = 0;
+  int32_t schema_version = 0;
+  int64_t claimed_bytes = 0;  // page size times pages
+  int64_t file_bytes = 0;
+};
+
+// Throws MapError: kFileUnreadable, or kNotAMap for bytes that don't start as SQLite's do or that
+// belong to another application.
+MapHeader ReadMapHeader(const std::filesystem::path& path);
+
+// Throws MapError(kMapVersion), naming both versions and what to do, unless they are the same.
+void CheckVersion(const std::filesystem::path& path, int file_version, int program_version);
+
+// A problem when the file is shorter or longer than its header says.
+std::optional<MapProblem> FindCut(const MapHeader& header);
+
+// Opens read-only and immutable: nothing is locked, written or created, and a folder or medium that
+// can't be written to is fine. Throws MapError(kFileUnreadable).
+SQLite::Database OpenReadOnly(const std::filesystem::path& path);
+
+// Opens an empty file, or a copy of a map, that nobody else knows of, for writing in one go: no
+// journal, no flushing; whoever calls this flushes the file and removes it after an error.
+SQLite::Database OpenForWriting(const std::filesystem::path& path);
+
+// The system's word for what went wrong last, where it has one ("No space left on device"), and
+// SQLite's.
+std::string DescribeError(SQLite::Database& database, const SQLite::Exception& error);
+
+// Applies the steps after `from_version` and sets user_version to their count.
+void ApplyMigrations(SQLite::Database& database, std::span<const Migration> steps,
+                     int from_version);
+
+// A table or view by its definition.
+struct SchemaObject {
+  std::string type;  // "table", "view"
+  std::string name;
+  std::string sql;
+
+  bool operator==(const SchemaObject&) const = default;
+};
+
+// What a map made by `steps` consists of.
+std::vector<SchemaObject> ExpectedObjects(std::span<const Migration> steps);
+
+// Tables and views of `expected` that are missing or defined otherwise. Others may be there.
+std::vector<MapProblem> FindAlteredObjects(SQLite::Database& database,
+                                           const std::vector<SchemaObject>& expected);
+
+// Fills the table `contents` from the other tables of `objects`.
+void WriteContents(SQLite::Database& database, const std::vector<SchemaObject>& objects);
+
+// Tables of `objects` whose rows aren't those that `contents` was filled from. Blobs are left to
+// the CRC beside each. Doesn't throw.
+std::vector<MapProblem> FindAlteredContents(SQLite::Database& database,
+                                            const std::vector<SchemaObject>& objects);
+
+// What SQLite's integrity_check and foreign_key_check find. Doesn't throw.
+std::vector<MapProblem> FindDatabaseProblems(SQLite::Database& database);
+
+}  // namespace waystone

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "schema/file/map_store.h"
+
+#include <SQLiteCpp/Column.h>
+#include <SQLiteCpp/Database.h>
+#include <SQLiteCpp/Statement.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <iterator>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "core/base/check.h"
+#include "schema/file/file_replacer.h"
+#include "schema/file/map_database.h"
+#include "schema/file/map_problems.h"
+#include "schema/file/map_reader.h"
+#include "schema/file/map_writer.h"
+#include "schema/file/migrate.h"
+#include "schema/file/sha256.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What maps of this version consist of; the same for the life of the program.
+const std::vector<SchemaObject>& CurrentObjects() {
+  static const std::vector<SchemaObject> objects = ExpectedObjects(Migrations());
+  return objects;
+}
+
+void Append(std::vector<MapProblem>& to, std::vector<MapProblem> from) {
+  to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+}
+
+// Reads a file that may be damaged and says everything that is wrong with it: the one way in, for
+// reading and checking alike. Throws MapError when it can't be opened as a map of this version.
+Reading Inspect(const fs::path& path, const ReadOptions& options, bool integrity) {
+  const MapHeader header = ReadMapHeader(path);
+  CheckVersion(path, header.schema_version, kSchemaVersion);
+  std::vector<MapProblem> problems;
+  if (const auto cut = FindCut(header)) problems.push_back(*cut);
+  SQLite::Database database = OpenReadOnly(path);
+  Append(problems, FindAlteredObjects(database, CurrentObjects()));
+  if (integrity) Append(problems, FindDatabaseProblems(database));
+  Reading reading = ReadDatabase(database, options);
+  Append(problems, std::move(reading.problems));
+  Append(problems, FindAlteredContents(database, CurrentObjects()));
+  Append(problems, FindMapProblems(reading.map));
+  reading.problems = std::move(problems);
+  return reading;
+}
+
+std::string Summary(const std::vector<MapProblem>& problems) {
+  std::string text = problems[0].where + ": " + problems[0].message;
+  if (problems.size() > 1) text += " (and " + std::to_string(problems.size() - 1) + " more)";
+  return text;
+}
+
+[[noreturn]] void ThrowDamaged(const fs::path& path, const std::vector<MapProblem>& problems) {
+  throw MapError(ErrorCode::kMapDamaged,
+                 path.string() + " is damaged: " + Summary(problems) +
+                     "; take it from a backup or build it again (`waystone check` lists all)");
+}
+
+// The version of a plane's descriptors without rows means nothing, so it may differ.
+bool SamePlane(const Plane& a, const Plane& b) {
+  return a.id == b.id && a.reference == b.reference && a.features == b.features &&
+         a.descriptors.data() == b.descriptors.data() && a.outline == b.outline &&
+         a.views == b.views;
+}
+
+bool SameMap(const MapData& a, const MapData& b) {
+  return a.info.name == b.info.name && a.info.program == b.info.program &&
+         a.info.feature_type == b.info.feature_type && a.info.options_json == b.info.options_json &&
+         a.sequences == b.sequences && a.keyframes == b.keyframes && a.edges == b.edges &&
+         a.index == b.index && a.verdict == b.verdict && a.appearance == b.appearance &&
+         a.orientation == b.orientation &&
+         std::equal(a.planes.begin(), a.planes.end(), b.planes.begin(), b.planes.end(), SamePlane);
+}
+
+void VerifyWritten(const MapData& map, const fs::path& written, const fs::path& target) {
+  const Reading reading = Inspect(written, {}, true);
+  if (reading.problems.empty() && SameMap(map, reading.map)) return;
+  throw MapError(ErrorCode::kMapDamaged,
+                 target.string() + ": what was written reads back " +
+                     (reading.problems.empty() ? "differently" : Summary(reading.problems)) +
+                     "; nothing was replaced: check the disk and try again");
+}
+
+// Which file a path names and when it last changed.
+std::vector<int64_t> Identity(const fs::path& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) return {};
+  return {static_cast<int64_t>(status.st_dev), static_cast<int64_t>(status.st_ino), status.st_size,
+          status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
+}
+
+std::map<std::string, int64_t> BytesByTable(SQLite::Database& database) {
+  std::map<std::string, int64_t> bytes;
+  SQLite::Statement rows(database,
+                         "SELECT coalesce(s.tbl_name, d.name), sum(d.pgsize) FROM dbstat d "
+                         "LEFT JOIN sqlite_schema s ON s.name = d.name "
+                         "WHERE d.aggregate = TRUE GROUP BY 1");
+  while (rows.executeStep()) bytes[rows.getColumn(0).getString()] = rows.getColumn(1).getInt64();
+  return bytes;
+}
+
+// For an SQLite without dbstat: what the columns hold, without the pages around it.
+int64_t BytesOfColumns(SQLite::Database& database, const std::string& table) {
+  std::string sum = "0";
+  SQLite::Statement columns(database, "SELECT name FROM pragma_table_info(?)");
+  columns.bind(1, table);
+  while (columns.executeStep()) {
+    sum += " + coalesce(length(CAST(" + columns.getColumn(0).getString() + " AS BLOB)), 0)";
+  }
+  return database.execAndGet("SELECT coalesce(sum(" + sum + "), 0) FROM " + table).getInt64();
+}
+
+std::vector<TableSize> SizesOf(SQLite::Database& database) {
+  const bool dbstat =
+      database.execAndGet("SELECT sqlite_compileoption_used('ENABLE_DBSTAT_VTAB')").getInt() != 0;
+  std::map<std::string, int64_t> bytes;
+  if (dbstat) bytes = BytesByTable(database);
+  std::vector<TableSize> sizes;
+  for (const SchemaObject& object : CurrentObjects()) {
+    if (object.type != "table") continue;
+    const int64_t rows = database.execAndGet("SELECT count(*) FROM " + object.name).getInt64();
+    sizes.push_back(
+        {object.name, rows, dbstat ? bytes[object.name] : BytesOfColumns(database, object.name)});
+  }
+  if (dbstat) {
+    const int64_t rows = database.execAndGet("SELECT count(*) FROM sqlite_schema").getInt64();
+    sizes.push_back({"sqlite_schema", rows, bytes["sqlite_schema"]});
+  }
+  return sizes;
+}
+
+}  // namespace
+
+void CheckWritable(const fs::path& path, const WriteOptions& options) {
+  const FileReplacer probe(path, options.overwrite);  // is removed again
+}
+
+void WriteMap(const MapData& map, const fs::path& path, const WriteOptions& options) {
+  const std::vector<MapProblem> problems = FindMapProblems(map);
+  if (!problems.empty()) {
+    throw MapError(ErrorCode::kMapDamaged,
+                   path.string() + " was not written, the map is unsound: " + Summary(problems) +
+                       "; please report this");
+  }
+  try {
+    FileReplacer file(path, options.overwrite);
+    WriteDatabase(map, file.temporary());
+    VerifyWritten(map, file.temporary(), path);
+    file.Commit();
+  } catch (const SQLite::Exception& error) {
+    // The temporary file is gone by now, so that what is free is all that is.
+    throw UnwritableError(path, error.what(), EstimatedBytes(map));
+  }
+}
+
+MapData ReadMap(const fs::path& path, const ReadOptions& options) {
+  constexpr int kAttempts = 5;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const std::vector<int64_t> before = Identity(path);
+    Reading reading = Inspect(path, options, false);
+    if (reading.problems.empty()) reading.map.info.version = Sha256OfFile(path);
+    // A map that is replaced meanwhile must not be mixed from two, nor named after the other.
+    if (Identity(path) != before) continue;
+    if (!reading.problems.empty()) ThrowDamaged(path, reading.problems);
+    return std::move(reading.map);
+  }
+  throw MapError(ErrorCode::kFileUnreadable, path.string() + " changed while it was read, " +
+                                                 std::to_string(kAttempts) +
+                                                 " times; wait until it is complete");
+}
+
+std::vector<MapProblem> CheckMap(const fs::path& path) { return Inspect(path, {}, true).problems; }
+
+std::vector<TableSize> TableSizes(const fs::path& path) {
+  CheckVersion(path, ReadMapHeader(path).schema_version, kSchemaVersion);
+  SQLite::Database database = OpenReadOnly(path);
+  try {
+    return SizesOf(database);
+  } catch (const SQLite::Exception& error) {
+    ThrowDamaged(path, {{"file", error.what()}});
+  }
+}
+
+int MigrateMap(const fs::path& path) {
+  return MigrateFile(path, Migrations(), [&](const fs::path& migrated) {
+    const std::vector<MapProblem> problems = CheckMap(migrated);
+    if (!problems.empty()) ThrowDamaged(path, problems);
+  });
+}
+
+}  // namespace waystone

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "schema/file/migrate.h"
+
+#include <SQLiteCpp/Database.h>
+#include <SQLiteCpp/Transaction.h>
+
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "core/base/error.h"
+#include "schema/file/file_replacer.h"
+#include "schema/file/map_database.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What was damaged before must not come out of a migration looking sound.
+void CheckBefore(const fs::path& path, const MapHeader& header, std::span<const Migration> steps) {
+  SQLite::Database database = OpenReadOnly(path);
+  std::vector<MapProblem> problems = FindDatabaseProblems(database);
+  if (const auto cut = FindCut(header)) problems.insert(problems.begin(), *cut);
+  if (problems.empty()) {
+    const auto objects = ExpectedObjects(steps.first(header.schema_version));
+    problems = FindAlteredContents(database, objects);
+  }
+  if (problems.empty()) return;
+  throw MapError(ErrorCode::kMapDamaged, path.string() + ": " + problems[0].where + ": " +
+                                             problems[0].message +
+                                             "; take the map from a backup or build it again");
+}
+
+void ApplySteps(const fs::path& copy, std::span<const Migration> steps, int from_version) {
+  SQLite::Database database = OpenForWriting(copy);
+  // A table that is made anew would take the rows that refer to it along.
+  database.exec("PRAGMA foreign_keys = OFF");
+  SQLite::Transaction transaction(database);
+  ApplyMigrations(database, steps, from_version);
+  WriteContents(database, ExpectedObjects(steps));
+  transaction.commit();
+  database.exec("VACUUM");
+}
+
+}  // namespace
+
+int MigrateFile(const fs::path& path, std::span<const Migration> steps,
+                const std::function<void(const fs::path&)>& check) {
+  const MapHeader header = ReadMapHeader(path);
+  const int newest = static_cast<int>(steps.size());
+  if (header.schema_version == newest) return newest;
+  if (header.schema_version > newest || header.schema_version < 0) {
+    CheckVersion(path, header.schema_version, newest);
+  }
+  CheckBefore(path, header, steps);
+  FileReplacer file(path, true);
+  try {
+    fs::copy_file(path, file.temporary(), fs::copy_options::overwrite_existing);
+    ApplySteps(file.temporary(), steps, header.schema_version);
+  } catch (const fs::filesystem_error& error) {
+    throw UnwritableError(path, error.code().message(), header.file_bytes);
+  } catch (const SQLite::Exception& error) {
+    throw UnwritableError(path, error.what(), header.file_bytes);
+  }
+  check(file.temporary());
+  file.Commit();
+  return header.schema_version;
+}
+
+}  // namespace waystone

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "schema/tables/row.h"
+
+#include <sqlite3.h>
+
+#include <cmath>
+
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+std::string TypeOf(const SQLite::Column& column) {
+  switch (column.getType()) {
+    case SQLITE_INTEGER:
+      return "an integer";
+    case SQLITE_FLOAT:
+      return "a real number";
+    case SQLITE_TEXT:
+      return "a text";
+    case SQLITE_BLOB:
+      return "a blob";
+    default:
+      return "NULL";
+  }
+}
+
+[[noreturn]] void ThrowDamage(const SQLite::Column& column, const std::string& cause) {
+  throw MapError(ErrorCode::kMapDamaged, std::string(column.getName()) + " " + cause);
+}
+
+void CheckType(const SQLite::Column& column, int type, const char* expected) {
+  if (column.getType() == type) return;
+  ThrowDamage(column, "is " + TypeOf(column) + " instead of " + expected);
+}
+
+}  // namespace
+
+std::string Row::Where() const {
+  std::string where(table_);
+  for (int i = 0; i < key_columns_; ++i) {
+    where += i == 0 ? ' ' : '/';
+    where += std::to_string(statement_.getColumn(i).getInt64());
+  }
+  return where;
+}
+
+int64_t Row::Int64(int64_t low, int64_t high) {
+  const SQLite::Column column = Next();
+  CheckType(column, SQLITE_INTEGER, "an integer");
+  const int64_t value = column.getInt64();
+  if (value < low || value > high) {
+    ThrowDamage(column, "is " + std::to_string(value) + "; " + std::to_string(low) + " to " +
+                            std::to_string(high) + " are possible");
+  }
+  return value;
+}
+
+int Row::Int(int low, int high) { return static_cast<int>(Int64(low, high)); }
+
+double Row::Real() {
+  const SQLite::Column column = Next();
+  CheckType(column, SQLITE_FLOAT, "a real number");
+  const double value = column.getDouble();
+  if (!std::isfinite(value)) ThrowDamage(column, "isn't finite");
+  return value;
+}
+
+std::optional<double> Row::OptionalReal() {
+  if (!IsNull()) return Real();
+  Skip(1);
+  return {};
+}
+
+std::string Row::Text() {
+  const SQLite::Column column = Next();
+  CheckType(column, SQLITE_TEXT, "a text");
+  return column.getString();
+}
+
+BytesView Row::Blob(int64_t bytes) {
+  const SQLite::Column column = statement_.getColumn(next_ + 1);
+  CheckType(column, SQLITE_BLOB, "a blob");
+  if (column.getBytes() != bytes) {
+    ThrowDamage(column, "has " + std::to_string(column.getBytes()) + " bytes; " +
+                            std::to_string(bytes) + " belong there");
+  }
+  return CheckedBlob();
+}
+
+BytesView Row::BlobOfRows(int row_bytes) {
+  const SQLite::Column column = statement_.getColumn(next_ + 1);
+  CheckType(column, SQLITE_BLOB, "a blob");
+  if (column.getBytes() % row_bytes != 0) {
+    ThrowDamage(column, "has " + std::to_string(column.getBytes()) +
+                            " bytes, which is no multiple of " + std::to_string(row_bytes));
+  }
+  return CheckedBlob();
+}
+
+BytesView Row::CheckedBlob() {
+  const int64_t expected = Int64(0, std::numeric_limits<uint32_t>::max());
+  const SQLite::Column column = Next();
+  // SQLite fetches a blob's pages here; nothing when it can't.
+  const auto* data = static_cast<const uint8_t*>(column.getBlob());
+  const BytesView blob(data, data == nullptr ? 0 : static_cast<size_t>(column.getBytes()));
+  const uint32_t found = Crc32c(blob);
+  if (found != expected) {
+    ThrowDamage(column, "has CRC-32C " + HexOf(found) + "; " +
+                            HexOf(static_cast<uint32_t>(expected)) + " was written");
+  }
+  return blob;
+}
+
+}  // namespace waystone

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quality/evaluation.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/localizer/made_map.h"
+
+namespace waystone {
+namespace {
+
+// In the made map keyframes 1 to 4 saw plane 2, and 5 and 6 are elsewhere.
+class EvaluationTest : public testing::Test {
+ protected:
+  static ScoredQuery Query(const std::vector<int>& truth, Verdict verdict, int place,
+                           double probability) {
+    ScoredQuery query;
+    for (const int id : truth) query.truth.push_back(KeyframeId{id});
+    query.answer.verdict = verdict;
+    query.answer.probability = probability;
+    const KeyframeRef ref{KeyframeId{place}, "walk", "", std::nullopt};
+    if (verdict == Verdict::kLocalized) query.answer.keyframe = ref;
+    if (verdict == Verdict::kAmbiguous) query.answer.places.push_back({ref, probability, 20});
+    if (verdict == Verdict::kNotInMap && place > 0) {
+      query.answer.runner_up = PlaceCandidate{ref, probability, 10};
+    }
+    return query;
+  }
+  static ScoredQuery Localized(std::vector<int> truth, int place, double probability) {
+    return Query(std::move(truth), Verdict::kLocalized, place, probability);
+  }
+  Evaluation Measure(const std::vector<ScoredQuery>& queries) const {
+    return Evaluate(*index_, queries);
+  }
+
+  const std::shared_ptr<const MapIndex> index_ = MadeIndex();
+};
+
+TEST_F(EvaluationTest, RightIsTrueOrCovisible) {
+  EXPECT_TRUE(IsRightPlace(*index_, {KeyframeId{1}}, KeyframeId{1}));
+  EXPECT_TRUE(IsRightPlace(*index_, {KeyframeId{1}}, KeyframeId{4})) << "both saw plane 2";
+  EXPECT_TRUE(IsRightPlace(*index_, {KeyframeId{5}, KeyframeId{1}}, KeyframeId{2}));
+  EXPECT_FALSE(IsRightPlace(*index_, {KeyframeId{1}}, KeyframeId{5}));
+  EXPECT_FALSE(IsRightPlace(*index_, {}, KeyframeId{5}));
+}
+
+TEST_F(EvaluationTest, OutcomesAreCounted) {
+  const Evaluation e =
+      Measure({Localized({1}, 2, 0.9), Localized({1}, 6, 0.9), Localized({}, 6, 0.9),
+               Query({1}, Verdict::kNotInMap, 0, 0), Query({1}, Verdict::kAmbiguous, 1, 0.5),
+               Query({}, Verdict::kAmbiguous, 1, 0.5), Query({}, Verdict::kNotInMap, 0, 0),
+               Query({2}, Verdict::kBadImage, 0, 0)});
+  EXPECT_EQ(e.queries, 8);
+  EXPECT_EQ(e.positives, 5);
+  EXPECT_EQ(e.negatives, 3);
+  EXPECT_EQ(e.right, 1);
+  EXPECT_EQ(e.wrong, 1);
+  EXPECT_EQ(e.false_accepts, 1);
+  EXPECT_EQ(e.ambiguous_positives, 1);
+  EXPECT_EQ(e.ambiguous_negatives, 1);
+  EXPECT_EQ(e.bad_images, 1);
+  EXPECT_DOUBLE_EQ(e.recall, 0.2);
+  EXPECT_DOUBLE_EQ(e.precision, 1.0 / 3);
+}
+
+TEST_F(EvaluationTest, FullPrecisionCountsOnlyWhatIsSurerThanEveryFalseAnswer) {
+  const Evaluation e =
+      Measure({Localized({1}, 1, 0.99), Localized({1}, 1, 0.9), Localized({2}, 2, 0.8),
+               Localized({}, 6, 0.9), Localized({1}, 5, 0.3)});
+  EXPECT_DOUBLE_EQ(e.threshold, 0.9);
+  EXPECT_DOUBLE_EQ(e.recall_at_full_precision, 0.25) << "0.9 itself isn't above 0.9";
+  EXPECT_DOUBLE_EQ(e.recall, 0.75);
+}
+
+TEST_F(EvaluationTest, WithoutFalseAnswersFullPrecisionIsRecall) {
+  const Evaluation e = Measure({Localized({1}, 1, 0.0), Query({1}, Verdict::kNotInMap, 0, 0)});
+  EXPECT_DOUBLE_EQ(e.threshold, -1);
+  EXPECT_DOUBLE_EQ(e.recall_at_full_precision, 0.5);
+  EXPECT_DOUBLE_EQ(e.precision, 1);
+}
+
+TEST_F(EvaluationTest, ReliabilityComparesStatedWithObserved) {
+  const Evaluation e =
+      Measure({Localized({1}, 1, 0.92), Localized({1}, 5, 0.98), Localized({1}, 1, 1.0),
+               Query({1}, Verdict::kNotInMap, 1, 0.25), Query({}, Verdict::kNotInMap, 1, 0.21),
+               Query({}, Verdict::kNotInMap, 0, 0), Query({1}, Verdict::kBadImage, 0, 0)});
+  ASSERT_EQ(e.reliability.size(), 10u);
+  EXPECT_EQ(e.reliability[9].count, 3);
+  EXPECT_NEAR(e.reliability[9].stated, 2.9 / 3, 1e-12);
+  EXPECT_NEAR(e.reliability[9].observed, 2.0 / 3, 1e-12);
+  EXPECT_EQ(e.reliability[2].count, 2);
+  EXPECT_NEAR(e.reliability[2].observed, 0.5, 1e-12);
+  EXPECT_EQ(e.reliability[0].count, 1) << "the unreadable image states nothing";
+  EXPECT_EQ(e.reliability[0].observed, 0);
+  EXPECT_EQ(e.reliability_localized[9].count, 3);
+  EXPECT_EQ(e.reliability_localized[2].count, 0);
+}
+
+TEST_F(EvaluationTest, LatencyLeavesOutUnreadableImages) {
+  std::vector<ScoredQuery> queries(101, Localized({1}, 1, 1));
+  for (int i = 0; i < 100; ++i) queries[i].answer.timing.total_ms = 100 - i;
+  queries[100] = Query({1}, Verdict::kBadImage, 0, 0);
+  queries[100].answer.timing.total_ms = 1e6;
+  const Evaluation e = Measure(queries);
+  EXPECT_DOUBLE_EQ(e.latency.total_ms.p50, 50);
+  EXPECT_DOUBLE_EQ(e.latency.total_ms.p90, 90);
+  EXPECT_DOUBLE_EQ(e.latency.total_ms.p99, 99);
+  EXPECT_DOUBLE_EQ(e.latency.decode_ms.p99, 0);
+}
+
+TEST_F(EvaluationTest, PositionsOfLocalizedPositivesAlone) {
+  std::vector<ScoredQuery> queries = {Localized({1}, 1, 1), Localized({1}, 2, 1),
+                                      Localized({1}, 3, 1), Localized({}, 3, 1)};
+  EXPECT_FALSE(Measure(queries).position.has_value());
+  queries[0].error_m = 3;
+  queries[1].error_m = 4;
+  queries[3].error_m = 100;
+  const auto position = Measure(queries).position;
+  ASSERT_TRUE(position.has_value());
+  EXPECT_EQ(position->count, 2);
+  EXPECT_DOUBLE_EQ(position->mean_m, 3.5);
+  EXPECT_DOUBLE_EQ(position->rmse_m, std::sqrt(12.5));
+  EXPECT_DOUBLE_EQ(position->median_m, 3);
+  EXPECT_DOUBLE_EQ(position->max_m, 4);
+}
+
+TEST_F(EvaluationTest, NothingAtAll) {
+  const Evaluation e = Measure({});
+  EXPECT_EQ(e.queries, 0);
+  EXPECT_EQ(e.recall, 0);
+  EXPECT_EQ(e.recall_at_full_precision, 0);
+  EXPECT_EQ(Quantile({}, 0.5), 0);
+}
+
+}  // namespace
+}  // namespace waystone
