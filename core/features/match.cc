@@ -78,13 +78,6 @@ void InsertSorted(Neighbour* best, int k, Neighbour candidate) {
 
 }  // namespace
 
-void MatchOptions::Check() const {
-  if (!(max_ratio > 0 && max_ratio <= 1)) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "max_ratio is " + std::to_string(max_ratio) + "; give a number in (0, 1]");
-  }
-}
-
 bool PassesRatio(FeatureType type, int nearest, int second, double max_ratio) {
   const double limit = type == FeatureType::kSift ? max_ratio * max_ratio : max_ratio;
   return nearest < limit * second;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <limits>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/features/features.h"
 #include "core/features/packed_rows.h"
 
@@ -19,13 +21,19 @@ struct Match {
 };
 
 struct MatchOptions {
-  // Nearest over second nearest distance, at most (Lowe's ratio; of Euclidean distances for SIFT,
-  // of Hamming distances for the others). Higher finds more and more wrong ones. In (0, 1].
   double max_ratio = 0.8;
-  // Keep a match only if each is the other's nearest.
   bool mutual = true;
 
-  void Check() const;  // throws MapError(kBadOptions)
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"max_ratio", &MatchOptions::max_ratio, OpenLow(0, 1), "",
+                    "Largest ratio of the nearest to the second nearest distance (Lowe's ratio; "
+                    "Euclidean distances for SIFT, Hamming distances for the others). Higher finds "
+                    "more matches, and more wrong ones."},
+        OptionField{"mutual", &MatchOptions::mutual, AnyValue(), "",
+                    "Keep a match only if each is the other's nearest."}};
+  }
+  void Check() const { CheckFields("match", *this); }  // throws MapError(kBadOptions)
 };
 
 // Matches a's descriptors among b's by exact search; ordered by a. Both of one type.
