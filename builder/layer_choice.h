@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "builder/sources/source.h"
 
@@ -25,12 +26,28 @@ struct LayerChoice {
 // MapError(kBadOptions) for others.
 LayerChoice LayerChoiceByNames(const std::string& names);
 
-// What a source is used for: the appearance layer when it looks panoramic, else the plane layer.
-// With one of the two chosen, all sources go to it; nothing when the orientation layer alone is.
-enum class LayerKind { kPlanes, kAppearance };
-std::optional<LayerKind> LayerOf(const Source& source, const LayerChoice& layers);
-// Whether it is used for the orientation layer, too: a calibrated source, where that layer is
-// wanted (LayerChoice::automatic).
-bool GivesOrientation(const Source& source, const LayerChoice& layers);
+// In the order in which they are built.
+enum class LayerKind { kPlanes, kAppearance, kOrientation };
+
+// Whether a source's frames look like panoramas: a rig, or images twice as wide as high (to 2 %).
+// A mirror's images look like any others, so that one has to say that they are panoramas.
+bool LooksPanoramic(const Source& source);
+
+// The layers that a source is used for, ascending. It goes to the appearance layer when it looks
+// panoramic, else to the plane layer; with one of the two chosen, all sources go to that one. The
+// orientation layer takes it too where it is calibrated and that layer is wanted
+// (LayerChoice::automatic). None for a source that no chosen layer can use.
+std::vector<LayerKind> ChooseLayers(const Source& source, const LayerChoice& choice);
+
+// A source with its layers, at least one.
+struct AssignedSource {
+  Source* source = nullptr;
+  std::vector<LayerKind> layers;
+};
+
+// The sources that a layer can use, ordered by their first layer. Throws MapError for a layer that
+// was asked for by name and gets no source: kBadCamera for the orientation layer, else kBadSource.
+std::vector<AssignedSource> AssignSources(const std::vector<std::unique_ptr<Source>>& sources,
+                                          const LayerChoice& choice);
 
 }  // namespace waystone

@@ -45,9 +45,12 @@ struct BuildFlags {
 
 // Behind an announcement: what is usual isn't worth a word.
 std::string LayerText(const Source& source, const LayerChoice& layers) {
-  const bool panoramas = LayerOf(source, layers) == LayerKind::kAppearance;
-  return std::string(panoramas ? ", panoramas for the appearance layer" : "") +
-         (GivesOrientation(source, layers) ? ", calibrated for the orientation layer" : "");
+  std::string text;
+  for (const LayerKind layer : ChooseLayers(source, layers)) {
+    if (layer == LayerKind::kAppearance) text += ", panoramas for the appearance layer";
+    if (layer == LayerKind::kOrientation) text += ", calibrated for the orientation layer";
+  }
+  return text;
 }
 
 std::vector<std::unique_ptr<Source>> OpenSources(const BuildFlags& flags) {
@@ -118,7 +121,7 @@ int RunBuild(const BuildFlags& flags) {
   CheckWritable(flags.output, write);
   NoteInterrupts();
   const BuildResult result = BuildWithProgress(flags, options);
-  const bool directions_alone = result.map.orientation && result.report.frames == 0;
+  const bool directions_alone = result.map.orientation && !result.report.planes;
   if (result.map.planes.empty() && !result.map.appearance && !directions_alone) {
     return ReportNoPlanes(result);
   }

@@ -11,7 +11,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
-#include "builder/appearance/describe_frames.h"
+#include "builder/appearance/describe_panorama.h"
 #include "builder/calibration/appearance_calibration.h"
 #include "core/base/angle.h"
 #include "core/base/error.h"

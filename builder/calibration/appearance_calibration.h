@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "builder/appearance/build_appearance.h"
+#include "builder/appearance/appearance_layer.h"
 #include "localizer/appearance/appearance.h"
 
 namespace waystone {
@@ -39,22 +39,22 @@ struct AppearanceCalibrationQuery {
 // The model of one kind of answers, verified by features or by appearance alone as the queries ask
 // for, fitted to answers of the map itself: each query is asked for without the nodes around it, by
 // the options' radii, where the answer is right or wrong by its distance. `outside` are panoramas
-// of what the map doesn't show. Samples of the other kind are left out. `going_on` may be empty; it
-// is called one call at a time from any thread, and the fit stops with MapError(kInterrupted) when
-// it returns false. Throws MapError(kBadOptions); the map has an appearance layer (WS_CHECK).
-// Deterministic on any number of threads.
+// of what the map doesn't show. Samples of the other kind are left out. `before_each`, where given,
+// is called before each query, from any thread and by several at a time; what it throws ends the
+// fit. Throws MapError(kBadOptions); the map has an appearance layer (WS_CHECK). Deterministic on
+// any number of threads.
 AppearanceVerdict CalibrateAppearance(const MapIndex& index,
                                       const std::vector<AppearanceCalibrationQuery>& queries,
                                       const std::vector<PanoramaQuery>& outside, bool verified,
                                       const AppearanceCalibrationOptions& options = {},
-                                      const std::function<bool()>& going_on = {});
+                                      const std::function<void()>& before_each = {});
 
 // Fits the models of the map's appearance layer, of answers by appearance alone and, where the
-// nodes keep features, of verified ones, to `samples` and to rendered negatives. `going_on` as
-// above.
+// nodes keep features, of verified ones, to `samples` and to rendered negatives. Reports the
+// stage "calibration".
 void CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
                               const AppearanceCalibrationOptions& options,
-                              const std::function<bool()>& going_on);
+                              ProgressReporter& progress);
 
 // A node as a query: its own signature, and its features where the options verify.
 PanoramaQuery QueryOfNode(const MapIndex& index, int node, const PanoramaQueryOptions& options);

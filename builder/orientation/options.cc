@@ -60,7 +60,6 @@ void OrientationOptions::Check() const {
   corridors.Check();
   loops.Check();
   CheckRange("image_width", image_width, 0, 4096);
-  CheckRange("threads", threads, 0, 1024);
 }
 
 }  // namespace waystone

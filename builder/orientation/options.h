@@ -123,8 +123,6 @@ struct OrientationOptions {
   OrientationLoopOptions loops;
   // Width of the picture kept of each node, 0 (none) to 4096. px
   int image_width = 320;
-  // Threads; 0 takes as many as there are cores. The layer doesn't depend on it.
-  int threads = 0;
 
   void Check() const;  // throws MapError(kBadOptions)
 };

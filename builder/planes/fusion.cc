@@ -29,7 +29,7 @@ Vector2d PositionOf(const PlaneFeature& feature) {
 double OverlapShare(const Plane& plane, const Matrix3d& to_from, const Plane& other,
                     const std::set<int>& matched) {
   std::vector<cv::Point2f> outline;
-  for (const Vector2d& p : OutlineOf(other.features)) {
+  for (const Vector2d& p : ComputeOutline(other.features)) {
     outline.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
   }
   int inside = 0;

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <string>
+#include <memory>
 #include <vector>
 
 #include "builder/appearance/node_features.h"
-#include "builder/sources/source.h"
+#include "builder/frames/layer_builder.h"
 #include "core/camera/panorama.h"
 #include "core/panorama/fourier_signature.h"
 
@@ -35,26 +34,16 @@ struct DescribeOptions {
 };
 
 // A panorama as the layer needs it.
-struct DescribedFrame {
-  FrameInfo info;
+struct DescribedPanorama : Observation {
   FourierSignature signature;
-  FourierSignature trajectory_signature;  // the same with way_rows
+  FourierSignature trajectory_signature;  // the same with trajectory_rows
   ElevationBand band;                     // that the signature's rows span
   BearingFeatures features;
   std::vector<uint8_t> jpeg;
-  std::string error;      // set when it can't be used; the rest is empty then
-  double decode_s = 0;    // on its own thread
-  double describe_s = 0;  // panorama, signature, features and picture
 };
 
-// Whether a source's frames look like panoramas: a rig, or images twice as wide as high (to 2 %).
-// A mirror's images look like any others, so that one has to say that they are panoramas.
-bool LooksPanoramic(const Source& source);
-
-// Decodes a source's frames and describes them, several at a time on the threads of the calling
-// task arena, with a bounded number in memory. `consume` gets them one at a time and in order, from
-// any of these threads; no more frames are read once it returns false.
-void DescribeFrames(Source& source, const DescribeOptions& options,
-                    const std::function<bool(DescribedFrame)>& consume);
+// Describes one frame; one that is no usable panorama comes with its error. Thread-safe.
+std::unique_ptr<DescribedPanorama> DescribePanorama(const Frame& frame,
+                                                    const DescribeOptions& options);
 
 }  // namespace waystone

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "builder/calibration/calibrate.h"
+#include "builder/calibration/plane_calibration.h"
 
 #include <tbb/parallel_for.h>
 
@@ -8,6 +8,7 @@
 #include <string>
 #include <unordered_set>
 
+#include "builder/calibration/rendered_negatives.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "localizer/planes/decide.h"
@@ -98,13 +99,26 @@ void AskWrong(const MapIndex& index, const Features& query, const LocalizeOption
 }
 
 std::vector<VerdictSample> Ask(const MapIndex& index, const std::unordered_set<Descriptor>& in_map,
-                               const CalibrationQuery& query, const CalibrationOptions& options) {
+                               const SampledKeyframe& query, const CalibrationOptions& options) {
   std::vector<VerdictSample> samples;
   AskRight(index, WithoutThoseOf(in_map, query.features), query.keyframe, options.localize,
            samples);
   Random random(options.seed ^ static_cast<uint64_t>(query.keyframe.value));
   AskWrong(index, Scrambled(query.features, random), options.localize, samples);
   return samples;
+}
+
+// The map as far as its planes are asked for.
+MapData CopyPlanes(const MapData& map) {
+  MapData part;
+  part.info = map.info;
+  part.sequences = map.sequences;
+  part.keyframes = map.keyframes;
+  part.planes = map.planes;
+  part.edges = map.edges;
+  part.index = map.index;
+  for (Keyframe& keyframe : part.keyframes) keyframe.jpeg.clear();
+  return part;
 }
 
 // Gates open as far as they go: the model has to see what they would stop.
@@ -127,20 +141,7 @@ void CalibrationOptions::Check() const {
   }
 }
 
-void CalibrationSample::Add(KeyframeId keyframe, const Features& features) {
-  if (added_++ % stride_ != 0) return;
-  if (static_cast<int>(kept_.size()) == max_keyframes_) {  // every other one of them stays
-    stride_ *= 2;
-    for (size_t i = 0; 2 * i < kept_.size(); ++i) {
-      if (i > 0) kept_[i] = std::move(kept_[2 * i]);
-    }
-    kept_.resize((kept_.size() + 1) / 2);
-    if ((added_ - 1) % stride_ != 0) return;
-  }
-  kept_.push_back({keyframe, features});
-}
-
-VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<CalibrationQuery>& queries,
+VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<SampledKeyframe>& queries,
                               const std::vector<Features>& outside,
                               const CalibrationOptions& given) {
   given.Check();
@@ -157,6 +158,12 @@ VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<Calibrati
   for (const auto& of_query : asked)
     samples.insert(samples.end(), of_query.begin(), of_query.end());
   return FitVerdictModel(samples);
+}
+
+void CalibratePlaneLayer(MapData& map, const std::vector<SampledKeyframe>& samples,
+                         const FeatureOptions& features, const CalibrationOptions& options) {
+  map.verdict = CalibrateVerdict(*MapIndex::Build(CopyPlanes(map)), samples,
+                                 RenderedNegatives(options.rendered_negatives, features), options);
 }
 
 }  // namespace waystone

@@ -4,7 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "builder/planes/keyframe_sample.h"
+#include "core/features/features.h"
 #include "localizer/localizer.h"
+#include "schema/map_data.h"
 
 namespace waystone {
 
@@ -20,28 +23,6 @@ struct CalibrationOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// A keyframe that the finished map is asked for.
-struct CalibrationQuery {
-  KeyframeId keyframe;
-  Features features;
-};
-
-// Keeps the features of at most a given number of keyframes, evenly spread over all that were
-// added, however many there will be. Deterministic.
-class CalibrationSample {
- public:
-  explicit CalibrationSample(int max_keyframes) : max_keyframes_(max_keyframes) {}
-
-  void Add(KeyframeId keyframe, const Features& features);
-  const std::vector<CalibrationQuery>& queries() const { return kept_; }
-
- private:
-  int max_keyframes_;
-  int stride_ = 1;
-  int added_ = 0;
-  std::vector<CalibrationQuery> kept_;
-};
-
 // The model of the verdict, fitted to answers of the map itself. Each keyframe is asked for without
 // the features that the map has from it (leave one out): the place that it shows is a right one.
 // The best plane for the same features with their positions exchanged is a wrong one: what matches
@@ -49,8 +30,13 @@ class CalibrationSample {
 // what the map doesn't show (RenderedNegatives). Places elsewhere that fit are no wrong ones to
 // learn from: often they are the same surface, seen another time, and where they aren't the answer
 // is `ambiguous`. Deterministic on any number of threads.
-VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<CalibrationQuery>& queries,
+VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<SampledKeyframe>& queries,
                               const std::vector<Features>& outside,
                               const CalibrationOptions& options);
+
+// Fits the model of the map's planes to `samples` and to rendered negatives (MapData::verdict).
+// Keyframes without their pictures are copied, nothing else of the other layers.
+void CalibratePlaneLayer(MapData& map, const std::vector<SampledKeyframe>& samples,
+                         const FeatureOptions& features, const CalibrationOptions& options);
 
 }  // namespace waystone

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The orientation layer beside the planes.
-#include "builder/orientation_pass.h"
+// Layers that share their sources.
+#include "builder/layer_choice.h"
 
 #include <gtest/gtest.h>
 
@@ -11,10 +11,9 @@
 namespace waystone {
 namespace {
 
-std::vector<std::unique_ptr<Source>> Calibrated(std::set<int> broken = {}) {
+std::vector<std::unique_ptr<Source>> Calibrated(const std::set<int>& broken = {}) {
   std::vector<std::unique_ptr<Source>> sources;
-  sources.push_back(
-      std::make_unique<MemorySource>(45, std::move(broken), TheStage().renderer.camera()));
+  sources.push_back(OpenStage(45, broken, TheStage().renderer.camera()));
   return sources;
 }
 
@@ -31,7 +30,7 @@ const BuildResult& BothLayers() {
   return result;
 }
 
-TEST(OrientationPass, GivesTheLayerBesideThePlanesFromOneReading) {
+TEST(Layers, ObserveOneReadingTogether) {
   const MapData& map = BothLayers().map;
   EXPECT_FALSE(map.planes.empty());
   ASSERT_TRUE(map.orientation);
@@ -41,32 +40,37 @@ TEST(OrientationPass, GivesTheLayerBesideThePlanesFromOneReading) {
     EXPECT_EQ(map.orientation->frames[i].sequence.value, 1);
   }
   EXPECT_FALSE(map.orientation->frames[20].rotation);  // unreadable for both
-  EXPECT_EQ(BothLayers().report.skipped, 1);
+  EXPECT_EQ(BothLayers().report.planes->skipped, 1);
   ASSERT_TRUE(BothLayers().report.orientation);
-  EXPECT_EQ(BothLayers().report.orientation->unreadable, 1);
-  EXPECT_GT(BothLayers().report.orientation->look_s, 0);
+  EXPECT_EQ(BothLayers().report.orientation->skipped, 1);
+  EXPECT_GT(BothLayers().report.orientation->observe_s, 0);
   const std::vector<MapProblem> problems = FindMapProblems(map);
   EXPECT_TRUE(problems.empty()) << problems[0].where << ": " << problems[0].message;
 }
 
-TEST(OrientationPass, ReadsAloneWhatItSawOnTheWay) {
+TEST(Layers, OrientationIsTheSameAloneAndBesideThePlanes) {
   BuildOptions options = With("orientation");
   options.threads = 1;
   const BuildResult alone = BuildMap(Calibrated({20}), options, {});
   EXPECT_TRUE(alone.map.planes.empty());
   ASSERT_EQ(alone.map.sequences.size(), 1U);
   EXPECT_EQ(alone.map.sequences[0].frames, 45);
+  EXPECT_EQ(alone.map.sequences[0].skipped, 1);
+  EXPECT_FALSE(alone.report.planes);
   EXPECT_TRUE(alone.map.orientation == BothLayers().map.orientation);
 }
 
-TEST(OrientationPass, WithoutACameraThereIsNoLayerAndAskingForItIsRefused) {
+TEST(Layers, WithoutACameraThereIsNoOrientationAndAskingForItIsRefused) {
   std::vector<std::unique_ptr<Source>> sources;
-  sources.push_back(std::make_unique<MemorySource>(45, std::set<int>{}));
-  EXPECT_FALSE(GivesOrientation(*sources[0], {}));
-  EXPECT_FALSE(GivesOrientation(*Calibrated()[0], {}));  // one camera is asked only by name
-  EXPECT_TRUE(GivesOrientation(*Calibrated()[0], LayerChoiceByNames("planes,orientation")));
-  EXPECT_FALSE(GivesOrientation(*Calibrated()[0], LayerChoiceByNames("planes")));
-  EXPECT_FALSE(LayerOf(*sources[0], LayerChoiceByNames("orientation")));
+  sources.push_back(OpenStage(45));
+  using enum LayerKind;
+  using Kinds = std::vector<LayerKind>;
+  EXPECT_EQ(ChooseLayers(*sources[0], {}), Kinds{kPlanes});
+  EXPECT_EQ(ChooseLayers(*Calibrated()[0], {}), Kinds{kPlanes});  // one camera only by name
+  EXPECT_EQ(ChooseLayers(*Calibrated()[0], LayerChoiceByNames("planes,orientation")),
+            (Kinds{kPlanes, kOrientation}));
+  EXPECT_EQ(ChooseLayers(*Calibrated()[0], LayerChoiceByNames("planes")), Kinds{kPlanes});
+  EXPECT_EQ(ChooseLayers(*sources[0], LayerChoiceByNames("orientation")), Kinds{});
   for (const char* layers : {"orientation", "planes,orientation"}) {
     try {
       BuildMap(sources, With(layers), {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "builder/appearance/build_appearance.h"
+#include "builder/appearance/appearance_layer.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -20,10 +20,10 @@ AppearanceOptions ShortDrive() {
   return options;
 }
 
-AppearanceResult Build(const std::vector<cv::Mat>& images,
-                       const AppearanceOptions& options = ShortDrive()) {
-  ImagesSource source(images);
-  return BuildAppearanceLayer({&source}, options);
+BuiltAppearance Build(const std::vector<cv::Mat>& images,
+                      const AppearanceOptions& options = ShortDrive()) {
+  MemorySource source = ImagesSource(images);
+  return BuildAppearance({&source}, options);
 }
 
 std::vector<cv::Mat> First(int count) {
@@ -47,7 +47,7 @@ void ExpectRefused(const std::vector<cv::Mat>& images, const std::vector<std::st
 }
 
 TEST(BuildAppearanceTest, LoopsBringTheWayNearerToTheTruth) {
-  const AppearanceResult result = Build(TheDrive().panoramas);
+  const BuiltAppearance result = Build(TheDrive().panoramas);
   const Points2 truth = PlacesOf(TheDrive().truth);
   const AppearanceReport& report = result.report;
   EXPECT_EQ(report.panoramas, Drive::kFrames);
@@ -58,7 +58,7 @@ TEST(BuildAppearanceTest, LoopsBringTheWayNearerToTheTruth) {
 }
 
 TEST(BuildAppearanceTest, IsTheSameForAnyNumberOfThreads) {
-  const AppearanceResult many = Build(First(12));
+  const BuiltAppearance many = Build(First(12));
   tbb::task_arena one(1);
   EXPECT_EQ(one.execute([] { return Build(First(12)); }).layer, many.layer);
 }
@@ -66,7 +66,7 @@ TEST(BuildAppearanceTest, IsTheSameForAnyNumberOfThreads) {
 TEST(BuildAppearanceTest, LeavesOutWhatIsRedundant) {
   AppearanceOptions options = ShortDrive();
   options.redundancy.max_loss = 0.6;
-  const AppearanceResult result = Build(TheDrive().panoramas, options);
+  const BuiltAppearance result = Build(TheDrive().panoramas, options);
   EXPECT_GT(result.layer.dropped, 0);
   EXPECT_EQ(std::ssize(result.layer.nodes) + result.layer.dropped, Drive::kFrames);
   EXPECT_GE(result.layer.edges.size(), result.layer.nodes.size() - 1);
@@ -74,9 +74,9 @@ TEST(BuildAppearanceTest, LeavesOutWhatIsRedundant) {
 
 TEST(BuildAppearanceTest, TiesSequencesTogetherByTheirLoops) {
   const auto& all = TheDrive().panoramas;
-  ImagesSource first({all.begin(), all.begin() + 28}, "first");
-  ImagesSource second({all.begin() + 16, all.end()}, "second");
-  const AppearanceResult result = BuildAppearanceLayer({&first, &second}, ShortDrive());
+  MemorySource first = ImagesSource({all.begin(), all.begin() + 28}, "first");
+  MemorySource second = ImagesSource({all.begin() + 16, all.end()}, "second");
+  const BuiltAppearance result = BuildAppearance({&first, &second}, ShortDrive());
   ASSERT_EQ(result.report.poses.size(), 28 + 32);
   Points2 truth = PlacesOf({TheDrive().truth.begin(), TheDrive().truth.begin() + 28});
   for (int i = 16; i < Drive::kFrames; ++i) {
@@ -88,7 +88,7 @@ TEST(BuildAppearanceTest, TiesSequencesTogetherByTheirLoops) {
 TEST(BuildAppearanceTest, SkipsAndNamesABlackPanorama) {
   std::vector<cv::Mat> images = First(6);
   images[2] = Black(images[2].size());
-  const AppearanceResult result = Build(images);
+  const BuiltAppearance result = Build(images);
   EXPECT_EQ(result.report.skipped, 1);
   EXPECT_EQ(result.sequences[0].skipped, 1);
   EXPECT_EQ(result.layer.nodes.size(), 5);
@@ -114,12 +114,12 @@ TEST(BuildAppearanceTest, RefusesASequenceThatIsMostlyUnusable) {
 TEST(BuildAppearanceTest, StopsWhenToldToInTheMiddleOfAStage) {
   for (const std::string at : {"panoramas", "odometry", "loops", "poses"}) {
     int calls = 0;  // of that stage; the first one is before it begins
-    const auto stop = [&](const std::string& stage, int, int) {
-      return stage != at || (++calls == 1 && at != "panoramas" && at != "poses");
+    const auto stop = [&](const BuildProgress& now) {
+      return now.stage != at || (++calls == 1 && at != "panoramas" && at != "poses");
     };
     try {
-      ImagesSource source(at == "loops" ? TheDrive().panoramas : First(6));
-      BuildAppearanceLayer({&source}, ShortDrive(), stop);
+      MemorySource source = ImagesSource(at == "loops" ? TheDrive().panoramas : First(6));
+      BuildAppearance({&source}, ShortDrive(), stop);
       ADD_FAILURE() << "nothing was thrown in " << at;
     } catch (const MapError& error) {
       EXPECT_EQ(error.code(), ErrorCode::kInterrupted);
@@ -129,7 +129,7 @@ TEST(BuildAppearanceTest, StopsWhenToldToInTheMiddleOfAStage) {
 
 TEST(BuildMapTest, PanoramasBecomeTheAppearanceLayerOfASoundMap) {
   std::vector<std::unique_ptr<Source>> sources;
-  sources.push_back(std::make_unique<ImagesSource>(First(8)));
+  sources.push_back(std::make_unique<MemorySource>(ImagesSource(First(8))));
   BuildOptions options;
   options.appearance_calibration.rendered_negatives = 0;
   BuildResult result = BuildMap(sources, options, {});
@@ -147,7 +147,7 @@ TEST(BuildMapTest, PanoramasBecomeTheAppearanceLayerOfASoundMap) {
 const MapData& DriveMap() {
   static const MapData map = [] {
     std::vector<std::unique_ptr<Source>> sources;
-    sources.push_back(std::make_unique<ImagesSource>(TheDrive().panoramas));
+    sources.push_back(std::make_unique<MemorySource>(ImagesSource(TheDrive().panoramas)));
     BuildOptions options;
     options.appearance = ShortDrive();
     options.appearance_calibration.max_nodes = 12;
@@ -204,21 +204,25 @@ TEST(BuildMapTest, ACalibratedMapRefusesWhatItDoesntShow) {
   EXPECT_GE(localized, 5);  // of 10
 }
 
+LayerKind MainLayer(const Source& source, const LayerChoice& choice) {
+  return ChooseLayers(source, choice).front();
+}
+
 TEST(BuildMapTest, LayersAreNamedOrFoundOut) {
-  const ImagesSource panoramas(First(1));
-  const ImagesSource photos(std::vector<cv::Mat>{cv::Mat(48, 64, CV_8UC1)});
-  EXPECT_EQ(LayerOf(panoramas, {}), LayerKind::kAppearance);
-  EXPECT_EQ(LayerOf(photos, {}), LayerKind::kPlanes);
-  EXPECT_EQ(LayerOf(photos, LayerChoiceByNames("appearance")), LayerKind::kAppearance);
-  EXPECT_EQ(LayerOf(panoramas, LayerChoiceByNames("planes")), LayerKind::kPlanes);
-  EXPECT_EQ(LayerOf(photos, LayerChoiceByNames("planes,appearance")), LayerKind::kPlanes);
+  const MemorySource panoramas = ImagesSource(First(1));
+  const MemorySource photos = ImagesSource({cv::Mat(48, 64, CV_8UC1)});
+  EXPECT_EQ(MainLayer(panoramas, {}), LayerKind::kAppearance);
+  EXPECT_EQ(MainLayer(photos, {}), LayerKind::kPlanes);
+  EXPECT_EQ(MainLayer(photos, LayerChoiceByNames("appearance")), LayerKind::kAppearance);
+  EXPECT_EQ(MainLayer(panoramas, LayerChoiceByNames("planes")), LayerKind::kPlanes);
+  EXPECT_EQ(MainLayer(photos, LayerChoiceByNames("planes,appearance")), LayerKind::kPlanes);
   EXPECT_THROW(LayerChoiceByNames("plains"), MapError);
   EXPECT_THROW(LayerChoiceByNames(""), MapError);
 }
 
 TEST(BuildMapTest, RefusesALayerThatNoSourceFits) {
   std::vector<std::unique_ptr<Source>> sources;
-  sources.push_back(std::make_unique<ImagesSource>(First(3)));
+  sources.push_back(std::make_unique<MemorySource>(ImagesSource(First(3))));
   BuildOptions options;
   options.layers = LayerChoiceByNames("planes,appearance");
   try {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "builder/calibration/calibrate.h"
+#include "builder/calibration/plane_calibration.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -15,13 +15,13 @@
 namespace waystone {
 namespace {
 
-TEST(CalibrationSample, IsSpreadOverAllThatWasAdded) {
+TEST(KeyframeSample, IsSpreadOverAllThatWasAdded) {
   Features features;
   features.type = FeatureType::kSift;
   for (int count : {1, 7, 8, 9, 30, 100, 1000}) {
-    CalibrationSample sample(8);
+    KeyframeSample sample(8);
     for (int k = 1; k <= count; ++k) sample.Add(KeyframeId{k}, features);
-    const auto& queries = sample.queries();
+    const auto& queries = sample.keyframes();
     ASSERT_LE(queries.size(), 8u) << count;
     ASSERT_GE(static_cast<int>(queries.size()), std::min(count, 4)) << count;
     EXPECT_EQ(queries.front().keyframe.value, 1);
@@ -34,8 +34,8 @@ TEST(CalibrationSample, IsSpreadOverAllThatWasAdded) {
   }
 }
 
-std::vector<CalibrationQuery> QueriesOf(const MapData& map) {
-  std::vector<CalibrationQuery> queries;
+std::vector<SampledKeyframe> QueriesOf(const MapData& map) {
+  std::vector<SampledKeyframe> queries;
   for (const Keyframe& keyframe : map.keyframes) {
     queries.push_back(
         {keyframe.id, ExtractFeatures(TheStage().frames[keyframe.frame], FeatureOptions{})});
@@ -55,7 +55,7 @@ TEST(CalibrateVerdict, TellsTheMapsOwnPlacesFromChance) {
 TEST(CalibrateVerdict, IsTheSameOnAnyNumberOfThreads) {
   const MapData& map = TheMap().map;
   const auto index = MapIndex::Build(map);
-  const std::vector<CalibrationQuery> queries = QueriesOf(map);
+  const std::vector<SampledKeyframe> queries = QueriesOf(map);
   const VerdictModel all = CalibrateVerdict(*index, queries, {}, {});
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(CalibrateVerdict(*index, queries, {}, {}), all);
@@ -68,11 +68,11 @@ TEST(CalibrateVerdict, WithoutQueriesTheGeneralModelHolds) {
 TEST(CalibrateVerdict, LearnsThatAnotherBuildingIsNotInTheMap) {
   const MapData& map = TheMap().map;
   const auto index = MapIndex::Build(map);
-  const std::vector<CalibrationQuery> queries = QueriesOf(map);
+  const std::vector<SampledKeyframe> queries = QueriesOf(map);
   const std::vector<Features> outside = RenderedNegatives(3, FeatureOptions{});
   // The map's own photos, taken for photos of another building, are negatives that fit well.
   std::vector<Features> own;
-  for (const CalibrationQuery& query : queries) own.push_back(query.features);
+  for (const SampledKeyframe& query : queries) own.push_back(query.features);
   const VerdictModel plain = CalibrateVerdict(*index, queries, {}, {});
   const VerdictModel with = CalibrateVerdict(*index, queries, outside, {});
   EXPECT_GE(with.negatives, plain.negatives);
