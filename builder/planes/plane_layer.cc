@@ -12,7 +12,7 @@
 #include "builder/planes/plane_features.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "schema/index_features.h"
+#include "schema/layers/planes/index_features.h"
 
 namespace waystone {
 namespace {

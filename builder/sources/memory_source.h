@@ -13,7 +13,7 @@ namespace waystone {
 // A sequence that is made by a program rather than read from files.
 struct MemorySequence {
   std::string name;
-  std::vector<EncodedFrame> frames;
+  std::vector<EncodedFrame> frames = {};
   std::optional<Camera> camera = {};
   std::optional<Rig> faces = {};
   cv::Size frame_size = {};  // px; 0 by 0 where it isn't known
