@@ -35,6 +35,7 @@ function(waystone_library name)
 endfunction()
 
 # waystone_test(NAME SOURCES ... DEPS ... [SECONDS n]): the test program test_NAME, one ctest entry.
+# Property tests take `rapidcheck` among their DEPS.
 function(waystone_test name)
   cmake_parse_arguments(ARG "" "SECONDS" "SOURCES;DEPS" ${ARGN})
   set(target test_${name})
