@@ -135,8 +135,7 @@ void InvertedFileOptions::Check() const {
   const bool good = min_rows >= 1 && lists_per_root > 0 && lists_per_root <= 100 &&
                     training_rows >= 1 && rounds >= 0;
   if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "search index: an option is out of its range; leave them at their defaults");
+    throw MapError(ErrorCode::kBadOptions, "search index: option out of range; use the defaults");
   }
 }
 

@@ -85,7 +85,7 @@ class Finder {
     int64_t last = 0;
     for (const Item& item : items) {
       Require(item.id.value > last, table + " " + Text(item.id),
-              "ids must be 1 or more and ascend; it comes after " + std::to_string(last));
+              "ids must be positive and increasing; the previous one is " + std::to_string(last));
       last = item.id.value;
     }
   }
@@ -108,7 +108,7 @@ class Finder {
     const std::string where = "keyframes " + Text(keyframe.id);
     image_px_[keyframe.id] = std::max({keyframe.width, keyframe.height, 1});
     Require(sequences_.contains(keyframe.sequence), where,
-            "there is no sequence " + Text(keyframe.sequence));
+            "no such sequence: " + Text(keyframe.sequence));
     Require(keyframe.stretch >= 0 && keyframe.frame >= 0, where,
             "stretch " + std::to_string(keyframe.stretch) + " or frame " +
                 std::to_string(keyframe.frame) + " is below 0");
@@ -168,7 +168,7 @@ class Finder {
     bool has_reference = false;
     for (const PlaneView& view : plane.views) {
       const std::string where = "plane_views " + Text(plane.id) + "/" + Text(view.keyframe);
-      Require(view.keyframe > last, where, "views must ascend by keyframe, each once");
+      Require(view.keyframe > last, where, "views must be unique and sorted by keyframe");
       Require(image_px_.contains(view.keyframe), where,
               "there is no keyframe " + Text(view.keyframe));
       Require(view.inliers >= 0, where, std::to_string(view.inliers) + " inliers");
@@ -176,7 +176,7 @@ class Finder {
       if (view.keyframe == plane.reference) {
         has_reference = true;
         Require(view.reference_from_keyframe == Matrix3d::Identity(), where,
-                "the view of the reference isn't the identity");
+                "the homography of the reference view is not the identity");
       }
       last = view.keyframe;
     }
@@ -192,7 +192,7 @@ class Finder {
     const double condition = ConditionOf(to_from, ImageSide(to), ImageSide(from));
     const bool invertible = condition <= limits_.max_condition;  // not for NaN
     Require(invertible, where,
-            "its matrix can't be inverted: condition number " + std::to_string(condition));
+            "its matrix is singular: condition number " + std::to_string(condition));
     return invertible;
   }
 
@@ -201,10 +201,10 @@ class Finder {
     for (const Edge& edge : map_.edges) {
       const std::string where = "edges " + Text(edge.a) + "/" + Text(edge.b);
       Require(edge.a < edge.b, where, "a must be below b");
-      Require(std::pair(edge.a, edge.b) > last, where, "edges must ascend by (a, b), each once");
+      Require(std::pair(edge.a, edge.b) > last, where, "edges must be unique and sorted by (a, b)");
       last = {edge.a, edge.b};
       for (const PlaneId plane : {edge.a, edge.b}) {
-        Require(planes_.contains(plane), where, "there is no plane " + Text(plane));
+        Require(planes_.contains(plane), where, "no such plane: " + Text(plane));
       }
       for (const KeyframeId keyframe : {edge.from, edge.to}) {
         Require(image_px_.contains(keyframe), where, "there is no keyframe " + Text(keyframe));
@@ -216,9 +216,10 @@ class Finder {
   void CheckHomology(const Edge& edge, const std::string& where) {
     Require(std::isfinite(edge.third_eigenvalue), where, "its third eigenvalue isn't finite");
     if (!CheckHomography(edge.homology, edge.to, edge.to, where)) return;
-    Require(
-        HasEigenvalues(edge.homology, edge.third_eigenvalue, limits_.eigenvalue_tolerance), where,
-        "its homology hasn't the eigenvalues 1, 1 and " + std::to_string(edge.third_eigenvalue));
+    Require(HasEigenvalues(edge.homology, edge.third_eigenvalue, limits_.eigenvalue_tolerance),
+            where,
+            "its homology does not have the eigenvalues 1, 1 and " +
+                std::to_string(edge.third_eigenvalue));
   }
 
   void CheckIndex() {

@@ -71,8 +71,9 @@ class AppearanceProblemFinder {
 
   void CheckNode(const AppearanceNode& node) {
     const std::string where = "appearance_nodes " + std::to_string(node.id.value);
-    Require(node.id > last_, where,
-            "ids must be 1 or more and ascend; it comes after " + std::to_string(last_.value));
+    Require(
+        node.id > last_, where,
+        "ids must be positive and increasing; the previous one is " + std::to_string(last_.value));
     last_ = node.id;
     nodes_.insert(node.id);
     Require(HasSequence(map_, node.sequence), where,
@@ -122,7 +123,7 @@ class AppearanceProblemFinder {
       const std::string where =
           "appearance_edges " + std::to_string(edge.a.value) + "/" + std::to_string(edge.b.value);
       Require(edge.a < edge.b, where, "a must be below b");
-      Require(std::pair(edge.a, edge.b) > last, where, "edges must ascend by (a, b), each once");
+      Require(std::pair(edge.a, edge.b) > last, where, "edges must be unique and sorted by (a, b)");
       last = {edge.a, edge.b};
       for (const AppearanceNodeId node : {edge.a, edge.b}) {
         Require(nodes_.contains(node), where,
@@ -133,17 +134,17 @@ class AppearanceProblemFinder {
       Require(IsFinite(edge.a_from_b) && IsWrapped(edge.a_from_b.theta_rad), where,
               "its relative pose isn't finite or its heading isn't between -pi and pi");
       Require(edge.sigma_rad >= 0 && std::isfinite(edge.sigma_rad), where,
-              "its deviation is " + std::to_string(edge.sigma_rad));
+              "its sigma is " + std::to_string(edge.sigma_rad));
     }
   }
 
   void CheckVerdict(const AppearanceVerdict& verdict, const std::string& where) {
     Require(std::isfinite(verdict.intercept), where, "its intercept isn't finite");
     Require(verdict.positives >= 0 && verdict.negatives >= 0, where,
-            "it was fitted to fewer than 0 samples");
+            "its sample counts are negative");
     std::string last;
     for (const VerdictTerm& term : verdict.terms) {
-      Require(term.name > last, where, "terms must have names and ascend by them, each once");
+      Require(term.name > last, where, "terms must have names, be unique and sorted by name");
       Require(std::isfinite(term.weight), where, "the weight of a term isn't finite");
       last = term.name;
     }
