@@ -28,7 +28,7 @@ struct EvalFlags {
 
 std::vector<LabelledQuery> ReadQueries(const EvalFlags& flags, const MapIndex& index) {
   if (flags.queries.empty() && flags.negatives.empty()) {
-    throw MapError(ErrorCode::kUsage, "no queries; give a CSV file or --negatives DIR");
+    throw MapError(ErrorCode::kUsage, "no queries; specify a CSV file or --negatives DIR");
   }
   std::vector<LabelledQuery> all;
   const auto add = [&all](std::vector<LabelledQuery> more) {

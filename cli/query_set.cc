@@ -172,7 +172,7 @@ std::optional<Eigen::Vector3d> PositionIn(const CsvFile& file, const CsvFile::Ro
 }
 
 fs::path ImageIn(const CsvFile& file, const CsvFile::Row& row, size_t column) {
-  if (row.cells[column].empty()) file.Fail(row.line, "the image field is empty; give its path");
+  if (row.cells[column].empty()) file.Fail(row.line, "the image field is empty");
   fs::path image = file.path().parent_path() / row.cells[column];
   std::error_code error;
   if (fs::is_regular_file(image, error)) return image;

@@ -53,7 +53,7 @@ class Eye {
     if (!capture_.isOpened()) {
       throw MapError(ErrorCode::kBadSource,
                      source +
-                         " can't be opened; give a camera index (starting at 0) or a "
+                         " can't be opened; use a camera index (starting at 0) or a "
                          "video file that FFmpeg can read");
     }
     start_ = Clock::now();

@@ -171,7 +171,7 @@ InvertedFile BuildInvertedFile(DescriptorsView rows, FeatureType type,
 std::string InvertedFileProblem(const InvertedFile& file, int64_t rows, FeatureType type) {
   const int lists = file.centres.rows();
   if (lists < 1 || lists > kMaxLists) {
-    return std::to_string(lists) + " lists; 1 to " + std::to_string(kMaxLists) + " are possible";
+    return std::to_string(lists) + " lists; 1 to " + std::to_string(kMaxLists) + " are valid";
   }
   if (file.centres.bytes() != DescriptorBytes(type)) {
     return "centres of " + std::to_string(file.centres.bytes()) + " bytes; " +

@@ -113,7 +113,7 @@ TEST(WriteReport, APageOfPanoramasHasNoTablesOfPlanes) {
   const std::string page = ReportHtml(map, report, {});
   EXPECT_NE(page.find("Way of the panoramas"), std::string::npos);
   EXPECT_NE(page.find("loop candidates"), std::string::npos);
-  EXPECT_EQ(page.find("planes started"), std::string::npos);
+  EXPECT_EQ(page.find("planes created"), std::string::npos);
   EXPECT_EQ(page.find("Keyframes and their planes"), std::string::npos);
 }
 

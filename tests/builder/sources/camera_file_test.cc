@@ -142,9 +142,9 @@ TEST_F(CameraFileTest, OwnKeysThatAreWrong) {
   ExpectRefusal("camera_model: PINHOLE\nimage_width: 640.5\nfx: 1\n", {"image_width"});
   ExpectRefusal("camera_model: LENSLESS\n" + size, {"'LENSLESS'", "COLMAP's names"});
   ExpectRefusal("camera_model: PINHOLE\n" + size + "fx: wide\nfy: 1\ncx: 3\ncy: 2\n",
-                {"fx is no number"});
+                {"fx must be a number"});
   ExpectRefusal("camera_model: PINHOLE\n" + size + "fx: 9\nfy: 9\ncx: 3\ncy: 2\nk1: 0.3\n",
-                {"k1 is no parameter of PINHOLE"});
+                {"k1 is not a parameter of PINHOLE"});
   ExpectRefusal("camera_model: PINHOLE\n" + size + "fx: -9\nfy: 9\ncx: 3\ncy: 2\n",
                 {"parameter 1", "above zero"});
   ExpectRefusal(
@@ -181,8 +181,8 @@ TEST_F(CameraFileTest, OtherFilesAreRefused) {
   ExpectRefusal(std::string("\xff\xd8\xff\x00\x01\x02", 6), {});
   ExpectRefusal(OpenCvWith("").replace(10, 11, "image_Girth"), {"image_width is missing"});
   ExpectError([&] { ReadCameraFile(folder_ / "none.yaml"); }, ErrorCode::kBadCamera,
-              {"none.yaml", "isn't there"});
-  ExpectError([&] { ReadCameraFile(folder_); }, ErrorCode::kBadCamera, {"isn't a file"});
+              {"none.yaml", "does not exist"});
+  ExpectError([&] { ReadCameraFile(folder_); }, ErrorCode::kBadCamera, {"is not a regular file"});
 }
 
 TEST_F(CameraFileTest, MatricesThatAreWrong) {

@@ -51,7 +51,7 @@ TEST_F(RigSourceTest, ChainsWithGapsAreRefused) {
   ExpectError(read(text), ErrorCode::kBadCamera, {"T_cn_cnm1 is missing"});
   text = Camchain();
   text.replace(text.find("[0, 1, 0, 0]"), 12, "[0, 2, 0, 0]");
-  ExpectError(read(text), ErrorCode::kBadCamera, {"T_cn_cnm1 is no rotation"});
+  ExpectError(read(text), ErrorCode::kBadCamera, {"T_cn_cnm1 must be a rotation"});
   text = Camchain();
   text.replace(text.find("[0, 1, 0, 0]"), 12, "[0, 1, 0]");
   ExpectError(read(text), ErrorCode::kBadCamera, {"T_cn_cnm1 isn't 4 rows of 4"});
@@ -85,7 +85,7 @@ TEST_F(RigSourceTest, OwnFilesThatAreWrong) {
   ExpectError(read(OwnRig("    rig_from_camera_xyzw: [0, 0, 0, 2]\n")), ErrorCode::kBadCamera,
               {"length 2", "unit quaternion"});
   ExpectError(read(OwnRig(kSidePose, "ahead")), ErrorCode::kBadCamera, {"'ahead' is there twice"});
-  ExpectError(read("cameras: 5\n"), ErrorCode::kBadCamera, {"cameras is no list"});
+  ExpectError(read("cameras: 5\n"), ErrorCode::kBadCamera, {"cameras must be a list"});
   ExpectError(read("cameras: []\n"), ErrorCode::kBadCamera, {"a rig of 0 cameras"});
   ExpectError(read("cameras: [7]\n"), ErrorCode::kBadCamera, {"rig.yaml"});
 }
@@ -115,7 +115,7 @@ TEST_F(RigSourceTest, ACalibratedRigIsASource) {
   const auto source = OpenSource(folder_.string(), {.every = 2});
   EXPECT_EQ(source->kind(), "cameras");
   EXPECT_EQ(source->size(), 2);
-  EXPECT_EQ(source->Announcement(), "Rig of 2 cameras, 3 moments, 2 of them used");
+  EXPECT_EQ(source->Announcement(), "Rig of 2 cameras, 3 moments, 2 used");
   ASSERT_TRUE(source->faces().has_value());
   EXPECT_EQ(source->faces()->cameras[1].name, "side");
   EXPECT_EQ(source->camera()->width, 16);
@@ -223,7 +223,7 @@ TEST_F(RigSourceTest, WithoutCalibration) {
   WriteImage("a.png");
   ExpectRefusal(ErrorCode::kBadSource, {"without a calibration", "--camera"});
   ExpectError([&] { OpenRigSequence(folder_ / "nowhere"); }, ErrorCode::kBadSource,
-              {"isn't there"});
+              {"does not exist"});
 }
 
 TEST_F(RigSourceTest, EmptyFolder) { ExpectRefusal(ErrorCode::kBadSource, {"no image of a rig"}); }
