@@ -68,7 +68,7 @@ class Client {
     while (!prefix_.empty() && prefix_.back() == '/') prefix_.pop_back();
   }
 
-  // Where was this photo taken? Of one map, or of all for an empty name. `request` has the fields
+  // Localizes images in one map, or in all maps for an empty name. `request` has the fields
   // of docs/http-api.md: {{"fov_deg", 63}, {"debug", true}}.
   Json Localize(const Photo& photo, const std::string& map = "", const Json& request = {}) const {
     return Localize(std::vector<Photo>{photo}, map, request);
