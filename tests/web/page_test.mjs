@@ -131,7 +131,7 @@ async function testWhy(page) {
 
 async function testPlanes(page) {
   const { planes } = await overview();
-  await go(page, "planes", /Planes/);
+  await go(page, "planes", "Plane graph");
   await page.locator(".graph canvas").first().waitFor();
   assert.equal(await page.locator("tbody tr").count(), Math.min(50, planes.id.length));
   await page.waitForTimeout(500);  // for the pictures in the nodes
@@ -139,7 +139,7 @@ async function testPlanes(page) {
   assert.ok(await distinctColours(page, picture) > 50, "the graph shows its planes");
   await shoot(page, "planes");
   await checkAccess(page, "planes");
-  await go(page, `planes/${planes.id[0]}`, /Planes/);
+  await go(page, `planes/${planes.id[0]}`, "Plane graph");
   await page.locator(".panel .dots circle").first().waitFor();
   await checkAccess(page, "a plane");
 }
@@ -456,7 +456,7 @@ async function testPhone() {
   });
   await page.goto(`${url}/`);
   await ask(page, inside);
-  const views = [["ask", /Where/], ["why", /Why/], ["planes", /Planes/], ["keyframes", /Keyframes/],
+  const views = [["ask", /Where/], ["why", /Why/], ["planes", /Plane graph/], ["keyframes", /Keyframes/],
     ["layers", /Trajectory/], ["orientation", /Turns/], ["coverage", /Coverage/], ["layers", /Trajectory/, "turns"],
     ["orientation", /Turns/, "turns"], ["keyframes/2", /Keyframe 2/, "walls"]];
   for (const [view, heading, map] of views) {

@@ -20,7 +20,7 @@ function Stages({ why }: { why: Explanation }) {
     [counted(tried.length, "plane"), "verified"],
     [counted(fitted.length, "plane"), "with a homography"],
     [counted(passed.length, "plane"), "accepted"],
-    [counted(why.places.length, "place"), "they agree on"],
+    [counted(why.places.length, "place"), "found"],
   ];
   return (
     <ol class="stages">

@@ -1,0 +1,497 @@
+// SPDX-License-Identifier: Apache-2.0
+// node page_test.mjs URL INSIDE.jpg ELSEWHERE.jpg [SCREENSHOT_FOLDER]: every view of the page, served
+// at URL with the maps room, walls (of a calibrated camera) and turns (of a rig), in Debian's Chromium.
+// Exit status: 0, 1 after a failure, 77 when something is missing; both with a message.
+import assert from "node:assert/strict";
+import { existsSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+
+const kChromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const kModules = new URL("../../server/web/", import.meta.url);
+const require = createRequire(kModules);
+
+function skip(what) {
+  console.log(what);
+  process.exit(77);
+}
+
+if (Number(process.versions.node.split(".")[0]) < 20) skip("Node is older than 20");
+if (!existsSync(new URL("node_modules/playwright-core", kModules))) {
+  skip("server/web/node_modules is missing; 'make web' installs it");
+}
+if (!existsSync(kChromium)) skip(`there is no ${kChromium}; apt-get install chromium`);
+
+const { chromium } = require("playwright-core");
+const axeSource = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+const [url, inside, elsewhere, screenshots] = process.argv.slice(2);
+const patience = 90_000;
+
+const browser = await chromium.launch({
+  executablePath: kChromium,
+  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync"],
+});
+
+// A page that fails the test for whatever it complains about or asks of others.
+async function open(options) {
+  const context = await browser.newContext(options);
+  const page = await context.newPage();
+  page.setDefaultTimeout(patience);
+  const complaints = [];
+  page.on("console", (m) => {
+    // Software WebGL says that reading pixels is slow. It is asked to by the test alone.
+    const own = !/GPU stall due to ReadPixels/.test(m.text());
+    if (["error", "warning"].includes(m.type()) && own) complaints.push(m.text());
+  });
+  page.on("pageerror", (e) => complaints.push(e.message));
+  page.on("request", (request) => {
+    const target = request.url();
+    const ours = target.startsWith(url) || /^(blob|data):/.test(target);
+    if (!ours) complaints.push(`a request for ${target}`);
+  });
+  return { page, complaints, close: () => context.close() };
+}
+
+async function shoot(page, name) {
+  if (screenshots) await page.screenshot({ path: join(screenshots, `${name}.png`) });
+}
+
+async function shootWhole(page, name) {
+  if (screenshots) await page.screenshot({ path: join(screenshots, `${name}.png`), fullPage: true });
+}
+
+// Serious or not: the page has no violation at all.
+async function checkAccess(page, where) {
+  await page.evaluate(axeSource);
+  const result = await page.evaluate(() => window.axe.run(document));
+  const found = result.violations.map((v) =>
+    `${v.id}: ${v.help} (${v.nodes.map((n) => n.target.join(" ")).slice(0, 3).join("; ")})`);
+  assert.deepEqual(found, [], `axe in ${where}`);
+}
+
+const go = async (page, view, heading, map = "room") => {
+  await page.evaluate((hash) => { location.hash = hash; }, `#/${map}/${view}`);
+  await page.getByRole("heading", { level: 1, name: heading }).waitFor();
+};
+
+async function ask(page, photo) {
+  await page.setInputFiles(".chooser input >> nth=0", photo);
+  await page.locator(".verdict").waitFor();
+  return page.locator(".verdict h2").innerText();
+}
+
+const json = (value) => ({ contentType: "application/json", body: JSON.stringify(value) });
+
+async function overview() {
+  return (await fetch(`${url}/v1/maps/room/overview`)).json();
+}
+
+// Dropped as a person would, not chosen.
+async function drop(page, photo) {
+  const bytes = [...readFileSync(photo)];
+  await page.evaluate((data) => {
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([new Uint8Array(data)], "dropped.jpg", { type: "image/jpeg" }));
+    document.querySelector(".chooser").dispatchEvent(
+      new DragEvent("drop", { dataTransfer: transfer, bubbles: true, cancelable: true }));
+  }, bytes);
+  await page.locator(".verdict").waitFor();
+  return page.locator(".verdict h2").innerText();
+}
+
+async function testAsk(page) {
+  await go(page, "ask", "Where was this photo taken?");
+  assert.match(await drop(page, inside), /Localized near keyframe \d+/);
+  await page.locator("figure svg line").first().waitFor();
+  assert.ok(await page.locator("figure svg line").count() >= 8, "lines of matches");
+  assert.ok(await page.locator("figure .outline polygon").count() >= 2, "outlines on both pictures");
+  const numbers = await page.locator(".facts").innerText();
+  assert.match(numbers, /Confidence\s*(over )?\d+%/);
+  assert.match(numbers, /\d ms/);
+  assert.ok((await page.locator(".curl pre").innerText()).includes(`${url}/v1/maps/room/localize`));
+  await shoot(page, "ask");
+  await checkAccess(page, "ask");
+}
+
+async function testWhy(page) {
+  await page.getByRole("link", { name: "Why", exact: true }).click();
+  await page.getByRole("heading", { level: 1, name: "Why this answer?" }).waitFor();
+  assert.match(await page.locator("table").first().innerText(), /Accepted: best place/);
+  await checkAccess(page, "why, localized");
+  await go(page, "ask", "Where was this photo taken?");
+  await ask(page, elsewhere);
+  await page.locator(".verdict.not_in_map").waitFor();
+  await go(page, "why", "Why this answer?");
+  const stages = await page.locator(".stages").innerText();
+  assert.match(stages, /0 planes\s+accepted/);
+  await shoot(page, "why");
+  await checkAccess(page, "why, not in the map");
+}
+
+async function testPlanes(page) {
+  const { planes } = await overview();
+  await go(page, "planes", "Plane graph");
+  await page.locator(".graph canvas").first().waitFor();
+  assert.equal(await page.locator("tbody tr").count(), Math.min(50, planes.id.length));
+  await page.waitForTimeout(500);  // for the pictures in the nodes
+  const picture = await page.locator(".graph .canvas").screenshot();
+  assert.ok(await distinctColours(page, picture) > 50, "the graph shows its planes");
+  await shoot(page, "planes");
+  await checkAccess(page, "planes");
+  await go(page, `planes/${planes.id[0]}`, "Plane graph");
+  await page.locator(".panel .dots circle").first().waitFor();
+  await checkAccess(page, "a plane");
+}
+
+const getJson = async (path) => (await fetch(url + path)).json();
+
+// The orientation layer of a rig that went around a corner: its map, its plots, and a node.
+async function testOrientation(page) {
+  const layer = await getJson("/v1/maps/turns/orientation");
+  const turn = layer.turns.find((t) => t.confirmed);
+  assert.ok(turn, "the walk around the corner has a turn");
+  await go(page, "orientation", "Turns and corridors", "turns");
+  await page.locator(".trajectory-map .turn circle").first().waitFor();
+  assert.equal(await page.locator(".trajectory-map g circle").count(), layer.nodes.length);
+  assert.equal(await page.locator(".trajectory-map .corridor").count(), layer.corridors.length);
+  assert.equal(await page.locator(".series canvas").count(), 2, "heading and lines");
+  await page.locator(".trajectory-map .turn circle").first().click();
+  await page.waitForURL(new RegExp(`orientation/${turn.frame}$`));
+  await page.locator(".facts", { hasText: `Turn${turn.direction}` }).waitFor();
+  const cells = layer.nodes.find((n) => n.id === turn.frame).directions;
+  assert.deepEqual((await page.locator(".cells text:not(.name)").allTextContents()).map(Number), cells);
+  const { lines } = await getJson(`/v1/maps/turns/orientation/nodes/${turn.frame}/lines`);
+  await page.waitForFunction((n) => document.querySelectorAll(".directed polyline").length === n, lines.length);
+  assert.ok(lines.length > 5, "its picture has lines");
+  for (const axis of ["x", "y", "z"]) {
+    const along = lines.filter((l) => l.axis === axis).length;
+    assert.equal(await page.locator(`.directed polyline.${axis}`).count(), along, `lines along ${axis}`);
+  }
+  const plot = await page.locator(".series canvas").first().screenshot();
+  assert.ok(await distinctColours(page, plot) > 5, "the heading is drawn");
+  await shootWhole(page, "orientation");
+  await checkAccess(page, "orientation");
+  await page.getByRole("link", { name: "Next node" }).or(page.getByRole("link", { name: "Previous node" })).first().click();
+  await page.waitForURL((to) => !to.hash.endsWith(`/${turn.frame}`));
+}
+
+// The same layer with a corridor, a turn of the camera alone and a loop, which its short walk hasn't.
+async function testCorridors() {
+  const { page, complaints, close } = await open({});
+  const layer = await getJson("/v1/maps/turns/orientation");
+  const at = layer.turns[0].frame;
+  layer.corridors = [{ id: 1, axis: "x", first: 3, last: at - 3, nodes: [] }];
+  layer.turns.push({ frame: at + 5, direction: "left", angle_rad: 1.5, confirmed: false, axis_after: "y" });
+  layer.edges.push({ a: layer.nodes[0].id, b: layer.nodes.at(-1).id, kind: "loop", matches: 60 });
+  await page.route("**/turns/orientation", (route) => route.fulfill(json(layer)));
+  await page.goto(`${url}/#/turns/orientation/${at}`);
+  await page.locator(".trajectory-map .false-turn").click();
+  await page.waitForURL(new RegExp(`orientation/${at + 5}$`));
+  await page.locator(".facts", { hasText: "left (camera only)" }).waitFor();
+  assert.equal(await page.locator(".trajectory-map .corridor").count(), 1);
+  assert.equal(await page.locator(".trajectory-map .loop").count(), 1);
+  assert.match(await page.getByRole("region", { name: "Corridors" }).innerText(), /1\s+x/);
+  assert.match(await page.getByRole("region", { name: "Loop closures" }).innerText(), /60/);
+  await checkAccess(page, "corridors");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+// A keyframe that has planes with a place: lines by direction, and planes in space.
+async function testSpace(page) {
+  const { keyframes } = await getJson("/v1/maps/walls/keyframes");
+  const spaces = await Promise.all(keyframes.map((k) => getJson(`/v1/maps/walls/keyframes/${k.id}/space`)));
+  const placed = (space) => space.planes.filter((p) => p.trouble === null).length;
+  const best = spaces.reduce((a, b) => (placed(b) > placed(a) ? b : a));
+  assert.ok(placed(best) >= 2, "a keyframe sees both walls in space");
+  await go(page, `keyframes/${best.keyframe}`, `Keyframe ${best.keyframe}`, "walls");
+  await page.getByLabel("Show lines coloured by Manhattan axis").check();
+  await page.locator(".directed polyline").first().waitFor({ state: "attached" });
+  await page.getByRole("button", { name: "Show planes in 3D" }).click();
+  await page.locator(".space canvas").waitFor();
+  await page.waitForTimeout(800);  // for the picture on the planes
+  const seen = await page.locator(".space").screenshot();
+  assert.ok(await distinctColours(page, seen) > 40, "the planes have their pictures");
+  await page.getByRole("button", { name: "Top" }).click();
+  assert.notDeepEqual(await page.locator(".space").screenshot(), seen, "it turns");
+  await page.getByRole("button", { name: "Behind the camera" }).click();
+  await shootWhole(page, "space");
+  await checkAccess(page, "planes in space");
+}
+
+// How many colours a picture has, to 4 bits a channel.
+function distinctColours(page, png) {
+  return page.evaluate(async (base64) => {
+    const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+    const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+    const context = canvas.getContext("2d");
+    context.drawImage(bitmap, 0, 0);
+    const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+    const colours = new Set();
+    for (let i = 0; i < data.length; i += 4) {
+      colours.add(((data[i] >> 4) << 8) | ((data[i + 1] >> 4) << 4) | (data[i + 2] >> 4));
+    }
+    return colours.size;
+  }, png.toString("base64"));
+}
+
+async function testKeyframes(page) {
+  const { keyframes } = await overview();
+  const seeing = keyframes.id[keyframes.planes.findIndex((n) => n > 0)];
+  await go(page, "keyframes", "Keyframes");
+  assert.equal(await page.locator(".grid li").count(), Math.min(60, keyframes.id.length));
+  await checkAccess(page, "keyframes");
+  await go(page, `keyframes/${seeing}`, `Keyframe ${seeing}`);
+  await page.locator(".outline polygon").first().waitFor();
+  const drawn = await page.locator(".outline polygon").count();
+  await page.getByRole("checkbox", { name: "draw plane" }).first().uncheck();
+  assert.equal(await page.locator(".outline polygon").count(), drawn - 1, "one outline less");
+  await shoot(page, "keyframe");
+  await checkAccess(page, "a keyframe");
+}
+
+async function testCoverage(page) {
+  await go(page, "coverage", "Coverage");
+  await page.getByRole("heading", { name: /Weak keyframes/ }).waitFor();
+  await page.locator(".series canvas").waitFor();
+  await shoot(page, "coverage");
+  await checkAccess(page, "coverage");
+}
+
+async function testLayers(page) {
+  await go(page, "layers", "Trajectory");
+  await page.getByText("has no appearance layer").waitFor();
+  await page.getByText("has no orientation layer").waitFor();
+  await shoot(page, "layers");
+  await checkAccess(page, "layers");
+}
+
+// A trajectory with a loop, as the endpoints answer.
+async function testOtherLayers() {
+  const { page, complaints, close } = await open({});
+  const known = await overview();
+  const ring = Array.from({ length: 24 }, (_, i) => (2 * Math.PI * i) / 24);
+  await page.route("**/overview", (route) =>
+    route.fulfill(json({ ...known, layers: ["planes", "appearance"] })));
+  await page.route("**/appearance", (route) => route.fulfill(json({
+    scale: "arbitrary",
+    nodes: ring.map((a, i) => ({ id: i, keyframe: 1, x: Math.cos(a), y: Math.sin(a), heading_rad: a })),
+    edges: [...ring.keys()].map((i) => ({ a: i, b: (i + 1) % 24, kind: i === 23 ? "loop" : "odometry", distance: 0.1 })),
+  })));
+  await page.route("**/appearance/nodes/*", (route) => route.fulfill(json({
+    id: 0, sequence: "walk", source: "0.jpg", time_s: null, frame: 0, keyframe: 1, x: 1, y: 0,
+    heading_rad: 0, features: 0, image: null,
+  })));
+  await page.goto(`${url}/#/room/layers`);
+  await page.locator(".trajectory line.loop").waitFor({ state: "attached" });
+  assert.equal(await page.locator(".trajectory circle").count(), 24);
+  assert.equal(await page.locator(".trajectory line.loop").count(), 1);
+  await page.getByText("0.jpg of sequence walk").waitFor();
+  await page.getByRole("button", { name: "Next" }).click();
+  await page.locator(".trajectory circle.chosen").waitFor({ state: "attached" });
+  await checkAccess(page, "the other layers");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+// A panorama asked of a map of panoramas: words, place and heading, and no keyframe made up.
+async function testPanoramaAnswer() {
+  const { page, complaints, close } = await open({});
+  await page.route("**/localize?*", (route) => route.fulfill(json({
+    verdict: "localized", probability: 0.97, image: "p.jpg", map: "room", map_version: "sha256:0",
+    keyframe: null, heading: { rad: 1.5708, deviation_rad: 0.01, of: "layer" }, planes: [],
+    panorama: {
+      node: { id: 51, sequence: "walk", source: "50.jpg", time_s: null },
+      position: { x: 74.4, y: -29.2, deviation: 1.9, metres_per_unit: null }, candidates: [], runner_up: null,
+    },
+    runner_up: null, decided_by: "appearance", timing_ms: { decode: 1, extract: 2, shortlist: 3, verify: 4, total: 10 },
+  })));
+  await page.route("**/appearance/nodes/51/image", (route) => route.fulfill({
+    contentType: "image/jpeg", body: readFileSync(inside),
+  }));
+  await page.goto(`${url}/`);
+  assert.equal(await ask(page, inside), "Localized near panorama 51");
+  assert.match(await page.locator(".verdict").innerText(), /50\.jpg of sequence walk, confidence 97%/);
+  assert.match(await page.locator(".facts").innerText(), /74\.4, -29\.2 ± 1\.9 map units\s+Heading\s+90°/);
+  assert.equal(await page.locator(".panoramas img").count(), 2);
+  await checkAccess(page, "a panorama's answer");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+// A keyframe that is a panorama can be looked around in.
+async function testPanorama() {
+  const { page, complaints, close } = await open({});
+  const summary = await (await fetch(`${url}/v1/maps/room`)).json();
+  for (const sequence of summary.sequences) {
+    sequence.camera = { model: "EQUIRECTANGULAR", width: 640, height: 480, params: [] };
+  }
+  await page.route("**/v1/maps?*", (route) => route.fulfill({
+    contentType: "application/json", body: JSON.stringify({ maps: [summary], next: null }),
+  }));
+  await page.goto(`${url}/#/room/keyframes/1`);
+  await page.locator(".panorama canvas").waitFor();
+  await page.locator(".panorama .pnlm-load-box").waitFor({ state: "hidden" });
+  await shoot(page, "panorama");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+// A map of panoramas alone: no views of planes, and no findings about keyframes that it hasn't got.
+async function testPanoramaMap() {
+  const { page, complaints, close } = await open({});
+  const summary = { ...(await getJson("/v1/maps/room")), planes: 0, keyframes: 0, edges: 0, features: 0 };
+  const none = { id: [], sequence: [], stretch: [], planes: [], features: [] };
+  await page.route("**/v1/maps?*", (route) => route.fulfill(json({ maps: [summary], next: null })));
+  await page.route("**/overview", (route) => route.fulfill(json({
+    ...known(none), layers: ["appearance"],
+  })));
+  await page.route("**/appearance", (route) => route.fulfill(json({
+    scale: "metric", nodes: [{ id: 1, keyframe: null, x: 0, y: 0, heading_rad: 0 }], edges: [],
+  })));
+  await page.goto(`${url}/`);
+  await page.getByRole("navigation").getByRole("link", { name: "Trajectory" }).waitFor();
+  const tabs = await page.getByRole("navigation").getByRole("link").allTextContents();
+  assert.deepEqual(tabs, ["Localize", "Trajectory"]);
+  await go(page, "coverage", "Coverage");
+  await page.getByText("This map has no planes").waitFor();
+  assert.equal(await page.getByText("Every keyframe").count(), 0);
+  await go(page, "planes", "Plane graph");
+  assert.equal(await page.locator(".graph").count(), 0, "no empty graph");
+  await checkAccess(page, "a map of panoramas");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+const known = (keyframes) => ({
+  keyframes,
+  planes: { id: [], stretch: [], features: [], reference: [], keyframes: [] },
+  edges: { a: [], b: [] },
+});
+
+// A JPEG with an EXIF orientation of 6: stored lying on its side, to be turned 90 degrees clockwise.
+function turnedPhoto(photo) {
+  const jpeg = readFileSync(photo);
+  const exif = Buffer.from("ffe1002245786966000049492a00080000000100120103000100000006000000" + "00000000", "hex");
+  return Buffer.concat([jpeg.subarray(0, 2), exif, jpeg.subarray(2)]);
+}
+
+// The browser shows such a photo upright; what the server answers in stored pixels follows it.
+async function testTurnedPhoto() {
+  const { page, complaints, close } = await open({ viewport: { width: 1280, height: 900 } });
+  await page.goto(`${url}/`);
+  const file = { name: "turned.jpg", mimeType: "image/jpeg", buffer: turnedPhoto(inside) };
+  let answer = null;
+  page.on("response", async (r) => { if (r.url().includes("/localize")) answer = await r.json(); });
+  assert.match(await ask(page, file), /Localized near keyframe \d+/);
+  await page.locator("figure svg line").first().waitFor();
+  const { width, height } = answer.explanation.image;
+  const shown = await page.locator("figure img").first().evaluate((i) => [i.naturalWidth, i.naturalHeight]);
+  assert.deepEqual(shown, [height, width], "the browser turns the photo");
+  const box = await page.locator("figure .part").first().boundingBox();
+  assert.ok(Math.abs(box.height / box.width - width / height) < 0.02, "its frame is as high as the upright photo");
+  const [x, y] = answer.planes[0].outline[0];
+  const points = await page.locator("figure .outline polygon").evaluateAll((all) => all.map((p) => p.getAttribute("points")));
+  assert.ok(points.some((list) => list.split(" ")[0] === `${height - y},${x}`), `outlines are turned: ${points[0]}`);
+  await shoot(page, "turned_photo");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+// A server with tokens: the page asks for one, says when it is wrong, and keeps it with the tab. What
+// the server refuses without one is played here.
+async function testTokens() {
+  const { page, complaints, close } = await open({});
+  const token = "a-token-of-this-test";
+  await page.route("**/v1/**", (route) => {
+    if (route.request().headers().authorization === `Bearer ${token}`) return route.continue();
+    return route.fulfill({ status: 401, contentType: "application/problem+json", body: JSON.stringify({
+      type: "urn:waystone:problem:unauthorized", title: "Authentication required", status: 401,
+      detail: "Send one of this server's tokens as a bearer token", code: "unauthorized" }) });
+  });
+  await page.goto(`${url}/`);
+  await page.getByRole("heading", { name: "Authentication required" }).waitFor();
+  await checkAccess(page, "the token");
+  const enter = async (text) => {
+    await page.getByLabel("Token").fill(text);
+    await page.getByRole("button", { name: "Sign in" }).click();
+  };
+  await enter("another");
+  await page.getByText("Invalid token").waitFor();
+  await enter(token);
+  await page.getByRole("heading", { name: "Where was this photo taken?" }).waitFor();
+  assert.match(await drop(page, inside), /Localized near keyframe \d+/);
+  await page.reload();
+  await page.getByRole("heading", { name: "Where was this photo taken?" }).waitFor();
+  await go(page, "keyframes", "Keyframes");
+  await page.locator('.thumbnail img[src^="blob:"]').first().waitFor();
+  // The browser itself notes each refusal.
+  assert.deepEqual(complaints.filter((said) => !/401/.test(said)), []);
+  await close();
+}
+
+// From the address to an answer without a mouse.
+async function testKeyboard(page) {
+  await page.goto(`${url}/`);
+  await page.getByRole("heading", { level: 1 }).waitFor();
+  const reached = [];
+  for (let i = 0; i < 14; ++i) {
+    await page.keyboard.press("Tab");
+    reached.push(await page.evaluate(() => {
+      const e = document.activeElement;
+      return e.getAttribute("type") === "file" ? "file" : e.textContent.trim().slice(0, 24);
+    }));
+  }
+  for (const wanted of ["Skip to content", "Planes", "Coverage", "file"]) {
+    assert.ok(reached.includes(wanted), `Tab reaches ${wanted}: ${reached}`);
+  }
+}
+
+// Nothing is wider than a phone, and the dark colours are as good.
+async function testPhone() {
+  const { page, complaints, close } = await open({
+    viewport: { width: 360, height: 740 }, isMobile: true, hasTouch: true, colorScheme: "dark",
+  });
+  await page.goto(`${url}/`);
+  await ask(page, inside);
+  const views = [["ask", /Where/], ["why", /Why/], ["planes", /Plane graph/], ["keyframes", /Keyframes/],
+    ["layers", /Trajectory/], ["orientation", /Turns/], ["coverage", /Coverage/], ["layers", /Trajectory/, "turns"],
+    ["orientation", /Turns/, "turns"], ["keyframes/2", /Keyframe 2/, "walls"]];
+  for (const [view, heading, map] of views) {
+    await go(page, view, heading, map);
+    if (map === "walls") await page.getByRole("button", { name: "planes in 3D" }).click();
+    if (map) await page.waitForTimeout(800);  // for its pictures
+    const width = await page.evaluate(() => document.documentElement.scrollWidth);
+    assert.ok(width <= 360, `${view} is ${width} px wide on a phone`);
+    await shoot(page, `phone_${map ? `${map}_` : ""}${view.split("/")[0]}`);
+    await checkAccess(page, `${view}${map ? ` of ${map}` : ""}, dark`);
+  }
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+try {
+  const { page, complaints, close } = await open({ viewport: { width: 1280, height: 800 } });
+  await page.goto(`${url}/`);
+  for (const test of [testAsk, testWhy, testPlanes, testKeyframes, testLayers, testOrientation,
+    testSpace, testCoverage, testKeyboard]) {
+    await test(page);
+    assert.deepEqual(complaints, [], test.name);
+  }
+  await close();
+  await testOtherLayers();
+  await testCorridors();
+  await testPanorama();
+  await testPanoramaAnswer();
+  await testPanoramaMap();
+  await testTurnedPhoto();
+  await testTokens();
+  await testPhone();
+  await browser.close();
+} catch (error) {
+  console.log(String(error.stack ?? error).replace(/\n\s*\n/g, "\n"));
+  await browser.close();
+  process.exit(1);
+}
