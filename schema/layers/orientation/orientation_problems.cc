@@ -86,13 +86,13 @@ class OrientationProblemFinder {
     const std::string where = Where("orientation_frames", frame.id);
     frames_.emplace(frame.id, frame.sequence);
     Require(HasSequence(map_, frame.sequence), where,
-            "there is no sequence " + std::to_string(frame.sequence.value));
+            "no such sequence: " + std::to_string(frame.sequence.value));
     const auto [last, first_of_sequence] = last_frame_.emplace(frame.sequence, -1);
     Require(frame.frame > last->second, where,
             "frame " + std::to_string(frame.frame) + " is below 0 or comes after frame " +
                 std::to_string(last->second) + " of its sequence");
     last->second = frame.frame;
-    Require(std::isfinite(frame.time_s.value_or(0)), where, "its time isn't finite");
+    Require(std::isfinite(frame.time_s.value_or(0)), where, "its time is not finite");
     Require(AreCounts(frame.lines), where, "negative number of lines");
     Require(frame.rotation || !frame.reliable, where, "it is reliable but has no rotation");
     if (!frame.rotation) return;
