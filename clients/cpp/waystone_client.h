@@ -131,7 +131,8 @@ class Client {
     std::ifstream in(path, std::ios::binary);
     std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
     if (!in.is_open() || in.bad()) {
-      throw ClientError("unreadable_photo", 0, path + " can't be read; check the path and its permissions");
+      throw ClientError("unreadable_photo", 0,
+                        path + " can't be read; check the path and its permissions");
     }
     return {path, std::move(bytes)};
   }

@@ -112,8 +112,8 @@ BytesView Row::BlobOfRows(int row_bytes) {
   const SQLite::Column column = Next(ColumnType::kBlob);
   CheckType(column, SQLITE_BLOB, "a blob");
   if (column.getBytes() % row_bytes != 0) {
-    ThrowDamage(column, "has " + std::to_string(column.getBytes()) +
-                            " bytes, not a multiple of " + std::to_string(row_bytes));
+    ThrowDamage(column, "has " + std::to_string(column.getBytes()) + " bytes, not a multiple of " +
+                            std::to_string(row_bytes));
   }
   return CheckedBlob(column);
 }

@@ -161,7 +161,8 @@ TEST_F(CheckMapTest, RowsGoneOrAdded) {
   ExpectFound("DELETE FROM map", "map", "no row");
   ExpectFound("DELETE FROM edges", "edges", "0 rows");
   ExpectFound("DELETE FROM plane_features", "planes ", "no row in plane_features");
-  ExpectFound("DELETE FROM contents WHERE table_name = 'planes'", "planes", "contents has no row");
+  ExpectFound("DELETE FROM contents WHERE table_name = 'planes'", "planes",
+              "has no row in contents");
   ExpectFound("DELETE FROM plane_views", "planes ", "no view of its reference");
   ExpectFound("INSERT INTO keyframes VALUES (999, 999, 0, 0, '', NULL, 1, 1)", "keyframes 999",
               "no sequence 999");
@@ -171,8 +172,8 @@ TEST_F(CheckMapTest, RowsGoneOrAdded) {
 
 TEST_F(CheckMapTest, SchemaAltered) {
   ExpectFound("DROP TABLE edges", "edges", "missing");
-  ExpectFound("ALTER TABLE keyframes RENAME COLUMN source TO origin", "keyframes", "altered");
-  ExpectFound("DROP VIEW plane_list; CREATE VIEW plane_list AS SELECT 1", "plane_list", "altered");
+  ExpectFound("ALTER TABLE keyframes RENAME COLUMN source TO origin", "keyframes", "modified");
+  ExpectFound("DROP VIEW plane_list; CREATE VIEW plane_list AS SELECT 1", "plane_list", "modified");
   ExpectFound("DROP TABLE planes; CREATE VIEW planes AS SELECT randomblob(1000000000) AS id",
               "planes", "missing");
 }

@@ -193,9 +193,9 @@ class PlaneProblemFinder {
   void CheckHomology(const Edge& edge, const std::string& where) {
     Require(std::isfinite(edge.third_eigenvalue), where, "its third eigenvalue is not finite");
     if (!CheckHomography(edge.homology, edge.to, edge.to, where)) return;
-    Require(
-        HasEigenvalues(edge.homology, edge.third_eigenvalue, kEigenvalueTolerance), where,
-        "its homology does not have the eigenvalues 1, 1 and " + std::to_string(edge.third_eigenvalue));
+    Require(HasEigenvalues(edge.homology, edge.third_eigenvalue, kEigenvalueTolerance), where,
+            "its homology does not have the eigenvalues 1, 1 and " +
+                std::to_string(edge.third_eigenvalue));
   }
 
   void CheckIndex() {

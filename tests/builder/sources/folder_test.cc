@@ -138,7 +138,7 @@ TEST_F(FolderTest, NothingUsableSaysWhatIsThere) {
 TEST_F(FolderTest, FoldersAloneAreNamed) {
   for (const char* name : {"rig/a.png", "panorama/a.png", "x/a.png", "y/a.png"}) WriteImage(name);
   ExpectError([&] { Open(); }, ErrorCode::kBadSource,
-              {"4 folders (panorama, rig, x, ...)", "give one of them"});
+              {"4 folders (panorama, rig, x, ...)", "use one of them"});
 }
 
 TEST_F(FolderTest, WhatIsNotThereOrIsOneImage) {
