@@ -43,7 +43,7 @@ Sequence OrientationPass::Read(const MapData& map, Source& source) {
   const int before = builder_.frames();
   const auto report = [&](const OrientationProgress& now) {
     BuildProgress build;
-    build.stage = "orientation";
+    build.stage = "directions";
     build.done = now.done - before;
     return !progress_ || progress_(build);
   };
