@@ -84,12 +84,12 @@ function Header({ maps, map, view }: { maps: MapSummary[]; map: MapSummary; view
 }
 
 function Footer({ map }: { map: MapSummary }) {
+  const counts = [counted(map.keyframes, "keyframe"), counted(map.planes, "plane"),
+    `${counted(map.features, "feature")} (${map.feature_type})`, counted(map.edges, "edge")];
   return (
     <footer>
       <p>
-        {map.name}: {counted(map.keyframes, "keyframe")}, {counted(map.planes, "plane")},{" "}
-        {counted(map.features, "feature")} ({map.feature_type}), {counted(map.edges, "edge")}.
-        Built with {map.program}. Version <code title={map.version}>{map.version.slice(0, 15)}</code>.
+        {map.name}{map.planes > 0 && `: ${counts.join(", ")}`}. Built with {map.program}. Version <code title={map.version}>{map.version.slice(0, 15)}</code>.
       </p>
       <p>
         <a href={`/v1/maps/${encodeURIComponent(map.name)}`}>JSON</a> ·{" "}

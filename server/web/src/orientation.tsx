@@ -203,7 +203,7 @@ function Lists({ map, layer }: { map: string; layer: Orientation }) {
         heads={["Frame", "Direction", "Angle", "New axis"]}
         rows={layer.turns.map((t) => [
           link(t.frame), t.confirmed ? t.direction : `${t.direction} (camera only)`,
-          `${(t.angle_rad * kDegrees).toFixed(0)}°`, t.axis_after,
+          `${Math.round(t.angle_rad * kDegrees) + 0}°`, t.axis_after,
         ])}
         none="No turns."
       />
