@@ -52,11 +52,11 @@ void BuildOptions::Check() const {
   appearance_calibration.Check();
   if (image_width < 16 || image_width > 4096) {
     throw MapError(ErrorCode::kBadOptions, "image_width is " + std::to_string(image_width) +
-                                               "; give a number from 16 to 4096");
+                                               "; it must be between 16 and 4096");
   }
   if (threads < 0 || threads > 1024) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "threads is " + std::to_string(threads) + "; give 0 (all cores) to 1024");
+    throw MapError(ErrorCode::kBadOptions, "threads is " + std::to_string(threads) +
+                                               "; it must be between 0 (one per core) and 1024");
   }
 }
 
