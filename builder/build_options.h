@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <tuple>
 
 #include "builder/appearance/options.h"
 #include "builder/calibration/appearance_calibration.h"
@@ -10,10 +11,12 @@
 #include "builder/orientation/options.h"
 #include "builder/planes/keyframe_selector.h"
 #include "builder/planes/options.h"
+#include "core/base/options.h"
 #include "core/features/features.h"
 
 namespace waystone {
 
+// Everything a map is built with.
 struct BuildOptions {
   std::string map_name = "map";
   FeatureOptions features;
@@ -24,13 +27,26 @@ struct BuildOptions {
   LayerChoice layers;
   CalibrationOptions calibration;
   AppearanceCalibrationOptions appearance_calibration;
-  // Keep a smaller JPEG of each keyframe in the map, for people.
   bool images = true;
-  int image_width = 320;  // px
-  // Threads for reading and features; 0 takes as many as there are cores. The map doesn't depend
-  // on it.
+  int image_width = 320;
   int threads = 0;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionGroup{"keyframes", &BuildOptions::keyframes},
+        OptionGroup{"planes", &BuildOptions::planes},
+        OptionGroup{"appearance", &BuildOptions::appearance},
+        OptionGroup{"orientation", &BuildOptions::orientation},
+        OptionGroup{"calibration", &BuildOptions::calibration},
+        OptionGroup{"appearance_calibration", &BuildOptions::appearance_calibration},
+        OptionField{"images", &BuildOptions::images, AnyValue(), "",
+                    "Keep a thumbnail of each keyframe and panorama in the map, for people."},
+        OptionField{"image_width", &BuildOptions::image_width, Closed(16, 4096), "px",
+                    "Width of a keyframe's thumbnail."},
+        OptionField{"threads", &BuildOptions::threads, Closed(0, 1024), "",
+                    "Threads for reading and features; 0 takes as many as there are cores. The "
+                    "map doesn't depend on it."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
