@@ -22,6 +22,7 @@
 #include "schema/file/map_writer.h"
 #include "schema/file/migrate.h"
 #include "schema/file/sha256.h"
+#include "schema/layers/layers.h"
 
 namespace waystone {
 namespace {
@@ -63,34 +64,27 @@ std::string Summary(const std::vector<MapProblem>& problems) {
 }
 
 [[noreturn]] void ThrowDamaged(const fs::path& path, const std::vector<MapProblem>& problems) {
-  throw MapError(ErrorCode::kMapDamaged,
-                 path.string() + " is damaged: " + Summary(problems) +
-                     "; take it from a backup or build it again (`waystone check` lists all)");
-}
-
-// The version of a plane's descriptors without rows means nothing, so it may differ.
-bool SamePlane(const Plane& a, const Plane& b) {
-  return a.id == b.id && a.reference == b.reference && a.features == b.features &&
-         a.descriptors.data() == b.descriptors.data() && a.outline == b.outline &&
-         a.views == b.views;
+  throw MapError(
+      ErrorCode::kMapDamaged,
+      path.string() + " is damaged: " + Summary(problems) +
+          "; restore it from a backup or rebuild it (`waystone check` lists all problems)");
 }
 
 bool SameMap(const MapData& a, const MapData& b) {
   return a.info.name == b.info.name && a.info.program == b.info.program &&
          a.info.feature_type == b.info.feature_type && a.info.options_json == b.info.options_json &&
-         a.sequences == b.sequences && a.keyframes == b.keyframes && a.edges == b.edges &&
-         a.index == b.index && a.verdict == b.verdict && a.appearance == b.appearance &&
-         a.orientation == b.orientation &&
-         std::equal(a.planes.begin(), a.planes.end(), b.planes.begin(), b.planes.end(), SamePlane);
+         a.sequences == b.sequences &&
+         std::ranges::all_of(StoredLayers(),
+                             [&](const StoredLayer& layer) { return layer.equal(a, b); });
 }
 
 void VerifyWritten(const MapData& map, const fs::path& written, const fs::path& target) {
   const Reading reading = Inspect(written, {}, true);
   if (reading.problems.empty() && SameMap(map, reading.map)) return;
   throw MapError(ErrorCode::kMapDamaged,
-                 target.string() + ": what was written reads back " +
+                 target.string() + ": the written file reads back " +
                      (reading.problems.empty() ? "differently" : Summary(reading.problems)) +
-                     "; nothing was replaced: check the disk and try again");
+                     "; the target was not replaced; check the disk and try again");
 }
 
 // Which file a path names and when it last changed.
@@ -151,8 +145,8 @@ void WriteMap(const MapData& map, const fs::path& path, const WriteOptions& opti
   const std::vector<MapProblem> problems = FindMapProblems(map);
   if (!problems.empty()) {
     throw MapError(ErrorCode::kMapDamaged,
-                   path.string() + " was not written, the map is unsound: " + Summary(problems) +
-                       "; please report this");
+                   path.string() + " was not written because the map is inconsistent: " +
+                       Summary(problems) + "; please report this");
   }
   try {
     FileReplacer file(path, options.overwrite);
@@ -176,9 +170,9 @@ MapData ReadMap(const fs::path& path, const ReadOptions& options) {
     if (!reading.problems.empty()) ThrowDamaged(path, reading.problems);
     return std::move(reading.map);
   }
-  throw MapError(ErrorCode::kFileUnreadable, path.string() + " changed while it was read, " +
+  throw MapError(ErrorCode::kFileUnreadable, path.string() + " changed while being read, " +
                                                  std::to_string(kAttempts) +
-                                                 " times; wait until it is complete");
+                                                 " times; retry when it is complete");
 }
 
 std::vector<MapProblem> CheckMap(const fs::path& path) { return Inspect(path, {}, true).problems; }
