@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "core/base/pose2.h"
+#include "core/geometry/pose2.h"
 #include "core/localization/graph_filter.h"
 #include "localizer/planes/explanation.h"
 

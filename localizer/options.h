@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/base/pose2.h"
 #include "core/camera/camera.h"
 #include "core/features/match.h"
+#include "core/geometry/pose2.h"
+#include "core/homography/find_plane.h"
 #include "core/homography/homology.h"
-#include "core/homography/local_ransac.h"
 #include "core/image/decode.h"
 #include "core/localization/graph_filter.h"
 #include "core/manhattan/manhattan_frame.h"

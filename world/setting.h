@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/pose2.h"
+#include "core/geometry/pose2.h"
 #include "world/floor_plan.h"
 #include "world/walk.h"
 #include "world/world.h"

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <string>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
 #include "core/base/random.h"
+#include "core/geometry/angle.h"
 #include "world/path.h"
 
 namespace waystone {

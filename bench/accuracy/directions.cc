@@ -6,8 +6,8 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/oriented_set.h"
-#include "core/base/angle.h"
 #include "core/base/clock.h"
+#include "core/geometry/angle.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"
 #include "core/manhattan/manhattan_frame.h"

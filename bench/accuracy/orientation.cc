@@ -16,6 +16,7 @@
 #include "builder/orientation/follow.h"
 #include "builder/orientation/orientation_layer.h"
 #include "core/base/error.h"
+#include "core/geometry/rotation.h"
 #include "core/manhattan/cube_rotations.h"
 #include "world/rig.h"
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/base/pose2.h"
+#include "core/geometry/pose2.h"
 #include "core/panorama/visual_compass.h"
 #include "core/pose_graph/pose_graph.h"
 

@@ -6,8 +6,8 @@
 #include <complex>
 
 #include "core/base/error.h"
-#include "core/base/linear_algebra.h"
 #include "core/base/random.h"
+#include "core/geometry/linear_algebra.h"
 
 namespace waystone {
 namespace {
@@ -53,7 +53,7 @@ void HomologyOptions::Check() const {
 }
 
 HomologyEigenvalues EigenvaluesOf(const Matrix3d& homology) {
-  const Eigen::Vector3cd values = EigenvaluesOf3x3(homology);
+  const Eigen::Vector3cd values = ComputeEigenvalues3x3(homology);
   int odd = 0;  // the one that is not in the closest pair
   double closest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {

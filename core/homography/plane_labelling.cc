@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/robust/median.h"
 
 namespace waystone {
 void LabellingOptions::Check() const {
@@ -191,10 +192,8 @@ void PlaneLabelling::Refit() {
     Measure(plane);
     std::vector<float> errors;
     for (int row : rows) errors.push_back(plane.errors_px[row]);
-    const auto middle = errors.begin() + static_cast<ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    plane.sigma_px =
-        std::clamp(*middle / kRayleighMedian, options_.min_sigma_px, options_.max_sigma_px);
+    plane.sigma_px = std::clamp(Median(std::move(errors)) / kRayleighMedian, options_.min_sigma_px,
+                                options_.max_sigma_px);
   }
 }
 

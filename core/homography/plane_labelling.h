@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/homography/local_ransac.h"
+#include "core/homography/find_plane.h"
 
 namespace waystone {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/homography/find_plane.h"
 #include "core/homography/homology.h"
-#include "core/homography/local_ransac.h"
 #include "core/homography/plane_labelling.h"
 
 namespace waystone {

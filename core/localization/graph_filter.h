@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/base/pose2.h"
+#include "core/geometry/pose2.h"
 
 // Localization over a graph of nodes with poses for a series of images: a Bayes filter whose places
 // are the nodes, each with a normal distribution of the heading. It is what Monte-Carlo

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/base/linear_algebra.h"
+#include "core/geometry/linear_algebra.h"
+#include "core/geometry/rotation.h"
 
 namespace waystone {
 namespace {
@@ -72,12 +73,6 @@ NormalEquations Linearise(std::span<const Line> lines, const Eigen::Matrix3d& ro
   return sum;
 }
 
-Eigen::Matrix3d Exp(const Eigen::Vector3d& w) {
-  const double angle = w.norm();
-  if (angle == 0) return Eigen::Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
-}
-
 }  // namespace
 
 std::vector<Line> LinesOf(std::span<const GreatCircle> circles, int max_lines) {
@@ -139,7 +134,7 @@ RefinedRotation RefineRotation(std::span<const Line> lines, const Eigen::Matrix3
   for (int step = 0; step < options.max_steps; ++step) {
     const NormalEquations sum = Linearise(lines, rotation, options);
     const Eigen::Vector3d w = -SolveSymmetric(sum.h, sum.g);
-    rotation = Exp(w) * rotation;
+    rotation = RotationByVector(w) * rotation;
     if (w.norm() < kArrived) break;
   }
   rotation = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();

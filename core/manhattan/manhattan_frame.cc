@@ -8,6 +8,7 @@
 
 #include "core/base/option_range.h"
 #include "core/base/random.h"
+#include "core/geometry/rotation.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/line_model.h"
 
@@ -155,10 +156,7 @@ ManhattanFrame Describe(std::span<const Line> lines, size_t all_lines,
 
 }  // namespace
 
-double ManhattanFrame::sigma_rad() const {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
-}
+double ManhattanFrame::sigma_rad() const { return WorstAxisSigma(covariance); }
 
 ManhattanFrame FindManhattanFrame(std::span<const GreatCircle> circles,
                                   const ManhattanOptions& options) {

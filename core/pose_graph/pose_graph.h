@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/base/pose2.h"
+#include "core/geometry/pose2.h"
 
 namespace waystone {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/pose2.h"
+#include "core/geometry/pose2.h"
 #include "core/trajectory/shape_difference.h"
 
 namespace waystone {

@@ -8,6 +8,7 @@
 
 #include "core/base/check.h"
 #include "core/base/option_range.h"
+#include "core/robust/median.h"
 
 namespace waystone {
 namespace {
@@ -25,13 +26,6 @@ float LargestRoot(const AppearanceLayer& layer, int columns) {
 }
 
 constexpr int kReachSamples = 200;  // nodes from which the reach of views is taken
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double MedianSpacing(const std::vector<AppearanceNode>& nodes) {
   std::vector<double> nearest;

@@ -8,8 +8,8 @@
 #include <set>
 #include <utility>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 #include "core/image/exif.h"
 #include "server/http/body_parts.h"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "api/json.h"
-#include "core/base/pose2.h"
 #include "core/camera/camera.h"
+#include "core/geometry/pose2.h"
 #include "core/image/decode.h"
 #include "schema/map_data.h"
 #include "server/http/message.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "builder/sources/source.h"
-#include "core/base/pose2.h"
+#include "core/geometry/pose2.h"
 #include "core/panorama/fourier_signature.h"
 #include "core/trajectory/shape_difference.h"
 #include "world/render.h"

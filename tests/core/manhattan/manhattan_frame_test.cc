@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/manhattan/manhattan_frame.h"
+#include "core/geometry/rotation.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <numbers>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/geometry/angle.h"
 #include "core/manhattan/cube_rotations.h"
 #include "tests/world/test_worlds.h"
 

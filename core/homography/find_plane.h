@@ -2,29 +2,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "core/base/random.h"
 #include "core/homography/homography.h"
+#include "core/homography/neighbourhoods.h"
 
 namespace waystone {
-
-// The nearest neighbours of every point of a set, nearest first.
-class Neighbourhoods {
- public:
-  // `k` neighbours a point (fewer when there are fewer points). Cost: quadratic in the points.
-  Neighbourhoods(std::span<const Eigen::Vector2d> points, int k);
-
-  std::span<const int> of(int point) const {
-    return {neighbours_.data() + static_cast<size_t>(point) * k_, static_cast<size_t>(k_)};
-  }
-
- private:
-  int k_ = 0;
-  std::vector<int> neighbours_;
-};
 
 // Matched points of one image (`from`) and of one or two others. Row i of each belongs together.
 struct MatchedPoints {
@@ -93,6 +80,10 @@ std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const i
                                   const Neighbourhoods& neighbourhoods,
                                   const LocalRansacOptions& options, Random& random);
 
+// The same among all rows, with samples from neighbourhoods of these points alone.
+std::optional<PlaneFit> FindPlane(const MatchedPoints& points, const LocalRansacOptions& options,
+                                  uint64_t seed);
+
 // Least-squares refits of a model on its own inliers among the `active` rows until they don't grow.
 PlaneFit LocalOptimize(const MatchedPoints& points, std::span<const int> active,
                        const PlaneFit& start, const LocalRansacOptions& options);
@@ -100,14 +91,5 @@ PlaneFit LocalOptimize(const MatchedPoints& points, std::span<const int> active,
 // The largest error of an inlier of a plane whose inliers' errors have a given standard deviation
 // (of a coordinate), px.
 double ErrorBound(double sigma_px, const LocalRansacOptions& options);
-
-// Median of the length of an error whose two coordinates have unit standard deviation,
-// sqrt(2 ln 2): outliers don't move the median much.
-inline constexpr double kRayleighMedian = 1.1774;
-
-// Number of samples so that with probability `confidence` one is made of inliers alone, eq. (1):
-// k = log(1 - p) / log(1 - w^4), where w^4 is the probability that a sample is. Local samples make
-// it likelier than w^4, so the caller gives it.
-double SamplesNeeded(double confidence, double sample_probability);
 
 }  // namespace waystone
