@@ -1,79 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "builder/appearance/build_appearance.h"
-#include "builder/calibration/appearance_calibration.h"
-#include "builder/calibration/calibrate.h"
-#include "builder/layer_choice.h"
+#include "builder/appearance/appearance_layer.h"
+#include "builder/build_options.h"
+#include "builder/frames/progress.h"
 #include "builder/orientation/orientation_layer.h"
-#include "builder/planes/keyframe_selector.h"
-#include "builder/planes/options.h"
+#include "builder/planes/plane_layer.h"
 #include "builder/sources/source.h"
-#include "core/features/features.h"
 #include "schema/map_data.h"
 
 namespace waystone {
 
-struct BuildOptions {
-  std::string map_name = "map";
-  FeatureOptions features;
-  KeyframeOptions keyframes;
-  PlaneLayerOptions planes;
-  AppearanceOptions appearance;
-  OrientationOptions orientation;
-  LayerChoice layers;
-  CalibrationOptions calibration;
-  AppearanceCalibrationOptions appearance_calibration;
-  // Keep a smaller JPEG of each keyframe in the map, for people.
-  bool images = true;
-  int image_width = 320;  // px
-  // Threads for reading and features; 0 takes as many as there are cores. The map doesn't depend
-  // on it.
-  int threads = 0;
-
-  void Check() const;  // throws MapError(kBadOptions)
-};
-
-// How far a build is; handed to the progress callback, one call at a time but from any thread.
-struct BuildProgress {
-  // "frames", "fusion"; "panoramas", "odometry", "loops", "poses", "calibration"; "directions"
-  std::string stage;
-  int done = 0;
-  int total = 0;  // 0 when not known
-  int keyframes = 0;
-  int planes = 0;
-  int panoramas = 0;  // read so far
-};
-
-// What a build did: for the report and the benches.
+// What a build did: for the report and the benches. A layer that wasn't built has none.
 struct BuildReport {
-  int frames = 0;
-  int skipped = 0;                         // frames that could not be decoded
-  std::vector<std::string> skipped_names;  // "rgb/000120.jpg: cause", the first 20 of them
-  int stretches = 0;
-  int rotation_only = 0;  // keyframe pairs that only rotated
-  int planes_started = 0;
-  int planes_rejected = 0;   // by the homology test
-  int planes_merged = 0;     // by the homology test (identity) while tracking
-  int planes_fused = 0;      // by eq. (6)
-  int planes_dropped = 0;    // too few features left after the votes
-  int features_dropped = 0;  // by the votes
-  double decode_s = 0;       // summed over threads
-  double extract_s = 0;      // summed over threads
-  double track_s = 0;        // keyframe choice and planes
-  double choose_s = 0;       // of it, keyframe choice
-  double fusion_s = 0;
-  double calibrate_s = 0;
-  double total_s = 0;                          // wall clock
-  std::optional<AppearanceReport> appearance;  // where that layer was built
+  std::optional<PlaneReport> planes;
+  std::optional<AppearanceReport> appearance;
   std::optional<OrientationReport> orientation;
+  double total_s = 0;  // wall clock
 };
 
 struct BuildResult {
@@ -81,14 +28,13 @@ struct BuildResult {
   BuildReport report;
 };
 
-// The layers of a map over one or several sequences: Algorithm 1 of the paper for the planes, which
-// reads like it, BuildAppearanceLayer for panoramas, and the orientation layer of calibrated
-// sources, whose images are decoded once for both. `progress` may be empty;
-// when it returns false, the build stops with MapError(kInterrupted).
+// The layers of a map over one or several sequences. Each source is read once, by all of its layers
+// (ChooseLayers); sequences of planes come first in the map, then those of panoramas, then those of
+// the orientation layer alone. When `progress` returns false, the build stops with
+// MapError(kInterrupted).
 // Throws MapError(kBadSource) when no source has a usable frame, or none fits a layer chosen;
-// kBadCamera when the orientation layer is chosen and no source is calibrated.
+// kBadCamera when the orientation layer is chosen and no source is calibrated; kBadOptions.
 BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
-                     const BuildOptions& options,
-                     const std::function<bool(const BuildProgress&)>& progress);
+                     const BuildOptions& options, const ProgressCallback& progress);
 
 }  // namespace waystone

@@ -15,6 +15,7 @@
 #include "cli/map_file.h"
 #include "cli/panorama_file.h"
 #include "cli/progress.h"
+#include "cli/settings.h"
 #include "cli/signals.h"
 #include "core/base/error.h"
 #include "schema/file/map_store.h"
@@ -33,6 +34,7 @@ struct BuildFlags {
   std::string progress = "auto";
   std::string camera;
   std::string layers = "auto";
+  std::vector<std::string> settings;  // of --set
   PanoramaFlags panorama;
   SourceOptions source;
   int to = -1;
@@ -45,9 +47,12 @@ struct BuildFlags {
 
 // Appended to an announcement; empty for the plane layer.
 std::string LayerText(const Source& source, const LayerChoice& layers) {
-  const bool panoramas = LayerOf(source, layers) == LayerKind::kAppearance;
-  return std::string(panoramas ? ", panoramas (appearance layer)" : "") +
-         (GivesOrientation(source, layers) ? ", calibrated (orientation layer)" : "");
+  std::string text;
+  for (const LayerKind layer : ChooseLayers(source, layers)) {
+    if (layer == LayerKind::kAppearance) text += ", panoramas (appearance layer)";
+    if (layer == LayerKind::kOrientation) text += ", calibrated (orientation layer)";
+  }
+  return text;
 }
 
 std::vector<std::unique_ptr<Source>> OpenSources(const BuildFlags& flags) {
@@ -73,6 +78,7 @@ BuildOptions OptionsOf(const BuildFlags& flags) {
   options.layers = LayerChoiceByNames(flags.layers);
   options.appearance.describe.panorama = PanoramaOptionsOf(flags.panorama);
   options.appearance.describe.signature.band = SignatureOptionsOf(flags.panorama).band;
+  ApplySettings(flags.settings, options);
   options.Check();
   return options;
 }
@@ -118,7 +124,7 @@ int RunBuild(const BuildFlags& flags) {
   CheckWritable(flags.output, write);
   NoteInterrupts();
   const BuildResult result = BuildWithProgress(flags, options);
-  const bool directions_alone = result.map.orientation && result.report.frames == 0;
+  const bool directions_alone = result.map.orientation && !result.report.planes;
   if (result.map.planes.empty() && !result.map.appearance && !directions_alone) {
     return ReportNoPlanes(result);
   }
@@ -178,6 +184,10 @@ void AddMapFlags(CLI::App* command, BuildFlags& flags) {
       ->add_option("--threads", flags.build.threads,
                    "Number of threads, 0 for one per core; does not affect the map")
       ->capture_default_str();
+  command
+      ->add_option("--set", flags.settings,
+                   "Set any option: NAME=VALUE, once for each; `waystone options` lists them")
+      ->allow_extra_args(false);
   command->add_flag("--force", flags.force, "Overwrite an existing map file");
 }
 

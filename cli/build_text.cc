@@ -49,7 +49,7 @@ void Line(std::ostream& out, const std::string& label, const std::string& text) 
   out << "  " << std::left << std::setw(kLabelWidth) << label << text << '\n';
 }
 
-std::string PlanesText(const BuildReport& report) {
+std::string PlanesText(const PlaneReport& report) {
   return std::to_string(report.planes_started) + " created, " +
          std::to_string(report.planes_rejected) + " rejected and " +
          std::to_string(report.planes_merged) + " merged by the homology test, " +
@@ -76,7 +76,7 @@ void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
            std::to_string(report.loops_supported) + " by neighbouring matches, " +
            std::to_string(report.loops_rejected) + " rejected by the pose graph");
   Line(out, "seconds",
-       "decoding " + Seconds(report.decode_s) + ", signatures " + Seconds(report.describe_s) +
+       "decoding " + Seconds(report.decode_s) + ", signatures " + Seconds(report.observe_s) +
            ", odometry " + Seconds(report.odometry_s) + ", loop closure " +
            Seconds(report.loops_s) + ", pose graph " + Seconds(report.graph_s) + ", calibration " +
            Seconds(report.calibrate_s));
@@ -85,19 +85,20 @@ void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
 void OrientationLines(std::ostream& out, const OrientationLayer& layer,
                       const OrientationReport& report) {
   FramesLines(out, "orientation",
-              std::to_string(report.frames) + " frames, " + std::to_string(report.unreadable) +
+              std::to_string(report.frames) + " frames, " + std::to_string(report.skipped) +
                   " unreadable, " + std::to_string(report.unreliable) + " without reliable axes",
-              report.unreadable_names);
+              report.skipped_names);
   Line(out, "trajectory",
        Plural(TurnCount(layer), "turn") + " in " + Plural(layer.turns.size(), "heading change") +
            ", " + Plural(layer.nodes.size(), "node") + ", " +
            Plural(layer.corridors.size(), "corridor") + ", " + Plural(LoopCount(layer), "loop"));
   Line(out, "seconds",
-       "lines and features " + Seconds(report.look_s) + " (total over threads), axes and turns " +
-           Seconds(report.follow_s) + ", edges and loops " + Seconds(report.finish_s));
+       "lines and features " + Seconds(report.observe_s) +
+           " (total over threads), axes and turns " + Seconds(report.add_s) + ", edges and loops " +
+           Seconds(report.finish_s));
 }
 
-void PlanesLines(std::ostream& out, const BuildReport& report) {
+void PlanesLines(std::ostream& out, const PlaneReport& report) {
   FramesLines(out, "frames",
               std::to_string(report.frames) + " used, " + std::to_string(report.skipped) +
                   " skipped, " + std::to_string(report.stretches) + " stretch" +
@@ -105,8 +106,8 @@ void PlanesLines(std::ostream& out, const BuildReport& report) {
               report.skipped_names);
   Line(out, "planes", PlanesText(report));
   Line(out, "seconds",
-       "decoding " + Seconds(report.decode_s) + ", features " + Seconds(report.extract_s) +
-           ", tracking " + Seconds(report.track_s) + ", fusion " + Seconds(report.fusion_s) +
+       "decoding " + Seconds(report.decode_s) + ", features " + Seconds(report.observe_s) +
+           ", tracking " + Seconds(report.add_s) + ", fusion " + Seconds(report.fusion_s) +
            ", calibration " + Seconds(report.calibrate_s) + " (total over threads)");
 }
 
@@ -122,7 +123,7 @@ Json AppearanceReportJson(const AppearanceReport& report) {
           {"dropped", report.dropped},
           {"seconds",
            {{"decode", Rounded(report.decode_s, 3)},
-            {"describe", Rounded(report.describe_s, 3)},
+            {"describe", Rounded(report.observe_s, 3)},
             {"odometry", Rounded(report.odometry_s, 3)},
             {"loops", Rounded(report.loops_s, 3)},
             {"poses", Rounded(report.graph_s, 3)}}}};
@@ -130,13 +131,13 @@ Json AppearanceReportJson(const AppearanceReport& report) {
 
 Json OrientationReportJson(const OrientationReport& report) {
   return {{"frames", report.frames},
-          {"unreadable", report.unreadable},
-          {"unreadable_names", report.unreadable_names},
+          {"unreadable", report.skipped},
+          {"unreadable_names", report.skipped_names},
           {"unreliable", report.unreliable},
           {"tests", report.tests},
           {"seconds",
-           {{"look", Rounded(report.look_s, 3)},
-            {"follow", Rounded(report.follow_s, 3)},
+           {{"look", Rounded(report.observe_s, 3)},
+            {"follow", Rounded(report.add_s, 3)},
             {"finish", Rounded(report.finish_s, 3)}}}};
 }
 
@@ -224,7 +225,7 @@ std::string SummaryText(const BuildSummary& summary) {
   std::ostringstream text;
   text << summary.path << ": " << CountsText(summary.result->map) << ", "
        << BytesText(summary.bytes) << " in " << Seconds(report.total_s) << " s\n";
-  if (report.frames > 0) PlanesLines(text, report);
+  if (report.planes) PlanesLines(text, *report.planes);
   if (report.appearance) AppearanceLines(text, *report.appearance);
   if (report.orientation)
     OrientationLines(text, *summary.result->map.orientation, *report.orientation);
@@ -235,6 +236,7 @@ std::string SummaryText(const BuildSummary& summary) {
 
 Json SummaryJson(const BuildSummary& summary) {
   const BuildReport& report = summary.result->report;
+  const PlaneReport planes = report.planes.value_or(PlaneReport{});
   const MapData& map = summary.result->map;
   Json json;
   json["map"] = summary.path;
@@ -244,21 +246,21 @@ Json SummaryJson(const BuildSummary& summary) {
   json["planes"] = map.planes.size();
   json["edges"] = map.edges.size();
   json["features"] = FeatureCount(map);
-  json["frames"] = report.frames;
-  json["skipped"] = report.skipped;
-  json["skipped_names"] = report.skipped_names;
-  json["stretches"] = report.stretches;
-  json["rotation_only"] = report.rotation_only;
-  json["planes_started"] = report.planes_started;
-  json["planes_rejected"] = report.planes_rejected;
-  json["planes_merged"] = report.planes_merged;
-  json["planes_fused"] = report.planes_fused;
-  json["planes_dropped"] = report.planes_dropped;
-  json["features_dropped"] = report.features_dropped;
+  json["frames"] = planes.frames;
+  json["skipped"] = planes.skipped;
+  json["skipped_names"] = planes.skipped_names;
+  json["stretches"] = planes.stretches;
+  json["rotation_only"] = planes.rotation_only;
+  json["planes_started"] = planes.planes_started;
+  json["planes_rejected"] = planes.planes_rejected;
+  json["planes_merged"] = planes.planes_merged;
+  json["planes_fused"] = planes.planes_fused;
+  json["planes_dropped"] = planes.planes_dropped;
+  json["features_dropped"] = planes.features_dropped;
   json["seconds"] = {
-      {"decode", Rounded(report.decode_s, 3)},       {"extract", Rounded(report.extract_s, 3)},
-      {"track", Rounded(report.track_s, 3)},         {"fusion", Rounded(report.fusion_s, 3)},
-      {"calibrate", Rounded(report.calibrate_s, 3)}, {"total", Rounded(report.total_s, 3)}};
+      {"decode", Rounded(planes.decode_s, 3)},       {"extract", Rounded(planes.observe_s, 3)},
+      {"track", Rounded(planes.add_s, 3)},           {"fusion", Rounded(planes.fusion_s, 3)},
+      {"calibrate", Rounded(planes.calibrate_s, 3)}, {"total", Rounded(report.total_s, 3)}};
   json["appearance"] = AppearanceJson(map);
   if (report.appearance) json["appearance"]["report"] = AppearanceReportJson(*report.appearance);
   json["orientation"] = OrientationJson(map);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <tbb/task_arena.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,8 +8,9 @@
 #include <iostream>
 
 #include "bench/accuracy/common.h"
+#include "bench/accuracy/feature_layer.h"
 #include "bench/accuracy/stopwatch.h"
-#include "builder/extract_frames.h"
+#include "builder/frames/frame_pipeline.h"
 #include "core/base/error.h"
 
 namespace waystone::bench {
@@ -26,7 +26,7 @@ struct Run {
   int frames = 0;
   Cost extraction;
   Cost build;
-  BuildReport report;
+  PlaneReport report;
   int64_t map_bytes = 0;
   double peak_mb = 0;
 };
@@ -45,13 +45,10 @@ Cost ExtractAlone(const Args& paths, int frames) {
   const auto sources = OpenAll(paths, frames);
   const BuildOptions options;
   const Stopwatch watch;
-  cv::setNumThreads(1);
-  tbb::task_arena arena;
-  arena.execute([&] {
-    for (const auto& source : sources) {
-      ExtractFrames(*source, {options.features, 0}, [](const WorkedFrame&) { return true; });
-    }
-  });
+  std::vector<Source*> all;
+  for (const auto& source : sources) all.push_back(source.get());
+  FeatureLayer layer(options.features, [](const ExtractedFrame&) {});
+  BuildLayer(all, layer);
   return {watch.wall_s(), watch.cpu_s()};
 }
 
@@ -80,13 +77,13 @@ void BuildOnce(const Args& paths, int frames, Run& run) {
   const Stopwatch watch;
   const BuildResult built = BuildMap(sources, BuildOptions{}, {});
   run.build = {watch.wall_s(), watch.cpu_s()};
-  run.report = built.report;
-  run.frames = built.report.frames;
+  run.report = built.report.planes.value();
+  run.frames = run.report.frames;
   run.map_bytes = BytesOf(built.map);
 }
 
 nlohmann::ordered_json ToJson(const Run& run) {
-  const BuildReport& report = run.report;
+  const PlaneReport& report = run.report;
   return {{"frames", run.frames},
           {"extraction_s", run.extraction.wall_s},
           {"extraction_cpu_s", run.extraction.cpu_s},
@@ -95,7 +92,7 @@ nlohmann::ordered_json ToJson(const Run& run) {
           {"ratio", run.build.wall_s / run.extraction.wall_s},
           {"cpu_ratio", run.build.cpu_s / run.extraction.cpu_s},
           {"choose_s", report.choose_s},
-          {"planes_s", report.track_s - report.choose_s},
+          {"planes_s", report.add_s - report.choose_s},
           {"fusion_s", report.fusion_s},
           {"map_mb", static_cast<double>(run.map_bytes) / 1e6},
           {"peak_mb", run.peak_mb}};

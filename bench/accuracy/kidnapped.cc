@@ -11,12 +11,12 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
-#include "builder/appearance/describe_frames.h"
+#include "builder/appearance/describe_panorama.h"
 #include "builder/calibration/appearance_calibration.h"
-#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/camera/cube_faces.h"
+#include "core/geometry/angle.h"
 #include "core/image/decode.h"
 #include "localizer/appearance/appearance.h"
 #include "localizer/appearance/photo.h"
@@ -251,7 +251,8 @@ nlohmann::json ScoreMap(const std::string& name, const std::vector<PanoramaPlace
                         const PlaceMap& map, const PlaceMap& foreign) {
   MapData data = DataOf(map.layer);
   const AppearanceCalibrationOptions calibration;
-  CalibrateAppearanceLayer(data, SamplesOf(map, calibration.max_nodes), calibration, {});
+  ProgressReporter silent;
+  CalibrateAppearanceLayer(data, SamplesOf(map, calibration.max_nodes), calibration, silent);
   const AppearanceVerdict models[] = {*data.appearance->verdict,
                                       *data.appearance->verified_verdict};
   const auto index = MapIndex::Build(std::move(data));
@@ -277,13 +278,11 @@ cv::Mat FrontOf(const PanoramaPlace& place, const std::filesystem::path& rigs) {
   return FaceOf(place.grey, CubeFace::kFront, static_cast<int>(kOfWidth * place.grey.cols));
 }
 
-// For a square photo of 90 degrees.
-LocalizeOptions PhotoOptions(int width_px) {
+// Of a square photo of 90 degrees.
+Camera PhotoCamera(int width_px) {
   const double middle = (width_px - 1) / 2.0;
-  LocalizeOptions options;
-  options.camera = {
+  return {
       CameraModel::kPinhole, width_px, width_px, {width_px / 2.0, width_px / 2.0, middle, middle}};
-  return options;
 }
 
 // Perspective photos asked of the panoramas, each without its own place.
@@ -292,7 +291,8 @@ nlohmann::json ScorePhotos(const std::string& name, const std::vector<PanoramaPl
                            const std::filesystem::path& rigs) {
   MapData data = DataOf(map.layer);
   const AppearanceCalibrationOptions calibration;
-  CalibrateAppearanceLayer(data, SamplesOf(map, calibration.max_nodes), calibration, {});
+  ProgressReporter silent;
+  CalibrateAppearanceLayer(data, SamplesOf(map, calibration.max_nodes), calibration, silent);
   const auto index = MapIndex::Build(std::move(data));
   std::vector<Asked> asked(places.size());
   tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
@@ -301,7 +301,7 @@ nlohmann::json ScorePhotos(const std::string& name, const std::vector<PanoramaPl
     const cv::Mat photo = FrontOf(places[i], rigs);
     Asked& result = asked[i];
     result.answer =
-        LocalizePhoto(*Without(*index, map, i), photo, PhotoOptions(photo.cols), left_out);
+        LocalizePhoto(*Without(*index, map, i), photo, PhotoCamera(photo.cols), {}, {}, left_out);
     result.in_map = HasNeighbour(places, i);
     if (!result.answer.panorama) return;
     TakeErrors(places[i], result);
@@ -309,7 +309,7 @@ nlohmann::json ScorePhotos(const std::string& name, const std::vector<PanoramaPl
   std::vector<Answer> answers(foreign.size());
   tbb::parallel_for(size_t{0}, foreign.size(), [&](size_t i) {
     const cv::Mat photo = FrontOf(foreign[i], {});
-    answers[i] = LocalizePhoto(*index, photo, PhotoOptions(photo.cols));
+    answers[i] = LocalizePhoto(*index, photo, PhotoCamera(photo.cols), {});
   });
   return ScoreJson(name + ", photos", asked, answers);
 }

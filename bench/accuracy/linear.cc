@@ -14,12 +14,13 @@ int RunLinear(const Args& args) {
   std::vector<double> per_frame;
   for (size_t i = 1; i < args.size(); ++i) {
     const int frames = std::stoi(args[i]);
-    const BuildReport report = BuildRange(args[0], {0, frames - 1, 1}).report;
-    per_frame.push_back(report.total_s / report.frames);
+    const BuildReport whole = BuildRange(args[0], {0, frames - 1, 1}).report;
+    const PlaneReport& report = whole.planes.value();
+    per_frame.push_back(whole.total_s / report.frames);
     std::printf("%5d frames: %6.1f s, %.1f ms a frame (fusion %.2f s)\n", report.frames,
-                report.total_s, 1000 * per_frame.back(), report.fusion_s);
+                whole.total_s, 1000 * per_frame.back(), report.fusion_s);
     json["runs"].push_back({{"frames", report.frames},
-                            {"total_s", report.total_s},
+                            {"total_s", whole.total_s},
                             {"fusion_s", report.fusion_s},
                             {"ms_per_frame", 1000 * per_frame.back()}});
   }

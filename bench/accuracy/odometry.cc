@@ -8,10 +8,12 @@
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
 #include "bench/accuracy/panorama_walks.h"
+#include "bench/accuracy/stopwatch.h"
 #include "bench/accuracy/world_source.h"
-#include "builder/appearance/build_appearance.h"
-#include "core/base/angle.h"
+#include "builder/appearance/appearance_layer.h"
+#include "builder/frames/frame_pipeline.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 #include "schema/file/map_store.h"
 #include "world/rig.h"
 #include "world/setting.h"
@@ -19,24 +21,37 @@
 namespace waystone::bench {
 namespace {
 
+struct Built {
+  MapData map;  // with the appearance layer
+  AppearanceReport report;
+  double total_s = 0;
+};
+
+Built Build(Source& source, const AppearanceOptions& options) {
+  const Stopwatch watch;
+  AppearanceLayerBuilder builder(options);
+  MapData map = BuildLayer({&source}, builder);
+  return {std::move(map), builder.report(), watch.wall_s()};
+}
+
 // Bytes by which a map grows through the layer.
-double BytesPerNode(const AppearanceResult& result) {
+double BytesPerNode(const MapData& built) {
   namespace fs = std::filesystem;
   std::string folder = (fs::temp_directory_path() / "waystone-odometry-XXXXXX").string();
   if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no temporary folder");
   const fs::path path = fs::path(folder) / "map.db";
   MapData map;
   map.info = {"odometry", "waystone-bench", FeatureType::kSift, "{}", ""};
-  map.sequences = result.sequences;
+  map.sequences = built.sequences;
   const auto size = [&] {
     WriteMap(map, path, {.overwrite = true});
     return static_cast<double>(fs::file_size(path));
   };
   const double without = size();
-  map.appearance = result.layer;
+  map.appearance = built.appearance;
   const double with = size();
   fs::remove_all(folder);
-  return (with - without) / static_cast<double>(result.layer.nodes.size());
+  return (with - without) / static_cast<double>(built.appearance->nodes.size());
 }
 
 double Drift(const std::vector<Pose2>& poses, const std::vector<Pose2>& truth) {
@@ -57,23 +72,22 @@ int WrongLoops(const AppearanceLayer& layer, const std::vector<Pose2>& truth, do
   return wrong;
 }
 
-nlohmann::json Score(const std::string& name, const AppearanceResult& result,
-                     const std::vector<Pose2>& truth) {
+nlohmann::json Score(const std::string& name, const Built& built, const std::vector<Pose2>& truth) {
   constexpr double kWrongLoop_m = 1.5;
-  const AppearanceReport& report = result.report;
+  const AppearanceReport& report = built.report;
   const Points2 places = PlacesOf(truth);
   const ShapeDifference alone = CompareShapes(places, PlacesOf(report.odometry));
   const ShapeDifference closed = CompareShapes(places, PlacesOf(report.poses));
   const int loops = report.loops_supported - report.loops_rejected;
-  const int wrong = WrongLoops(result.layer, truth, kWrongLoop_m);
-  const double bytes = BytesPerNode(result);
+  const int wrong = WrongLoops(*built.map.appearance, truth, kWrongLoop_m);
+  const double bytes = BytesPerNode(built.map);
   std::printf(
       "%-10s %4d panoramas  odometry alone %.5f (turned by %+.1f deg)  with loops %.5f (%+.1f deg)"
       "  loops: %d candidates, %d certain, %d supported, %d rejected, %d kept, %d wrong"
       "  %.0f bytes a node  %.1f s\n",
       name.c_str(), report.panoramas, alone.mu, Drift(report.odometry, truth), closed.mu,
       Drift(report.poses, truth), report.loop_candidates, report.loops_certain,
-      report.loops_supported, report.loops_rejected, loops, wrong, bytes, report.total_s);
+      report.loops_supported, report.loops_rejected, loops, wrong, bytes, built.total_s);
   return {{"panoramas", report.panoramas},
           {"odometry", alone.mu},
           {"with_loops", closed.mu},
@@ -82,11 +96,11 @@ nlohmann::json Score(const std::string& name, const AppearanceResult& result,
           {"bytes_per_node", bytes},
           {"seconds",
            {{"decode", report.decode_s},
-            {"describe", report.describe_s},
+            {"describe", report.observe_s},
             {"odometry", report.odometry_s},
             {"loops", report.loops_s},
             {"graph", report.graph_s},
-            {"total", report.total_s}}}};
+            {"total", built.total_s}}}};
 }
 
 nlohmann::json OfWalk(const std::string& name, const AppearanceOptions& options) {
@@ -94,7 +108,7 @@ nlohmann::json OfWalk(const std::string& name, const AppearanceOptions& options)
   const Renderer renderer(PanoramaCamera(kPanoramaWidth));
   WorldSource source(walk.world, renderer, walk.walk);
   const std::vector<Pose2> truth = GroundPoses(walk.walk);
-  nlohmann::json json = Score(name, BuildAppearanceLayer({&source}, options), truth);
+  nlohmann::json json = Score(name, Build(source, options), truth);
   const double wheels = CompareShapes(PlacesOf(truth), PlacesOf(WheelOdometry(walk.walk))).mu;
   std::printf("%-10s the robot's own odometry (simulated wheels) %.5f\n", name.c_str(), wheels);
   json["wheels"] = wheels;
@@ -107,7 +121,7 @@ nlohmann::json OfPlaces(const std::string& folder, const AppearanceOptions& opti
     truth.push_back({place.position_m.x(), place.position_m.y(), place.yaw_rad});
   }
   const std::unique_ptr<Source> source = OpenSource(folder + "/panorama", {});
-  return Score("places", BuildAppearanceLayer({source.get()}, options), truth);
+  return Score("places", Build(*source, options), truth);
 }
 
 }  // namespace

@@ -13,9 +13,13 @@
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/orientation_world.h"
 #include "bench/accuracy/stopwatch.h"
+#include "builder/frames/frame_pipeline.h"
 #include "builder/orientation/follow.h"
 #include "builder/orientation/orientation_layer.h"
+#include "builder/orientation/view.h"
+#include "builder/sources/memory_source.h"
 #include "core/base/error.h"
+#include "core/geometry/rotation.h"
 #include "core/manhattan/cube_rotations.h"
 #include "world/rig.h"
 
@@ -211,35 +215,33 @@ RigFiles RenderAll(const OrientationWorld& made, const Rig& rig) {
   return files;
 }
 
-OrientationSequence SequenceOfFiles(const Rig& rig, const RigFiles& files) {
-  const auto next = [&files, i = 0]() mutable -> std::optional<OrientationMoment> {
-    if (i == static_cast<int>(files.size())) return std::nullopt;
-    const auto& head = files[i];
-    const auto load = [&head] {
+MemorySequence RigSequenceInMemory(const Rig& rig, const RigFiles& files) {
+  MemorySequence sequence{.name = "rig", .faces = rig};
+  for (size_t i = 0; i < files.size(); ++i) {
+    const auto load = [&faces = files[i]] {
       std::vector<cv::Mat> images;
-      for (const auto& file : head) images.push_back(cv::imdecode(file, cv::IMREAD_GRAYSCALE));
+      for (const auto& face : faces) images.push_back(cv::imdecode(face, cv::IMREAD_GRAYSCALE));
       return images;
     };
-    const FrameInfo info{.number = i, .source = std::to_string(i), .time_s = {}};
-    ++i;
-    return OrientationMoment{.info = info, .load = load};
-  };
-  return {.id = {1}, .rig = rig, .next = next};
+    const auto first = [](const std::vector<cv::Mat>& images) { return images.front(); };
+    const FrameInfo info{static_cast<int>(i), std::to_string(i), {}};
+    sequence.frames.emplace_back(info, load, first);
+  }
+  return sequence;
 }
 
 // CPU seconds a frame of lines and features alone.
-double LookSeconds(const Rig& rig, const RigFiles& files, const OrientationOptions& options) {
-  constexpr int kMost = 100;
-  const int every = std::max<int>(1, static_cast<int>(files.size()) / kMost);
-  const OrientationSequence all = SequenceOfFiles(rig, files);
+double ObserveSeconds(const Rig& rig, const RigFiles& files, const OrientationOptions& options) {
+  constexpr size_t kMost = 100;
+  const size_t every = std::max<size_t>(1, files.size() / kMost);
+  const std::vector<EncodedFrame> frames = RigSequenceInMemory(rig, files).frames;
   const Stopwatch watch;
-  int looked = 0;
-  for (int i = 0; auto moment = all.next(); ++i) {
-    if (i % every != 0) continue;
-    LookAt(rig, *moment, options);
-    ++looked;
+  int observed = 0;
+  for (size_t i = 0; i < frames.size(); i += every) {
+    ObserveOrientation(rig, frames[i].info(), frames[i].Load(), options);
+    ++observed;
   }
-  return watch.cpu_s() / looked;
+  return watch.cpu_s() / observed;
 }
 
 Json ToJson(const Score& s) {
@@ -318,20 +320,22 @@ Json RunOne(int building, bool rig_wanted, const Runs& runs) {
   const OrientationWorld made = MakeOrientationWorld(building, runs.frames, runs.trim);
   const RigFiles files = RenderAll(made, rig);
   const OrientationOptions options;
-  const double look_s = LookSeconds(rig, files, options);
-  const std::vector<OrientationSequence> sequences{SequenceOfFiles(rig, files)};
+  const double look_s = ObserveSeconds(rig, files, options);
+  MemorySource source(RigSequenceInMemory(rig, files));
   const Stopwatch watch;
-  const OrientationResult result = BuildOrientationLayer(sequences, options);
+  OrientationLayerBuilder builder(options);
+  const MapData map = BuildLayer({&source}, builder);
+  const OrientationLayer& layer = map.orientation.value();
   const double cpu_s = watch.cpu_s();
   const double wall_s = watch.wall_s();
-  const Score score = ScoreOf(made, rig, result.layer);
+  const Score score = ScoreOf(made, rig, layer);
   std::printf(
       "%s, %s: turns %d of %d, %d invented, %d directions right; corridors %.2f; loops %d of "
       "%d, %d false; nodes %d, %d of them in view\n",
       made.name.c_str(), rig_wanted ? "rig" : "pinhole", score.turns_found, score.true_turns,
       score.turns_invented, score.directions_right, score.corridor_least_overlap, score.loops_found,
       score.true_loops, score.false_loops, score.nodes, score.nodes_where_view_holds);
-  PrintLayer(made, result.layer);
+  PrintLayer(made, layer);
   Json json = {{"building", made.name},
                {"camera", rig_wanted ? "rig" : "pinhole"},
                {"trim", runs.trim},

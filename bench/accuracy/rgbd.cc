@@ -68,7 +68,7 @@ struct Queries {
 };
 
 void PrintMap(const BuildResult& built) {
-  const BuildReport& report = built.report;
+  const PlaneReport& report = built.report.planes.value();
   std::printf(
       "map: %zu keyframes, %zu planes, %zu edges, %lld features; %d started, %d rejected, "
       "%d merged, %d dropped, %d fused, %d rotation only, %d stretches\n",
@@ -82,7 +82,7 @@ void PrintMap(const BuildResult& built) {
                 built.map.verdict->inlier_share, built.map.verdict->positives,
                 built.map.verdict->negatives);
   std::printf("seconds: extract %.1f (all threads), track %.1f, fusion %.2f, total %.1f\n",
-              report.extract_s, report.track_s, report.fusion_s, report.total_s);
+              report.observe_s, report.add_s, report.fusion_s, built.report.total_s);
 }
 
 void Ask(const RgbdTruth& truth, const std::filesystem::path& folder, const MapIndex& index,
@@ -100,7 +100,7 @@ void Ask(const RgbdTruth& truth, const std::filesystem::path& folder, const MapI
     return;
   }
   ++queries.localized;
-  const RecognisedPlane& best = answer.planes.front();
+  const RecognisedPlane& best = answer.planes.recognised.front();
   const int reference = index.FindKeyframe(best.reference.id)->frame;
   const auto error_px = TransferError(truth, query, reference, best);
   const auto truth_px =
@@ -109,7 +109,7 @@ void Ask(const RgbdTruth& truth, const std::filesystem::path& folder, const MapI
   if (truth_px) queries.truth_errors_px.push_back(*truth_px);
   std::printf("%4d %-11s %6.1f px  plane %lld, %d inliers, %zu planes; plain matches %.1f px\n",
               query, NameOf(answer.verdict), error_px.value_or(-1),
-              static_cast<long long>(best.id.value), best.inliers, answer.planes.size(),
+              static_cast<long long>(best.id.value), best.inliers, answer.planes.recognised.size(),
               truth_px.value_or(-1));
 }
 
@@ -135,7 +135,7 @@ int RunRgbd(const Args& raw) {
   BuildResult built = BuildRange(args[0], map_range);
   PrintMap(built);
   nlohmann::ordered_json json = {{"bench", "rgbd"},
-                                 {"frames", built.report.frames},
+                                 {"frames", built.report.planes.value().frames},
                                  {"keyframes", built.map.keyframes.size()},
                                  {"planes", built.map.planes.size()},
                                  {"edges", built.map.edges.size()},

@@ -138,7 +138,7 @@ int RunWorld(const Args& raw) {
   const MapData& map = built.map;
   const WorldTruth truth(world, static_cast<const WorldSource&>(*sources.front()), walk, map);
   const Figures figures = Measure(truth, map);
-  const BuildReport& report = built.report;
+  const PlaneReport& report = built.report.planes.value();
   const nlohmann::ordered_json json = {
       {"bench", "world"},
       {"plan", plan},
@@ -162,7 +162,7 @@ int RunWorld(const Args& raw) {
       {"wrong_views", figures.wrong_views},
       {"revisits", figures.revisits},
       {"revisits_joined", figures.revisits_joined},
-      {"build_s", report.total_s}};
+      {"build_s", built.report.total_s}};
   std::cout << json.dump() << std::endl;
   return 0;
 }

@@ -47,18 +47,14 @@ struct Verified {
 // Nothing when the gates refuse it; `min_distinct` is the one on inliers.
 std::optional<Verified> Verify(const Features& from, const Features& to,
                                const std::vector<Match>& matches, int min_distinct,
-                               const LocalizeOptions& options, uint64_t seed) {
+                               const PlaneQueryOptions& options, uint64_t seed) {
   if (std::ssize(matches) < min_distinct) return std::nullopt;
   MatchedPoints points;
   for (const Match& match : matches) {
     points.from.push_back(PositionOf(from.keypoints[match.a]));
     points.to.push_back(PositionOf(to.keypoints[match.b]));
   }
-  const Neighbourhoods neighbourhoods(points.from, 2 * options.ransac.neighbourhood);
-  std::vector<int> all(points.size());
-  std::iota(all.begin(), all.end(), 0);
-  Random random(seed);
-  const auto fit = FindPlane(points, all, neighbourhoods, options.ransac, random);
+  const auto fit = FindPlane(points, options.ransac, seed);
   if (!fit) return std::nullopt;
   Verified verified;
   verified.to_from = fit->model.to_from;
@@ -127,7 +123,7 @@ ImageGraph BuildImageGraph(std::vector<ImageNode> nodes, const ImageGraphOptions
 
 ImageAnswer LocalizeInImages(const ImageGraph& graph, const Features& query,
                              const ImageGraphOptions& options) {
-  const LocalizeOptions& localize = options.localize;
+  const PlaneQueryOptions& localize = options.localize;
   ImageAnswer answer;
   std::optional<Verified> best;
   for (const Candidate& candidate : ByMatches(graph, query, localize.match)) {

@@ -10,7 +10,7 @@
 #include "core/base/ids.h"
 #include "core/features/features.h"
 #include "core/features/match.h"
-#include "core/homography/local_ransac.h"
+#include "core/homography/find_plane.h"
 #include "localizer/options.h"
 
 // The graph that the plane graph is measured against: images as nodes, all features kept, an edge
@@ -52,7 +52,7 @@ struct ImageGraph {
 struct ImageGraphOptions {
   MatchOptions match;  // between images of the graph: as the plane tracker's
   // Matching of queries, RANSAC, gates and seed: as the localizer's.
-  LocalizeOptions localize;
+  PlaneQueryOptions localize;
   // Inliers at distinct positions that an edge or an answer needs: an image graph has no calibrated
   // verdict.
   int min_inliers = 15;

@@ -5,9 +5,10 @@
 #include <set>
 
 #include "bench/accuracy/common.h"
+#include "bench/accuracy/feature_layer.h"
 #include "bench/accuracy/stopwatch.h"
 #include "bench/baseline/image_store.h"
-#include "builder/extract_frames.h"
+#include "builder/frames/frame_pipeline.h"
 #include "builder/planes/fusion.h"
 #include "builder/planes/plane_tracker.h"
 #include "core/base/check.h"
@@ -43,10 +44,9 @@ Shared TakeKeyframes(const Scene& scene, const BuildOptions& options) {
     const auto keep = [&](std::vector<ChosenKeyframe> chosen) {
       std::move(chosen.begin(), chosen.end(), std::back_inserter(shared.keyframes));
     };
-    ExtractFrames(*source, {options.features, 0}, [&](WorkedFrame worked) {
-      if (worked.error.empty()) keep(selector.Add(std::move(worked.frame)));
-      return true;
-    });
+    FeatureLayer layer(options.features,
+                       [&](ExtractedFrame frame) { keep(selector.Add(std::move(frame))); });
+    BuildLayer({source.get()}, layer);
     keep(selector.Finish());
   });
   return shared;

@@ -14,13 +14,12 @@ using Relations = std::map<std::pair<int, int>, AppearanceEdge>;
 
 class GraphMaker {
  public:
-  GraphMaker(TakenPanoramas taken, const std::vector<VisualOdometry>& trajectories,
-             const std::vector<Pose2>& poses, const AppearanceOptions& options)
-      : taken_(std::move(taken)), trajectories_(trajectories), poses_(poses), options_(options) {}
+  GraphMaker(TakenPanoramas taken, const PanoramaPoses& poses, const AppearanceOptions& options)
+      : taken_(std::move(taken)), poses_(poses), options_(options) {}
 
-  AppearanceGraph Make(const LoopClosure& closure) {
+  AppearanceGraph Make() {
     MakeNodes();
-    MakeEdges(closure);
+    MakeEdges();
     HandOutSamples();
     graph_.layer.described = options_.describe.signature;
     graph_.layer.described.band = taken_.band;
@@ -30,18 +29,18 @@ class GraphMaker {
  private:
   void MakeNodes() {
     const std::vector<bool> keep =
-        KeepInformative(taken_.signatures, poses_, taken_.stretches, options_.redundancy);
+        KeepInformative(taken_.signatures, poses_.poses, taken_.stretches, options_.redundancy);
     for (int i = 0; i < taken_.size(); ++i) {
       if (!keep[i]) continue;
       kept_.push_back(i);
       TakenFrame& frame = taken_.frames[i];
       AppearanceNode node;
       node.id = AppearanceNodeId{std::ssize(kept_)};
-      node.sequence = taken_.sequences[taken_.StretchOf(i)].id;
+      node.sequence = taken_.sequences[taken_.StretchOf(i)];
       node.frame = frame.info.number;
       node.source = frame.info.source;
       node.time_s = frame.info.time_s;
-      node.pose = poses_[i];
+      node.pose = poses_.poses[i];
       node.signature = frame.signature;
       node.jpeg = std::move(frame.jpeg);
       node.features = std::move(frame.kept);
@@ -55,7 +54,8 @@ class GraphMaker {
       const int i = sample.panorama;
       const auto kept = std::lower_bound(kept_.begin(), kept_.end(), i);
       const bool is_node = kept != kept_.end() && *kept == i;
-      graph_.samples.push_back({taken_.frames[i].signature, std::move(sample.features), poses_[i],
+      graph_.samples.push_back({taken_.frames[i].signature, std::move(sample.features),
+                                poses_.poses[i],
                                 is_node ? static_cast<int>(kept - kept_.begin()) : -1});
     }
   }
@@ -66,7 +66,7 @@ class GraphMaker {
     const size_t s = taken_.StretchOf(a);
     double variance = 0;
     for (int i = std::min(a, b); i < std::max(a, b); ++i) {
-      const PanoramaRelation& step = trajectories_[s].steps[i - taken_.stretches[s].first];
+      const PanoramaRelation& step = poses_.trajectories[s].steps[i - taken_.stretches[s].first];
       edge.a_from_b = edge.a_from_b * step.a_from_b;
       variance += step.heading.sigma_rad * step.heading.sigma_rad;
     }
@@ -83,13 +83,13 @@ class GraphMaker {
     return *after - i <= i - kept_[next - 1] ? next : next - 1;
   }
 
-  void MakeEdges(const LoopClosure& closure) {
+  void MakeEdges() {
     Relations edges;
     for (int k = 0; k + 1 < std::ssize(kept_); ++k) {
       if (taken_.StretchOf(kept_[k]) != taken_.StretchOf(kept_[k + 1])) continue;
       edges[{k, k + 1}] = BySteps(kept_[k], kept_[k + 1]);
     }
-    for (const PanoramaRelation& loop : closure.loops) AddLoop(loop, edges);
+    for (const PanoramaRelation& loop : poses_.closure.loops) AddLoop(loop, edges);
     const auto& nodes = graph_.layer.nodes;
     for (auto& [ends, edge] : edges) {
       edge.a = nodes[ends.first].id;
@@ -115,8 +115,7 @@ class GraphMaker {
   }
 
   TakenPanoramas taken_;
-  const std::vector<VisualOdometry>& trajectories_;
-  const std::vector<Pose2>& poses_;
+  const PanoramaPoses& poses_;
   const AppearanceOptions& options_;
   std::vector<int> kept_;  // panoramas that became nodes
   AppearanceGraph graph_;
@@ -124,11 +123,9 @@ class GraphMaker {
 
 }  // namespace
 
-AppearanceGraph MakeAppearanceGraph(TakenPanoramas taken,
-                                    const std::vector<VisualOdometry>& trajectories,
-                                    const LoopClosure& closure, const std::vector<Pose2>& poses,
+AppearanceGraph MakeAppearanceGraph(TakenPanoramas taken, const PanoramaPoses& poses,
                                     const AppearanceOptions& options) {
-  return GraphMaker(std::move(taken), trajectories, poses, options).Make(closure);
+  return GraphMaker(std::move(taken), poses, options).Make();
 }
 
 }  // namespace waystone

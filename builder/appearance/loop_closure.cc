@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "core/base/check.h"
-#include "core/base/option_range.h"
+#include "core/robust/median.h"
 
 namespace waystone {
 namespace {
@@ -32,13 +32,6 @@ Matrix LowMagnitudes(const std::vector<FourierSignature>& signatures, int k1) {
         Eigen::Map<const Eigen::RowVectorXf>(low.data(), low.size());
   }
   return matrix;
-}
-
-double MedianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 class Closer {
@@ -96,7 +89,7 @@ class Closer {
           units.push_back(std::hypot(steps[t].a_from_b.x, steps[t].a_from_b.y) /
                           *motion->step_per_distance);
         }
-        units_[stretches_[s].first + i] = MedianOf(std::move(units));
+        units_[stretches_[s].first + i] = Median(std::move(units));
       }
     }
   }
@@ -120,7 +113,7 @@ class Closer {
         if (MayBeLoop(a, b)) distances.push_back((low_.row(a) - low_.row(b)).norm());
       }
     }
-    return MedianOf(std::move(distances));
+    return Median(std::move(distances));
   }
 
   std::vector<std::pair<int, int>> Candidates() const {
@@ -245,20 +238,6 @@ class Closer {
 };
 
 }  // namespace
-
-void LoopOptions::Check() const {
-  CheckRange("min_gap", min_gap, 2, 100000);
-  CheckRange("loop k1", k1, 1, 4096);
-  CheckRange("max_distance_share", max_distance_share, 0.05, 1);
-  CheckRange("candidates", candidates, 1, 20);
-  CheckRange("loop max_deviation_rad", max_sigma_rad, 0.001, 1);
-  CheckRange("min_supporters", min_supporters, 0, 20);
-  CheckRange("neighbourhood", neighbourhood, 1, 1000);
-  CheckRange("agreement_rad", agreement_rad, 0.001, 1);
-  CheckRange("agreement_steps", agreement_steps, 0.1, 100);
-  CheckRange("loop length_deviation", length_sigma, 0.01, 10);
-  CheckRange("steps_deviation", steps_sigma, 0.01, 100);
-}
 
 LoopClosure CloseLoops(const std::vector<FourierSignature>& signatures, const ElevationBand& band,
                        const std::vector<PanoramaStretch>& stretches,

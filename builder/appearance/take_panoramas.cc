@@ -10,7 +10,6 @@
 namespace waystone {
 namespace {
 
-constexpr int kMaxNamedSkips = 20;
 constexpr int kFewestPanoramas = 2;
 constexpr double kBandTolerance_rad = 1e-6;
 
@@ -22,63 +21,36 @@ size_t TakenPanoramas::StretchOf(int panorama) const {
   return s;
 }
 
-void PanoramaTaker::Add(Source& source) {
-  Sequence sequence;
-  sequence.id = SequenceId{std::ssize(taken_.sequences) + 1};
-  sequence.name = source.name();
-  sequence.kind = source.kind();
-  sequence.camera = source.camera();
-  taken_.sequences.push_back(sequence);
-  first_skip_.clear();
-  const int first = taken_.size();
-  bool stopped = false;
-  DescribeFrames(source, options_.describe, [&](DescribedFrame frame) {
-    Take(std::move(frame));
-    const int done = taken_.sequences.back().frames;
-    stopped = progress_ && !progress_("panoramas", done, std::max(done, source.size()));
-    return !stopped;
-  });
-  if (stopped) throw MapError(ErrorCode::kInterrupted, "interrupted; nothing was written");
+void PanoramaTaker::StartSequence(SequenceId id, const std::string& name) {
+  taken_.sequences.push_back(id);
+  name_ = name;
+}
+
+void PanoramaTaker::Take(DescribedPanorama panorama) {
+  if (taken_.signatures.empty()) taken_.band = panorama.band;
+  CheckBand(panorama);
+  TakeFeatures(std::move(panorama.features));
+  taken_.signatures.push_back(std::move(panorama.trajectory_signature));
+  taken_.frames.push_back(
+      {std::move(panorama.info), std::move(panorama.signature), std::move(panorama.jpeg), {}});
+}
+
+void PanoramaTaker::FinishSequence(const FrameReport& sequence) {
+  const int first = taken_.stretches.empty() ? 0 : taken_.stretches.back().last;
   if (taken_.size() > first) taken_.frames.back().kept = chooser_.Last();
   taken_.stretches.push_back({first, taken_.size()});
-  CheckSequence();
-}
-
-void PanoramaTaker::Take(DescribedFrame frame) {
-  ++report_.frames;
-  ++taken_.sequences.back().frames;
-  report_.decode_s += frame.decode_s;
-  report_.describe_s += frame.describe_s;
-  if (!frame.error.empty()) {
-    Skip(frame);
-    return;
-  }
-  if (taken_.signatures.empty()) taken_.band = frame.band;
-  CheckBand(frame);
-  TakeFeatures(frame);
-  taken_.signatures.push_back(std::move(frame.trajectory_signature));
-  taken_.frames.push_back(
-      {std::move(frame.info), std::move(frame.signature), std::move(frame.jpeg), {}});
-}
-
-void PanoramaTaker::Skip(const DescribedFrame& frame) {
-  Sequence& sequence = taken_.sequences.back();
-  ++report_.skipped;
-  ++sequence.skipped;
-  const std::string named = frame.info.source + ": " + frame.error;
-  if (sequence.skipped == 1) first_skip_ = named;
-  if (std::ssize(report_.skipped_names) < kMaxNamedSkips) report_.skipped_names.push_back(named);
+  CheckSequence(sequence);
 }
 
 // What is kept of a panorama is known once the next one has come.
-void PanoramaTaker::TakeFeatures(DescribedFrame& frame) {
+void PanoramaTaker::TakeFeatures(BearingFeatures features) {
   const int size = taken_.size();
   if (size % stride_ == 0 && options_.max_samples > 0) {
-    taken_.samples.push_back({size, frame.features});
+    taken_.samples.push_back({size, features});
     if (std::ssize(taken_.samples) > options_.max_samples) ThinSamples();
   }
   const bool is_first = taken_.stretches.empty() ? size == 0 : size == taken_.stretches.back().last;
-  NodeFeatures before = chooser_.Next(std::move(frame.features));
+  NodeFeatures before = chooser_.Next(std::move(features));
   if (!is_first) taken_.frames.back().kept = std::move(before);
 }
 
@@ -90,25 +62,25 @@ void PanoramaTaker::ThinSamples() {
 }
 
 // Signatures can be compared when their rows are the same elevations.
-void PanoramaTaker::CheckBand(const DescribedFrame& frame) const {
-  if (std::abs(frame.band.top_rad - taken_.band.top_rad) < kBandTolerance_rad &&
-      std::abs(frame.band.bottom_rad - taken_.band.bottom_rad) < kBandTolerance_rad) {
+void PanoramaTaker::CheckBand(const DescribedPanorama& panorama) const {
+  if (std::abs(panorama.band.top_rad - taken_.band.top_rad) < kBandTolerance_rad &&
+      std::abs(panorama.band.bottom_rad - taken_.band.bottom_rad) < kBandTolerance_rad) {
     return;
   }
   throw MapError(ErrorCode::kBadSource,
-                 taken_.sequences.back().name + "/" + frame.info.source +
+                 name_ + "/" + panorama.info.source +
                      " covers other elevations than the previous panoramas; set --band to a "
                      "range covered by all, or build separate maps");
 }
 
-void PanoramaTaker::CheckSequence() const {
-  const Sequence& sequence = taken_.sequences.back();
+void PanoramaTaker::CheckSequence(const FrameReport& sequence) const {
   const int usable = sequence.frames - sequence.skipped;
-  const std::string counts = "'" + sequence.name + "' has " + std::to_string(usable) +
+  const std::string counts = "'" + name_ + "' has " + std::to_string(usable) +
                              (usable == 1 ? " usable panorama" : " usable panoramas") + " of " +
                              std::to_string(sequence.frames) +
                              (sequence.frames == 1 ? " frame" : " frames");
-  const std::string first = first_skip_.empty() ? "" : " (first: " + first_skip_ + ")";
+  const std::string first =
+      sequence.skipped == 0 ? "" : " (first: " + sequence.skipped_names.front() + ")";
   if (usable < kFewestPanoramas) {
     throw MapError(ErrorCode::kBadSource,
                    counts + first + "; a sequence requires at least two consecutive ones");

@@ -4,9 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "builder/appearance/build_appearance.h"
+#include "builder/appearance/options.h"
+#include "builder/frames/frame_report.h"
 
-// First step of BuildAppearanceLayer: sequences are read and described.
+// First step of the appearance layer: described panoramas are collected.
 namespace waystone {
 
 // What stays of a frame, besides what its trajectory is measured by, until the nodes are made.
@@ -27,8 +28,8 @@ struct TakenSample {
 struct TakenPanoramas {
   std::vector<FourierSignature> signatures;  // by which odometry and loops are measured
   std::vector<TakenFrame> frames;
-  std::vector<PanoramaStretch> stretches;  // of each source
-  std::vector<Sequence> sequences;
+  std::vector<PanoramaStretch> stretches;  // of each sequence
+  std::vector<SequenceId> sequences;
   std::vector<TakenSample> samples;
   ElevationBand band;  // of all signatures
 
@@ -37,34 +38,30 @@ struct TakenPanoramas {
   size_t StretchOf(int panorama) const;
 };
 
+// Takes the described panoramas of sequences in order. Not thread-safe.
 class PanoramaTaker {
  public:
-  // All three must outlive it; `report` gets the counts and times of what is read.
-  PanoramaTaker(const AppearanceOptions& options, const AppearanceProgress& progress,
-                AppearanceReport& report)
-      : options_(options),
-        progress_(progress),
-        report_(report),
-        chooser_(options.describe.features) {}
+  // The options must outlive it.
+  explicit PanoramaTaker(const AppearanceOptions& options)
+      : options_(options), chooser_(options.describe.features) {}
 
-  // Throws MapError as BuildAppearanceLayer does.
-  void Add(Source& source);
+  void StartSequence(SequenceId id, const std::string& name);
+  // The next usable panorama. Throws MapError as AppearanceLayerBuilder::Add does, and the
+  // following as its FinishSequence.
+  void Take(DescribedPanorama panorama);
+  void FinishSequence(const FrameReport& sequence);
   TakenPanoramas Finish() { return std::move(taken_); }
 
  private:
-  void Take(DescribedFrame frame);
-  void TakeFeatures(DescribedFrame& frame);
-  void Skip(const DescribedFrame& frame);
+  void TakeFeatures(BearingFeatures features);
   void ThinSamples();
-  void CheckBand(const DescribedFrame& frame) const;
-  void CheckSequence() const;
+  void CheckBand(const DescribedPanorama& panorama) const;
+  void CheckSequence(const FrameReport& sequence) const;
 
   const AppearanceOptions& options_;
-  const AppearanceProgress& progress_;
-  AppearanceReport& report_;
   NodeFeatureChooser chooser_;
-  int stride_ = 1;  // every so-manieth panorama is a sample
-  std::string first_skip_;
+  int stride_ = 1;    // every so-manieth panorama is a sample
+  std::string name_;  // of the sequence
   TakenPanoramas taken_;
 };
 

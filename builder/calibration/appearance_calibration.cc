@@ -5,11 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 
 #include "builder/calibration/rendered_negatives.h"
 #include "core/base/check.h"
-#include "core/base/error.h"
 #include "core/base/option_range.h"
 #include "localizer/appearance/appearance_match.h"
 
@@ -37,7 +35,7 @@ std::optional<AppearanceSample> SampleOf(const MapIndex& index, const PanoramaQu
   const std::vector<ComparedNode> nodes = CompareQuery(index, query, options, left_out);
   if (nodes.empty()) return std::nullopt;
   AppearanceSample sample;
-  sample.evidence = EvidenceOf(index, nodes, 0, options);
+  sample.evidence = CollectEvidence(index, nodes, 0, options);
   sample.evidence.verified = query.features.has_value();
   sample.right = truth && Apart(PlaceQuery(index, nodes, options).pose, *truth) <= right_radius;
   return sample;
@@ -68,10 +66,8 @@ std::vector<PanoramaQuery> DescribeNegatives(const MapIndex& index,
 }  // namespace
 
 void AppearanceCalibrationOptions::Check() const {
-  CheckRange("max_nodes", max_nodes, 1, 100'000);
-  CheckRange("right_spacings", right_spacings, 0.1, 100);
+  CheckFields("appearance_calibration", *this);
   for (const double blank : blank_spacings) CheckRange("blank_spacings", blank, 0, 1000);
-  CheckRange("rendered_negatives", rendered_negatives, 0, 1000);
   query.Check();
   fit.Check();
 }
@@ -102,7 +98,7 @@ AppearanceVerdict CalibrateAppearance(const MapIndex& index,
                                       const std::vector<AppearanceCalibrationQuery>& queries,
                                       const std::vector<PanoramaQuery>& outside, bool verified,
                                       const AppearanceCalibrationOptions& options,
-                                      const std::function<bool()>& going_on) {
+                                      const std::function<void()>& before_each) {
   options.Check();
   WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
   const AppearanceLayer& layer = *index.map().appearance;
@@ -110,15 +106,8 @@ AppearanceVerdict CalibrateAppearance(const MapIndex& index,
   const size_t blanks = options.blank_spacings.size();
   const size_t asked = queries.size() * blanks;
   std::vector<std::optional<AppearanceSample>> found(asked + outside.size());
-  std::mutex asking;  // whoever is asked whether to go on isn't asked by two threads at once
-  const auto may_go_on = [&] {
-    const std::lock_guard lock(asking);
-    return !going_on || going_on();
-  };
   tbb::parallel_for(size_t{0}, found.size(), [&](size_t i) {
-    if (!may_go_on()) {
-      throw MapError(ErrorCode::kInterrupted, "interrupted; nothing was written");
-    }
+    if (before_each) before_each();
     if (i >= asked) {
       found[i] = SampleOf(index, outside[i - asked], {}, 0, {}, options.query);
       return;
@@ -137,7 +126,8 @@ AppearanceVerdict CalibrateAppearance(const MapIndex& index,
 
 void CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
                               const AppearanceCalibrationOptions& options,
-                              const std::function<bool()>& going_on) {
+                              ProgressReporter& progress) {
+  const auto report = [&] { progress.Report("calibration", 0, 1); };
   const auto index = MapIndex::Build(PanoramasOf(map));
   const std::vector<PanoramaQuery> outside = DescribeNegatives(*index, options);
   std::vector<AppearanceCalibrationQuery> verified;
@@ -152,10 +142,10 @@ void CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFr
     outside_alone.push_back({query.signature, std::nullopt});
   }
   map.appearance->verdict =
-      CalibrateAppearance(*index, alone, outside_alone, false, options, going_on);
+      CalibrateAppearance(*index, alone, outside_alone, false, options, report);
   if (verified.empty()) return;
   map.appearance->verified_verdict =
-      CalibrateAppearance(*index, verified, outside, true, options, going_on);
+      CalibrateAppearance(*index, verified, outside, true, options, report);
 }
 
 }  // namespace waystone

@@ -2,57 +2,27 @@
 #include "builder/orientation/orientation_layer.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_pipeline.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 #include <utility>
 
 #include "builder/orientation/loops.h"
-#include "builder/orientation/sequence_mapper.h"
 #include "builder/orientation/traversable_directions.h"
-#include "core/base/angle.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 
 namespace waystone {
 namespace {
-
-using Progress = std::function<bool(const OrientationProgress&)>;
-
-constexpr size_t kNamed = 20;  // unreadable frames that a report names
-
-struct TimedView {
-  TimedView(OrientationViewPtr looked, double seconds) : view(std::move(looked)), look_s(seconds) {}
-
-  OrientationViewPtr view;
-  double look_s;
-};
-
-void Count(const OrientationView& view, OrientationReport& report) {
-  ++report.frames;
-  if (view.error.empty()) return;
-  ++report.unreadable;
-  if (report.unreadable_names.size() < kNamed) {
-    report.unreadable_names.push_back(view.info.source + ": " + view.error);
-  }
-}
-
-void Report(const Progress& progress, const std::string& stage, int done) {
-  if (progress && !progress({.stage = stage, .done = done})) {
-    throw MapError(ErrorCode::kInterrupted,
-                   "interrupted while building the orientation layer; nothing "
-                   "was written");
-  }
-}
 
 OrientedFeatures Oriented(const MappedSequence& mapped, const NodeInWork& node) {
   return {.features = &node.view->features, .frame = &mapped.frames[node.frame]};
 }
 
-// The way's axis at a node: that of the motion there, else the one nearest to the view ahead.
-int TrajectoryAt(const MappedSequence& mapped, const NodeInWork& node) {
+// The trajectory's axis at a node: that of the motion there, else the one nearest to the view
+// ahead.
+int FindTrajectoryAxis(const MappedSequence& mapped, const NodeInWork& node) {
   for (const SettledMotion& motion : mapped.motions) {
     if (motion.last >= node.frame) return motion.quarter_turns;
   }
@@ -61,13 +31,13 @@ int TrajectoryAt(const MappedSequence& mapped, const NodeInWork& node) {
   return static_cast<int>(std::lround(heading / kQuarterTurn_rad) + 4) % 4;
 }
 
-OrientationNode NodeOf(const MappedSequence& mapped, const NodeInWork& work) {
+OrientationNode MakeNode(const MappedSequence& mapped, const NodeInWork& work) {
   const OrientationFrame& frame = mapped.frames[work.frame];
   OrientationNode node{.frame = frame.id, .kind = work.kind, .directions = {}, .jpeg = {}};
   if (frame.reliable) {
     node.directions = TraversableDirections(work.view->lines, work.axes.axis_of_line,
                                             frame.rotation->building_from_rig.toRotationMatrix(),
-                                            TrajectoryAt(mapped, work));
+                                            FindTrajectoryAxis(mapped, work));
   }
   if (!work.view->thumbnail.empty()) cv::imencode(".jpg", work.view->thumbnail, node.jpeg);
   return node;
@@ -75,8 +45,8 @@ OrientationNode NodeOf(const MappedSequence& mapped, const NodeInWork& work) {
 
 // Consecutive nodes are joined where the last step to the later one is traversable, or it is seen
 // from the earlier one.
-std::vector<OrientationEdge> TrajectoryEdges(const MappedSequence& mapped,
-                                             const OrientationOptions& options) {
+std::vector<OrientationEdge> FindTrajectoryEdges(const MappedSequence& mapped,
+                                                 const OrientationOptions& options) {
   if (mapped.nodes.empty()) return {};
   std::vector<int> matches(mapped.nodes.size() - 1);
   tbb::parallel_for(size_t{0}, matches.size(), [&](size_t i) {
@@ -124,106 +94,72 @@ void AddSequence(const MappedSequence& mapped, const OrientationOptions& options
                            .confirmed = turn.confirmed,
                            .axis_after = turn.axis_after});
   }
-  for (const NodeInWork& node : mapped.nodes) layer.nodes.push_back(NodeOf(mapped, node));
-  const std::vector<OrientationEdge> edges = TrajectoryEdges(mapped, options);
+  for (const NodeInWork& node : mapped.nodes) layer.nodes.push_back(MakeNode(mapped, node));
+  const std::vector<OrientationEdge> edges = FindTrajectoryEdges(mapped, options);
   layer.edges.insert(layer.edges.end(), edges.begin(), edges.end());
   layer.corridors.insert(layer.corridors.end(), mapped.corridors.begin(), mapped.corridors.end());
 }
 
 }  // namespace
 
-OrientationBuilder::OrientationBuilder(const OrientationOptions& options) : options_(options) {
+OrientationLayerBuilder::OrientationLayerBuilder(const OrientationOptions& options)
+    : options_(options) {
   options.Check();
 }
 
-OrientationBuilder::~OrientationBuilder() = default;
-
-void OrientationBuilder::StartSequence(SequenceId id) {
-  FinishSequence();
-  mapper_ = std::make_unique<SequenceMapper>(id, frames() + 1, options_);
+void OrientationLayerBuilder::StartSequence(SequenceId id, const Source& source) {
+  rig_ = FindSourceRig(source);
+  if (!rig_) {
+    throw MapError(
+        ErrorCode::kBadCamera,
+        source.name() + " has no camera, which the orientation layer requires; use --camera");
+  }
+  mapper_ = std::make_unique<SequenceMapper>(id, report_.frames + 1, options_);
 }
 
-void OrientationBuilder::Add(const OrientationViewPtr& view) {
-  const Clock::time_point start = Clock::now();
-  Count(*view, result_.report);
-  mapper_->Add(view);
-  result_.report.follow_s += SecondsSince(start);
+std::unique_ptr<Observation> OrientationLayerBuilder::Observe(const Frame& frame) const {
+  std::string error = frame.error;
+  if (!frame.images.empty()) {
+    try {
+      return ObserveOrientation(rig_->rig, frame.info, rig_->SplitIntoFaces(frame.images),
+                                options_);
+    } catch (const MapError& bad_image) {
+      error = bad_image.what();
+    }
+  }
+  auto unreadable = std::make_unique<OrientationView>();
+  unreadable->info = frame.info;
+  unreadable->error = error;
+  return unreadable;
 }
 
-void OrientationBuilder::FinishSequence() {
-  if (!mapper_) return;
+void OrientationLayerBuilder::Add(std::unique_ptr<Observation> observation, ProgressReporter&) {
+  mapper_->Add(std::static_pointer_cast<const OrientationView>(
+      std::shared_ptr<const Observation>(std::move(observation))));
+}
+
+void OrientationLayerBuilder::FinishSequence(const FrameReport& sequence) {
+  report_.Append(sequence);
   mapped_.push_back(mapper_->Finish());
-  result_.report.tests += mapped_.back().tests;
+  report_.tests += mapped_.back().tests;
   mapper_.reset();
 }
 
-OrientationResult OrientationBuilder::Finish() {
-  FinishSequence();
-  OrientationReport& report = result_.report;
-  if (report.frames == report.unreadable) {
+void OrientationLayerBuilder::Finish(MapData& map, ProgressReporter&) {
+  if (report_.frames == report_.skipped) {
     throw MapError(ErrorCode::kBadSource,
-                   "none of " + std::to_string(report.frames) + " frames can be read" +
-                       (report.frames > 0 ? ": " + report.unreadable_names[0] : ""));
+                   "none of " + std::to_string(report_.frames) + " frames can be read" +
+                       (report_.frames > 0 ? ": " + report_.skipped_names[0] : ""));
   }
   const Clock::time_point start = Clock::now();
-  OrientationLayer& layer = result_.layer;
+  OrientationLayer& layer = map.orientation.emplace();
   layer.step = options_.step;
   for (const MappedSequence& sequence : mapped_) AddSequence(sequence, options_, layer);
   AddLoops(mapped_, options_, layer);
-  report.unreliable =
+  report_.unreliable =
       static_cast<int>(std::ranges::count(layer.frames, false, &OrientationFrame::reliable)) -
-      report.unreadable;
-  report.finish_s = SecondsSince(start);
-  return std::move(result_);
-}
-
-// Two frames a worker are in flight; the builder takes them in order.
-double MapSequence(const OrientationSequence& sequence, const OrientationOptions& options,
-                   const Progress& progress, OrientationBuilder& builder) {
-  double look_s = 0;
-  builder.StartSequence(sequence.id);
-  const auto next = [&](tbb::flow_control& control) {
-    auto moment = std::make_shared<std::optional<OrientationMoment>>(sequence.next());
-    if (!*moment) control.stop();
-    return moment;
-  };
-  const auto look = [&](const std::shared_ptr<std::optional<OrientationMoment>>& moment) {
-    const Clock::time_point start = Clock::now();
-    auto view = std::make_shared<OrientationView>(LookAt(sequence.rig, **moment, options));
-    return std::make_shared<TimedView>(std::move(view), SecondsSince(start));
-  };
-  const auto take = [&](const std::shared_ptr<TimedView>& timed) {
-    look_s += timed->look_s;
-    builder.Add(timed->view);
-    Report(progress, "frames", builder.frames());
-  };
-  const size_t in_flight = 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 1;
-  using Moment = std::shared_ptr<std::optional<OrientationMoment>>;
-  using View = std::shared_ptr<TimedView>;
-  tbb::parallel_pipeline(in_flight,
-                         tbb::make_filter<void, Moment>(tbb::filter_mode::serial_in_order, next) &
-                             tbb::make_filter<Moment, View>(tbb::filter_mode::parallel, look) &
-                             tbb::make_filter<View, void>(tbb::filter_mode::serial_in_order, take));
-  return look_s;
-}
-
-OrientationResult BuildOrientationLayer(std::span<const OrientationSequence> sequences,
-                                        const OrientationOptions& options,
-                                        const Progress& progress) {
-  const Clock::time_point start = Clock::now();
-  OrientationBuilder builder(options);
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  return arena.execute([&] {
-    double look_s = 0;
-    for (const OrientationSequence& sequence : sequences) {
-      look_s += MapSequence(sequence, options, progress, builder);
-    }
-    Report(progress, "loops", builder.frames());
-    OrientationResult result = builder.Finish();
-    result.report.look_s = look_s;
-    result.report.total_s = SecondsSince(start);
-    return result;
-  });
+      report_.skipped;
+  report_.finish_s = SecondsSince(start);
 }
 
 }  // namespace waystone

@@ -12,7 +12,7 @@
 #include <set>
 
 #include "builder/planes/plane_features.h"
-#include "core/base/error.h"
+#include "core/homography/estimate_homography.h"
 
 namespace waystone {
 namespace {
@@ -29,7 +29,7 @@ Vector2d PositionOf(const PlaneFeature& feature) {
 double OverlapShare(const Plane& plane, const Matrix3d& to_from, const Plane& other,
                     const std::set<int>& matched) {
   std::vector<cv::Point2f> outline;
-  for (const Vector2d& p : OutlineOf(other.features)) {
+  for (const Vector2d& p : ComputeOutline(other.features)) {
     outline.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
   }
   int inside = 0;
@@ -160,25 +160,15 @@ std::optional<FusionMatch> MatchPacked(const Plane& m, const PackedRows& packed_
     points.from.push_back(PositionOf(n.features[match.b]));
     points.to.push_back(PositionOf(m.features[match.a]));
   }
-  const LocalRansacOptions& ransac = options.segmentation.ransac;
-  const Neighbourhoods neighbourhoods(points.from, 2 * ransac.neighbourhood);
-  std::vector<int> all(points.size());
-  std::iota(all.begin(), all.end(), 0);
-  Random random(options.seed ^ (m.id.value << 20) ^ n.id.value);
-  const auto fit = FindPlane(points, all, neighbourhoods, ransac, random);
-  if (!fit || static_cast<int>(fit->inliers.size()) < fusion.min_inliers ||
-      fit->inliers.size() < fusion.min_support * static_cast<double>(matches.size())) {
+  const auto estimate = EstimateHomography(points, options.segmentation.ransac,
+                                           options.seed ^ (m.id.value << 20) ^ n.id.value);
+  if (!estimate || static_cast<int>(estimate->inliers.size()) < fusion.min_inliers ||
+      estimate->inliers.size() < fusion.min_support * static_cast<double>(matches.size())) {
     return std::nullopt;
   }
-  PointPairs pairs;
   FusionMatch result;
-  for (int row : fit->inliers) {
-    pairs.Add(points.from[row], points.to[row]);
-    result.inliers.push_back(matches[row]);
-  }
-  const auto refined = RefineHomography(pairs, fit->model.to_from);
-  if (!refined) return std::nullopt;
-  result.m_from_n = *refined;
+  for (const int row : estimate->inliers) result.inliers.push_back(matches[row]);
+  result.m_from_n = estimate->to_from;
   if (!OverlapAgrees(m, n, result, fusion.min_overlap)) return std::nullopt;
   return result;
 }
@@ -186,15 +176,8 @@ std::optional<FusionMatch> MatchPacked(const Plane& m, const PackedRows& packed_
 }  // namespace
 
 void FusionOptions::Check() const {
-  const bool good = min_votes >= 1 && votes_per_feature >= 1 && max_voters >= 1 &&
-                    min_inliers >= 5 && min_support >= 0 && min_support <= 1 && min_overlap >= 0 &&
-                    min_overlap <= 1 && min_within_reach >= 0 && min_within_reach <= 1 &&
-                    neighbours >= 2 && max_vote_distance > 0 && max_vote_distance <= 1 &&
-                    max_vote_ratio > 0 && max_vote_ratio <= 1 && probes >= 1 && max_moved_px > 0;
+  CheckFields("fusion", *this);
   index.Check();
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions, "fusion: option out of range; use the defaults");
-  }
 }
 
 std::optional<FusionMatch> MatchPlanes(const Plane& m, const Plane& n, FeatureType type,

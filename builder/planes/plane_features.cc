@@ -73,7 +73,7 @@ bool IsWithinReach(const Eigen::Vector2d& reference, int width, int height,
          reference.y() < height + reach_y;
 }
 
-std::vector<Eigen::Vector2d> OutlineOf(const std::vector<PlaneFeature>& features) {
+std::vector<Eigen::Vector2d> ComputeOutline(const std::vector<PlaneFeature>& features) {
   std::vector<cv::Point2f> points;
   points.reserve(features.size());
   for (const PlaneFeature& f : features) points.emplace_back(f.reference.x_px, f.reference.y_px);

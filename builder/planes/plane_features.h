@@ -31,7 +31,7 @@ bool IsWithinReach(const Eigen::Vector2d& reference, int width, int height,
                    double max_extrapolation);
 
 // Convex hull of the features, px in the reference image.
-std::vector<Eigen::Vector2d> OutlineOf(const std::vector<PlaneFeature>& features);
+std::vector<Eigen::Vector2d> ComputeOutline(const std::vector<PlaneFeature>& features);
 
 // Looks up an image's keypoints by position. Refers to the features; they must outlive it.
 class KeypointGrid {

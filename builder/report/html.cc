@@ -112,14 +112,14 @@ std::string CountsTable(const AppearanceReport& report) {
 
 std::string SecondsTable(const AppearanceReport& report) {
   return "<table><tr><th>Stage<th>Seconds\n" + Row("decoding", Fixed(report.decode_s, 2)) +
-         Row("signatures and features", Fixed(report.describe_s, 2)) +
+         Row("signatures and features", Fixed(report.observe_s, 2)) +
          Row("odometry", Fixed(report.odometry_s, 2)) +
          Row("loop closure", Fixed(report.loops_s, 2)) +
          Row("pose graph", Fixed(report.graph_s, 2)) +
          Row("calibration", Fixed(report.calibrate_s, 2)) + "</table>\n";
 }
 
-std::string CountsTable(const MapData& map, const BuildReport& report) {
+std::string CountsTable(const MapData& map, const PlaneReport& report) {
   size_t features = 0;
   for (const Plane& plane : map.planes) features += plane.features.size();
   return "<table><tr><th>Item<th>Count\n" + Row("frames", report.frames) +
@@ -134,12 +134,12 @@ std::string CountsTable(const MapData& map, const BuildReport& report) {
          "</table>\n";
 }
 
-std::string SecondsTable(const BuildReport& report) {
+std::string SecondsTable(const PlaneReport& report, double total_s) {
   return "<table><tr><th>Stage<th>Seconds\n" + Row("decoding", Fixed(report.decode_s, 2)) +
-         Row("features", Fixed(report.extract_s, 2)) + Row("tracking", Fixed(report.track_s, 2)) +
+         Row("features", Fixed(report.observe_s, 2)) + Row("tracking", Fixed(report.add_s, 2)) +
          Row("fusion", Fixed(report.fusion_s, 2)) +
          Row("calibration", Fixed(report.calibrate_s, 2)) +
-         Row("wall-clock time", Fixed(report.total_s, 2)) + "</table>\n";
+         Row("wall-clock time", Fixed(total_s, 2)) + "</table>\n";
 }
 
 std::string BytesTable(const std::vector<TableSize>& tables) {
@@ -202,8 +202,9 @@ std::string TablesSection(const MapData& map, const BuildReport& report,
     html += "<div><h2>" + title + "</h2>\n" + table + "</div>";
   };
   if (HasPlanes(map)) {
-    add("Counts", CountsTable(map, report));
-    add("Time (s)", SecondsTable(report));
+    const PlaneReport planes = report.planes.value_or(PlaneReport{});
+    add("Counts", CountsTable(map, planes));
+    add("Time (s)", SecondsTable(planes, report.total_s));
   }
   if (report.appearance) {
     add("Panoramas", CountsTable(*report.appearance));

@@ -70,7 +70,7 @@ Camera ReadColmapCamera(const std::filesystem::path& path) {
   }
   if (static_cast<int>(camera.params.size()) != ParameterCount(*model)) {
     Refuse(path, number,
-           words[1] + " takes " + std::to_string(ParameterCount(*model)) + " parameters (" +
+           words[1] + " has " + std::to_string(ParameterCount(*model)) + " parameters (" +
                std::string(ParameterNames(*model)) + "), not " +
                std::to_string(camera.params.size()) + "; correct the line");
   }

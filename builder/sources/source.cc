@@ -51,10 +51,11 @@ EncodedFrame::EncodedFrame(FrameInfo info, std::function<std::vector<cv::Mat>()>
                            std::function<cv::Mat(const std::vector<cv::Mat>&)> join)
     : info_(std::move(info)), load_(std::move(load)), join_(std::move(join)) {}
 
-Frame EncodedFrame::Decode() const {
-  Frame frame{.info = info_, .grey = {}, .error = {}};
+Frame EncodedFrame::Decode(bool join) const {
+  Frame frame{.info = info_, .images = {}, .grey = {}, .error = {}};
   try {
-    frame.grey = Join(Load());
+    frame.images = Load();
+    if (join) frame.grey = Join(frame.images);
   } catch (const MapError& error) {
     frame.error = error.what();
   }

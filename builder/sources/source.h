@@ -25,7 +25,10 @@ struct FrameInfo {
 
 struct Frame {
   FrameInfo info;
-  cv::Mat grey;       // CV_8UC1; empty when the frame can't be decoded
+  // CV_8UC1: one per camera of Source::faces(), or the frame itself. Empty when one of them can't
+  // be decoded.
+  std::vector<cv::Mat> images;
+  cv::Mat grey;       // CV_8UC1: the images joined; empty when that isn't possible
   std::string error;  // then: why, in one line
 };
 
@@ -48,9 +51,10 @@ class EncodedFrame {
   std::vector<cv::Mat> Load() const { return load_(); }
   // The frame of these images (CV_8UC1). Throws MapError.
   cv::Mat Join(const std::vector<cv::Mat>& images) const { return join_(images); }
-  // Any thread, any number of times. A frame that can't be decoded, is missing, or has another size
-  // than the first one comes with its error; nothing is thrown for it.
-  Frame Decode() const;
+  // Loads and joins; without `join` Frame::grey stays empty. Any thread, any number of times. A
+  // frame that can't be decoded, is missing, or has another size than the first one comes with its
+  // error; nothing is thrown for it.
+  Frame Decode(bool join = true) const;
 
  private:
   FrameInfo info_;

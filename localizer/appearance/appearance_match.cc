@@ -6,7 +6,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "core/base/linear_algebra.h"
+#include "core/geometry/linear_algebra.h"
+#include "core/robust/median.h"
 
 namespace waystone {
 namespace {
@@ -34,9 +35,7 @@ double MedianParallax(const MatchedRays& rays, const RelativePose& pose) {
     const double cosine = (pose.b_from_a * rays.a[i]).dot(rays.b[i]);
     angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
   }
-  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-  std::ranges::nth_element(angles, middle);
-  return *middle;
+  return Median(std::move(angles));
 }
 
 // Heading and direction of the query from the motion x_query = R x_node + t. Azimuths are clockwise
@@ -142,8 +141,8 @@ bool AreElsewhere(const MapIndex& index, int a, int b, const PanoramaQueryOption
 namespace {
 
 // log(1 + compared nodes beside nodes[at] that see the query's heading as it does).
-double AgreementOf(const MapIndex& index, const std::vector<ComparedNode>& nodes, size_t at,
-                   const PanoramaQueryOptions& options) {
+double ComputeAgreement(const MapIndex& index, const std::vector<ComparedNode>& nodes, size_t at,
+                        const PanoramaQueryOptions& options) {
   int agreeing = 0;
   for (size_t other = 0; other < nodes.size(); ++other) {
     if (other == at || AreElsewhere(index, nodes[at].node, nodes[other].node, options)) continue;
@@ -155,13 +154,13 @@ double AgreementOf(const MapIndex& index, const std::vector<ComparedNode>& nodes
 
 }  // namespace
 
-AppearanceEvidence EvidenceOf(const MapIndex& index, const std::vector<ComparedNode>& nodes,
-                              size_t at, const PanoramaQueryOptions& options) {
+AppearanceEvidence CollectEvidence(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+                                   size_t at, const PanoramaQueryOptions& options) {
   const size_t other = BestElsewhere(index, nodes, at, options);
   AppearanceEvidence evidence;
   evidence.cost = nodes[at].cost;
   evidence.margin = options.max_margin;
-  evidence.agreement = AgreementOf(index, nodes, at, options);
+  evidence.agreement = ComputeAgreement(index, nodes, at, options);
   evidence.parallax_rad = nodes[at].parallax_rad;
   evidence.sigma_spacings =
       PlaceQuery(index, nodes, options, at).sigma / std::max(index.appearance().spacing(), 1e-9);
@@ -199,7 +198,7 @@ PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& n
     pull += weights * PositionOf(NodeAt(index, compared.node));
   }
   const Eigen::Vector2d position = SolveSymmetric(information, pull);
-  const double least = EigenOfSymmetric(information).values(0);
+  const double least = DecomposeSymmetric(information).values(0);
   return {{position.x(), position.y(), best.heading_rad}, 1 / std::sqrt(least)};
 }
 

@@ -3,7 +3,10 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <numeric>
+
+#include "core/homography/estimate_homography.h"
+
+#include "localizer/planes/decide.h"
 
 namespace waystone {
 namespace {
@@ -52,7 +55,7 @@ Gate FirstFailedGate(const VerifiedPlane& verified, const Features& query,
 }  // namespace
 
 std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeatures& packed,
-                                         int plane, const LocalizeOptions& options) {
+                                         int plane, const PlaneQueryOptions& options) {
   const Features& query = packed.features;
   const Plane& target = index.map().planes[plane];
   const std::vector<Match> matches =
@@ -62,22 +65,13 @@ std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeat
     points.from.push_back(PositionOf(query.keypoints[match.a]));
     points.to.push_back(PositionOf(target.features[match.b].reference));
   }
-  const Neighbourhoods neighbourhoods(points.from, 2 * options.ransac.neighbourhood);
-  std::vector<int> all(points.size());
-  std::iota(all.begin(), all.end(), 0);
-  Random random(options.seed ^ static_cast<uint64_t>(target.id.value));
-  const auto fit = FindPlane(points, all, neighbourhoods, options.ransac, random);
-  if (!fit) return std::nullopt;
-  PointPairs pairs;
+  const uint64_t seed = options.seed ^ static_cast<uint64_t>(target.id.value);
+  const auto estimate = EstimateHomography(points, options.ransac, seed);
+  if (!estimate) return std::nullopt;
   VerifiedPlane verified;
-  for (int row : fit->inliers) {
-    pairs.Add(points.from[row], points.to[row]);
-    verified.inliers.push_back(matches[row]);
-  }
-  const auto refined = RefineHomography(pairs, fit->model.to_from);
-  if (!refined) return std::nullopt;
   verified.plane = plane;
-  verified.reference_from_query = *refined;
+  verified.reference_from_query = estimate->to_from;
+  for (const int row : estimate->inliers) verified.inliers.push_back(matches[row]);
   verified.matches = static_cast<int>(matches.size());
   verified.distinct = CountDistinct(query, verified.inliers, options.gates.distinct_px);
   verified.stopped_by = FirstFailedGate(verified, query, options.gates);
@@ -85,8 +79,36 @@ std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeat
   return verified;
 }
 
+bool IsBeaten(const MapIndex& index, const ShortlistedPlane& candidate, const VerifiedPlane& best,
+              const PlaneQueryOptions& options) {
+  if (best.distinct < options.settled_inliers) return false;
+  if (candidate.votes >= options.settled_share * best.distinct) return false;
+  const std::vector<Plane>& planes = index.map().planes;
+  return !PlanesAreNear(index, planes[best.plane], planes[candidate.plane]);
+}
+
+std::vector<VerifiedPlane> TryPlanes(const MapIndex& index, const Features& query,
+                                     const std::vector<ShortlistedPlane>& shortlist,
+                                     const PlaneQueryOptions& options, const Deadline& deadline) {
+  const PackedFeatures packed(query);
+  std::vector<VerifiedPlane> tried;
+  int best = -1;  // of those that were accepted
+  for (const ShortlistedPlane& candidate : shortlist) {
+    if (HasPassed(deadline)) break;
+    if (best >= 0 && IsBeaten(index, candidate, tried[best], options)) continue;
+    auto verified = VerifyPlane(index, packed, candidate.plane, options);
+    if (!verified) continue;
+    tried.push_back(std::move(*verified));
+    if (!tried.back().accepted) continue;
+    if (best < 0 || tried.back().distinct > tried[best].distinct) {
+      best = static_cast<int>(tried.size()) - 1;
+    }
+  }
+  return tried;
+}
+
 std::optional<bool> PlanesAgree(const MapIndex& index, const VerifiedPlane& m,
-                                const VerifiedPlane& n, const LocalizeOptions& options) {
+                                const VerifiedPlane& n, const PlaneQueryOptions& options) {
   const std::vector<PlaneView>& views_m = index.map().planes[m.plane].views;
   const std::vector<PlaneView>& views_n = index.map().planes[n.plane].views;
   bool compared = false;

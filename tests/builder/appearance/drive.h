@@ -10,8 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "builder/sources/source.h"
-#include "core/base/pose2.h"
+#include "builder/appearance/appearance_layer.h"
+#include "builder/frames/frame_pipeline.h"
+#include "builder/sources/memory_source.h"
+#include "core/geometry/pose2.h"
 #include "core/panorama/fourier_signature.h"
 #include "core/trajectory/shape_difference.h"
 #include "world/render.h"
@@ -71,32 +73,31 @@ inline Points2 PlacesOf(const std::vector<Pose2>& poses) {
   return places;
 }
 
-// Images from memory.
-class ImagesSource : public Source {
- public:
-  explicit ImagesSource(std::vector<cv::Mat> images, std::string name = "drive")
-      : images_(std::move(images)), name_(std::move(name)) {}
-
-  const std::string& kind() const override { return kind_; }
-  const std::string& name() const override { return name_; }
-  int size() const override { return static_cast<int>(images_.size()); }
-  const std::optional<Camera>& camera() const override { return camera_; }
-  cv::Size frame_size() const override { return images_.empty() ? cv::Size() : images_[0].size(); }
-  std::string Announcement() const override { return "Images in memory"; }
-
-  std::optional<EncodedFrame> NextEncoded() override {
-    if (next_ >= size()) return std::nullopt;
-    const int i = next_++;
-    return EncodedFrame({i, "image " + std::to_string(i), {}},
-                        [image = images_[i]] { return image; });
+// Panoramas or photos as a source.
+inline MemorySource ImagesSource(const std::vector<cv::Mat>& images,
+                                 const std::string& name = "drive") {
+  MemorySequence sequence{.name = name,
+                          .frame_size = images.empty() ? cv::Size() : images[0].size()};
+  for (size_t i = 0; i < images.size(); ++i) {
+    sequence.frames.emplace_back(FrameInfo{static_cast<int>(i), "image " + std::to_string(i), {}},
+                                 [image = images[i]] { return image; });
   }
+  return MemorySource(std::move(sequence));
+}
 
- private:
-  std::vector<cv::Mat> images_;
-  std::string kind_ = "folder";
-  std::string name_;
-  std::optional<Camera> camera_;
-  int next_ = 0;
+// The appearance layer of sources and what its builder tells about it.
+struct BuiltAppearance {
+  AppearanceLayer layer;
+  std::vector<Sequence> sequences;
+  AppearanceReport report;
 };
+
+inline BuiltAppearance BuildAppearance(const std::vector<Source*>& sources,
+                                       const AppearanceOptions& options = {},
+                                       const ProgressCallback& progress = {}) {
+  AppearanceLayerBuilder builder(options);
+  MapData map = BuildLayer(sources, builder, progress);
+  return {std::move(*map.appearance), std::move(map.sequences), builder.report()};
+}
 
 }  // namespace waystone

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Panoramas in files: recognised by themselves, and refused with a remedy.
 #include <opencv2/imgproc.hpp>
-#include "builder/appearance/build_appearance.h"
+
+#include "builder/layer_choice.h"
 
 #include "core/camera/cube_faces.h"
 #include "tests/builder/appearance/drive.h"
@@ -56,7 +57,7 @@ TEST_F(PanoramaSourcesTest, AFolderAFaceIsARigTooAndNeedsNoUpAndDown) {
     WriteFaces("%/0" + std::to_string(i) + ".png", TheDrive().panoramas[i], 4);
   const auto source = Open();
   EXPECT_EQ(source->Announcement(), "Rig of 4 faces, 2 panoramas");
-  AppearanceResult result = BuildAppearanceLayer({source.get()}, {});
+  const BuiltAppearance result = BuildAppearance({source.get()});
   EXPECT_EQ(result.layer.nodes.size(), 2);
   EXPECT_LT(result.layer.described.band.top_rad, 0.62);
 }
@@ -74,7 +75,7 @@ TEST_F(PanoramaSourcesTest, DifferentSizesInASequenceAreNamedAndRefused) {
   cv::resize(TheDrive().panoramas[1], larger, {512, 256}, 0, 0, cv::INTER_LINEAR);
   WritePanorama("1.png", larger);
   const auto source = Open();
-  ExpectError([&] { BuildAppearanceLayer({source.get()}, {}); }, ErrorCode::kBadSource,
+  ExpectError([&] { BuildAppearance({source.get()}); }, ErrorCode::kBadSource,
               {"1 usable panorama of 2 frames", "1.png: it is 512x256", "256x128"});
 }
 

@@ -2,10 +2,13 @@
 #include "builder/orientation/orientation_layer.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include <memory>
 
+#include "builder/frames/frame_pipeline.h"
 #include "builder/orientation/follow.h"
+#include "builder/sources/memory_source.h"
 #include "core/base/error.h"
 #include "schema/file/map_problems.h"
 #include "world/render.h"
@@ -61,25 +64,19 @@ const Made& Corner() {
   return corner;
 }
 
-OrientationSequence SequenceOf(const std::vector<cv::Mat>& images, const Camera& camera) {
-  const auto next = [images, i = 0]() mutable -> std::optional<OrientationMoment> {
-    if (i == static_cast<int>(images.size())) return std::nullopt;
-    const FrameInfo info{.number = i, .source = std::to_string(i), .time_s = {}};
-    const auto load = [image = images[i]] {
-      if (image.empty()) throw MapError(ErrorCode::kBadImage, "no image");
-      return std::vector<cv::Mat>{image};
-    };
-    ++i;
-    return OrientationMoment{.info = info, .load = load};
-  };
-  return {.id = {1}, .rig = RigOfOne(camera), .next = next};
-}
+struct Built {
+  OrientationLayer layer;
+  OrientationReport report;
+};
 
-OrientationResult Build(const std::vector<cv::Mat>& images, int threads = 0) {
-  OrientationOptions options;
-  options.threads = threads;
-  const std::vector<OrientationSequence> sequences{SequenceOf(images, Corner().camera)};
-  return BuildOrientationLayer(sequences, options);
+Built Build(const std::vector<cv::Mat>& images, int threads = tbb::task_arena::automatic,
+            const ProgressCallback& progress = {}) {
+  MemorySource source(
+      {.name = "corner", .frames = FramesOfImages(images), .camera = Corner().camera});
+  OrientationLayerBuilder builder(OrientationOptions{});
+  tbb::task_arena arena(threads);
+  MapData map = arena.execute([&] { return BuildLayer({&source}, builder, progress); });
+  return {std::move(*map.orientation), builder.report()};
 }
 
 MapData MapWith(OrientationLayer layer) {
@@ -95,7 +92,7 @@ double TrueHeading(int i) {
 }
 
 TEST(OrientationLayer, FindsTheTurnTheHeadingsAndTheWay) {
-  const OrientationResult result = Build(Corner().images);
+  const Built result = Build(Corner().images);
   const OrientationLayer& layer = result.layer;
   ASSERT_EQ(layer.frames.size(), Corner().images.size());
   // A narrow view of upright lines mostly: many frames are believed by the features' rotation, up
@@ -133,10 +130,10 @@ TEST(OrientationLayer, BlackAndMissingFramesAreKeptWithoutARotationAndTheRestIsM
   std::vector<cv::Mat> images(Corner().images.begin(), Corner().images.begin() + 30);
   images[10] = cv::Mat(240, 320, CV_8UC1, cv::Scalar(0));
   images[20] = cv::Mat();
-  const OrientationResult result = Build(images);
-  EXPECT_EQ(result.report.unreadable, 1);
-  ASSERT_EQ(result.report.unreadable_names.size(), 1U);
-  EXPECT_EQ(result.report.unreadable_names[0], "20: no image");
+  const Built result = Build(images);
+  EXPECT_EQ(result.report.skipped, 1);
+  ASSERT_EQ(result.report.skipped_names.size(), 1U);
+  EXPECT_EQ(result.report.skipped_names[0], "20: no image");
   ASSERT_EQ(result.layer.frames.size(), 30U);
   for (const int bad : {10, 20}) EXPECT_FALSE(result.layer.frames[bad].reliable);
   for (const int good : {9, 11, 19, 21}) EXPECT_TRUE(result.layer.frames[good].reliable) << good;
@@ -158,7 +155,7 @@ TEST(OrientationLayer, AQuarterTurnIsNotGuessedOverAGap) {
     ++turns;
   }
   ASSERT_GT(turns, 5);
-  const OrientationResult result = Build(images);
+  const Built result = Build(images);
   for (size_t i = 0; i < images.size(); ++i) {
     const OrientationFrame& frame = result.layer.frames[i];
     if (!frame.reliable) continue;
@@ -178,10 +175,24 @@ TEST(OrientationLayer, RefusesASequenceOfWhichNothingCanBeRead) {
 }
 
 TEST(OrientationLayer, CanBeStopped) {
-  const std::vector<OrientationSequence> sequences{SequenceOf(Corner().images, Corner().camera)};
-  EXPECT_THROW(
-      BuildOrientationLayer(sequences, {}, [](const OrientationProgress&) { return false; }),
-      MapError);
+  const auto stop = [](const BuildProgress& now) { return now.done < 3; };
+  try {
+    Build(Corner().images, 2, stop);
+    FAIL();
+  } catch (const MapError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInterrupted);
+  }
+}
+
+TEST(OrientationLayer, RefusesASourceWithoutACamera) {
+  MemorySource source({.name = "photos", .frames = FramesOfImages({Corner().images[0]})});
+  OrientationLayerBuilder builder(OrientationOptions{});
+  try {
+    BuildLayer({&source}, builder);
+    FAIL();
+  } catch (const MapError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kBadCamera);
+  }
 }
 
 TEST(OrientationOptions, RefuseWhatIsOutOfRange) {

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/appearance/describe_panorama.h"
+
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "builder/frames/shrink.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+constexpr int kSmallestImage_px = 16;
+
+std::vector<uint8_t> SmallJpeg(const cv::Mat& grey, const DescribeOptions& options) {
+  std::vector<uint8_t> jpeg;
+  cv::imencode(".jpg", ShrinkToWidth(grey, options.image_width), jpeg,
+               {cv::IMWRITE_JPEG_QUALITY, options.image_quality});
+  return jpeg;
+}
+
+bool IsWholeSphere(const Panorama& panorama) {
+  return panorama.band == ElevationBand{} && panorama.grey.cols == 2 * panorama.grey.rows;
+}
+
+void Describe(const Panorama& panorama, const DescribeOptions& options,
+              DescribedPanorama& described) {
+  described.signature = Signature(panorama, options.signature);
+  SignatureOptions of_trajectory = options.signature;
+  of_trajectory.rows = options.trajectory_rows;
+  described.trajectory_signature = Signature(panorama, of_trajectory);
+  described.band = UsedBand(panorama, options.signature);
+  if (options.features.max_kept > 0 && IsWholeSphere(panorama)) {
+    described.features = ExtractPanoramaFeatures(panorama.grey, options.features.extract);
+  }
+  if (options.image_width > 0) described.jpeg = SmallJpeg(panorama.grey, options);
+}
+
+}  // namespace
+
+void DescribeOptions::Check() const {
+  CheckFields("describe", *this);
+  panorama.Check();
+  signature.Check();
+  features.Check();
+  SignatureOptions of_trajectory = signature;
+  of_trajectory.rows = trajectory_rows;
+  of_trajectory.Check();
+  if (image_width == 0 || image_width >= kSmallestImage_px) return;
+  throw MapError(ErrorCode::kBadOptions, "describe.image_width is " + std::to_string(image_width) +
+                                             "; it must be 0 or between 16 and 4096 px");
+}
+
+std::unique_ptr<DescribedPanorama> DescribePanorama(const Frame& frame,
+                                                    const DescribeOptions& options) {
+  auto described = std::make_unique<DescribedPanorama>();
+  described->info = frame.info;
+  described->error = frame.error;
+  if (frame.grey.empty()) return described;
+  try {
+    Describe(ToPanorama(frame.grey, options.panorama), options, *described);
+  } catch (const MapError& error) {
+    described->error = error.what();
+  }
+  return described;
+}
+
+}  // namespace waystone

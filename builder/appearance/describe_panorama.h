@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+#include "builder/appearance/node_features.h"
+#include "builder/frames/layer_builder.h"
+#include "core/base/options.h"
+#include "core/camera/panorama.h"
+#include "core/panorama/fourier_signature.h"
+
+namespace waystone {
+
+// What is taken from each panorama.
+struct DescribeOptions {
+  PanoramaOptions panorama;
+  // Half of the rows that a signature has by itself: what they take of a node's 20 KB, features use
+  // better.
+  SignatureOptions signature{.rows = 32};
+  int trajectory_rows = 64;
+  // Features are taken from whole spheres alone: a mirror's image or a rig without its upper and
+  // lower face gives none.
+  NodeFeatureOptions features;
+  int image_width = 128;
+  int image_quality = 50;
+
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"trajectory_rows", &DescribeOptions::trajectory_rows, Closed(1, 1024), "",
+                    "Rows of the signatures that odometry and loops are estimated with; the map "
+                    "doesn't keep them. More estimate headings and steps more accurately."},
+        OptionGroup{"panorama", &DescribeOptions::panorama},
+        OptionGroup{"features", &DescribeOptions::features},
+        OptionField{"image_width", &DescribeOptions::image_width, Closed(0, 4096), "px",
+                    "Width of the thumbnail kept of each panorama; 0 keeps none, otherwise at "
+                    "least 16. Wider ones make the map larger."},
+        OptionField{"image_quality", &DescribeOptions::image_quality, Closed(1, 100), "",
+                    "JPEG quality of that thumbnail. Higher is clearer and larger."}};
+  }
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// A panorama as the layer needs it.
+struct DescribedPanorama : Observation {
+  FourierSignature signature;
+  FourierSignature trajectory_signature;  // the same with trajectory_rows
+  ElevationBand band;                     // that the signature's rows span
+  BearingFeatures features;
+  std::vector<uint8_t> jpeg;
+};
+
+// Describes one frame; one that is no usable panorama comes with its error. Thread-safe.
+std::unique_ptr<DescribedPanorama> DescribePanorama(const Frame& frame,
+                                                    const DescribeOptions& options);
+
+}  // namespace waystone

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "builder/appearance/options.h"
+#include "builder/appearance/take_panoramas.h"
+#include "builder/frames/progress.h"
+
+namespace waystone {
+
+// Where panoramas were taken, and what says so.
+struct PanoramaPoses {
+  std::vector<VisualOdometry> trajectories;  // of each stretch
+  LoopClosure closure;                       // with the loops that fit the graph
+  std::vector<Pose2> odometry;               // layer_from_panorama, by odometry alone
+  std::vector<Pose2> poses;                  // layer_from_panorama, in the end
+  int uncertain = 0;                         // steps
+  int loops_rejected = 0;                    // that don't fit the graph
+  double odometry_s = 0;
+  double loops_s = 0;
+  double graph_s = 0;
+};
+
+// The poses of panoramas, by odometry and then by all that ties them together. Reports the stages
+// "odometry", "loops" and "poses". Deterministic on any number of threads.
+PanoramaPoses EstimatePanoramaPoses(const TakenPanoramas& taken, const AppearanceOptions& options,
+                                    ProgressReporter& progress);
+
+}  // namespace waystone

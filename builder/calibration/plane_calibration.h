@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "builder/planes/keyframe_sample.h"
+#include "core/base/options.h"
+#include "core/features/features.h"
+#include "localizer/localizer.h"
+#include "schema/map_data.h"
+
+namespace waystone {
+
+// How the verdict of planes is calibrated.
+struct CalibrationOptions {
+  int max_keyframes = 40;
+  int rendered_negatives = 8;
+  LocalizeOptions localize;
+  uint64_t seed = 1;
+
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"max_keyframes", &CalibrationOptions::max_keyframes, AtLeast(2), "",
+                    "Keyframes that the finished map is queried with. More fit the model better "
+                    "and cost about 30 ms each."},
+        OptionField{"rendered_negatives", &CalibrationOptions::rendered_negatives, AtLeast(0), "",
+                    "Images of a rendered building that it is queried with, too: what isn't in "
+                    "the map. They cost about 100 ms each."},
+        OptionGroup{"localize", &CalibrationOptions::localize},
+        OptionField{"seed", &CalibrationOptions::seed, AnyValue(), "",
+                    "Seed of the scrambled negatives."}};
+  }
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// The model of the verdict, fitted to answers of the map itself. Each keyframe is asked for without
+// the features that the map has from it (leave one out): the place that it shows is a right one.
+// The best plane for the same features with their positions exchanged is a wrong one: what matches
+// looks alike, but fits by chance alone; so is the best plane for each of `outside`, pictures of
+// what the map doesn't show (RenderedNegatives). Places elsewhere that fit are no wrong ones to
+// learn from: often they are the same surface, seen another time, and where they aren't the answer
+// is `ambiguous`. Deterministic on any number of threads.
+VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<SampledKeyframe>& queries,
+                              const std::vector<Features>& outside,
+                              const CalibrationOptions& options);
+
+// Fits the model of the map's planes to `samples` and to rendered negatives (MapData::verdict).
+// Keyframes without their pictures are copied, nothing else of the other layers.
+void CalibratePlaneLayer(MapData& map, const std::vector<SampledKeyframe>& samples,
+                         const FeatureOptions& features, const CalibrationOptions& options);
+
+}  // namespace waystone

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/frames/frame_pipeline.h"
+
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/base/clock.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+struct TimedObservation {
+  std::unique_ptr<Observation> observation;
+  double seconds = 0;
+};
+
+// A frame behind the parallel part: its pixels are gone.
+struct ObservedFrame {
+  FrameInfo info;
+  double decode_s = 0;
+  std::vector<TimedObservation> layers;
+};
+
+using EncodedPtr = std::shared_ptr<EncodedFrame>;
+using ObservedPtr = std::shared_ptr<ObservedFrame>;
+
+// One sequence on its way through the layers.
+class SequencePipeline {
+ public:
+  SequencePipeline(Source& source, std::span<LayerBuilder* const> layers,
+                   ProgressReporter& progress)
+      : source_(source),
+        layers_(layers),
+        progress_(progress),
+        join_(std::ranges::any_of(layers, &LayerBuilder::NeedsJoinedFrames)),
+        reports_(layers.size()) {}
+
+  // Each layer adds in a serial stage of its own, so that one works while the next does.
+  void Run() {
+    auto chain = tbb::make_filter<void, EncodedPtr>(
+                     tbb::filter_mode::serial_in_order,
+                     [this](tbb::flow_control& control) { return Read(control); }) &
+                 tbb::make_filter<EncodedPtr, ObservedPtr>(
+                     tbb::filter_mode::parallel,
+                     [this](const EncodedPtr& encoded) { return Observe(*encoded); });
+    for (size_t i = 0; i < layers_.size(); ++i) {
+      chain = chain & tbb::make_filter<ObservedPtr, ObservedPtr>(tbb::filter_mode::serial_in_order,
+                                                                 [this, i](ObservedPtr frame) {
+                                                                   Add(i, *frame);
+                                                                   return frame;
+                                                                 });
+    }
+    // Two frames a worker: enough that none waits, few enough that memory stays bounded.
+    const size_t in_flight = 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 1;
+    tbb::parallel_pipeline(in_flight, chain & tbb::make_filter<ObservedPtr, void>(
+                                                  tbb::filter_mode::serial_in_order,
+                                                  [this](const ObservedPtr&) { Report(); }));
+  }
+
+  // Ends the sequence in every layer.
+  std::vector<FrameReport> Finish() {
+    for (size_t i = 0; i < layers_.size(); ++i) layers_[i]->FinishSequence(reports_[i]);
+    return std::move(reports_);
+  }
+
+ private:
+  EncodedPtr Read(tbb::flow_control& control) {
+    if (std::optional<EncodedFrame> next = source_.NextEncoded()) {
+      return std::make_shared<EncodedFrame>(std::move(*next));
+    }
+    control.stop();
+    return nullptr;
+  }
+
+  ObservedPtr Observe(const EncodedFrame& encoded) const {
+    auto observed = std::make_shared<ObservedFrame>();
+    Clock::time_point start = Clock::now();
+    const Frame frame = encoded.Decode(join_);
+    observed->info = frame.info;
+    observed->decode_s = SecondsSince(start);
+    for (const LayerBuilder* layer : layers_) {
+      start = Clock::now();
+      std::unique_ptr<Observation> observation = layer->Observe(frame);
+      observed->layers.push_back({std::move(observation), SecondsSince(start)});
+    }
+    return observed;
+  }
+
+  void Add(size_t layer, ObservedFrame& frame) {
+    TimedObservation& observed = frame.layers[layer];
+    FrameReport& report = reports_[layer];
+    report.Count(frame.info, observed.observation->error);
+    report.decode_s += frame.decode_s;
+    report.observe_s += observed.seconds;
+    const Clock::time_point start = Clock::now();
+    layers_[layer]->Add(std::move(observed.observation), progress_);
+    report.add_s += SecondsSince(start);
+  }
+
+  void Report() {
+    ++done_;
+    progress_.Report(layers_.front()->stage(), done_, std::max(done_, source_.size()));
+  }
+
+  Source& source_;
+  std::span<LayerBuilder* const> layers_;
+  ProgressReporter& progress_;
+  bool join_;
+  std::vector<FrameReport> reports_;  // of each layer; written by its own stage alone
+  int done_ = 0;
+};
+
+}  // namespace
+
+Sequence ObserveSequence(Source& source, SequenceId id, std::span<LayerBuilder* const> layers,
+                         ProgressReporter& progress) {
+  WS_CHECK(!layers.empty(), "no layer observes the sequence");
+  for (LayerBuilder* layer : layers) layer->StartSequence(id, source);
+  SequencePipeline pipeline(source, layers, progress);
+  pipeline.Run();
+  const FrameReport first = pipeline.Finish().front();
+  Sequence sequence;
+  sequence.id = id;
+  sequence.name = source.name();
+  sequence.kind = source.kind();
+  sequence.camera = source.camera();
+  sequence.frames = first.frames;
+  sequence.skipped = first.skipped;
+  return sequence;
+}
+
+MapData BuildLayer(const std::vector<Source*>& sources, LayerBuilder& layer,
+                   const ProgressCallback& callback) {
+  if (sources.empty())
+    throw MapError(ErrorCode::kBadSource, "no source given; at least one is required");
+  cv::setNumThreads(1);  // frames are what runs in parallel
+  ProgressReporter progress(callback);
+  MapData map;
+  LayerBuilder* const layers[] = {&layer};
+  for (Source* source : sources) {
+    const SequenceId id{std::ssize(map.sequences) + 1};
+    map.sequences.push_back(ObserveSequence(*source, id, layers, progress));
+  }
+  layer.Finish(map, progress);
+  return map;
+}
+
+}  // namespace waystone

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "builder/sources/source.h"
+
+namespace waystone {
+
+// What became of the frames that a layer observed.
+struct FrameReport {
+  int frames = 0;
+  int skipped = 0;                         // of them, those that the layer can't use
+  std::vector<std::string> skipped_names;  // "rgb/000120.jpg: cause", the first 20 of them
+  double decode_s = 0;                     // summed over threads
+  double observe_s = 0;                    // summed over threads
+  double add_s = 0;                        // the part in order
+
+  // One more frame; `error` is empty for one that can be used.
+  void Count(const FrameInfo& info, const std::string& error);
+  // The frames of another sequence.
+  void Append(const FrameReport& other);
+};
+
+}  // namespace waystone

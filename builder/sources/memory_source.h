@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "builder/sources/source.h"
+
+namespace waystone {
+
+// A sequence that is made by a program rather than read from files.
+struct MemorySequence {
+  std::string name;
+  std::vector<EncodedFrame> frames = {};
+  std::optional<Camera> camera = {};
+  std::optional<Rig> faces = {};
+  cv::Size frame_size = {};  // px; 0 by 0 where it isn't known
+};
+
+// Gives the frames of such a sequence. As Source.
+class MemorySource : public Source {
+ public:
+  explicit MemorySource(MemorySequence sequence) : sequence_(std::move(sequence)) {}
+
+  const std::string& kind() const override { return kind_; }
+  const std::string& name() const override { return sequence_.name; }
+  int size() const override { return static_cast<int>(sequence_.frames.size()); }
+  const std::optional<Camera>& camera() const override { return sequence_.camera; }
+  cv::Size frame_size() const override { return sequence_.frame_size; }
+  std::optional<Rig> faces() const override { return sequence_.faces; }
+  std::string Announcement() const override;
+  std::optional<EncodedFrame> NextEncoded() override;
+
+ private:
+  std::string kind_ = "folder";
+  MemorySequence sequence_;
+  int next_ = 0;
+};
+
+// Frames "0", "1", ... of these images (CV_8UC1); an empty one can't be decoded.
+std::vector<EncodedFrame> FramesOfImages(const std::vector<cv::Mat>& images);
+
+}  // namespace waystone

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "core/base/options.h"
+#include "core/base/random.h"
+#include "core/homography/homography.h"
+#include "core/homography/neighbourhoods.h"
+
+namespace waystone {
+
+// Matched points of one image (`from`) and of one or two others. Row i of each belongs together.
+struct MatchedPoints {
+  std::vector<Eigen::Vector2d> from;
+  std::vector<Eigen::Vector2d> to;
+  // For triple matching: the plane's features in its reference image. Empty otherwise. Errors
+  // against it are measured in `from`'s pixels, because far from the reference image its own are
+  // stretched.
+  std::vector<Eigen::Vector2d> reference;
+
+  int size() const { return static_cast<int>(from.size()); }
+};
+
+struct LocalRansacOptions {
+  double max_error_px = 2.0;
+  double max_sigmas = 4.0;
+  double min_error_px = 0.75;
+  double confidence = 0.99;
+  int max_samples = 1500;
+  int neighbourhood = 14;
+  double min_height_ratio = 0.05;
+  int max_refits = 8;
+  int wide_refits = 2;
+  double min_refit_share = 0.1;
+
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"max_error_px", &LocalRansacOptions::max_error_px, Above(0), "px",
+                    "Largest transfer error of an inlier. Higher joins planes that are nearly "
+                    "parallel, lower splits walls that are not quite flat."},
+        OptionField{"max_sigmas", &LocalRansacOptions::max_sigmas, Above(1), "",
+                    "The bound is tightened to this many standard deviations of the errors of the "
+                    "plane's own inliers, so that sharp images tell planes apart that blurred ones "
+                    "can't."},
+        OptionField{"min_error_px", &LocalRansacOptions::min_error_px, Above(0), "px",
+                    "The bound isn't tightened below this."},
+        OptionField{"confidence", &LocalRansacOptions::confidence, Open(0, 1), "",
+                    "p of eq. (1): probability that one sample at least is made of inliers alone."},
+        OptionField{"max_samples", &LocalRansacOptions::max_samples, AtLeast(1), "",
+                    "Samples at the most, however low the inlier ratio. Bounds the time."},
+        OptionField{
+            "neighbourhood", &LocalRansacOptions::neighbourhood, AtLeast(3), "",
+            "The three companions of a sampled point are drawn among this many nearest "
+            "neighbours: closer points are likelier to be coplanar, farther ones determine the "
+            "homography better."},
+        OptionField{"min_height_ratio", &LocalRansacOptions::min_height_ratio, OpenHigh(0, 0.5), "",
+                    "Lowest triangle, as a share of its longest side, that doesn't count as three "
+                    "points in a line."},
+        OptionField{"max_refits", &LocalRansacOptions::max_refits, AtLeast(0), "",
+                    "Refits of a promising sample on its inliers."},
+        OptionField{"wide_refits", &LocalRansacOptions::wide_refits, AtLeast(0), "",
+                    "The first refits, which take in matches up to twice the bound."},
+        OptionField{
+            "min_refit_share", &LocalRansacOptions::min_refit_share, Closed(0, 1), "",
+            "A sample is refitted if it scores at least this share of the best so far. Lower "
+            "finds larger planes behind poor samples and costs time."}};
+  }
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// A plane as its homographies: x_to = to_from x_from and x_reference = reference_from x_from.
+struct PlaneModel {
+  Eigen::Matrix3d to_from = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d reference_from = Eigen::Matrix3d::Identity();  // unused without a reference
+};
+
+struct PlaneFit {
+  PlaneModel model;
+  std::vector<int> inliers;  // rows, ascending
+  double score = 0;          // sum of 1 - (error / max_error)^2 over the inliers
+  int samples = 0;           // that were drawn
+};
+
+// Squared error of row i under a model, px^2: the symmetric transfer error between `from` and `to`
+// and, where there is a reference, the larger of it and the error against the reference.
+double PlaneError2(const MatchedPoints& points, const PlaneModel& model, const PlaneModel& inverse,
+                   int i);
+PlaneModel Inverse(const PlaneModel& model);
+
+// The plane that most of the `active` rows support, by RANSAC over samples of four close,
+// non-collinear matches (sec. II) with as many samples as eq. (1) asks for and every row
+// supporting both homographies (sec. II-A). Nothing when no sample fits four rows.
+std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const int> active,
+                                  const Neighbourhoods& neighbourhoods,
+                                  const LocalRansacOptions& options, Random& random);
+
+// The same among all rows, with samples from neighbourhoods of these points alone.
+std::optional<PlaneFit> FindPlane(const MatchedPoints& points, const LocalRansacOptions& options,
+                                  uint64_t seed);
+
+// Least-squares refits of a model on its own inliers among the `active` rows until they don't grow.
+PlaneFit LocalOptimize(const MatchedPoints& points, std::span<const int> active,
+                       const PlaneFit& start, const LocalRansacOptions& options);
+
+// The largest error of an inlier of a plane whose inliers' errors have a given standard deviation
+// (of a coordinate), px.
+double ErrorBound(double sigma_px, const LocalRansacOptions& options);
+
+}  // namespace waystone

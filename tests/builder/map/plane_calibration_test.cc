@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/calibration/plane_calibration.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <set>
+
+#include "builder/calibration/rendered_negatives.h"
+#include "core/base/error.h"
+#include "core/features/features.h"
+#include "localizer/verdict/verdict_model.h"
+#include "tests/builder/map/stage.h"
+
+namespace waystone {
+namespace {
+
+TEST(KeyframeSample, IsSpreadOverAllThatWasAdded) {
+  Features features;
+  features.type = FeatureType::kSift;
+  for (int count : {1, 7, 8, 9, 30, 100, 1000}) {
+    KeyframeSample sample(8);
+    for (int k = 1; k <= count; ++k) sample.Add(KeyframeId{k}, features);
+    const auto& queries = sample.keyframes();
+    ASSERT_LE(queries.size(), 8u) << count;
+    ASSERT_GE(static_cast<int>(queries.size()), std::min(count, 4)) << count;
+    EXPECT_EQ(queries.front().keyframe.value, 1);
+    EXPECT_GE(2 * queries.back().keyframe.value, count) << "the last half of " << count;
+    for (size_t i = 2; i < queries.size(); ++i) {
+      EXPECT_EQ(queries[i].keyframe.value - queries[i - 1].keyframe.value,
+                queries[1].keyframe.value - queries[0].keyframe.value)
+          << count;
+    }
+  }
+}
+
+std::vector<SampledKeyframe> QueriesOf(const MapData& map) {
+  std::vector<SampledKeyframe> queries;
+  for (const Keyframe& keyframe : map.keyframes) {
+    queries.push_back(
+        {keyframe.id, ExtractFeatures(TheStage().frames[keyframe.frame], FeatureOptions{})});
+  }
+  return queries;
+}
+
+TEST(CalibrateVerdict, TellsTheMapsOwnPlacesFromChance) {
+  const MapData& map = TheMap().map;
+  const VerdictModel model = CalibrateVerdict(*MapIndex::Build(map), QueriesOf(map), {}, {});
+  EXPECT_GE(model.positives, static_cast<int>(map.keyframes.size()) / 2);
+  EXPECT_GE(model.negatives, 1);
+  EXPECT_GT(EstimateProbability({60, 0.7}, model), 0.95);
+  EXPECT_LT(EstimateProbability({5, 0.1}, model), 0.3);
+}
+
+TEST(CalibrateVerdict, IsTheSameOnAnyNumberOfThreads) {
+  const MapData& map = TheMap().map;
+  const auto index = MapIndex::Build(map);
+  const std::vector<SampledKeyframe> queries = QueriesOf(map);
+  const VerdictModel all = CalibrateVerdict(*index, queries, {}, {});
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(CalibrateVerdict(*index, queries, {}, {}), all);
+}
+
+TEST(CalibrateVerdict, WithoutQueriesTheGeneralModelHolds) {
+  EXPECT_EQ(CalibrateVerdict(*MapIndex::Build(TheMap().map), {}, {}, {}), VerdictModel{});
+}
+
+TEST(CalibrateVerdict, LearnsThatAnotherBuildingIsNotInTheMap) {
+  const MapData& map = TheMap().map;
+  const auto index = MapIndex::Build(map);
+  const std::vector<SampledKeyframe> queries = QueriesOf(map);
+  const std::vector<Features> outside = RenderedNegatives(3, FeatureOptions{});
+  // The map's own photos, taken for photos of another building, are negatives that fit well.
+  std::vector<Features> own;
+  for (const SampledKeyframe& query : queries) own.push_back(query.features);
+  const VerdictModel plain = CalibrateVerdict(*index, queries, {}, {});
+  const VerdictModel with = CalibrateVerdict(*index, queries, outside, {});
+  EXPECT_GE(with.negatives, plain.negatives);
+  EXPECT_LT(EstimateProbability({5, 0.1}, with), 0.3);
+  EXPECT_LT(EstimateProbability({60, 0.7}, CalibrateVerdict(*index, queries, own, {})),
+            EstimateProbability({60, 0.7}, with));
+}
+
+TEST(RenderedNegatives, AreTheSameOnAnyNumberOfThreads) {
+  const auto all = RenderedNegatives(2, FeatureOptions{});
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const auto again = RenderedNegatives(2, FeatureOptions{});
+  ASSERT_EQ(again.size(), all.size());
+  for (size_t i = 0; i < all.size(); ++i) {
+    EXPECT_GT(all[i].size(), 200);
+    EXPECT_EQ(again[i].keypoints, all[i].keypoints);
+  }
+}
+
+TEST(BuildMap, StoresTheModelOfItsVerdict) {
+  ASSERT_TRUE(TheMap().map.verdict);
+  EXPECT_GT(TheMap().map.verdict->positives, 0);
+}
+
+TEST(CalibrationOptions, OutOfTheirRangeAreRefused) {
+  CalibrationOptions options;
+  options.max_keyframes = 1;
+  EXPECT_THROW(options.Check(), MapError);
+  options = CalibrationOptions{};
+  options.rendered_negatives = -1;
+  EXPECT_THROW(options.Check(), MapError);
+}
+
+}  // namespace
+}  // namespace waystone
