@@ -45,6 +45,15 @@ Json PlaneJson(const RecognisedPlane& plane) {
   return json;
 }
 
+Json EpipolarJson(const EpipolarMatches& epipolar) {
+  Json json;
+  json["keyframe"]["id"] = epipolar.keyframe.id.value;
+  json["keyframe"]["source"] = epipolar.keyframe.source;
+  json["inliers"] = epipolar.inliers;
+  json["matches"] = epipolar.matches;
+  return json;
+}
+
 Json RunnerUpJson(const PlaceCandidate& place) {
   Json json;
   json["keyframe"]["id"] = place.keyframe.id.value;
@@ -126,6 +135,7 @@ Json ToJson(const Answer& answer) {
   for (const RecognisedPlane& plane : answer.planes.recognised) {
     json["planes"].push_back(PlaneJson(plane));
   }
+  if (answer.planes.epipolar) json["epipolar"] = EpipolarJson(*answer.planes.epipolar);
   if (answer.panorama) {
     const bool localized = answer.verdict == Verdict::kLocalized;
     json["panorama"] = PanoramaJson(*answer.panorama, localized);

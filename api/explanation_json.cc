@@ -4,11 +4,12 @@
 namespace waystone {
 namespace {
 
-Json PointsJson(const ExplainedCandidate& candidate) {
+Json PointsJson(const std::vector<Eigen::Vector2d>& query_points,
+                const std::vector<Eigen::Vector2d>& other_points) {
   Json list = Json::array();
-  for (size_t i = 0; i < candidate.query_points.size(); ++i) {
-    const Eigen::Vector2d& q = candidate.query_points[i];
-    const Eigen::Vector2d& r = candidate.reference_points[i];
+  for (size_t i = 0; i < query_points.size(); ++i) {
+    const Eigen::Vector2d& q = query_points[i];
+    const Eigen::Vector2d& r = other_points[i];
     list.push_back({Rounded(q.x(), 1), Rounded(q.y(), 1), Rounded(r.x(), 1), Rounded(r.y(), 1)});
   }
   return list;
@@ -24,7 +25,7 @@ Json CandidateJson(const ExplainedCandidate& candidate) {
   json["inliers"] = candidate.distinct;
   json["stopped_by"] = passed ? Json(nullptr) : Json(NameOf(candidate.stopped_by));
   json["place"] = candidate.place < 0 ? Json(nullptr) : Json(candidate.place);
-  json["points"] = PointsJson(candidate);
+  json["points"] = PointsJson(candidate.query_points, candidate.reference_points);
   return json;
 }
 
@@ -34,6 +35,18 @@ Json GatesJson(const GateOptions& gates) {
           {"max_scale", gates.max_scale},
           {"min_probability", gates.min_probability},
           {"ambiguous_share", gates.ambiguous_share}};
+}
+
+Json KeyframeJson(const ExplainedKeyframe& keyframe) {
+  Json json;
+  json["keyframe"] = keyframe.keyframe.value;
+  json["matches"] = keyframe.matches;
+  json["inliers"] = keyframe.inliers;
+  json["expected"] = keyframe.expected;
+  json["coverage"] = Rounded(keyframe.coverage, 4);
+  json["place"] = keyframe.place < 0 ? Json(nullptr) : Json(keyframe.place);
+  json["points"] = PointsJson(keyframe.query_points, keyframe.keyframe_points);
+  return json;
 }
 
 Json PlaceJson(const ExplainedPlace& place) {
@@ -57,6 +70,10 @@ Json ToJson(const Explanation& explanation) {
   json["candidates"] = Json::array();
   for (const ExplainedCandidate& candidate : explanation.candidates) {
     json["candidates"].push_back(CandidateJson(candidate));
+  }
+  json["keyframes"] = Json::array();
+  for (const ExplainedKeyframe& keyframe : explanation.keyframes) {
+    json["keyframes"].push_back(KeyframeJson(keyframe));
   }
   json["places"] = Json::array();
   for (const ExplainedPlace& place : explanation.places) json["places"].push_back(PlaceJson(place));

@@ -22,7 +22,7 @@ Json ShortJson(const Answer& answer, const char* key, const std::string& name) {
   json["verdict"] = NameOf(answer.verdict);
   json["probability"] = Rounded(answer.probability, 4);
   json["keyframe"] = KeyframeShortJson(answer);
-  json["inliers"] = answer.planes.recognised.empty() ? 0 : answer.planes.recognised.front().inliers;
+  json["inliers"] = CountBestInliers(answer.planes);
   return json;
 }
 

@@ -70,6 +70,9 @@ std::string AnswerLine(const Json& answer) {
   if (planes.is_array() && !planes.empty()) {
     line += "plane " + std::to_string(std::lround(NumberAt(planes[0], {"id"}))) + ", " +
             std::to_string(std::lround(NumberAt(planes[0], {"inliers"}))) + " inliers, ";
+  } else if (At(answer, {"epipolar"}).is_object()) {
+    line += std::to_string(std::lround(NumberAt(answer, {"epipolar", "inliers"}))) +
+            " epipolar inliers, ";
   }
   return line + time + ")";
 }

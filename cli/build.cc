@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/build_map.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -97,8 +98,13 @@ BuildResult BuildWithProgress(const BuildFlags& flags, const BuildOptions& optio
   return BuildMap(sources, options, show);
 }
 
+bool HasLandmarks(const MapData& map) {
+  return std::ranges::any_of(
+      map.keyframes, [](const Keyframe& keyframe) { return keyframe.landmarks.size() > 0; });
+}
+
 int ReportNoPlanes(const BuildResult& result) {
-  std::cerr << "waystone: no plane found in " << result.map.keyframes.size()
+  std::cerr << "waystone: no plane or landmark found in " << result.map.keyframes.size()
             << " keyframes; no map was written. Record textured walls or floors while moving "
                "sideways, or try --max-features 2000\n";
   return kBelowQualityGate;
@@ -125,7 +131,8 @@ int RunBuild(const BuildFlags& flags) {
   NoteInterrupts();
   const BuildResult result = BuildWithProgress(flags, options);
   const bool directions_alone = result.map.orientation && !result.report.planes;
-  if (result.map.planes.empty() && !result.map.appearance && !directions_alone) {
+  if (result.map.planes.empty() && !HasLandmarks(result.map) && !result.map.appearance &&
+      !directions_alone) {
     return ReportNoPlanes(result);
   }
   WriteMap(result.map, flags.output, write);
@@ -160,6 +167,10 @@ void AddMapFlags(CLI::App* command, BuildFlags& flags) {
   command
       ->add_option("--max-features", flags.build.features.max_features,
                    "Maximum features per image")
+      ->capture_default_str();
+  command
+      ->add_option("--landmarks", flags.build.planes.landmarks.max_kept,
+                   "Maximum features per keyframe beside the planes; 0 keeps planes only")
       ->capture_default_str();
   command
       ->add_option("--layers", flags.layers,

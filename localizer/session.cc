@@ -227,7 +227,7 @@ Answer OverallAnswer(const RequestAnswer& answer) {
       " maps contain this place; `maps` ranks them, query one of them for its full answer";
   for (int i = 0; i < localized; ++i) {
     const PlaneAnswer& planes = maps[i].planes;
-    const int inliers = planes.recognised.empty() ? 0 : planes.recognised.front().inliers;
+    const int inliers = CountBestInliers(planes);
     // A panorama's place has no keyframe.
     if (!planes.keyframe) continue;
     best.planes.places.push_back({*planes.keyframe, maps[i].probability, inliers});

@@ -51,8 +51,8 @@ struct MapData {
   std::vector<Keyframe> keyframes;
   std::vector<Plane> planes;
   std::vector<Edge> edges;  // ordered by (a, b)
-  // The descriptors of all planes, plane after plane, sorted for searching (IndexFeatures). Nothing
-  // for a map that is small or whose index has a format that this program doesn't know.
+  // The descriptors of all planes and landmarks sorted for searching (IndexFeatures). Nothing for a
+  // map that is small or whose index has a format that this program doesn't know.
   std::optional<InvertedFile> index;
   std::optional<VerdictModel> verdict;          // nothing for a map that was never calibrated
   std::optional<AppearanceLayer> appearance;    // nothing for a map without panoramas

@@ -35,6 +35,10 @@ int RunSegments(const Args& args);
 // relative [DIR]: rotations between places from the essential matrix against poses, and the
 // traversability verdict against what is visible; a rendered walk without a folder.
 int RunRelative(const Args& args);
+// recall [DATA] [--only NAME] [--landmarks N,N,...] [--foreign N] [--search yes|no] [--each
+// yes|no]: places of real data that exhaustive image search finds, and those that maps find, by
+// their size; photos of look-alike places and of other data that are found wrongly.
+int RunRecall(const Args& args);
 // orientation [--buildings N] [--frames N] [--camera rig|pinhole|both]: the whole orientation layer
 // of made buildings against their truth, and its time beside lines and features alone.
 int RunOrientation(const Args& args);

@@ -17,6 +17,7 @@ constexpr char kUsage[] =
     "  verdicts [DATA]                                    false answers, reliability\n"
     "  directions [DIR...] [--photos]                     Manhattan frames against truth\n"
     "  segments IMAGE_OR_FOLDER...                        segment detectors\n"
+    "  recall [DATA] [--only NAME] [--landmarks N,N]      found by image search and by maps\n"
     "  relative [DIR]                                     rotations between places\n"
     "  orientation [--buildings 3] [--frames 1000]        turns, corridors, loops, nodes\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"
@@ -53,6 +54,7 @@ int main(int argc, char** argv) {
       {"directions", waystone::bench::RunDirections},
       {"segments", waystone::bench::RunSegments},
       {"odometry", waystone::bench::RunOdometry},
+      {"recall", waystone::bench::RunRecall},
       {"relative", waystone::bench::RunRelative},
       {"scale", waystone::bench::RunScale},
       {"serve", waystone::bench::RunServe},

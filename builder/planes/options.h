@@ -5,6 +5,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "builder/planes/landmarks.h"
 #include "core/base/options.h"
 #include "core/features/match.h"
 #include "core/homography/segment_planes.h"
@@ -111,6 +112,7 @@ struct PlaneLayerOptions {
   SegmentationOptions segmentation;
   RotationOptions rotation;
   FusionOptions fusion;
+  LandmarkOptions landmarks;
   int min_tracked = 8;
   double reacquire_px = 3.0;
   double reacquire_distance = 0.4;

@@ -78,7 +78,10 @@ std::unique_ptr<PlaneObservation> ObserveFeatures(const Frame& frame, const Feat
 }
 
 PlaneLayerBuilder::PlaneLayerBuilder(const PlaneBuildOptions& options)
-    : options_(options), tracker_(options.planes), sample_(options.max_samples) {}
+    : options_(options),
+      tracker_(options.planes),
+      landmarks_(options.planes.landmarks),
+      sample_(options.max_samples) {}
 
 void PlaneLayerBuilder::StartSequence(SequenceId id, const Source& source) {
   sequence_ = id;
@@ -125,6 +128,7 @@ void PlaneLayerBuilder::AddKeyframe(const ChosenKeyframe& chosen) {
                  {cv::IMWRITE_JPEG_QUALITY, kThumbnailQuality});
   }
   tracker_.AddKeyframe(keyframe.id, chosen.frame.features, chosen.starts_stretch, camera_);
+  landmarks_.Add(keyframe.id, chosen.frame.features, chosen.starts_stretch);
   sample_.Add(keyframe.id, chosen.frame.features);
   keyframes_.push_back(std::move(keyframe));
 }
@@ -140,6 +144,7 @@ void PlaneLayerBuilder::Finish(MapData& map, ProgressReporter& progress) {
   Fuse(map);
   Renumber(map);
   for (Plane& plane : map.planes) plane.outline = ComputeOutline(plane.features);
+  landmarks_.Finish(map);
   map.index = IndexFeatures(map);
   report(1);
 }

@@ -9,6 +9,7 @@
 #include "builder/frames/layer_builder.h"
 #include "builder/planes/keyframe_sample.h"
 #include "builder/planes/keyframe_selector.h"
+#include "builder/planes/landmarks.h"
 #include "builder/planes/options.h"
 #include "builder/planes/plane_tracker.h"
 #include "core/features/features.h"
@@ -73,6 +74,7 @@ class PlaneLayerBuilder : public LayerBuilder {
 
   PlaneBuildOptions options_;
   PlaneTracker tracker_;
+  LandmarkChooser landmarks_;
   KeyframeSample sample_;
   SequenceId sequence_;
   std::optional<Camera> camera_;

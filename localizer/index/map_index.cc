@@ -8,6 +8,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/features/descriptor_codes.h"
 #include "schema/layers/planes/index_features.h"
 
 namespace waystone {
@@ -36,12 +37,39 @@ MapIndex::MapIndex(MapData map) : map_(std::move(map)) {
   }
   CheckReferences();
   TakeDescriptors();
+  CollectViews();
   if (map_.appearance) appearance_ = AppearanceIndex(*map_.appearance);
   for (const Edge& edge : map_.edges) {
     neighbours_[edge.a].push_back(edge.b);
     neighbours_[edge.b].push_back(edge.a);
   }
   for (auto& [id, ids] : neighbours_) std::sort(ids.begin(), ids.end());
+}
+
+// Their descriptors come after the planes'.
+void MapIndex::TakeLandmarks() {
+  const FeatureType type = map_.info.feature_type;
+  keyframe_of_row_.assign(first_row_.back(), -1);
+  for (int k = 0; k < static_cast<int>(map_.keyframes.size()); ++k) {
+    Landmarks& landmarks = map_.keyframes[k].landmarks;
+    const auto first = static_cast<int>(keyframe_of_row_.size());
+    first_landmark_row_.push_back(first);
+    const Descriptors descriptors = DecodeDescriptors(landmarks.codes, type);
+    for (int i = 0; i < descriptors.rows(); ++i) search_.Set(first + i, descriptors.row(i));
+    keyframe_of_row_.resize(first + descriptors.rows(), k);
+    landmarks.codes = Descriptors(CodeBytes(type));
+  }
+  first_landmark_row_.push_back(static_cast<int>(keyframe_of_row_.size()));
+}
+
+void MapIndex::CollectViews() {
+  seen_.resize(map_.keyframes.size());
+  for (int p = 0; p < static_cast<int>(map_.planes.size()); ++p) {
+    const std::vector<PlaneView>& views = map_.planes[p].views;
+    for (int v = 0; v < static_cast<int>(views.size()); ++v) {
+      seen_[keyframe_index_.at(views[v].keyframe)].push_back({p, v});
+    }
+  }
 }
 
 // Moves the descriptors plane by plane, so that they are never in memory twice.
@@ -62,7 +90,9 @@ void MapIndex::TakeDescriptors() {
     plane_of_row_.resize(first + plane.descriptors.rows(), p);
     plane.descriptors = Descriptors(DescriptorBytes(type));
   }
-  first_row_.push_back(rows);
+  first_row_.push_back(static_cast<int>(plane_of_row_.size()));
+  plane_of_row_.resize(rows, -1);
+  TakeLandmarks();
 #if defined(__GLIBC__)
   malloc_trim(0);  // what the planes' own blocks took would stay with the process
 #endif
@@ -100,12 +130,29 @@ void MapIndex::CheckReferences() const {
     }
   }
   CheckSignatures();
+  CheckLandmarks();
   if (!map_.index) return;
   const std::string problem =
       InvertedFileProblem(*map_.index, CountFeatures(map_), map_.info.feature_type);
   if (problem.empty()) return;
   throw MapError(ErrorCode::kMapDamaged,
                  "the search index: " + problem + "; run `waystone check` on the map");
+}
+
+void MapIndex::CheckLandmarks() const {
+  const int bytes = CodeBytes(map_.info.feature_type);
+  for (const Keyframe& keyframe : map_.keyframes) {
+    const Landmarks& landmarks = keyframe.landmarks;
+    if (landmarks.codes.rows() == landmarks.size() &&
+        (landmarks.size() == 0 || landmarks.codes.bytes() == bytes)) {
+      continue;
+    }
+    throw MapError(ErrorCode::kMapDamaged, "keyframe " + std::to_string(keyframe.id.value) +
+                                               " has " + std::to_string(landmarks.size()) +
+                                               " landmarks and " +
+                                               std::to_string(landmarks.codes.rows()) +
+                                               " codes; run `waystone check` on the map");
+  }
 }
 
 void MapIndex::CheckSignatures() const {
@@ -161,6 +208,17 @@ const std::vector<PlaneId>& MapIndex::Neighbours(PlaneId id) const {
 
 Descriptors MapIndex::DescriptorsOf(int plane) const {
   return search_.Rows(first_row_[plane], first_row_[plane + 1] - first_row_[plane]);
+}
+
+Descriptors MapIndex::LandmarkDescriptorsOf(int keyframe) const {
+  const int first = first_landmark_row_[keyframe];
+  return search_.Rows(first, first_landmark_row_[keyframe + 1] - first);
+}
+
+int MapIndex::IndexOf(KeyframeId id) const {
+  const auto found = keyframe_index_.find(id);
+  WS_CHECK(found != keyframe_index_.end(), "a keyframe of another map");
+  return found->second;
 }
 
 }  // namespace waystone

@@ -22,7 +22,8 @@ class MapIndex {
   // Throws MapError(kMapDamaged) for a map whose parts don't refer to each other properly.
   static std::shared_ptr<const MapIndex> Build(MapData map);
 
-  // The map, but for its index and the planes' descriptors: they are moved into search().
+  // The map, but for its index, the planes' descriptors and the landmarks' codes: they are moved
+  // into search().
   const MapData& map() const { return map_; }
   // Nothing for an id that isn't in the map.
   const Plane* FindPlane(PlaneId id) const;
@@ -34,12 +35,28 @@ class MapIndex {
   // The orientation of a sequence's frame; null where the layer hasn't got it.
   const OrientationFrame* FindFrame(SequenceId sequence, int frame) const;
 
-  // Descriptors of all planes, plane after plane, ready to be searched.
+  // Descriptors of all planes, plane after plane, then of all landmarks, keyframe after keyframe,
+  // ready to be searched.
   const SearchIndex& search() const { return search_; }
-  // Index in map().planes of the plane that a row of search() belongs to.
+  // Index in map().planes of the plane that a row of search() belongs to; -1 for a landmark's.
   int PlaneOfRow(int row) const { return plane_of_row_[row]; }
+  // Index in map().keyframes of the keyframe whose landmark a row of search() is; -1 for others.
+  int KeyframeOfRow(int row) const { return keyframe_of_row_[row]; }
   // Descriptors of map().planes[plane], row i belonging to its feature i.
   Descriptors DescriptorsOf(int plane) const;
+  bool HasLandmarks() const { return first_landmark_row_.front() < first_landmark_row_.back(); }
+  // Descriptors of the landmarks of map().keyframes[keyframe], in their order.
+  Descriptors LandmarkDescriptorsOf(int keyframe) const;
+
+  // A plane as a keyframe saw it: map().planes[plane].views[view].
+  struct SeenPlane {
+    int plane = 0;
+    int view = 0;
+  };
+  // What map().keyframes[keyframe] saw, by plane.
+  const std::vector<SeenPlane>& PlanesSeenBy(int keyframe) const { return seen_[keyframe]; }
+  // Index in map().keyframes; the keyframe is in the map (WS_CHECK).
+  int IndexOf(KeyframeId id) const;
 
   // The appearance layer's signatures, node by node as in map().appearance; empty without one.
   const AppearanceIndex& appearance() const { return appearance_; }
@@ -53,7 +70,10 @@ class MapIndex {
   explicit MapIndex(MapData map);
   void CheckReferences() const;
   void CheckSignatures() const;
+  void CheckLandmarks() const;
   void TakeDescriptors();
+  void TakeLandmarks();
+  void CollectViews();
 
   MapData map_;
   SearchIndex search_;
@@ -61,7 +81,10 @@ class MapIndex {
   mutable std::once_flag node_features_made_;
   mutable std::unique_ptr<const NodeFeatureIndex> node_features_;
   std::vector<int> plane_of_row_;
-  std::vector<int> first_row_;  // of each plane, and one more for the end
+  std::vector<int> keyframe_of_row_;
+  std::vector<int> first_row_;           // of each plane, and one more for the end
+  std::vector<int> first_landmark_row_;  // of each keyframe, and one more for the end
+  std::vector<std::vector<SeenPlane>> seen_;
   std::unordered_map<PlaneId, int> plane_index_;
   std::unordered_map<KeyframeId, int> keyframe_index_;
   std::unordered_map<SequenceId, int> sequence_index_;

@@ -215,6 +215,7 @@ void JudgeByAxes(int guesses, double min_probability, const BuildingOptions& opt
   answer.planes.keyframe.reset();
   answer.heading.reset();
   answer.planes.recognised.clear();
+  answer.planes.epipolar.reset();
   answer.message = "the place matches, but the lines of the image are rotated by " +
                    std::to_string(degrees) +
                    " degrees relative to the axes of the map; send another image";

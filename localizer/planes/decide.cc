@@ -8,6 +8,7 @@
 #include <set>
 
 #include "localizer/planes/outline.h"
+#include "localizer/planes/sightings.h"
 
 namespace waystone {
 namespace {
@@ -101,11 +102,30 @@ RecognisedPlane Recognised(const MapIndex& index, const Features& query,
 
 PlaceCandidate Candidate(const MapIndex& index, const Place& place, const Features& query) {
   return {RefTo(index, NearestKeyframe(index, place, query)), place.probability,
-          place.evidence.inliers};
+          CountInliers(place)};
 }
 
 std::string Percent(double share) {
   return std::to_string(static_cast<int>(std::floor(100 * share))) + "%";
+}
+
+std::string WhatIsNeeded(double probability, const PlaneQueryOptions& options) {
+  return "confidence " + Percent(probability) + ", required " +
+         Percent(options.gates.min_probability) + "; show more of the place";
+}
+
+// Not in the map: what speaks for the best place, and what would have passed.
+Answer RefusePlace(const MapIndex& index, const Features& query, const Place& place,
+                   const PlaneQueryOptions& options) {
+  Answer answer;
+  answer.verdict = Verdict::kNotInMap;
+  answer.planes.runner_up = Candidate(index, place, query);
+  answer.probability = place.probability;
+  answer.decided_by = DecidedBy::kPlaceProbability;
+  answer.message = "the best keyframe, " + answer.planes.runner_up->keyframe.source + ", shares " +
+                   std::to_string(CountInliers(place)) +
+                   " matches: " + WhatIsNeeded(place.probability, options);
+  return answer;
 }
 
 // Not in the map: names the gate that stopped the best plane and what would have passed it.
@@ -137,16 +157,22 @@ Answer Refuse(const MapIndex& index, const Features& query, int shortlisted,
   answer.decided_by = best.accepted ? DecidedBy::kPlaceProbability : DecidedBy::kHomographyInliers;
   answer.message = "the best plane, " + std::to_string(PlaneOf(index, best).id.value) + ", has " +
                    std::to_string(best.distinct) + " inliers of " + std::to_string(best.matches) +
-                   " matches: confidence " + Percent(place.probability) + ", required " +
-                   Percent(options.gates.min_probability) + "; show more of the place";
+                   " matches: " + WhatIsNeeded(place.probability, options);
   return answer;
+}
+
+EpipolarMatches DescribeEpipolar(const MapIndex& index, const VerifiedKeyframe& verified) {
+  return {RefTo(index, index.map().keyframes[verified.keyframe].id), verified.distinct,
+          verified.matches, verified.query_points, verified.keyframe_points};
 }
 
 Answer Describe(const MapIndex& index, const Features& query, const Place& place) {
   Answer answer;
   answer.verdict = Verdict::kLocalized;
-  answer.decided_by = DecidedBy::kHomographyInliers;
+  answer.decided_by =
+      place.planes.empty() ? DecidedBy::kEpipolarInliers : DecidedBy::kHomographyInliers;
   answer.probability = place.probability;
+  if (place.keyframe) answer.planes.epipolar = DescribeEpipolar(index, *place.keyframe);
   answer.planes.keyframe = RefTo(index, NearestKeyframe(index, place, query));
   std::set<PlaneId> present;
   for (const VerifiedPlane& plane : place.planes) present.insert(PlaneOf(index, plane).id);
@@ -158,6 +184,14 @@ Answer Describe(const MapIndex& index, const Features& query, const Place& place
   return answer;
 }
 
+// Whether a place has enough of the best one's inliers to be it as well. An epipolar geometry fits
+// some matches of any two images, so that a keyframe alone must be somewhat likely too.
+bool LooksAsWell(const Place& place, const Place& best, const PlaneQueryOptions& options) {
+  constexpr double kLeastProbability = 0.2;
+  if (place.planes.empty() && place.probability < kLeastProbability) return false;
+  return CountInliers(place) >= options.gates.ambiguous_share * CountInliers(best);
+}
+
 // What was considered, for those who ask why.
 void Account(const MapIndex& index, const Features& query, const std::vector<Place>& places,
              Answer& answer) {
@@ -167,7 +201,15 @@ void Account(const MapIndex& index, const Features& query, const std::vector<Pla
 
 }  // namespace
 
+int CountInliers(const Place& place) {
+  return std::max(place.evidence.inliers, place.keyframe ? place.keyframe->distinct : 0);
+}
+
 bool AreNear(const MapIndex& index, const Place& a, const Place& b) {
+  if (a.keyframe && b.keyframe &&
+      KeyframesAreNear(index, a.keyframe->keyframe, b.keyframe->keyframe)) {
+    return true;
+  }
   for (const VerifiedPlane& m : a.planes) {
     for (const VerifiedPlane& n : b.planes) {
       if (PlanesAreNear(index, PlaneOf(index, m), PlaneOf(index, n))) return true;
@@ -194,7 +236,20 @@ std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane>
   return places;
 }
 
+std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
+                              const std::vector<VerifiedKeyframe>& keyframes,
+                              const PlaneQueryOptions& options) {
+  std::vector<VerifiedPlane> accepted;
+  for (const VerifiedPlane& plane : tried) {
+    if (plane.accepted) accepted.push_back(plane);
+  }
+  std::vector<Place> places = GroupPlaces(index, std::move(accepted), options);
+  JoinKeyframes(index, keyframes, options, places);
+  return places;
+}
+
 KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Features& query) {
+  if (place.planes.empty()) return index.map().keyframes[place.keyframe->keyframe].id;
   std::map<KeyframeId, double> closeness;
   for (const VerifiedPlane& plane : place.planes) {
     for (const PlaneView& view : PlaneOf(index, plane).views) {
@@ -209,14 +264,13 @@ KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Feat
 }
 
 Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
-              const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options) {
-  std::vector<VerifiedPlane> accepted;
-  for (const VerifiedPlane& plane : tried) {
-    if (plane.accepted) accepted.push_back(plane);
-  }
-  const std::vector<Place> places = GroupPlaces(index, std::move(accepted), options);
+              const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options,
+              const std::vector<VerifiedKeyframe>& keyframes) {
+  const std::vector<Place> places = FindPlaces(index, tried, keyframes, options);
   if (places.empty() || places.front().probability < options.gates.min_probability) {
-    Answer answer = Refuse(index, query, shortlisted, tried, options);
+    Answer answer = !places.empty() && places.front().planes.empty()
+                        ? RefusePlace(index, query, places.front(), options)
+                        : Refuse(index, query, shortlisted, tried, options);
     Account(index, query, places, answer);
     return answer;
   }
@@ -224,15 +278,15 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
   Account(index, query, places, answer);
   if (places.size() < 2) return answer;
   answer.planes.runner_up = Candidate(index, places[1], query);
-  const bool alike =
-      places[1].evidence.inliers >= options.gates.ambiguous_share * places.front().evidence.inliers;
-  if (!alike || AreNear(index, places[0], places[1])) return answer;
+  if (!LooksAsWell(places[1], places[0], options) || AreNear(index, places[0], places[1])) {
+    return answer;
+  }
   answer.verdict = Verdict::kAmbiguous;
   answer.decided_by = DecidedBy::kAmbiguousPlaces;
   answer.planes.keyframe.reset();
   answer.message = "two mapped places match; move a little and query again";
   for (const Place& place : places) {
-    if (place.evidence.inliers >= options.gates.ambiguous_share * places.front().evidence.inliers) {
+    if (LooksAsWell(place, places[0], options)) {
       answer.planes.places.push_back(Candidate(index, place, query));
     }
   }

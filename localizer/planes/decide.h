@@ -1,20 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "localizer/planes/verify.h"
+#include "localizer/planes/verify_keyframe.h"
 #include "localizer/verdict/answer.h"
 #include "localizer/verdict/verdict_model.h"
 
 namespace waystone {
 
-// Planes that were recognised together and agree: one place.
+// Planes that were recognised together and agree, and the keyframe that fits the query best: one
+// place. It has either or both.
 struct Place {
   std::vector<VerifiedPlane> planes;  // most inliers first
-  Evidence evidence;
-  double probability = 0;  // that it is right, by the map's model
+  Evidence evidence;                  // of the planes
+  std::optional<VerifiedKeyframe> keyframe;
+  double probability = 0;  // that it is right
 };
+
+// Inliers of the planes or of the epipolar geometry, whichever are more, at distinct positions of
+// the query.
+int CountInliers(const Place& place);
 
 // Whether two planes are parts of one surrounding: a keyframe saw both, or an edge or a common
 // neighbour joins them.
@@ -25,16 +33,24 @@ bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b);
 std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane> accepted,
                                const PlaneQueryOptions& options);
 
-// The same for two places: whether planes of both are near each other.
+// The places of all planes that were accepted of those that were tried, and of the keyframes that
+// were verified, most inliers first.
+std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
+                              const std::vector<VerifiedKeyframe>& keyframes,
+                              const PlaneQueryOptions& options);
+
+// The same for two places: whether planes or keyframes of both are near each other.
 bool AreNear(const MapIndex& index, const Place& a, const Place& b);
 
 // The keyframe that saw a place most like the query did: the more of the place's inliers lie near
 // where the keyframe saw them, the nearer.
 KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Features& query);
 
-// The verdict for all planes that were tried, accepted or not, of `shortlisted` ones, with
-// everything an answer says about places. Times, names and map are the caller's.
+// The verdict for all planes that were tried, accepted or not, of `shortlisted` ones, and for the
+// keyframes that were verified (VerifyKeyframes), with everything an answer says about places.
+// Times, names and map are the caller's.
 Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
-              const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options);
+              const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options,
+              const std::vector<VerifiedKeyframe>& keyframes = {});
 
 }  // namespace waystone

@@ -33,19 +33,27 @@ ExplainedPlace ExplainPlace(const MapIndex& index, const Features& query, const 
   for (const VerifiedPlane& member : place.planes) {
     out.planes.push_back(index.map().planes[member.plane].id);
   }
-  out.inliers = place.evidence.inliers;
+  out.inliers = CountInliers(place);
   out.best_share = place.evidence.best_share;
   out.probability = place.probability;
   return out;
 }
 
-std::vector<Place> GroupAccepted(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
-                                 const PlaneQueryOptions& options) {
-  std::vector<VerifiedPlane> accepted;
-  for (const VerifiedPlane& plane : tried) {
-    if (plane.accepted) accepted.push_back(plane);
+ExplainedKeyframe ExplainKeyframe(const MapIndex& index, const VerifiedKeyframe& verified,
+                                  const std::vector<Place>& places) {
+  ExplainedKeyframe out;
+  out.keyframe = index.map().keyframes[verified.keyframe].id;
+  out.matches = verified.matches;
+  out.inliers = verified.distinct;
+  out.expected = verified.expected;
+  out.coverage = verified.coverage;
+  out.query_points = verified.query_points;
+  out.keyframe_points = verified.keyframe_points;
+  for (size_t i = 0; i < places.size(); ++i) {
+    const auto& keyframe = places[i].keyframe;
+    if (keyframe && keyframe->keyframe == verified.keyframe) out.place = static_cast<int>(i);
   }
-  return GroupPlaces(index, std::move(accepted), options);
+  return out;
 }
 
 int PlaceWith(const std::vector<ExplainedPlace>& places, PlaneId plane) {
@@ -58,15 +66,20 @@ int PlaceWith(const std::vector<ExplainedPlace>& places, PlaneId plane) {
 
 }  // namespace
 
-Explanation Explain(const MapIndex& index, const Features& query,
-                    const std::vector<ShortlistedPlane>& shortlist,
-                    const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options) {
-  Explanation explanation{query.width, query.height, query.size(), options.gates, {}, {}};
-  for (const Place& place : GroupAccepted(index, tried, options)) {
+Explanation Explain(const MapIndex& index, const Features& query, const Shortlist& shortlist,
+                    const std::vector<VerifiedPlane>& tried,
+                    const std::vector<VerifiedKeyframe>& keyframes,
+                    const PlaneQueryOptions& options) {
+  Explanation explanation{query.width, query.height, query.size(), options.gates, {}, {}, {}};
+  const std::vector<Place> places = FindPlaces(index, tried, keyframes, options);
+  for (const Place& place : places) {
     explanation.places.push_back(ExplainPlace(index, query, place));
   }
+  for (const VerifiedKeyframe& verified : keyframes) {
+    explanation.keyframes.push_back(ExplainKeyframe(index, verified, places));
+  }
   const VerifiedPlane* best = nullptr;  // of those accepted so far, as in TryPlanes
-  for (const ShortlistedPlane& listed : shortlist) {
+  for (const ShortlistedPlane& listed : shortlist.planes) {
     const Plane& plane = index.map().planes[listed.plane];
     ExplainedCandidate candidate;
     candidate.plane = plane.id;

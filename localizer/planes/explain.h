@@ -8,14 +8,17 @@
 #include "localizer/planes/plane_query_options.h"
 #include "localizer/planes/shortlist.h"
 #include "localizer/planes/verify.h"
+#include "localizer/planes/verify_keyframe.h"
 #include "localizer/verdict/explanation.h"
 
 namespace waystone {
 
-// What became of every shortlisted plane, of which `tried` is what TryPlanes made with the same
-// options. Groups the places anew, which costs well under a millisecond. Deterministic.
-Explanation Explain(const MapIndex& index, const Features& query,
-                    const std::vector<ShortlistedPlane>& shortlist,
-                    const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options);
+// What became of every shortlisted plane and verified keyframe: `tried` and `keyframes` are what
+// TryPlanes and VerifyKeyframes made with the same options. Groups the places anew, which costs
+// well under a millisecond. Deterministic.
+Explanation Explain(const MapIndex& index, const Features& query, const Shortlist& shortlist,
+                    const std::vector<VerifiedPlane>& tried,
+                    const std::vector<VerifiedKeyframe>& keyframes,
+                    const PlaneQueryOptions& options);
 
 }  // namespace waystone

@@ -6,6 +6,7 @@
 #include "localizer/planes/decide.h"
 #include "localizer/planes/explain.h"
 #include "localizer/planes/shortlist.h"
+#include "localizer/planes/sightings.h"
 #include "localizer/planes/verify.h"
 
 namespace waystone {
@@ -14,16 +15,21 @@ Answer LocateByPlanes(const MapIndex& index, const Features& query,
                       const PlaneQueryOptions& options, const Deadline& deadline, bool explain) {
   WS_CHECK(query.type == index.map().info.feature_type, "features of another type than the map's");
   LapTimer timer;
-  const std::vector<ShortlistedPlane> shortlist = ShortlistPlanes(index, query, options);
+  const Shortlist shortlist = VoteForPlaces(index, query, options);
   const double shortlist_ms = timer.Lap();
-  const std::vector<VerifiedPlane> tried = TryPlanes(index, query, shortlist, options, deadline);
+  const std::vector<VerifiedPlane> tried =
+      TryPlanes(index, query, shortlist.planes, options, deadline);
+  const std::vector<VerifiedKeyframe> keyframes =
+      VerifyKeyframes(index, PackedFeatures(query), shortlist, tried, options, deadline);
   Answer answer = HasPassed(deadline)
                       ? Undecided(Stage::kShortlist)
-                      : Decide(index, query, static_cast<int>(shortlist.size()), tried, options);
+                      : Decide(index, query, static_cast<int>(shortlist.planes.size()), tried,
+                               options, keyframes);
   if (deadline && !answer.last_stage) answer.last_stage = Stage::kDecide;
   answer.timing.shortlist_ms = shortlist_ms;
   answer.timing.verify_ms = timer.Lap();
-  if (explain) answer.planes.explanation = Explain(index, query, shortlist, tried, options);
+  if (explain)
+    answer.planes.explanation = Explain(index, query, shortlist, tried, keyframes, options);
   answer.timing.total_ms = answer.timing.shortlist_ms + answer.timing.verify_ms;
   return answer;
 }

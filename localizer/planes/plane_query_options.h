@@ -9,6 +9,7 @@
 #include "core/features/match.h"
 #include "core/homography/find_plane.h"
 #include "core/homography/homology.h"
+#include "core/two_view/fundamental.h"
 #include "localizer/verdict/gates.h"
 
 namespace waystone {
@@ -29,6 +30,9 @@ struct PlaneQueryOptions {
   LocalRansacOptions ransac{.max_error_px = 3.0, .max_samples = 500};
   HomologyOptions homology;
   GateOptions gates;
+  int max_keyframes = 4;
+  MatchOptions keyframe_match{0.8, true};
+  EpipolarOptions epipolar;
   uint64_t seed = 1;
 
   static constexpr auto Fields() {
@@ -63,6 +67,11 @@ struct PlaneQueryOptions {
         OptionGroup{"ransac", &Self::ransac},
         OptionGroup{"homology", &Self::homology},
         OptionGroup{"gates", &Self::gates},
+        OptionField{"max_keyframes", &Self::max_keyframes, AtLeast(1), "",
+                    "Keyframes that are verified by all their matches, most votes first. More find "
+                    "more and cost about 2 ms each."},
+        OptionGroup{"keyframe_match", &Self::keyframe_match},
+        OptionGroup{"epipolar", &Self::epipolar},
         OptionField{"seed", &Self::seed, AnyValue(), "",
                     "Seed of the sampling: the same query, map and options give the same answer."}};
   }

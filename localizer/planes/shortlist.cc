@@ -4,32 +4,77 @@
 #include <algorithm>
 
 namespace waystone {
+namespace {
 
-std::vector<ShortlistedPlane> ShortlistPlanes(const MapIndex& index, const Features& query,
-                                              const PlaneQueryOptions& options) {
+// Counts votes, at most one a voter for each candidate.
+class Ballot {
+ public:
+  explicit Ballot(size_t candidates) : votes_(candidates, 0), last_voter_(candidates, -1) {}
+
+  void Vote(int voter, int candidate) {
+    if (last_voter_[candidate] == voter) return;
+    last_voter_[candidate] = voter;
+    ++votes_[candidate];
+  }
+  int votes(int candidate) const { return votes_[candidate]; }
+
+ private:
+  std::vector<int> votes_;
+  std::vector<int> last_voter_;
+};
+
+template <class Candidate>
+void KeepMostVoted(double min_votes, int max_kept, std::vector<Candidate>& candidates) {
+  std::erase_if(candidates, [&](const auto& one) { return one.votes < min_votes; });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.votes > b.votes; });
+  if (std::ssize(candidates) > max_kept) candidates.resize(max_kept);
+}
+
+double CountPlaneVotes(const MapIndex& index, int keyframe, const Ballot& planes) {
+  double votes = 0;
+  for (const MapIndex::SeenPlane& seen : index.PlanesSeenBy(keyframe)) {
+    const Plane& plane = index.map().planes[seen.plane];
+    if (plane.features.empty()) continue;
+    const double share =
+        plane.views[seen.view].inliers / static_cast<double>(plane.features.size());
+    votes += std::min(1.0, share) * planes.votes(seen.plane);
+  }
+  return votes;
+}
+
+}  // namespace
+
+Shortlist VoteForPlaces(const MapIndex& index, const Features& query,
+                        const PlaneQueryOptions& options) {
   const int k = options.votes_per_feature;
   const std::vector<Neighbour> nearest =
       index.search().Nearest(query.descriptors, k, options.probes);
-  std::vector<ShortlistedPlane> planes(index.map().planes.size());
-  for (int p = 0; p < static_cast<int>(planes.size()); ++p) planes[p].plane = p;
-  std::vector<int> last_voter(planes.size(), -1);
+  Ballot planes(index.map().planes.size());
+  Ballot keyframes(index.map().keyframes.size());
   for (int q = 0; q < query.size(); ++q) {
     for (int i = 0; i < k; ++i) {
       const int row = nearest[static_cast<size_t>(q) * k + i].row;
       if (row < 0) continue;
       const int plane = index.PlaneOfRow(row);
-      if (last_voter[plane] == q) continue;
-      last_voter[plane] = q;
-      ++planes[plane].votes;
+      plane >= 0 ? planes.Vote(q, plane) : keyframes.Vote(q, index.KeyframeOfRow(row));
     }
   }
-  std::erase_if(planes, [&](const auto& plane) { return plane.votes < options.min_votes; });
-  std::stable_sort(planes.begin(), planes.end(),
-                   [](const auto& a, const auto& b) { return a.votes > b.votes; });
-  if (static_cast<int>(planes.size()) > options.max_candidates) {
-    planes.resize(options.max_candidates);
+  Shortlist shortlist;
+  for (int p = 0; p < static_cast<int>(index.map().planes.size()); ++p) {
+    shortlist.planes.push_back({p, planes.votes(p)});
   }
-  return planes;
+  for (int f = 0; f < static_cast<int>(index.map().keyframes.size()); ++f) {
+    shortlist.keyframes.push_back({f, keyframes.votes(f) + CountPlaneVotes(index, f, planes)});
+  }
+  KeepMostVoted(options.min_votes, options.max_candidates, shortlist.planes);
+  KeepMostVoted(options.min_votes, options.max_keyframes, shortlist.keyframes);
+  return shortlist;
+}
+
+std::vector<ShortlistedPlane> ShortlistPlanes(const MapIndex& index, const Features& query,
+                                              const PlaneQueryOptions& options) {
+  return VoteForPlaces(index, query, options).planes;
 }
 
 }  // namespace waystone

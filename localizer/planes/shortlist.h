@@ -14,8 +14,24 @@ struct ShortlistedPlane {
   int votes = 0;
 };
 
-// Planes by descriptor votes, most votes first, at most options.max_candidates of them. Every query
-// feature votes once for each plane among its nearest descriptors.
+// A keyframe that the query may be near.
+struct ShortlistedKeyframe {
+  int keyframe = 0;  // index in the map's keyframes
+  double votes = 0;
+};
+
+struct Shortlist {
+  std::vector<ShortlistedPlane> planes;        // most votes first, at most max_candidates
+  std::vector<ShortlistedKeyframe> keyframes;  // most votes first, at most max_keyframes
+};
+
+// Planes and keyframes by descriptor votes. Every query feature votes once for each plane among its
+// nearest descriptors, and once for each keyframe that has a landmark among them. A keyframe has
+// the votes of the planes that it saw too, each by the share of the plane's features that it saw.
+Shortlist VoteForPlaces(const MapIndex& index, const Features& query,
+                        const PlaneQueryOptions& options);
+
+// The planes of VoteForPlaces alone.
 std::vector<ShortlistedPlane> ShortlistPlanes(const MapIndex& index, const Features& query,
                                               const PlaneQueryOptions& options);
 

@@ -31,6 +31,8 @@ const char* NameOf(DecidedBy gate) {
       return "shortlist_votes";
     case DecidedBy::kHomographyInliers:
       return "homography_inliers";
+    case DecidedBy::kEpipolarInliers:
+      return "epipolar_inliers";
     case DecidedBy::kPlaceProbability:
       return "place_probability";
     case DecidedBy::kAmbiguousPlaces:
@@ -105,6 +107,11 @@ const char* NameOf(Gate gate) {
       return "max_scale";
   }
   WS_CHECK(false, "unknown gate");
+}
+
+int CountBestInliers(const PlaneAnswer& answer) {
+  if (!answer.recognised.empty()) return answer.recognised.front().inliers;
+  return answer.epipolar ? answer.epipolar->inliers : 0;
 }
 
 Answer Undecided(Stage last) {

@@ -28,6 +28,7 @@ enum class DecidedBy {
   kFeatures,           // the image has too few features
   kShortlistVotes,     // no plane got enough votes
   kHomographyInliers,  // planes that fit, or none that does
+  kEpipolarInliers,    // a keyframe that fits by its landmarks
   kPlaceProbability,   // the best place isn't probable enough
   kAmbiguousPlaces,    // two places of a map look alike
   kAmbiguousMaps,      // several maps recognise the image
@@ -122,15 +123,30 @@ struct NodeCandidate {
   std::optional<Eigen::Matrix3d> query_from_node;
 };
 
+// All matches of a query with one keyframe that fit one epipolar geometry: of its planes' features
+// and of its landmarks.
+struct EpipolarMatches {
+  KeyframeRef keyframe;
+  int inliers = 0;  // at distinct positions of the query
+  int matches = 0;  // among which they were found
+  // The inliers, row by row: pixels of the query and of the keyframe.
+  std::vector<Eigen::Vector2d> query_points;
+  std::vector<Eigen::Vector2d> keyframe_points;
+};
+
 // What the plane layer makes of a query. Empty where the appearance layer answered.
 struct PlaneAnswer {
   std::optional<KeyframeRef> keyframe;      // nearest; only when localized
-  std::vector<RecognisedPlane> recognised;  // most inliers first
+  std::vector<RecognisedPlane> recognised;  // most inliers first; none where landmarks settled it
+  std::optional<EpipolarMatches> epipolar;  // where the map has landmarks
   std::vector<PlaceCandidate> places;       // when ambiguous: all that look alike, best first
   std::optional<PlaceCandidate> runner_up;
   std::vector<PlaceCandidate> candidates;  // every place that was considered, best first
   std::optional<Explanation> explanation;  // only with LocalizeOptions::explain
 };
+
+// Inliers of the best plane or, where no plane was recognised, of the keyframe; 0 with neither.
+int CountBestInliers(const PlaneAnswer& answer);
 
 // What the appearance layer makes of a query: where it was taken, which is to be believed only when
 // the answer is localized.

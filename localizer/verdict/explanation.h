@@ -36,6 +36,19 @@ struct ExplainedCandidate {
   std::vector<Eigen::Vector2d> reference_points;
 };
 
+// A keyframe that was verified by all its matches.
+struct ExplainedKeyframe {
+  KeyframeId keyframe;
+  int matches = 0;
+  int inliers = 0;   // at distinct positions of the query
+  int expected = 0;  // features of the keyframe that the inliers put inside the query
+  double coverage = 0;
+  int place = -1;  // index in Explanation::places; -1 for one that is in none
+  // The inliers, row by row: pixels of the query and of the keyframe.
+  std::vector<Eigen::Vector2d> query_points;
+  std::vector<Eigen::Vector2d> keyframe_points;
+};
+
 // Planes that passed and agree with each other.
 struct ExplainedPlace {
   KeyframeId nearest;
@@ -51,6 +64,7 @@ struct Explanation {
   int features = 0;
   GateOptions gates;                           // that had to be passed
   std::vector<ExplainedCandidate> candidates;  // in the shortlist's order: most votes first
+  std::vector<ExplainedKeyframe> keyframes;    // most inliers first; none without landmarks
   std::vector<ExplainedPlace> places;          // most inliers first
 };
 

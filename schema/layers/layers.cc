@@ -25,8 +25,9 @@ bool SamePlaneLayer(const MapData& a, const MapData& b) {
 }
 
 StoredLayer StoredPlanes() {
-  return {.tables = {kKeyframesTable, kKeyframeImagesTable, kPlanesTable, kPlaneFeaturesTable,
-                     kPlaneViewsTable, kEdgesTable, kSearchIndexTable, kVerdictModelTable},
+  return {.tables = {kKeyframesTable, kKeyframeImagesTable, kKeyframeLandmarksTable, kPlanesTable,
+                     kPlaneFeaturesTable, kPlaneViewsTable, kEdgesTable, kSearchIndexTable,
+                     kVerdictModelTable},
           .read = ReadPlaneLayer,
           .write = WritePlaneLayer,
           .find_problems = FindPlaneProblems,

@@ -173,6 +173,16 @@ Bytes EncodeBearings(const std::vector<Bearing>& bearings) {
   return out;
 }
 
+Bytes EncodePositions(const std::vector<ImagePosition>& positions) {
+  Bytes out;
+  out.reserve(positions.size() * kPositionBytes);
+  for (const ImagePosition& position : positions) {
+    Append(out, position.x);
+    Append(out, position.y);
+  }
+  return out;
+}
+
 std::vector<PlaneFeature> DecodeFeatures(BytesView keypoints, BytesView votes) {
   CheckWhole(keypoints, kKeypointBytes);
   const size_t count = keypoints.size() / kKeypointBytes;
@@ -227,6 +237,15 @@ std::vector<Bearing> DecodeBearings(BytesView blob) {
                    static_cast<int16_t>(At<uint16_t>(blob, 2 * i + 1))};
   }
   return bearings;
+}
+
+std::vector<ImagePosition> DecodePositions(BytesView blob) {
+  CheckWhole(blob, kPositionBytes);
+  std::vector<ImagePosition> positions(blob.size() / kPositionBytes);
+  for (size_t i = 0; i < positions.size(); ++i) {
+    positions[i] = {At<uint16_t>(blob, 2 * i), At<uint16_t>(blob, 2 * i + 1)};
+  }
+  return positions;
 }
 
 std::vector<uint16_t> DecodeLists(BytesView blob) {

@@ -28,6 +28,7 @@ inline constexpr int kMatrixBytes = 72;    // nine float64, row after row
 inline constexpr int kListBytes = 2;       // uint16
 inline constexpr int kHalfBytes = 2;       // float16
 inline constexpr int kBearingBytes = 4;    // int16 azimuth, elevation
+inline constexpr int kPositionBytes = 4;   // uint16 x, y
 // The largest value that a count of votes is stored with.
 inline constexpr int kMaxVotes = 0xffff;
 
@@ -61,6 +62,7 @@ Bytes EncodeParameters(const std::vector<double>& parameters);
 Bytes EncodeMatrix(const Eigen::Matrix3d& matrix);
 Bytes EncodeHalves(const HalfMatrix& matrix);
 Bytes EncodeBearings(const std::vector<Bearing>& bearings);
+Bytes EncodePositions(const std::vector<ImagePosition>& positions);
 Bytes EncodeLists(const std::vector<uint16_t>& list_of_row);
 
 std::vector<PlaneFeature> DecodeFeatures(BytesView keypoints, BytesView votes);
@@ -70,6 +72,7 @@ Eigen::Matrix3d DecodeMatrix(BytesView blob);
 // A blob of rows * columns values.
 HalfMatrix DecodeHalves(BytesView blob, int rows, int columns);
 std::vector<Bearing> DecodeBearings(BytesView blob);
+std::vector<ImagePosition> DecodePositions(BytesView blob);
 std::vector<uint16_t> DecodeLists(BytesView blob);
 
 }  // namespace waystone

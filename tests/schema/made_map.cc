@@ -52,6 +52,22 @@ Sequence MadeSequence(Random& random, int64_t id) {
   return sequence;
 }
 
+// From a generator of its own, so that the rest of a map is the same without any.
+Landmarks MadeLandmarks(int64_t seed, const MapShape& shape) {
+  Landmarks landmarks;
+  if (shape.max_landmarks == 0) return landmarks;
+  Random random(seed);
+  const int count = random.Below(shape.max_landmarks + 1);
+  if (count == 0) return landmarks;
+  landmarks.codes = Descriptors(CodeBytes(shape.type));
+  for (int i = 0; i < count; ++i) {
+    landmarks.positions.push_back(
+        {static_cast<uint16_t>(random.Below(65536)), static_cast<uint16_t>(random.Below(65536))});
+    landmarks.codes.Append(RandomBytes(random, CodeBytes(shape.type)).data());
+  }
+  return landmarks;
+}
+
 Keyframe MadeKeyframe(Random& random, int64_t id, const MapData& map, const MapShape& shape) {
   Keyframe keyframe;
   keyframe.id = {id};
@@ -65,6 +81,7 @@ Keyframe MadeKeyframe(Random& random, int64_t id, const MapData& map, const MapS
   if (shape.jpeg_bytes > 0 && random.Below(4) > 0) {
     keyframe.jpeg = RandomBytes(random, random.Below(shape.jpeg_bytes) + 1);
   }
+  keyframe.landmarks = MadeLandmarks(id, shape);
   return keyframe;
 }
 

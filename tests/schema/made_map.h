@@ -18,6 +18,7 @@ struct MapShape {
   int planes = 4;
   int max_features = 20;  // of a plane; each has 0 to this many
   int jpeg_bytes = 300;   // at most; some keyframes have none
+  int max_landmarks = 8;  // of a keyframe; some have none
   FeatureType type = FeatureType::kSift;
 };
 

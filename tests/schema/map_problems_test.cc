@@ -25,7 +25,7 @@ MapData SmallMap() {
   map.sequences = {{{1}, "a", "folder", 10, 1, Camera{CameraModel::kPinhole, 64, 48, {9, 9, 3, 2}}},
                    {{2}, "b", "video", 10, 0, {}}};
   for (int64_t id = 1; id <= 3; ++id) {
-    map.keyframes.push_back({{id}, {1}, 0, 0, "x", 1.5, 640, 480, {1, 2, 3}});
+    map.keyframes.push_back({{id}, {1}, 0, 0, "x", 1.5, 640, 480, {1, 2, 3}, {}});
   }
   for (int64_t id = 1; id <= 2; ++id) {
     Plane plane;
@@ -223,6 +223,14 @@ const std::vector<Fault>& Faults() {
        [](MapData& m) { m.planes[0].features[0].votes = m.planes[0].features[0].visible = 65536; }},
       {"descriptors missing", "plane_features 1",
        [](MapData& m) { m.planes[0].descriptors = Descriptors(128); }},
+      {"codes without landmarks", "keyframe_landmarks 1",
+       [](MapData& m) {
+         m.keyframes[0].landmarks.codes = Descriptors(32, {std::vector<uint8_t>(32)});
+       }},
+      {"landmark codes of another kind", "keyframe_landmarks 1",
+       [](MapData& m) {
+         m.keyframes[0].landmarks = {{{1, 2}}, Descriptors(61, std::vector<uint8_t>(61))};
+       }},
       {"descriptors of another kind", "plane_features 1",
        [](MapData& m) { m.info.feature_type = FeatureType::kOrb; }},
       {"outline infinite", "planes 1", [](MapData& m) { m.planes[0].outline[0].x() = INFINITY; }},

@@ -28,11 +28,13 @@ std::vector<Migration> LongerSteps() {
   return steps;
 }
 
+// Maps of older versions have no landmarks, which their index would have to know.
+const MapShape kWithoutLandmarks{.max_landmarks = 0};
 const auto kNoCheck = [](const fs::path&) {};
 
 class MigrateTest : public testing::Test {
  protected:
-  MigrateTest() { WriteMap(MadeMap(31), path_, {}); }
+  MigrateTest() { WriteMap(MadeMap(31, kWithoutLandmarks), path_, {}); }
 
   double Number(const std::string& sql) {
     SQLite::Database database(path_.string());
@@ -76,7 +78,8 @@ TEST_F(MigrateTest, StepsAreAppliedInOrder) {
   EXPECT_EQ(checked.parent_path(), path_.parent_path());
   EXPECT_EQ(folder_.Names(), Names{"m.db"});
   EXPECT_EQ(Number("PRAGMA user_version"), steps.size());
-  EXPECT_EQ(Number("SELECT count(*) FROM turns"), std::ssize(MadeMap(31).keyframes));
+  EXPECT_EQ(Number("SELECT count(*) FROM turns"),
+            std::ssize(MadeMap(31, kWithoutLandmarks).keyframes));
   EXPECT_GT(Number("SELECT min(exposure_s) FROM keyframes"), 0);
   SQLite::Database database = OpenReadOnly(path_);
   EXPECT_TRUE(FindDatabaseProblems(database).empty());
@@ -99,7 +102,7 @@ TEST_F(MigrateTest, AMapOfVersionOneKeepsEverythingButHasNoIndex) {
   EXPECT_EQ(ErrorOf([&] { ReadMap(path_); }).code(), ErrorCode::kMapVersion);
   EXPECT_EQ(MigrateMap(path_), 1);
   EXPECT_TRUE(CheckMap(path_).empty());
-  MapData expected = MadeMap(31);
+  MapData expected = MadeMap(31, kWithoutLandmarks);
   expected.index.reset();
   expected.verdict.reset();
   expected.appearance.reset();
@@ -113,10 +116,19 @@ TEST_F(MigrateTest, AMapOfVersionTwoKeepsEverythingButHasNoFurtherLayers) {
   EXPECT_EQ(ErrorOf([&] { ReadMap(path_); }).code(), ErrorCode::kMapVersion);
   EXPECT_EQ(MigrateMap(path_), 2);
   EXPECT_TRUE(CheckMap(path_).empty());
-  MapData expected = MadeMap(31);
+  MapData expected = MadeMap(31, kWithoutLandmarks);
   expected.appearance.reset();
   expected.orientation.reset();
   EXPECT_EQ(WithoutVersion(ReadMap(path_)), expected);
+}
+
+TEST_F(MigrateTest, AMapOfVersionThreeKeepsEverythingButHasNoLandmarks) {
+  MakeVersion(3);
+  EXPECT_EQ(Number("SELECT count(*) FROM sqlite_schema WHERE name LIKE '%landmark%'"), 0);
+  EXPECT_EQ(ErrorOf([&] { ReadMap(path_); }).code(), ErrorCode::kMapVersion);
+  EXPECT_EQ(MigrateMap(path_), 3);
+  EXPECT_TRUE(CheckMap(path_).empty());
+  EXPECT_EQ(WithoutVersion(ReadMap(path_)), MadeMap(31, kWithoutLandmarks));
 }
 
 // Written anew, a migrated map has the bytes that the same data have without a migration.
@@ -124,7 +136,7 @@ TEST_F(MigrateTest, AMigratedMapIsLikeOneWrittenToday) {
   MakeVersion(2);
   MigrateMap(path_);
   const MapData migrated = ReadMap(path_);
-  MapData today = MadeMap(31);
+  MapData today = MadeMap(31, kWithoutLandmarks);
   today.appearance.reset();
   today.orientation.reset();
   WriteMap(migrated, folder_ / "migrated.db", {});

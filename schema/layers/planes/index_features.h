@@ -8,11 +8,12 @@
 
 namespace waystone {
 
-// Features of all planes.
+// Features of all planes, and landmarks of all keyframes.
 int64_t CountFeatures(const MapData& map);
 
-// The search index over the descriptors of all planes, as MapData::index holds it: nothing for a
-// map with so few that they are searched one by one. Deterministic, on any number of threads.
+// The search index over the descriptors of all planes, plane after plane, and of all landmarks,
+// keyframe after keyframe, as MapData::index holds it: nothing for a map with so few that they are
+// searched one by one. Deterministic, on any number of threads.
 std::optional<InvertedFile> IndexFeatures(const MapData& map,
                                           const InvertedFileOptions& options = {});
 

@@ -19,6 +19,28 @@ inline constexpr int kMaxImageSide = 1'000'000;
 // The one format of the table search_index that this program knows; frozen, see FORMAT.md.
 inline constexpr int kInvertedFileFormat = 1;
 
+// A position in an image, in 65536ths of its width and height from the top left corner's centre.
+struct ImagePosition {
+  uint16_t x = 0;
+  uint16_t y = 0;
+
+  bool operator==(const ImagePosition&) const = default;
+};
+// Of a position in px; one outside of the image is moved to its border.
+ImagePosition EncodePosition(const Eigen::Vector2d& x, int width, int height);
+// In px.
+Eigen::Vector2d DecodePosition(const ImagePosition& position, int width, int height);
+
+// Features of a keyframe that lie on no plane of the map and were found again in the keyframes
+// before and after.
+struct Landmarks {
+  std::vector<ImagePosition> positions;
+  Descriptors codes;  // EncodeDescriptors of the map's type; row i belongs to positions[i]
+
+  int size() const { return static_cast<int>(positions.size()); }
+  bool operator==(const Landmarks&) const = default;
+};
+
 // A frame that was kept as one of the paper's key frames.
 struct Keyframe {
   KeyframeId id;
@@ -30,6 +52,7 @@ struct Keyframe {
   int width = 0;              // px, of the original image
   int height = 0;             // px
   std::vector<uint8_t> jpeg;  // a smaller copy for people; empty when images were left out
+  Landmarks landmarks;
 
   bool operator==(const Keyframe&) const = default;
 };

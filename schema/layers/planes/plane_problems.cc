@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "core/features/descriptor_codes.h"
 #include "core/geometry/linear_algebra.h"
 #include "schema/layers/layer_problems.h"
 #include "schema/layers/planes/index_features.h"
@@ -93,6 +94,19 @@ class PlaneProblemFinder {
             "its image is " + std::to_string(keyframe.width) + "x" +
                 std::to_string(keyframe.height) + " pixels");
     Require(std::isfinite(keyframe.time_s.value_or(0)), where, "its time is not finite");
+    CheckLandmarks(keyframe);
+  }
+
+  void CheckLandmarks(const Keyframe& keyframe) {
+    const std::string where = "keyframe_landmarks " + Text(keyframe.id);
+    const Landmarks& landmarks = keyframe.landmarks;
+    Require(landmarks.codes.rows() == landmarks.size(), where,
+            std::to_string(landmarks.codes.rows()) + " codes for " +
+                std::to_string(landmarks.size()) + " landmarks");
+    const int bytes = CodeBytes(map_.info.feature_type);
+    Require(landmarks.size() == 0 || landmarks.codes.bytes() == bytes, where,
+            "codes of " + std::to_string(landmarks.codes.bytes()) + " bytes; " +
+                std::string(NameOf(map_.info.feature_type)) + " has " + std::to_string(bytes));
   }
 
   void CheckPlane(const Plane& plane) {

@@ -3,6 +3,7 @@
 #include <unordered_map>
 
 #include "core/base/error.h"
+#include "core/features/descriptor_codes.h"
 #include "schema/layers/layer_rows.h"
 #include "schema/layers/planes/plane_tables.h"
 #include "schema/tables/blob.h"
@@ -20,6 +21,7 @@ class PlaneReader {
   void Read(bool images) {
     ReadKeyframes();
     if (images) ReadImages();
+    ReadLandmarks();
     ReadPlanes();
     ReadFeatures();
     ReadViews();
@@ -36,6 +38,7 @@ class PlaneReader {
 
   void ReadKeyframes();
   void ReadImages();
+  void ReadLandmarks();
   void ReadPlanes();
   void ReadFeatures();
   void ReadViews();
@@ -86,6 +89,17 @@ void PlaneReader::ReadImages() {
     Keyframe& keyframe = KeyframeOf(row.Int64(1));
     const BytesView jpeg = row.BlobOfRows(1);
     keyframe.jpeg.assign(jpeg.begin(), jpeg.end());
+  });
+}
+
+void PlaneReader::ReadLandmarks() {
+  const int code_bytes = CodeBytes(map_.info.feature_type);
+  ForEachRow(kKeyframeLandmarksTable, [&](Row& row) {
+    Landmarks& landmarks = KeyframeOf(row.Int64(1)).landmarks;
+    const int64_t count = row.Int(1);
+    landmarks.positions = DecodePositions(row.Blob(count * kPositionBytes));
+    const BytesView codes = row.Blob(count * code_bytes);
+    landmarks.codes = Descriptors(code_bytes, {codes.begin(), codes.end()});
   });
 }
 
@@ -194,6 +208,16 @@ void WriteKeyframes(const MapData& map, RowSink& sink) {
   }
 }
 
+void WriteLandmarks(const MapData& map, RowSink& sink) {
+  TableWriter<kKeyframeLandmarksTable> writer(sink);
+  for (const Keyframe& keyframe : map.keyframes) {
+    const Landmarks& landmarks = keyframe.landmarks;
+    if (landmarks.size() == 0) continue;
+    writer.Row(keyframe.id, landmarks.size(), EncodePositions(landmarks.positions),
+               landmarks.codes.data());
+  }
+}
+
 void WritePlanes(const MapData& map, RowSink& sink) {
   TableWriter<kPlanesTable> planes(sink);
   TableWriter<kPlaneFeaturesTable> features(sink);
@@ -241,6 +265,7 @@ void ReadPlaneLayer(SQLite::Database& database, bool images, MapData& map,
 
 void WritePlaneLayer(const MapData& map, RowSink& sink) {
   WriteKeyframes(map, sink);
+  WriteLandmarks(map, sink);
   WritePlanes(map, sink);
   WriteEdges(map, sink);
   if (map.index) WriteIndex(*map.index, sink);

@@ -15,6 +15,11 @@ inline constexpr TableDescriptor kKeyframesTable{
 inline constexpr TableDescriptor kKeyframeImagesTable{
     "keyframe_images", 1, std::array{IntegerColumn("keyframe"), BlobColumn("jpeg")}};
 
+inline constexpr TableDescriptor kKeyframeLandmarksTable{
+    "keyframe_landmarks", 1,
+    std::array{IntegerColumn("keyframe"), IntegerColumn("landmark_count"), BlobColumn("positions"),
+               BlobColumn("codes")}};
+
 inline constexpr TableDescriptor kPlanesTable{
     "planes", 1,
     std::array{IntegerColumn("id"), IntegerColumn("reference_keyframe"),

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tbb/parallel_for.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+
+#include "bench/accuracy/common.h"
+#include "bench/accuracy/recall_sets.h"
+#include "bench/baseline/image_search.h"
+#include "core/base/error.h"
+#include "core/image/decode.h"
+#include "schema/file/map_store.h"
+#include "schema/layers/planes/index_features.h"
+
+namespace waystone::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+// How often a method named a place, and how often the right one.
+struct Found {
+  int asked = 0;
+  int localized = 0;
+  int right = 0;
+  int look_alikes = 0;            // asked, of places elsewhere
+  int look_alikes_localized = 0;  // each of them wrongly
+  int foreign = 0;
+  int foreign_localized = 0;
+  int64_t features = 0;   // kept
+  int64_t map_bytes = 0;  // of the file
+  std::vector<double> query_ms;
+
+  nlohmann::ordered_json ToJson() const {
+    nlohmann::ordered_json json{{"asked", asked},
+                                {"localized", localized},
+                                {"right", right},
+                                {"wrong", localized - right},
+                                {"look_alikes", look_alikes},
+                                {"look_alikes_localized", look_alikes_localized},
+                                {"foreign", foreign},
+                                {"foreign_localized", foreign_localized},
+                                {"features", features}};
+    if (map_bytes > 0) json["map_bytes"] = map_bytes;
+    if (!query_ms.empty()) json["median_query_ms"] = Quantile(query_ms, 0.5);
+    return json;
+  }
+};
+
+struct RecallArgs {
+  fs::path data;
+  std::string only;  // part of the sets' names
+  std::vector<int> budgets;
+  int foreign = 40;
+  bool search = true;
+  bool verbose = false;
+};
+
+std::vector<Features> ExtractAll(const std::vector<fs::path>& images) {
+  std::vector<Features> features(images.size());
+  tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
+    features[i] = ExtractFeatures(DecodeGrey(ReadBytes(images[i])), FeatureOptions{});
+  });
+  return features;
+}
+
+// Photos of the other sets, every n-th, and their features.
+std::vector<Features> ForeignFeatures(const std::vector<RecallSet>& sets, const RecallSet& own,
+                                      int count) {
+  const auto place = [](const std::string& name) { return name.substr(0, name.find('-')); };
+  std::vector<fs::path> all;
+  for (const RecallSet& set : sets) {
+    if (place(set.name) == place(own.name)) continue;
+    all.insert(all.end(), set.queries.begin(), set.queries.end());
+  }
+  std::vector<fs::path> chosen;
+  const size_t step = std::max<size_t>(1, all.size() / std::max(1, count));
+  for (size_t i = 0; i < all.size(); i += step) chosen.push_back(all[i]);
+  return ExtractAll(chosen);
+}
+
+struct Asked {
+  std::vector<Features> queries;
+  std::vector<Features> look_alikes;
+  std::vector<Features> foreign;
+};
+
+void PrintEvidence(const char* kind, int query, const Answer& answer, bool right) {
+  const auto& best = answer.planes.runner_up;
+  std::printf("%s %d: %s %.3f %s%s\n", kind, query, NameOf(answer.verdict), answer.probability,
+              answer.planes.keyframe ? answer.planes.keyframe->source.c_str()
+              : best                 ? best->keyframe.source.c_str()
+                                     : "-",
+              answer.verdict == Verdict::kLocalized && !right ? " WRONG" : "");
+}
+
+Found AskWaystone(const RecallSet& set, const Asked& asked, int budget, bool verbose) {
+  std::vector<std::unique_ptr<Source>> sources;
+  sources.push_back(OpenRecallMap(set));
+  BuildOptions options;
+  options.planes.landmarks.max_kept = budget;
+  BuildResult built = BuildMap(sources, options, {});
+  Found found;
+  found.features = CountFeatures(built.map);
+  const fs::path file = fs::temp_directory_path() / ("recall-" + set.name + ".db");
+  WriteMap(built.map, file, {.overwrite = true});
+  found.map_bytes = static_cast<int64_t>(fs::file_size(file));
+  fs::remove(file);
+  std::printf("%s, %d landmarks: %zu keyframes, %zu planes, %lld features, %lld bytes\n",
+              set.name.c_str(), budget, built.map.keyframes.size(), built.map.planes.size(),
+              static_cast<long long>(found.features), static_cast<long long>(found.map_bytes));
+  const auto index = MapIndex::Build(std::move(built.map));
+  const auto ask = [&](const Features& query) {
+    return LocalizeFeatures(*index, query, LocalizeOptions{});
+  };
+  for (size_t q = 0; q < asked.queries.size(); ++q) {
+    const Answer answer = ask(asked.queries[q]);
+    ++found.asked;
+    found.query_ms.push_back(answer.timing.total_ms);
+    const bool localized = answer.verdict == Verdict::kLocalized;
+    const bool right =
+        localized &&
+        set.is_right(static_cast<int>(q), index->FindKeyframe(answer.planes.keyframe->id)->frame);
+    found.localized += localized;
+    found.right += right;
+    if (verbose) PrintEvidence("query", static_cast<int>(q), answer, right);
+  }
+  for (size_t q = 0; q < asked.look_alikes.size(); ++q) {
+    const Answer answer = ask(asked.look_alikes[q]);
+    ++found.look_alikes;
+    found.look_alikes_localized += answer.verdict == Verdict::kLocalized;
+    if (verbose) PrintEvidence("look-alike", static_cast<int>(q), answer, false);
+  }
+  for (const Features& query : asked.foreign) {
+    const Answer answer = ask(query);
+    ++found.foreign;
+    found.foreign_localized += answer.verdict == Verdict::kLocalized;
+  }
+  return found;
+}
+
+Found AskImageSearch(const RecallSet& set, const Asked& asked, int kept) {
+  const ImageSearch search(ExtractAll(set.map), kept);
+  Found found;
+  found.features = search.CountFeatures();
+  const auto count = [&](const std::vector<Features>& queries, auto&& each) {
+    std::vector<std::optional<FoundImage>> best(queries.size());
+    tbb::parallel_for(size_t{0}, queries.size(),
+                      [&](size_t q) { best[q] = search.Find(queries[q]); });
+    for (size_t q = 0; q < best.size(); ++q) each(static_cast<int>(q), best[q]);
+  };
+  count(asked.queries, [&](int q, const std::optional<FoundImage>& best) {
+    ++found.asked;
+    found.localized += best.has_value();
+    found.right += best && set.is_right(q, best->image);
+  });
+  count(asked.look_alikes, [&](int, const std::optional<FoundImage>& best) {
+    ++found.look_alikes;
+    found.look_alikes_localized += best.has_value();
+  });
+  count(asked.foreign, [&](int, const std::optional<FoundImage>& best) {
+    ++found.foreign;
+    found.foreign_localized += best.has_value();
+  });
+  return found;
+}
+
+RecallArgs ParseRecallArgs(const Args& raw) {
+  Args args = raw;
+  RecallArgs parsed;
+  parsed.only = TakeOption(args, "only", "");
+  parsed.budgets = ParseNumbers(TakeOption(args, "landmarks", "0,100"), ',');
+  parsed.foreign = std::stoi(TakeOption(args, "foreign", "40"));
+  parsed.search = TakeOption(args, "search", "yes") == "yes";
+  parsed.verbose = TakeOption(args, "each", "no") == "yes";
+  if (args.size() > 1 || parsed.budgets.empty()) {
+    throw MapError(ErrorCode::kUsage,
+                   "recall takes a folder with data, --only NAME, --landmarks N,N,..., --foreign "
+                   "N, --search yes|no and --each yes|no");
+  }
+  parsed.data = args.empty() ? fs::path(WAYSTONE_SOURCE_DIR) / "../shared/data" : fs::path(args[0]);
+  return parsed;
+}
+
+}  // namespace
+
+int RunRecall(const Args& raw) {
+  const RecallArgs args = ParseRecallArgs(raw);
+  const std::vector<RecallSet> sets = ReadRecallSets(args.data);
+  nlohmann::ordered_json json{{"bench", "recall"}, {"sets", nlohmann::ordered_json::array()}};
+  for (const RecallSet& set : sets) {
+    if (set.name.find(args.only) == std::string::npos) continue;
+    const Asked asked{ExtractAll(set.queries), ExtractAll(set.look_alikes),
+                      ForeignFeatures(sets, set, args.foreign)};
+    nlohmann::ordered_json curve = nlohmann::ordered_json::array();
+    for (const int budget : args.budgets) {
+      nlohmann::ordered_json point = AskWaystone(set, asked, budget, args.verbose).ToJson();
+      point["landmarks"] = budget;
+      std::cout << set.name << " waystone " << point.dump() << std::endl;
+      curve.push_back(std::move(point));
+    }
+    nlohmann::ordered_json searched = nlohmann::ordered_json::array();
+    if (args.search) {
+      for (const int kept : {1000, 100, 60}) {
+        nlohmann::ordered_json point = AskImageSearch(set, asked, kept).ToJson();
+        point["kept"] = kept;
+        std::cout << set.name << " image search " << point.dump() << std::endl;
+        searched.push_back(std::move(point));
+      }
+    }
+    json["sets"].push_back({{"name", set.name}, {"waystone", curve}, {"image_search", searched}});
+  }
+  std::cout << json.dump() << std::endl;
+  return 0;
+}
+
+}  // namespace waystone::bench

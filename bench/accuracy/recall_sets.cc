@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/accuracy/recall_sets.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <sstream>
+#include <utility>
+
+#include "bench/accuracy/common.h"
+#include "bench/accuracy/rgbd_truth.h"
+#include "core/base/error.h"
+
+namespace waystone::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using Cells = std::vector<std::string>;
+
+constexpr int kCorridorFrames = 4;  // within which a corridor's answer is right
+constexpr int kTowerFrames = 4;     // the same, in frames of a floor's video
+constexpr double kMaxAngle_rad = std::numbers::pi / 6;
+constexpr double kKitchen_m = 1.5;
+constexpr double kChurch_m = 15;
+constexpr double kPavilion_m = 2.0;
+
+std::vector<Cells> ReadCsv(const fs::path& path) {
+  std::ifstream file(path);
+  if (!file) throw MapError(ErrorCode::kFileUnreadable, "can't read " + path.string());
+  std::vector<Cells> rows;
+  std::string line;
+  std::getline(file, line);  // the heading
+  while (std::getline(file, line)) {
+    std::istringstream in(line);
+    Cells& row = rows.emplace_back();
+    for (std::string cell; std::getline(in, cell, ',');) row.push_back(cell);
+  }
+  return rows;
+}
+
+struct Viewpoint {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Vector3d ahead = Eigen::Vector3d::Zero();
+};
+
+bool IsNear(const Viewpoint& a, const Viewpoint& b, double max_m) {
+  return (a.centre - b.centre).norm() <= max_m && a.ahead.dot(b.ahead) >= std::cos(kMaxAngle_rad);
+}
+
+// Of a row of poses.csv: role, image, fx, fy, cx, cy, centre, rotation by rows.
+Viewpoint ReadViewpoint(const Cells& row) {
+  const auto number = [&](int i) { return std::stod(row.at(i)); };
+  return {{number(6), number(7), number(8)}, {number(11), number(14), number(17)}};
+}
+
+RecallSet ReadCorridor(const fs::path& folder) {
+  RecallSet set{"corridor", ImagesIn(folder / "map"), ImagesIn(folder / "query"), {}, {}};
+  std::map<std::string, int> frames;
+  for (size_t i = 0; i < set.map.size(); ++i) frames[set.map[i].filename()] = static_cast<int>(i);
+  std::map<std::string, int> nearest;
+  for (const Cells& row : ReadCsv(folder / "truth.csv")) nearest[row.at(0)] = frames.at(row.at(1));
+  std::vector<int> truth;
+  for (const fs::path& query : set.queries) truth.push_back(nearest.at(query.filename()));
+  set.is_right = [truth](int query, int frame) {
+    return std::abs(truth[query] - frame) <= kCorridorFrames;
+  };
+  return set;
+}
+
+RecallSet ReadKitchen(const fs::path& folder) {
+  constexpr int kMapFrames = 500;
+  constexpr int kStep = 10;  // of the queries
+  const RgbdTruth truth(folder);
+  RecallSet set{"kitchen", {}, {}, {}, {}};
+  std::vector<Viewpoint> mapped;
+  std::vector<Viewpoint> asked;
+  for (int i = 0; i < truth.frames(); ++i) {
+    const Eigen::Isometry3d& pose = truth.world_from_camera(i);
+    const Viewpoint view{pose.translation(), pose.linear().col(2)};
+    if (i < kMapFrames) {
+      set.map.push_back(folder / truth.image(i));
+      mapped.push_back(view);
+    } else if (i % kStep == 0) {
+      set.queries.push_back(folder / truth.image(i));
+      asked.push_back(view);
+    }
+  }
+  set.is_right = [mapped, asked](int query, int frame) {
+    return IsNear(asked[query], mapped[frame], kKitchen_m);
+  };
+  return set;
+}
+
+RecallSet ReadChurch(const fs::path& folder) {
+  RecallSet set{"church", ImagesIn(folder / "map"), ImagesIn(folder / "query"), {}, {}};
+  std::map<std::string, Viewpoint> views;
+  for (const Cells& row : ReadCsv(folder / "poses.csv")) views[row.at(1)] = ReadViewpoint(row);
+  std::vector<Viewpoint> mapped;
+  std::vector<Viewpoint> asked;
+  for (const fs::path& image : set.map) mapped.push_back(views.at(image.filename()));
+  for (const fs::path& image : set.queries) asked.push_back(views.at(image.filename()));
+  set.is_right = [mapped, asked](int query, int frame) {
+    return IsNear(asked[query], mapped[frame], kChurch_m);
+  };
+  return set;
+}
+
+RecallSet ReadPavilion(const fs::path& folder, const std::string& light) {
+  RecallSet set{"pavilion-" + light, {}, {}, {}, {}};
+  std::vector<Viewpoint> mapped;
+  std::vector<Viewpoint> asked;
+  for (const Cells& row : ReadCsv(folder / "poses.csv")) {
+    const fs::path image = folder / row.at(1);
+    if (row.at(0) == "map") {
+      set.map.push_back(image);
+      mapped.push_back(ReadViewpoint(row));
+    } else if (row.at(0) == "query" && image.parent_path().filename() == light) {
+      set.queries.push_back(image);
+      asked.push_back(ReadViewpoint(row));
+    }
+  }
+  set.is_right = [mapped, asked](int query, int frame) {
+    return IsNear(asked[query], mapped[frame], kPavilion_m);
+  };
+  return set;
+}
+
+std::vector<RecallSet> ReadTower(const fs::path& folder) {
+  const std::vector<Cells> rows = ReadCsv(folder / "frames.csv");
+  std::map<std::string, RecallSet> sets;
+  std::map<std::string, std::pair<std::vector<int>, std::vector<int>>> frames;  // mapped, asked
+  for (const Cells& row : rows) sets[row.at(2)].name = "tower-" + row.at(2);
+  for (const Cells& row : rows) {
+    const fs::path image = folder / row.at(1);
+    for (auto& [floor, set] : sets) {
+      if (floor != row.at(2)) set.look_alikes.push_back(image);
+    }
+    const bool mapped = row.at(0) == "map";
+    RecallSet& own = sets.at(row.at(2));
+    auto& numbers = frames[row.at(2)];
+    (mapped ? own.map : own.queries).push_back(image);
+    (mapped ? numbers.first : numbers.second).push_back(std::stoi(row.at(5)));
+  }
+  std::vector<RecallSet> all;
+  for (auto& [floor, set] : sets) {
+    set.is_right = [numbers = frames.at(floor)](int query, int frame) {
+      return std::abs(numbers.second[query] - numbers.first[frame]) <= kTowerFrames;
+    };
+    all.push_back(std::move(set));
+  }
+  return all;
+}
+
+class RecallSource : public Source {
+ public:
+  explicit RecallSource(const RecallSet& set) : name_(set.name), images_(set.map) {}
+
+  const std::string& kind() const override { return kind_; }
+  const std::string& name() const override { return name_; }
+  int size() const override { return static_cast<int>(images_.size()); }
+  const std::optional<Camera>& camera() const override { return camera_; }
+  std::string Announcement() const override { return "images of " + name_; }
+  std::optional<EncodedFrame> NextEncoded() override {
+    if (next_ >= size()) return std::nullopt;
+    const int frame = next_++;
+    const fs::path path = images_[frame];
+    return EncodedFrame({frame, path.filename(), std::nullopt},
+                        [path] { return DecodeGrey(ReadBytes(path)); });
+  }
+
+ private:
+  std::string kind_ = "folder";
+  std::string name_;
+  std::vector<fs::path> images_;
+  std::optional<Camera> camera_;
+  int next_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Source> OpenRecallMap(const RecallSet& set) {
+  return std::make_unique<RecallSource>(set);
+}
+
+std::vector<RecallSet> ReadRecallSets(const fs::path& data) {
+  std::vector<RecallSet> sets;
+  if (fs::exists(data / "corridor")) sets.push_back(ReadCorridor(data / "corridor"));
+  if (fs::exists(data / "kitchen")) sets.push_back(ReadKitchen(data / "kitchen"));
+  if (fs::exists(data / "church")) sets.push_back(ReadChurch(data / "church"));
+  if (fs::exists(data / "pavilion")) {
+    for (const char* light : {"midday", "sunset", "night"}) {
+      sets.push_back(ReadPavilion(data / "pavilion", light));
+    }
+  }
+  if (fs::exists(data / "tower")) {
+    for (RecallSet& set : ReadTower(data / "tower")) sets.push_back(std::move(set));
+  }
+  return sets;
+}
+
+}  // namespace waystone::bench

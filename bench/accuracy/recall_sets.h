@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "builder/sources/source.h"
+
+// Data with places that were seen twice, of which it is known which map image a query may be
+// answered with.
+namespace waystone::bench {
+
+struct RecallSet {
+  std::string name;
+  std::vector<std::filesystem::path> map;      // images in their order: frame i is map[i]
+  std::vector<std::filesystem::path> queries;  // of places that the map shows
+  // Images of places that look like the map's but are elsewhere.
+  std::vector<std::filesystem::path> look_alikes;
+  // Whether the query may be answered with the map's frame.
+  std::function<bool(int query, int frame)> is_right;
+};
+
+// The images of a set's map as a source; a new one each time.
+std::unique_ptr<Source> OpenRecallMap(const RecallSet& set);
+
+// corridor, kitchen, church, pavilion-midday, -sunset, -night, and tower-FLOOR for each floor:
+// those of them that `data` has.
+std::vector<RecallSet> ReadRecallSets(const std::filesystem::path& data);
+
+}  // namespace waystone::bench

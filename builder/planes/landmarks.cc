@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/planes/landmarks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "core/features/descriptor_codes.h"
+#include "core/homography/homography.h"
+
+namespace waystone {
+namespace {
+
+using Eigen::Vector2d;
+
+// Candidates held a keyframe, in budgets: planes will claim some of them.
+constexpr int kHeldBudgets = 6;
+// The image is divided into so many cells a side to spread landmarks, each of which takes at most
+// this many times its even share before the others had theirs.
+constexpr int kSpreadCells = 6;
+constexpr double kSpreadCrowd = 2;
+
+// Positions at which the planes of a map have features in one keyframe.
+class PlanePositions {
+ public:
+  explicit PlanePositions(double radius_px) : radius_px_(radius_px) {}
+
+  void Add(const Plane& plane, const PlaneView& view) {
+    const Eigen::Matrix3d keyframe_from_reference = view.reference_from_keyframe.inverse();
+    for (const PlaneFeature& feature : plane.features) {
+      const Vector2d x = Apply(keyframe_from_reference, PositionOf(feature.reference));
+      if (x.allFinite()) positions_.push_back(x);
+    }
+  }
+  bool Near(const Vector2d& x) const {
+    return std::any_of(positions_.begin(), positions_.end(), [&](const Vector2d& other) {
+      return (other - x).squaredNorm() <= radius_px_ * radius_px_;
+    });
+  }
+
+ private:
+  double radius_px_;
+  std::vector<Vector2d> positions_;
+};
+
+int SpreadCell(const Keypoint& keypoint, const Keyframe& keyframe) {
+  const auto cell = [](float at, int size) {
+    return std::clamp(static_cast<int>(kSpreadCells * at / static_cast<float>(size)), 0,
+                      kSpreadCells - 1);
+  };
+  return cell(keypoint.y_px, keyframe.height) * kSpreadCells + cell(keypoint.x_px, keyframe.width);
+}
+
+}  // namespace
+
+LandmarkChooser::LandmarkChooser(const LandmarkOptions& options) : options_(options) {
+  options_.Check();
+}
+
+void LandmarkChooser::Add(KeyframeId id, const Features& features, bool starts_stretch) {
+  if (options_.max_kept == 0) return;
+  if (starts_stretch) {
+    while (!recent_.empty()) Retire();
+  }
+  Recent now{id, features, std::vector<int>(features.size(), 0), 0};
+  for (Recent& before : recent_) Compare(before, now);
+  recent_.push_back(std::move(now));
+  if (std::ssize(recent_) > options_.neighbours) Retire();
+}
+
+void LandmarkChooser::Compare(Recent& before, Recent& now) const {
+  const std::vector<Match> matches = MatchDescriptors(
+      before.features.descriptors, now.features.descriptors, now.features.type, options_.match);
+  std::vector<Vector2d> in_before;
+  std::vector<Vector2d> in_now;
+  for (const Match& match : matches) {
+    in_before.push_back(PositionOf(before.features.keypoints[match.a]));
+    in_now.push_back(PositionOf(now.features.keypoints[match.b]));
+  }
+  const auto fit = FindEpipolarGeometry(in_before, in_now, options_.epipolar);
+  ++before.compared;
+  ++now.compared;
+  if (!fit) return;
+  for (const int row : fit->inliers) {
+    ++before.found[matches[row].a];
+    ++now.found[matches[row].b];
+  }
+}
+
+// Ranks what the oldest keyframe has: found again most often first, then the strongest.
+void LandmarkChooser::Retire() {
+  const Recent& oldest = recent_.front();
+  std::vector<int> order(oldest.features.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, [&](int a, int b) { return oldest.found[a] > oldest.found[b]; });
+  order.resize(std::min(order.size(), static_cast<size_t>(kHeldBudgets) * options_.max_kept));
+  Candidates candidates{oldest.id, {}, {}};
+  Descriptors kept(oldest.features.descriptors.bytes());
+  for (const int row : order) {
+    candidates.ranked.push_back({oldest.features.keypoints[row], kept.rows(), oldest.found[row]});
+    kept.Append(oldest.features.descriptors.row(row));
+  }
+  candidates.codes = EncodeDescriptors(kept, oldest.features.type);
+  candidates_.push_back(std::move(candidates));
+  recent_.pop_front();
+}
+
+void LandmarkChooser::Finish(MapData& map) {
+  if (options_.max_kept == 0) return;
+  while (!recent_.empty()) Retire();
+  std::map<KeyframeId, PlanePositions> claimed;
+  for (const Plane& plane : map.planes) {
+    for (const PlaneView& view : plane.views) {
+      claimed.try_emplace(view.keyframe, options_.on_plane_px).first->second.Add(plane, view);
+    }
+  }
+  const int share =
+      static_cast<int>(std::ceil(kSpreadCrowd * options_.max_kept / (kSpreadCells * kSpreadCells)));
+  const auto lone = static_cast<size_t>(options_.lone_share * options_.max_kept);
+  for (Keyframe& keyframe : map.keyframes) {
+    const auto found = std::ranges::find(candidates_, keyframe.id, &Candidates::id);
+    if (found == candidates_.end()) continue;
+    const auto planes = claimed.find(keyframe.id);
+    std::vector<int> filled(kSpreadCells * kSpreadCells, 0);
+    std::vector<const Candidate*> kept;
+    std::vector<const Candidate*> rest;
+    for (const Candidate& candidate : found->ranked) {
+      if (planes != claimed.end() && planes->second.Near(PositionOf(candidate.keypoint))) continue;
+      if (candidate.found == 0 && kept.size() + rest.size() >= lone) break;
+      (filled[SpreadCell(candidate.keypoint, keyframe)]++ < share ? kept : rest)
+          .push_back(&candidate);
+    }
+    kept.insert(kept.end(), rest.begin(), rest.end());
+    kept.resize(std::min(kept.size(), static_cast<size_t>(options_.max_kept)));
+    if (kept.empty()) continue;
+    keyframe.landmarks.codes = Descriptors(CodeBytes(map.info.feature_type));
+    for (const Candidate* candidate : kept) {
+      keyframe.landmarks.positions.push_back(
+          EncodePosition(PositionOf(candidate->keypoint), keyframe.width, keyframe.height));
+      keyframe.landmarks.codes.Append(found->codes.row(candidate->row));
+    }
+  }
+}
+
+}  // namespace waystone

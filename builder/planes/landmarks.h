@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <tuple>
+#include <vector>
+
+#include "core/base/options.h"
+#include "core/features/match.h"
+#include "core/two_view/epipolar.h"
+#include "schema/map_data.h"
+
+namespace waystone {
+
+struct LandmarkOptions {
+  int max_kept = 100;
+  int neighbours = 2;
+  double on_plane_px = 3.0;
+  double lone_share = 0.5;
+  MatchOptions match;
+  EpipolarOptions epipolar{.max_error_px = 1.5};
+
+  static constexpr auto Fields() {
+    using Self = LandmarkOptions;
+    return std::tuple{
+        OptionField{"max_kept", &Self::max_kept, Closed(0, 10'000), "",
+                    "Landmarks kept of each keyframe; 0 keeps planes alone. More find more places "
+                    "and make the map larger by 36 bytes each."},
+        OptionField{
+            "neighbours", &Self::neighbours, Closed(1, 10), "",
+            "Keyframes before and after in which a landmark is looked for. More tell better "
+            "what is found again, and take longer."},
+        OptionField{
+            "on_plane_px", &Self::on_plane_px, AtLeast(0), "px",
+            "A feature this near to where a plane of the map has one is left to the plane."},
+        OptionField{"lone_share", &Self::lone_share, Closed(0, 1), "",
+                    "Share of max_kept up to which features that were not found again fill up what "
+                    "is found again: of photos without neighbours nothing else is known."},
+        OptionGroup{"match", &Self::match},
+        OptionGroup{"epipolar", &Self::epipolar}};
+  }
+  void Check() const { CheckFields("landmarks", *this); }  // throws MapError(kBadOptions)
+};
+
+// Chooses the landmarks of keyframes: features that no plane of the map has and that were found
+// again, consistently with the epipolar geometry, in most of the keyframes before and after, spread
+// over the image. Holds the features of a few keyframes and the candidates of all. Not thread-safe.
+// Deterministic.
+class LandmarkChooser {
+ public:
+  explicit LandmarkChooser(const LandmarkOptions& options);
+
+  // The next keyframe. At the start of a stretch nothing of it was seen before.
+  void Add(KeyframeId id, const Features& features, bool starts_stretch);
+
+  // Gives the keyframes of a map their landmarks, once all are added and its planes are final.
+  void Finish(MapData& map);
+
+ private:
+  // A keyframe whose neighbours are still to come.
+  struct Recent {
+    KeyframeId id;
+    Features features;
+    std::vector<int> found;  // of each feature: neighbours that show it as well
+    int compared = 0;        // neighbours that it was matched with
+  };
+  struct Candidate {
+    Keypoint keypoint;
+    int row = 0;  // in Candidates::codes
+    int found = 0;
+  };
+  // What may become landmarks of a keyframe, best first.
+  struct Candidates {
+    KeyframeId id;
+    std::vector<Candidate> ranked;
+    Descriptors codes;
+  };
+
+  void Compare(Recent& before, Recent& now) const;
+  void Retire();
+
+  LandmarkOptions options_;
+  std::deque<Recent> recent_;
+  std::vector<Candidates> candidates_;  // by keyframe, ascending
+};
+
+}  // namespace waystone

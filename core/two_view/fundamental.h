@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "core/base/options.h"
+
+namespace waystone {
+
+struct EpipolarOptions {
+  double max_error_px = 2.0;
+  int max_samples = 1000;
+  double planar_share = 0.9;
+
+  static constexpr auto Fields() {
+    using Self = EpipolarOptions;
+    return std::tuple{
+        OptionField{"max_error_px", &Self::max_error_px, Above(0), "px",
+                    "Largest Sampson error of an inlier. Higher keeps more matches, and more by "
+                    "chance."},
+        OptionField{"max_samples", &Self::max_samples, AtLeast(1), "",
+                    "Samples of seven matches at the most, however low the inlier ratio. Bounds "
+                    "the time."},
+        OptionField{"planar_share", &Self::planar_share, Closed(0, 1), "",
+                    "Where a homography explains this share of the inliers, the scene is planar or "
+                    "the camera turned only, and the homography's inliers count alone."}};
+  }
+  void Check() const { CheckFields("epipolar", *this); }  // throws MapError(kBadOptions)
+};
+
+// The epipolar geometry of two images without calibration.
+struct EpipolarFit {
+  // The fundamental matrix: x_b^T F x_a = 0 for homogeneous pixels.
+  Eigen::Matrix3d fundamental = Eigen::Matrix3d::Zero();
+  std::vector<int> inliers;  // rows, ascending
+  // Whether a homography explains the inliers as well, so that the fundamental matrix isn't
+  // determined; `inliers` then are the homography's.
+  bool planar = false;
+};
+
+// The fundamental matrix that most of the pairs a[i], b[i] (px) support, by USAC with a sigma
+// consensus (MAGSAC); nothing for fewer than eight pairs or where none fits eight. Deterministic;
+// thread-safe. `a` and `b` have the same size (WS_CHECK).
+std::optional<EpipolarFit> FindEpipolarGeometry(std::span<const Eigen::Vector2d> a,
+                                                std::span<const Eigen::Vector2d> b,
+                                                const EpipolarOptions& options);
+
+// Sampson error of a pair, px: the first-order distance to the nearest pair that fits exactly
+// (Hartley and Zisserman, eq. 11.9).
+double SampsonError(const Eigen::Matrix3d& fundamental, const Eigen::Vector2d& x_a,
+                    const Eigen::Vector2d& x_b);
+
+}  // namespace waystone

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/planes/sightings.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "localizer/verdict/keyframe_verdict.h"
+
+namespace waystone {
+namespace {
+
+constexpr int kNearKeyframes = 4;  // steps in a stretch
+
+KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified) {
+  KeyframeEvidence evidence;
+  evidence.inliers = verified.distinct;
+  evidence.found_share =
+      std::min(1.0, static_cast<double>(verified.distinct) / std::max(1, verified.expected));
+  evidence.coverage = verified.coverage;
+  evidence.inlier_share =
+      static_cast<double>(verified.query_points.size()) / std::max(1, verified.matches);
+  return evidence;
+}
+
+// Whether a keyframe saw a plane of the place, or one near it.
+bool Shows(const MapIndex& index, int keyframe, const Place& place) {
+  if (place.keyframe && KeyframesAreNear(index, place.keyframe->keyframe, keyframe)) return true;
+  const std::vector<Plane>& planes = index.map().planes;
+  const std::vector<MapIndex::SeenPlane>& seen = index.PlanesSeenBy(keyframe);
+  return std::ranges::any_of(place.planes, [&](const VerifiedPlane& member) {
+    return std::ranges::any_of(seen, [&](const MapIndex::SeenPlane& one) {
+      return PlanesAreNear(index, planes[member.plane], planes[one.plane]);
+    });
+  });
+}
+
+}  // namespace
+
+std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const PackedFeatures& query,
+                                              const Shortlist& shortlist,
+                                              const std::vector<VerifiedPlane>& tried,
+                                              const PlaneQueryOptions& options,
+                                              const Deadline& deadline) {
+  if (!index.HasLandmarks()) return {};
+  std::vector<int> wanted;
+  const std::vector<Place> places = FindPlaces(index, tried, {}, options);
+  if (!places.empty()) {
+    wanted.push_back(index.IndexOf(NearestKeyframe(index, places.front(), query.features)));
+  }
+  if (places.empty() || places.front().probability < options.gates.min_probability) {
+    for (const ShortlistedKeyframe& candidate : shortlist.keyframes) {
+      if (std::ranges::find(wanted, candidate.keyframe) == wanted.end()) {
+        wanted.push_back(candidate.keyframe);
+      }
+    }
+  }
+  std::vector<VerifiedKeyframe> verified;
+  for (const int keyframe : wanted) {
+    if (HasPassed(deadline)) break;
+    if (auto one = VerifyKeyframe(index, query, keyframe, options)) {
+      verified.push_back(std::move(*one));
+    }
+  }
+  std::ranges::stable_sort(verified, [](const VerifiedKeyframe& a, const VerifiedKeyframe& b) {
+    return a.distinct > b.distinct;
+  });
+  return verified;
+}
+
+bool KeyframesAreNear(const MapIndex& index, int a, int b) {
+  const Keyframe& x = index.map().keyframes[a];
+  const Keyframe& y = index.map().keyframes[b];
+  if (x.sequence == y.sequence && x.stretch == y.stretch && std::abs(a - b) <= kNearKeyframes) {
+    return true;
+  }
+  return std::ranges::any_of(index.PlanesSeenBy(a), [&](const MapIndex::SeenPlane& in_a) {
+    return std::ranges::any_of(index.PlanesSeenBy(b), [&](const MapIndex::SeenPlane& in_b) {
+      return in_a.plane == in_b.plane;
+    });
+  });
+}
+
+void JoinKeyframes(const MapIndex& index, const std::vector<VerifiedKeyframe>& keyframes,
+                   const PlaneQueryOptions& options, std::vector<Place>& places) {
+  for (const VerifiedKeyframe& verified : keyframes) {
+    const auto home = std::ranges::find_if(
+        places, [&](const Place& place) { return Shows(index, verified.keyframe, place); });
+    if (home != places.end() && home->keyframe) continue;  // a better one is there
+    if (home == places.end() && verified.distinct < options.gates.min_inliers) continue;
+    Place& place = home == places.end() ? places.emplace_back() : *home;
+    place.keyframe = verified;
+    const KeyframeEvidence evidence = EvidenceFor(verified);
+    const double by_keyframe = ComputeProbability(evidence);
+    place.probability = place.planes.empty()
+                            ? by_keyframe
+                            : JoinProbabilities(place.probability, by_keyframe, evidence);
+  }
+  std::ranges::stable_sort(
+      places, [](const Place& a, const Place& b) { return CountInliers(a) > CountInliers(b); });
+}
+
+}  // namespace waystone

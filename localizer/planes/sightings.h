@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "localizer/index/map_index.h"
+#include "localizer/planes/decide.h"
+#include "localizer/planes/shortlist.h"
+#include "localizer/planes/verify_keyframe.h"
+#include "localizer/verdict/deadline.h"
+
+namespace waystone {
+
+// The keyframes that are worth verifying after the shortlisted planes were tried, verified, best
+// first, until the deadline: the one nearest to the best place by planes; and unless that settled
+// where the query is, the shortlisted ones. None for a map without landmarks, which is answered by
+// its planes alone.
+std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const PackedFeatures& query,
+                                              const Shortlist& shortlist,
+                                              const std::vector<VerifiedPlane>& tried,
+                                              const PlaneQueryOptions& options,
+                                              const Deadline& deadline = {});
+
+// Whether two keyframes show one surrounding: a plane was seen by both, or they follow each other
+// in a stretch with at most three between them. Indices in the map's keyframes.
+bool KeyframesAreNear(const MapIndex& index, int a, int b);
+
+// Gives each place the verified keyframe that shows it best, and makes places of those keyframes
+// that no place is near. Sets the probabilities that follow from both, and sorts: most inliers
+// first.
+void JoinKeyframes(const MapIndex& index, const std::vector<VerifiedKeyframe>& keyframes,
+                   const PlaneQueryOptions& options, std::vector<Place>& places);
+
+}  // namespace waystone

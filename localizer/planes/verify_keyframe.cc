@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/planes/verify_keyframe.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/homography/homography.h"
+#include "core/two_view/fundamental.h"
+
+namespace waystone {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr int kCoverageCells = 5;  // a side
+
+bool IsInside(const Vector2d& x, int width, int height) {
+  return x.x() >= 0 && x.y() >= 0 && x.x() < width && x.y() < height;  // not for NaN
+}
+
+double ComputeCoverage(const std::vector<Vector2d>& points, int width, int height) {
+  std::set<std::pair<int, int>> cells;
+  for (const Vector2d& x : points) {
+    cells.emplace(static_cast<int>(kCoverageCells * x.x() / width),
+                  static_cast<int>(kCoverageCells * x.y() / height));
+  }
+  return static_cast<double>(cells.size()) / (kCoverageCells * kCoverageCells);
+}
+
+// Points of which none is nearer than `apart` to one counted before.
+int CountApart(const std::vector<Vector2d>& points, double apart) {
+  std::vector<Vector2d> counted;
+  for (const Vector2d& x : points) {
+    const bool near = std::any_of(counted.begin(), counted.end(), [&](const Vector2d& other) {
+      return (other - x).squaredNorm() < apart * apart;
+    });
+    if (!near) counted.push_back(x);
+  }
+  return static_cast<int>(counted.size());
+}
+
+// The affinity query_from_keyframe that fits the inliers best, linear part and shift. An epipolar
+// geometry alone says on which line a feature is, not where; that it lies inside the image needs no
+// more than this.
+Eigen::Matrix<double, 2, 3> FitAffinity(const VerifiedKeyframe& verified) {
+  const auto n = static_cast<Eigen::Index>(verified.query_points.size());
+  Eigen::MatrixXd from(n, 3);
+  Eigen::MatrixXd to(n, 2);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    from.row(i) = verified.keyframe_points[i].homogeneous().transpose();
+    to.row(i) = verified.query_points[i].transpose();
+  }
+  return from.colPivHouseholderQr().solve(to).transpose();
+}
+
+// Features of the keyframe that should be in the query, well away from its border.
+int CountExpected(const KeyframeFeatures& target, const VerifiedKeyframe& verified, int width,
+                  int height) {
+  constexpr double kMargin = 0.05;  // of the image
+  const Eigen::Matrix<double, 2, 3> query_from_keyframe = FitAffinity(verified);
+  std::vector<Vector2d> expected;
+  const Vector2d margin(kMargin * width, kMargin * height);
+  for (const Vector2d& x : target.positions) {
+    const Vector2d there = query_from_keyframe * x.homogeneous();
+    if (IsInside(there - margin, static_cast<int>(width - 2 * margin.x()),
+                 static_cast<int>(height - 2 * margin.y()))) {
+      expected.push_back(there);
+    }
+  }
+  return CountApart(expected, 4.0);
+}
+
+}  // namespace
+
+KeyframeFeatures CollectKeyframeFeatures(const MapIndex& index, int keyframe) {
+  const MapData& map = index.map();
+  const Keyframe& image = map.keyframes[keyframe];
+  KeyframeFeatures target;
+  target.descriptors = index.LandmarkDescriptorsOf(keyframe);
+  for (const ImagePosition& position : image.landmarks.positions) {
+    target.positions.push_back(DecodePosition(position, image.width, image.height));
+  }
+  if (target.descriptors.bytes() == 0) {
+    target.descriptors = Descriptors(DescriptorBytes(map.info.feature_type));
+  }
+  for (const MapIndex::SeenPlane& seen : index.PlanesSeenBy(keyframe)) {
+    const Plane& plane = map.planes[seen.plane];
+    const Eigen::Matrix3d keyframe_from_reference =
+        plane.views[seen.view].reference_from_keyframe.inverse();
+    const Descriptors descriptors = index.DescriptorsOf(seen.plane);
+    for (int i = 0; i < static_cast<int>(plane.features.size()); ++i) {
+      const Vector2d x = Apply(keyframe_from_reference, PositionOf(plane.features[i].reference));
+      if (!IsInside(x, image.width, image.height)) continue;
+      target.positions.push_back(x);
+      target.descriptors.Append(descriptors.row(i));
+    }
+  }
+  return target;
+}
+
+std::optional<VerifiedKeyframe> VerifyKeyframe(const MapIndex& index, const PackedFeatures& packed,
+                                               int keyframe, const PlaneQueryOptions& options) {
+  const Features& query = packed.features;
+  const KeyframeFeatures target = CollectKeyframeFeatures(index, keyframe);
+  const std::vector<Match> matches =
+      MatchDescriptors(packed.rows, query.size(), target.descriptors, options.keyframe_match);
+  std::vector<Vector2d> in_query;
+  std::vector<Vector2d> in_keyframe;
+  for (const Match& match : matches) {
+    in_query.push_back(PositionOf(query.keypoints[match.a]));
+    in_keyframe.push_back(target.positions[match.b]);
+  }
+  const auto fit = FindEpipolarGeometry(in_keyframe, in_query, options.epipolar);
+  if (!fit) return std::nullopt;
+  VerifiedKeyframe verified;
+  verified.keyframe = keyframe;
+  verified.matches = static_cast<int>(matches.size());
+  verified.planar = fit->planar;
+  for (const int row : fit->inliers) {
+    verified.query_points.push_back(in_query[row]);
+    verified.keyframe_points.push_back(in_keyframe[row]);
+  }
+  verified.distinct = CountApart(verified.query_points, options.gates.distinct_px);
+  verified.expected = CountExpected(target, verified, query.width, query.height);
+  verified.coverage = ComputeCoverage(verified.query_points, query.width, query.height);
+  return verified;
+}
+
+}  // namespace waystone

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "core/features/features.h"
+#include "localizer/index/map_index.h"
+#include "localizer/planes/plane_query_options.h"
+#include "localizer/planes/verify.h"
+
+namespace waystone {
+
+// All that a map knows of what a keyframe showed: the features of its planes, carried there by
+// their homographies, and its landmarks.
+struct KeyframeFeatures {
+  std::vector<Eigen::Vector2d> positions;  // in the keyframe, px
+  Descriptors descriptors;                 // row i belongs to positions[i]
+};
+
+// Those that lie in the keyframe's image. `keyframe` is an index in the map's keyframes.
+KeyframeFeatures CollectKeyframeFeatures(const MapIndex& index, int keyframe);
+
+// A keyframe after the query's matches with it were verified by one epipolar geometry.
+struct VerifiedKeyframe {
+  int keyframe = 0;  // index in the map's keyframes
+  // Inliers, row by row: pixels of the query and of the keyframe.
+  std::vector<Eigen::Vector2d> query_points;
+  std::vector<Eigen::Vector2d> keyframe_points;
+  int matches = 0;      // among which they were found
+  int distinct = 0;     // inliers at distinct positions of the query
+  int expected = 0;     // features of the keyframe that the inliers put inside the query
+  double coverage = 0;  // share of the query's cells that have an inlier, in [0, 1]
+  bool planar = false;  // a homography explains the inliers as well
+};
+
+// Matches the query with a keyframe (mutually nearest, one to one) and keeps what fits one epipolar
+// geometry. Nothing when nothing fits. Deterministic.
+std::optional<VerifiedKeyframe> VerifyKeyframe(const MapIndex& index, const PackedFeatures& query,
+                                               int keyframe, const PlaneQueryOptions& options);
+
+}  // namespace waystone

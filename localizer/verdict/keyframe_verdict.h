@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace waystone {
+
+// What speaks for a keyframe that was verified by all its matches.
+struct KeyframeEvidence {
+  int inliers = 0;          // of one epipolar geometry, at distinct positions of the query
+  double found_share = 0;   // of the features that should be in the query, those found, in [0, 1]
+  double coverage = 0;      // share of the query's cells that have an inlier, in [0, 1]
+  double inlier_share = 0;  // of the matches that are inliers, in [0, 1]
+};
+
+// log(p / (1 - p)) = intercept + the weighted sum of log(1 + inliers) and of the shares. Each is
+// evidence for a place alone, so that no weight is below 0. The defaults hold for any map: they
+// were chosen on rendered buildings that repeat doors and posters, and refuse rather than guess.
+struct KeyframeVerdictModel {
+  double intercept = -16.5;
+  double log_inliers = 4.5;
+  double found_share = 8;
+  double coverage = 6;
+  double inlier_share = 1;
+};
+
+// The probability that a keyframe with this evidence shows the query's place, in (0, 1).
+double ComputeProbability(const KeyframeEvidence& evidence, const KeyframeVerdictModel& model = {});
+
+// The probability that a place is right which its planes call right with `by_planes` and its
+// keyframe with `by_keyframe`. Features that should be in the query and aren't speak against the
+// planes, too: a poster on another floor has all the planes' inliers and little else.
+double JoinProbabilities(double by_planes, double by_keyframe, const KeyframeEvidence& evidence);
+
+}  // namespace waystone

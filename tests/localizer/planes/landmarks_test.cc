@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+// Places that landmarks alone show, in a map that has planes elsewhere.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/features/descriptor_codes.h"
+#include "localizer/planes/locate.h"
+#include "localizer/planes/sightings.h"
+#include "localizer/verdict/keyframe_verdict.h"
+#include "tests/localizer/made_map.h"
+
+namespace waystone {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int kPoints = 120;
+constexpr int64_t kFirst = 7;  // keyframe of the place, of two
+
+// As the builder has them: squares of normals, of length 256.
+std::vector<uint8_t> MakeDescriptor(Random& random) {
+  Eigen::VectorXd values(128);
+  for (double& value : values) value = std::pow(random.Normal(), 2);
+  values *= 256 / values.norm();
+  std::vector<uint8_t> descriptor;
+  for (const double value : values) {
+    descriptor.push_back(static_cast<uint8_t>(std::min(std::lround(value), 127L)));
+  }
+  return descriptor;
+}
+
+struct Point {
+  Vector3d x;  // in the first keyframe's camera
+  std::vector<uint8_t> descriptor;
+};
+
+// Points at all depths, none of which lie on a plane.
+std::vector<Point> MakePoints(uint64_t seed) {
+  Random random(seed);
+  std::vector<Point> points;
+  for (int i = 0; i < kPoints; ++i) {
+    const double z = random.Uniform(2, 8);
+    points.push_back({{random.Uniform(-0.6, 0.6) * z, random.Uniform(-0.45, 0.45) * z, z},
+                      MakeDescriptor(random)});
+  }
+  return points;
+}
+
+Vector2d Project(const Vector3d& x) { return 500 * x.hnormalized() + Vector2d(319.5, 239.5); }
+
+bool IsSeen(const Vector2d& x) { return x.x() >= 0 && x.y() >= 0 && x.x() < 640 && x.y() < 480; }
+
+// What the points give a camera that has moved by `shift`, noisy by 0.3 px, and `clutter`.
+Features Look(const std::vector<Point>& points, const Vector3d& shift, int clutter, uint64_t seed) {
+  Random random(5000 + seed);
+  Features features{FeatureType::kSift, 640, 480, {}, Descriptors(128)};
+  const auto add = [&](const Vector2d& x, const std::vector<uint8_t>& descriptor) {
+    if (!IsSeen(x)) return;
+    features.keypoints.push_back({static_cast<float>(x.x()), static_cast<float>(x.y()), 8, 0});
+    features.descriptors.Append(descriptor.data());
+  };
+  for (const Point& point : points) {
+    add(Project(point.x - shift) + 0.3 * Vector2d(random.Normal(), random.Normal()),
+        point.descriptor);
+  }
+  for (int i = 0; i < clutter; ++i) {
+    add({random.Uniform(0, 640), random.Uniform(0, 480)}, MakeDescriptor(random));
+  }
+  return features;
+}
+
+Landmarks MakeLandmarks(const Features& seen) {
+  Landmarks landmarks;
+  for (const Keypoint& keypoint : seen.keypoints) {
+    landmarks.positions.push_back(EncodePosition(PositionOf(keypoint), 640, 480));
+  }
+  landmarks.codes = EncodeDescriptors(seen.descriptors, FeatureType::kSift);
+  return landmarks;
+}
+
+// The made map, with a place of two keyframes that saw no plane.
+MapData MapWithLandmarks() {
+  MapData map = MadeMap();
+  const std::vector<Point> points = MakePoints(1);
+  for (int i = 0; i < 2; ++i) {
+    Keyframe keyframe = map.keyframes.back();
+    keyframe.id = KeyframeId{kFirst + i};
+    keyframe.stretch = 2;
+    keyframe.source = "landmarks/" + std::to_string(i);
+    keyframe.landmarks = MakeLandmarks(Look(points, {0.3 * i, 0, 0}, 0, i));
+    map.keyframes.push_back(keyframe);
+  }
+  return map;
+}
+
+class LandmarkQueryTest : public testing::Test {
+ protected:
+  Answer Ask(const Features& query) const {
+    return LocateByPlanes(*index_, query, {}, {}, true);
+  }
+
+  std::vector<Point> points_ = MakePoints(1);
+  std::shared_ptr<const MapIndex> index_ = MapIndex::Build(MapWithLandmarks());
+};
+
+TEST_F(LandmarkQueryTest, APlaceWithoutPlanesIsLocalized) {
+  for (uint64_t seed = 0; seed < 5; ++seed) {
+    const Answer answer = Ask(Look(points_, {0.1, 0.05, 0.1}, 200, seed));
+    ASSERT_EQ(answer.verdict, Verdict::kLocalized) << answer.message;
+    EXPECT_EQ(answer.decided_by, DecidedBy::kEpipolarInliers);
+    EXPECT_GE(answer.probability, 0.9);
+    EXPECT_TRUE(answer.planes.recognised.empty());
+    ASSERT_TRUE(answer.planes.keyframe && answer.planes.epipolar);
+    EXPECT_GE(answer.planes.keyframe->id.value, kFirst);
+    EXPECT_EQ(answer.planes.epipolar->keyframe.id, answer.planes.keyframe->id);
+    EXPECT_GE(answer.planes.epipolar->inliers, 60);
+    EXPECT_EQ(CountBestInliers(answer.planes), answer.planes.epipolar->inliers);
+  }
+}
+
+TEST_F(LandmarkQueryTest, TheAnswerShowsItsMatches) {
+  const Answer answer = Ask(Look(points_, {0.1, 0, 0.1}, 100, 1));
+  ASSERT_TRUE(answer.planes.epipolar && answer.planes.explanation);
+  EXPECT_EQ(answer.planes.epipolar->query_points.size(),
+            answer.planes.epipolar->keyframe_points.size());
+  const std::vector<ExplainedKeyframe>& keyframes = answer.planes.explanation->keyframes;
+  ASSERT_FALSE(keyframes.empty());
+  EXPECT_EQ(keyframes.front().keyframe, answer.planes.epipolar->keyframe.id);
+  EXPECT_EQ(keyframes.front().place, 0);
+  EXPECT_EQ(keyframes.front().inliers, answer.planes.epipolar->inliers);
+  EXPECT_GE(keyframes.front().expected, keyframes.front().inliers / 2);
+}
+
+TEST_F(LandmarkQueryTest, AnotherPlaceIsNotInTheMap) {
+  for (uint64_t seed = 10; seed < 20; ++seed) {
+    const Answer answer = Ask(Look(MakePoints(seed), {0, 0, 0}, 200, seed));
+    EXPECT_EQ(answer.verdict, Verdict::kNotInMap) << seed;
+    EXPECT_FALSE(answer.planes.keyframe);
+  }
+}
+
+// A poster of the place that hangs elsewhere too: all that lies in one corner of the keyframe,
+// among other things than there.
+TEST_F(LandmarkQueryTest, AFewFeaturesInOneCornerAreNotThePlace) {
+  std::vector<Point> poster;
+  for (const Point& point : points_) {
+    const Vector2d x = Project(point.x);
+    if (x.x() > 420 && x.y() < 200) poster.push_back(point);
+  }
+  ASSERT_GE(poster.size(), 9u);
+  for (uint64_t seed = 0; seed < 5; ++seed) {
+    EXPECT_EQ(Ask(Look(poster, {0.02, 0, 0}, 300, seed)).verdict, Verdict::kNotInMap);
+  }
+}
+
+TEST_F(LandmarkQueryTest, PlanesElsewhereAreFoundAsBefore) {
+  const MapData map = MadeMap();
+  const auto planes_alone = MapIndex::Build(map);
+  const Features query = QueryOf(map, {1, 2}, PoseOf(1.5), 100, 3);
+  const Answer with = Ask(query);
+  const Answer without = LocateByPlanes(*planes_alone, query, {}, {}, true);
+  ASSERT_EQ(without.verdict, Verdict::kLocalized);
+  EXPECT_EQ(with.verdict, Verdict::kLocalized);
+  EXPECT_EQ(with.planes.keyframe->id, without.planes.keyframe->id);
+  EXPECT_EQ(with.decided_by, DecidedBy::kHomographyInliers);
+  EXPECT_FALSE(without.planes.epipolar);
+  EXPECT_TRUE(without.planes.explanation->keyframes.empty());
+}
+
+TEST_F(LandmarkQueryTest, KeyframesGetTheVotesOfTheirLandmarksAndPlanes) {
+  const Shortlist of_landmarks = VoteForPlaces(*index_, Look(points_, {0.1, 0, 0}, 50, 1), {});
+  ASSERT_GE(of_landmarks.keyframes.size(), 2u);
+  for (int i = 0; i < 2; ++i) EXPECT_GE(of_landmarks.keyframes[i].keyframe, 6);
+  const Shortlist of_planes =
+      VoteForPlaces(*index_, QueryOf(MadeMap(), {4}, PoseOf(5.5), 50, 1), {});
+  ASSERT_FALSE(of_planes.keyframes.empty());
+  EXPECT_GE(of_planes.keyframes[0].keyframe, 4);
+  EXPECT_LE(of_planes.keyframes[0].keyframe, 5);
+}
+
+TEST(MapIndexLandmarks, TheirRowsComeAfterThePlanes) {
+  const MapData map = MapWithLandmarks();
+  const auto index = MapIndex::Build(map);
+  EXPECT_TRUE(index->HasLandmarks());
+  int row = 4 * kMapFeatures;
+  for (int k = 6; k < 8; ++k) {
+    const Landmarks& landmarks = map.keyframes[k].landmarks;
+    EXPECT_EQ(index->LandmarkDescriptorsOf(k),
+              DecodeDescriptors(landmarks.codes, FeatureType::kSift));
+    for (int i = 0; i < landmarks.size(); ++i, ++row) {
+      EXPECT_EQ(index->PlaneOfRow(row), -1);
+      EXPECT_EQ(index->KeyframeOfRow(row), k);
+    }
+  }
+  EXPECT_EQ(index->search().rows(), row);
+  EXPECT_FALSE(MadeIndex()->HasLandmarks());
+}
+
+TEST(KeyframeVerdict, EveryKindOfEvidenceSpeaksForAPlace) {
+  const KeyframeEvidence some{20, 0.3, 0.3, 0.5};
+  const double p = ComputeProbability(some);
+  EXPECT_GT(ComputeProbability({21, 0.3, 0.3, 0.5}), p);
+  EXPECT_GT(ComputeProbability({20, 0.4, 0.3, 0.5}), p);
+  EXPECT_GT(ComputeProbability({20, 0.3, 0.4, 0.5}), p);
+  EXPECT_GT(ComputeProbability({20, 0.3, 0.3, 0.6}), p);
+}
+
+TEST(KeyframeVerdict, MissingFeaturesSpeakAgainstPlanes) {
+  const KeyframeEvidence poster{15, 0.03, 0.08, 0.6};
+  const KeyframeEvidence place{40, 0.5, 0.5, 0.6};
+  EXPECT_LT(JoinProbabilities(0.95, ComputeProbability(poster), poster), 0.5);
+  EXPECT_GE(JoinProbabilities(0.95, ComputeProbability(place), place), 0.95);
+  EXPECT_GE(JoinProbabilities(0.2, ComputeProbability(place), place), 0.9);
+  EXPECT_LT(JoinProbabilities(1, 0, poster), 1);  // finite log-odds
+}
+
+}  // namespace
+}  // namespace waystone
