@@ -20,7 +20,7 @@ Answer LocateByPlanes(const MapIndex& index, const Features& query,
   const std::vector<VerifiedPlane> tried =
       TryPlanes(index, query, shortlist.planes, options, deadline);
   const std::vector<VerifiedKeyframe> keyframes =
-      VerifyKeyframes(index, PackedFeatures(query), shortlist, tried, options, deadline);
+      VerifyKeyframes(index, query, shortlist, tried, options, deadline);
   Answer answer = HasPassed(deadline)
                       ? Undecided(Stage::kShortlist)
                       : Decide(index, query, static_cast<int>(shortlist.planes.size()), tried,

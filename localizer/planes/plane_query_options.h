@@ -31,7 +31,7 @@ struct PlaneQueryOptions {
   HomologyOptions homology;
   GateOptions gates;
   int max_keyframes = 4;
-  MatchOptions keyframe_match{0.8, true};
+  MatchOptions keyframe_match{0.85, true};
   EpipolarOptions epipolar;
   uint64_t seed = 1;
 

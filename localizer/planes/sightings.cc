@@ -17,8 +17,6 @@ KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified) {
   evidence.found_share =
       std::min(1.0, static_cast<double>(verified.distinct) / std::max(1, verified.expected));
   evidence.coverage = verified.coverage;
-  evidence.inlier_share =
-      static_cast<double>(verified.query_points.size()) / std::max(1, verified.matches);
   return evidence;
 }
 
@@ -36,7 +34,7 @@ bool Shows(const MapIndex& index, int keyframe, const Place& place) {
 
 }  // namespace
 
-std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const PackedFeatures& query,
+std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Features& query,
                                               const Shortlist& shortlist,
                                               const std::vector<VerifiedPlane>& tried,
                                               const PlaneQueryOptions& options,
@@ -45,7 +43,7 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Packe
   std::vector<int> wanted;
   const std::vector<Place> places = FindPlaces(index, tried, {}, options);
   if (!places.empty()) {
-    wanted.push_back(index.IndexOf(NearestKeyframe(index, places.front(), query.features)));
+    wanted.push_back(index.IndexOf(NearestKeyframe(index, places.front(), query)));
   }
   if (places.empty() || places.front().probability < options.gates.min_probability) {
     for (const ShortlistedKeyframe& candidate : shortlist.keyframes) {

@@ -15,7 +15,7 @@ namespace waystone {
 // first, until the deadline: the one nearest to the best place by planes; and unless that settled
 // where the query is, the shortlisted ones. None for a map without landmarks, which is answered by
 // its planes alone.
-std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const PackedFeatures& query,
+std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Features& query,
                                               const Shortlist& shortlist,
                                               const std::vector<VerifiedPlane>& tried,
                                               const PlaneQueryOptions& options,

@@ -100,17 +100,16 @@ KeyframeFeatures CollectKeyframeFeatures(const MapIndex& index, int keyframe) {
   return target;
 }
 
-std::optional<VerifiedKeyframe> VerifyKeyframe(const MapIndex& index, const PackedFeatures& packed,
+std::optional<VerifiedKeyframe> VerifyKeyframe(const MapIndex& index, const Features& query,
                                                int keyframe, const PlaneQueryOptions& options) {
-  const Features& query = packed.features;
   const KeyframeFeatures target = CollectKeyframeFeatures(index, keyframe);
   const std::vector<Match> matches =
-      MatchDescriptors(packed.rows, query.size(), target.descriptors, options.keyframe_match);
+      MatchDescriptors(target.descriptors, query.descriptors, query.type, options.keyframe_match);
   std::vector<Vector2d> in_query;
   std::vector<Vector2d> in_keyframe;
   for (const Match& match : matches) {
-    in_query.push_back(PositionOf(query.keypoints[match.a]));
-    in_keyframe.push_back(target.positions[match.b]);
+    in_query.push_back(PositionOf(query.keypoints[match.b]));
+    in_keyframe.push_back(target.positions[match.a]);
   }
   const auto fit = FindEpipolarGeometry(in_keyframe, in_query, options.epipolar);
   if (!fit) return std::nullopt;

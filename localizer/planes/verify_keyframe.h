@@ -35,9 +35,10 @@ struct VerifiedKeyframe {
   bool planar = false;  // a homography explains the inliers as well
 };
 
-// Matches the query with a keyframe (mutually nearest, one to one) and keeps what fits one epipolar
-// geometry. Nothing when nothing fits. Deterministic.
-std::optional<VerifiedKeyframe> VerifyKeyframe(const MapIndex& index, const PackedFeatures& query,
+// Matches a keyframe with the query (mutually nearest, one to one, with the ratio test against the
+// query's features, which are many more) and keeps what fits one epipolar geometry. Nothing when
+// nothing fits. Deterministic.
+std::optional<VerifiedKeyframe> VerifyKeyframe(const MapIndex& index, const Features& query,
                                                int keyframe, const PlaneQueryOptions& options);
 
 }  // namespace waystone

@@ -25,8 +25,7 @@ double ToLogOdds(double probability) {
 
 double ComputeProbability(const KeyframeEvidence& evidence, const KeyframeVerdictModel& model) {
   return Logistic(model.intercept + model.log_inliers * std::log1p(evidence.inliers) +
-                  model.found_share * evidence.found_share + model.coverage * evidence.coverage +
-                  model.inlier_share * evidence.inlier_share);
+                  model.found_share * evidence.found_share + model.coverage * evidence.coverage);
 }
 
 double JoinProbabilities(double by_planes, double by_keyframe, const KeyframeEvidence& evidence) {

@@ -98,9 +98,7 @@ MapData MapWithLandmarks() {
 
 class LandmarkQueryTest : public testing::Test {
  protected:
-  Answer Ask(const Features& query) const {
-    return LocateByPlanes(*index_, query, {}, {}, true);
-  }
+  Answer Ask(const Features& query) const { return LocateByPlanes(*index_, query, {}, {}, true); }
 
   std::vector<Point> points_ = MakePoints(1);
   std::shared_ptr<const MapIndex> index_ = MapIndex::Build(MapWithLandmarks());
@@ -200,17 +198,22 @@ TEST(MapIndexLandmarks, TheirRowsComeAfterThePlanes) {
 }
 
 TEST(KeyframeVerdict, EveryKindOfEvidenceSpeaksForAPlace) {
-  const KeyframeEvidence some{20, 0.3, 0.3, 0.5};
-  const double p = ComputeProbability(some);
-  EXPECT_GT(ComputeProbability({21, 0.3, 0.3, 0.5}), p);
-  EXPECT_GT(ComputeProbability({20, 0.4, 0.3, 0.5}), p);
-  EXPECT_GT(ComputeProbability({20, 0.3, 0.4, 0.5}), p);
-  EXPECT_GT(ComputeProbability({20, 0.3, 0.3, 0.6}), p);
+  const double p = ComputeProbability({14, 0.3, 0.3});
+  EXPECT_GT(ComputeProbability({15, 0.3, 0.3}), p);
+  EXPECT_GT(ComputeProbability({14, 0.4, 0.3}), p);
+  EXPECT_GT(ComputeProbability({14, 0.3, 0.4}), p);
+}
+
+TEST(KeyframeVerdict, APosterIsNotAPlace) {
+  EXPECT_LT(ComputeProbability({16, 0.16, 0.24}), 0.9);  // of what should be there, little is
+  EXPECT_LT(ComputeProbability({15, 0.3, 0.16}), 0.9);   // in a corner of the image
+  EXPECT_GE(ComputeProbability({14, 0.3, 0.4}), 0.9);
+  EXPECT_LT(ComputeProbability({9, 0.2, 0.3}), 0.5);  // chance
 }
 
 TEST(KeyframeVerdict, MissingFeaturesSpeakAgainstPlanes) {
-  const KeyframeEvidence poster{15, 0.03, 0.08, 0.6};
-  const KeyframeEvidence place{40, 0.5, 0.5, 0.6};
+  const KeyframeEvidence poster{15, 0.03, 0.08};
+  const KeyframeEvidence place{40, 0.5, 0.5};
   EXPECT_LT(JoinProbabilities(0.95, ComputeProbability(poster), poster), 0.5);
   EXPECT_GE(JoinProbabilities(0.95, ComputeProbability(place), place), 0.95);
   EXPECT_GE(JoinProbabilities(0.2, ComputeProbability(place), place), 0.9);
