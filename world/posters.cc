@@ -13,6 +13,7 @@ namespace {
 // Seeds of different things must not meet; these name the things.
 constexpr uint64_t kPlaceSeed = 0x706C616365ULL;
 constexpr uint64_t kPictureSeed = 0x7069637475ULL;
+constexpr uint64_t kAlikeSeed = 0x616C696B65ULL;
 constexpr uint64_t kRepeatedPicture = 0;
 constexpr uint64_t kFirstLetter = 1;  // pictures 1 to 26 are the plan's letters
 constexpr uint64_t kFirstUnique = 1000;
@@ -61,10 +62,17 @@ class Hanger {
     const double top = size_.wall_height_m - kMiddleHeightM - 0.5 * options_.poster_height_m;
     WorldPoster poster;
     poster.face = face.id;
-    poster.picture = MixSeeds(MixSeeds(options_.seed, kPictureSeed), picture);
+    const uint64_t seed = HangsOnEveryStorey(picture) ? options_.seed : SeedOfStorey(options_);
+    poster.picture = MixSeeds(MixSeeds(seed, kPictureSeed), picture);
     poster.top_left_m = {Snap(middle_m - 0.5 * options_.poster_width_m), Snap(std::max(top, 0.0))};
     poster.size_m = {Snap(options_.poster_width_m), Snap(options_.poster_height_m)};
     posters_.push_back(poster);
+  }
+
+  bool HangsOnEveryStorey(uint64_t picture) const {
+    if (picture < kFirstUnique) return true;
+    Random random(MixSeeds(MixSeeds(options_.seed, kAlikeSeed), picture));
+    return random.Uniform() < options_.alike_share;
   }
 
   void HangLetters(const WorldFace& face) {

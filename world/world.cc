@@ -20,6 +20,7 @@ namespace {
 
 constexpr uint64_t kTextureSeed = 0x7465787475ULL;
 constexpr uint64_t kBareSeed = 0x62617265ULL;
+constexpr uint64_t kStoreySeed = 0x73746F726579ULL;
 constexpr double kMaxTexels = 1e9 * 3.0 / 4.0;  // with their mip maps: a gigabyte
 // A surface seen at a flat angle is sampled this often along the long side of a pixel's footprint,
 // at most; beyond that it blurs.
@@ -59,7 +60,7 @@ void PastePoster(const WorldPoster& poster, const WorldOptions& options, cv::Mat
 cv::Mat DrawFace(const WorldFace& face, TextureStyle style, const WorldOptions& options,
                  const std::vector<WorldPoster>& posters) {
   const uint64_t seed =
-      MixSeeds(MixSeeds(options.seed, kTextureSeed), static_cast<uint64_t>(face.id));
+      MixSeeds(MixSeeds(SeedOfStorey(options), kTextureSeed), static_cast<uint64_t>(face.id));
   cv::Mat texture = DrawTexture({.style = style,
                                  .size_px = SizeInTexels(face.size_m, options.texel_m),
                                  .texel_m = options.texel_m,
@@ -114,6 +115,11 @@ struct AxisWalk {
 struct World::Textures {
   std::vector<std::optional<MipMap>> of_face;
 };
+
+uint64_t SeedOfStorey(const WorldOptions& options) {
+  if (options.storey == 0) return options.seed;
+  return MixSeeds(MixSeeds(options.seed, kStoreySeed), static_cast<uint64_t>(options.storey));
+}
 
 void WorldOptions::Check() const { CheckFields("world", *this); }
 

@@ -23,6 +23,8 @@ struct WorldOptions {
   double repeat_poster = 0.0;
   double poster_width_m = 0.8;
   double poster_height_m = 1.1;
+  int storey = 0;
+  double alike_share = 0.5;
 
   static constexpr auto Fields() {
     return std::tuple{
@@ -52,11 +54,20 @@ struct WorldOptions {
         OptionField{"poster_width_m", &WorldOptions::poster_width_m, Closed(0.1, 5), "m",
                     "Width of a poster."},
         OptionField{"poster_height_m", &WorldOptions::poster_height_m, Closed(0.1, 5), "m",
-                    "Height of a poster."}};
+                    "Height of a poster."},
+        OptionField{"storey", &WorldOptions::storey, Closed(0, 1000), "",
+                    "Which storey of a building: all have the same plan, bare walls and places of "
+                    "posters, and the share alike_share of the posters' pictures."},
+        OptionField{"alike_share", &WorldOptions::alike_share, Closed(0, 1), "",
+                    "Share of the posters that hang on every storey. More make storeys harder to "
+                    "tell apart."}};
   }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;
 };
+
+// The seed of what the options' storey has alone: `seed` on storey 0.
+uint64_t SeedOfStorey(const WorldOptions& options);
 
 // A poster lies in the plane of its wall, so it has no plane id of its own.
 struct WorldPoster {

@@ -39,6 +39,9 @@ std::vector<std::filesystem::path> ImagesIn(const std::filesystem::path& path);
 
 std::vector<uint8_t> ReadBytes(const std::filesystem::path& path);
 
+// The cells of each line of a CSV file below its heading.
+std::vector<std::vector<std::string>> ReadCsv(const std::filesystem::path& path);
+
 // The value below which a share of the values lies; 0 for none.
 double Quantile(std::vector<double> values, double share);
 

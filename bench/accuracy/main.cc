@@ -18,6 +18,7 @@ constexpr char kUsage[] =
     "  directions [DIR...] [--photos]                     Manhattan frames against truth\n"
     "  segments IMAGE_OR_FOLDER...                        segment detectors\n"
     "  recall [DATA] [--only NAME] [--landmarks N,N]      found by image search and by maps\n"
+    "  look-alikes [--buildings N] [--first SEED]         storeys that share posters and doors\n"
     "  relative [DIR]                                     rotations between places\n"
     "  orientation [--buildings 3] [--frames 1000]        turns, corridors, loops, nodes\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"
@@ -46,6 +47,7 @@ int main(int argc, char** argv) {
       {"world", waystone::bench::RunWorld},
       {"rgbd", waystone::bench::RunRgbd},
       {"negatives", waystone::bench::RunNegatives},
+      {"look-alikes", waystone::bench::RunLookAlikes},
       {"linear", waystone::bench::RunLinear},
       {"build", waystone::bench::RunBuild},
       {"graphs", waystone::bench::RunGraphs},

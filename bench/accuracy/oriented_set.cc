@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/accuracy/oriented_set.h"
 
-#include <fstream>
 #include <memory>
 #include <sstream>
 
@@ -17,22 +16,6 @@ namespace waystone::bench {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The cells of each line of a CSV file below its heading.
-std::vector<std::vector<std::string>> ReadCsv(const fs::path& path) {
-  std::ifstream in(path);
-  if (!in) throw MapError(ErrorCode::kFileUnreadable, path.string() + " can't be read");
-  std::vector<std::vector<std::string>> rows;
-  std::string line;
-  std::getline(in, line);
-  while (std::getline(in, line)) {
-    std::vector<std::string> cells;
-    std::istringstream text(line);
-    for (std::string cell; std::getline(text, cell, ',');) cells.push_back(cell);
-    if (!cells.empty()) rows.push_back(cells);
-  }
-  return rows;
-}
 
 void CheckCells(const std::vector<std::string>& cells, size_t least, const fs::path& path) {
   if (cells.size() >= least) return;

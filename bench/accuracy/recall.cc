@@ -53,6 +53,7 @@ struct RecallArgs {
   std::string only;  // part of the sets' names
   std::vector<int> budgets;
   int foreign = 40;
+  LocalizeOptions localize;
   bool search = true;
   bool verbose = false;
 };
@@ -93,9 +94,20 @@ void PrintEvidence(const char* kind, int query, const Answer& answer, bool right
               : best                 ? best->keyframe.source.c_str()
                                      : "-",
               answer.verdict == Verdict::kLocalized && !right ? " WRONG" : "");
+  if (!answer.planes.explanation) return;
+  for (const ExplainedPlace& place : answer.planes.explanation->places) {
+    std::printf("  place at %lld: %d inliers, share %.2f, %.3f\n",
+                static_cast<long long>(place.nearest.value), place.inliers, place.best_share,
+                place.probability);
+  }
+  for (const ExplainedKeyframe& one : answer.planes.explanation->keyframes) {
+    std::printf("  keyframe %lld: %d of %d matches, %d expected, coverage %.2f, place %d\n",
+                static_cast<long long>(one.keyframe.value), one.inliers, one.matches, one.expected,
+                one.coverage, one.place);
+  }
 }
 
-Found AskWaystone(const RecallSet& set, const Asked& asked, int budget, bool verbose) {
+Found AskWaystone(const RecallSet& set, const Asked& asked, int budget, const RecallArgs& args) {
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(OpenRecallMap(set));
   BuildOptions options;
@@ -112,7 +124,7 @@ Found AskWaystone(const RecallSet& set, const Asked& asked, int budget, bool ver
               static_cast<long long>(found.features), static_cast<long long>(found.map_bytes));
   const auto index = MapIndex::Build(std::move(built.map));
   const auto ask = [&](const Features& query) {
-    return LocalizeFeatures(*index, query, LocalizeOptions{});
+    return LocalizeFeatures(*index, query, args.localize);
   };
   for (size_t q = 0; q < asked.queries.size(); ++q) {
     const Answer answer = ask(asked.queries[q]);
@@ -124,13 +136,13 @@ Found AskWaystone(const RecallSet& set, const Asked& asked, int budget, bool ver
         set.is_right(static_cast<int>(q), index->FindKeyframe(answer.planes.keyframe->id)->frame);
     found.localized += localized;
     found.right += right;
-    if (verbose) PrintEvidence("query", static_cast<int>(q), answer, right);
+    if (args.verbose) PrintEvidence("query", static_cast<int>(q), answer, right);
   }
   for (size_t q = 0; q < asked.look_alikes.size(); ++q) {
     const Answer answer = ask(asked.look_alikes[q]);
     ++found.look_alikes;
     found.look_alikes_localized += answer.verdict == Verdict::kLocalized;
-    if (verbose) PrintEvidence("look-alike", static_cast<int>(q), answer, false);
+    if (args.verbose) PrintEvidence("look-alike", static_cast<int>(q), answer, false);
   }
   for (const Features& query : asked.foreign) {
     const Answer answer = ask(query);
@@ -174,10 +186,12 @@ RecallArgs ParseRecallArgs(const Args& raw) {
   parsed.foreign = std::stoi(TakeOption(args, "foreign", "40"));
   parsed.search = TakeOption(args, "search", "yes") == "yes";
   parsed.verbose = TakeOption(args, "each", "no") == "yes";
+  parsed.localize.explain = parsed.verbose;
+  parsed.localize.planes.max_keyframes = std::stoi(TakeOption(args, "keyframes", "4"));
   if (args.size() > 1 || parsed.budgets.empty()) {
     throw MapError(ErrorCode::kUsage,
                    "recall takes a folder with data, --only NAME, --landmarks N,N,..., --foreign "
-                   "N, --search yes|no and --each yes|no");
+                   "N, --keyframes N, --search yes|no and --each yes|no");
   }
   parsed.data = args.empty() ? fs::path(WAYSTONE_SOURCE_DIR) / "../shared/data" : fs::path(args[0]);
   return parsed;
@@ -195,7 +209,7 @@ int RunRecall(const Args& raw) {
                       ForeignFeatures(sets, set, args.foreign)};
     nlohmann::ordered_json curve = nlohmann::ordered_json::array();
     for (const int budget : args.budgets) {
-      nlohmann::ordered_json point = AskWaystone(set, asked, budget, args.verbose).ToJson();
+      nlohmann::ordered_json point = AskWaystone(set, asked, budget, args).ToJson();
       point["landmarks"] = budget;
       std::cout << set.name << " waystone " << point.dump() << std::endl;
       curve.push_back(std::move(point));

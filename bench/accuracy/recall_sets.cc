@@ -3,10 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <numbers>
-#include <sstream>
 #include <utility>
 
 #include "bench/accuracy/common.h"
@@ -25,20 +23,6 @@ constexpr double kMaxAngle_rad = std::numbers::pi / 6;
 constexpr double kKitchen_m = 1.5;
 constexpr double kChurch_m = 15;
 constexpr double kPavilion_m = 2.0;
-
-std::vector<Cells> ReadCsv(const fs::path& path) {
-  std::ifstream file(path);
-  if (!file) throw MapError(ErrorCode::kFileUnreadable, "can't read " + path.string());
-  std::vector<Cells> rows;
-  std::string line;
-  std::getline(file, line);  // the heading
-  while (std::getline(file, line)) {
-    std::istringstream in(line);
-    Cells& row = rows.emplace_back();
-    for (std::string cell; std::getline(in, cell, ',');) row.push_back(cell);
-  }
-  return rows;
-}
 
 struct Viewpoint {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -94,7 +78,7 @@ RecallSet ReadKitchen(const fs::path& folder) {
 }
 
 RecallSet ReadChurch(const fs::path& folder) {
-  RecallSet set{"church", ImagesIn(folder / "map"), ImagesIn(folder / "query"), {}, {}};
+  RecallSet set{"church", ImagesIn(folder / "map"), ImagesIn(folder / "query_P8"), {}, {}};
   std::map<std::string, Viewpoint> views;
   for (const Cells& row : ReadCsv(folder / "poses.csv")) views[row.at(1)] = ReadViewpoint(row);
   std::vector<Viewpoint> mapped;

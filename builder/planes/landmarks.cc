@@ -120,8 +120,8 @@ void LandmarkChooser::Finish(MapData& map) {
       static_cast<int>(std::ceil(kSpreadCrowd * options_.max_kept / (kSpreadCells * kSpreadCells)));
   const auto lone = static_cast<size_t>(options_.lone_share * options_.max_kept);
   for (Keyframe& keyframe : map.keyframes) {
-    const auto found = std::ranges::find(candidates_, keyframe.id, &Candidates::id);
-    if (found == candidates_.end()) continue;
+    const auto found = std::ranges::lower_bound(candidates_, keyframe.id, {}, &Candidates::id);
+    if (found == candidates_.end() || found->id != keyframe.id) continue;
     const auto planes = claimed.find(keyframe.id);
     std::vector<int> filled(kSpreadCells * kSpreadCells, 0);
     std::vector<const Candidate*> kept;

@@ -7,7 +7,7 @@
 
 #include "core/base/options.h"
 #include "core/features/match.h"
-#include "core/two_view/epipolar.h"
+#include "core/two_view/fundamental.h"
 #include "schema/map_data.h"
 
 namespace waystone {

@@ -218,6 +218,13 @@ export interface RecognisedPlane {
   expect_next: Id[];
 }
 
+/** The query's matches with one keyframe, on planes and beside them, that fit one epipolar geometry. */
+export interface EpipolarMatches {
+  keyframe: ImageRef;
+  inliers: Count;
+  matches: Count;
+}
+
 export interface Answer {
   verdict: Verdict;
   probability: Probability;
@@ -228,6 +235,7 @@ export interface Answer {
   heading: null | Record<string, unknown>;
   building?: BuildingView;
   planes: RecognisedPlane[];
+  epipolar?: EpipolarMatches;
   panorama?: PanoramaPlace;
   belief?: Belief;
   places?: Place[];
@@ -282,6 +290,7 @@ export interface Explanation {
   image: { width: Count; height: Count; features: Count };
   gates: Gates;
   candidates: ExplainedCandidate[];
+  keyframes: ExplainedKeyframe[];
   places: ExplainedPlace[];
 }
 
@@ -299,6 +308,17 @@ export interface ExplainedPlace {
   inliers: Count;
   best_share: number;
   probability: Probability;
+}
+
+export interface ExplainedKeyframe {
+  keyframe: Id;
+  matches: Count;
+  inliers: Count;
+  expected: Count;
+  coverage: number;
+  place: number | null;
+  /** The inliers: [x, y] in the query and [x, y] in the reference image, px. */
+  points: [number, number, number, number][];
 }
 
 export interface ExplainedCandidate {

@@ -7,6 +7,7 @@
 #include "localizer/planes/verify.h"
 #include "localizer/planes/verify_keyframe.h"
 #include "localizer/verdict/answer.h"
+#include "localizer/verdict/keyframe_verdict.h"
 #include "localizer/verdict/verdict_model.h"
 
 namespace waystone {
@@ -17,7 +18,8 @@ struct Place {
   std::vector<VerifiedPlane> planes;  // most inliers first
   Evidence evidence;                  // of the planes
   std::optional<VerifiedKeyframe> keyframe;
-  double probability = 0;  // that it is right
+  KeyframeEvidence keyframe_evidence;  // of the keyframe, where there is one
+  double probability = 0;              // that it is right
 };
 
 // Inliers of the planes or of the epipolar geometry, whichever are more, at distinct positions of

@@ -10,13 +10,16 @@ namespace waystone {
 namespace {
 
 constexpr int kNearKeyframes = 4;  // steps in a stretch
+constexpr int kNextKeyframes = 2;  // steps in a sequence, whatever the stretch
 
-KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified) {
+// `by_planes` is the probability that the place's planes alone give it; 0 for none.
+KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified, double by_planes) {
   KeyframeEvidence evidence;
   evidence.inliers = verified.distinct;
   evidence.found_share =
       std::min(1.0, static_cast<double>(verified.distinct) / std::max(1, verified.expected));
   evidence.coverage = verified.coverage;
+  evidence.planes_log_odds = LimitPlanesLogOdds(by_planes);
   return evidence;
 }
 
@@ -42,8 +45,10 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
   if (!index.HasLandmarks()) return {};
   std::vector<int> wanted;
   const std::vector<Place> places = FindPlaces(index, tried, {}, options);
-  if (!places.empty()) {
-    wanted.push_back(index.IndexOf(NearestKeyframe(index, places.front(), query)));
+  for (const Place& place : places) {
+    if (std::ssize(wanted) == options.max_keyframes) break;
+    if (CountInliers(place) < options.gates.ambiguous_share * CountInliers(places.front())) break;
+    wanted.push_back(index.IndexOf(NearestKeyframe(index, place, query)));
   }
   if (places.empty() || places.front().probability < options.gates.min_probability) {
     for (const ShortlistedKeyframe& candidate : shortlist.keyframes) {
@@ -68,9 +73,8 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
 bool KeyframesAreNear(const MapIndex& index, int a, int b) {
   const Keyframe& x = index.map().keyframes[a];
   const Keyframe& y = index.map().keyframes[b];
-  if (x.sequence == y.sequence && x.stretch == y.stretch && std::abs(a - b) <= kNearKeyframes) {
-    return true;
-  }
+  const int near = x.stretch == y.stretch ? kNearKeyframes : kNextKeyframes;
+  if (x.sequence == y.sequence && std::abs(a - b) <= near) return true;
   return std::ranges::any_of(index.PlanesSeenBy(a), [&](const MapIndex::SeenPlane& in_a) {
     return std::ranges::any_of(index.PlanesSeenBy(b), [&](const MapIndex::SeenPlane& in_b) {
       return in_a.plane == in_b.plane;
@@ -87,11 +91,8 @@ void JoinKeyframes(const MapIndex& index, const std::vector<VerifiedKeyframe>& k
     if (home == places.end() && verified.distinct < options.gates.min_inliers) continue;
     Place& place = home == places.end() ? places.emplace_back() : *home;
     place.keyframe = verified;
-    const KeyframeEvidence evidence = EvidenceFor(verified);
-    const double by_keyframe = ComputeProbability(evidence);
-    place.probability = place.planes.empty()
-                            ? by_keyframe
-                            : JoinProbabilities(place.probability, by_keyframe, evidence);
+    place.keyframe_evidence = EvidenceFor(verified, place.probability);
+    place.probability = ComputeProbability(place.keyframe_evidence);
   }
   std::ranges::stable_sort(
       places, [](const Place& a, const Place& b) { return CountInliers(a) > CountInliers(b); });

@@ -12,7 +12,7 @@
 namespace waystone {
 
 // The keyframes that are worth verifying after the shortlisted planes were tried, verified, best
-// first, until the deadline: the one nearest to the best place by planes; and unless that settled
+// first, until the deadline: those nearest to the best places by planes; and unless these settled
 // where the query is, the shortlisted ones. None for a map without landmarks, which is answered by
 // its planes alone.
 std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Features& query,
@@ -22,7 +22,7 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
                                               const Deadline& deadline = {});
 
 // Whether two keyframes show one surrounding: a plane was seen by both, or they follow each other
-// in a stretch with at most three between them. Indices in the map's keyframes.
+// with at most three between them, one where a stretch ends between them. Indices in the map's keyframes.
 bool KeyframesAreNear(const MapIndex& index, int a, int b);
 
 // Gives each place the verified keyframe that shows it best, and makes places of those keyframes

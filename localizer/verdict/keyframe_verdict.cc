@@ -7,31 +7,34 @@
 #include "localizer/verdict/logistic_fit.h"
 
 namespace waystone {
-namespace {
 
-// Below this share of found features a keyframe speaks against its planes, by this much log-odds
-// where none is found.
-constexpr double kDoubtfulShare = 0.2;
-constexpr double kMaxDoubt = 8;
-// Probabilities nearer to 0 or 1 count as this near: their log-odds stay finite.
-constexpr double kLeast = 1e-9;
-
-double ToLogOdds(double probability) {
-  const double p = std::clamp(probability, kLeast, 1 - kLeast);
-  return std::log(p / (1 - p));
+const KeyframeVerdictModel& DefaultKeyframeModel() {
+  static constexpr KeyframeVerdictModel kModel{.intercept = -16.6,
+                                               .log_inliers = 5,
+                                               .found_share = 12,
+                                               .coverage = 8,
+                                               .planes_log_odds = 0.5};
+  return kModel;
 }
 
-}  // namespace
+double LimitPlanesLogOdds(double probability) {
+  constexpr double kLargest = 8;
+  if (probability <= 0.5) return 0;
+  return std::min(kLargest, std::log(probability / std::max(1 - probability, 1e-9)));
+}
+
+Eigen::VectorXd KeyframeFactors(const KeyframeEvidence& evidence) {
+  Eigen::VectorXd factors(5);
+  factors << 1, std::log1p(evidence.inliers), evidence.found_share, evidence.coverage,
+      evidence.planes_log_odds;
+  return factors;
+}
 
 double ComputeProbability(const KeyframeEvidence& evidence, const KeyframeVerdictModel& model) {
-  return Logistic(model.intercept + model.log_inliers * std::log1p(evidence.inliers) +
-                  model.found_share * evidence.found_share + model.coverage * evidence.coverage);
-}
-
-double JoinProbabilities(double by_planes, double by_keyframe, const KeyframeEvidence& evidence) {
-  const double missing = std::max(0.0, kDoubtfulShare - evidence.found_share) / kDoubtfulShare;
-  const double doubted = ToLogOdds(by_planes) - kMaxDoubt * missing;
-  return Logistic(std::max(doubted, ToLogOdds(by_keyframe)));
+  Eigen::VectorXd weights(5);
+  weights << model.intercept, model.log_inliers, model.found_share, model.coverage,
+      model.planes_log_odds;
+  return Logistic(weights.dot(KeyframeFactors(evidence)));
 }
 
 }  // namespace waystone

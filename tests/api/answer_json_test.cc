@@ -48,6 +48,22 @@ TEST(AnswerJson, LocalizedIsAsDocumented) {
       R"("timing_ms":{"decode":2.9,"extract":58.1,"shortlist":6.0,"verify":2.2,"total":69.4}})");
 }
 
+// A place that no plane shows: its planes are empty, and its matches with the keyframe are there.
+TEST(AnswerJson, LandmarksGiveEpipolarInliers) {
+  Answer answer = Localized();
+  answer.planes.recognised.clear();
+  answer.planes.epipolar = EpipolarMatches{
+      {KeyframeId{17}, "kitchen", "rgb/000120.jpg", 4.0}, 31, 40, {{1, 2}}, {{3, 4}}};
+  answer.decided_by = DecidedBy::kEpipolarInliers;
+  const Json json = ToJson(answer);
+  EXPECT_TRUE(json["planes"].empty());
+  EXPECT_EQ(json["keyframe"]["id"], 17);
+  EXPECT_EQ(Dump(json["epipolar"]),
+            R"({"keyframe":{"id":17,"source":"rgb/000120.jpg"},"inliers":31,"matches":40})");
+  EXPECT_EQ(json["decided_by"], "epipolar_inliers");
+  EXPECT_FALSE(ToJson(Localized()).contains("epipolar"));
+}
+
 Answer LocalizedPanorama() {
   Answer answer;
   answer.verdict = Verdict::kLocalized;

@@ -138,6 +138,33 @@ TEST(World, KnowsWhatIsInside) {
   EXPECT_FALSE(world.IsInside({3.75, 2.0, 2.1})) << "in the lintel";
 }
 
+// Storeys share the places of posters and some of their pictures; a storey's looks are its own
+// otherwise.
+TEST(World, StoreysShareSomeOfTheirLooks) {
+  WorldOptions options = TestOptions();
+  options.poster_probability = 1.0;
+  options.alike_share = 0.5;
+  const World ground(TwoRooms(), options);
+  options.storey = 1;
+  const World first(TwoRooms(), options);
+  options.alike_share = 1;
+  const World copy(TwoRooms(), options);
+  ASSERT_EQ(first.posters().size(), ground.posters().size());
+  size_t same = 0;
+  for (size_t i = 0; i < ground.posters().size(); ++i) {
+    EXPECT_EQ(first.posters()[i].top_left_m, ground.posters()[i].top_left_m);
+    EXPECT_EQ(copy.posters()[i].picture, ground.posters()[i].picture);
+    same += first.posters()[i].picture == ground.posters()[i].picture;
+  }
+  EXPECT_LT(same, ground.posters().size());
+  EXPECT_GT(same, 0U);
+  WorldOptions other = options;
+  other.storey = 2;
+  EXPECT_NE(SeedOfStorey(other), SeedOfStorey(options));
+  other.storey = 0;
+  EXPECT_EQ(SeedOfStorey(other), other.seed);
+}
+
 TEST(World, RepeatedPostersShowOnePicture) {
   WorldOptions options = TestOptions();
   options.poster_probability = 1.0;

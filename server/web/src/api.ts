@@ -10,7 +10,7 @@ import {
 } from "../../../clients/js/waystone.js";
 
 export type {
-  Appearance, AppearanceNode, Audit, DirectedLines, Explanation, Keyframe, Orientation,
+  Appearance, AppearanceNode, Audit, DirectedLines, ExplainedKeyframe, Explanation, Keyframe, Orientation,
   OrientationFrame, Overview, Plane, Space,
 } from "../../../clients/js/waystone.js";
 export type { Answer, MapSummary };

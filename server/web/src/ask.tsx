@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // View: localize a photo.
 import { useEffect, useState } from "preact/hooks";
-import { type Answer, localize, mapPath } from "./api";
+import { type Answer, type ExplainedKeyframe, localize, mapPath } from "./api";
 import { colourOf } from "./colours";
 import { readOrientation, uprightAnswer } from "./exif";
 import { Overlay, type Shape } from "./figure";
@@ -10,7 +10,7 @@ import type { Query, ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, PlaneLink, PlaneLinks, Swatch } from "./parts";
 import { href } from "./route";
 import { usePicture } from "./use";
-import { confidence, verdictInWords } from "./words";
+import { confidence, counted, verdictInWords } from "./words";
 
 function curlLine(map: string): string {
   return `curl --data-binary @photo.jpg -H 'Content-Type: image/jpeg' ${location.origin}${mapPath(map)}/localize`;
@@ -212,6 +212,8 @@ function PlanesFound({ map, query }: { map: string; query: Query }) {
     faint: plane.id !== selected,
   }));
   const candidate = why.candidates.find((c) => c.plane === selected);
+  const matched = why.keyframes.find((k) => k.keyframe === answer.epipolar?.keyframe.id);
+  if (!candidate && matched) return <LandmarksFound map={map} query={query} matched={matched} />;
   if (!candidate) {
     const picture = { src: query.photo, alt: "query image", ...why.image };
     return <Overlay picture={picture} shapes={[]} />;
@@ -227,6 +229,26 @@ function PlanesFound({ map, query }: { map: string; query: Query }) {
         colour={colourOf(index)}
       />
       <Planes map={map} answer={answer} selected={selected} select={setSelected} />
+    </>
+  );
+}
+
+// Of a place that no plane shows: all matches with its keyframe.
+function LandmarksFound(props: { map: string; query: Query; matched: ExplainedKeyframe }) {
+  const { map, query, matched } = props;
+  return (
+    <>
+      <MatchFigure
+        map={map}
+        query={query}
+        candidate={{ reference: matched.keyframe, points: matched.points }}
+        shapes={[]}
+        colour={colourOf(0)}
+      />
+      <p>
+        No plane was recognized: the place is known by {counted(matched.inliers, "inlier")} of one
+        epipolar geometry, of {matched.expected} features that the query image should show.
+      </p>
     </>
   );
 }
@@ -262,9 +284,9 @@ export function AskView({ map, query, setQuery }: ViewProps) {
       )}
       {!query && (
         <p class="quiet">
-          {map.planes > 0
-            ? `The photo is matched against ${map.planes.toLocaleString("en")} mapped planes: flat surfaces such
-              as walls and posters.`
+          {map.keyframes > 0
+            ? `The photo is matched against ${map.planes.toLocaleString("en")} mapped planes (flat surfaces such
+              as walls and posters) and the features of ${map.keyframes.toLocaleString("en")} keyframes.`
             : "This map holds panoramas: choose an equirectangular image, twice as wide as high."}{" "}
           It is sent to this server only, which doesn’t store it unless its query log is enabled.
         </p>

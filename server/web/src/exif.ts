@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // EXIF orientation. The server takes pixels as stored, the browser shows the image upright: what the
 // server answers is transformed to the upright image once, so that all views draw in its pixels.
-import type { Answer, Point } from "./api";
+import type { Answer, Candidate, Point } from "./api";
 
 const kHeadBytes = 256 * 1024; // of the file; EXIF precedes the image data
 const kApp1 = 0xffe1;
@@ -60,16 +60,18 @@ export function uprightAnswer(answer: Answer, orientation: number): Answer {
   const { width, height } = why.image;
   const turned = orientation >= 5;
   const place = (x: number, y: number) => kUpright[orientation - 1](x, y, width, height);
+  const upright = <Matched extends { points: Candidate["points"] }>(matched: Matched): Matched => ({
+    ...matched,
+    points: matched.points.map(([x, y, u, v]): Candidate["points"][number] => [...place(x, y), u, v]),
+  });
   return {
     ...answer,
     planes: answer.planes.map((p) => ({ ...p, outline: p.outline.map(([x, y]) => place(x, y)) })),
     explanation: {
       ...why,
       image: { ...why.image, width: turned ? height : width, height: turned ? width : height },
-      candidates: why.candidates.map((c) => ({
-        ...c,
-        points: c.points.map(([x, y, u, v]): typeof c.points[number] => [...place(x, y), u, v]),
-      })),
+      candidates: why.candidates.map(upright),
+      keyframes: why.keyframes.map(upright),
     },
   };
 }

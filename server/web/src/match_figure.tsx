@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// The query image beside the reference keyframe of a plane, with lines between their inliers.
-import { type Candidate, imagePath, type Keyframe, mapPath } from "./api";
+// The query image beside a keyframe, with lines between the inliers: those of a plane and its
+// reference keyframe, or all of a keyframe.
+import { imagePath, type Keyframe, mapPath } from "./api";
 import { Pair, type Shape } from "./figure";
 import type { Query } from "./types";
 import { Failure, KeyframeLink, Waiting } from "./parts";
 import { useGet } from "./use";
 
+export interface Matched {
+  plane?: number; // the inliers are all on it
+  reference: number;
+  points: [number, number, number, number][];
+}
+
 export function MatchFigure(props: {
   map: string;
   query: Query;
-  candidate: Candidate;
+  candidate: Matched;
   shapes: Shape[];
   colour: string;
   stacked?: boolean; // the keyframe below the query image
@@ -32,14 +39,15 @@ export function MatchFigure(props: {
           height,
         }}
         leftShapes={props.shapes}
-        rightShapes={[{ points: outline, colour, label: `${candidate.plane}` }]}
+        rightShapes={outline.length > 0 ? [{ points: outline, colour, label: `${candidate.plane}` }] : []}
         points={candidate.points}
         colour={colour}
         stacked={props.stacked}
       />
       <figcaption>
-        Query image and keyframe <KeyframeLink map={map} id={candidate.reference} />, the reference of
-        plane {candidate.plane}. Each line joins an inlier in both.
+        Query image and keyframe <KeyframeLink map={map} id={candidate.reference} />
+        {candidate.plane !== undefined && <>, the reference of plane {candidate.plane}</>}. Each line
+        joins an inlier in both.
       </figcaption>
     </figure>
   );

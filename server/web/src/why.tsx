@@ -64,6 +64,55 @@ function Places({ map, why }: { map: string; why: Explanation }) {
   );
 }
 
+// Keyframes verified by all their features, on planes and beside them.
+function Keyframes(props: {
+  map: string;
+  why: Explanation;
+  selected: number | null;
+  select: (keyframe: number) => void;
+}) {
+  if (props.why.keyframes.length === 0) return null;
+  return (
+    <div class="scroll" tabIndex={0} role="region" aria-label="Keyframes">
+      <table>
+        <caption>
+          Keyframes, verified by all matches under one epipolar geometry. Expected are the features
+          of the keyframe that the inliers put inside the query image: where few of them are found,
+          the place only looks alike.
+        </caption>
+        <thead>
+          <tr>
+            <th>Show</th><th>Keyframe</th><th class="number wide">Matches</th>
+            <th class="number">Distinct inliers</th><th class="number">Expected</th>
+            <th class="number wide">Coverage</th><th class="number">Place</th>
+          </tr>
+        </thead>
+        <tbody>
+          {props.why.keyframes.map((k) => (
+            <tr key={k.keyframe} class={k.keyframe === props.selected ? "selected" : ""}>
+              <td>
+                <input
+                  type="radio"
+                  name="candidate"
+                  aria-label={`show keyframe ${k.keyframe}`}
+                  checked={k.keyframe === props.selected}
+                  onChange={() => props.select(k.keyframe)}
+                />
+              </td>
+              <td><KeyframeLink map={props.map} id={k.keyframe} /></td>
+              <td class="number wide">{k.matches}</td>
+              <td class="number">{k.inliers}</td>
+              <td class="number">{k.expected}</td>
+              <td class="number wide">{percent(k.coverage)}</td>
+              <td class="number">{k.place === null ? "–" : k.place + 1}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
 function Row(props: {
   map: string;
   candidate: Candidate;
@@ -140,23 +189,38 @@ function Explained({ map, query, why }: { map: string; query: Query; why: Explan
     (best, c) => (c.points.length > (best?.points.length ?? 0) ? c : best),
     null,
   );
-  const [selected, setSelected] = useState<number | null>(shown?.plane ?? null);
-  const candidate = why.candidates.find((c) => c.plane === selected);
+  const [plane, setPlane] = useState<number | null>(shown?.plane ?? null);
+  const [keyframe, setKeyframe] = useState<number | null>(
+    shown ? null : why.keyframes[0]?.keyframe ?? null,
+  );
+  const candidate = why.candidates.find((c) => c.plane === plane);
+  const whole = why.keyframes.find((k) => k.keyframe === keyframe);
+  const matched = whole ? { reference: whole.keyframe, points: whole.points } : candidate;
+  const good = whole ? whole.place !== null : candidate?.stopped_by === null;
+  const selectPlane = (id: number) => {
+    setPlane(id);
+    setKeyframe(null);
+  };
+  const selectKeyframe = (id: number) => {
+    setPlane(null);
+    setKeyframe(id);
+  };
   return (
     <>
       <Stages why={why} />
       <div class="split">
         <div>
-          <Candidates map={map} why={why} selected={selected} select={setSelected} />
+          <Candidates map={map} why={why} selected={plane} select={selectPlane} />
+          <Keyframes map={map} why={why} selected={keyframe} select={selectKeyframe} />
           <Places map={map} why={why} />
         </div>
-        {candidate && (
+        {matched && (
           <MatchFigure
             map={map}
             query={query}
-            candidate={candidate}
+            candidate={matched}
             shapes={[]}
-            colour={colourOf(candidate.stopped_by === null ? 0 : 1)}
+            colour={colourOf(good ? 0 : 1)}
             stacked
           />
         )}

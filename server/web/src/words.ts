@@ -76,6 +76,8 @@ export function decisionInWords(answer: Answer): string {
       return answer.verdict === "localized"
         ? `The best place has a confidence of ${confidence(answer.probability)}; at least ${need} is required.`
         : "No mapped plane fits the image well enough.";
+    case "epipolar_inliers":
+      return `One epipolar geometry fits the matches with a keyframe. Confidence ${confidence(answer.probability)}; at least ${need} is required.`;
     case "place_probability":
       return `The best place has a confidence of only ${confidence(answer.probability)}; at least ${need} is required.`;
     case "ambiguous_places":

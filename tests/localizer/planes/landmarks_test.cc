@@ -212,12 +212,17 @@ TEST(KeyframeVerdict, APosterIsNotAPlace) {
 }
 
 TEST(KeyframeVerdict, MissingFeaturesSpeakAgainstPlanes) {
+  const auto join = [](KeyframeEvidence evidence, double by_planes) {
+    evidence.planes_log_odds = LimitPlanesLogOdds(by_planes);
+    return ComputeProbability(evidence);
+  };
   const KeyframeEvidence poster{15, 0.03, 0.08};
   const KeyframeEvidence place{40, 0.5, 0.5};
-  EXPECT_LT(JoinProbabilities(0.95, ComputeProbability(poster), poster), 0.5);
-  EXPECT_GE(JoinProbabilities(0.95, ComputeProbability(place), place), 0.95);
-  EXPECT_GE(JoinProbabilities(0.2, ComputeProbability(place), place), 0.9);
-  EXPECT_LT(JoinProbabilities(1, 0, poster), 1);  // finite log-odds
+  EXPECT_LT(join(poster, 0.95), 0.5);
+  EXPECT_LT(join(poster, 1), 0.9);
+  EXPECT_GE(join(place, 0.95), 0.95);
+  EXPECT_GE(join(place, 0.2), 0.9);
+  EXPECT_GE(join(place, 0.95), join(place, 0.2));
 }
 
 }  // namespace
