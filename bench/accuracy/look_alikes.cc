@@ -239,9 +239,9 @@ int RunLookAlikes(const Args& raw) {
     for (const LookAlikeSample& sample : more) {
       if (!each) break;
       const KeyframeEvidence& e = sample.evidence;
-      std::printf("sample %d %s %d %d %d %d %.4f %.4f %.3f %.4f\n", sample.building,
+      std::printf("sample %d %s %d %d %d %d %.4f %.4f %.4f %.4f\n", sample.building,
                   kAskedOfNames[static_cast<int>(sample.asked)], sample.localized, sample.right,
-                  sample.plane_inliers, e.inliers, e.found_share, e.coverage, e.planes_log_odds,
+                  sample.plane_inliers, e.inliers, e.found_share, e.coverage, e.inlier_share,
                   sample.probability);
     }
     std::fflush(stdout);

@@ -131,6 +131,7 @@ struct PlaneLayerOptions {
         OptionGroup{"segmentation", &PlaneLayerOptions::segmentation},
         OptionGroup{"rotation", &PlaneLayerOptions::rotation},
         OptionGroup{"fusion", &PlaneLayerOptions::fusion},
+        OptionGroup{"landmarks", &PlaneLayerOptions::landmarks},
         OptionField{"min_tracked", &PlaneLayerOptions::min_tracked, AtLeast(5), "",
                     "Features that must follow a plane into the next keyframe; with fewer it is "
                     "closed."},

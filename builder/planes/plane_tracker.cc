@@ -25,6 +25,7 @@ void PlaneLayerOptions::Check() const {
   segmentation.Check();
   rotation.Check();
   fusion.Check();
+  landmarks.Check();
   if (plenty_of_features >= min_features && min_features_unconfirmed >= min_features) return;
   throw MapError(ErrorCode::kBadOptions,
                  "planes.plenty_of_features and planes.min_features_unconfirmed must be at least "

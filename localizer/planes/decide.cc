@@ -249,7 +249,9 @@ std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedP
 }
 
 KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Features& query) {
-  if (place.planes.empty()) return index.map().keyframes[place.keyframe->keyframe].id;
+  if (place.keyframe && place.keyframe->distinct > place.evidence.inliers) {
+    return index.map().keyframes[place.keyframe->keyframe].id;
+  }
   std::map<KeyframeId, double> closeness;
   for (const VerifiedPlane& plane : place.planes) {
     for (const PlaneView& view : PlaneOf(index, plane).views) {
@@ -268,7 +270,7 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
               const std::vector<VerifiedKeyframe>& keyframes) {
   const std::vector<Place> places = FindPlaces(index, tried, keyframes, options);
   if (places.empty() || places.front().probability < options.gates.min_probability) {
-    Answer answer = !places.empty() && places.front().planes.empty()
+    Answer answer = !places.empty() && places.front().keyframe
                         ? RefusePlace(index, query, places.front(), options)
                         : Refuse(index, query, shortlisted, tried, options);
     Account(index, query, places, answer);

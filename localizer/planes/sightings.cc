@@ -12,14 +12,15 @@ namespace {
 constexpr int kNearKeyframes = 4;  // steps in a stretch
 constexpr int kNextKeyframes = 2;  // steps in a sequence, whatever the stretch
 
-// `by_planes` is the probability that the place's planes alone give it; 0 for none.
-KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified, double by_planes) {
+KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified, const Place& place) {
+  const auto share_of = [&](int all) {
+    return std::min(1.0, static_cast<double>(verified.distinct) / std::max(1, all));
+  };
   KeyframeEvidence evidence;
-  evidence.inliers = verified.distinct;
-  evidence.found_share =
-      std::min(1.0, static_cast<double>(verified.distinct) / std::max(1, verified.expected));
+  evidence.inliers = std::max(verified.distinct, place.evidence.inliers);
+  evidence.found_share = share_of(verified.expected);
   evidence.coverage = verified.coverage;
-  evidence.planes_log_odds = LimitPlanesLogOdds(by_planes);
+  evidence.inlier_share = share_of(verified.matches);
   return evidence;
 }
 
@@ -91,8 +92,9 @@ void JoinKeyframes(const MapIndex& index, const std::vector<VerifiedKeyframe>& k
     if (home == places.end() && verified.distinct < options.gates.min_inliers) continue;
     Place& place = home == places.end() ? places.emplace_back() : *home;
     place.keyframe = verified;
-    place.keyframe_evidence = EvidenceFor(verified, place.probability);
-    place.probability = ComputeProbability(place.keyframe_evidence);
+    place.keyframe_evidence = EvidenceFor(verified, place);
+    place.probability =
+        JoinProbabilities(place.probability, ComputeProbability(place.keyframe_evidence));
   }
   std::ranges::stable_sort(
       places, [](const Place& a, const Place& b) { return CountInliers(a) > CountInliers(b); });

@@ -57,7 +57,7 @@ TEST(LandmarkMap, APlaceThatWasOnlyTurnedInIsFound) {
   const Eigen::Isometry3d stand = stage.walk.frames[10].world_from_camera;
   for (int i = 0; i < 9; ++i) {
     Eigen::Isometry3d turned = stand;
-    turned.rotate(Eigen::AngleAxisd(0.04 * i, Eigen::Vector3d::UnitY()));
+    turned.rotate(Eigen::AngleAxisd(0.01 * i, Eigen::Vector3d::UnitY()));
     photos.push_back(stage.renderer.Render(stage.world, turned).grey);
   }
   const cv::Mat query = photos.back();

@@ -16,6 +16,13 @@ namespace {
 using Eigen::Vector2d;
 
 // Points at all depths ahead of a camera that goes aside.
+LandmarkOptions Keep(int max_kept, double lone_share = LandmarkOptions{}.lone_share) {
+  LandmarkOptions options;
+  options.max_kept = max_kept;
+  options.lone_share = lone_share;
+  return options;
+}
+
 class LandmarksTest : public testing::Test {
  protected:
   LandmarksTest() {
@@ -63,7 +70,7 @@ class LandmarksTest : public testing::Test {
 };
 
 TEST_F(LandmarksTest, KeepsWhatWasFoundAgain) {
-  LandmarkChooser chooser({.max_kept = 80});
+  LandmarkChooser chooser(Keep(80));
   for (int i = 0; i < 5; ++i) See(chooser, 0.2 * i, i == 0);
   chooser.Finish(map_);
   for (const Keyframe& keyframe : map_.keyframes) {
@@ -74,14 +81,14 @@ TEST_F(LandmarksTest, KeepsWhatWasFoundAgain) {
 }
 
 TEST_F(LandmarksTest, KeepsWhatATurningCameraFoundAgain) {
-  LandmarkChooser chooser({.max_kept = 80});
+  LandmarkChooser chooser(Keep(80));
   for (int i = 0; i < 4; ++i) See(chooser, 0, i == 0, 100, 0.1 * i);
   chooser.Finish(map_);
   for (const Keyframe& keyframe : map_.keyframes) EXPECT_GE(CountOfScene(keyframe), 78);
 }
 
 TEST_F(LandmarksTest, SpreadsThemOverTheImage) {
-  LandmarkChooser chooser({.max_kept = 60});
+  LandmarkChooser chooser(Keep(60));
   for (int i = 0; i < 3; ++i) See(chooser, 0.2 * i, i == 0);
   chooser.Finish(map_);
   for (const Keyframe& keyframe : map_.keyframes) {
@@ -96,7 +103,7 @@ TEST_F(LandmarksTest, SpreadsThemOverTheImage) {
 }
 
 TEST_F(LandmarksTest, LeavesFeaturesOfPlanesToThem) {
-  LandmarkChooser chooser({.max_kept = 1000, .lone_share = 0});
+  LandmarkChooser chooser(Keep(1000, 0));
   for (int i = 0; i < 3; ++i) See(chooser, 0.2 * i, i == 0, 0);
   Plane plane;
   plane.id = {1};
@@ -111,7 +118,7 @@ TEST_F(LandmarksTest, LeavesFeaturesOfPlanesToThem) {
 }
 
 TEST_F(LandmarksTest, AStretchBeginsAnew) {
-  LandmarkChooser chooser({.max_kept = 80, .lone_share = 0});
+  LandmarkChooser chooser(Keep(80, 0));
   See(chooser, 0, true);
   See(chooser, 0.2, true);
   chooser.Finish(map_);
@@ -119,17 +126,17 @@ TEST_F(LandmarksTest, AStretchBeginsAnew) {
 }
 
 TEST_F(LandmarksTest, ALonePhotoFillsAShareWithItsStrongest) {
-  LandmarkChooser chooser({.max_kept = 80, .lone_share = 0.5});
+  LandmarkChooser chooser(Keep(80, 0.5));
   See(chooser, 0, true);
   chooser.Finish(map_);
   EXPECT_EQ(map_.keyframes[0].landmarks.size(), 40);
 }
 
 TEST_F(LandmarksTest, NoneKeepsNone) {
-  LandmarkChooser chooser({.max_kept = 0});
+  LandmarkChooser chooser(Keep(0));
   for (int i = 0; i < 3; ++i) See(chooser, 0.2 * i, i == 0);
   chooser.Finish(map_);
-  for (const Keyframe& keyframe : map_.keyframes) EXPECT_EQ(keyframe.landmarks, Landmarks{});
+  for (const Keyframe& keyframe : map_.keyframes) EXPECT_EQ(keyframe.landmarks.size(), 0);
 }
 
 TEST(ImagePosition, IsKeptToAFractionOfAPixel) {
@@ -140,9 +147,11 @@ TEST(ImagePosition, IsKeptToAFractionOfAPixel) {
 }
 
 TEST(LandmarkOptions, BadValuesAreRefused) {
-  EXPECT_THROW(LandmarkOptions{.max_kept = -1}.Check(), MapError);
-  EXPECT_THROW(LandmarkOptions{.neighbours = 0}.Check(), MapError);
-  EXPECT_THROW(LandmarkOptions{.lone_share = 2}.Check(), MapError);
+  EXPECT_THROW(Keep(-1).Check(), MapError);
+  EXPECT_THROW(Keep(100, 2).Check(), MapError);
+  LandmarkOptions options;
+  options.neighbours = 0;
+  EXPECT_THROW(options.Check(), MapError);
 }
 
 }  // namespace

@@ -173,7 +173,7 @@ TEST_F(LandmarkQueryTest, KeyframesGetTheVotesOfTheirLandmarksAndPlanes) {
   ASSERT_GE(of_landmarks.keyframes.size(), 2u);
   for (int i = 0; i < 2; ++i) EXPECT_GE(of_landmarks.keyframes[i].keyframe, 6);
   const Shortlist of_planes =
-      VoteForPlaces(*index_, QueryOf(MadeMap(), {4}, PoseOf(5.5), 50, 1), {});
+      VoteForPlaces(*index_, QueryOf(MadeMap(), {4}, PoseOf(5.5), 10, 1), {});
   ASSERT_FALSE(of_planes.keyframes.empty());
   EXPECT_GE(of_planes.keyframes[0].keyframe, 4);
   EXPECT_LE(of_planes.keyframes[0].keyframe, 5);
@@ -198,31 +198,26 @@ TEST(MapIndexLandmarks, TheirRowsComeAfterThePlanes) {
 }
 
 TEST(KeyframeVerdict, EveryKindOfEvidenceSpeaksForAPlace) {
-  const double p = ComputeProbability({14, 0.3, 0.3});
-  EXPECT_GT(ComputeProbability({15, 0.3, 0.3}), p);
-  EXPECT_GT(ComputeProbability({14, 0.4, 0.3}), p);
-  EXPECT_GT(ComputeProbability({14, 0.3, 0.4}), p);
+  const double p = ComputeProbability({14, 0.3, 0.3, 0.6});
+  EXPECT_GT(ComputeProbability({15, 0.3, 0.3, 0.6}), p);
+  EXPECT_GT(ComputeProbability({14, 0.4, 0.3, 0.6}), p);
+  EXPECT_GT(ComputeProbability({14, 0.3, 0.4, 0.6}), p);
+  EXPECT_GT(ComputeProbability({14, 0.3, 0.3, 0.7}), p);
+}
+
+TEST(KeyframeVerdict, EitherSufficesUnlessTheKeyframeSpeaksAgainstThePlanes) {
+  EXPECT_EQ(JoinProbabilities(0.95, 0.6), 0.95);
+  EXPECT_EQ(JoinProbabilities(0.3, 0.97), 0.97);
+  EXPECT_EQ(JoinProbabilities(0.99, 0.4), 0.4);
+  EXPECT_EQ(JoinProbabilities(0, 0.97), 0.97);
 }
 
 TEST(KeyframeVerdict, APosterIsNotAPlace) {
-  EXPECT_LT(ComputeProbability({16, 0.16, 0.24}), 0.9);  // of what should be there, little is
-  EXPECT_LT(ComputeProbability({15, 0.3, 0.16}), 0.9);   // in a corner of the image
-  EXPECT_GE(ComputeProbability({14, 0.3, 0.4}), 0.9);
-  EXPECT_LT(ComputeProbability({9, 0.2, 0.3}), 0.5);  // chance
-}
-
-TEST(KeyframeVerdict, MissingFeaturesSpeakAgainstPlanes) {
-  const auto join = [](KeyframeEvidence evidence, double by_planes) {
-    evidence.planes_log_odds = LimitPlanesLogOdds(by_planes);
-    return ComputeProbability(evidence);
-  };
-  const KeyframeEvidence poster{15, 0.03, 0.08};
-  const KeyframeEvidence place{40, 0.5, 0.5};
-  EXPECT_LT(join(poster, 0.95), 0.5);
-  EXPECT_LT(join(poster, 1), 0.9);
-  EXPECT_GE(join(place, 0.95), 0.95);
-  EXPECT_GE(join(place, 0.2), 0.9);
-  EXPECT_GE(join(place, 0.95), join(place, 0.2));
+  EXPECT_LT(ComputeProbability({20, 0.13, 0.28, 0.6}), 0.9);  // of what should be there, little is
+  EXPECT_LT(ComputeProbability({15, 0.3, 0.16, 0.6}), 0.9);   // a few, in a corner of the image
+  EXPECT_GE(ComputeProbability({20, 0.5, 0.3, 0.7}), 0.9);
+  EXPECT_GE(ComputeProbability({90, 0.08, 0.2, 0.5}), 0.9);  // a plane that many features show
+  EXPECT_LT(ComputeProbability({9, 0.2, 0.3, 0.5}), 0.5);    // chance
 }
 
 }  // namespace
