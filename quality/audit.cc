@@ -48,7 +48,7 @@ std::vector<ShortlistedPlane> ShortlistElsewhere(const MapIndex& index, int plan
                                                  const Features& query,
                                                  const AuditOptions& options) {
   const std::vector<Plane>& planes = index.map().planes;
-  LocalizeOptions all = options.localize;
+  PlaneQueryOptions all = options.query;
   all.votes_per_feature = options.votes_per_feature;
   all.max_candidates = std::max(1, static_cast<int>(planes.size()));
   std::vector<ShortlistedPlane> shortlist = ShortlistPlanes(index, query, all);
@@ -69,7 +69,7 @@ struct AlikePlanes {
   double shared = 0;
 };
 
-std::vector<cv::Point2f> HullOf(const std::vector<Eigen::Vector2d>& outline) {
+std::vector<cv::Point2f> ToHull(const std::vector<Eigen::Vector2d>& outline) {
   std::vector<cv::Point2f> hull;
   for (const Eigen::Vector2d& x : outline) hull.emplace_back(x.x(), x.y());
   return hull;
@@ -79,7 +79,7 @@ std::vector<cv::Point2f> HullOf(const std::vector<Eigen::Vector2d>& outline) {
 // `inside` is a point of the first plane that is certainly in front.
 int CountWithin(const Plane& plane, const Plane& other, const Eigen::Matrix3d& other_from_plane,
                 const Eigen::Vector2d& inside) {
-  const std::vector<cv::Point2f> hull = HullOf(other.outline);
+  const std::vector<cv::Point2f> hull = ToHull(other.outline);
   if (hull.size() < 3) return 0;
   return static_cast<int>(
       std::count_if(plane.features.begin(), plane.features.end(), [&](const PlaneFeature& feature) {
@@ -104,12 +104,12 @@ double SharedPart(const Plane& plane, const Plane& other, const Features& query,
 
 std::vector<AlikePlanes> FindAlike(const MapIndex& index, int plane, const AuditOptions& options) {
   const Features query = AsQuery(index, plane, options.max_voters);
-  if (query.size() < options.localize.gates.min_inliers) return {};
+  if (query.size() < options.query.gates.min_inliers) return {};
   const PackedFeatures packed(query);
   const std::vector<Plane>& planes = index.map().planes;
   std::vector<AlikePlanes> alike;
   for (const ShortlistedPlane& candidate : ShortlistElsewhere(index, plane, query, options)) {
-    const auto verified = VerifyPlane(index, packed, candidate.plane, options.localize);
+    const auto verified = VerifyPlane(index, packed, candidate.plane, options.query);
     if (!verified || !verified->accepted) continue;
     alike.push_back({std::min(plane, candidate.plane), std::max(plane, candidate.plane),
                      verified->distinct,
@@ -163,7 +163,7 @@ std::vector<Group> GroupAlike(const MapIndex& index, const std::vector<AlikePlan
 }
 
 // Inliers of pairs that have no plane in common with a better one.
-int InliersOf(const Group& group) {
+int SumInliers(const Group& group) {
   std::set<int> counted;
   int inliers = 0;
   for (const AlikePlanes& pair : group) {
@@ -197,7 +197,7 @@ AliasPair Described(const MapIndex& index, const Group& group,
     const Plane& b = planes[turned ? pair.a : pair.b];
     alias.planes.push_back({a.id, b.id, pair.inliers, pair.shared});
   }
-  alias.inliers = InliersOf(group);
+  alias.inliers = SumInliers(group);
   const int in_view = std::min(FeaturesInView(views, alias.a), FeaturesInView(views, alias.b));
   alias.of_view = std::min(1.0, static_cast<double>(alias.inliers) / std::max(1, in_view));
   alias.shared = MeanShared(alias.planes);
@@ -209,7 +209,7 @@ std::vector<AliasPair> FindAliases(const MapIndex& index, const std::vector<Keyf
                                    const AuditOptions& options) {
   std::vector<AliasPair> aliases;
   for (const Group& group : GroupAlike(index, FindAllAlike(index, options))) {
-    if (InliersOf(group) < options.min_alias_inliers) continue;
+    if (SumInliers(group) < options.min_alias_inliers) continue;
     aliases.push_back(Described(index, group, views, options));
   }
   std::stable_sort(aliases.begin(), aliases.end(),
@@ -246,19 +246,13 @@ const char* NameOf(Weakness weakness) {
 }
 
 void AuditOptions::Check() const {
-  localize.Check();
-  const bool good = min_alias_inliers >= 5 && max_voters >= 8 && votes_per_feature >= 2 &&
-                    max_candidates >= 1 && same_surface_share >= 0 && same_surface_share <= 1 &&
-                    min_view_features >= 1 && min_stretch_planes >= 0 && short_run >= 1;
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "audit: an option is out of its range; leave them at their defaults");
-  }
+  CheckFields("audit", *this);
+  query.Check();
 }
 
 AuditReport AuditMap(const MapIndex& index, const AuditOptions& options) {
   options.Check();
-  const std::vector<KeyframeView> views = ViewsOf(index.map());
+  const std::vector<KeyframeView> views = CollectViews(index.map());
   return {FindAliases(index, views, options), FindLoneTies(index, views),
           FindWeakRuns(index.map(), views, options)};
 }

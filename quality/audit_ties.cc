@@ -23,8 +23,8 @@ int IndexOf(const std::vector<KeyframeView>& views, KeyframeId keyframe) {
   return static_cast<int>(found - views.begin());
 }
 
-std::vector<Visit> VisitsOf(const MapIndex& index, const Plane& plane,
-                            const std::vector<KeyframeView>& views) {
+std::vector<Visit> FindVisits(const MapIndex& index, const Plane& plane,
+                              const std::vector<KeyframeView>& views) {
   const std::vector<Keyframe>& keyframes = index.map().keyframes;
   std::vector<Visit> visits;
   for (const PlaneView& view : plane.views) {
@@ -55,8 +55,8 @@ bool AreTied(const MapIndex& index, const Visit& a, const Visit& b) {
 }
 
 // The pair of visits of a plane with the most evidence that nothing else ties.
-std::optional<LoneTie> TieOf(const MapIndex& index, const Plane& plane,
-                             const std::vector<Visit>& visits) {
+std::optional<LoneTie> DescribeTie(const MapIndex& index, const Plane& plane,
+                                   const std::vector<Visit>& visits) {
   std::optional<LoneTie> tie;
   for (size_t i = 0; i < visits.size(); ++i) {
     for (size_t j = i + 1; j < visits.size(); ++j) {
@@ -76,7 +76,7 @@ std::optional<LoneTie> TieOf(const MapIndex& index, const Plane& plane,
 std::vector<LoneTie> FindLoneTies(const MapIndex& index, const std::vector<KeyframeView>& views) {
   std::vector<LoneTie> ties;
   for (const Plane& plane : index.map().planes) {
-    const std::optional<LoneTie> tie = TieOf(index, plane, VisitsOf(index, plane, views));
+    const std::optional<LoneTie> tie = DescribeTie(index, plane, FindVisits(index, plane, views));
     if (tie) ties.push_back(*tie);
   }
   return ties;

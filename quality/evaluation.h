@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "localizer/answer.h"
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
+#include "localizer/verdict/answer.h"
 
 // How good answers are, measured on queries whose place is known. docs/evaluation.md defines the
 // figures.
@@ -39,7 +39,7 @@ enum class Outcome {
 };
 // "right", "wrong", "false_accept", "missed", "unsure", "rightly_refused".
 const char* NameOf(Outcome outcome);
-Outcome OutcomeOf(const MapIndex& index, const ScoredQuery& query);
+Outcome ClassifyOutcome(const MapIndex& index, const ScoredQuery& query);
 
 // Answers whose stated probability lies in [from, to); the last bin includes 1.
 struct ReliabilityBin {

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "core/base/options.h"
+#include "core/panorama/fourier_signature.h"
+#include "schema/layers/appearance/appearance_layer.h"
+
+namespace waystone {
+
+// A node of the layer and how much its signature differs.
+struct NearNode {
+  int node = -1;        // index in the layer's nodes
+  double distance = 0;  // of the signatures: 0 the same, about 1 two places of the map at random
+
+  bool operator==(const NearNode&) const = default;
+};
+
+struct AppearanceIndexOptions {
+  int frequencies = 16;
+  int stride = 4;
+  int typical_pairs = 2000;
+  double alike = 0.5;
+  int reach_nodes = 200;
+
+  static constexpr auto Fields() {
+    using Self = AppearanceIndexOptions;
+    return std::tuple{
+        OptionField{"frequencies", &Self::frequencies, Closed(1, 4096), "",
+                    "Magnitudes of a row that are compared, from frequency 0; those that the layer "
+                    "doesn't have are left out. More tell neighbours apart, fewer tolerate a "
+                    "motion between them."},
+        OptionField{"stride", &Self::stride, Closed(1, 4096), "",
+                    "Frequencies that are summed before a node is given up for being farther than "
+                    "the best ones. Fewer give up sooner and test more often."},
+        OptionField{"typical_pairs", &Self::typical_pairs, Closed(1, 1'000'000), "",
+                    "Pairs of nodes from which the typical distance is estimated. More are more "
+                    "certain."},
+        OptionField{"alike", &Self::alike, Closed(0, 1), "",
+                    "Signatures that differ by less than this share of the typical distance are "
+                    "views of one place: what spacing() is at least. More makes larger places of "
+                    "nodes that stand densely."},
+        OptionField{"reach_nodes", &Self::reach_nodes, Closed(1, 1'000'000), "",
+                    "Nodes from which the reach of views is estimated.", OptionUse::kInternal}};
+  }
+  void Check() const { CheckFields("appearance_index", *this); }  // throws MapError(kBadOptions)
+};
+
+// The magnitudes of all nodes in one matrix of bytes, for searching. They are compared by the sum
+// of absolute differences of their square roots, so that a few strong waves don't decide: of eq.
+// (2)'s kind, and of the measures that were tried the one that finds true neighbours most often.
+// Immutable after construction: any number of threads may ask.
+class AppearanceIndex {
+ public:
+  AppearanceIndex() = default;
+  // Copies what it needs. All signatures have the shape that `layer.described` says (WS_CHECK).
+  explicit AppearanceIndex(const AppearanceLayer& layer,
+                           const AppearanceIndexOptions& options = {});
+
+  int size() const { return nodes_; }
+  // The size of a place, in the layer's units: the distance between nodes that are next to each
+  // other (the median over the nodes of the distance to the nearest other one), or how far nodes
+  // with signatures alike are apart where that is more, since a robot that leaves an image every
+  // few centimetres doesn't make places smaller. 0 with fewer than two nodes.
+  double spacing() const { return spacing_; }
+
+  // The `count` nearest nodes (fewer when there are fewer), nearest first, ties by node; exact to
+  // the bytes that magnitudes are rounded to. Nodes i with left_out[i] are passed over; empty
+  // leaves out none. The query was described as the layer was (WS_CHECK).
+  std::vector<NearNode> Nearest(const FourierSignature& query, int count,
+                                const std::vector<bool>& left_out = {}) const;
+
+ private:
+  std::vector<uint8_t> BytesOf(const FourierSignature& signature) const;
+  double TypicalDistance(int pairs) const;
+  double ComputeReach(const std::vector<AppearanceNode>& nodes,
+                      const AppearanceIndexOptions& options) const;
+  uint32_t DistanceBelow(const uint8_t* query, int node, uint32_t limit) const;
+
+  int nodes_ = 0;
+  int rows_ = 0;
+  int columns_ = 0;
+  int stride_ = 1;
+  float levels_per_unit_ = 1;
+  double typical_ = 1;  // sum of differences of two nodes at random
+  double spacing_ = 0;
+  std::vector<uint8_t> bytes_;  // node after node, frequency after frequency, row after row
+};
+
+}  // namespace waystone

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "core/search/search_index.h"
+#include "localizer/index/appearance_index.h"
+#include "localizer/index/node_feature_index.h"
+#include "schema/map_data.h"
+
+namespace waystone {
+
+// A map in memory, ready for queries. Immutable after Build, so any number of threads may share it.
+class MapIndex {
+ public:
+  // Searches with the map's index; a large map without one gets it made here, which takes seconds.
+  // Throws MapError(kMapDamaged) for a map whose parts don't refer to each other properly.
+  static std::shared_ptr<const MapIndex> Build(MapData map);
+
+  // The map, but for its index and the planes' descriptors: they are moved into search().
+  const MapData& map() const { return map_; }
+  // Nothing for an id that isn't in the map.
+  const Plane* FindPlane(PlaneId id) const;
+  const Keyframe* FindKeyframe(KeyframeId id) const;
+  const Sequence* FindSequence(SequenceId id) const;
+  // Ids of the planes with an edge to `id`, ascending; empty for an id that isn't in the map.
+  const std::vector<PlaneId>& Neighbours(PlaneId id) const;
+
+  // The orientation of a sequence's frame; null where the layer hasn't got it.
+  const OrientationFrame* FindFrame(SequenceId sequence, int frame) const;
+
+  // Descriptors of all planes, plane after plane, ready to be searched.
+  const SearchIndex& search() const { return search_; }
+  // Index in map().planes of the plane that a row of search() belongs to.
+  int PlaneOfRow(int row) const { return plane_of_row_[row]; }
+  // Descriptors of map().planes[plane], row i belonging to its feature i.
+  Descriptors DescriptorsOf(int plane) const;
+
+  // The appearance layer's signatures, node by node as in map().appearance; empty without one.
+  const AppearanceIndex& appearance() const { return appearance_; }
+  bool HasAppearance() const { return appearance_.size() > 0; }
+  // What the layer's nodes keep of features, for photos. Made when it is first asked for, which
+  // takes about a second for a million features: who asks panoramas alone has no use for it. The
+  // map has an appearance layer (WS_CHECK).
+  const NodeFeatureIndex& node_features() const;
+
+ private:
+  explicit MapIndex(MapData map);
+  void CheckReferences() const;
+  void CheckSignatures() const;
+  void TakeDescriptors();
+
+  MapData map_;
+  SearchIndex search_;
+  AppearanceIndex appearance_;
+  mutable std::once_flag node_features_made_;
+  mutable std::unique_ptr<const NodeFeatureIndex> node_features_;
+  std::vector<int> plane_of_row_;
+  std::vector<int> first_row_;  // of each plane, and one more for the end
+  std::unordered_map<PlaneId, int> plane_index_;
+  std::unordered_map<KeyframeId, int> keyframe_index_;
+  std::unordered_map<SequenceId, int> sequence_index_;
+  std::unordered_map<PlaneId, std::vector<PlaneId>> neighbours_;
+  std::map<std::pair<SequenceId, int>, int> frame_index_;  // of the orientation layer
+};
+
+}  // namespace waystone

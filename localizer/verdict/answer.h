@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/ids.h"
+#include "core/base/pose2.h"
+#include "core/localization/graph_filter.h"
+#include "localizer/verdict/explanation.h"
+
+namespace waystone {
+
+// How a query ends. All are answers, not errors. kUndecided comes only to those who set a deadline.
+enum class Verdict { kLocalized, kAmbiguous, kNotInMap, kBadImage, kUndecided };
+
+// "localized", "ambiguous", "not_in_map", "bad_image", "undecided".
+const char* NameOf(Verdict verdict);
+
+// The gate that decided an answer.
+enum class DecidedBy {
+  kNone,               // nothing was decided: the layer has nothing to compare with
+  kFeatures,           // the image has too few features
+  kShortlistVotes,     // no plane got enough votes
+  kHomographyInliers,  // planes that fit, or none that does
+  kPlaceProbability,   // the best place isn't probable enough
+  kAmbiguousPlaces,    // two places of a map look alike
+  kAmbiguousMaps,      // several maps recognise the image
+  kBuildingAxes,       // the image's lines against the building's axes
+  kPanoramaSignature,  // a panorama's appearance alone
+  kPanoramaFeatures,   // relative poses to the nodes' features
+  kPhoto,              // a photo that no two panoramas show enough of, or can't be asked for
+  kPhotoFeatures,      // a photo's relative poses to the nodes' features
+  kSeries,             // the belief over a series of panoramas
+  kDeadline,           // the query's deadline
+  kBadImage,           // bytes that are no image, or an image that can't be used
+  kImageTooLarge,      // an image beyond the limits
+};
+// As the JSON answer has it: "homography_inliers", "building_axes", ...; "" for kNone.
+const char* NameOf(DecidedBy gate);
+
+// The stages of a query, in their order.
+enum class Stage { kQueue, kDecode, kExtract, kShortlist, kVerify, kDecide };
+// "queue", "decode", "extract", "shortlist", "verify", "decide".
+const char* NameOf(Stage stage);
+
+// A keyframe as an answer names it.
+struct KeyframeRef {
+  KeyframeId id;
+  std::string sequence;  // name
+  std::string source;
+  std::optional<double> time_s;
+};
+
+// A plane that the query shows.
+struct RecognisedPlane {
+  PlaneId id;
+  int inliers = 0;
+  KeyframeRef reference;
+  // x_reference = reference_from_query * x_query, homogeneous pixels, h33 = 1.
+  Eigen::Matrix3d reference_from_query = Eigen::Matrix3d::Identity();
+  std::vector<Eigen::Vector2d> outline;  // in the query image, px, clipped to it
+  std::vector<PlaneId> expect_next;      // covisible planes not recognised here, by id
+  // The matches that support it: query pixels and reference pixels, row by row.
+  std::vector<Eigen::Vector2d> query_points;
+  std::vector<Eigen::Vector2d> reference_points;
+};
+
+// A place that was considered: a keyframe with the evidence for it.
+struct PlaceCandidate {
+  KeyframeRef keyframe;
+  double probability = 0;  // in [0, 1]
+  int inliers = 0;
+};
+
+// What a heading is relative to.
+enum class HeadingFrame { kKeyframe, kBuilding, kLayer };
+const char* NameOf(HeadingFrame frame);  // "keyframe", "building", "layer"
+
+// Counter-clockwise from the frame's x axis, seen from above.
+struct Heading {
+  double rad = 0;
+  double sigma_rad = 0;
+  HeadingFrame frame = HeadingFrame::kKeyframe;
+};
+
+// The query's rotation in the building, where the map has an orientation layer.
+struct BuildingView {
+  // The building's axes x and y are horizontal, z is up; the query's frame is its camera's, or the
+  // panorama's middle column's: x right, y down, z forward. Unit; the identity without a heading.
+  Eigen::Quaterniond building_from_query = Eigen::Quaterniond::Identity();
+  std::optional<Heading>
+      heading;  // in the building: of the view ahead; nothing where it stays open
+  // Lines of the query that run along the building's x, y and z; none where it isn't known by them.
+  std::array<int, 3> lines{};
+  // Angle between the axes by the query's lines and those that the place implies, up to quarter
+  // turns; nothing where the lines say nothing clear.
+  std::optional<double> disagreement_rad;
+};
+
+// A node of the appearance layer as an answer names it.
+struct NodeRef {
+  AppearanceNodeId id;
+  std::string sequence;  // name
+  std::string source;
+  std::optional<double> time_s;
+  Pose2 pose;  // in the layer's frame and units
+};
+
+// A node that was considered.
+struct NodeCandidate {
+  NodeRef node;
+  double probability = 0;  // in [0, 1]
+  double cost = 0;         // of appearance: 0 the same view, about 1 another place
+  int inliers = 0;         // features that fit one motion; 0 when it wasn't verified
+  // The query's rotation against it by that motion; nothing when it wasn't verified.
+  std::optional<Eigen::Matrix3d> query_from_node;
+};
+
+// What the plane layer makes of a query. Empty where the appearance layer answered.
+struct PlaneAnswer {
+  std::optional<KeyframeRef> keyframe;      // nearest; only when localized
+  std::vector<RecognisedPlane> recognised;  // most inliers first
+  std::vector<PlaceCandidate> places;       // when ambiguous: all that look alike, best first
+  std::optional<PlaceCandidate> runner_up;
+  std::vector<PlaceCandidate> candidates;  // every place that was considered, best first
+  std::optional<Explanation> explanation;  // only with LocalizeOptions::explain
+};
+
+// What the appearance layer makes of a query: where it was taken, which is to be believed only when
+// the answer is localized.
+struct PanoramaAnswer {
+  NodeRef node;                           // the nearest
+  Pose2 pose;                             // of the query, in the layer's frame and units
+  double sigma = 0;                       // of the position, in the layer's units
+  std::optional<double> metres_per_unit;  // nothing when the layer's scale isn't known
+  // The nodes that were considered, best first; those near the best are there as well.
+  std::vector<NodeCandidate> candidates;
+  std::optional<NodeCandidate> runner_up;  // the best node elsewhere
+};
+
+// Milliseconds by stage. Stages that were not reached are 0.
+struct StageTimes {
+  double decode_ms = 0;
+  double extract_ms = 0;
+  double shortlist_ms = 0;
+  double verify_ms = 0;
+  double total_ms = 0;
+};
+
+// What the localizer says of one image and one map.
+struct Answer {
+  Verdict verdict = Verdict::kNotInMap;
+  double probability = 0;  // that the place is right; in [0, 1]
+  std::string image;       // name of the query, as given
+  std::string map;
+  std::string map_version;
+  std::optional<Heading> heading;
+  std::optional<BuildingView> building;  // of a localized query of known camera, or a panorama
+  PlaneAnswer planes;
+  std::optional<PanoramaAnswer> panorama;  // where the appearance layer answered
+  // What the next panorama of a series is asked with: the likeliest nodes, by index. Empty as long
+  // as none looked like a place of the map.
+  FilterState belief;
+  DecidedBy decided_by = DecidedBy::kNone;
+  std::string message;  // one line for people: why it isn't localized, and what would help
+  // The last stage that was finished. Nothing unless the query had a deadline.
+  std::optional<Stage> last_stage;
+  StageTimes timing;
+};
+
+// The answer once the deadline has passed, `last` being the last stage that was finished.
+Answer Undecided(Stage last);
+
+// The verdict kBadImage for an error of decoding or describing an image (kBadImage or
+// kImageTooLarge, WS_CHECK), with its cause.
+Answer RefuseImage(const MapError& error);
+
+}  // namespace waystone

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "api/answer_json.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+namespace waystone {
+namespace {
+
+Answer Localized() {
+  Answer answer;
+  answer.verdict = Verdict::kLocalized;
+  answer.probability = 0.98;
+  answer.image = "q.jpg";
+  answer.map = "lab";
+  answer.map_version = "sha256:00";
+  answer.planes.keyframe = KeyframeRef{KeyframeId{17}, "kitchen", "rgb/000120.jpg", 4.0};
+  answer.heading = Heading{0.31, 0.02, HeadingFrame::kKeyframe};
+  RecognisedPlane plane;
+  plane.id = PlaneId{3};
+  plane.inliers = 143;
+  plane.reference = {KeyframeId{12}, "kitchen", "rgb/000080.jpg", 2.5};
+  plane.reference_from_query << 1.02, 0.01, -14.2, 0.0, 1.01, 3.3, 0.0, 0.0, 1.0;
+  plane.outline = {{12.5, 80.0}, {400.0, 91.2}};
+  plane.expect_next = {PlaneId{5}, PlaneId{7}};
+  answer.planes.recognised.push_back(plane);
+  answer.planes.runner_up = PlaceCandidate{{KeyframeId{90}, "kitchen", "rgb/9.jpg", {}}, 0.01, 12};
+  answer.decided_by = DecidedBy::kHomographyInliers;
+  answer.timing = {2.9, 58.1, 6.0, 2.2, 69.4};
+  return answer;
+}
+
+// Byte for byte what the documentation shows.
+TEST(AnswerJson, LocalizedIsAsDocumented) {
+  EXPECT_EQ(
+      Dump(ToJson(Localized())),
+      R"({"verdict":"localized","probability":0.98,"image":"q.jpg","map":"lab",)"
+      R"("map_version":"sha256:00",)"
+      R"("keyframe":{"id":17,"sequence":"kitchen","source":"rgb/000120.jpg","time_s":4.0},)"
+      R"("heading":{"rad":0.31,"deviation_rad":0.02,"of":"keyframe"},)"
+      R"("planes":[{"id":3,"inliers":143,"reference":{"id":12,"source":"rgb/000080.jpg"},)"
+      R"("reference_from_query":[[1.02,0.01,-14.2],[0.0,1.01,3.3],[0.0,0.0,1.0]],)"
+      R"("outline":[[12.5,80.0],[400.0,91.2]],"expect_next":[5,7]}],)"
+      R"("runner_up":{"keyframe":{"id":90},"probability":0.01},)"
+      R"("decided_by":"homography_inliers",)"
+      R"("timing_ms":{"decode":2.9,"extract":58.1,"shortlist":6.0,"verify":2.2,"total":69.4}})");
+}
+
+Answer LocalizedPanorama() {
+  Answer answer;
+  answer.verdict = Verdict::kLocalized;
+  answer.probability = 0.97;
+  answer.heading = Heading{0.31, 0.02, HeadingFrame::kLayer};
+  const NodeRef node{AppearanceNodeId{7}, "walk", "7.jpg", {}, {}};
+  answer.panorama =
+      PanoramaAnswer{node, {1.5, -2, 0.31}, 0.25, 0.5, {{node, 0.97, 0.4, 120, {}}}, {}};
+  answer.decided_by = DecidedBy::kPanoramaFeatures;
+  return answer;
+}
+
+TEST(AnswerJson, APanoramaHasItsPlace) {
+  EXPECT_EQ(Dump(ToJson(LocalizedPanorama())["panorama"]),
+            R"({"node":{"id":7,"sequence":"walk","source":"7.jpg","time_s":null},)"
+            R"("position":{"x":1.5,"y":-2.0,"deviation":0.25,"metres_per_unit":0.5},)"
+            R"("candidates":[{"node":{"id":7,"sequence":"walk","source":"7.jpg","time_s":null},)"
+            R"("probability":0.97,"cost":0.4,"inliers":120}],"runner_up":null})");
+}
+
+TEST(AnswerJson, ARefusedPanoramaHasNoPlace) {
+  Answer answer = LocalizedPanorama();
+  answer.verdict = Verdict::kNotInMap;
+  const Json panorama = ToJson(answer)["panorama"];
+  EXPECT_TRUE(panorama["node"].is_null());
+  EXPECT_TRUE(panorama["position"].is_null());
+  EXPECT_EQ(panorama["candidates"].size(), 1U);
+}
+
+TEST(AnswerJson, WhatIsAbsentIsNull) {
+  Answer answer;
+  answer.message = "nothing here";
+  EXPECT_EQ(Dump(ToJson(answer)),
+            R"({"verdict":"not_in_map","probability":0.0,"image":"","map":"","map_version":"",)"
+            R"("keyframe":null,"heading":null,"planes":[],"runner_up":null,"decided_by":"",)"
+            R"("message":"nothing here","timing_ms":{"decode":0.0,"extract":0.0,"shortlist":0.0,)"
+            R"("verify":0.0,"total":0.0}})");
+}
+
+TEST(AnswerJson, PlacesOnlyWhenAmbiguous) {
+  Answer answer = Localized();
+  EXPECT_FALSE(ToJson(answer).contains("places"));
+  EXPECT_FALSE(ToJson(answer).contains("message"));
+  answer.verdict = Verdict::kAmbiguous;
+  answer.planes.keyframe.reset();
+  answer.planes.places = {{{KeyframeId{1}, "s", "a.jpg", {}}, 0.5, 40},
+                          {{KeyframeId{2}, "s", "b.jpg", 1.0}, 0.4, 39}};
+  const Json json = ToJson(answer);
+  EXPECT_TRUE(json["keyframe"].is_null());
+  EXPECT_EQ(json["places"].size(), 2u);
+  EXPECT_EQ(json["places"][0]["keyframe"]["time_s"], nullptr);
+  EXPECT_TRUE(json.contains("message"));
+}
+
+TEST(AnswerJson, NamesThatAreNotUtf8DoNotThrow) {
+  Answer answer = Localized();
+  answer.image = "caf\xE9.jpg";
+  const std::string text = Dump(ToJson(answer));
+  EXPECT_TRUE(Json::accept(text)) << text;
+}
+
+TEST(AnswerJson, HomographiesKeepTheirDigits) {
+  Answer answer = Localized();
+  answer.planes.recognised[0].reference_from_query(2, 0) = 1.23456789012345e-5;
+  const Json json = Json::parse(Dump(ToJson(answer)));
+  EXPECT_EQ(json["planes"][0]["reference_from_query"][2][0].get<double>(), 1.23456789012345e-5);
+}
+
+TEST(AnswerJson, NumbersThatAreNoneStayJson) {
+  Answer answer = Localized();
+  answer.planes.recognised[0].outline[0].x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(Json::accept(Dump(ToJson(answer))));
+}
+
+}  // namespace
+}  // namespace waystone

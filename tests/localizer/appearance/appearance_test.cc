@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/appearance/appearance.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "core/base/error.h"
+#include "localizer/appearance/panorama_series.h"
+#include "localizer/appearance/photo.h"
+#include "localizer/localizer.h"
+#include "tests/world/test_worlds.h"
+
+namespace waystone {
+namespace {
+
+constexpr int kPanoramaWidth = 512;
+constexpr double kHeight_m = 1.2;
+
+// A panorama on the ground: x ahead is along the heading.
+cv::Mat Panorama(const World& world, const Pose2& at) {
+  const Renderer renderer(PanoramaCamera(kPanoramaWidth));
+  return renderer.Render(world, WorldFromCamera({at.x, at.y, kHeight_m}, at.theta_rad)).grey;
+}
+
+const World& Rooms() {
+  static const World world(TwoRooms(), TestOptions());
+  return world;
+}
+
+// Nodes on a grid through the western room, 0.4 m apart, each with another heading.
+MapData GridMap(bool features) {
+  MapData map;
+  map.info.name = "rooms";
+  map.sequences.push_back({SequenceId{1}, "walk", "panorama", 0, 0, {}});
+  AppearanceLayer layer;
+  for (int i = 0; i < 9; ++i) {
+    AppearanceNode node;
+    node.id = AppearanceNodeId{i + 1};
+    node.sequence = SequenceId{1};
+    node.source = std::to_string(i) + ".jpg";
+    const int row = i / 3;
+    node.pose = {1.3 + 0.4 * (i % 3), 1.5 + 0.4 * row, WrappedAngle(0.7 * i)};
+    const cv::Mat image = Panorama(Rooms(), node.pose);
+    node.signature = Signature(image, layer.described);
+    if (features) node.features = ToNodeFeatures(ExtractPanoramaFeatures(image));
+    layer.nodes.push_back(std::move(node));
+  }
+  map.appearance = std::move(layer);
+  return map;
+}
+
+const MapIndex& Grid(bool features) {
+  static const auto plain = MapIndex::Build(GridMap(false));
+  static const auto rich = MapIndex::Build(GridMap(true));
+  return features ? *rich : *plain;
+}
+
+const Pose2 kQueries[] = {{1.5, 1.7, 0.4}, {1.9, 1.7, -2.5}, {1.75, 2.1, 3.0}};
+
+double Apart(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+TEST(Appearance, InterpolatesBetweenNodesAndTellsTheHeading) {
+  for (const Pose2& truth : kQueries) {
+    const Answer answer = LocalizePanorama(Grid(false), Panorama(Rooms(), truth), {});
+    ASSERT_TRUE(answer.panorama);
+    EXPECT_LT(Apart(answer.panorama->pose, truth), 0.35);
+    EXPECT_LT(std::abs(WrappedAngle(answer.panorama->pose.theta_rad - truth.theta_rad)), 0.1);
+    EXPECT_EQ(answer.decided_by, DecidedBy::kPanoramaSignature);
+    EXPECT_EQ(answer.panorama->candidates.size(), 8U);
+  }
+}
+
+TEST(Appearance, FeaturesIntersectDirections) {
+  for (const Pose2& truth : kQueries) {
+    const Answer answer = LocalizePanorama(Grid(true), Panorama(Rooms(), truth), {});
+    ASSERT_TRUE(answer.panorama);
+    EXPECT_EQ(answer.verdict, Verdict::kLocalized);
+    EXPECT_LT(Apart(answer.panorama->pose, truth), 0.15);
+    EXPECT_LT(std::abs(WrappedAngle(answer.panorama->pose.theta_rad - truth.theta_rad)), 0.02);
+    ASSERT_TRUE(answer.heading);
+    EXPECT_LT(answer.heading->sigma_rad, 0.05);
+    EXPECT_GT(answer.panorama->candidates.front().inliers, 20);
+  }
+}
+
+TEST(Appearance, AnotherBuildingIsRefusedByFeatures) {
+  WorldOptions other = TestOptions();
+  other.seed = 99;
+  const World elsewhere(DemoPlan(), other);
+  const Answer answer = LocalizePanorama(Grid(true), Panorama(elsewhere, {3, 3, 0.2}), {});
+  EXPECT_EQ(answer.verdict, Verdict::kNotInMap);
+  EXPECT_FALSE(answer.heading);
+  EXPECT_FALSE(answer.message.empty());
+}
+
+TEST(Appearance, ABadPanoramaIsAnAnswer) {
+  const Answer black = LocalizePanorama(
+      Grid(false), cv::Mat::zeros(kPanoramaWidth / 2, kPanoramaWidth, CV_8UC1), {});
+  EXPECT_EQ(black.verdict, Verdict::kBadImage);
+  EXPECT_FALSE(black.message.empty());
+}
+
+TEST(Appearance, NothingLeftIsNotInMap) {
+  const PanoramaQuery query =
+      DescribeQuery(Grid(false), Panorama(Rooms(), kQueries[0]), PanoramaQueryOptions{});
+  const Answer answer = LocatePanorama(Grid(false), query, {}, std::vector<bool>(9, true));
+  EXPECT_EQ(answer.verdict, Verdict::kNotInMap);
+  EXPECT_FALSE(answer.panorama);
+}
+
+TEST(Appearance, LocalizeAsksTheLayerThatFits) {
+  std::vector<uint8_t> bytes;
+  cv::imencode(".png", Panorama(Rooms(), kQueries[0]), bytes);
+  EXPECT_TRUE(Localize(Grid(false), bytes, "q.png", {}).panorama);
+  cv::imencode(".png", cv::Mat(480, 640, CV_8UC1, cv::Scalar(90)), bytes);
+  const Answer photo = Localize(Grid(false), bytes, "photo.png", {});
+  EXPECT_EQ(photo.verdict, Verdict::kNotInMap);
+  EXPECT_EQ(photo.decided_by, DecidedBy::kPhoto);
+}
+
+TEST(Appearance, ASeriesIsAtLeastAsSureAsItsImages) {
+  SeriesOptions options;
+  SeriesContext context;
+  double last = 0;
+  for (int i = 0; i < 4; ++i) {
+    const Pose2 truth{1.4 + 0.1 * i, 1.9, 0.2};
+    const PanoramaQuery query = DescribeQuery(Grid(true), Panorama(Rooms(), truth), options.query);
+    const Answer answer = ContinueSeries(Grid(true), query, context, options);
+    context = {answer.belief, Pose2{0.1, 0, 0}};
+    EXPECT_LT(Apart(answer.panorama->pose, truth), 0.5);
+    EXPECT_EQ(answer.decided_by, DecidedBy::kSeries);
+    last = answer.probability;
+  }
+  EXPECT_GT(last, 0.9);
+}
+
+// A building with two corridors that are alike, 20 m apart: the western room's panoramas stand for
+// both, each with a noise of its own. The second leads on into the eastern room.
+const MapIndex& AliasedCorridors() {
+  static const auto index = [] {
+    const Renderer renderer(PanoramaCamera(kPanoramaWidth / 2));
+    MapData map;
+    map.info.name = "aliased";
+    map.sequences.push_back({SequenceId{1}, "walk", "panorama", 0, 0, {}});
+    AppearanceLayer layer;
+    const auto add = [&](double x, double shown_y, double y) {
+      AppearanceNode node;
+      node.id = AppearanceNodeId{std::ssize(layer.nodes) + 1};
+      node.sequence = SequenceId{1};
+      node.pose = {x, y, 0};
+      RenderOptions noisy;
+      noisy.noise_sigma = 4;
+      noisy.noise_seed = static_cast<uint64_t>(node.id.value);
+      const auto pose = WorldFromCamera({x, shown_y, kHeight_m}, 0);
+      node.signature = Signature(renderer.Render(Rooms(), pose, noisy).grey, layer.described);
+      layer.nodes.push_back(std::move(node));
+    };
+    for (const double y : {2.0, 22.0}) {
+      for (const double x : {0.9, 1.5, 2.1, 2.7}) add(x, 2.0, y);
+    }
+    for (const double x : {4.5, 5.1, 5.7, 6.3}) add(x, 2.0, 22.0);
+    map.appearance = std::move(layer);
+    return MapIndex::Build(std::move(map));
+  }();
+  return *index;
+}
+
+PanoramaQuery InCorridor(double x) {
+  return DescribeQuery(AliasedCorridors(), Panorama(Rooms(), {x, 2.0, 0}), {});
+}
+
+TEST(Appearance, ASeriesTellsCorridorsApartThatAreAlike) {
+  const Answer single = LocatePanorama(AliasedCorridors(), InCorridor(1.5), {});
+  EXPECT_EQ(single.verdict, Verdict::kAmbiguous) << single.probability;
+  SeriesContext context;
+  Answer answer;
+  std::vector<Verdict> verdicts;
+  for (const double x : {1.5, 2.1, 2.7, 4.5, 5.1}) {  // along the corridor, into the eastern room
+    answer = ContinueSeries(AliasedCorridors(), InCorridor(x), context);
+    context.previous = answer.belief;
+    verdicts.push_back(answer.verdict);
+  }
+  EXPECT_EQ(verdicts.front(), Verdict::kAmbiguous);
+  EXPECT_EQ(verdicts.back(), Verdict::kLocalized);
+  EXPECT_NEAR(answer.panorama->pose.y, 22, 1);
+  // Back into the corridor: what was ambiguous before is known now.
+  for (const double x : {2.7, 2.1}) {
+    context.odometry = Pose2{x == 2.7 ? -2.4 : -0.6, 0, 0};
+    answer = ContinueSeries(AliasedCorridors(), InCorridor(x), context);
+    context.previous = answer.belief;
+    EXPECT_EQ(answer.verdict, Verdict::kLocalized);
+    EXPECT_NEAR(answer.panorama->pose.y, 22, 1);
+  }
+}
+
+TEST(Appearance, ABeliefOfAnotherMapIsRefused) {
+  SeriesContext context;
+  context.previous = {{99, 0.5, 0, 0.1}};
+  EXPECT_THROW(ContinueSeries(AliasedCorridors(), InCorridor(1.5), context), MapError);
+}
+
+TEST(Appearance, APhotoIsFoundByWhatItSeesOrRefused) {
+  const Camera camera = PinholeCamera(480, 360, 1.4);
+  const Renderer renderer(camera);
+  const auto photo = [&](const World& world, const Pose2& at) {
+    return renderer.Render(world, WorldFromCamera({at.x, at.y, kHeight_m}, at.theta_rad)).grey;
+  };
+  for (const Pose2& truth : kQueries) {
+    const Answer answer = LocalizePhoto(Grid(true), photo(Rooms(), truth), camera, {});
+    EXPECT_EQ(answer.verdict, Verdict::kLocalized) << answer.message << answer.probability;
+    ASSERT_TRUE(answer.panorama && answer.heading);
+    EXPECT_LT(Apart(answer.panorama->pose, truth), 0.3);
+    EXPECT_LT(std::abs(WrappedAngle(answer.heading->rad - truth.theta_rad)), 0.03);
+  }
+  WorldOptions other = TestOptions();
+  other.seed = 99;
+  const World elsewhere(DemoPlan(), other);
+  EXPECT_EQ(LocalizePhoto(Grid(true), photo(elsewhere, {3, 3, 0.2}), camera, {}).verdict,
+            Verdict::kNotInMap);
+  const cv::Mat image = photo(Rooms(), kQueries[0]);
+  EXPECT_NE(LocalizePhoto(Grid(true), image, {}, {}).message.find("field of view"),
+            std::string::npos);
+  EXPECT_NE(LocalizePhoto(Grid(false), image, camera, {}).message.find("--node-features"),
+            std::string::npos);
+  const Camera small = PinholeCamera(100, 80, 1);
+  EXPECT_NE(LocalizePhoto(Grid(true), image, small, {}).message.find("unscaled"),
+            std::string::npos);
+}
+
+TEST(Appearance, APhotoPassesOverNodesThatAreLeftOut) {
+  LocalizeOptions options;
+  options.camera = PinholeCamera(480, 360, 1.4);
+  const Renderer renderer(*options.camera);
+  const cv::Mat photo = renderer.Render(Rooms(), WorldFromCamera({1.9, 1.7, kHeight_m}, -2.5)).grey;
+  std::vector<bool> left_out(9, false);
+  left_out[4] = true;
+  const Answer answer = LocalizePhoto(Grid(true), photo, options.camera, {}, {}, left_out);
+  EXPECT_EQ(answer.verdict, Verdict::kLocalized);
+  for (const NodeCandidate& node : answer.panorama->candidates) EXPECT_NE(node.node.id.value, 5);
+  left_out.assign(9, true);
+  EXPECT_EQ(LocalizePhoto(Grid(true), photo, options.camera, {}, {}, left_out).verdict,
+            Verdict::kNotInMap);
+}
+
+TEST(Appearance, ADeadlineThatPassedLeavesAPhotoUndecided) {
+  LocalizeOptions options;
+  options.camera = PinholeCamera(480, 360, 1.4);
+  const Renderer renderer(*options.camera);
+  const cv::Mat photo = renderer.Render(Rooms(), WorldFromCamera({1.9, 1.7, kHeight_m}, -2.5)).grey;
+  const Answer without = LocalizePhoto(Grid(true), photo, options.camera, {}, options.deadline);
+  options.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
+  const Answer early = LocalizeImage(Grid(true), photo, options);
+  EXPECT_EQ(early.last_stage, Stage::kDecide);
+  EXPECT_EQ(early.verdict, Verdict::kLocalized);
+  EXPECT_EQ(early.probability, without.probability);
+  options.deadline = std::chrono::steady_clock::now();
+  const Answer late = LocalizePhoto(Grid(true), photo, options.camera, {}, options.deadline);
+  EXPECT_EQ(late.verdict, Verdict::kUndecided);
+  EXPECT_EQ(late.last_stage, Stage::kExtract);
+  EXPECT_EQ(late.decided_by, DecidedBy::kDeadline);
+  EXPECT_FALSE(late.panorama);
+}
+
+TEST(Appearance, NodesThatTheDeadlineKeepsFromBeingVerifiedHaveNoInliers) {
+  const PanoramaQuery query = DescribeQuery(Grid(true), Panorama(Rooms(), kQueries[0]), {});
+  ASSERT_TRUE(query.features);
+  std::vector<ComparedNode> nodes(2);
+  nodes[0].node = 0;
+  nodes[1].node = 4;
+  const auto now = std::chrono::steady_clock::now();
+  EXPECT_GT(VerifyByFeatures(Grid(true), *query.features, nodes, {})[0].inliers, 0);
+  EXPECT_EQ(VerifyByFeatures(Grid(true), *query.features, nodes, {}, now)[0].inliers, 0);
+}
+
+TEST(Appearance, RefusesOptionsOutOfRange) {
+  PanoramaQueryOptions options;
+  options.candidates = 0;
+  EXPECT_THROW(options.Check(), MapError);
+  SeriesOptions series;
+  series.max_log_odds = 0;
+  EXPECT_THROW(series.Check(), MapError);
+}
+
+TEST(Appearance, AMapWithASignatureOfAnotherShapeIsDamaged) {
+  MapData map = GridMap(false);
+  map.appearance->nodes[3].signature.magnitudes.resize(2, 2);
+  EXPECT_THROW(MapIndex::Build(std::move(map)), MapError);
+}
+
+}  // namespace
+}  // namespace waystone
