@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "builder/frames/frame_pipeline.h"
+#include "builder/options_record.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
@@ -20,7 +21,7 @@ MapInfo MakeMapInfo(const BuildOptions& options) {
   info.name = options.map_name;
   info.program = std::string("waystone ") + kVersion;
   info.feature_type = options.features.type;
-  info.options_json = OptionsJson(options);
+  info.options_json = RecordOptions(options);
   return info;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <tuple>
 
 #include "builder/appearance/options.h"
 #include "builder/calibration/appearance_calibration.h"
@@ -10,6 +11,7 @@
 #include "builder/orientation/options.h"
 #include "builder/planes/keyframe_selector.h"
 #include "builder/planes/options.h"
+#include "core/base/option_members.h"
 #include "core/features/features.h"
 
 namespace waystone {
@@ -24,17 +26,32 @@ struct BuildOptions {
   LayerChoice layers;
   CalibrationOptions calibration;
   AppearanceCalibrationOptions appearance_calibration;
-  // Keep a smaller JPEG of each keyframe in the map, for people.
   bool images = true;
-  int image_width = 320;  // px
+  int image_width = 320;
   // Threads for reading and features; 0 takes as many as there are cores. The map doesn't depend
   // on it.
   int threads = 0;
 
+  // A map has its name in another place and doesn't depend on the threads.
+  static constexpr int kUnlistedMembers = 2;
+  static constexpr auto Fields() {
+    return std::tuple_cat(
+        ListedGroup("features", &BuildOptions::features),
+        ListedGroup("keyframes", &BuildOptions::keyframes),
+        ListedGroup("planes", &BuildOptions::planes),
+        ListedGroup("appearance", &BuildOptions::appearance),
+        ListedGroup("orientation", &BuildOptions::orientation),
+        ListedGroup("layers", &BuildOptions::layers),
+        ListedGroup("calibration", &BuildOptions::calibration),
+        ListedGroup("appearance_calibration", &BuildOptions::appearance_calibration),
+        std::tuple{OptionField{"images", &BuildOptions::images, AnyValue(), "",
+                               "Keep a smaller JPEG of each keyframe and node in the map, for "
+                               "people."},
+                   OptionField{"image_width", &BuildOptions::image_width, Closed(16, 4096), "px",
+                               "Width of those JPEGs. Larger ones show more and take most of a "
+                               "map's bytes."}});
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
-
-// The options as a map records them (MapInfo::options_json).
-std::string OptionsJson(const BuildOptions& options);
 
 }  // namespace waystone

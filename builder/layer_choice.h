@@ -3,21 +3,34 @@
 
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "builder/sources/source.h"
+#include "core/base/options.h"
 
 namespace waystone {
 
 // The layers that a map gets.
 struct LayerChoice {
-  // Panoramas give the appearance layer, other images the plane layer, and rigs and panoramas the
-  // orientation layer, too. A single calibrated camera gives it only where it is named: every frame
-  // has to be looked at, which takes several times as long as the planes. The rest is ignored.
+  // A single calibrated camera gives the orientation layer only where it is named: every frame has
+  // to be looked at, which takes several times as long as the planes. The rest is ignored with it.
   bool automatic = true;
   bool planes = false;
   bool appearance = false;
   bool orientation = false;
+
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"automatic", &LayerChoice::automatic, AnyValue(), "",
+                    "Choose by the images: panoramas give the appearance layer, others the plane "
+                    "layer, rigs and panoramas the orientation layer, too."},
+        OptionField{"planes", &LayerChoice::planes, AnyValue(), "", "Build the plane layer."},
+        OptionField{"appearance", &LayerChoice::appearance, AnyValue(), "",
+                    "Build the appearance layer."},
+        OptionField{"orientation", &LayerChoice::orientation, AnyValue(), "",
+                    "Build the orientation layer."}};
+  }
 
   bool operator==(const LayerChoice&) const = default;
 };

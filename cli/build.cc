@@ -15,6 +15,7 @@
 #include "cli/map_file.h"
 #include "cli/panorama_file.h"
 #include "cli/progress.h"
+#include "cli/settings.h"
 #include "cli/signals.h"
 #include "core/base/error.h"
 #include "schema/file/map_store.h"
@@ -33,6 +34,7 @@ struct BuildFlags {
   std::string progress = "auto";
   std::string camera;
   std::string layers = "auto";
+  std::vector<std::string> settings;  // of --set
   PanoramaFlags panorama;
   SourceOptions source;
   int to = -1;
@@ -76,6 +78,7 @@ BuildOptions OptionsOf(const BuildFlags& flags) {
   options.layers = LayerChoiceByNames(flags.layers);
   options.appearance.describe.panorama = PanoramaOptionsOf(flags.panorama);
   options.appearance.describe.signature.band = SignatureOptionsOf(flags.panorama).band;
+  ApplySettings(flags.settings, options);
   options.Check();
   return options;
 }
@@ -176,6 +179,10 @@ void AddMapFlags(CLI::App* command, BuildFlags& flags) {
                    "Threads; 0 takes all cores. The map is "
                    "the same with any number")
       ->capture_default_str();
+  command
+      ->add_option("--set", flags.settings,
+                   "Set any option: NAME=VALUE, once for each; `waystone options` lists them")
+      ->allow_extra_args(false);
   command->add_flag("--force", flags.force, "Replace the map file if it is there");
 }
 

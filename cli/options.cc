@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <iostream>
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/settings.h"
+
+namespace waystone {
+
+void AddOptions(CLI::App& app, Run& run) {
+  auto markdown = std::make_shared<bool>(false);
+  CLI::App* command = app.add_subcommand("options", "List every option that --set changes");
+  command->add_flag("--markdown", *markdown, "As docs/options.md has them");
+  command->footer("Example: waystone options | grep fusion");
+  command->callback([markdown, &run] {
+    run = [markdown] {
+      std::cout << (*markdown ? OptionsMarkdown() : OptionsText());
+      return 0;
+    };
+  });
+}
+
+}  // namespace waystone

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "builder/build_map.h"
+
+// Options by their full names: what --set changes, and their documentation.
+namespace waystone {
+
+// Sets options, each "planes.fusion.min_votes=6"; of two with one name the last counts. Ranges are
+// left to Check(). Throws MapError(kUsage) for a name that no option has, with the nearest one, and
+// kBadOptions for what is no value of its type.
+void ApplySettings(const std::vector<std::string>& settings, BuildOptions& options);
+
+// docs/options.md: every option of `waystone build --set` with its default, range and meaning,
+// those that nobody should have to touch at the end.
+std::string OptionsMarkdown();
+// The same as plain lines: "planes.fusion.min_votes = 5 (at least 1): ...".
+std::string OptionsText();
+
+}  // namespace waystone

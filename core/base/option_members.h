@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether an options struct lists all of its members in Fields(): what isn't listed is neither
+// checked nor recorded nor documented.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "core/base/options.h"
+
+namespace waystone {
+namespace options_internal {
+
+// Stands for a value of any type where nothing is evaluated.
+struct AnyMember {
+  template <class Value>
+  operator Value() const;  // NOLINT(google-explicit-constructor)
+};
+
+template <class Struct, size_t... i>
+constexpr bool TakesMembers(std::index_sequence<i...>) {
+  return requires { Struct{(static_cast<void>(i), AnyMember{})...}; };
+}
+
+template <class Struct, size_t n = 1>
+constexpr size_t CountMembers() {
+  if constexpr (TakesMembers<Struct>(std::make_index_sequence<n>())) {
+    return CountMembers<Struct, n + 1>();
+  } else {
+    return n - 1;
+  }
+}
+
+template <class Options>
+constexpr size_t CountUnlisted() {
+  if constexpr (requires { Options::kUnlistedMembers; }) return Options::kUnlistedMembers;
+  return 0;
+}
+
+}  // namespace options_internal
+
+// An OptionGroup for Fields() in a tuple, or nothing as long as the group's struct has no Fields().
+template <class Options, class Group>
+constexpr auto ListedGroup(std::string_view name, Group Options::*member) {
+  if constexpr (requires { Group::Fields(); }) {
+    return std::tuple{OptionGroup{name, member}};
+  } else {
+    return std::tuple{};
+  }
+}
+
+// Which of the structs of options, `Options` itself and the groups in it, have members that their
+// Fields() don't name: "planes.fusion lists 12 of its 13 members", a line each; empty when all are
+// complete. They are aggregates without arrays and bases. A struct with members that aren't options
+// (a callback, what is known of one query) says how many:
+// `static constexpr int kUnlistedMembers = 2;`.
+template <class Options>
+std::string FindUnlistedMembers(const std::string& path) {
+  constexpr size_t members =
+      options_internal::CountMembers<Options>() - options_internal::CountUnlisted<Options>();
+  const auto entries = Options::Fields();
+  constexpr size_t listed = std::tuple_size_v<decltype(Options::Fields())>;
+  std::string found;
+  if (listed != members) {
+    found = path + " lists " + std::to_string(listed) + " of its " + std::to_string(members) +
+            " members\n";
+  }
+  const auto look = [&]<class Entry>(const Entry& entry) {
+    if constexpr (options_internal::IsGroup<Entry>::value) {
+      using Group = std::decay_t<decltype(std::declval<Options>().*(entry.member))>;
+      found += FindUnlistedMembers<Group>(options_internal::Joined(path, entry.name));
+    }
+  };
+  std::apply([&](const auto&... entry) { (look(entry), ...); }, entries);
+  return found;
+}
+
+}  // namespace waystone

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Options as text: their values, and which name was meant.
+#pragma once
+
+#include <charconv>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace waystone {
+
+// A value of an option as ParseOptionValue reads it: "0.8", "true", "sift", "0,2,3"; "none" for an
+// option without one. Numbers have the fewest digits that give them back.
+inline std::string ToOptionText(bool value) { return value ? "true" : "false"; }
+inline std::string ToOptionText(const std::string& value) { return value; }
+template <class Value>
+requires(std::is_arithmetic_v<Value>) std::string ToOptionText(Value value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof(text), value).ptr};
+}
+template <class Value>
+requires(std::is_enum_v<Value>) std::string ToOptionText(Value value) {
+  return std::string(NameOf(value));
+}
+template <class Value>
+std::string ToOptionText(const std::optional<Value>& value) {
+  return value ? ToOptionText(*value) : "none";
+}
+template <class Value>
+std::string ToOptionText(const std::vector<Value>& values) {
+  std::string text;
+  for (const Value& value : values) text += (text.empty() ? "" : ",") + ToOptionText(value);
+  return text;
+}
+
+// The one of `names` that `name` most likely means: by the fewest letters to change, add or leave
+// out (Levenshtein's distance). Empty without names. Pure.
+std::string NearestName(std::string_view name, const std::vector<std::string>& names);
+
+}  // namespace waystone

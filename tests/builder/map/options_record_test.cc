@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/options_record.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "builder/build_map.h"
+#include "core/base/option_members.h"
+
+namespace waystone {
+namespace {
+
+enum class Metal { kIron, kZinc };
+std::string_view NameOf(Metal metal) { return metal == Metal::kIron ? "iron" : "zinc"; }
+
+struct Alloy {
+  Metal metal = Metal::kZinc;
+  std::vector<double> shares = {0.25, 0.75};
+
+  static constexpr auto Fields() {
+    return std::tuple{OptionField{"metal", &Alloy::metal, AnyValue(), "", ""},
+                      OptionField{"shares", &Alloy::shares, AnyValue(), "", ""}};
+  }
+};
+
+struct Casting {
+  int rounds = 3;
+  Alloy alloy{};
+  bool cooled = true;
+  double heat = 0.1;
+
+  static constexpr auto Fields() {
+    return std::tuple{OptionField{"rounds", &Casting::rounds, AnyValue(), "", ""},
+                      OptionGroup{"alloy", &Casting::alloy},
+                      OptionField{"cooled", &Casting::cooled, AnyValue(), "", ""},
+                      OptionField{"heat", &Casting::heat, AnyValue(), "", ""}};
+  }
+};
+
+TEST(RecordFields, NestsGroupsInTheOrderOfTheLists) {
+  EXPECT_EQ(
+      RecordFields(Casting{}).dump(),
+      R"({"rounds":3,"alloy":{"metal":"zinc","shares":[0.25,0.75]},"cooled":true,"heat":0.1})");
+}
+
+// An options struct that grows a member without listing it isn't fully recorded. Structs without
+// Fields() are left out by ListedGroup and by this test alike.
+TEST(RecordOptions, HasEveryMemberOfStructsThatListTheirs) {
+  std::istringstream incomplete(FindUnlistedMembers<BuildOptions>("build"));
+  for (std::string line; std::getline(incomplete, line);) {
+    EXPECT_TRUE(line.starts_with("build lists ")) << line;
+  }
+}
+
+TEST(RecordOptions, DependsOnWhatAMapDependsOn) {
+  BuildOptions options;
+  const std::string record = RecordOptions(options);
+  options.threads = 7;
+  options.map_name = "another";
+  EXPECT_EQ(RecordOptions(options), record);
+  options.image_width = 200;
+  EXPECT_NE(RecordOptions(options), record);
+  const nlohmann::json json = nlohmann::json::parse(RecordOptions(options));
+  EXPECT_EQ(json["image_width"], 200);
+  EXPECT_EQ(json["planes"]["min_features"], options.planes.min_features);
+  EXPECT_EQ(json["features"]["type"], "sift");
+}
+
+}  // namespace
+}  // namespace waystone

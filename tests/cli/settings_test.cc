@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/settings.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+std::string ErrorOfSetting(const std::string& setting) {
+  BuildOptions options;
+  try {
+    ApplySettings({setting}, options);
+    return "";
+  } catch (const MapError& error) {
+    return error.what();
+  }
+}
+
+TEST(ApplySettings, SetsFieldsByTheirFullNames) {
+  BuildOptions options;
+  ApplySettings({"image_width=200", "images=false", "image_width=240"}, options);
+  EXPECT_EQ(options.image_width, 240);
+  EXPECT_FALSE(options.images);
+}
+
+TEST(ApplySettings, NamesTheNearestOption) {
+  EXPECT_NE(ErrorOfSetting("image_widht=200").find("did you mean 'image_width'"),
+            std::string::npos);
+  EXPECT_NE(ErrorOfSetting("image_width").find("NAME=VALUE"), std::string::npos);
+  EXPECT_NE(ErrorOfSetting("image_width=wide").find("image_width is 'wide'"), std::string::npos);
+}
+
+TEST(ApplySettings, LeavesRangesToTheCheck) {
+  BuildOptions options;
+  ApplySettings({"image_width=3"}, options);
+  EXPECT_THROW(options.Check(), MapError);
+}
+
+// After a change of options: build/release/cli/waystone options --markdown > docs/options.md
+TEST(OptionsMarkdown, IsTheCommittedFile) {
+  std::ifstream in(WAYSTONE_SOURCE_DIR "/docs/options.md");
+  std::stringstream committed;
+  committed << in.rdbuf();
+  EXPECT_EQ(OptionsMarkdown(), committed.str());
+}
+
+TEST(OptionsText, HasALineAnOption) {
+  EXPECT_NE(OptionsText().find("  image_width = 320 px (between 16 and 4096): Width"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace waystone
