@@ -42,7 +42,7 @@ TEST(BuildMap, FindsPlanesAndJoinsThem) {
 }
 
 TEST(BuildMap, HomographiesAreTheTrueOnes) {
-  const Stage& stage = TheStage();
+  const MadeStage& stage = TheStage();
   const MapData& map = TheMap().map;
   std::vector<double> errors;
   for (const Plane& plane : map.planes) {

@@ -17,13 +17,13 @@
 namespace waystone {
 
 // A made building and the first steps of a walk through it, rendered once for all tests.
-struct Stage {
+struct MadeStage {
   World world{DemoPlan(), WorldOptions{.texture_richness = 0.5}};
   Walk walk;
   Renderer renderer{PinholeCamera(320, 240, 1.2)};
   std::vector<cv::Mat> frames;
 
-  Stage() {
+  MadeStage() {
     WalkOptions options;
     options.step_m = 0.1;
     walk = DemoWalk(world.plan(), options);
@@ -34,8 +34,8 @@ struct Stage {
   }
 };
 
-inline const Stage& TheStage() {
-  static const Stage stage;
+inline const MadeStage& TheStage() {
+  static const MadeStage stage;
   return stage;
 }
 
