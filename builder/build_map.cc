@@ -126,7 +126,8 @@ class MapBuilder {
 BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
                      const BuildOptions& options, const ProgressCallback& progress) {
   options.Check();
-  if (sources.empty()) throw MapError(ErrorCode::kBadSource, "no source given; give one at least");
+  if (sources.empty())
+    throw MapError(ErrorCode::kBadSource, "no source given; at least one is required");
   const Clock::time_point start = Clock::now();
   cv::setNumThreads(1);  // frames are what runs in parallel
   tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : options.threads);

@@ -17,8 +17,8 @@ void BuildOptions::Check() const {
   appearance_calibration.Check();
   CheckFields("", *this);
   if (threads < 0 || threads > 1024) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "threads is " + std::to_string(threads) + "; give 0 (all cores) to 1024");
+    throw MapError(ErrorCode::kBadOptions, "threads is " + std::to_string(threads) +
+                                               "; it must be between 0 (one per core) and 1024");
   }
 }
 

@@ -34,14 +34,14 @@ void CheckAsked(const std::vector<AssignedSource>& assigned, size_t sources,
   if (missing(choice.planes, LayerKind::kPlanes)) {
     throw MapError(ErrorCode::kBadSource,
                    none +
-                       "are ordinary images, which planes take; leave planes out, or name that "
-                       "layer alone to take panoramas for photos");
+                       "are ordinary images, which the plane layer requires; omit planes, or "
+                       "select that layer alone to treat panoramas as photos");
   }
   if (missing(choice.appearance, LayerKind::kAppearance)) {
     throw MapError(ErrorCode::kBadSource,
                    none +
-                       "are panoramas (twice as wide as high, or rigs), which appearance takes; "
-                       "name that layer alone to take others for panoramas");
+                       "are panoramas (twice as wide as high, or rigs), which the appearance layer "
+                       "requires; select that layer alone to treat other images as panoramas");
   }
   if (missing(choice.orientation, LayerKind::kOrientation)) {
     throw MapError(ErrorCode::kBadCamera,
@@ -68,14 +68,14 @@ LayerChoice LayerChoiceByNames(const std::string& names) {
       layers.orientation = true;
     } else {
       throw MapError(ErrorCode::kBadOptions,
-                     "there is no layer '" + name +
-                         "'; give auto, or planes, appearance and orientation with commas between "
-                         "them");
+                     "unknown layer '" + name +
+                         "'; use auto, or a comma-separated list of planes, appearance and "
+                         "orientation");
     }
   }
   if (layers.planes || layers.appearance || layers.orientation) return layers;
   throw MapError(ErrorCode::kBadOptions,
-                 "no layer is named; give auto, planes, appearance or orientation");
+                 "no layer given; use auto, planes, appearance or orientation");
 }
 
 bool LooksPanoramic(const Source& source) {

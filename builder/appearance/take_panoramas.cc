@@ -69,8 +69,8 @@ void PanoramaTaker::CheckBand(const DescribedPanorama& panorama) const {
   }
   throw MapError(ErrorCode::kBadSource,
                  name_ + "/" + panorama.info.source +
-                     " shows other elevations than the panoramas before it; give a narrower "
-                     "band that all of them show, or build a map of each");
+                     " covers other elevations than the previous panoramas; set --band to a "
+                     "range covered by all, or build separate maps");
 }
 
 void PanoramaTaker::CheckSequence(const FrameReport& sequence) const {
@@ -83,11 +83,11 @@ void PanoramaTaker::CheckSequence(const FrameReport& sequence) const {
       sequence.skipped == 0 ? "" : " (first: " + sequence.skipped_names.front() + ")";
   if (usable < kFewestPanoramas) {
     throw MapError(ErrorCode::kBadSource,
-                   counts + first + "; a sequence takes two at least, one after the other");
+                   counts + first + "; a sequence requires at least two consecutive ones");
   }
   if (sequence.skipped > options_.max_skipped_share * sequence.frames) {
     throw MapError(ErrorCode::kBadSource,
-                   counts + first + "; give panoramas of one size that show something");
+                   counts + first + "; use panoramas of one size with sufficient texture");
   }
 }
 

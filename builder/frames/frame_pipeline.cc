@@ -137,7 +137,8 @@ Sequence ObserveSequence(Source& source, SequenceId id, std::span<LayerBuilder* 
 
 MapData BuildLayer(const std::vector<Source*>& sources, LayerBuilder& layer,
                    const ProgressCallback& callback) {
-  if (sources.empty()) throw MapError(ErrorCode::kBadSource, "no source given; give one at least");
+  if (sources.empty())
+    throw MapError(ErrorCode::kBadSource, "no source given; at least one is required");
   cv::setNumThreads(1);  // frames are what runs in parallel
   ProgressReporter progress(callback);
   MapData map;

@@ -112,7 +112,7 @@ void OrientationLayerBuilder::StartSequence(SequenceId id, const Source& source)
   if (!rig_) {
     throw MapError(
         ErrorCode::kBadCamera,
-        source.name() + " has no camera; the orientation layer needs one, give --camera");
+        source.name() + " has no camera, which the orientation layer requires; use --camera");
   }
   mapper_ = std::make_unique<SequenceMapper>(id, report_.frames + 1, options_);
 }

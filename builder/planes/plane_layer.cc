@@ -61,7 +61,7 @@ void Renumber(MapData& map) {
       report.skipped_names.empty() ? "" : " (first: " + report.skipped_names.front() + ")";
   throw MapError(ErrorCode::kBadSource, "none of the " + std::to_string(report.frames) +
                                             " frames could be decoded" + first +
-                                            "; give images that open in a viewer");
+                                            "; check that the images open in a viewer");
 }
 
 }  // namespace

@@ -134,7 +134,7 @@ Answer JudgeNodes(const MapIndex& index, const FourierSignature& query,
                   const PanoramaQueryOptions& options) {
   Answer answer;
   if (nodes.empty()) {
-    answer.message = "the map's appearance layer has no node left to compare with; map more places";
+    answer.message = "the appearance layer has no other node to compare with; map more places";
     return answer;
   }
   if (nodes.front().inliers == 0 && options.fine_heading) {

@@ -116,8 +116,7 @@ Answer Undecided(Stage last) {
       last == Stage::kQueue
           ? "the deadline passed while the query waited in the queue; allow more time or ask less "
             "often"
-          : "the deadline passed after the stage '" + std::string(NameOf(last)) +
-                "'; allow more time";
+          : "the deadline expired after stage '" + std::string(NameOf(last)) + "'; allow more time";
   return answer;
 }
 

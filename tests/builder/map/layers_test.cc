@@ -77,7 +77,7 @@ TEST(Layers, WithoutACameraThereIsNoOrientationAndAskingForItIsRefused) {
       FAIL() << layers;
     } catch (const MapError& error) {
       EXPECT_EQ(error.code(), ErrorCode::kBadCamera);
-      EXPECT_NE(std::string(error.what()).find("give --camera"), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("use --camera"), std::string::npos);
     }
   }
 }
