@@ -19,7 +19,7 @@ Json HeadingJson(const Heading& heading) {
   Json json;
   json["rad"] = heading.rad;
   json["deviation_rad"] = heading.sigma_rad;
-  json["of"] = heading.of;
+  json["of"] = NameOf(heading.frame);
   return json;
 }
 
@@ -70,24 +70,25 @@ Json CandidateJson(const NodeCandidate& candidate) {
   return json;
 }
 
-Json PositionJson(const LayerPlace& place) {
+Json PositionJson(const PanoramaAnswer& panorama) {
   Json json;
-  json["x"] = Rounded(place.pose.x, 4);
-  json["y"] = Rounded(place.pose.y, 4);
-  json["deviation"] = Rounded(place.sigma, 4);
-  json["metres_per_unit"] = OrNull(place.metres_per_unit);
+  json["x"] = Rounded(panorama.pose.x, 4);
+  json["y"] = Rounded(panorama.pose.y, 4);
+  json["deviation"] = Rounded(panorama.sigma, 4);
+  json["metres_per_unit"] = OrNull(panorama.metres_per_unit);
   return json;
 }
 
 // Where it isn't localized, there are candidates and no place.
-Json PanoramaJson(const Answer& answer) {
-  const bool localized = answer.verdict == Verdict::kLocalized;
+Json PanoramaJson(const PanoramaAnswer& panorama, bool localized) {
   Json json;
-  json["node"] = localized ? NodeJson(answer.panorama->node) : Json(nullptr);
-  json["position"] = localized ? PositionJson(*answer.panorama) : Json(nullptr);
+  json["node"] = localized ? NodeJson(panorama.node) : Json(nullptr);
+  json["position"] = localized ? PositionJson(panorama) : Json(nullptr);
   json["candidates"] = Json::array();
-  for (const NodeCandidate& node : answer.nodes) json["candidates"].push_back(CandidateJson(node));
-  json["runner_up"] = answer.node_runner_up ? CandidateJson(*answer.node_runner_up) : Json(nullptr);
+  for (const NodeCandidate& node : panorama.candidates) {
+    json["candidates"].push_back(CandidateJson(node));
+  }
+  json["runner_up"] = panorama.runner_up ? CandidateJson(*panorama.runner_up) : Json(nullptr);
   return json;
 }
 
@@ -118,21 +119,26 @@ Json ToJson(const Answer& answer) {
   json["image"] = answer.image;
   json["map"] = answer.map;
   json["map_version"] = answer.map_version;
-  json["keyframe"] = answer.keyframe ? KeyframeJson(*answer.keyframe) : Json(nullptr);
+  json["keyframe"] = answer.planes.keyframe ? KeyframeJson(*answer.planes.keyframe) : Json(nullptr);
   json["heading"] = answer.heading ? HeadingJson(*answer.heading) : Json(nullptr);
   if (answer.building) json["building"] = BuildingJson(*answer.building);
   json["planes"] = Json::array();
-  for (const RecognisedPlane& plane : answer.planes) json["planes"].push_back(PlaneJson(plane));
-  if (answer.panorama) json["panorama"] = PanoramaJson(answer);
+  for (const RecognisedPlane& plane : answer.planes.recognised) {
+    json["planes"].push_back(PlaneJson(plane));
+  }
+  if (answer.panorama) {
+    const bool localized = answer.verdict == Verdict::kLocalized;
+    json["panorama"] = PanoramaJson(*answer.panorama, localized);
+  }
   if (answer.verdict == Verdict::kAmbiguous) {
     json["places"] = Json::array();
-    for (const PlaceCandidate& place : answer.places) json["places"].push_back(ToJson(place));
+    for (const PlaceCandidate& place : answer.planes.places) json["places"].push_back(ToJson(place));
   }
-  json["runner_up"] = answer.runner_up ? RunnerUpJson(*answer.runner_up) : Json(nullptr);
-  json["decided_by"] = answer.decided_by;
+  json["runner_up"] = answer.planes.runner_up ? RunnerUpJson(*answer.planes.runner_up) : Json(nullptr);
+  json["decided_by"] = NameOf(answer.decided_by);
   if (answer.verdict != Verdict::kLocalized) json["message"] = answer.message;
   json["timing_ms"] = TimingJson(answer.timing);
-  if (answer.explanation) json["explanation"] = ToJson(*answer.explanation);
+  if (answer.planes.explanation) json["explanation"] = ToJson(*answer.planes.explanation);
   return json;
 }
 

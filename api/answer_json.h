@@ -2,7 +2,7 @@
 #pragma once
 
 #include "api/json.h"
-#include "localizer/answer.h"
+#include "localizer/verdict/answer.h"
 
 namespace waystone {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "api/json.h"
-#include "localizer/planes/explanation.h"
+#include "localizer/verdict/explanation.h"
 
 namespace waystone {
 

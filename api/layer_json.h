@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "api/json.h"
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
 
 // The appearance and the orientation layer as the HTTP API shows them. Angles are radians, headings
 // counter-clockwise; positions are in the layer's own unit of length (metres_per_unit says what

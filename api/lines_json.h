@@ -2,7 +2,7 @@
 #pragma once
 
 #include "api/json.h"
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
 
 // Straight lines of a stored picture by the direction that they have in the building. Takes some
 // 10 ms; thread-safe.

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "api/json.h"
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
 
 // The parts of a map as the HTTP API shows them. Matrices are three rows of three, points are
 // [x, y] in pixels, links are by id.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "api/json.h"
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
 
 namespace waystone {
 

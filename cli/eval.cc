@@ -44,8 +44,8 @@ ScoredQuery Ask(const OpenMap& map, const LabelledQuery& query,
   ScoredQuery scored;
   scored.truth = query.truth;
   scored.answer = Localize(*map.index, ReadBytes(query.image), query.image.string(), {});
-  if (!scored.answer.keyframe || !query.position_m) return scored;
-  const auto found = positions.find(scored.answer.keyframe->id);
+  if (!scored.answer.planes.keyframe || !query.position_m) return scored;
+  const auto found = positions.find(scored.answer.planes.keyframe->id);
   if (found != positions.end()) scored.error_m = (found->second - *query.position_m).norm();
   return scored;
 }

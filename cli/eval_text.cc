@@ -145,7 +145,7 @@ std::string MistakesText(const MapIndex& index, const std::vector<ScoredQuery>& 
   for (const ScoredQuery& query : queries) {
     const Outcome outcome = OutcomeOf(index, query);
     if (outcome != Outcome::kWrong && outcome != Outcome::kFalseAccept) continue;
-    text += "  " + query.answer.image + ": localized near " + query.answer.keyframe->source +
+    text += "  " + query.answer.image + ": localized near " + query.answer.planes.keyframe->source +
             Format(" with probability %.4f, ", query.answer.probability);
     text += query.truth.empty() ? "not in the map"
                                 : "taken near " + index.FindKeyframe(query.truth.front())->source;

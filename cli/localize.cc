@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -7,15 +6,15 @@
 #include <vector>
 
 #include "api/answer_json.h"
+#include "api/query_request_json.h"
 #include "cli/answer_text.h"
 #include "cli/asked_server.h"
 #include "cli/commands.h"
 #include "cli/map_file.h"
+#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/image/decode.h"
-#include "localizer/appearance/panorama_series.h"
-#include "localizer/localizer.h"
-#include "server/http/localize_request.h"
+#include "localizer/session.h"
 
 namespace waystone {
 namespace {
@@ -29,77 +28,31 @@ struct LocalizeFlags {
   ServerFlags server;
 };
 
-// The flags as a request of the server says them, so that both understand the same.
-LocalizeRequest RequestOf(const LocalizeFlags& flags) {
-  Json object = Json::object();
-  if (flags.fov_deg) object["fov_deg"] = *flags.fov_deg;
-  return ParseRequestObject(object, {});
+// What the flags say about a photo, for a map file and for a server alike.
+QueryRequest MakeRequest(const LocalizeFlags& flags, const std::string& photo) {
+  const std::vector<uint8_t> bytes = ReadBytes(photo);
+  QueryRequest request;
+  request.images.push_back({photo, std::string(bytes.begin(), bytes.end())});
+  if (flags.fov_deg) request.fov_rad = kDegree * *flags.fov_deg;
+  return request;
 }
 
-void PrintJson(const Json& answer, bool json) {
+void Print(const Json& answer, bool json) {
   std::cout << (json ? Dump(answer) : AnswerLine(answer)) << std::endl;
 }
 
-void Print(Answer answer, const OpenMap& map, bool json) {
-  answer.map = map.name;
-  PrintJson(ToJson(answer), json);
-}
-
-// Returns whether the photo could be read.
-bool AnswerOne(const OpenMap& map, const std::string& photo, const LocalizeFlags& flags) {
-  std::vector<uint8_t> bytes;
-  try {
-    bytes = ReadBytes(photo);
-  } catch (const MapError& error) {
-    std::cerr << "waystone: " << error.what() << '\n';
-    return false;
-  }
-  LocalizeOptions options;
-  options.camera = CameraFor(RequestOf(flags), map.index->map(),
-                             {photo, std::string(bytes.begin(), bytes.end())});
-  const Answer answer = Localize(*map.index, bytes, photo, options);
-  Print(answer, map, flags.json);
-  return answer.verdict != Verdict::kBadImage;
-}
-
-// One panorama after the other, each asked with what the ones before it showed. One that can't be
-// read is named and passed over.
-bool AnswerSeries(const OpenMap& map, const LocalizeFlags& flags) {
-  if (!map.index->HasAppearance()) {
-    throw MapError(ErrorCode::kUsage, "map '" + map.name +
-                                          "' has no appearance layer, which --series needs; build "
-                                          "it from panoramas, or leave --series out");
-  }
-  bool all_read = true;
-  SeriesContext context;
-  for (const std::string& photo : flags.photos) {
-    try {
-      const cv::Mat grey = DecodeGrey(ReadBytes(photo), DecodeLimits{});
-      const PanoramaQuery query = DescribeQuery(*map.index, grey, {});
-      Answer answer = ContinueSeries(*map.index, query, context);
-      context.previous = answer.belief;
-      answer.image = photo;
-      Print(std::move(answer), map, flags.json);
-    } catch (const MapError& error) {
-      std::cerr << "waystone: " << photo << ": " << error.what() << '\n';
-      all_read = false;
-    }
-  }
-  return all_read;
-}
-
-// Asks a server instead, which names what it can't do; photos that can't be read are passed over.
-bool AnswerByServer(const LocalizeFlags& flags) {
+// Asks each photo; `ask` gives its answer as JSON. One that can't be read is named and passed over.
+// Returns whether all could be read.
+template <class AskPhoto>
+bool AnswerEach(const LocalizeFlags& flags, const AskPhoto& ask) {
   bool all_read = true;
   for (const std::string& photo : flags.photos) {
     try {
-      const std::vector<uint8_t> bytes = ReadBytes(photo);
-      const Json answer =
-          AskServer(flags.server, flags.map, photo, std::string(bytes.begin(), bytes.end()),
-                    RequestObject(RequestOf(flags)));
-      PrintJson(answer, flags.json);
+      const Json answer = ask(photo);
+      Print(answer, flags.json);
       all_read &= answer.value("verdict", "") != NameOf(Verdict::kBadImage);
     } catch (const MapError& error) {
+      if (error.code() != ErrorCode::kFileUnreadable && flags.server.url.empty()) throw;
       std::cerr << "waystone: " << error.what() << '\n';
       all_read = false;
     }
@@ -107,17 +60,48 @@ bool AnswerByServer(const LocalizeFlags& flags) {
   return all_read;
 }
 
-int RunLocalize(const LocalizeFlags& flags) {
-  if (!flags.server.url.empty()) {
-    if (flags.series) {
-      throw MapError(ErrorCode::kUsage, "--series needs the map's file; leave it or --server out");
-    }
-    return AnswerByServer(flags) ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
+bool AnswerByMap(const QueriedMap& map, const LocalizeFlags& flags) {
+  return AnswerEach(flags, [&](const std::string& photo) {
+    const Session session(MakeRequest(flags, photo), {map}, {});
+    return ToJson(OverallAnswer(session.Ask()));
+  });
+}
+
+// One panorama after the other, each asked with what the ones before it showed.
+bool AnswerSeries(const QueriedMap& map, const LocalizeFlags& flags) {
+  if (!map.index->HasAppearance()) {
+    throw MapError(ErrorCode::kUsage, "map '" + map.name +
+                                          "' has no appearance layer, which --series needs; build "
+                                          "it from panoramas, or leave --series out");
   }
-  const OpenMap map = OpenMapFile(flags.map, false);
-  if (flags.series) return AnswerSeries(map, flags) ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
+  Series series(map, {});
+  return AnswerEach(flags, [&](const std::string& photo) {
+    return ToJson(series.Ask(MakeRequest(flags, photo).images.front()));
+  });
+}
+
+// Asks a server instead, which names what it can't do.
+bool AnswerByServer(const LocalizeFlags& flags) {
+  return AnswerEach(flags, [&](const std::string& photo) {
+    const QueryRequest request = MakeRequest(flags, photo);
+    return AskServer(flags.server, flags.map, photo, request.images.front().bytes,
+                     ToJson(request));
+  });
+}
+
+int RunLocalize(const LocalizeFlags& flags) {
+  const bool by_server = !flags.server.url.empty();
+  if (by_server && flags.series) {
+    throw MapError(ErrorCode::kUsage, "--series needs the map's file; leave it or --server out");
+  }
   bool all_read = true;
-  for (const std::string& photo : flags.photos) all_read &= AnswerOne(map, photo, flags);
+  if (by_server) {
+    all_read = AnswerByServer(flags);
+  } else {
+    const OpenMap opened = OpenMapFile(flags.map, false);
+    const QueriedMap map{opened.name, opened.index};
+    all_read = flags.series ? AnswerSeries(map, flags) : AnswerByMap(map, flags);
+  }
   return all_read ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
 
 namespace waystone {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
 
 // Images with the places where they were taken; docs/evaluation.md describes the files.
 namespace waystone {

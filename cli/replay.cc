@@ -7,11 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "api/logged_query.h"
+#include "api/query_request_json.h"
+#include "api/request_answer_json.h"
 #include "cli/commands.h"
 #include "cli/map_file.h"
 #include "core/base/error.h"
-#include "server/http/query_log.h"
-#include "server/http/request_answer.h"
+#include "localizer/session.h"
 
 namespace waystone {
 namespace {
@@ -47,41 +49,44 @@ struct Replayed {
 };
 
 // What the next query of a series is asked with, by what the log's answer before it had.
-using Beliefs = std::map<std::string, Json>;
+using Beliefs = std::map<std::string, PreviousAnswer>;
 
-std::string KeyOf(const Json& answer) {
-  return answer.contains("belief") ? Dump(answer["belief"]) : "";
-}
+std::string KeyOf(const Json& belief) { return belief.is_null() ? "" : Dump(belief); }
 
 // A series goes on from what the map asked now made of its earlier panoramas, not from what the
 // log's did: a belief names panoramas of one map. One whose beginning isn't in the log begins here.
-void TakePrevious(const Beliefs& beliefs, LocalizeRequest& request) {
-  const auto before =
-      request.previous.is_null() ? beliefs.end() : beliefs.find(KeyOf(request.previous));
-  request.previous = before == beliefs.end() ? Json(nullptr) : before->second;
+void TakePrevious(const Beliefs& beliefs, QueryRequest& request) {
+  if (!request.previous) return;
+  const auto before = request.previous->belief
+                          ? beliefs.find(KeyOf(ToJson(*request.previous->belief)))
+                          : beliefs.end();
+  request.previous.reset();
+  if (before != beliefs.end()) request.previous = before->second;
 }
 
-// Nothing for a camera that the log's map stores and the one asked now doesn't.
-std::optional<Camera> CameraIn(const MapData& map, const LocalizeRequest& request) {
+// Without what only the log's map has: keyframes, and a camera that the one asked now doesn't
+// store.
+void LeaveOutForeign(const MapData& map, QueryRequest& request) {
+  request.prior_keyframe.reset();
   try {
-    return CameraFor(request, map, request.images.front());
+    ResolveCamera(request, map, request.images.front());
   } catch (const MapError& error) {
     if (error.code() != ErrorCode::kBadCamera) throw;
-    return std::nullopt;
+    request.stored_camera.reset();
   }
 }
 
-Replayed Ask(LoggedQuery query, const ServedMaps& maps, Beliefs& beliefs) {
+Replayed Replay(LoggedQuery query, const QueriedMap& map, Beliefs& beliefs) {
   // Time is the server's: what is compared is what the map makes of the image.
   query.request.deadline_ms.reset();
   TakePrevious(beliefs, query.request);
-  LocalizeOptions options;
-  options.camera = CameraIn(maps.front()->index().map(), query.request);
-  const RequestAnswer answer = AnswerRequest(query.request, maps, options);
-  const Json json = ToJson(query.request, answer, false, std::nullopt);
-  const std::string key = KeyOf(query.answer);
-  if (!key.empty()) beliefs[key] = {{"belief", answer.belief}};
-  return {query.id, query.request.images.front().name, OutcomeOf(query.answer), OutcomeOf(json)};
+  LeaveOutForeign(map.index->map(), query.request);
+  const Session session(std::move(query.request), {map}, {});
+  const RequestAnswer answer = session.Ask();
+  const std::string key = KeyOf(query.answer.value("belief", Json()));
+  if (!key.empty()) beliefs[key].belief = answer.belief.value_or(std::vector<NodeBelief>{});
+  return {query.id, session.request().images.front().name, OutcomeOf(query.answer),
+          OutcomeOf(ToJson(session, answer, false))};
 }
 
 Json ReplayJson(const std::vector<Replayed>& queries, size_t changed) {
@@ -102,13 +107,13 @@ std::string TextOf(const Outcome& outcome) {
 }
 
 int RunReplay(const ReplayFlags& flags) {
-  OpenMap map = OpenMapFile(flags.map, false);
-  const ServedMaps maps = {std::make_shared<const ServedMap>(map.name, std::move(map.index))};
+  const OpenMap opened = OpenMapFile(flags.map, false);
+  const QueriedMap map{opened.name, opened.index};
   std::vector<Replayed> queries;
   Beliefs beliefs;
   size_t changed = 0;
   for (LoggedQuery& query : ReadQueryLog(flags.log)) {
-    queries.push_back(Ask(std::move(query), maps, beliefs));
+    queries.push_back(Replay(std::move(query), map, beliefs));
     changed += queries.back().before != queries.back().after;
   }
   if (flags.json) {

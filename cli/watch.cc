@@ -11,6 +11,7 @@
 #include <opencv2/videoio.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "api/answer_json.h"
@@ -22,7 +23,7 @@
 #include "core/base/check.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "localizer/localizer.h"
+#include "localizer/session.h"
 
 namespace waystone {
 namespace {
@@ -95,10 +96,10 @@ class Oracle {
 
   Json Ask(const cv::Mat& grey, const std::string& name) const {
     if (map_) {
-      Answer answer = LocalizeImage(*map_->index, grey, {});
-      answer.map = map_->name;
-      answer.image = name;
-      return ToJson(answer);
+      QueryRequest request;
+      request.images.push_back({.name = name, .bytes = {}, .grey = grey});
+      return ToJson(OverallAnswer(
+          Session(std::move(request), {{map_->name, map_->index}}, LocalizeOptions{}).Ask()));
     }
     constexpr int kQuality = 95;
     std::vector<uint8_t> bytes;

@@ -9,10 +9,11 @@
 
 #include "core/features/features.h"
 #include "core/image/decode.h"
-#include "localizer/answer.h"
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
 #include "localizer/options.h"
+#include "localizer/verdict/answer.h"
 
+// The engine for one image; programs ask through localizer/session.h.
 namespace waystone {
 
 // Where was this image taken? Encoded bytes (JPEG, PNG, ...) in, an answer out. Bytes that are no
@@ -27,10 +28,12 @@ Answer Localize(const MapIndex& index, std::span<const uint8_t> bytes, const std
 std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps,
                                    std::span<const uint8_t> bytes, const std::string& name,
                                    const LocalizeOptions& options);
+std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps, const cv::Mat& grey,
+                                   const std::string& name, const LocalizeOptions& options);
 
-// The same for an image that is decoded already (8-bit grey). An image twice as wide as high is
-// answered by the map's appearance layer where it has one (LocalizePanorama), all others by its
-// planes. ...
+// The same for an image that is decoded already (8-bit grey). An image twice as wide as high, and
+// every image with options.series, is answered by the map's appearance layer where it has one
+// (LocalizePanorama, LocalizeInSeries), all others by its planes. ...
 Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options);
 
 // ... and for features that were extracted already (of the map's type).

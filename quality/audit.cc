@@ -48,7 +48,7 @@ std::vector<ShortlistedPlane> ShortlistElsewhere(const MapIndex& index, int plan
                                                  const Features& query,
                                                  const AuditOptions& options) {
   const std::vector<Plane>& planes = index.map().planes;
-  LocalizeOptions all = options.localize;
+  PlaneQueryOptions all = options.query;
   all.votes_per_feature = options.votes_per_feature;
   all.max_candidates = std::max(1, static_cast<int>(planes.size()));
   std::vector<ShortlistedPlane> shortlist = ShortlistPlanes(index, query, all);
@@ -104,12 +104,12 @@ double SharedPart(const Plane& plane, const Plane& other, const Features& query,
 
 std::vector<AlikePlanes> FindAlike(const MapIndex& index, int plane, const AuditOptions& options) {
   const Features query = AsQuery(index, plane, options.max_voters);
-  if (query.size() < options.localize.gates.min_inliers) return {};
+  if (query.size() < options.query.gates.min_inliers) return {};
   const PackedFeatures packed(query);
   const std::vector<Plane>& planes = index.map().planes;
   std::vector<AlikePlanes> alike;
   for (const ShortlistedPlane& candidate : ShortlistElsewhere(index, plane, query, options)) {
-    const auto verified = VerifyPlane(index, packed, candidate.plane, options.localize);
+    const auto verified = VerifyPlane(index, packed, candidate.plane, options.query);
     if (!verified || !verified->accepted) continue;
     alike.push_back({std::min(plane, candidate.plane), std::max(plane, candidate.plane),
                      verified->distinct,

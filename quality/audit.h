@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "localizer/map_index.h"
-#include "localizer/options.h"
+#include "localizer/index/map_index.h"
+#include "localizer/planes/plane_query_options.h"
 
 namespace waystone {
 
@@ -13,7 +13,7 @@ struct AuditOptions {
   // Inliers that two places must share to answer for each other, 5 or more. Lower lists more pairs.
   int min_alias_inliers = 15;
   // What queries will be asked with: its gates say which evidence makes a place answer.
-  LocalizeOptions localize;
+  PlaneQueryOptions query;
   // Features of a plane, best voted first, that are taken as a query, 8 or more. Bounds the cost on
   // large planes; fewer miss small things that look alike.
   int max_voters = 600;
@@ -65,7 +65,7 @@ struct AliasPair {
   std::vector<AliasPlanes> planes;  // most inliers first; each `a` is near the others', and `b` too
   int inliers = 0;                  // of planes that look alike, none counted twice
   // The part of the features in view at `a` or `b`, whichever is larger, that looks alike: with
-  // LocalizeOptions' ambiguous_share or more, photos from there would be ambiguous. In [0, 1]
+  // GateOptions' ambiguous_share or more, photos from there would be ambiguous. In [0, 1]
   double of_view = 0;
   double shared = 0;  // mean of the planes', weighted by their inliers
   Remedy remedy = Remedy::kMarker;

@@ -114,9 +114,9 @@ bool IsRightPlace(const MapIndex& index, const std::vector<KeyframeId>& truth,
 }
 
 std::optional<KeyframeId> BestPlace(const Answer& answer) {
-  if (answer.keyframe) return answer.keyframe->id;
-  if (!answer.places.empty()) return answer.places.front().keyframe.id;
-  if (answer.runner_up) return answer.runner_up->keyframe.id;
+  if (answer.planes.keyframe) return answer.planes.keyframe->id;
+  if (!answer.planes.places.empty()) return answer.planes.places.front().keyframe.id;
+  if (answer.planes.runner_up) return answer.planes.runner_up->keyframe.id;
   return std::nullopt;
 }
 
@@ -144,9 +144,9 @@ Outcome OutcomeOf(const MapIndex& index, const ScoredQuery& query) {
   if (query.answer.verdict != Verdict::kLocalized) {
     return positive ? Outcome::kMissed : Outcome::kRightlyRefused;
   }
-  WS_CHECK(query.answer.keyframe.has_value(), "localized without a keyframe");
+  WS_CHECK(query.answer.planes.keyframe.has_value(), "localized without a keyframe");
   if (!positive) return Outcome::kFalseAccept;
-  return IsRightPlace(index, query.truth, query.answer.keyframe->id) ? Outcome::kRight
+  return IsRightPlace(index, query.truth, query.answer.planes.keyframe->id) ? Outcome::kRight
                                                                      : Outcome::kWrong;
 }
 

@@ -110,7 +110,7 @@ Score AskKitchen(const std::string& folder) {
     const auto bytes = ReadBytes(std::filesystem::path(folder) / truth.image(frame));
     const Answer answer = Localize(*index, bytes, truth.image(frame), options);
     ++score.asked;
-    score.refused += answer.decided_by == "building_axes" ? 1 : 0;
+    score.refused += answer.decided_by == DecidedBy::kBuildingAxes ? 1 : 0;
     if (!answer.building) continue;
     ++score.localized;
     Count(*answer.building, true, options.building, score);
@@ -155,9 +155,9 @@ Score AskPlaces(const std::string& folder) {
     const Eigen::Vector2d at(answer.panorama->pose.x, answer.panorama->pose.y);
     const bool right = (at - place.position_m).norm() <= kRight_m;
     // The guess through the place, whether it is believed or not.
-    answer.heading = Heading{answer.panorama->pose.theta_rad, 0, "layer"};
+    answer.heading = Heading{answer.panorama->pose.theta_rad, 0, HeadingFrame::kLayer};
     const auto guesses = GuessRotation(*index, answer, std::nullopt);
-    const ManhattanFrame lines = LinesOf(place.grey, std::nullopt, options.building);
+    const ManhattanFrame lines = DetectLines(place.grey, std::nullopt, options.building);
     answer.building = ViewBuilding(guesses, lines, options.building);
     Count(*answer.building, right, options.building, score);
     if (right && answer.building->heading && own && own->reliable) {
@@ -169,7 +169,8 @@ Score AskPlaces(const std::string& folder) {
     }
     if (!localized) continue;
     ++score.localized;
-    JudgeByAxes(static_cast<int>(guesses.size()), options, answer);
+    JudgeByAxes(static_cast<int>(guesses.size()), options.panorama.min_probability,
+                options.building, answer);
     score.refused += answer.verdict == Verdict::kLocalized ? 0 : 1;
   }
   return score;

@@ -277,13 +277,11 @@ cv::Mat FrontOf(const PanoramaPlace& place, const std::filesystem::path& rigs) {
   return FaceOf(place.grey, CubeFace::kFront, static_cast<int>(kOfWidth * place.grey.cols));
 }
 
-// For a square photo of 90 degrees.
-LocalizeOptions PhotoOptions(int width_px) {
+// Of a square photo of 90 degrees.
+Camera PhotoCamera(int width_px) {
   const double middle = (width_px - 1) / 2.0;
-  LocalizeOptions options;
-  options.camera = {
+  return {
       CameraModel::kPinhole, width_px, width_px, {width_px / 2.0, width_px / 2.0, middle, middle}};
-  return options;
 }
 
 // Perspective photos asked of the panoramas, each without its own place.
@@ -301,7 +299,7 @@ nlohmann::json ScorePhotos(const std::string& name, const std::vector<PanoramaPl
     const cv::Mat photo = FrontOf(places[i], rigs);
     Asked& result = asked[i];
     result.answer =
-        LocalizePhoto(*Without(*index, map, i), photo, PhotoOptions(photo.cols), left_out);
+        LocalizePhoto(*Without(*index, map, i), photo, PhotoCamera(photo.cols), {}, {}, left_out);
     result.in_map = HasNeighbour(places, i);
     if (!result.answer.panorama) return;
     TakeErrors(places[i], result);
@@ -309,7 +307,7 @@ nlohmann::json ScorePhotos(const std::string& name, const std::vector<PanoramaPl
   std::vector<Answer> answers(foreign.size());
   tbb::parallel_for(size_t{0}, foreign.size(), [&](size_t i) {
     const cv::Mat photo = FrontOf(foreign[i], {});
-    answers[i] = LocalizePhoto(*index, photo, PhotoOptions(photo.cols));
+    answers[i] = LocalizePhoto(*index, photo, PhotoCamera(photo.cols), {});
   });
   return ScoreJson(name + ", photos", asked, answers);
 }

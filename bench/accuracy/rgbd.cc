@@ -100,7 +100,7 @@ void Ask(const RgbdTruth& truth, const std::filesystem::path& folder, const MapI
     return;
   }
   ++queries.localized;
-  const RecognisedPlane& best = answer.planes.front();
+  const RecognisedPlane& best = answer.planes.recognised.front();
   const int reference = index.FindKeyframe(best.reference.id)->frame;
   const auto error_px = TransferError(truth, query, reference, best);
   const auto truth_px =
@@ -109,7 +109,7 @@ void Ask(const RgbdTruth& truth, const std::filesystem::path& folder, const MapI
   if (truth_px) queries.truth_errors_px.push_back(*truth_px);
   std::printf("%4d %-11s %6.1f px  plane %lld, %d inliers, %zu planes; plain matches %.1f px\n",
               query, NameOf(answer.verdict), error_px.value_or(-1),
-              static_cast<long long>(best.id.value), best.inliers, answer.planes.size(),
+              static_cast<long long>(best.id.value), best.inliers, answer.planes.recognised.size(),
               truth_px.value_or(-1));
 }
 

@@ -80,7 +80,7 @@ class Scene {
 
   // Whether the answer's best plane is where it says, by the world's truth.
   bool IsRight(const MapIndex& index, const Query& query, const Answer& answer) const {
-    const RecognisedPlane& plane = answer.planes.front();
+    const RecognisedPlane& plane = answer.planes.recognised.front();
     const int reference = index.FindKeyframe(plane.reference.id)->frame;
     std::vector<double> errors;
     for (const Eigen::Vector2d& x : plane.query_points) {
@@ -169,11 +169,11 @@ void CompareNearest(const MapIndex& index, const Features& query, Comparison& su
   const Clock::time_point start = Clock::now();
   const auto truth = search.Nearest(query.descriptors, 2, search.lists());
   sum.exhaustive_ms += 1000 * SecondsSince(start);
-  const auto found = search.Nearest(query.descriptors, 2, options.probes);
+  const auto found = search.Nearest(query.descriptors, 2, options.planes.probes);
   for (size_t i = 0; i < truth.size(); i += 2) {
     const bool same = found[i].distance == truth[i].distance;
     const bool distinct =
-        PassesRatio(query.type, truth[i].distance, truth[i + 1].distance, options.match.max_ratio);
+        PassesRatio(query.type, truth[i].distance, truth[i + 1].distance, options.planes.match.max_ratio);
     ++sum.features;
     sum.nearest += same;
     sum.distinct += distinct;
@@ -184,7 +184,7 @@ void CompareNearest(const MapIndex& index, const Features& query, Comparison& su
 Comparison Compare(const Scene& scene, const MapIndex& index, const Timed& timed) {
   Comparison sum;
   LocalizeOptions exhaustive;
-  exhaustive.probes = std::numeric_limits<int>::max();
+  exhaustive.planes.probes = std::numeric_limits<int>::max();
   const int count = std::min<int>(kExhaustiveQueries, static_cast<int>(timed.answers.size()));
   for (int i = 0; i < count; ++i) {
     const size_t q = static_cast<size_t>(i) * timed.answers.size() / count;
@@ -197,8 +197,8 @@ Comparison Compare(const Scene& scene, const MapIndex& index, const Timed& timed
     ++sum.localized;
     const Answer& answer = timed.answers[q];
     sum.found += answer.verdict == Verdict::kLocalized &&
-                 answer.keyframe->id == truth.keyframe->id &&
-                 answer.planes.front().id == truth.planes.front().id;
+                 answer.planes.keyframe->id == truth.planes.keyframe->id &&
+                 answer.planes.recognised.front().id == truth.planes.recognised.front().id;
   }
   sum.exhaustive_ms /= std::max(1, count);
   return sum;

@@ -107,8 +107,8 @@ void AskOutside(const Photos& photos, const MapIndex& index, Verdicts& verdicts)
     const Answer& answer = answers[i];
     ++verdicts.outside;
     verdicts.State(answer.probability, false);
-    if (answer.runner_up) {
-      verdicts.most_inliers = std::max(verdicts.most_inliers, answer.runner_up->inliers);
+    if (answer.planes.runner_up) {
+      verdicts.most_inliers = std::max(verdicts.most_inliers, answer.planes.runner_up->inliers);
     }
     verdicts.false_localized += answer.verdict == Verdict::kLocalized;
     verdicts.false_ambiguous += answer.verdict == Verdict::kAmbiguous;

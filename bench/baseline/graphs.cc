@@ -99,16 +99,17 @@ Table3 Ask(const Scene& scene, const Graphs& graphs, int opencv_every) {
   for (const ImageNode& node : graphs.image_graph.nodes) {
     floats.push_back(FloatDescriptors(node.features));
   }
-  const LocalizeOptions& options = graphs.image_options.localize;
+  LocalizeOptions options;
+  options.planes = graphs.image_options.localize;
   // Images have no verdict "ambiguous": this is the planes' answer to the same question.
   LocalizeOptions best_place = options;
-  best_place.gates.ambiguous_share = 1;
+  best_place.planes.gates.ambiguous_share = 1;
   for (int q = 0; q < scene.queries(); ++q) {
     Features features;
     const double shared_ms = Ms([&] {
       features =
           ExtractFeatures(scene.Decode(q), {graphs.index->map().info.feature_type,
-                                            options.max_features, options.contrast_threshold});
+                                            options.planes.max_features, options.planes.contrast_threshold});
     });
     const auto ask_planes = [&](const LocalizeOptions& with, QueryFigures& figures) {
       Answer by_planes;

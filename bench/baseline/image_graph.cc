@@ -47,7 +47,7 @@ struct Verified {
 // Nothing when the gates refuse it; `min_distinct` is the one on inliers.
 std::optional<Verified> Verify(const Features& from, const Features& to,
                                const std::vector<Match>& matches, int min_distinct,
-                               const LocalizeOptions& options, uint64_t seed) {
+                               const PlaneQueryOptions& options, uint64_t seed) {
   if (std::ssize(matches) < min_distinct) return std::nullopt;
   MatchedPoints points;
   for (const Match& match : matches) {
@@ -127,7 +127,7 @@ ImageGraph BuildImageGraph(std::vector<ImageNode> nodes, const ImageGraphOptions
 
 ImageAnswer LocalizeInImages(const ImageGraph& graph, const Features& query,
                              const ImageGraphOptions& options) {
-  const LocalizeOptions& localize = options.localize;
+  const PlaneQueryOptions& localize = options.localize;
   ImageAnswer answer;
   std::optional<Verified> best;
   for (const Candidate& candidate : ByMatches(graph, query, localize.match)) {

@@ -52,7 +52,7 @@ struct ImageGraph {
 struct ImageGraphOptions {
   MatchOptions match;  // between images of the graph: as the plane tracker's
   // Matching of queries, RANSAC, gates and seed: as the localizer's.
-  LocalizeOptions localize;
+  PlaneQueryOptions localize;
   // Inliers at distinct positions that an edge or an answer needs: an image graph has no calibrated
   // verdict.
   int min_inliers = 15;

@@ -8,7 +8,7 @@
 #include "bench/baseline/image_graph.h"
 #include "bench/baseline/scenes.h"
 #include "builder/build_map.h"
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
 
 namespace waystone::bench {
 

@@ -37,7 +37,7 @@ std::optional<AppearanceSample> SampleOf(const MapIndex& index, const PanoramaQu
   const std::vector<ComparedNode> nodes = CompareQuery(index, query, options, left_out);
   if (nodes.empty()) return std::nullopt;
   AppearanceSample sample;
-  sample.evidence = EvidenceOf(index, nodes, 0, options);
+  sample.evidence = CollectEvidence(index, nodes, 0, options);
   sample.evidence.verified = query.features.has_value();
   sample.right = truth && Apart(PlaceQuery(index, nodes, options).pose, *truth) <= right_radius;
   return sample;

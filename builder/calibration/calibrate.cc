@@ -70,13 +70,13 @@ bool IsAt(const MapIndex& index, int plane, KeyframeId keyframe) {
 }
 
 std::vector<VerifiedPlane> TryAll(const MapIndex& index, const Features& query,
-                                  const LocalizeOptions& options) {
+                                  const PlaneQueryOptions& options) {
   return TryPlanes(index, query, ShortlistPlanes(index, query, options), options);
 }
 
 // The place where the keyframe is, by the planes that are seen there.
 void AskRight(const MapIndex& index, const Features& query, KeyframeId keyframe,
-              const LocalizeOptions& options, std::vector<VerdictSample>& samples) {
+              const PlaneQueryOptions& options, std::vector<VerdictSample>& samples) {
   std::vector<VerifiedPlane> planes = TryAll(index, query, options);
   std::erase_if(planes, [&](const VerifiedPlane& plane) {
     return !plane.accepted || !IsAt(index, plane.plane, keyframe);
@@ -86,7 +86,7 @@ void AskRight(const MapIndex& index, const Features& query, KeyframeId keyframe,
 }
 
 // The plane that fits best by chance, whether a gate would stop it or not.
-void AskWrong(const MapIndex& index, const Features& query, const LocalizeOptions& options,
+void AskWrong(const MapIndex& index, const Features& query, const PlaneQueryOptions& options,
               std::vector<VerdictSample>& samples) {
   const std::vector<VerifiedPlane> planes = TryAll(index, query, options);
   const auto best =
@@ -100,19 +100,19 @@ void AskWrong(const MapIndex& index, const Features& query, const LocalizeOption
 std::vector<VerdictSample> Ask(const MapIndex& index, const std::unordered_set<Descriptor>& in_map,
                                const CalibrationQuery& query, const CalibrationOptions& options) {
   std::vector<VerdictSample> samples;
-  AskRight(index, WithoutThoseOf(in_map, query.features), query.keyframe, options.localize,
+  AskRight(index, WithoutThoseOf(in_map, query.features), query.keyframe, options.localize.planes,
            samples);
   Random random(options.seed ^ static_cast<uint64_t>(query.keyframe.value));
-  AskWrong(index, Scrambled(query.features, random), options.localize, samples);
+  AskWrong(index, Scrambled(query.features, random), options.localize.planes, samples);
   return samples;
 }
 
 // Gates open as far as they go: the model has to see what they would stop.
 CalibrationOptions WithOpenGates(CalibrationOptions options) {
   constexpr int kFewest = 5;  // four fit any homography
-  options.localize.gates.min_inliers = kFewest;
-  options.localize.gates.min_inlier_share = 0;
-  options.localize.settled_inliers = std::numeric_limits<int>::max();
+  options.localize.planes.gates.min_inliers = kFewest;
+  options.localize.planes.gates.min_inlier_share = 0;
+  options.localize.planes.settled_inliers = std::numeric_limits<int>::max();
   return options;
 }
 
@@ -151,7 +151,7 @@ VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<Calibrati
                     [&](size_t q) { asked[q] = Ask(index, in_map, queries[q], options); });
   std::vector<std::vector<VerdictSample>> refused(outside.size());
   tbb::parallel_for(size_t{0}, outside.size(),
-                    [&](size_t q) { AskWrong(index, outside[q], options.localize, refused[q]); });
+                    [&](size_t q) { AskWrong(index, outside[q], options.localize.planes, refused[q]); });
   asked.insert(asked.end(), refused.begin(), refused.end());
   std::vector<VerdictSample> samples;
   for (const auto& of_query : asked)

@@ -13,4 +13,18 @@ inline double SecondsSince(Clock::time_point start) {
 
 inline double MillisecondsSince(Clock::time_point start) { return 1000 * SecondsSince(start); }
 
+// Milliseconds since it was made or last asked, for the times of consecutive stages.
+class LapTimer {
+ public:
+  double Lap() {
+    const Clock::time_point now = Clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return ms;
+  }
+
+ private:
+  Clock::time_point last_ = Clock::now();
+};
+
 }  // namespace waystone

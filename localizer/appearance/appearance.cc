@@ -8,7 +8,6 @@
 #include "core/base/check.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "localizer/appearance/panorama_series.h"
 
 namespace waystone {
@@ -40,50 +39,49 @@ void RefineHeading(const MapIndex& index, const FourierSignature& query, Compare
   best.sigma_rad = heading.sigma_rad;
 }
 
-// Candidates with their probabilities, and the verdict of them.
+// The candidates with their probabilities, best first, and the best one elsewhere.
+void AddCandidates(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool verified,
+                   const AppearanceVerdict& model, const PanoramaQueryOptions& options,
+                   PanoramaAnswer& panorama) {
+  const AppearanceLayer& layer = *index.map().appearance;
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    AppearanceEvidence evidence = CollectEvidence(index, nodes, i, options);
+    evidence.verified = verified;
+    panorama.candidates.push_back({RefOf(index, layer.nodes[nodes[i].node]),
+                                   ProbabilityOf(evidence, model), nodes[i].cost, nodes[i].inliers,
+                                   nodes[i].query_from_node});
+    const bool elsewhere = AreElsewhere(index, nodes[0].node, nodes[i].node, options);
+    if (elsewhere && !panorama.runner_up) panorama.runner_up = panorama.candidates.back();
+  }
+}
+
+// The verdict of the candidates.
 void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool verified,
            const PanoramaQueryOptions& options, Answer& answer) {
-  const AppearanceLayer& layer = *index.map().appearance;
-  const AppearanceVerdict model = VerdictFor(layer, verified);
-  for (size_t i = 0; i < nodes.size(); ++i) {
-    AppearanceEvidence evidence = EvidenceOf(index, nodes, i, options);
-    evidence.verified = verified;
-    answer.nodes.push_back({RefOf(index, layer.nodes[nodes[i].node]),
-                            ProbabilityOf(evidence, model), nodes[i].cost, nodes[i].inliers,
-                            nodes[i].query_from_node});
-    const bool elsewhere = AreElsewhere(index, nodes[0].node, nodes[i].node, options);
-    if (elsewhere && !answer.node_runner_up) answer.node_runner_up = answer.nodes.back();
-  }
-  answer.probability = answer.nodes.front().probability;
+  const AppearanceVerdict model = VerdictFor(*index.map().appearance, verified);
+  PanoramaAnswer& panorama = answer.panorama.emplace();
+  AddCandidates(index, nodes, verified, model, options, panorama);
+  answer.probability = panorama.candidates.front().probability;
   // A panorama was taken at one place: what looks as well elsewhere takes its share.
-  if (answer.node_runner_up) {
+  if (panorama.runner_up) {
     answer.probability *=
-        answer.probability / (answer.probability + answer.node_runner_up->probability);
+        answer.probability / (answer.probability + panorama.runner_up->probability);
   }
-  answer.decided_by = verified ? "panorama_features" : "panorama_signature";
+  answer.decided_by = verified ? DecidedBy::kPanoramaFeatures : DecidedBy::kPanoramaSignature;
   if (answer.probability >= options.min_probability) {
     answer.verdict = Verdict::kLocalized;
     return;
   }
   // Whether the place would have been believed if nothing elsewhere were like it.
-  AppearanceEvidence alone = EvidenceOf(index, nodes, 0, options);
+  AppearanceEvidence alone = CollectEvidence(index, nodes, 0, options);
   alone.verified = verified;
   alone.margin = options.max_margin;
   alone.log_inlier_margin = alone.log_inliers;
-  const bool alike =
-      answer.node_runner_up && ProbabilityOf(alone, model) >= options.min_probability;
+  const bool alike = panorama.runner_up && ProbabilityOf(alone, model) >= options.min_probability;
   answer.verdict = alike ? Verdict::kAmbiguous : Verdict::kNotInMap;
-  answer.message = alike ? "several places of the map look like this panorama; move on and send a "
-                           "series"
-                         : "no panorama of the map is enough like this one; map the place, or send "
+  answer.message = alike ? "several mapped places match this panorama; move on and send a series"
+                         : "no mapped panorama matches closely enough; map the place, or send "
                            "another panorama";
-}
-
-Answer Signed(const MapIndex& index) {
-  Answer answer;
-  answer.map = index.map().info.name;
-  answer.map_version = index.map().info.version;
-  return answer;
 }
 
 PanoramaQuery DescribeAppearance(const MapIndex& index, const cv::Mat& grey) {
@@ -94,7 +92,7 @@ PanoramaQuery DescribeAppearance(const MapIndex& index, const cv::Mat& grey) {
 }
 
 // ToPanorama bears an image that is a little narrower or wider than twice its height; faces don't.
-BearingFeatures FeaturesOf(const MapIndex& index, const cv::Mat& grey,
+BearingFeatures ExtractQueryFeatures(const MapIndex& index, const cv::Mat& grey,
                            const PanoramaQueryOptions& options) {
   PanoramaFeatureOptions features = options.features;
   features.bearings.features.type = index.map().info.feature_type;
@@ -109,36 +107,12 @@ BearingFeatures FeaturesOf(const MapIndex& index, const cv::Mat& grey,
 bool IsSettled(const MapIndex& index, const std::vector<ComparedNode>& nodes,
                const PanoramaQueryOptions& options) {
   if (nodes.empty()) return true;
-  const AppearanceEvidence evidence = EvidenceOf(index, nodes, 0, options);
+  const AppearanceEvidence evidence = CollectEvidence(index, nodes, 0, options);
   const AppearanceVerdict model = VerdictFor(*index.map().appearance, false);
   return ProbabilityOf(evidence, model) >= options.settled_probability;
 }
 
 }  // namespace
-
-void PanoramaQueryOptions::Check() const {
-  CheckRange("candidates", candidates, 1, 1000);
-  CheckRange("verified_candidates", verified_candidates, 1, 1000);
-  CheckRange("phase_weight", phase_weight, 0, 10);
-  phases.Check();
-  compass.Check();
-  CheckRange("phase_deviation_rad", phase_sigma_rad, 0.001, 3);
-  features.Check();
-  match.Check();
-  CheckRange("settled_probability", settled_probability, 0.5, 1);
-  CheckRange("max_poses", max_poses, 1, 1000);
-  CheckRange("photo_features", photo_features, 10, 100'000);
-  CheckRange("photo_neighbours", photo_neighbours, 2, 1000);
-  CheckRange("photo_probes", photo_probes, 1, 32768);
-  CheckRange("photo_candidates", photo_candidates, 1, 10'000);
-  relative.Check();
-  CheckRange("interpolation_cost", interpolation_cost, 0.001, 10);
-  CheckRange("direction_deviation_rad", direction_sigma_rad, 0.001, 1);
-  CheckRange("elsewhere_spacings", elsewhere_spacings, 1, 1000);
-  CheckRange("max_margin", max_margin, 0.001, 10);
-  CheckRange("agreement_rad", agreement_rad, 0.01, 3);
-  CheckRange("min_probability", min_probability, 1e-6, 1 - 1e-6);
-}
 
 bool IsPanoramic(const cv::Size& size) {
   const double ratio = static_cast<double>(size.width) / std::max(1, size.height);
@@ -149,15 +123,15 @@ PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,
                             const PanoramaQueryOptions& options) {
   PanoramaQuery query = DescribeAppearance(index, grey);
   if (options.verify && KeepsFeatures(*index.map().appearance)) {
-    query.features = FeaturesOf(index, grey, options);
+    query.features = ExtractQueryFeatures(index, grey, options);
   }
   return query;
 }
 
-Answer AnswerFor(const MapIndex& index, const FourierSignature& query,
+Answer JudgeNodes(const MapIndex& index, const FourierSignature& query,
                  std::vector<ComparedNode> nodes, bool verified,
                  const PanoramaQueryOptions& options) {
-  Answer answer = Signed(index);
+  Answer answer;
   if (nodes.empty()) {
     answer.message = "the map's appearance layer has no node left to compare with; map more places";
     return answer;
@@ -168,10 +142,12 @@ Answer AnswerFor(const MapIndex& index, const FourierSignature& query,
   Judge(index, nodes, verified, options, answer);
   const PlacedQuery placed = PlaceQuery(index, nodes, options);
   const AppearanceLayer& layer = *index.map().appearance;
-  answer.panorama = LayerPlace{RefOf(index, layer.nodes[NearestTo(index, nodes, placed.pose)]),
-                               placed.pose, placed.sigma, layer.metres_per_unit};
+  answer.panorama->node = RefOf(index, layer.nodes[NearestTo(index, nodes, placed.pose)]);
+  answer.panorama->pose = placed.pose;
+  answer.panorama->sigma = placed.sigma;
+  answer.panorama->metres_per_unit = layer.metres_per_unit;
   if (answer.verdict == Verdict::kLocalized) {
-    answer.heading = Heading{placed.pose.theta_rad, nodes.front().sigma_rad, "layer"};
+    answer.heading = Heading{placed.pose.theta_rad, nodes.front().sigma_rad, HeadingFrame::kLayer};
   }
   return answer;
 }
@@ -181,17 +157,9 @@ Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
   options.Check();
   WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
   const auto start = Clock::now();
-  Answer answer = AnswerFor(index, query.signature, CompareQuery(index, query, options, left_out),
+  Answer answer = JudgeNodes(index, query.signature, CompareQuery(index, query, options, left_out),
                             query.features.has_value(), options);
   answer.timing.verify_ms = answer.timing.total_ms = MillisecondsSince(start);
-  return answer;
-}
-
-Answer RefusePanorama(const MapIndex& index, const MapError& error) {
-  Answer answer = Signed(index);
-  answer.verdict = Verdict::kBadImage;
-  answer.decided_by = InfoOf(error.code()).name;
-  answer.message = error.what();
   return answer;
 }
 
@@ -208,12 +176,12 @@ Answer LocalizePanorama(const MapIndex& index, const cv::Mat& grey,
     std::vector<ComparedNode> nodes = CompareQuery(index, query, alone, {});
     if (may_verify && !IsSettled(index, nodes, options)) {
       const auto before = Clock::now();
-      query.features = FeaturesOf(index, grey, options);
+      query.features = ExtractQueryFeatures(index, grey, options);
       extract_ms += MillisecondsSince(before);
       nodes = CompareQuery(index, query, options, {});
     }
     const bool verified = query.features.has_value();
-    Answer answer = AnswerFor(index, query.signature, nodes, verified, options);
+    Answer answer = JudgeNodes(index, query.signature, nodes, verified, options);
     SeriesOptions series;
     series.query = options;
     if (answer.verdict != Verdict::kNotInMap) {
@@ -225,7 +193,7 @@ Answer LocalizePanorama(const MapIndex& index, const cv::Mat& grey,
     return answer;
   } catch (const MapError& error) {
     if (error.code() != ErrorCode::kBadImage) throw;
-    Answer answer = RefusePanorama(index, error);
+    Answer answer = RefuseImage(error);
     answer.timing.extract_ms = answer.timing.total_ms = MillisecondsSince(start);
     return answer;
   }

@@ -4,11 +4,9 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "core/base/error.h"
-#include "localizer/answer.h"
+#include "localizer/verdict/answer.h"
 #include "localizer/appearance/appearance_match.h"
-#include "localizer/map_index.h"
-#include "localizer/options.h"
+#include "localizer/index/map_index.h"
 
 // Answers about panoramas from a map's appearance layer.
 namespace waystone {
@@ -32,7 +30,7 @@ Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
 
 // The answer for nodes that a query was compared with (CompareQuery), best first; for who has
 // compared already. `verified` says whether features were. No nodes are "not in the map".
-Answer AnswerFor(const MapIndex& index, const FourierSignature& query,
+Answer JudgeNodes(const MapIndex& index, const FourierSignature& query,
                  std::vector<ComparedNode> nodes, bool verified,
                  const PanoramaQueryOptions& options);
 
@@ -40,8 +38,5 @@ Answer AnswerFor(const MapIndex& index, const FourierSignature& query,
 // the appearance doesn't settle it. Nothing is thrown for a bad panorama: the verdict is kBadImage.
 Answer LocalizePanorama(const MapIndex& index, const cv::Mat& grey,
                         const PanoramaQueryOptions& options);
-
-// An answer that says why an image is no panorama, with the map's name and version.
-Answer RefusePanorama(const MapIndex& index, const MapError& error);
 
 }  // namespace waystone

@@ -142,7 +142,7 @@ bool AreElsewhere(const MapIndex& index, int a, int b, const PanoramaQueryOption
 namespace {
 
 // log(1 + compared nodes beside nodes[at] that see the query's heading as it does).
-double AgreementOf(const MapIndex& index, const std::vector<ComparedNode>& nodes, size_t at,
+double ComputeAgreement(const MapIndex& index, const std::vector<ComparedNode>& nodes, size_t at,
                    const PanoramaQueryOptions& options) {
   int agreeing = 0;
   for (size_t other = 0; other < nodes.size(); ++other) {
@@ -155,13 +155,13 @@ double AgreementOf(const MapIndex& index, const std::vector<ComparedNode>& nodes
 
 }  // namespace
 
-AppearanceEvidence EvidenceOf(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+AppearanceEvidence CollectEvidence(const MapIndex& index, const std::vector<ComparedNode>& nodes,
                               size_t at, const PanoramaQueryOptions& options) {
   const size_t other = BestElsewhere(index, nodes, at, options);
   AppearanceEvidence evidence;
   evidence.cost = nodes[at].cost;
   evidence.margin = options.max_margin;
-  evidence.agreement = AgreementOf(index, nodes, at, options);
+  evidence.agreement = ComputeAgreement(index, nodes, at, options);
   evidence.parallax_rad = nodes[at].parallax_rad;
   evidence.sigma_spacings =
       PlaceQuery(index, nodes, options, at).sigma / std::max(index.appearance().spacing(), 1e-9);

@@ -8,10 +8,11 @@
 #include "core/base/pose2.h"
 #include "core/panorama/visual_compass.h"
 #include "core/two_view/bearings.h"
-#include "localizer/answer.h"
-#include "localizer/map_index.h"
-#include "localizer/options.h"
+#include "localizer/appearance/panorama_query_options.h"
+#include "localizer/index/map_index.h"
+#include "localizer/verdict/answer.h"
 #include "localizer/verdict/appearance_verdict.h"
+#include "localizer/verdict/deadline.h"
 
 // Steps of LocatePanorama: for localizer/ and the calibration. All are pure.
 namespace waystone {
@@ -69,7 +70,7 @@ PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& n
                        const PanoramaQueryOptions& options, size_t at = 0);
 
 // What speaks for nodes[at] as the place.
-AppearanceEvidence EvidenceOf(const MapIndex& index, const std::vector<ComparedNode>& nodes,
-                              size_t at, const PanoramaQueryOptions& options);
+AppearanceEvidence CollectEvidence(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+                                   size_t at, const PanoramaQueryOptions& options);
 
 }  // namespace waystone

@@ -8,7 +8,6 @@
 
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -17,14 +16,14 @@ namespace {
 double AloneProbability(const MapIndex& index, const std::vector<ComparedNode>& compared, size_t at,
                         bool verified, const AppearanceVerdict& model,
                         const SeriesOptions& options) {
-  AppearanceEvidence evidence = EvidenceOf(index, compared, at, options.query);
+  AppearanceEvidence evidence = CollectEvidence(index, compared, at, options.query);
   evidence.verified = verified;
   evidence.margin = options.query.max_margin;
   evidence.log_inlier_margin = evidence.log_inliers;
   return ProbabilityOf(evidence, model);
 }
 
-std::vector<NodeEvidence> EvidenceOfNodes(const MapIndex& index,
+std::vector<NodeEvidence> CollectNodeEvidence(const MapIndex& index,
                                           const std::vector<ComparedNode>& compared, bool verified,
                                           const SeriesOptions& options) {
   const AppearanceLayer& layer = *index.map().appearance;
@@ -66,7 +65,7 @@ void TakeBelief(const MapIndex& index, const FilterState& state, const SeriesOpt
     sum += belief.probability * Eigen::Vector2d(pose.x, pose.y);
   }
   answer.probability = std::min(here, 1.0);
-  answer.decided_by = "series";
+  answer.decided_by = DecidedBy::kSeries;
   const Eigen::Vector2d at = sum / here;
   answer.panorama->pose = {at.x(), at.y(), best.heading_rad};
   answer.panorama->sigma = options.position_spacings * index.appearance().spacing();
@@ -76,26 +75,23 @@ void TakeBelief(const MapIndex& index, const FilterState& state, const SeriesOpt
   answer.heading.reset();
   answer.message = "several places of the map fit what was seen so far; move on";
   if (!sure) return;
-  answer.heading = Heading{best.heading_rad, best.sigma_rad, "layer"};
+  answer.heading = Heading{best.heading_rad, best.sigma_rad, HeadingFrame::kLayer};
   answer.message.clear();
 }
 
 }  // namespace
 
 void SeriesOptions::Check() const {
+  CheckFields("series", *this);
   query.Check();
   filter.Check();
-  CheckRange("position_spacings", position_spacings, 0.01, 1000);
-  CheckRange("step_spacings", step_spacings, 0.01, 1000);
-  CheckRange("max_log_odds", max_log_odds, 0.1, 100);
-  CheckRange("min_alone", min_alone, 0, 1);
 }
 
 FilterState BeliefAfter(const MapIndex& index, const std::vector<ComparedNode>& compared,
                         bool verified, const SeriesContext& context, const SeriesOptions& options) {
   std::vector<Pose2> poses;
   for (const AppearanceNode& node : index.map().appearance->nodes) poses.push_back(node.pose);
-  return UpdateBelief(poses, EvidenceOfNodes(index, compared, verified, options), context.previous,
+  return UpdateBelief(poses, CollectNodeEvidence(index, compared, verified, options), context.previous,
                       context.odometry, FilterFor(index, options))
       .state;
 }
@@ -105,9 +101,9 @@ Answer ContinueSeries(const MapIndex& index, const PanoramaQuery& query,
   options.Check();
   const std::vector<ComparedNode> compared = CompareQuery(index, query, options.query, {});
   const bool verified = query.features.has_value();
-  Answer answer = AnswerFor(index, query.signature, compared, verified, options.query);
+  Answer answer = JudgeNodes(index, query.signature, compared, verified, options.query);
   answer.belief = context.previous;
-  answer.decided_by = "series";
+  answer.decided_by = DecidedBy::kSeries;
   const AppearanceVerdict model = VerdictFor(*index.map().appearance, verified);
   if (compared.empty() ||
       AloneProbability(index, compared, 0, verified, model, options) < options.min_alone) {
@@ -131,7 +127,7 @@ Answer LocalizeInSeries(const MapIndex& index, const cv::Mat& grey, const Series
     answer = ContinueSeries(index, query, context, options);
   } catch (const MapError& error) {
     if (error.code() != ErrorCode::kBadImage) throw;
-    answer = RefusePanorama(index, error);
+    answer = RefuseImage(error);
     answer.belief = context.previous;
   }
   answer.timing.total_ms = MillisecondsSince(start);

@@ -3,27 +3,48 @@
 
 #include <optional>
 
+#include "core/base/pose2.h"
 #include "core/localization/graph_filter.h"
 #include "localizer/appearance/appearance.h"
 
 namespace waystone {
+
+// What is known of a robot when a panorama of its series comes.
+struct SeriesContext {
+  FilterState previous;  // Answer::belief of the panorama before; empty for the first
+  // The motion since then, previous_from_now in the layer's units, where it is known.
+  std::optional<Pose2> odometry;
+};
 
 struct SeriesOptions {
   PanoramaQueryOptions query;
   // Chance that the robot was carried elsewhere between two images and what a state keeps; lengths
   // are overruled by those below.
   GraphFilterOptions filter;
-  // The filter's position_deviation and, without odometry, step_deviation, in spacings of the map's
-  // nodes, 0.01 to 1000.
   double position_spacings = 1;
   double step_spacings = 3;
-  // An image's log odds for a node count at most so much, 0.1 to 100: what looks alike in one image
-  // does in the next, so that images are no independent evidence. Less takes longer to decide.
   double max_log_odds = 4;
-  // A panorama counts when its likeliest place has this probability if nothing else were like it,
-  // 0 to 1. Less lets panoramas of what isn't in the map move the belief.
   double min_alone = 0.5;
 
+  static constexpr auto Fields() {
+    using Self = SeriesOptions;
+    return std::tuple{
+        OptionGroup{"query", &Self::query},
+        OptionField{"position_spacings", &Self::position_spacings, Closed(0.01, 1000), "",
+                    "The filter's position_sigma, in spacings of the map's nodes. More lets "
+                    "neighbours share the belief."},
+        OptionField{"step_spacings", &Self::step_spacings, Closed(0.01, 1000), "",
+                    "The filter's step_sigma without odometry, in spacings of the map's nodes. More "
+                    "lets the robot move farther between two images."},
+        OptionField{"max_log_odds", &Self::max_log_odds, Closed(0.1, 100), "",
+                    "An image's log odds for a node count at most so much: what looks alike in one "
+                    "image does in the next, so that images are no independent evidence. Less takes "
+                    "longer to decide."},
+        OptionField{"min_alone", &Self::min_alone, Closed(0, 1), "",
+                    "A panorama counts when its likeliest place has this probability if nothing "
+                    "else were like it. Less lets panoramas of what isn't in the map move the "
+                    "belief."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
@@ -35,7 +56,7 @@ FilterState BeliefAfter(const MapIndex& index, const std::vector<ComparedNode>& 
 
 // The next panorama of a series: what it looks like (CompareQuery) and where the robot was before
 // (UpdateBelief), so that places that look alike are told apart as it moves. The probability is the
-// belief's around the answer, and `decided_by` is "series"; Answer::belief is what the next one is
+// belief's around the answer, and the deciding gate kSeries; Answer::belief is what the next one is
 // asked with. A panorama that looks like no place of the map is answered so and leaves the belief
 // as it was. Thread-safe, deterministic. Throws MapError(kBadOptions), and kBadRequest for a belief
 // of another map.

@@ -9,13 +9,10 @@
 #include "core/base/clock.h"
 #include "core/camera/rig.h"
 #include "localizer/appearance/appearance.h"
-#include "localizer/undecided.h"
+#include "localizer/verdict/answer.h"
 
 namespace waystone {
 namespace {
-
-constexpr int kPoses = 10;        // nodes whose relative pose is looked for
-constexpr size_t kWitnesses = 2;  // nodes that have to agree
 
 // Why a photo can't be asked for, if so.
 std::string WhyNotAnswered(const MapIndex& index, const cv::Mat& grey,
@@ -37,7 +34,7 @@ std::string WhyNotAnswered(const MapIndex& index, const cv::Mat& grey,
   return "";
 }
 
-BearingFeatures RaysOf(const cv::Mat& grey, const Camera& camera, FeatureType type,
+BearingFeatures ExtractPhotoRays(const cv::Mat& grey, const Camera& camera, FeatureType type,
                        const PanoramaQueryOptions& options) {
   BearingFeatureOptions bearings = options.features.bearings;
   bearings.features.type = type;
@@ -63,8 +60,8 @@ std::vector<ComparedNode> NodesToAsk(const MapIndex& index, const BearingFeature
 
 // The nodes whose headings of the photo agree, by the most inliers together, best first. A photo
 // that sees a single wall fits two motions to each node; two nodes seldom agree in the wrong ones.
-std::vector<ComparedNode> Agreeing(const std::vector<ComparedNode>& nodes) {
-  constexpr double kAgree_rad = 0.06;
+std::vector<ComparedNode> SelectAgreeing(const std::vector<ComparedNode>& nodes,
+                                         const PanoramaQueryOptions& options) {
   std::vector<ComparedNode> best;
   int most = 0;
   for (const ComparedNode& one : nodes) {
@@ -72,7 +69,8 @@ std::vector<ComparedNode> Agreeing(const std::vector<ComparedNode>& nodes) {
     int inliers = 0;
     for (const ComparedNode& other : nodes) {
       if (other.inliers == 0) continue;
-      if (std::abs(WrappedAngle(other.heading_rad - one.heading_rad)) > kAgree_rad) continue;
+      const double off = std::abs(WrappedAngle(other.heading_rad - one.heading_rad));
+      if (off > options.photo_agreement_rad) continue;
       agreeing.push_back(other);
       inliers += other.inliers;
     }
@@ -84,34 +82,35 @@ std::vector<ComparedNode> Agreeing(const std::vector<ComparedNode>& nodes) {
 }
 
 // The answer by the nodes that agree.
-Answer Judged(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+Answer JudgeAgreeing(const MapIndex& index, const std::vector<ComparedNode>& nodes,
               const PanoramaQueryOptions& options) {
-  if (nodes.size() >= kWitnesses) {
+  if (std::ssize(nodes) >= options.photo_witnesses) {
     PanoramaQueryOptions rays_alone = options;
     rays_alone.fine_heading = false;  // a photo has no signature
-    Answer answer = AnswerFor(index, {}, nodes, true, rays_alone);
-    answer.decided_by = "photo_features";
+    Answer answer = JudgeNodes(index, {}, nodes, true, rays_alone);
+    answer.decided_by = DecidedBy::kPhotoFeatures;
     return answer;
   }
   Answer answer;
-  answer.decided_by = "photo";
+  answer.decided_by = DecidedBy::kPhoto;
   answer.message =
       "no two panoramas of the map show enough of this photo; step back, or send a panorama";
   return answer;
 }
 
 // What comes after the features, with its times.
-Answer Ask(const MapIndex& index, const BearingFeatures& query, const LocalizeOptions& options,
-           const std::vector<bool>& left_out) {
-  if (options.TooLate()) return Undecided("extract");
+Answer AskNodes(const MapIndex& index, const BearingFeatures& query,
+                const PanoramaQueryOptions& options, const Deadline& deadline,
+                const std::vector<bool>& left_out) {
+  if (HasPassed(deadline)) return Undecided(Stage::kExtract);
   const auto start = Clock::now();
-  std::vector<ComparedNode> nodes = NodesToAsk(index, query, options.panorama, left_out);
+  std::vector<ComparedNode> nodes = NodesToAsk(index, query, options, left_out);
   const double shortlist_ms = MillisecondsSince(start);
-  PanoramaQueryOptions asked = options.panorama;
-  asked.max_poses = std::max(asked.max_poses, kPoses);
-  nodes = Agreeing(VerifyByFeatures(index, query, std::move(nodes), asked, options.deadline));
+  PanoramaQueryOptions asked = options;
+  asked.max_poses = std::max(asked.max_poses, asked.photo_poses);
+  nodes = SelectAgreeing(VerifyByFeatures(index, query, std::move(nodes), asked, deadline), options);
   Answer answer =
-      options.TooLate() ? Undecided("shortlist") : Judged(index, nodes, options.panorama);
+      HasPassed(deadline) ? Undecided(Stage::kShortlist) : JudgeAgreeing(index, nodes, options);
   answer.timing.shortlist_ms = shortlist_ms;
   answer.timing.verify_ms = MillisecondsSince(start) - shortlist_ms;
   return answer;
@@ -119,23 +118,22 @@ Answer Ask(const MapIndex& index, const BearingFeatures& query, const LocalizeOp
 
 }  // namespace
 
-Answer LocalizePhoto(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options,
-                     const std::vector<bool>& left_out) {
+Answer LocalizePhoto(const MapIndex& index, const cv::Mat& grey,
+                     const std::optional<Camera>& camera, const PanoramaQueryOptions& options,
+                     const Deadline& deadline, const std::vector<bool>& left_out) {
   options.Check();
   WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
   const auto start = Clock::now();
   Answer answer;
-  answer.decided_by = "photo";
-  answer.message = WhyNotAnswered(index, grey, options.camera);
+  answer.decided_by = DecidedBy::kPhoto;
+  answer.message = WhyNotAnswered(index, grey, camera);
   if (answer.message.empty()) {
     const BearingFeatures query =
-        RaysOf(grey, *options.camera, index.map().info.feature_type, options.panorama);
+        ExtractPhotoRays(grey, *camera, index.map().info.feature_type, options);
     const double extract_ms = MillisecondsSince(start);
-    answer = Ask(index, query, options, left_out);
+    answer = AskNodes(index, query, options, deadline, left_out);
     answer.timing.extract_ms = extract_ms;
   }
-  answer.map = index.map().info.name;
-  answer.map_version = index.map().info.version;
   answer.timing.total_ms = MillisecondsSince(start);
   return answer;
 }

@@ -12,7 +12,6 @@
 #include "core/camera/cube_faces.h"
 #include "core/camera/image_plane.h"
 #include "core/manhattan/cube_rotations.h"
-#include "localizer/appearance/appearance.h"
 #include "schema/layers/orientation/orientation_trajectory.h"
 
 namespace waystone {
@@ -30,7 +29,7 @@ struct Rays {
   std::vector<cv::Point2d> reference;
 };
 
-Rays RaysOf(const RecognisedPlane& plane, const Camera& camera, const Camera& reference,
+Rays ComputeRays(const RecognisedPlane& plane, const Camera& camera, const Camera& reference,
             size_t first, size_t step) {
   Rays rays;
   for (size_t i = first; i < plane.query_points.size(); i += step) {
@@ -44,7 +43,7 @@ Rays RaysOf(const RecognisedPlane& plane, const Camera& camera, const Camera& re
 }
 
 // Rotations reference_from_query of H = R + t n^T for which the plane lies before the camera.
-std::vector<Matrix3d> RotationsOf(const Rays& rays) {
+std::vector<Matrix3d> DecomposeRotations(const Rays& rays) {
   constexpr size_t kFewest = 8;
   if (rays.query.size() < kFewest) return {};
   const cv::Mat h = cv::findHomography(rays.query, rays.reference, 0);
@@ -82,9 +81,9 @@ void AddThroughPlane(const MapIndex& index, const RecognisedPlane& plane, const 
   const OrientationFrame* frame = index.FindFrame(keyframe.sequence, keyframe.frame);
   if (!sequence.camera || !frame || !frame->reliable) return;
   const Camera& reference = *sequence.camera;
-  const std::vector<Matrix3d> odd = RotationsOf(RaysOf(plane, camera, reference, 1, 2));
-  const std::vector<Matrix3d> even = RotationsOf(RaysOf(plane, camera, reference, 0, 2));
-  for (const Matrix3d& r : RotationsOf(RaysOf(plane, camera, reference, 0, 1))) {
+  const std::vector<Matrix3d> odd = DecomposeRotations(ComputeRays(plane, camera, reference, 1, 2));
+  const std::vector<Matrix3d> even = DecomposeRotations(ComputeRays(plane, camera, reference, 0, 2));
+  for (const Matrix3d& r : DecomposeRotations(ComputeRays(plane, camera, reference, 0, 1))) {
     // Halves of the matches differ by twice the sigma of all of them.
     const double halves = 0.5 * (NearestAngle(r, odd) + NearestAngle(r, even));
     guesses.push_back({.building_from_query = frame->rotation->building_from_rig * r,
@@ -103,7 +102,7 @@ void AddThroughNode(const MapIndex& index, const Answer& answer,
   if (!frame || !frame->reliable) return;
   const Matrix3d building_from_node = frame->rotation->building_from_rig.toRotationMatrix();
   std::optional<Matrix3d> query_from_node;
-  for (const NodeCandidate& candidate : answer.nodes) {
+  for (const NodeCandidate& candidate : answer.panorama->candidates) {
     if (candidate.node.id == id) query_from_node = candidate.query_from_node;
   }
   const double turned = answer.panorama->pose.theta_rad - node->pose.theta_rad;
@@ -137,28 +136,15 @@ const BuildingGuess* Agreed(const std::vector<BuildingGuess>& guesses, double ag
   return &*best;
 }
 
-BuildingView ViewOf(const Matrix3d& building_from_query, double sigma_rad) {
+BuildingView MakeView(const Matrix3d& building_from_query, double sigma_rad) {
   BuildingView view;
   view.building_from_query = Eigen::Quaterniond(building_from_query).normalized();
   const auto heading_rad = HeadingOf({view.building_from_query, Matrix3d::Zero()});
-  if (heading_rad) view.heading = Heading{*heading_rad, sigma_rad, "building"};
+  if (heading_rad) view.heading = Heading{*heading_rad, sigma_rad, HeadingFrame::kBuilding};
   return view;
 }
 
 }  // namespace
-
-void BuildingOptions::Check() const {
-  segments.Check();
-  circles.Check();
-  manhattan.Check();
-  const bool good = max_clear_rival >= 0 && max_clear_rival <= 1 && max_disagreement_rad > 0 &&
-                    max_disagreement_rad < std::numbers::pi / 4 && true_disagreeing > 0 &&
-                    true_disagreeing < 1;
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "building: an option is out of its range; leave them at their defaults");
-  }
-}
 
 std::vector<BuildingGuess> GuessRotation(const MapIndex& index, const Answer& answer,
                                          const std::optional<Camera>& camera) {
@@ -166,7 +152,7 @@ std::vector<BuildingGuess> GuessRotation(const MapIndex& index, const Answer& an
   if (answer.panorama) {
     AddThroughNode(index, answer, guesses);
   } else if (camera) {
-    for (const RecognisedPlane& plane : answer.planes) {
+    for (const RecognisedPlane& plane : answer.planes.recognised) {
       AddThroughPlane(index, plane, *camera, guesses);
     }
   }
@@ -188,19 +174,19 @@ BuildingView ViewBuilding(const std::vector<BuildingGuess>& guesses, const Manha
       const Matrix3d building_from_query = axes.rig_from_axes.transpose();
       const Matrix3d covariance =
           building_from_query * axes.covariance * building_from_query.transpose();
-      view = ViewOf(building_from_query, std::sqrt(covariance(2, 2)));
+      view = MakeView(building_from_query, std::sqrt(covariance(2, 2)));
       view.lines = axes.lines;
     }
     view.disagreement_rad = disagreement_rad;
     return view;
   }
   if (const BuildingGuess* agreed = Agreed(guesses, 0.5 * options.max_disagreement_rad)) {
-    view = ViewOf(agreed->building_from_query, agreed->sigma_rad);
+    view = MakeView(agreed->building_from_query, agreed->sigma_rad);
   }
   return view;
 }
 
-ManhattanFrame LinesOf(const cv::Mat& grey, const std::optional<Camera>& camera,
+ManhattanFrame DetectLines(const cv::Mat& grey, const std::optional<Camera>& camera,
                        const BuildingOptions& options) {
   constexpr int kFaceShare = 4;
   const int face_px = std::max(1, grey.cols / kFaceShare);
@@ -218,52 +204,41 @@ ManhattanFrame LinesOf(const cv::Mat& grey, const std::optional<Camera>& camera,
 
 // Bayes: axes of wrong places disagree by anything up to an eighth of a turn, and each guess is a
 // chance to agree.
-void JudgeByAxes(int guesses, const LocalizeOptions& options, Answer& answer) {
-  const double limit = options.building.max_disagreement_rad;
+void JudgeByAxes(int guesses, double min_probability, const BuildingOptions& options,
+                 Answer& answer) {
+  const double limit = options.max_disagreement_rad;
   const double disagreement_rad = answer.building->disagreement_rad.value_or(0);
   if (disagreement_rad <= limit) return;
   const double agree_by_chance = std::min(1.0, guesses * limit / (std::numbers::pi / 4));
-  const double right = answer.probability * options.building.true_disagreeing;
+  const double right = answer.probability * options.true_disagreeing;
   const double wrong = (1 - answer.probability) * (1 - agree_by_chance);
   answer.probability = right / (right + wrong);
-  const double needed =
-      answer.panorama ? options.panorama.min_probability : options.gates.min_probability;
-  if (answer.probability >= needed) return;
+  if (answer.probability >= min_probability) return;
   const auto degrees = std::lround(disagreement_rad * 180 / std::numbers::pi);
   answer.verdict = Verdict::kNotInMap;
-  answer.decided_by = "building_axes";
-  answer.keyframe.reset();
+  answer.decided_by = DecidedBy::kBuildingAxes;
+  answer.planes.keyframe.reset();
   answer.heading.reset();
-  answer.planes.clear();
+  answer.planes.recognised.clear();
   answer.message = "the place fits, but the image's lines are turned by " +
                    std::to_string(degrees) +
                    " degrees against the building there; send another image";
 }
 
-namespace {
-
-// The camera of the query; nothing for panoramas, which need none, and for images that aren't the
-// camera's: of several images of a request only the first has to be.
-std::optional<Camera> CameraOf(const cv::Mat& grey, const LocalizeOptions& options,
-                               const Answer& answer) {
-  if (!options.camera || (answer.panorama && IsPanoramic(grey.size()))) return std::nullopt;
-  const bool fits = grey.cols == options.camera->width && grey.rows == options.camera->height;
-  return fits ? options.camera : std::nullopt;
-}
-
-}  // namespace
-
-void AddBuilding(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options,
-                 bool with_lines, Answer& answer) {
+void AddBuilding(const MapIndex& index, const cv::Mat& grey, const BuildingQuery& query,
+                 const BuildingOptions& options, Answer& answer) {
   if (!index.map().orientation || answer.verdict != Verdict::kLocalized) return;
-  const std::optional<Camera> camera = CameraOf(grey, options, answer);
+  // Of several images of a request only the first has to be the camera's.
+  const bool fits =
+      query.camera && grey.cols == query.camera->width && grey.rows == query.camera->height;
+  const std::optional<Camera> camera = fits ? query.camera : std::nullopt;
   const std::vector<BuildingGuess> guesses = GuessRotation(index, answer, camera);
   if (guesses.empty()) return;
   const ManhattanFrame lines =
-      with_lines ? LinesOf(grey, camera, options.building) : ManhattanFrame{};
-  answer.building = ViewBuilding(guesses, lines, options.building);
+      query.with_lines ? DetectLines(grey, camera, options) : ManhattanFrame{};
+  answer.building = ViewBuilding(guesses, lines, options);
   if (!answer.panorama) answer.heading = answer.building->heading;
-  JudgeByAxes(static_cast<int>(guesses.size()), options, answer);
+  JudgeByAxes(static_cast<int>(guesses.size()), query.min_probability, options, answer);
 }
 
 }  // namespace waystone

@@ -8,9 +8,9 @@
 
 #include "core/camera/rig.h"
 #include "core/manhattan/manhattan_frame.h"
-#include "localizer/answer.h"
-#include "localizer/map_index.h"
-#include "localizer/options.h"
+#include "localizer/verdict/answer.h"
+#include "localizer/index/map_index.h"
+#include "localizer/orientation/building_options.h"
 
 // What the map's orientation layer and the query's own lines say of a camera's rotation in the
 // building (Puig et al. 2012, sec. II-A), once the place is known.
@@ -40,19 +40,26 @@ BuildingView ViewBuilding(const std::vector<BuildingGuess>& guesses, const Manha
 
 // The query's lines: of one camera, or of the six faces of a panorama without one. Throws
 // MapError(kBadImage) for an image that hasn't the camera's size.
-ManhattanFrame LinesOf(const cv::Mat& grey, const std::optional<Camera>& camera,
-                       const BuildingOptions& options);
+ManhattanFrame DetectLines(const cv::Mat& grey, const std::optional<Camera>& camera,
+                           const BuildingOptions& options);
 
-// The gate "building_axes": an answer whose axes disagree by more than the options' bound is less
+// The gate kBuildingAxes: an answer whose axes disagree by more than the options' bound is less
 // probable, since of true places options.true_disagreeing disagree and of wrong ones as many as
-// chance has it, and kNotInMap where that is too little. `guesses` had a chance to agree. The
-// answer is localized and has `building`. Pure.
-void JudgeByAxes(int guesses, const LocalizeOptions& options, Answer& answer);
+// chance has it, and kNotInMap where that is less than `min_probability`. `guesses` had a chance to
+// agree. The answer is localized and has `building`. Pure.
+void JudgeByAxes(int guesses, double min_probability, const BuildingOptions& options,
+                 Answer& answer);
+
+// What AddBuilding knows of a query besides its image.
+struct BuildingQuery {
+  std::optional<Camera> camera;  // nothing for a panorama; one of another size isn't used
+  bool with_lines = true;        // whether lines are detected, which takes as long as features
+  double min_probability = 0.9;  // that the answer's layer asks for
+};
 
 // Adds to a localized answer the rotation in the building and judges it by the axes. Leaves others,
-// all of maps without the layer, and photos of another size than options.camera's, as they are.
-// Lines are looked for only where `with_lines`.
-void AddBuilding(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options,
-                 bool with_lines, Answer& answer);
+// and all of maps without the layer, as they are.
+void AddBuilding(const MapIndex& index, const cv::Mat& grey, const BuildingQuery& query,
+                 const BuildingOptions& options, Answer& answer);
 
 }  // namespace waystone

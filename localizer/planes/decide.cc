@@ -38,7 +38,7 @@ namespace {
 
 // A plane joins a place when it disagrees with none of its planes and is near one of them.
 bool Joins(const MapIndex& index, const Place& place, const VerifiedPlane& candidate,
-           const LocalizeOptions& options) {
+           const PlaneQueryOptions& options) {
   bool near = false;
   for (const VerifiedPlane& member : place.planes) {
     const std::optional<bool> agree = PlanesAgree(index, member, candidate, options);
@@ -109,17 +109,17 @@ std::string Percent(double share) {
 
 // Not in the map: names the gate that stopped the best plane and what would have passed it.
 Answer Refuse(const MapIndex& index, const Features& query, int shortlisted,
-              const std::vector<VerifiedPlane>& tried, const LocalizeOptions& options) {
+              const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options) {
   Answer answer;
   answer.verdict = Verdict::kNotInMap;
   if (query.size() < options.gates.min_inliers) {
-    answer.decided_by = "features";
+    answer.decided_by = DecidedBy::kFeatures;
     answer.message = "the image has " + std::to_string(query.size()) +
                      " features; send a sharper one or one with more to see";
     return answer;
   }
   if (tried.empty()) {
-    answer.decided_by = shortlisted == 0 ? "shortlist_votes" : "homography_inliers";
+    answer.decided_by = shortlisted == 0 ? DecidedBy::kShortlistVotes : DecidedBy::kHomographyInliers;
     answer.message = shortlisted == 0 ? "no plane of the map looks like anything in the image"
                                       : "none of the " + std::to_string(shortlisted) +
                                             " planes that look alike fits the image";
@@ -130,9 +130,9 @@ Answer Refuse(const MapIndex& index, const Features& query, int shortlisted,
                         [](const auto& a, const auto& b) { return a.distinct < b.distinct; });
   Place place;
   AddTo(index, place, best);
-  answer.runner_up = Candidate(index, place, query);
+  answer.planes.runner_up = Candidate(index, place, query);
   answer.probability = place.probability;
-  answer.decided_by = best.accepted ? "place_probability" : "homography_inliers";
+  answer.decided_by = best.accepted ? DecidedBy::kPlaceProbability : DecidedBy::kHomographyInliers;
   answer.message = "the best plane, " + std::to_string(PlaneOf(index, best).id.value) + ", has " +
                    std::to_string(best.distinct) + " inliers of " + std::to_string(best.matches) +
                    " matches: " + Percent(place.probability) + " sure, " +
@@ -143,15 +143,15 @@ Answer Refuse(const MapIndex& index, const Features& query, int shortlisted,
 Answer Describe(const MapIndex& index, const Features& query, const Place& place) {
   Answer answer;
   answer.verdict = Verdict::kLocalized;
-  answer.decided_by = "homography_inliers";
+  answer.decided_by = DecidedBy::kHomographyInliers;
   answer.probability = place.probability;
-  answer.keyframe = RefTo(index, NearestKeyframe(index, place, query));
+  answer.planes.keyframe = RefTo(index, NearestKeyframe(index, place, query));
   std::set<PlaneId> present;
   for (const VerifiedPlane& plane : place.planes) present.insert(PlaneOf(index, plane).id);
   for (const VerifiedPlane& plane : place.planes) {
-    answer.planes.push_back(Recognised(index, query, plane, present));
+    answer.planes.recognised.push_back(Recognised(index, query, plane, present));
   }
-  std::stable_sort(answer.planes.begin(), answer.planes.end(),
+  std::stable_sort(answer.planes.recognised.begin(), answer.planes.recognised.end(),
                    [](const auto& a, const auto& b) { return a.inliers > b.inliers; });
   return answer;
 }
@@ -159,7 +159,7 @@ Answer Describe(const MapIndex& index, const Features& query, const Place& place
 // What was considered, for those who ask why.
 void Account(const MapIndex& index, const Features& query, const std::vector<Place>& places,
              Answer& answer) {
-  for (const Place& place : places) answer.candidates.push_back(Candidate(index, place, query));
+  for (const Place& place : places) answer.planes.candidates.push_back(Candidate(index, place, query));
 }
 
 }  // namespace
@@ -174,7 +174,7 @@ bool AreNear(const MapIndex& index, const Place& a, const Place& b) {
 }
 
 std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane> accepted,
-                               const LocalizeOptions& options) {
+                               const PlaneQueryOptions& options) {
   std::stable_sort(accepted.begin(), accepted.end(),
                    [](const auto& a, const auto& b) { return a.distinct > b.distinct; });
   std::vector<Place> places;
@@ -206,7 +206,7 @@ KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Feat
 }
 
 Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
-              const std::vector<VerifiedPlane>& tried, const LocalizeOptions& options) {
+              const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options) {
   std::vector<VerifiedPlane> accepted;
   for (const VerifiedPlane& plane : tried) {
     if (plane.accepted) accepted.push_back(plane);
@@ -220,17 +220,17 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
   Answer answer = Describe(index, query, places.front());
   Account(index, query, places, answer);
   if (places.size() < 2) return answer;
-  answer.runner_up = Candidate(index, places[1], query);
+  answer.planes.runner_up = Candidate(index, places[1], query);
   const bool alike =
       places[1].evidence.inliers >= options.gates.ambiguous_share * places.front().evidence.inliers;
   if (!alike || AreNear(index, places[0], places[1])) return answer;
   answer.verdict = Verdict::kAmbiguous;
-  answer.decided_by = "ambiguous_places";
-  answer.keyframe.reset();
+  answer.decided_by = DecidedBy::kAmbiguousPlaces;
+  answer.planes.keyframe.reset();
   answer.message = "two places look alike; move a little and ask again";
   for (const Place& place : places) {
     if (place.evidence.inliers >= options.gates.ambiguous_share * places.front().evidence.inliers) {
-      answer.places.push_back(Candidate(index, place, query));
+      answer.planes.places.push_back(Candidate(index, place, query));
     }
   }
   return answer;

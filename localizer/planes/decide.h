@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "localizer/answer.h"
+#include "localizer/verdict/answer.h"
 #include "localizer/planes/verify.h"
 #include "localizer/verdict/verdict_model.h"
 
@@ -23,7 +23,7 @@ bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b);
 // Groups accepted planes into places, best first. Planes of one place were seen together and agree
 // through their homology, or are neighbours in the graph.
 std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane> accepted,
-                               const LocalizeOptions& options);
+                               const PlaneQueryOptions& options);
 
 // The same for two places: whether planes of both are near each other.
 bool AreNear(const MapIndex& index, const Place& a, const Place& b);
@@ -35,6 +35,6 @@ KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Feat
 // The verdict for all planes that were tried, accepted or not, of `shortlisted` ones, with
 // everything an answer says about places. Times, names and map are the caller's.
 Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
-              const std::vector<VerifiedPlane>& tried, const LocalizeOptions& options);
+              const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options);
 
 }  // namespace waystone

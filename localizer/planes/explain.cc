@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "core/base/check.h"
 #include "localizer/planes/decide.h"
 
 namespace waystone {
@@ -28,7 +27,7 @@ void Fill(const Plane& plane, const Features& query, const VerifiedPlane& verifi
   }
 }
 
-ExplainedPlace PlaceOf(const MapIndex& index, const Features& query, const Place& place) {
+ExplainedPlace ExplainPlace(const MapIndex& index, const Features& query, const Place& place) {
   ExplainedPlace out;
   out.nearest = NearestKeyframe(index, place, query);
   for (const VerifiedPlane& member : place.planes) {
@@ -40,8 +39,8 @@ ExplainedPlace PlaceOf(const MapIndex& index, const Features& query, const Place
   return out;
 }
 
-std::vector<Place> PlacesOf(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
-                            const LocalizeOptions& options) {
+std::vector<Place> GroupAccepted(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
+                            const PlaneQueryOptions& options) {
   std::vector<VerifiedPlane> accepted;
   for (const VerifiedPlane& plane : tried) {
     if (plane.accepted) accepted.push_back(plane);
@@ -59,30 +58,12 @@ int PlaceWith(const std::vector<ExplainedPlace>& places, PlaneId plane) {
 
 }  // namespace
 
-const char* NameOf(Gate gate) {
-  switch (gate) {
-    case Gate::kPassed:
-      return "passed";
-    case Gate::kSettled:
-      return "settled";
-    case Gate::kNoHomography:
-      return "no_homography";
-    case Gate::kMinInliers:
-      return "min_inliers";
-    case Gate::kMinInlierShare:
-      return "min_inlier_share";
-    case Gate::kMaxScale:
-      return "max_scale";
-  }
-  WS_CHECK(false, "unknown gate");
-}
-
 Explanation Explain(const MapIndex& index, const Features& query,
                     const std::vector<ShortlistedPlane>& shortlist,
-                    const std::vector<VerifiedPlane>& tried, const LocalizeOptions& options) {
+                    const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options) {
   Explanation explanation{query.width, query.height, query.size(), options.gates, {}, {}};
-  for (const Place& place : PlacesOf(index, tried, options)) {
-    explanation.places.push_back(PlaceOf(index, query, place));
+  for (const Place& place : GroupAccepted(index, tried, options)) {
+    explanation.places.push_back(ExplainPlace(index, query, place));
   }
   const VerifiedPlane* best = nullptr;  // of those accepted so far, as in TryPlanes
   for (const ShortlistedPlane& listed : shortlist) {

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/features/features.h"
-#include "localizer/map_index.h"
-#include "localizer/options.h"
-#include "localizer/planes/explanation.h"
+#include "localizer/index/map_index.h"
+#include "localizer/planes/plane_query_options.h"
+#include "localizer/verdict/explanation.h"
 #include "localizer/planes/shortlist.h"
 #include "localizer/planes/verify.h"
 
@@ -16,6 +16,6 @@ namespace waystone {
 // options. Groups the places anew, which costs well under a millisecond. Deterministic.
 Explanation Explain(const MapIndex& index, const Features& query,
                     const std::vector<ShortlistedPlane>& shortlist,
-                    const std::vector<VerifiedPlane>& tried, const LocalizeOptions& options);
+                    const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options);
 
 }  // namespace waystone

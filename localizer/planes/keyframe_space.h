@@ -5,7 +5,7 @@
 
 #include "core/camera/camera.h"
 #include "core/homography/plane_in_space.h"
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
 
 namespace waystone {
 

@@ -6,7 +6,7 @@
 namespace waystone {
 
 std::vector<ShortlistedPlane> ShortlistPlanes(const MapIndex& index, const Features& query,
-                                              const LocalizeOptions& options) {
+                                              const PlaneQueryOptions& options) {
   const int k = options.votes_per_feature;
   const std::vector<Neighbour> nearest =
       index.search().Nearest(query.descriptors, k, options.probes);

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "localizer/map_index.h"
-#include "localizer/options.h"
+#include "localizer/index/map_index.h"
+#include "localizer/planes/plane_query_options.h"
 
 namespace waystone {
 
@@ -17,6 +17,6 @@ struct ShortlistedPlane {
 // Planes by descriptor votes, most votes first, at most options.max_candidates of them. Every query
 // feature votes once for each plane among its nearest descriptors.
 std::vector<ShortlistedPlane> ShortlistPlanes(const MapIndex& index, const Features& query,
-                                              const LocalizeOptions& options);
+                                              const PlaneQueryOptions& options);
 
 }  // namespace waystone

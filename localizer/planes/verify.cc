@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "localizer/planes/decide.h"
+
 namespace waystone {
 namespace {
 
@@ -52,7 +54,7 @@ Gate FirstFailedGate(const VerifiedPlane& verified, const Features& query,
 }  // namespace
 
 std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeatures& packed,
-                                         int plane, const LocalizeOptions& options) {
+                                         int plane, const PlaneQueryOptions& options) {
   const Features& query = packed.features;
   const Plane& target = index.map().planes[plane];
   const std::vector<Match> matches =
@@ -85,8 +87,36 @@ std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeat
   return verified;
 }
 
+bool IsBeaten(const MapIndex& index, const ShortlistedPlane& candidate, const VerifiedPlane& best,
+              const PlaneQueryOptions& options) {
+  if (best.distinct < options.settled_inliers) return false;
+  if (candidate.votes >= options.settled_share * best.distinct) return false;
+  const std::vector<Plane>& planes = index.map().planes;
+  return !PlanesAreNear(index, planes[best.plane], planes[candidate.plane]);
+}
+
+std::vector<VerifiedPlane> TryPlanes(const MapIndex& index, const Features& query,
+                                     const std::vector<ShortlistedPlane>& shortlist,
+                                     const PlaneQueryOptions& options, const Deadline& deadline) {
+  const PackedFeatures packed(query);
+  std::vector<VerifiedPlane> tried;
+  int best = -1;  // of those that were accepted
+  for (const ShortlistedPlane& candidate : shortlist) {
+    if (HasPassed(deadline)) break;
+    if (best >= 0 && IsBeaten(index, candidate, tried[best], options)) continue;
+    auto verified = VerifyPlane(index, packed, candidate.plane, options);
+    if (!verified) continue;
+    tried.push_back(std::move(*verified));
+    if (!tried.back().accepted) continue;
+    if (best < 0 || tried.back().distinct > tried[best].distinct) {
+      best = static_cast<int>(tried.size()) - 1;
+    }
+  }
+  return tried;
+}
+
 std::optional<bool> PlanesAgree(const MapIndex& index, const VerifiedPlane& m,
-                                const VerifiedPlane& n, const LocalizeOptions& options) {
+                                const VerifiedPlane& n, const PlaneQueryOptions& options) {
   const std::vector<PlaneView>& views_m = index.map().planes[m.plane].views;
   const std::vector<PlaneView>& views_n = index.map().planes[n.plane].views;
   bool compared = false;

@@ -5,9 +5,10 @@
 #include <vector>
 
 #include "core/homography/homography.h"
-#include "localizer/map_index.h"
-#include "localizer/options.h"
-#include "localizer/planes/explanation.h"
+#include "localizer/index/map_index.h"
+#include "localizer/planes/plane_query_options.h"
+#include "localizer/verdict/deadline.h"
+#include "localizer/verdict/explanation.h"
 #include "localizer/planes/shortlist.h"
 
 namespace waystone {
@@ -35,22 +36,23 @@ struct PackedFeatures {
 // The homography between a query and one plane by RANSAC, with its acceptance test. Nothing when
 // there is no homography at all.
 std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeatures& query,
-                                         int plane, const LocalizeOptions& options);
+                                         int plane, const PlaneQueryOptions& options);
 
 // Whether a plane that settled where the query is makes it pointless to try a candidate.
 bool IsBeaten(const MapIndex& index, const ShortlistedPlane& candidate, const VerifiedPlane& best,
-              const LocalizeOptions& options);
+              const PlaneQueryOptions& options);
 
-// The homographies of the shortlisted planes, in their order. Planes elsewhere are left out once
-// one has settled where the query is (LocalizeOptions::settled_inliers).
+// The homographies of the shortlisted planes, in their order, until the deadline. Planes elsewhere
+// are left out once one has settled where the query is (PlaneQueryOptions::settled_inliers).
 std::vector<VerifiedPlane> TryPlanes(const MapIndex& index, const Features& query,
                                      const std::vector<ShortlistedPlane>& shortlist,
-                                     const LocalizeOptions& options);
+                                     const PlaneQueryOptions& options,
+                                     const Deadline& deadline = {});
 
 // Whether two recognised planes agree: seen together in a keyframe, the homographies from the query
 // to that keyframe through either plane must form a valid homology (sec. II-B). Nothing when no
 // keyframe saw both, so that they can't be compared.
 std::optional<bool> PlanesAgree(const MapIndex& index, const VerifiedPlane& m,
-                                const VerifiedPlane& n, const LocalizeOptions& options);
+                                const VerifiedPlane& n, const PlaneQueryOptions& options);
 
 }  // namespace waystone

@@ -1,30 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/localize_service.h"
 
-#include <chrono>
 #include <optional>
 #include <utility>
 
+#include "api/request_answer_json.h"
 #include "core/base/error.h"
-#include "server/http/request_answer.h"
+#include "localizer/session.h"
+#include "server/http/localize_request.h"
 #include "server/http/responses.h"
 
 namespace waystone {
 namespace {
 
-void RefuseMapsOwn(const LocalizeRequest& request) {
-  if (request.prior_keyframe || !request.previous.is_null() || request.stored_camera ||
-      !request.odometry.empty()) {
-    throw MapError(
-        ErrorCode::kBadRequest,
-        "camera, prior, previous and odometry are of one map; ask /v1/maps/{map}/localize");
+void RefuseMapsOwn(const QueryRequest& request) {
+  if (!request.prior_keyframe && !request.previous && !request.stored_camera &&
+      request.odometry.empty()) {
+    return;
   }
-}
-
-void CheckPrior(const LocalizeRequest& request, const MapIndex& index) {
-  if (!request.prior_keyframe || index.FindKeyframe(KeyframeId{*request.prior_keyframe})) return;
-  throw MapError(ErrorCode::kBadRequest,
-                 "prior: the map has no keyframe " + std::to_string(*request.prior_keyframe));
+  throw MapError(
+      ErrorCode::kBadRequest,
+      "camera, prior, previous and odometry are of one map; ask /v1/maps/{map}/localize");
 }
 
 }  // namespace
@@ -43,29 +39,22 @@ void LocalizeService::AddTo(Router& router) {
 }
 
 HttpResponse LocalizeService::Answer(const HttpRequest& http, const ServedMaps& maps, bool across) {
-  const LocalizeRequest request = ReadLocalizeRequest(http, limits_);
-  if (across) {
-    RefuseMapsOwn(request);
-  } else {
-    CheckPrior(request, maps.front()->index());
-  }
-  const std::optional<Camera> camera =
-      CameraFor(request, maps.front()->index().map(), request.images.front());
-  LocalizeOptions options = options_;
-  options.explain = request.debug;
-  options.camera = camera;
-  if (request.deadline_ms) {
-    options.deadline =
-        std::chrono::steady_clock::now() + std::chrono::milliseconds(*request.deadline_ms);
-  }
+  QueryRequest request = ReadQueryRequest(http, limits_);
+  if (across) RefuseMapsOwn(request);
+  std::vector<QueriedMap> queried;
+  for (const auto& map : maps) queried.push_back({map->name(), map->shared_index()});
+  const Session session(std::move(request), std::move(queried), options_);
   RequestAnswer answer;
   {
-    const std::optional<QueryGate::Turn> turn = gate_.Enter(options.deadline);
-    answer = turn ? AnswerRequest(request, maps, options) : LateAnswer(request, maps);
+    const std::optional<QueryGate::Turn> turn = gate_.Enter(session.deadline());
+    answer = turn ? session.Ask() : session.TimeOutInQueue();
   }
   metrics_.CountAnswer(OverallAnswer(answer));
-  const Json json = ToJson(request, answer, across, camera);
-  if (log_) log_->Add(http.id, across ? Json(nullptr) : Json(maps.front()->name()), request, json);
+  const Json json = ToJson(session, answer, across);
+  if (log_) {
+    log_->Add(http.id, across ? Json(nullptr) : Json(maps.front()->name()), session.request(),
+              json);
+  }
   return JsonResponse(json);
 }
 

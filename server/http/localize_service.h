@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+#include <vector>
+
+#include "api/query_request_json.h"
 #include "localizer/options.h"
-#include "server/http/localize_request.h"
 #include "server/http/map_catalog.h"
 #include "server/http/metrics.h"
 #include "server/http/query_gate.h"
@@ -30,8 +33,9 @@ class LocalizeService {
   void AddTo(Router& router);
 
  private:
-  HttpResponse Answer(const HttpRequest& http,
-                      const std::vector<std::shared_ptr<const ServedMap>>& maps, bool across);
+  using ServedMaps = std::vector<std::shared_ptr<const ServedMap>>;
+
+  HttpResponse Answer(const HttpRequest& http, const ServedMaps& maps, bool across);
 
   const MapCatalog& catalog_;
   QueryGate& gate_;

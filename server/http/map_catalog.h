@@ -6,7 +6,7 @@
 #include <mutex>
 #include <string>
 
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
 
 namespace waystone {
 
@@ -21,6 +21,7 @@ class ServedMap {
 
   const std::string& name() const { return name_; }  // what URLs call it
   const MapIndex& index() const { return *index_; }
+  const std::shared_ptr<const MapIndex>& shared_index() const { return index_; }
   const std::string& version() const { return index_->map().info.version; }
   // Takes seconds the first time, on all cores.
   const AuditReport& Audit() const;

@@ -102,7 +102,8 @@ void Metrics::CountAnswer(const Answer& answer) {
   impl_->Observe("shortlist", answer.timing.shortlist_ms);
   impl_->Observe("verify", answer.timing.verify_ms);
   impl_->Observe("total", answer.timing.total_ms);
-  if (!answer.planes.empty()) impl_->inliers.Observe(answer.planes.front().inliers);
+  const std::vector<RecognisedPlane>& planes = answer.planes.recognised;
+  if (!planes.empty()) impl_->inliers.Observe(planes.front().inliers);
 }
 
 void Metrics::CountReload(bool good) {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "localizer/answer.h"
+#include "localizer/verdict/answer.h"
 #include "server/http/query_gate.h"
 
 namespace waystone {

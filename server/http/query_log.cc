@@ -6,17 +6,16 @@
 #include <array>
 #include <chrono>
 #include <fstream>
-#include <iterator>
 #include <utility>
+#include <vector>
 
+#include "api/logged_query.h"
 #include "core/base/error.h"
 
 namespace waystone {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kLines = "queries.jsonl";
 
 std::string Sha256Hex(const std::string& bytes) {
   std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
@@ -39,27 +38,6 @@ int64_t BytesIn(const fs::path& folder) {
   return bytes;
 }
 
-std::string ReadWhole(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw MapError(ErrorCode::kFileUnreadable, path.string() + " can't be read");
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-LoggedQuery ParseLine(const fs::path& folder, const std::string& line) {
-  const Json json = Json::parse(line);
-  LoggedQuery query;
-  query.id = json.at("id").get<std::string>();
-  query.map = json.at("map");
-  query.answer = json.at("answer");
-  query.request = ParseRequestObject(json.at("request"), {});
-  for (const Json& image : json.at("images")) {
-    // The name alone: a log from elsewhere must not read files beside it.
-    const fs::path file = fs::path(image.at("file").get<std::string>()).filename();
-    query.request.images.push_back({image.at("name").get<std::string>(), ReadWhole(folder / file)});
-  }
-  return query;
-}
-
 }  // namespace
 
 QueryLog::QueryLog(fs::path folder, int64_t max_bytes,
@@ -69,28 +47,22 @@ QueryLog::QueryLog(fs::path folder, int64_t max_bytes,
   if (fs::create_directories(folder_, error)) {
     fs::permissions(folder_, fs::perms::owner_all, error);
   }
-  if (!std::ofstream(folder_ / kLines, std::ios::app)) {
+  if (!std::ofstream(folder_ / kQueryLogLines, std::ios::app)) {
     throw MapError(ErrorCode::kFileUnwritable,
                    folder_.string() + " can't be written; choose another --query-log");
   }
   bytes_ = BytesIn(folder_);
 }
 
-void QueryLog::Add(const std::string& id, const Json& map, const LocalizeRequest& request,
+void QueryLog::Add(const std::string& id, const Json& map, const QueryRequest& request,
                    const Json& answer) {
   const std::lock_guard lock(mutex_);
   if (full_) return;
-  Json line = {{"id", id},
-               {"time_s", SecondsSinceEpoch()},
-               {"map", map},
-               {"request", RequestObject(request)},
-               {"images", Json::array()}};
-  for (const QueryImage& image : request.images) {
-    line["images"].push_back({{"name", image.name}, {"file", Store(image.bytes)}});
-  }
-  line["answer"] = answer;
-  const std::string text = Dump(line) + "\n";
-  std::ofstream out(folder_ / kLines, std::ios::app | std::ios::binary);
+  std::vector<std::string> files;
+  for (const QueryImage& image : request.images) files.push_back(Store(image.bytes));
+  const std::string text =
+      Dump(LoggedQueryJson({id, map, request, answer}, SecondsSinceEpoch(), files)) + "\n";
+  std::ofstream out(folder_ / kQueryLogLines, std::ios::app | std::ios::binary);
   if (!(out << text).flush()) on_error_("the query log " + folder_.string() + " can't be written");
   bytes_ += static_cast<int64_t>(text.size());
   full_ = bytes_ >= max_bytes_;
@@ -106,28 +78,6 @@ std::string QueryLog::Store(const std::string& bytes) {
   }
   bytes_ += static_cast<int64_t>(bytes.size());
   return name;
-}
-
-std::vector<LoggedQuery> ReadQueryLog(const fs::path& folder) {
-  std::ifstream in(folder / kLines, std::ios::binary);
-  if (!in) {
-    throw MapError(ErrorCode::kFileUnreadable,
-                   (folder / kLines).string() +
-                       " can't be read; give the folder of `waystone serve --query-log`");
-  }
-  std::vector<LoggedQuery> queries;
-  int number = 0;
-  for (std::string line; std::getline(in, line);) {
-    ++number;
-    try {
-      queries.push_back(ParseLine(folder, line));
-    } catch (const Json::exception&) {
-      throw MapError(ErrorCode::kBadRequest, (folder / kLines).string() + ", line " +
-                                                 std::to_string(number) +
-                                                 " is no query; take the line out");
-    }
-  }
-  return queries;
 }
 
 }  // namespace waystone

@@ -6,16 +6,14 @@
 #include <functional>
 #include <mutex>
 #include <string>
-#include <vector>
 
-#include "server/http/localize_request.h"
+#include "api/json.h"
+#include "localizer/query.h"
 
 namespace waystone {
 
-// What was asked, for asking it again (`waystone replay`): a folder with queries.jsonl, one object
-// a query {id, time, map, request, images: [{name, file}], answer}, and the images' bytes, each
-// once, in files named by their SHA-256. `map` is null for a query across all maps. Thread-safe.
-// The folder holds photos of people's rooms: it is made for its owner alone.
+// Writes what was asked, for asking it again (api/logged_query.h has the format). Thread-safe. The
+// folder holds photos of people's rooms: it is made for its owner alone.
 class QueryLog {
  public:
   // Makes the folder. Writes nothing more once it holds `max_bytes`; `on_error` hears of that and
@@ -23,7 +21,7 @@ class QueryLog {
   QueryLog(std::filesystem::path folder, int64_t max_bytes,
            std::function<void(const std::string&)> on_error);
 
-  void Add(const std::string& id, const Json& map, const LocalizeRequest& request,
+  void Add(const std::string& id, const Json& map, const QueryRequest& request,
            const Json& answer);
 
  private:
@@ -36,16 +34,5 @@ class QueryLog {
   int64_t bytes_ = 0;
   bool full_ = false;
 };
-
-// One line of a log, with its images read back.
-struct LoggedQuery {
-  std::string id;
-  Json map;
-  LocalizeRequest request;
-  Json answer;
-};
-
-// All queries of a log in their order. Throws MapError: kFileUnreadable; kBadRequest with the line.
-std::vector<LoggedQuery> ReadQueryLog(const std::filesystem::path& folder);
 
 }  // namespace waystone

@@ -69,8 +69,8 @@ TEST(Appearance, InterpolatesBetweenNodesAndTellsTheHeading) {
     ASSERT_TRUE(answer.panorama);
     EXPECT_LT(Apart(answer.panorama->pose, truth), 0.35);
     EXPECT_LT(std::abs(WrappedAngle(answer.panorama->pose.theta_rad - truth.theta_rad)), 0.1);
-    EXPECT_EQ(answer.decided_by, "panorama_signature");
-    EXPECT_EQ(answer.nodes.size(), 8U);
+    EXPECT_EQ(answer.decided_by, DecidedBy::kPanoramaSignature);
+    EXPECT_EQ(answer.panorama->candidates.size(), 8U);
   }
 }
 
@@ -83,7 +83,7 @@ TEST(Appearance, FeaturesIntersectDirections) {
     EXPECT_LT(std::abs(WrappedAngle(answer.panorama->pose.theta_rad - truth.theta_rad)), 0.02);
     ASSERT_TRUE(answer.heading);
     EXPECT_LT(answer.heading->sigma_rad, 0.05);
-    EXPECT_GT(answer.nodes.front().inliers, 20);
+    EXPECT_GT(answer.panorama->candidates.front().inliers, 20);
   }
 }
 
@@ -119,7 +119,7 @@ TEST(Appearance, LocalizeAsksTheLayerThatFits) {
   cv::imencode(".png", cv::Mat(480, 640, CV_8UC1, cv::Scalar(90)), bytes);
   const Answer photo = Localize(Grid(false), bytes, "photo.png", {});
   EXPECT_EQ(photo.verdict, Verdict::kNotInMap);
-  EXPECT_EQ(photo.decided_by, "photo");
+  EXPECT_EQ(photo.decided_by, DecidedBy::kPhoto);
 }
 
 TEST(Appearance, ASeriesIsAtLeastAsSureAsItsImages) {
@@ -132,7 +132,7 @@ TEST(Appearance, ASeriesIsAtLeastAsSureAsItsImages) {
     const Answer answer = ContinueSeries(Grid(true), query, context, options);
     context = {answer.belief, Pose2{0.1, 0, 0}};
     EXPECT_LT(Apart(answer.panorama->pose, truth), 0.5);
-    EXPECT_EQ(answer.decided_by, "series");
+    EXPECT_EQ(answer.decided_by, DecidedBy::kSeries);
     last = answer.probability;
   }
   EXPECT_GT(last, 0.9);
@@ -209,10 +209,8 @@ TEST(Appearance, APhotoIsFoundByWhatItSeesOrRefused) {
   const auto photo = [&](const World& world, const Pose2& at) {
     return renderer.Render(world, WorldFromCamera({at.x, at.y, kHeight_m}, at.theta_rad)).grey;
   };
-  LocalizeOptions options;
-  options.camera = camera;
   for (const Pose2& truth : kQueries) {
-    const Answer answer = LocalizePhoto(Grid(true), photo(Rooms(), truth), options);
+    const Answer answer = LocalizePhoto(Grid(true), photo(Rooms(), truth), camera, {});
     EXPECT_EQ(answer.verdict, Verdict::kLocalized) << answer.message << answer.probability;
     ASSERT_TRUE(answer.panorama && answer.heading);
     EXPECT_LT(Apart(answer.panorama->pose, truth), 0.3);
@@ -221,14 +219,14 @@ TEST(Appearance, APhotoIsFoundByWhatItSeesOrRefused) {
   WorldOptions other = TestOptions();
   other.seed = 99;
   const World elsewhere(DemoPlan(), other);
-  EXPECT_EQ(LocalizePhoto(Grid(true), photo(elsewhere, {3, 3, 0.2}), options).verdict,
+  EXPECT_EQ(LocalizePhoto(Grid(true), photo(elsewhere, {3, 3, 0.2}), camera, {}).verdict,
             Verdict::kNotInMap);
   const cv::Mat image = photo(Rooms(), kQueries[0]);
-  EXPECT_NE(LocalizePhoto(Grid(true), image, {}).message.find("field of view"), std::string::npos);
-  EXPECT_NE(LocalizePhoto(Grid(false), image, options).message.find("--node-features"),
+  EXPECT_NE(LocalizePhoto(Grid(true), image, {}, {}).message.find("field of view"), std::string::npos);
+  EXPECT_NE(LocalizePhoto(Grid(false), image, camera, {}).message.find("--node-features"),
             std::string::npos);
-  options.camera = PinholeCamera(100, 80, 1);
-  EXPECT_NE(LocalizePhoto(Grid(true), image, options).message.find("unscaled"), std::string::npos);
+  const Camera small = PinholeCamera(100, 80, 1);
+  EXPECT_NE(LocalizePhoto(Grid(true), image, small, {}).message.find("unscaled"), std::string::npos);
 }
 
 TEST(Appearance, APhotoPassesOverNodesThatAreLeftOut) {
@@ -238,11 +236,11 @@ TEST(Appearance, APhotoPassesOverNodesThatAreLeftOut) {
   const cv::Mat photo = renderer.Render(Rooms(), WorldFromCamera({1.9, 1.7, kHeight_m}, -2.5)).grey;
   std::vector<bool> left_out(9, false);
   left_out[4] = true;
-  const Answer answer = LocalizePhoto(Grid(true), photo, options, left_out);
+  const Answer answer = LocalizePhoto(Grid(true), photo, options.camera, {}, {}, left_out);
   EXPECT_EQ(answer.verdict, Verdict::kLocalized);
-  for (const NodeCandidate& node : answer.nodes) EXPECT_NE(node.node.id.value, 5);
+  for (const NodeCandidate& node : answer.panorama->candidates) EXPECT_NE(node.node.id.value, 5);
   left_out.assign(9, true);
-  EXPECT_EQ(LocalizePhoto(Grid(true), photo, options, left_out).verdict, Verdict::kNotInMap);
+  EXPECT_EQ(LocalizePhoto(Grid(true), photo, options.camera, {}, {}, left_out).verdict, Verdict::kNotInMap);
 }
 
 TEST(Appearance, ADeadlineThatPassedLeavesAPhotoUndecided) {
@@ -250,18 +248,17 @@ TEST(Appearance, ADeadlineThatPassedLeavesAPhotoUndecided) {
   options.camera = PinholeCamera(480, 360, 1.4);
   const Renderer renderer(*options.camera);
   const cv::Mat photo = renderer.Render(Rooms(), WorldFromCamera({1.9, 1.7, kHeight_m}, -2.5)).grey;
-  const Answer without = LocalizePhoto(Grid(true), photo, options);
+  const Answer without = LocalizePhoto(Grid(true), photo, options.camera, {}, options.deadline);
   options.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
   const Answer early = LocalizeImage(Grid(true), photo, options);
-  EXPECT_EQ(early.stage, "decide");
+  EXPECT_EQ(early.last_stage, Stage::kDecide);
   EXPECT_EQ(early.verdict, Verdict::kLocalized);
   EXPECT_EQ(early.probability, without.probability);
   options.deadline = std::chrono::steady_clock::now();
-  const Answer late = LocalizePhoto(Grid(true), photo, options);
+  const Answer late = LocalizePhoto(Grid(true), photo, options.camera, {}, options.deadline);
   EXPECT_EQ(late.verdict, Verdict::kUndecided);
-  EXPECT_EQ(late.stage, "extract");
-  EXPECT_EQ(late.decided_by, "deadline");
-  EXPECT_EQ(late.map, "rooms");
+  EXPECT_EQ(late.last_stage, Stage::kExtract);
+  EXPECT_EQ(late.decided_by, DecidedBy::kDeadline);
   EXPECT_FALSE(late.panorama);
 }
 

@@ -72,7 +72,7 @@ TEST(Building, OneGuessOfEachPlaneIsTheTruth) {
   const auto index = MapIndex::Build(map);
   const MadePose pose = PoseOf(2.5);
   const Answer answer = Asked(*index, map, pose);
-  ASSERT_EQ(answer.planes.size(), 2u);
+  ASSERT_EQ(answer.planes.recognised.size(), 2u);
   const auto guesses = GuessRotation(*index, answer, MadeCamera());
   ASSERT_GE(guesses.size(), 2u);
   EXPECT_LE(guesses.size(), 4u) << "a homography allows two";
@@ -101,9 +101,8 @@ TEST(Building, PhotosThatArentTheCamerasGoWithout) {
   const MapData map = OrientedMap();
   const auto index = MapIndex::Build(map);
   Answer answer = Asked(*index, map, PoseOf(2.5));
-  LocalizeOptions options;
-  options.camera = MadeCamera();
-  AddBuilding(*index, cv::Mat(240, 320, CV_8UC1, cv::Scalar(90)), options, true, answer);
+  const BuildingQuery query{.camera = MadeCamera()};
+  AddBuilding(*index, cv::Mat(240, 320, CV_8UC1, cv::Scalar(90)), query, {}, answer);
   EXPECT_FALSE(answer.building.has_value());
   EXPECT_EQ(answer.verdict, Verdict::kLocalized);
 }
@@ -114,10 +113,9 @@ TEST(Building, WidePhotosHaveACameraToo) {
   const auto index = MapIndex::Build(map);
   const MadePose pose = PoseOf(2.5);
   Answer answer = Asked(*index, map, pose);
-  LocalizeOptions options;
-  options.camera = MadeCamera();
-  options.camera->height = 320;
-  AddBuilding(*index, cv::Mat(320, 640, CV_8UC1, cv::Scalar(90)), options, true, answer);
+  BuildingQuery query{.camera = MadeCamera()};
+  query.camera->height = 320;
+  AddBuilding(*index, cv::Mat(320, 640, CV_8UC1, cv::Scalar(90)), query, {}, answer);
   ASSERT_TRUE(answer.building.has_value());
   EXPECT_LT(RotationAngle(answer.building->building_from_query.toRotationMatrix(), Truth(pose)),
             2 * kDegree);
@@ -134,7 +132,7 @@ TEST(Building, LinesSettleTheRotationUpToItsQuarterTurn) {
   const Vector3d ahead = truth * Vector3d::UnitZ();
   EXPECT_NEAR(view.heading->rad, std::atan2(ahead.y(), ahead.x()), 1e-6);
   EXPECT_NEAR(view.heading->sigma_rad, 1e-3, 1e-4);
-  EXPECT_EQ(view.heading->of, "building");
+  EXPECT_EQ(view.heading->frame, HeadingFrame::kBuilding);
   EXPECT_NEAR(*view.disagreement_rad, 3 * kDegree, 1e-6);
   EXPECT_EQ(view.lines[0] + view.lines[1] + view.lines[2], 60);
 }
@@ -151,27 +149,26 @@ Answer Localized(double probability, double disagreement_rad) {
   Answer answer;
   answer.verdict = Verdict::kLocalized;
   answer.probability = probability;
-  answer.keyframe.emplace();
+  answer.planes.keyframe.emplace();
   answer.building.emplace();
   answer.building->disagreement_rad = disagreement_rad;
   return answer;
 }
 
 TEST(BuildingAxes, RefuseWhatIsNotSureEnoughToDisagree) {
-  const LocalizeOptions options;
   Answer agreeing = Localized(0.95, 0.05);
-  JudgeByAxes(1, options, agreeing);
+  JudgeByAxes(1, 0.9, {}, agreeing);
   EXPECT_EQ(agreeing.verdict, Verdict::kLocalized);
   EXPECT_EQ(agreeing.probability, 0.95);
   Answer disagreeing = Localized(0.95, 0.4);
-  JudgeByAxes(1, options, disagreeing);
+  JudgeByAxes(1, 0.9, {}, disagreeing);
   EXPECT_EQ(disagreeing.verdict, Verdict::kNotInMap);
-  EXPECT_EQ(disagreeing.decided_by, "building_axes");
+  EXPECT_EQ(disagreeing.decided_by, DecidedBy::kBuildingAxes);
   EXPECT_LT(disagreeing.probability, 0.9);
-  EXPECT_FALSE(disagreeing.keyframe.has_value());
+  EXPECT_FALSE(disagreeing.planes.keyframe.has_value());
   EXPECT_FALSE(disagreeing.message.empty());
   Answer sure = Localized(0.9999, 0.4);
-  JudgeByAxes(1, options, sure);
+  JudgeByAxes(1, 0.9, {}, sure);
   EXPECT_EQ(sure.verdict, Verdict::kLocalized) << "lines are wrong at times, too";
   EXPECT_LT(sure.probability, 0.9999);
 }
@@ -187,15 +184,15 @@ TEST(Building, LinesOfRenderedImages) {
   const Camera around{CameraModel::kEquirectangular, 960, 480, {}};
   const cv::Mat panorama = Render(world, around, pose).grey;
   const Matrix3d truth = pose.linear().transpose();
-  const ManhattanFrame of_photo = LinesOf(photo, camera, {});
+  const ManhattanFrame of_photo = DetectLines(photo, camera, {});
   EXPECT_LT(CubeAngle(of_photo.rig_from_axes, truth), 1 * kDegree);
-  const ManhattanFrame of_panorama = LinesOf(panorama, std::nullopt, {});
+  const ManhattanFrame of_panorama = DetectLines(panorama, std::nullopt, {});
   EXPECT_LT(CubeAngle(of_panorama.rig_from_axes, truth), 1 * kDegree);
 }
 
 TEST(Building, OptionsOutOfRangeAreRefused) {
-  LocalizeOptions options;
-  options.building.max_disagreement_rad = 1;
+  BuildingOptions options;
+  options.max_disagreement_rad = 1;
   EXPECT_THROW(options.Check(), MapError);
 }
 

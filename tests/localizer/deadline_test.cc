@@ -28,10 +28,10 @@ TEST(Deadline, ThatPassedLeavesAQueryUndecided) {
   const LocalizeOptions late = WithDeadline(std::chrono::milliseconds(-1));
   const Answer answer = LocalizeFeatures(*index, QueryOf(map, {1, 2}, PoseOf(2), 200, 1), late);
   EXPECT_EQ(answer.verdict, Verdict::kUndecided);
-  EXPECT_EQ(answer.stage, "shortlist");
-  EXPECT_EQ(answer.decided_by, "deadline");
+  EXPECT_EQ(answer.last_stage, Stage::kShortlist);
+  EXPECT_EQ(answer.decided_by, DecidedBy::kDeadline);
   EXPECT_EQ(answer.map, "made");
-  EXPECT_EQ(Localize(*index, FlatImage(), "q", late).stage, "decode");
+  EXPECT_EQ(Localize(*index, FlatImage(), "q", late).last_stage, Stage::kDecode);
   EXPECT_EQ(Localize(*index, {}, "q", late).verdict, Verdict::kBadImage);
 }
 
@@ -43,8 +43,8 @@ TEST(Deadline, ThatIsFarChangesNothingButTheStage) {
       LocalizeFeatures(*index, query, WithDeadline(std::chrono::milliseconds(3'600'000)));
   const Answer without = LocalizeFeatures(*index, query, {});
   EXPECT_EQ(with.verdict, Verdict::kLocalized);
-  EXPECT_EQ(with.stage, "decide");
-  EXPECT_EQ(without.stage, "");
+  EXPECT_EQ(with.last_stage, Stage::kDecide);
+  EXPECT_EQ(without.last_stage, std::nullopt);
   EXPECT_EQ(with.probability, without.probability);
 }
 
@@ -53,7 +53,7 @@ TEST(Answer, TellsWhatWasConsidered) {
   const auto index = MapIndex::Build(map);
   const Answer answer = LocalizeFeatures(*index, QueryOf(map, {1, 2}, PoseOf(2), 200, 1), {});
   ASSERT_FALSE(answer.candidates.empty());
-  EXPECT_EQ(answer.candidates[0].keyframe.id, answer.keyframe->id);
+  EXPECT_EQ(answer.planes.candidates[0].keyframe.id, answer.planes.keyframe->id);
   EXPECT_EQ(answer.candidates[0].probability, answer.probability);
 }
 

@@ -23,7 +23,7 @@ TEST(ShortlistPlanes, MostVotedFirstAndOnlyWithEnoughVotes) {
   const MapData map = MadeMap();
   const auto index = MapIndex::Build(map);
   const Features query = QueryOf(map, {1, 2}, PoseOf(2), 0, 1);
-  LocalizeOptions options;
+  PlaneQueryOptions options;
   options.votes_per_feature = 1;
   const std::vector<ShortlistedPlane> planes = ShortlistPlanes(*index, query, options);
   ASSERT_EQ(planes.size(), 2u);
@@ -38,7 +38,7 @@ TEST(ShortlistPlanes, AFeatureVotesOnceForAPlane) {
   const MapData map = MadeMap();
   const auto index = MapIndex::Build(map);
   const Features query = QueryOf(map, {1}, PoseOf(1), 0, 2);
-  LocalizeOptions options;
+  PlaneQueryOptions options;
   options.votes_per_feature = 50;
   options.min_votes = 1;
   for (const ShortlistedPlane& plane : ShortlistPlanes(*index, query, options)) {
@@ -49,7 +49,7 @@ TEST(ShortlistPlanes, AFeatureVotesOnceForAPlane) {
 TEST(ShortlistPlanes, MaxCandidatesBoundsIt) {
   const MapData map = MadeMap();
   const auto index = MapIndex::Build(map);
-  LocalizeOptions options;
+  PlaneQueryOptions options;
   options.min_votes = 1;
   const Features query = QueryOf(map, {2}, PoseOf(2), 300, 3);
   EXPECT_EQ(ShortlistPlanes(*index, query, options).size(), 4u);
@@ -80,7 +80,7 @@ TEST(VerifyPlane, RefusesAScaleBeyondTheGate) {
     keypoint.x_px *= 3;
     keypoint.y_px *= 3;
   }
-  LocalizeOptions options;
+  PlaneQueryOptions options;
   EXPECT_TRUE(VerifyPlane(*index, PackedFeatures(query), 0, options)->accepted);
   options.gates.max_scale = 2.5;
   EXPECT_FALSE(VerifyPlane(*index, PackedFeatures(query), 0, options)->accepted);

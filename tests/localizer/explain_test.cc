@@ -16,8 +16,8 @@ class ExplainTest : public testing::Test {
   Explanation Ask(const Features& query, LocalizeOptions options = {}) {
     options.explain = true;
     answer_ = LocalizeFeatures(*index_, query, options);
-    EXPECT_TRUE(answer_.explanation.has_value());
-    return answer_.explanation.value_or(Explanation{});
+    EXPECT_TRUE(answer_.planes.explanation.has_value());
+    return answer_.planes.explanation.value_or(Explanation{});
   }
 
   MapData map_ = MadeMap();
@@ -27,7 +27,7 @@ class ExplainTest : public testing::Test {
 
 TEST_F(ExplainTest, NothingUnlessAsked) {
   const Features query = QueryOf(map_, {1, 2}, PoseOf(2), 0, 1);
-  EXPECT_FALSE(LocalizeFeatures(*index_, query, {}).explanation.has_value());
+  EXPECT_FALSE(LocalizeFeatures(*index_, query, {}).planes.explanation.has_value());
 }
 
 TEST_F(ExplainTest, AgreesWithTheAnswer) {
@@ -37,7 +37,7 @@ TEST_F(ExplainTest, AgreesWithTheAnswer) {
   EXPECT_EQ(why.width, 640);
   EXPECT_EQ(why.features, query.size());
   ASSERT_FALSE(why.places.empty());
-  EXPECT_EQ(why.places[0].nearest, answer_.keyframe->id);
+  EXPECT_EQ(why.places[0].nearest, answer_.planes.keyframe->id);
   EXPECT_EQ(why.places[0].probability, answer_.probability);
   EXPECT_EQ(why.places[0].planes.size(), answer_.planes.size());
   for (const RecognisedPlane& plane : answer_.planes) {
@@ -55,14 +55,14 @@ TEST_F(ExplainTest, AgreesWithTheAnswer) {
 TEST_F(ExplainTest, NamesTheFirstGateThatStopped) {
   const Features query = QueryOf(map_, {1, 2}, PoseOf(2), 300, 1);
   LocalizeOptions options;
-  options.min_votes = 1;
-  options.gates.min_inliers = 1000;
+  options.planes.min_votes = 1;
+  options.planes.gates.min_inliers = 1000;
   for (const ExplainedCandidate& c : Ask(query, options).candidates) {
     EXPECT_TRUE(c.stopped_by == Gate::kMinInliers || c.stopped_by == Gate::kNoHomography);
     EXPECT_EQ(c.place, -1);
   }
-  options.gates.min_inliers = 8;
-  options.gates.min_inlier_share = 1;
+  options.planes.gates.min_inliers = 8;
+  options.planes.gates.min_inlier_share = 1;
   const Explanation why = Ask(query, options);
   EXPECT_TRUE(std::any_of(why.candidates.begin(), why.candidates.end(),
                           [](const auto& c) { return c.stopped_by == Gate::kMinInlierShare; }));
@@ -72,18 +72,18 @@ TEST_F(ExplainTest, SaysWhatWasNotTriedOnceSettled) {
   // Two walls of the first surrounding; plane 4 is elsewhere and gets stray votes.
   const Features query = QueryOf(map_, {1, 2}, PoseOf(2), 0, 1);
   LocalizeOptions options;
-  options.min_votes = 1;
-  options.votes_per_feature = 2;
-  options.settled_inliers = 10;
-  options.settled_share = 0.7;
+  options.planes.min_votes = 1;
+  options.planes.votes_per_feature = 2;
+  options.planes.settled_inliers = 10;
+  options.planes.settled_share = 0.7;
   const Explanation why = Ask(query, options);
   const auto it = std::find_if(why.candidates.begin(), why.candidates.end(),
                                [](const auto& c) { return c.plane == PlaneId{4}; });
   ASSERT_NE(it, why.candidates.end());
   EXPECT_EQ(it->matches, 0);
   EXPECT_EQ(it->stopped_by, Gate::kSettled);
-  options.settled_share = 0;
-  options.settled_inliers = 1'000'000;
+  options.planes.settled_share = 0;
+  options.planes.settled_inliers = 1'000'000;
   for (const ExplainedCandidate& c : Ask(query, options).candidates) {
     EXPECT_NE(c.stopped_by, Gate::kSettled) << c.plane.value;
   }

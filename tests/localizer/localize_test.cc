@@ -27,10 +27,10 @@ std::string TextOf(const Answer& answer) {
         << ref.time_s.value_or(-1) << "\n";
   };
   out << NameOf(answer.verdict) << " " << answer.probability << " " << answer.image << " "
-      << answer.map << " " << answer.map_version << " " << answer.decided_by << " "
+      << answer.map << " " << answer.map_version << " " << NameOf(answer.decided_by) << " "
       << answer.message << "\n";
-  if (answer.keyframe) keyframe(*answer.keyframe);
-  for (const RecognisedPlane& plane : answer.planes) {
+  if (answer.planes.keyframe) keyframe(*answer.planes.keyframe);
+  for (const RecognisedPlane& plane : answer.planes.recognised) {
     out << plane.id.value << " " << plane.inliers << "\n" << plane.reference_from_query << "\n";
     keyframe(plane.reference);
     for (PlaneId id : plane.expect_next) out << id.value << " ";
@@ -38,8 +38,8 @@ std::string TextOf(const Answer& answer) {
       for (const Vector2d& x : *points) out << x.transpose() << " ";
     }
   }
-  std::vector<PlaceCandidate> places = answer.places;
-  if (answer.runner_up) places.push_back(*answer.runner_up);
+  std::vector<PlaceCandidate> places = answer.planes.places;
+  if (answer.planes.runner_up) places.push_back(*answer.planes.runner_up);
   for (const PlaceCandidate& place : places) {
     out << place.probability << " " << place.inliers << " ";
     keyframe(place.keyframe);
@@ -49,13 +49,13 @@ std::string TextOf(const Answer& answer) {
 
 std::vector<int64_t> PlaneIdsOf(const Answer& answer) {
   std::vector<int64_t> ids;
-  for (const RecognisedPlane& plane : answer.planes) ids.push_back(plane.id.value);
+  for (const RecognisedPlane& plane : answer.planes.recognised) ids.push_back(plane.id.value);
   std::sort(ids.begin(), ids.end());
   return ids;
 }
 
 const RecognisedPlane& PlaneWithId(const Answer& answer, int64_t id) {
-  return *std::find_if(answer.planes.begin(), answer.planes.end(),
+  return *std::find_if(answer.planes.recognised.begin(), answer.planes.recognised.end(),
                        [&](const auto& plane) { return plane.id.value == id; });
 }
 
@@ -85,17 +85,17 @@ TEST(LocalizeFeatures, FindsThePlanesAndTheirHomographies) {
         LocalizeFeatures(*index, QueryOf(map, {1, 2}, pose, 200, seed), LocalizeOptions{});
     ASSERT_EQ(answer.verdict, Verdict::kLocalized) << answer.message << ", seed " << seed;
     EXPECT_EQ(PlaneIdsOf(answer), (std::vector<int64_t>{1, 2})) << "seed " << seed;
-    for (const RecognisedPlane& plane : answer.planes) {
+    for (const RecognisedPlane& plane : answer.planes.recognised) {
       EXPECT_LT(LargestError(plane, pose), 0.5) << "plane " << plane.id.value << ", seed " << seed;
       EXPECT_GE(plane.inliers, 50);
       EXPECT_EQ(plane.query_points.size(), static_cast<size_t>(plane.inliers));
       EXPECT_EQ(plane.reference_points.size(), plane.query_points.size());
       EXPECT_EQ(plane.reference.id, KeyframeId{1});
     }
-    EXPECT_GE(answer.planes[0].inliers, answer.planes[1].inliers) << "most inliers first";
+    EXPECT_GE(answer.planes.recognised[0].inliers, answer.planes.recognised[1].inliers) << "most inliers first";
     EXPECT_GT(answer.probability, 0.99);
     EXPECT_LE(answer.probability, 1);
-    EXPECT_TRUE(answer.places.empty());
+    EXPECT_TRUE(answer.planes.places.empty());
     EXPECT_EQ(answer.map, "made");
     EXPECT_EQ(answer.map_version, "sha256:0");
   }
@@ -106,12 +106,12 @@ TEST(LocalizeFeatures, TheOutlineIsThatOfThePlaneInTheQuery) {
   const auto index = MapIndex::Build(map);
   const MadePose pose = PoseOf(2);
   const Answer answer = LocalizeFeatures(*index, QueryOf(map, {1}, pose, 50, 1), {});
-  ASSERT_EQ(answer.planes.size(), 1u);
+  ASSERT_EQ(answer.planes.recognised.size(), 1u);
   const Eigen::Matrix3d query_from_reference = ReferenceFromQuery(1, pose).inverse();
-  ASSERT_EQ(answer.planes[0].outline.size(), map.planes[0].outline.size());
+  ASSERT_EQ(answer.planes.recognised[0].outline.size(), map.planes[0].outline.size());
   for (size_t i = 0; i < map.planes[0].outline.size(); ++i) {
     const Vector2d corner = Apply(query_from_reference, map.planes[0].outline[i]);
-    EXPECT_LT((answer.planes[0].outline[i] - corner).norm(), 1.0) << i;
+    EXPECT_LT((answer.planes.recognised[0].outline[i] - corner).norm(), 1.0) << i;
   }
 }
 
@@ -122,11 +122,11 @@ TEST(LocalizeFeatures, TheNearestKeyframeIsNamed) {
     for (double off : {-0.3, 0.0, 0.3}) {
       const Features query = QueryOf(map, {1, 2}, PoseOf(keyframe + off), 100, 3);
       const Answer answer = LocalizeFeatures(*index, query, {});
-      ASSERT_TRUE(answer.keyframe) << keyframe << " " << off;
-      EXPECT_EQ(answer.keyframe->id, KeyframeId{keyframe}) << off;
-      EXPECT_EQ(answer.keyframe->sequence, "walk");
-      EXPECT_EQ(answer.keyframe->source, "rgb/" + std::to_string(10 * keyframe) + ".jpg");
-      EXPECT_EQ(answer.keyframe->time_s, 0.5 * keyframe);
+      ASSERT_TRUE(answer.planes.keyframe) << keyframe << " " << off;
+      EXPECT_EQ(answer.planes.keyframe->id, KeyframeId{keyframe}) << off;
+      EXPECT_EQ(answer.planes.keyframe->sequence, "walk");
+      EXPECT_EQ(answer.planes.keyframe->source, "rgb/" + std::to_string(10 * keyframe) + ".jpg");
+      EXPECT_EQ(answer.planes.keyframe->time_s, 0.5 * keyframe);
     }
   }
 }
@@ -152,9 +152,9 @@ TEST(LocalizeFeatures, RandomFeaturesAreNotInTheMap) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     const Answer answer = LocalizeFeatures(*index, QueryOf(map, {}, PoseOf(1), 800, seed), {});
     EXPECT_EQ(answer.verdict, Verdict::kNotInMap) << "seed " << seed;
-    EXPECT_FALSE(answer.keyframe);
-    EXPECT_TRUE(answer.planes.empty());
-    EXPECT_FALSE(answer.decided_by.empty());
+    EXPECT_FALSE(answer.planes.keyframe);
+    EXPECT_TRUE(answer.planes.recognised.empty());
+    EXPECT_NE(answer.decided_by, DecidedBy::kNone);
     EXPECT_FALSE(answer.message.empty());
     EXPECT_LT(answer.probability, 0.5);
   }
@@ -173,7 +173,7 @@ TEST(LocalizeFeatures, TheRightDescriptorsInDisorderAreNotInTheMap) {
     }
     const Answer answer = LocalizeFeatures(*index, query, {});
     EXPECT_EQ(answer.verdict, Verdict::kNotInMap) << "seed " << seed;
-    EXPECT_EQ(answer.decided_by, "homography_inliers");
+    EXPECT_EQ(answer.decided_by, DecidedBy::kHomographyInliers);
   }
 }
 
@@ -184,13 +184,13 @@ TEST(LocalizeFeatures, TooFewFeaturesAreNotInTheMap) {
   for (int count : {0, 1, 3, 4, 5, 7}) {
     const Answer answer = LocalizeFeatures(*index, FirstFeatures(whole, count), {});
     EXPECT_EQ(answer.verdict, Verdict::kNotInMap) << count;
-    EXPECT_EQ(answer.decided_by, "features") << count;
+    EXPECT_EQ(answer.decided_by, DecidedBy::kFeatures) << count;
     EXPECT_NE(answer.message.find(std::to_string(count)), std::string::npos) << answer.message;
   }
   // Enough for a plane but not for a place.
   const Answer few = LocalizeFeatures(*index, FirstFeatures(whole, 8), {});
   EXPECT_EQ(few.verdict, Verdict::kNotInMap);
-  EXPECT_EQ(few.decided_by, "place_probability");
+  EXPECT_EQ(few.decided_by, DecidedBy::kPlaceProbability);
   ASSERT_TRUE(few.runner_up);
   EXPECT_LE(few.runner_up->inliers, 8);
   EXPECT_LT(few.probability, 0.9);
@@ -204,7 +204,7 @@ TEST(LocalizeFeatures, AMapWithoutPlanesKnowsNoPlace) {
   const auto index = MapIndex::Build(std::move(empty));
   const Answer answer = LocalizeFeatures(*index, QueryOf(MadeMap(), {1}, PoseOf(1), 50, 8), {});
   EXPECT_EQ(answer.verdict, Verdict::kNotInMap);
-  EXPECT_EQ(answer.decided_by, "shortlist_votes");
+  EXPECT_EQ(answer.decided_by, DecidedBy::kShortlistVotes);
 }
 
 // One corner of the image, however many features it gives, is one piece of evidence.
@@ -228,14 +228,14 @@ TEST(LocalizeFeatures, TwoFarPlanesThatLookAlikeAreAmbiguous) {
   const auto index = MapIndex::Build(map);
   const Answer answer = LocalizeFeatures(*index, QueryOf(map, {1}, PoseOf(2), 100, 10), {});
   EXPECT_EQ(answer.verdict, Verdict::kAmbiguous);
-  EXPECT_EQ(answer.decided_by, "ambiguous_places");
-  EXPECT_FALSE(answer.keyframe);
-  ASSERT_EQ(answer.places.size(), 2u);
+  EXPECT_EQ(answer.decided_by, DecidedBy::kAmbiguousPlaces);
+  EXPECT_FALSE(answer.planes.keyframe);
+  ASSERT_EQ(answer.planes.places.size(), 2u);
   std::vector<int64_t> keyframes;
-  for (const PlaceCandidate& place : answer.places) keyframes.push_back(place.keyframe.id.value);
+  for (const PlaceCandidate& place : answer.planes.places) keyframes.push_back(place.keyframe.id.value);
   std::sort(keyframes.begin(), keyframes.end());
   EXPECT_EQ(keyframes, (std::vector<int64_t>{2, 6}));
-  EXPECT_GE(answer.places[0].inliers, answer.places[1].inliers);
+  EXPECT_GE(answer.planes.places[0].inliers, answer.planes.places[1].inliers);
 }
 
 // What else is seen settles it: the place with the right wall has more evidence.
@@ -245,8 +245,8 @@ TEST(LocalizeFeatures, ASecondPlaneTellsAlikePlacesApart) {
   const Answer answer = LocalizeFeatures(*index, QueryOf(map, {1, 2}, PoseOf(2), 100, 11), {});
   EXPECT_EQ(answer.verdict, Verdict::kLocalized);
   EXPECT_EQ(PlaneIdsOf(answer), (std::vector<int64_t>{1, 2}));
-  ASSERT_TRUE(answer.runner_up);
-  EXPECT_EQ(answer.runner_up->keyframe.id, KeyframeId{6});
+  ASSERT_TRUE(answer.planes.runner_up);
+  EXPECT_EQ(answer.planes.runner_up->keyframe.id, KeyframeId{6});
 }
 
 // Two posters in one room: wherever it is of the two, the place is the same.
@@ -300,8 +300,8 @@ TEST(LocalizeFeatures, TheOrderOfTheFeaturesDoesNotMatter) {
     const Answer other = LocalizeFeatures(*index, Shuffled(query, seed), {});
     EXPECT_EQ(one.verdict, other.verdict) << "seed " << seed;
     ASSERT_EQ(PlaneIdsOf(one), PlaneIdsOf(other)) << "seed " << seed;
-    ASSERT_TRUE(one.keyframe && other.keyframe);
-    EXPECT_EQ(one.keyframe->id, other.keyframe->id);
+    ASSERT_TRUE(one.planes.keyframe && other.planes.keyframe);
+    EXPECT_EQ(one.planes.keyframe->id, other.planes.keyframe->id);
     EXPECT_EQ(one.decided_by, other.decided_by);
     EXPECT_NEAR(one.probability, other.probability, 1e-6);
     for (const RecognisedPlane& plane : one.planes) {
@@ -338,12 +338,12 @@ TEST(Localize, BytesThatAreNoImageAreABadImage) {
                                  "\xff\xd8\xff\xe0 a JPEG that is cut off"}) {
     const Answer answer = Localize(*index, Bytes(text), "q.jpg", {});
     EXPECT_EQ(answer.verdict, Verdict::kBadImage) << text;
-    EXPECT_EQ(answer.decided_by, "bad_image");
+    EXPECT_EQ(answer.decided_by, DecidedBy::kBadImage);
     EXPECT_EQ(answer.image, "q.jpg");
     EXPECT_EQ(answer.map, "made");
     EXPECT_FALSE(answer.message.empty());
     EXPECT_EQ(answer.message.find('\n'), std::string::npos);
-    EXPECT_FALSE(answer.keyframe);
+    EXPECT_FALSE(answer.planes.keyframe);
   }
 }
 
@@ -352,14 +352,14 @@ TEST(Localize, AnImageOverTheLimitIsABadImage) {
   options.limits.max_pixels = 64 * 48 - 1;
   const Answer answer = Localize(*MadeIndex(), FlatImage(64, 48), "large.pgm", options);
   EXPECT_EQ(answer.verdict, Verdict::kBadImage);
-  EXPECT_EQ(answer.decided_by, "image_too_large");
+  EXPECT_EQ(answer.decided_by, DecidedBy::kImageTooLarge);
   EXPECT_EQ(answer.image, "large.pgm");
 }
 
 TEST(Localize, APlainImageIsNotInTheMap) {
   const Answer answer = Localize(*MadeIndex(), FlatImage(64, 48), "wall.pgm", {});
   EXPECT_EQ(answer.verdict, Verdict::kNotInMap);
-  EXPECT_EQ(answer.decided_by, "features");
+  EXPECT_EQ(answer.decided_by, DecidedBy::kFeatures);
   EXPECT_EQ(answer.image, "wall.pgm");
   EXPECT_GE(answer.timing.total_ms, answer.timing.decode_ms);
 }

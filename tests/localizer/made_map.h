@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
 
 namespace waystone {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
 
 #include <gtest/gtest.h>
 
@@ -132,7 +132,7 @@ MapData LargeMap() {
 
 std::vector<int> InliersOf(const Answer& answer) {
   std::vector<int> inliers;
-  for (const RecognisedPlane& plane : answer.planes) inliers.push_back(plane.inliers);
+  for (const RecognisedPlane& plane : answer.planes.recognised) inliers.push_back(plane.inliers);
   return inliers;
 }
 
@@ -146,7 +146,7 @@ TEST(MapIndex, AStoredIndexAndOneMadeOnOpeningAnswerTheSame) {
   EXPECT_EQ(made->search().lists(), stored->search().lists());
   EXPECT_FALSE(stored->map().index) << "it is in memory twice";
   LocalizeOptions exhaustive;
-  exhaustive.probes = stored->search().lists();
+  exhaustive.planes.probes = stored->search().lists();
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     const Features query = QueryOf(map, {1, 2}, PoseOf(1.5), 200, seed);
     const Answer answer = LocalizeFeatures(*stored, query, {});

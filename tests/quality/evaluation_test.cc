@@ -18,10 +18,10 @@ class EvaluationTest : public testing::Test {
     query.answer.verdict = verdict;
     query.answer.probability = probability;
     const KeyframeRef ref{KeyframeId{place}, "walk", "", std::nullopt};
-    if (verdict == Verdict::kLocalized) query.answer.keyframe = ref;
-    if (verdict == Verdict::kAmbiguous) query.answer.places.push_back({ref, probability, 20});
+    if (verdict == Verdict::kLocalized) query.answer.planes.keyframe = ref;
+    if (verdict == Verdict::kAmbiguous) query.answer.planes.places.push_back({ref, probability, 20});
     if (verdict == Verdict::kNotInMap && place > 0) {
-      query.answer.runner_up = PlaceCandidate{ref, probability, 10};
+      query.answer.planes.runner_up = PlaceCandidate{ref, probability, 10};
     }
     return query;
   }

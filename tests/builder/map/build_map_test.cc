@@ -98,7 +98,7 @@ TEST(BuildMap, AFrameBetweenKeyframesIsLocalizedBesideThem) {
     ++asked;
     const Answer answer = LocalizeImage(*index, TheStage().frames[frame], {});
     if (answer.verdict != Verdict::kLocalized) continue;
-    near += std::abs(index->FindKeyframe(answer.keyframe->id)->frame - frame) <= 12;
+    near += std::abs(index->FindKeyframe(answer.planes.keyframe->id)->frame - frame) <= 12;
   }
   ASSERT_GT(asked, 5);
   EXPECT_GE(near, asked - 1);

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "api/logged_query.h"
 #include "core/base/error.h"
-#include "server/http/query_log.h"
 #include "tests/server/http/made_map.h"
 
 namespace waystone {

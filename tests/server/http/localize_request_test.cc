@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <numbers>
 #include <string>
 
@@ -15,12 +14,12 @@ namespace {
 
 using Query = std::map<std::string, std::string>;
 
-LocalizeRequest Read(const std::string& type, const std::string& body, const Query& query = {}) {
+QueryRequest Read(const std::string& type, const std::string& body, const Query& query = {}) {
   HttpRequest request;
   request.query = query;
   request.header = [&](const std::string&) { return type; };
   request.read_body = [&] { return body; };
-  return ReadLocalizeRequest(request, {.max_images = 3});
+  return ReadQueryRequest(request, {.max_images = 3});
 }
 
 ErrorCode CodeOf(const std::string& type, const std::string& body, const Query& query = {}) {
@@ -39,7 +38,7 @@ std::string Part(const std::string& disposition, const std::string& bytes) {
 const char* const kForm = "Multipart/Form-Data; boundary=\"B\"";
 
 TEST(LocalizeRequest, RawBytesTakeQueryParameters) {
-  const LocalizeRequest request = Read("image/jpeg", "bytes",
+  const QueryRequest request = Read("image/jpeg", "bytes",
                                        {{"name", "a.jpg"},
                                         {"fx", "500"},
                                         {"fy", "501.5"},
@@ -54,14 +53,14 @@ TEST(LocalizeRequest, RawBytesTakeQueryParameters) {
   EXPECT_EQ(request.images[0].bytes, "bytes");
   EXPECT_EQ(request.intrinsics->fy, 501.5);
   EXPECT_EQ(request.intrinsics->cy, -10);
-  EXPECT_EQ(request.prior_keyframe, 7);
+  EXPECT_EQ(request.prior_keyframe, KeyframeId{7});
   EXPECT_EQ(request.top_k, 3);
   EXPECT_TRUE(request.debug);
   EXPECT_EQ(request.deadline_ms, 250);
 }
 
 TEST(LocalizeRequest, FormsHoldSeveralImagesAndARequest) {
-  const LocalizeRequest request =
+  const QueryRequest request =
       Read(kForm, Part("name=\"image\"; filename=\"left \\\"1\\\".jpg\"", "one\r\n--A") +
                       Part("name=request", R"({"fov_deg": 90, "previous": {"keyframe": 3}})") +
                       Part("name=image", "") + "--B--\r\n");
@@ -70,11 +69,12 @@ TEST(LocalizeRequest, FormsHoldSeveralImagesAndARequest) {
   EXPECT_EQ(request.images[0].bytes, "one\r\n--A");
   EXPECT_EQ(request.images[1].bytes, "");
   EXPECT_NEAR(*request.fov_rad, std::numbers::pi / 2, 1e-12);
-  EXPECT_EQ(request.previous["keyframe"], 3);
+  EXPECT_EQ(request.previous->keyframe, KeyframeId{3});
+  EXPECT_FALSE(request.previous->belief);
 }
 
 TEST(LocalizeRequest, JsonHoldsBase64) {
-  const LocalizeRequest request =
+  const QueryRequest request =
       Read("application/json; charset=utf-8",
            R"({"camera":"walk","images":[{"name":"x","data":"aGVsbG8="},)"
            R"({"data":"data:image/png;base64,aGk="}]})");
@@ -84,16 +84,17 @@ TEST(LocalizeRequest, JsonHoldsBase64) {
 }
 
 TEST(LocalizeRequest, ASeriesHasABeliefAndMotionsAndComesBackFromTheLog) {
-  const LocalizeRequest request =
+  const QueryRequest request =
       Read("application/json",
            R"({"images":[{"data":""},{"data":""}],"previous":{"map_version":"v","belief":[)"
            R"({"node":3,"probability":0.5,"heading_rad":1,"deviation_rad":0.1}]},)"
            R"("odometry":[null,{"x":1,"y":-2,"heading_rad":0.5}]})");
-  EXPECT_EQ(request.previous["belief"][0]["node"], 3);
+  EXPECT_EQ(request.previous->map_version, "v");
+  EXPECT_EQ(request.previous->belief->at(0), (NodeBelief{AppearanceNodeId{3}, 0.5, 1, 0.1}));
   ASSERT_EQ(request.odometry.size(), 2u);
   EXPECT_FALSE(request.odometry[0]);
   EXPECT_EQ(request.odometry[1], (Pose2{1, -2, 0.5}));
-  const LocalizeRequest again = ParseRequestObject(RequestObject(request), {});
+  const QueryRequest again = ParseQueryRequest(ToJson(request), {});
   EXPECT_EQ(again.odometry, request.odometry);
   EXPECT_EQ(again.previous, request.previous);
 }
@@ -160,27 +161,10 @@ TEST(LocalizeRequest, BrokenFormsAreBadRequests) {
 }
 
 TEST(LocalizeRequest, ObjectsSurviveTheLog) {
-  LocalizeRequest request = Read("image/jpeg", "x", {{"fov_deg", "60"}, {"top_k", "2"}});
-  const LocalizeRequest again = ParseRequestObject(RequestObject(request), {});
+  QueryRequest request = Read("image/jpeg", "x", {{"fov_deg", "60"}, {"top_k", "2"}});
+  const QueryRequest again = ParseQueryRequest(ToJson(request), {});
   EXPECT_NEAR(*again.fov_rad, *request.fov_rad, 1e-12);
   EXPECT_EQ(again.top_k, 2);
-}
-
-TEST(CameraOf, FollowsTheRequest) {
-  MapData map;
-  map.sequences.push_back({SequenceId{1}, "walk", "folder", 1, 0,
-                           Camera{CameraModel::kPinhole, 640, 480, {500, 500, 320, 240}}});
-  const ImageHeader image{"jpeg", 640, 480, 1};
-  LocalizeRequest request;
-  EXPECT_FALSE(CameraOf(request, map, image));
-  request.fov_rad = std::numbers::pi / 2;
-  EXPECT_NEAR(CameraOf(request, map, image)->params[0], 320, 1e-9);
-  request.fov_rad.reset();
-  request.stored_camera = "walk";
-  EXPECT_EQ(CameraOf(request, map, image), map.sequences[0].camera);
-  EXPECT_THROW(CameraOf(request, map, {"jpeg", 320, 240, 1}), MapError);
-  request.stored_camera = "run";
-  EXPECT_THROW(CameraOf(request, map, image), MapError);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "localizer/options.h"
+#include "localizer/verdict/gates.h"
 
 // Why a query got the answer that it got: what became of every plane that was shortlisted.
 namespace waystone {

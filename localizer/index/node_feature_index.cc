@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localizer/appearance/node_feature_index.h"
+#include "localizer/index/node_feature_index.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localizer/appearance/appearance_index.h"
+#include "localizer/index/appearance_index.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localizer/map_index.h"
+#include "localizer/index/map_index.h"
 
 #include <algorithm>
 #if defined(__GLIBC__)

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/search/search_index.h"
-#include "localizer/appearance/appearance_index.h"
-#include "localizer/appearance/node_feature_index.h"
+#include "localizer/index/appearance_index.h"
+#include "localizer/index/node_feature_index.h"
 #include "schema/map_data.h"
 
 namespace waystone {

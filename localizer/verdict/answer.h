@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/base/ids.h"
 #include "core/base/pose2.h"
 #include "core/localization/graph_filter.h"
-#include "localizer/planes/explanation.h"
+#include "localizer/verdict/explanation.h"
 
 namespace waystone {
 
@@ -20,6 +21,33 @@ enum class Verdict { kLocalized, kAmbiguous, kNotInMap, kBadImage, kUndecided };
 
 // "localized", "ambiguous", "not_in_map", "bad_image", "undecided".
 const char* NameOf(Verdict verdict);
+
+// The gate that decided an answer.
+enum class DecidedBy {
+  kNone,                  // nothing was decided: the layer has nothing to compare with
+  kFeatures,              // the image has too few features
+  kShortlistVotes,        // no plane got enough votes
+  kHomographyInliers,     // planes that fit, or none that does
+  kPlaceProbability,      // the best place isn't probable enough
+  kAmbiguousPlaces,       // two places of a map look alike
+  kAmbiguousMaps,         // several maps recognise the image
+  kBuildingAxes,          // the image's lines against the building's axes
+  kPanoramaSignature,     // a panorama's appearance alone
+  kPanoramaFeatures,      // relative poses to the nodes' features
+  kPhoto,                 // a photo that no two panoramas show enough of, or can't be asked for
+  kPhotoFeatures,         // a photo's relative poses to the nodes' features
+  kSeries,                // the belief over a series of panoramas
+  kDeadline,              // the query's deadline
+  kBadImage,              // bytes that are no image, or an image that can't be used
+  kImageTooLarge,         // an image beyond the limits
+};
+// As the JSON answer has it: "homography_inliers", "building_axes", ...; "" for kNone.
+const char* NameOf(DecidedBy gate);
+
+// The stages of a query, in their order.
+enum class Stage { kQueue, kDecode, kExtract, kShortlist, kVerify, kDecide };
+// "queue", "decode", "extract", "shortlist", "verify", "decide".
+const char* NameOf(Stage stage);
 
 // A keyframe as an answer names it.
 struct KeyframeRef {
@@ -50,10 +78,15 @@ struct PlaceCandidate {
   int inliers = 0;
 };
 
+// What a heading is relative to.
+enum class HeadingFrame { kKeyframe, kBuilding, kLayer };
+const char* NameOf(HeadingFrame frame);  // "keyframe", "building", "layer"
+
+// Counter-clockwise from the frame's x axis, seen from above.
 struct Heading {
   double rad = 0;
   double sigma_rad = 0;
-  std::string of;  // "keyframe", "building" or "layer": counter-clockwise from the layer's x axis
+  HeadingFrame frame = HeadingFrame::kKeyframe;
 };
 
 // The query's rotation in the building, where the map has an orientation layer.
@@ -61,7 +94,7 @@ struct BuildingView {
   // The building's axes x and y are horizontal, z is up; the query's frame is its camera's, or the
   // panorama's middle column's: x right, y down, z forward. Unit; the identity without a heading.
   Eigen::Quaterniond building_from_query = Eigen::Quaterniond::Identity();
-  std::optional<Heading> heading;  // of "building": of the view ahead; nothing where it stays open
+  std::optional<Heading> heading;  // in the building: of the view ahead; nothing where it stays open
   // Lines of the query that run along the building's x, y and z; none where it isn't known by them.
   std::array<int, 3> lines{};
   // Angle between the axes by the query's lines and those that the place implies, up to quarter
@@ -88,12 +121,26 @@ struct NodeCandidate {
   std::optional<Eigen::Matrix3d> query_from_node;
 };
 
-// Where a panorama was taken.
-struct LayerPlace {
+// What the plane layer makes of a query. Empty where the appearance layer answered.
+struct PlaneAnswer {
+  std::optional<KeyframeRef> keyframe;      // nearest; only when localized
+  std::vector<RecognisedPlane> recognised;  // most inliers first
+  std::vector<PlaceCandidate> places;       // when ambiguous: all that look alike, best first
+  std::optional<PlaceCandidate> runner_up;
+  std::vector<PlaceCandidate> candidates;  // every place that was considered, best first
+  std::optional<Explanation> explanation;  // only with LocalizeOptions::explain
+};
+
+// What the appearance layer makes of a query: where it was taken, which is to be believed only when
+// the answer is localized.
+struct PanoramaAnswer {
   NodeRef node;                           // the nearest
   Pose2 pose;                             // of the query, in the layer's frame and units
   double sigma = 0;                       // of the position, in the layer's units
   std::optional<double> metres_per_unit;  // nothing when the layer's scale isn't known
+  // The nodes that were considered, best first; those near the best are there as well.
+  std::vector<NodeCandidate> candidates;
+  std::optional<NodeCandidate> runner_up;  // the best node elsewhere
 };
 
 // Milliseconds by stage. Stages that were not reached are 0.
@@ -105,34 +152,32 @@ struct StageTimes {
   double total_ms = 0;
 };
 
+// What the localizer says of one image and one map.
 struct Answer {
   Verdict verdict = Verdict::kNotInMap;
   double probability = 0;  // that the place is right; in [0, 1]
   std::string image;       // name of the query, as given
   std::string map;
   std::string map_version;
-  std::optional<KeyframeRef> keyframe;  // nearest; only when localized
   std::optional<Heading> heading;
   std::optional<BuildingView> building;  // of a localized query of known camera, or a panorama
-  std::vector<RecognisedPlane> planes;   // most inliers first
-  std::vector<PlaceCandidate> places;    // when ambiguous: all that look alike, best first
-  std::optional<PlaceCandidate> runner_up;
-  std::vector<PlaceCandidate> candidates;  // every place that was considered, best first
-  // Answers from the appearance layer: the place, which is to be believed only when localized, and
-  // the nodes that were considered, best first; those near the best are there as well.
-  std::optional<LayerPlace> panorama;
-  std::vector<NodeCandidate> nodes;
-  std::optional<NodeCandidate> node_runner_up;  // the best node elsewhere
+  PlaneAnswer planes;
+  std::optional<PanoramaAnswer> panorama;  // where the appearance layer answered
   // What the next panorama of a series is asked with: the likeliest nodes, by index. Empty as long
   // as none looked like a place of the map.
   FilterState belief;
-  std::string decided_by;  // name of the gate that decided, e.g. "homography_inliers"
-  std::string message;     // one line for people: why it isn't localized, and what would help
-  // The last stage that was finished: "queue", "decode", "extract", "shortlist", "verify" or
-  // "decide". Empty unless the query had a deadline.
-  std::string stage;
+  DecidedBy decided_by = DecidedBy::kNone;
+  std::string message;  // one line for people: why it isn't localized, and what would help
+  // The last stage that was finished. Nothing unless the query had a deadline.
+  std::optional<Stage> last_stage;
   StageTimes timing;
-  std::optional<Explanation> explanation;  // only with LocalizeOptions::explain
 };
+
+// The answer once the deadline has passed, `last` being the last stage that was finished.
+Answer Undecided(Stage last);
+
+// The verdict kBadImage for an error of decoding or describing an image (kBadImage or
+// kImageTooLarge, WS_CHECK), with its cause.
+Answer RefuseImage(const MapError& error);
 
 }  // namespace waystone

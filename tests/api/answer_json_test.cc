@@ -16,8 +16,8 @@ Answer Localized() {
   answer.image = "q.jpg";
   answer.map = "lab";
   answer.map_version = "sha256:00";
-  answer.keyframe = KeyframeRef{KeyframeId{17}, "kitchen", "rgb/000120.jpg", 4.0};
-  answer.heading = Heading{0.31, 0.02, "keyframe"};
+  answer.planes.keyframe = KeyframeRef{KeyframeId{17}, "kitchen", "rgb/000120.jpg", 4.0};
+  answer.heading = Heading{0.31, 0.02, HeadingFrame::kKeyframe};
   RecognisedPlane plane;
   plane.id = PlaneId{3};
   plane.inliers = 143;
@@ -25,9 +25,9 @@ Answer Localized() {
   plane.reference_from_query << 1.02, 0.01, -14.2, 0.0, 1.01, 3.3, 0.0, 0.0, 1.0;
   plane.outline = {{12.5, 80.0}, {400.0, 91.2}};
   plane.expect_next = {PlaneId{5}, PlaneId{7}};
-  answer.planes.push_back(plane);
-  answer.runner_up = PlaceCandidate{{KeyframeId{90}, "kitchen", "rgb/9.jpg", {}}, 0.01, 12};
-  answer.decided_by = "homography_inliers";
+  answer.planes.recognised.push_back(plane);
+  answer.planes.runner_up = PlaceCandidate{{KeyframeId{90}, "kitchen", "rgb/9.jpg", {}}, 0.01, 12};
+  answer.decided_by = DecidedBy::kHomographyInliers;
   answer.timing = {2.9, 58.1, 6.0, 2.2, 69.4};
   return answer;
 }
@@ -52,11 +52,11 @@ Answer LocalizedPanorama() {
   Answer answer;
   answer.verdict = Verdict::kLocalized;
   answer.probability = 0.97;
-  answer.heading = Heading{0.31, 0.02, "layer"};
+  answer.heading = Heading{0.31, 0.02, HeadingFrame::kLayer};
   const NodeRef node{AppearanceNodeId{7}, "walk", "7.jpg", {}, {}};
-  answer.panorama = LayerPlace{node, {1.5, -2, 0.31}, 0.25, 0.5};
-  answer.nodes = {{node, 0.97, 0.4, 120, {}}};
-  answer.decided_by = "panorama_features";
+  answer.panorama =
+      PanoramaAnswer{node, {1.5, -2, 0.31}, 0.25, 0.5, {{node, 0.97, 0.4, 120, {}}}, {}};
+  answer.decided_by = DecidedBy::kPanoramaFeatures;
   return answer;
 }
 
@@ -92,8 +92,8 @@ TEST(AnswerJson, PlacesOnlyWhenAmbiguous) {
   EXPECT_FALSE(ToJson(answer).contains("places"));
   EXPECT_FALSE(ToJson(answer).contains("message"));
   answer.verdict = Verdict::kAmbiguous;
-  answer.keyframe.reset();
-  answer.places = {{{KeyframeId{1}, "s", "a.jpg", {}}, 0.5, 40},
+  answer.planes.keyframe.reset();
+  answer.planes.places = {{{KeyframeId{1}, "s", "a.jpg", {}}, 0.5, 40},
                    {{KeyframeId{2}, "s", "b.jpg", 1.0}, 0.4, 39}};
   const Json json = ToJson(answer);
   EXPECT_TRUE(json["keyframe"].is_null());
@@ -111,14 +111,14 @@ TEST(AnswerJson, NamesThatAreNotUtf8DoNotThrow) {
 
 TEST(AnswerJson, HomographiesKeepTheirDigits) {
   Answer answer = Localized();
-  answer.planes[0].reference_from_query(2, 0) = 1.23456789012345e-5;
+  answer.planes.recognised[0].reference_from_query(2, 0) = 1.23456789012345e-5;
   const Json json = Json::parse(Dump(ToJson(answer)));
   EXPECT_EQ(json["planes"][0]["reference_from_query"][2][0].get<double>(), 1.23456789012345e-5);
 }
 
 TEST(AnswerJson, NumbersThatAreNoneStayJson) {
   Answer answer = Localized();
-  answer.planes[0].outline[0].x() = std::numeric_limits<double>::quiet_NaN();
+  answer.planes.recognised[0].outline[0].x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(Json::accept(Dump(ToJson(answer))));
 }
 

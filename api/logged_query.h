@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "api/json.h"
+#include "localizer/query.h"
+
+// The log of `waystone serve --query-log`, which `waystone replay` reads: a folder with
+// queries.jsonl, one object a query {id, time_s, map, request, images: [{name, file}], answer}, and
+// the images' bytes, each once, in files named by their SHA-256.
+namespace waystone {
+
+constexpr const char* kQueryLogLines = "queries.jsonl";
+
+struct LoggedQuery {
+  std::string id;
+  Json map;  // the map's name; null for a query across all maps
+  QueryRequest request;
+  Json answer;
+};
+
+// One line of the log; `files` are the names of the images' files, in the images' order.
+Json LoggedQueryJson(const LoggedQuery& query, double time_s,
+                     const std::vector<std::string>& files);
+
+// All queries of a log in their order, with their images. Throws MapError: kFileUnreadable;
+// kBadRequest with the line.
+std::vector<LoggedQuery> ReadQueryLog(const std::filesystem::path& folder);
+
+}  // namespace waystone

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/localizer.h"
+
+#include <map>
+#include <utility>
+
+#include "core/base/clock.h"
+#include "core/base/error.h"
+#include "localizer/appearance/appearance.h"
+#include "localizer/appearance/photo.h"
+#include "localizer/orientation/building.h"
+#include "localizer/planes/locate.h"
+
+namespace waystone {
+namespace {
+
+void Sign(const MapIndex& index, Answer& answer) {
+  answer.map = index.map().info.name;
+  answer.map_version = index.map().info.version;
+}
+
+// Whether the map's panoramas are asked rather than its planes.
+bool AsksPanoramas(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
+  const bool panoramic = options.series || IsPanoramic(grey.size());
+  return index.HasAppearance() && (panoramic || index.map().planes.empty());
+}
+
+Answer AskPanoramas(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
+  if (options.series) {
+    SeriesOptions series;
+    series.query = options.panorama;
+    return LocalizeInSeries(index, grey, *options.series, series);
+  }
+  if (IsPanoramic(grey.size())) return LocalizePanorama(index, grey, options.panorama);
+  return LocalizePhoto(index, grey, options.camera, options.panorama, options.deadline);
+}
+
+// Its time counts as verification, which it is.
+void AddTimedBuilding(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options,
+                      Answer& answer) {
+  LapTimer timer;
+  BuildingQuery query;
+  // Panoramas need no camera. A wide photo that planes answered has one.
+  if (!answer.panorama || !IsPanoramic(grey.size())) query.camera = options.camera;
+  // Lines cost as much as features: a place that the appearance settled goes without.
+  query.with_lines = answer.decided_by != DecidedBy::kPanoramaSignature && !options.TooLate();
+  query.min_probability =
+      answer.panorama ? options.panorama.min_probability : options.planes.gates.min_probability;
+  AddBuilding(index, grey, query, options.building, answer);
+  const double ms = timer.Lap();
+  answer.timing.verify_ms += ms;
+  answer.timing.total_ms += ms;
+}
+
+Features ExtractQuery(const cv::Mat& grey, FeatureType type, const LocalizeOptions& options) {
+  return ExtractFeatures(grey,
+                         {type, options.planes.max_features, options.planes.contrast_threshold});
+}
+
+// Features of an image, by their type, and how long they took.
+class FeatureCache {
+ public:
+  explicit FeatureCache(const cv::Mat& grey) : grey_(grey) {}
+
+  const std::pair<Features, double>& Extract(FeatureType type, const LocalizeOptions& options) {
+    const auto it = cache_.find(type);
+    if (it != cache_.end()) return it->second;
+    LapTimer timer;
+    Features features = ExtractQuery(grey_, type, options);
+    const double ms = timer.Lap();
+    return cache_.emplace(type, std::pair(std::move(features), ms)).first->second;
+  }
+
+ private:
+  const cv::Mat& grey_;
+  std::map<FeatureType, std::pair<Features, double>> cache_;
+};
+
+// Where a decoded image was taken, by the layer that answers such images.
+Answer AskLayers(const MapIndex& index, const cv::Mat& grey, FeatureCache& cache,
+                 const LocalizeOptions& options) {
+  Answer answer;
+  if (AsksPanoramas(index, grey, options)) {
+    answer = AskPanoramas(index, grey, options);
+    if (options.deadline && !answer.last_stage) answer.last_stage = Stage::kDecide;
+  } else {
+    const auto& [features, extract_ms] = cache.Extract(index.map().info.feature_type, options);
+    answer = options.TooLate() ? Undecided(Stage::kExtract)
+                               : LocalizeFeatures(index, features, options);
+    answer.timing.extract_ms = extract_ms;
+    answer.timing.total_ms += extract_ms;
+  }
+  AddTimedBuilding(index, grey, options, answer);
+  Sign(index, answer);
+  return answer;
+}
+
+// What came of decoding, which no map has a part in.
+struct Decoded {
+  cv::Mat grey;
+  std::optional<Answer> refusal;  // instead of the image
+  double ms = 0;
+};
+
+Decoded Decode(std::span<const uint8_t> bytes, const LocalizeOptions& options) {
+  LapTimer timer;
+  Decoded decoded;
+  try {
+    decoded.grey = DecodeGrey(bytes, options.limits);
+    if (options.TooLate()) decoded.refusal = Undecided(Stage::kDecode);
+  } catch (const MapError& error) {
+    if (error.code() != ErrorCode::kBadImage && error.code() != ErrorCode::kImageTooLarge) throw;
+    decoded.refusal = RefuseImage(error);
+  }
+  if (decoded.refusal && options.series) decoded.refusal->belief = options.series->previous;
+  decoded.ms = timer.Lap();
+  return decoded;
+}
+
+}  // namespace
+
+void LocalizeOptions::Check() const {
+  limits.Check();
+  planes.Check();
+  panorama.Check();
+  building.Check();
+}
+
+Answer LocalizeFeatures(const MapIndex& index, const Features& query,
+                        const LocalizeOptions& options) {
+  options.Check();
+  Answer answer = LocateByPlanes(index, query, options.planes, options.deadline, options.explain);
+  Sign(index, answer);
+  return answer;
+}
+
+Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
+  options.Check();
+  FeatureCache cache(grey);
+  return AskLayers(index, grey, cache, options);
+}
+
+namespace {
+
+std::vector<Answer> AskDecoded(const std::vector<const MapIndex*>& maps, const Decoded& decoded,
+                               const std::string& name, const LocalizeOptions& options) {
+  FeatureCache cache(decoded.grey);
+  std::vector<Answer> answers;
+  for (const MapIndex* index : maps) {
+    Answer answer =
+        decoded.refusal ? *decoded.refusal : AskLayers(*index, decoded.grey, cache, options);
+    Sign(*index, answer);
+    answer.image = name;
+    answer.timing.decode_ms = decoded.ms;
+    answer.timing.total_ms += decoded.ms;
+    answers.push_back(std::move(answer));
+  }
+  return answers;
+}
+
+}  // namespace
+
+std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps,
+                                   std::span<const uint8_t> bytes, const std::string& name,
+                                   const LocalizeOptions& options) {
+  options.Check();
+  return AskDecoded(maps, Decode(bytes, options), name, options);
+}
+
+std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps, const cv::Mat& grey,
+                                   const std::string& name, const LocalizeOptions& options) {
+  options.Check();
+  return AskDecoded(maps, {.grey = grey, .refusal = {}}, name, options);
+}
+
+Answer Localize(const MapIndex& index, std::span<const uint8_t> bytes, const std::string& name,
+                const LocalizeOptions& options) {
+  return LocalizeAcross({&index}, bytes, name, options).front();
+}
+
+}  // namespace waystone

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <tuple>
+
+#include "core/base/options.h"
+#include "core/features/features.h"
+#include "core/features/match.h"
+#include "core/homography/homology.h"
+#include "core/homography/local_ransac.h"
+#include "localizer/verdict/gates.h"
+
+namespace waystone {
+
+// How a perspective photo is looked for among a map's planes.
+struct PlaneQueryOptions {
+  int max_features = 1000;
+  double contrast_threshold = 0.02;
+  int votes_per_feature = 3;
+  int probes = 64;
+  int max_candidates = 16;
+  int settled_inliers = 30;
+  double settled_share = 0.5;
+  int min_votes = 6;
+  MatchOptions match{0.85, true};
+  // A wider bound than for building, since a query's camera may be another one, and fewer samples:
+  // most planes that are tried are wrong, and those cost the most.
+  LocalRansacOptions ransac{.max_error_px = 3.0, .max_samples = 500};
+  HomologyOptions homology;
+  GateOptions gates;
+  uint64_t seed = 1;
+
+  static constexpr auto Fields() {
+    using Self = PlaneQueryOptions;
+    return std::tuple{
+        OptionField{"max_features", &Self::max_features, Closed(50, 20'000), "",
+                    "Features taken from a query; their type is the map's. More find more and take "
+                    "longer."},
+        OptionField{"contrast_threshold", &Self::contrast_threshold, Open(0, 1), "",
+                    "As the builder's: lower takes fainter features."},
+        OptionField{"votes_per_feature", &Self::votes_per_feature, AtLeast(1), "",
+                    "Nearest map features for which a query feature votes. More let a plane that is "
+                    "seen badly be tried, and wrong ones too."},
+        OptionField{"probes", &Self::probes, AtLeast(1), "",
+                    "Lists of the map's search index that are searched. More find more of the true "
+                    "nearest features and take longer; all of them search exactly."},
+        OptionField{"max_candidates", &Self::max_candidates, AtLeast(1), "",
+                    "Planes whose homography is tried, most votes first. More find more and cost "
+                    "about 1 ms each."},
+        OptionField{"settled_inliers", &Self::settled_inliers, AtLeast(1), "",
+                    "A plane with this many distinct inliers settles where the query is. Fewer "
+                    "answer faster and may miss an ambiguity."},
+        OptionField{"settled_share", &Self::settled_share, AtLeast(0), "",
+                    "Once a plane has settled where the query is, planes elsewhere are tried only "
+                    "with this share of its inliers in votes; at most ambiguous_share. 0 tries all, "
+                    "which costs the most on large maps."},
+        OptionField{"min_votes", &Self::min_votes, AtLeast(1), "",
+                    "A plane with fewer votes isn't tried."},
+        OptionGroup{"match", &Self::match}, OptionGroup{"gates", &Self::gates},
+        OptionField{"seed", &Self::seed, AnyValue(), "",
+                    "Seed of the sampling: the same query, map and options give the same answer."}};
+  }
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+}  // namespace waystone

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/pose2.h"
+#include "core/camera/camera.h"
+#include "schema/map_data.h"
+
+// What is asked of the localizer, without files, JSON or HTTP.
+namespace waystone {
+
+// An image that is asked about.
+struct QueryImage {
+  std::string name;
+  std::string bytes;  // encoded (JPEG, PNG, ...)
+  cv::Mat grey = {};  // decoded already (8-bit grey): the bytes are not looked at
+};
+
+// Focal lengths and principal point of an image without distortion, px.
+struct Intrinsics {
+  double fx = 0;
+  double fy = 0;
+  double cx = 0;
+  double cy = 0;
+};
+
+// How likely a robot is at a node of the appearance layer, and its heading there.
+struct NodeBelief {
+  AppearanceNodeId node;
+  double probability = 0;  // in [0, 1]
+  double heading_rad = 0;  // in the layer's frame
+  double sigma_rad = 0;    // of the heading
+
+  bool operator==(const NodeBelief&) const = default;
+};
+
+// What a client kept of the answer before this query.
+struct PreviousAnswer {
+  std::optional<KeyframeId> keyframe;
+  std::optional<double> heading_rad;
+  std::optional<std::string> map_version;
+  std::optional<std::vector<NodeBelief>> belief;
+
+  bool operator==(const PreviousAnswer&) const = default;
+};
+
+// One query: images in their order, and what is known about them.
+struct QueryRequest {
+  std::vector<QueryImage> images;  // one at least
+  // At most one of these three says what the camera is; else the first image's EXIF data may.
+  std::optional<Intrinsics> intrinsics;
+  std::optional<double> fov_rad;             // horizontal
+  std::optional<std::string> stored_camera;  // name of a sequence of the map
+  std::optional<KeyframeId> prior_keyframe;  // where the client believes to be
+  std::optional<PreviousAnswer> previous;
+  // Of each image, in their order, the motion since the image or answer before it, in the units of
+  // the map's layer; nothing where it isn't known. Empty when none was given.
+  std::vector<std::optional<Pose2>> odometry;
+  std::optional<int> top_k;        // list that many candidates
+  bool debug = false;              // explain the answer
+  std::optional<int> deadline_ms;  // from when the session begins
+};
+
+// Where a query's camera is known from.
+enum class CameraSource { kStored, kFov, kIntrinsics, kExif };
+const char* NameOf(CameraSource source);  // "stored", "fov", "intrinsics", "exif"
+
+struct QueryCamera {
+  Camera camera;
+  CameraSource source = CameraSource::kExif;
+};
+
+// Whether the request itself says what the camera is.
+bool NamesCamera(const QueryRequest& request);
+
+// The camera of an image by what the request says and the map stores, or else by the image's EXIF
+// data, without distortion. Nothing where neither says anything, and for bytes that are no image,
+// whose answer says so. Throws MapError(kBadCamera) for a name that the map doesn't have, and for a
+// stored camera of another size.
+std::optional<QueryCamera> ResolveCamera(const QueryRequest& request, const MapData& map,
+                                         const QueryImage& image);
+
+}  // namespace waystone

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/base/clock.h"
+#include "core/base/error.h"
+#include "localizer/appearance/appearance.h"
+#include "localizer/localizer.h"
+
+namespace waystone {
+namespace {
+
+// How much an answer says, the most first.
+int RankOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kLocalized:
+      return 0;
+    case Verdict::kAmbiguous:
+      return 1;
+    case Verdict::kNotInMap:
+      return 2;
+    case Verdict::kUndecided:
+      return 3;
+    case Verdict::kBadImage:
+      return 4;
+  }
+  WS_CHECK(false, "unknown verdict");
+}
+
+bool IsBetter(const Answer& a, const Answer& b) {
+  if (a.verdict != b.verdict) return RankOf(a.verdict) < RankOf(b.verdict);
+  return a.probability > b.probability;
+}
+
+size_t FindBestImage(const RequestAnswer& answer) {
+  size_t best = 0;
+  for (size_t i = 1; i < answer.images.size(); ++i) {
+    if (IsBetter(answer.images[i].front(), answer.images[best].front())) best = i;
+  }
+  return best;
+}
+
+std::span<const uint8_t> EncodedBytes(const QueryImage& image) {
+  return {reinterpret_cast<const uint8_t*>(image.bytes.data()), image.bytes.size()};
+}
+
+std::vector<Answer> AskIndices(const std::vector<const MapIndex*>& indices, const QueryImage& image,
+                               const LocalizeOptions& options) {
+  if (!image.grey.empty()) return LocalizeAcross(indices, image.grey, image.name, options);
+  return LocalizeAcross(indices, EncodedBytes(image), image.name, options);
+}
+
+// By its header: what isn't an image fits either way.
+bool LooksLikePhoto(const QueryImage& image) {
+  if (!image.grey.empty()) return !IsPanoramic(image.grey.size());
+  try {
+    const ImageHeader header = ReadImageHeader(EncodedBytes(image));
+    return !IsPanoramic(cv::Size(header.width, header.height));
+  } catch (const MapError& error) {
+    if (error.code() != ErrorCode::kBadImage) throw;
+    return false;
+  }
+}
+
+// The belief of a previous answer; nothing without one of this version of the map.
+std::optional<FilterState> TakeBelief(const std::optional<PreviousAnswer>& previous,
+                                      const MapData& map) {
+  if (!previous || !previous->belief) return std::nullopt;
+  if (previous->map_version && *previous->map_version != map.info.version) return std::nullopt;
+  const std::vector<AppearanceNode>& nodes = map.appearance->nodes;
+  FilterState belief;
+  for (const NodeBelief& one : *previous->belief) {
+    const auto node = std::ranges::lower_bound(nodes, one.node, {}, &AppearanceNode::id);
+    if (node == nodes.end() || node->id != one.node) {
+      throw MapError(ErrorCode::kBadRequest, "previous.belief: the map has no panorama " +
+                                                 std::to_string(one.node.value) +
+                                                 "; omit `previous` after the map has changed");
+    }
+    belief.push_back({static_cast<int>(node - nodes.begin()), one.probability, one.heading_rad,
+                      one.sigma_rad});
+  }
+  return belief;
+}
+
+// The belief as clients keep it: fewer bytes, and what is nothing by then left out.
+std::optional<std::vector<NodeBelief>> GiveBelief(const FilterState& belief, const MapData& map) {
+  constexpr double kProbabilities = 1e6;  // steps; rounded down, so that the sum can't exceed 1
+  constexpr double kAngles = 1e5;         // steps of a radian
+  if (belief.empty()) return std::nullopt;
+  const auto rounded = [](double angle_rad) { return std::round(angle_rad * kAngles) / kAngles; };
+  std::vector<NodeBelief> given;
+  for (const Belief& one : belief) {
+    const double probability = std::floor(one.probability * kProbabilities) / kProbabilities;
+    if (probability == 0) continue;
+    given.push_back({map.appearance->nodes[one.node].id, probability, rounded(one.heading_rad),
+                     std::max(1 / kAngles, rounded(one.sigma_rad))});
+  }
+  return given;
+}
+
+}  // namespace
+
+Series::Series(QueriedMap map, LocalizeOptions options, FilterState previous)
+    : map_(std::move(map)), options_(std::move(options)), belief_(std::move(previous)) {
+  WS_CHECK(map_.index->HasAppearance(), "the map has no appearance layer");
+}
+
+Answer Series::Ask(const QueryImage& image, const std::optional<Pose2>& odometry) {
+  LocalizeOptions options = options_;
+  options.series = SeriesContext{belief_, odometry};
+  Answer answer = AskIndices({map_.index.get()}, image, options).front();
+  answer.map = map_.name;
+  if (answer.verdict != Verdict::kBadImage && answer.verdict != Verdict::kUndecided) {
+    belief_ = answer.belief;
+  }
+  return answer;
+}
+
+Session::Session(QueryRequest request, std::vector<QueriedMap> maps, const LocalizeOptions& options)
+    : request_(std::move(request)), maps_(std::move(maps)), options_(options) {
+  WS_CHECK(!maps_.empty() && !request_.images.empty(), "a request without a map or an image");
+  const MapIndex& first = *maps_.front().index;
+  if (request_.prior_keyframe && !first.FindKeyframe(*request_.prior_keyframe)) {
+    throw MapError(ErrorCode::kBadRequest,
+                   "prior: the map has no keyframe " +
+                       std::to_string(request_.prior_keyframe->value));
+  }
+  camera_ = ResolveCamera(request_, first.map(), request_.images.front());
+  if (camera_) options_.camera = camera_->camera;
+  options_.explain = request_.debug;
+  if (request_.deadline_ms) {
+    options_.deadline = Clock::now() + std::chrono::milliseconds(*request_.deadline_ms);
+  }
+}
+
+bool Session::AsksOnePanoramaMap() const {
+  return maps_.size() == 1 && maps_.front().index->HasAppearance();
+}
+
+RequestAnswer Session::Ask() const {
+  if (AsksOnePanoramaMap() && std::ranges::none_of(request_.images, LooksLikePhoto)) {
+    auto previous = TakeBelief(request_.previous, maps_.front().index->map());
+    if (previous || request_.images.size() > 1) return AskSeries(std::move(previous));
+  }
+  return AskEach();
+}
+
+RequestAnswer Session::AskSeries(std::optional<FilterState> previous) const {
+  RequestAnswer result;
+  result.series = true;
+  result.used_previous = previous.has_value();
+  Series series(maps_.front(), options_, previous.value_or(FilterState{}));
+  for (size_t i = 0; i < request_.images.size(); ++i) {
+    Answer answer = series.Ask(request_.images[i], request_.odometry.empty()
+                                                       ? std::nullopt
+                                                       : request_.odometry[i]);
+    if (answer.verdict != Verdict::kBadImage && answer.verdict != Verdict::kUndecided) {
+      result.best = i;
+    }
+    result.images.push_back({std::move(answer)});
+  }
+  result.belief = GiveBelief(series.belief(), maps_.front().index->map());
+  return result;
+}
+
+std::vector<Answer> Session::AskMaps(const QueryImage& image) const {
+  std::vector<const MapIndex*> indices;
+  for (const QueriedMap& map : maps_) indices.push_back(map.index.get());
+  std::vector<Answer> answers = AskIndices(indices, image, options_);
+  // A map goes by the name that it is asked by, whatever it was called when it was built.
+  for (size_t i = 0; i < maps_.size(); ++i) answers[i].map = maps_[i].name;
+  std::ranges::stable_sort(answers, IsBetter);
+  return answers;
+}
+
+RequestAnswer Session::AskEach() const {
+  RequestAnswer result;
+  const bool photos =
+      AsksOnePanoramaMap() && std::ranges::any_of(request_.images, LooksLikePhoto);
+  result.used_camera = std::ranges::any_of(maps_, [&](const QueriedMap& map) {
+    const MapData& data = map.index->map();
+    return data.orientation || (photos && data.planes.empty());
+  });
+  for (const QueryImage& image : request_.images) result.images.push_back(AskMaps(image));
+  result.best = FindBestImage(result);
+  if (AsksOnePanoramaMap()) {
+    result.belief =
+        GiveBelief(result.images[result.best].front().belief, maps_.front().index->map());
+  }
+  return result;
+}
+
+RequestAnswer Session::TimeOutInQueue() const {
+  RequestAnswer result;
+  for (const QueryImage& image : request_.images) {
+    std::vector<Answer>& answers = result.images.emplace_back();
+    for (const QueriedMap& map : maps_) {
+      Answer& answer = answers.emplace_back(Undecided(Stage::kQueue));
+      answer.image = image.name;
+      answer.map = map.name;
+      answer.map_version = map.index->map().info.version;
+    }
+  }
+  return result;
+}
+
+Answer OverallAnswer(const RequestAnswer& answer) {
+  const std::vector<Answer>& maps = answer.images.at(answer.best);
+  Answer best = maps.front();
+  const auto localized = std::ranges::count(maps, Verdict::kLocalized, &Answer::verdict);
+  if (localized < 2) return best;
+  best.verdict = Verdict::kAmbiguous;
+  best.decided_by = DecidedBy::kAmbiguousMaps;
+  best.message = std::to_string(localized) +
+                 " maps have this place; `maps` ranks them, ask one of them for its answer";
+  for (int i = 0; i < localized; ++i) {
+    const PlaneAnswer& planes = maps[i].planes;
+    const int inliers = planes.recognised.empty() ? 0 : planes.recognised.front().inliers;
+    // A panorama's place has no keyframe.
+    if (!planes.keyframe) continue;
+    best.planes.places.push_back({*planes.keyframe, maps[i].probability, inliers});
+  }
+  best.planes.keyframe.reset();
+  return best;
+}
+
+}  // namespace waystone
