@@ -132,9 +132,11 @@ Json ToJson(const Answer& answer) {
   }
   if (answer.verdict == Verdict::kAmbiguous) {
     json["places"] = Json::array();
-    for (const PlaceCandidate& place : answer.planes.places) json["places"].push_back(ToJson(place));
+    for (const PlaceCandidate& place : answer.planes.places)
+      json["places"].push_back(ToJson(place));
   }
-  json["runner_up"] = answer.planes.runner_up ? RunnerUpJson(*answer.planes.runner_up) : Json(nullptr);
+  json["runner_up"] =
+      answer.planes.runner_up ? RunnerUpJson(*answer.planes.runner_up) : Json(nullptr);
   json["decided_by"] = NameOf(answer.decided_by);
   if (answer.verdict != Verdict::kLocalized) json["message"] = answer.message;
   json["timing_ms"] = TimingJson(answer.timing);

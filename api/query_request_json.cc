@@ -44,13 +44,15 @@ std::string NameIn(const Json& value, const std::string& field) {
   return value.get<std::string>();
 }
 
-void CheckKnownFields(const Json& object, const std::string& what, const std::set<std::string>& known) {
+void CheckKnownFields(const Json& object, const std::string& what,
+                      const std::set<std::string>& known) {
   if (!object.is_object()) RefuseRequest(what + " must be a JSON object");
   for (const auto& [name, value] : object.items()) {
     if (known.contains(name)) continue;
     std::string list;
     for (const std::string& field : known) list += (list.empty() ? "" : ", ") + field;
-    RefuseRequest(what + " has a field " + QuoteShortened(name) + " that isn't known; there are " + list);
+    RefuseRequest(what + " has a field " + QuoteShortened(name) + " that isn't known; there are " +
+                  list);
   }
 }
 
@@ -71,7 +73,7 @@ int64_t WholeIn(const Json& value, const std::string& field, int64_t low, int64_
     if (fits && number >= low && number <= high) return number;
   }
   RefuseRequest(field + " must be a whole number from " + std::to_string(low) + " to " +
-         std::to_string(high));
+                std::to_string(high));
 }
 
 bool FlagIn(const Json& value, const std::string& field) {

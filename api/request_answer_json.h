@@ -6,7 +6,8 @@
 
 namespace waystone {
 
-// The answer to a whole request, `across` maps or of one: the overall answer's fields (answer_json.h), then where they say something
+// The answer to a whole request, `across` maps or of one: the overall answer's fields
+// (answer_json.h), then where they say something
 //   maps        across maps: each one's answer in short, ranked, at most top_k
 //   images      of several images: each one's answer in short
 //   candidates  with top_k: the places that were considered

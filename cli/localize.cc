@@ -84,8 +84,7 @@ bool AnswerSeries(const QueriedMap& map, const LocalizeFlags& flags) {
 bool AnswerByServer(const LocalizeFlags& flags) {
   return AnswerEach(flags, [&](const std::string& photo) {
     const QueryRequest request = MakeRequest(flags, photo);
-    return AskServer(flags.server, flags.map, photo, request.images.front().bytes,
-                     ToJson(request));
+    return AskServer(flags.server, flags.map, photo, request.images.front().bytes, ToJson(request));
   });
 }
 

@@ -85,8 +85,8 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, FeatureCache& cache
     if (options.deadline && !answer.last_stage) answer.last_stage = Stage::kDecide;
   } else {
     const auto& [features, extract_ms] = cache.Extract(index.map().info.feature_type, options);
-    answer = options.TooLate() ? Undecided(Stage::kExtract)
-                               : LocalizeFeatures(index, features, options);
+    answer =
+        options.TooLate() ? Undecided(Stage::kExtract) : LocalizeFeatures(index, features, options);
     answer.timing.extract_ms = extract_ms;
     answer.timing.total_ms += extract_ms;
   }

@@ -81,8 +81,8 @@ std::optional<FilterState> TakeBelief(const std::optional<PreviousAnswer>& previ
                                                  std::to_string(one.node.value) +
                                                  "; omit `previous` after the map has changed");
     }
-    belief.push_back({static_cast<int>(node - nodes.begin()), one.probability, one.heading_rad,
-                      one.sigma_rad});
+    belief.push_back(
+        {static_cast<int>(node - nodes.begin()), one.probability, one.heading_rad, one.sigma_rad});
   }
   return belief;
 }
@@ -126,9 +126,8 @@ Session::Session(QueryRequest request, std::vector<QueriedMap> maps, const Local
   WS_CHECK(!maps_.empty() && !request_.images.empty(), "a request without a map or an image");
   const MapIndex& first = *maps_.front().index;
   if (request_.prior_keyframe && !first.FindKeyframe(*request_.prior_keyframe)) {
-    throw MapError(ErrorCode::kBadRequest,
-                   "prior: the map has no keyframe " +
-                       std::to_string(request_.prior_keyframe->value));
+    throw MapError(ErrorCode::kBadRequest, "prior: the map has no keyframe " +
+                                               std::to_string(request_.prior_keyframe->value));
   }
   camera_ = ResolveCamera(request_, first.map(), request_.images.front());
   if (camera_) options_.camera = camera_->camera;
@@ -156,9 +155,8 @@ RequestAnswer Session::AskSeries(std::optional<FilterState> previous) const {
   result.used_previous = previous.has_value();
   Series series(maps_.front(), options_, previous.value_or(FilterState{}));
   for (size_t i = 0; i < request_.images.size(); ++i) {
-    Answer answer = series.Ask(request_.images[i], request_.odometry.empty()
-                                                       ? std::nullopt
-                                                       : request_.odometry[i]);
+    Answer answer = series.Ask(request_.images[i],
+                               request_.odometry.empty() ? std::nullopt : request_.odometry[i]);
     if (answer.verdict != Verdict::kBadImage && answer.verdict != Verdict::kUndecided) {
       result.best = i;
     }
@@ -180,8 +178,7 @@ std::vector<Answer> Session::AskMaps(const QueryImage& image) const {
 
 RequestAnswer Session::AskEach() const {
   RequestAnswer result;
-  const bool photos =
-      AsksOnePanoramaMap() && std::ranges::any_of(request_.images, LooksLikePhoto);
+  const bool photos = AsksOnePanoramaMap() && std::ranges::any_of(request_.images, LooksLikePhoto);
   result.used_camera = std::ranges::any_of(maps_, [&](const QueriedMap& map) {
     const MapData& data = map.index->map();
     return data.orientation || (photos && data.planes.empty());

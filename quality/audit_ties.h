@@ -8,7 +8,7 @@
 
 namespace waystone {
 
-// Visits that one plane alone ties to each other: inside localizer/audit only. Pure.
+// Visits that one plane alone ties to each other: inside quality only. Pure.
 std::vector<LoneTie> FindLoneTies(const MapIndex& index, const std::vector<KeyframeView>& views);
 
 }  // namespace waystone

@@ -5,7 +5,7 @@
 
 #include "quality/audit.h"
 
-// What each keyframe could be recognised by: inside localizer/audit only.
+// What each keyframe could be recognised by: inside quality only.
 namespace waystone {
 
 struct KeyframeView {

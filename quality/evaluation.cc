@@ -147,7 +147,7 @@ Outcome OutcomeOf(const MapIndex& index, const ScoredQuery& query) {
   WS_CHECK(query.answer.planes.keyframe.has_value(), "localized without a keyframe");
   if (!positive) return Outcome::kFalseAccept;
   return IsRightPlace(index, query.truth, query.answer.planes.keyframe->id) ? Outcome::kRight
-                                                                     : Outcome::kWrong;
+                                                                            : Outcome::kWrong;
 }
 
 double Quantile(std::vector<double> values, double share) {

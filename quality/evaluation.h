@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "localizer/verdict/answer.h"
 #include "localizer/index/map_index.h"
+#include "localizer/verdict/answer.h"
 
 // How good answers are, measured on queries whose place is known. docs/evaluation.md defines the
 // figures.

@@ -21,10 +21,12 @@ int RunNegatives(const Args& raw) {
     for (const auto& path : ImagesIn(args[i])) {
       const Answer answer = Localize(*index, ReadBytes(path), path.string(), LocalizeOptions{});
       ++verdicts[NameOf(answer.verdict)];
-      if (answer.planes.runner_up) most_inliers = std::max(most_inliers, answer.planes.runner_up->inliers);
+      if (answer.planes.runner_up)
+        most_inliers = std::max(most_inliers, answer.planes.runner_up->inliers);
       if (answer.verdict != Verdict::kNotInMap) {
-        std::printf("%s: %s, %d inliers\n", path.c_str(), NameOf(answer.verdict),
-                    answer.planes.recognised.empty() ? 0 : answer.planes.recognised.front().inliers);
+        std::printf(
+            "%s: %s, %d inliers\n", path.c_str(), NameOf(answer.verdict),
+            answer.planes.recognised.empty() ? 0 : answer.planes.recognised.front().inliers);
       }
     }
   }

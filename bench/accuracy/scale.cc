@@ -172,8 +172,8 @@ void CompareNearest(const MapIndex& index, const Features& query, Comparison& su
   const auto found = search.Nearest(query.descriptors, 2, options.planes.probes);
   for (size_t i = 0; i < truth.size(); i += 2) {
     const bool same = found[i].distance == truth[i].distance;
-    const bool distinct =
-        PassesRatio(query.type, truth[i].distance, truth[i + 1].distance, options.planes.match.max_ratio);
+    const bool distinct = PassesRatio(query.type, truth[i].distance, truth[i + 1].distance,
+                                      options.planes.match.max_ratio);
     ++sum.features;
     sum.nearest += same;
     sum.distinct += distinct;

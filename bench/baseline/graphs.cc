@@ -107,9 +107,9 @@ Table3 Ask(const Scene& scene, const Graphs& graphs, int opencv_every) {
   for (int q = 0; q < scene.queries(); ++q) {
     Features features;
     const double shared_ms = Ms([&] {
-      features =
-          ExtractFeatures(scene.Decode(q), {graphs.index->map().info.feature_type,
-                                            options.planes.max_features, options.planes.contrast_threshold});
+      features = ExtractFeatures(
+          scene.Decode(q), {graphs.index->map().info.feature_type, options.planes.max_features,
+                            options.planes.contrast_threshold});
     });
     const auto ask_planes = [&](const LocalizeOptions& with, QueryFigures& figures) {
       Answer by_planes;

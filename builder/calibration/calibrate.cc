@@ -150,8 +150,9 @@ VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<Calibrati
   tbb::parallel_for(size_t{0}, queries.size(),
                     [&](size_t q) { asked[q] = Ask(index, in_map, queries[q], options); });
   std::vector<std::vector<VerdictSample>> refused(outside.size());
-  tbb::parallel_for(size_t{0}, outside.size(),
-                    [&](size_t q) { AskWrong(index, outside[q], options.localize.planes, refused[q]); });
+  tbb::parallel_for(size_t{0}, outside.size(), [&](size_t q) {
+    AskWrong(index, outside[q], options.localize.planes, refused[q]);
+  });
   asked.insert(asked.end(), refused.begin(), refused.end());
   std::vector<VerdictSample> samples;
   for (const auto& of_query : asked)

@@ -93,7 +93,7 @@ PanoramaQuery DescribeAppearance(const MapIndex& index, const cv::Mat& grey) {
 
 // ToPanorama bears an image that is a little narrower or wider than twice its height; faces don't.
 BearingFeatures ExtractQueryFeatures(const MapIndex& index, const cv::Mat& grey,
-                           const PanoramaQueryOptions& options) {
+                                     const PanoramaQueryOptions& options) {
   PanoramaFeatureOptions features = options.features;
   features.bearings.features.type = index.map().info.feature_type;
   const int rows = std::max(1, grey.cols / 2);
@@ -129,8 +129,8 @@ PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,
 }
 
 Answer JudgeNodes(const MapIndex& index, const FourierSignature& query,
-                 std::vector<ComparedNode> nodes, bool verified,
-                 const PanoramaQueryOptions& options) {
+                  std::vector<ComparedNode> nodes, bool verified,
+                  const PanoramaQueryOptions& options) {
   Answer answer;
   if (nodes.empty()) {
     answer.message = "the map's appearance layer has no node left to compare with; map more places";
@@ -158,7 +158,7 @@ Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
   WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
   const auto start = Clock::now();
   Answer answer = JudgeNodes(index, query.signature, CompareQuery(index, query, options, left_out),
-                            query.features.has_value(), options);
+                             query.features.has_value(), options);
   answer.timing.verify_ms = answer.timing.total_ms = MillisecondsSince(start);
   return answer;
 }

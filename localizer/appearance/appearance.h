@@ -4,9 +4,9 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "localizer/verdict/answer.h"
 #include "localizer/appearance/appearance_match.h"
 #include "localizer/index/map_index.h"
+#include "localizer/verdict/answer.h"
 
 // Answers about panoramas from a map's appearance layer.
 namespace waystone {
@@ -31,8 +31,8 @@ Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
 // The answer for nodes that a query was compared with (CompareQuery), best first; for who has
 // compared already. `verified` says whether features were. No nodes are "not in the map".
 Answer JudgeNodes(const MapIndex& index, const FourierSignature& query,
-                 std::vector<ComparedNode> nodes, bool verified,
-                 const PanoramaQueryOptions& options);
+                  std::vector<ComparedNode> nodes, bool verified,
+                  const PanoramaQueryOptions& options);
 
 // Both steps, with times and the belief that a series begins with; features are taken only where
 // the appearance doesn't settle it. Nothing is thrown for a bad panorama: the verdict is kBadImage.

@@ -143,7 +143,7 @@ namespace {
 
 // log(1 + compared nodes beside nodes[at] that see the query's heading as it does).
 double ComputeAgreement(const MapIndex& index, const std::vector<ComparedNode>& nodes, size_t at,
-                   const PanoramaQueryOptions& options) {
+                        const PanoramaQueryOptions& options) {
   int agreeing = 0;
   for (size_t other = 0; other < nodes.size(); ++other) {
     if (other == at || AreElsewhere(index, nodes[at].node, nodes[other].node, options)) continue;
@@ -156,7 +156,7 @@ double ComputeAgreement(const MapIndex& index, const std::vector<ComparedNode>& 
 }  // namespace
 
 AppearanceEvidence CollectEvidence(const MapIndex& index, const std::vector<ComparedNode>& nodes,
-                              size_t at, const PanoramaQueryOptions& options) {
+                                   size_t at, const PanoramaQueryOptions& options) {
   const size_t other = BestElsewhere(index, nodes, at, options);
   AppearanceEvidence evidence;
   evidence.cost = nodes[at].cost;

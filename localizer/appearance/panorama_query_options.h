@@ -50,9 +50,10 @@ struct PanoramaQueryOptions {
         OptionField{"verified_candidates", &Self::verified_candidates, Closed(1, 1000), "",
                     "The same where candidates are verified by their features, which takes most of "
                     "the time."},
-        OptionField{"phase_weight", &Self::phase_weight, Closed(0, 10), "",
-                    "Weight of the phases' disagreement (0 to 1) beside the signatures' distance. "
-                    "More trusts what is seen at the same height and angle; less tolerates motion."},
+        OptionField{
+            "phase_weight", &Self::phase_weight, Closed(0, 10), "",
+            "Weight of the phases' disagreement (0 to 1) beside the signatures' distance. "
+            "More trusts what is seen at the same height and angle; less tolerates motion."},
         OptionField{"fine_heading", &Self::fine_heading, AnyValue(), "",
                     "Refine the heading by the warping search, which takes about 0.5 ms. Without "
                     "it, the phases give it, exactly for a pure turn alone."},

@@ -24,8 +24,8 @@ double AloneProbability(const MapIndex& index, const std::vector<ComparedNode>& 
 }
 
 std::vector<NodeEvidence> CollectNodeEvidence(const MapIndex& index,
-                                          const std::vector<ComparedNode>& compared, bool verified,
-                                          const SeriesOptions& options) {
+                                              const std::vector<ComparedNode>& compared,
+                                              bool verified, const SeriesOptions& options) {
   const AppearanceLayer& layer = *index.map().appearance;
   const AppearanceVerdict model = VerdictFor(layer, verified);
   // Nodes that weren't near enough to be compared, of whose heading nothing is known.
@@ -91,8 +91,8 @@ FilterState BeliefAfter(const MapIndex& index, const std::vector<ComparedNode>& 
                         bool verified, const SeriesContext& context, const SeriesOptions& options) {
   std::vector<Pose2> poses;
   for (const AppearanceNode& node : index.map().appearance->nodes) poses.push_back(node.pose);
-  return UpdateBelief(poses, CollectNodeEvidence(index, compared, verified, options), context.previous,
-                      context.odometry, FilterFor(index, options))
+  return UpdateBelief(poses, CollectNodeEvidence(index, compared, verified, options),
+                      context.previous, context.odometry, FilterFor(index, options))
       .state;
 }
 

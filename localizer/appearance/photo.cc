@@ -35,7 +35,7 @@ std::string WhyNotAnswered(const MapIndex& index, const cv::Mat& grey,
 }
 
 BearingFeatures ExtractPhotoRays(const cv::Mat& grey, const Camera& camera, FeatureType type,
-                       const PanoramaQueryOptions& options) {
+                                 const PanoramaQueryOptions& options) {
   BearingFeatureOptions bearings = options.features.bearings;
   bearings.features.type = type;
   bearings.features.max_features = bearings.max_kept = options.photo_features;
@@ -83,7 +83,7 @@ std::vector<ComparedNode> SelectAgreeing(const std::vector<ComparedNode>& nodes,
 
 // The answer by the nodes that agree.
 Answer JudgeAgreeing(const MapIndex& index, const std::vector<ComparedNode>& nodes,
-              const PanoramaQueryOptions& options) {
+                     const PanoramaQueryOptions& options) {
   if (std::ssize(nodes) >= options.photo_witnesses) {
     PanoramaQueryOptions rays_alone = options;
     rays_alone.fine_heading = false;  // a photo has no signature
@@ -108,7 +108,8 @@ Answer AskNodes(const MapIndex& index, const BearingFeatures& query,
   const double shortlist_ms = MillisecondsSince(start);
   PanoramaQueryOptions asked = options;
   asked.max_poses = std::max(asked.max_poses, asked.photo_poses);
-  nodes = SelectAgreeing(VerifyByFeatures(index, query, std::move(nodes), asked, deadline), options);
+  nodes =
+      SelectAgreeing(VerifyByFeatures(index, query, std::move(nodes), asked, deadline), options);
   Answer answer =
       HasPassed(deadline) ? Undecided(Stage::kShortlist) : JudgeAgreeing(index, nodes, options);
   answer.timing.shortlist_ms = shortlist_ms;

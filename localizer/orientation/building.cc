@@ -30,7 +30,7 @@ struct Rays {
 };
 
 Rays ComputeRays(const RecognisedPlane& plane, const Camera& camera, const Camera& reference,
-            size_t first, size_t step) {
+                 size_t first, size_t step) {
   Rays rays;
   for (size_t i = first; i < plane.query_points.size(); i += step) {
     const auto q = OnImagePlane(camera, plane.query_points[i]);
@@ -82,7 +82,8 @@ void AddThroughPlane(const MapIndex& index, const RecognisedPlane& plane, const 
   if (!sequence.camera || !frame || !frame->reliable) return;
   const Camera& reference = *sequence.camera;
   const std::vector<Matrix3d> odd = DecomposeRotations(ComputeRays(plane, camera, reference, 1, 2));
-  const std::vector<Matrix3d> even = DecomposeRotations(ComputeRays(plane, camera, reference, 0, 2));
+  const std::vector<Matrix3d> even =
+      DecomposeRotations(ComputeRays(plane, camera, reference, 0, 2));
   for (const Matrix3d& r : DecomposeRotations(ComputeRays(plane, camera, reference, 0, 1))) {
     // Halves of the matches differ by twice the sigma of all of them.
     const double halves = 0.5 * (NearestAngle(r, odd) + NearestAngle(r, even));
@@ -187,7 +188,7 @@ BuildingView ViewBuilding(const std::vector<BuildingGuess>& guesses, const Manha
 }
 
 ManhattanFrame DetectLines(const cv::Mat& grey, const std::optional<Camera>& camera,
-                       const BuildingOptions& options) {
+                           const BuildingOptions& options) {
   constexpr int kFaceShare = 4;
   const int face_px = std::max(1, grey.cols / kFaceShare);
   const Rig rig = camera ? RigOfOne(*camera) : CubeRig(face_px);

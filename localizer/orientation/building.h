@@ -8,9 +8,9 @@
 
 #include "core/camera/rig.h"
 #include "core/manhattan/manhattan_frame.h"
-#include "localizer/verdict/answer.h"
 #include "localizer/index/map_index.h"
 #include "localizer/orientation/building_options.h"
+#include "localizer/verdict/answer.h"
 
 // What the map's orientation layer and the query's own lines say of a camera's rotation in the
 // building (Puig et al. 2012, sec. II-A), once the place is known.

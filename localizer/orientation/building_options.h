@@ -25,10 +25,11 @@ struct BuildingOptions {
                     "The query's lines are believed when their best rival frame has at most this "
                     "share of their support. Higher believes more photos, and more that are "
                     "wrong."},
-        OptionField{"max_disagreement_rad", &Self::max_disagreement_rad,
-                    Open(0, std::numbers::pi / 4), "rad",
-                    "Angle by which believed lines may be off the axes that a place implies. Higher "
-                    "lets more wrong places pass."},
+        OptionField{
+            "max_disagreement_rad", &Self::max_disagreement_rad, Open(0, std::numbers::pi / 4),
+            "rad",
+            "Angle by which believed lines may be off the axes that a place implies. Higher "
+            "lets more wrong places pass."},
         OptionField{"true_disagreeing", &Self::true_disagreeing, Open(0, 1), "",
                     "Share of true places whose lines are believed and disagree all the same. "
                     "Higher refuses fewer answers."}};

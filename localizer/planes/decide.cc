@@ -119,7 +119,8 @@ Answer Refuse(const MapIndex& index, const Features& query, int shortlisted,
     return answer;
   }
   if (tried.empty()) {
-    answer.decided_by = shortlisted == 0 ? DecidedBy::kShortlistVotes : DecidedBy::kHomographyInliers;
+    answer.decided_by =
+        shortlisted == 0 ? DecidedBy::kShortlistVotes : DecidedBy::kHomographyInliers;
     answer.message = shortlisted == 0 ? "no plane of the map looks like anything in the image"
                                       : "none of the " + std::to_string(shortlisted) +
                                             " planes that look alike fits the image";
@@ -159,7 +160,8 @@ Answer Describe(const MapIndex& index, const Features& query, const Place& place
 // What was considered, for those who ask why.
 void Account(const MapIndex& index, const Features& query, const std::vector<Place>& places,
              Answer& answer) {
-  for (const Place& place : places) answer.planes.candidates.push_back(Candidate(index, place, query));
+  for (const Place& place : places)
+    answer.planes.candidates.push_back(Candidate(index, place, query));
 }
 
 }  // namespace

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "localizer/verdict/answer.h"
 #include "localizer/planes/verify.h"
+#include "localizer/verdict/answer.h"
 #include "localizer/verdict/verdict_model.h"
 
 namespace waystone {

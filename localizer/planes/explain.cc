@@ -40,7 +40,7 @@ ExplainedPlace ExplainPlace(const MapIndex& index, const Features& query, const 
 }
 
 std::vector<Place> GroupAccepted(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
-                            const PlaneQueryOptions& options) {
+                                 const PlaneQueryOptions& options) {
   std::vector<VerifiedPlane> accepted;
   for (const VerifiedPlane& plane : tried) {
     if (plane.accepted) accepted.push_back(plane);

@@ -6,9 +6,9 @@
 #include "core/features/features.h"
 #include "localizer/index/map_index.h"
 #include "localizer/planes/plane_query_options.h"
-#include "localizer/verdict/explanation.h"
 #include "localizer/planes/shortlist.h"
 #include "localizer/planes/verify.h"
+#include "localizer/verdict/explanation.h"
 
 namespace waystone {
 

@@ -39,9 +39,10 @@ struct PlaneQueryOptions {
                     "longer."},
         OptionField{"contrast_threshold", &Self::contrast_threshold, Open(0, 1), "",
                     "As the builder's: lower takes fainter features."},
-        OptionField{"votes_per_feature", &Self::votes_per_feature, AtLeast(1), "",
-                    "Nearest map features for which a query feature votes. More let a plane that is "
-                    "seen badly be tried, and wrong ones too."},
+        OptionField{
+            "votes_per_feature", &Self::votes_per_feature, AtLeast(1), "",
+            "Nearest map features for which a query feature votes. More let a plane that is "
+            "seen badly be tried, and wrong ones too."},
         OptionField{"probes", &Self::probes, AtLeast(1), "",
                     "Lists of the map's search index that are searched. More find more of the true "
                     "nearest features and take longer; all of them search exactly."},
@@ -51,13 +52,15 @@ struct PlaneQueryOptions {
         OptionField{"settled_inliers", &Self::settled_inliers, AtLeast(1), "",
                     "A plane with this many distinct inliers settles where the query is. Fewer "
                     "answer faster and may miss an ambiguity."},
-        OptionField{"settled_share", &Self::settled_share, AtLeast(0), "",
-                    "Once a plane has settled where the query is, planes elsewhere are tried only "
-                    "with this share of its inliers in votes; at most ambiguous_share. 0 tries all, "
-                    "which costs the most on large maps."},
+        OptionField{
+            "settled_share", &Self::settled_share, AtLeast(0), "",
+            "Once a plane has settled where the query is, planes elsewhere are tried only "
+            "with this share of its inliers in votes; at most ambiguous_share. 0 tries all, "
+            "which costs the most on large maps."},
         OptionField{"min_votes", &Self::min_votes, AtLeast(1), "",
                     "A plane with fewer votes isn't tried."},
-        OptionGroup{"match", &Self::match}, OptionGroup{"gates", &Self::gates},
+        OptionGroup{"match", &Self::match},
+        OptionGroup{"gates", &Self::gates},
         OptionField{"seed", &Self::seed, AnyValue(), "",
                     "Seed of the sampling: the same query, map and options give the same answer."}};
   }

@@ -7,9 +7,9 @@
 #include "core/homography/homography.h"
 #include "localizer/index/map_index.h"
 #include "localizer/planes/plane_query_options.h"
+#include "localizer/planes/shortlist.h"
 #include "localizer/verdict/deadline.h"
 #include "localizer/verdict/explanation.h"
-#include "localizer/planes/shortlist.h"
 
 namespace waystone {
 

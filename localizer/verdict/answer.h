@@ -24,22 +24,22 @@ const char* NameOf(Verdict verdict);
 
 // The gate that decided an answer.
 enum class DecidedBy {
-  kNone,                  // nothing was decided: the layer has nothing to compare with
-  kFeatures,              // the image has too few features
-  kShortlistVotes,        // no plane got enough votes
-  kHomographyInliers,     // planes that fit, or none that does
-  kPlaceProbability,      // the best place isn't probable enough
-  kAmbiguousPlaces,       // two places of a map look alike
-  kAmbiguousMaps,         // several maps recognise the image
-  kBuildingAxes,          // the image's lines against the building's axes
-  kPanoramaSignature,     // a panorama's appearance alone
-  kPanoramaFeatures,      // relative poses to the nodes' features
-  kPhoto,                 // a photo that no two panoramas show enough of, or can't be asked for
-  kPhotoFeatures,         // a photo's relative poses to the nodes' features
-  kSeries,                // the belief over a series of panoramas
-  kDeadline,              // the query's deadline
-  kBadImage,              // bytes that are no image, or an image that can't be used
-  kImageTooLarge,         // an image beyond the limits
+  kNone,               // nothing was decided: the layer has nothing to compare with
+  kFeatures,           // the image has too few features
+  kShortlistVotes,     // no plane got enough votes
+  kHomographyInliers,  // planes that fit, or none that does
+  kPlaceProbability,   // the best place isn't probable enough
+  kAmbiguousPlaces,    // two places of a map look alike
+  kAmbiguousMaps,      // several maps recognise the image
+  kBuildingAxes,       // the image's lines against the building's axes
+  kPanoramaSignature,  // a panorama's appearance alone
+  kPanoramaFeatures,   // relative poses to the nodes' features
+  kPhoto,              // a photo that no two panoramas show enough of, or can't be asked for
+  kPhotoFeatures,      // a photo's relative poses to the nodes' features
+  kSeries,             // the belief over a series of panoramas
+  kDeadline,           // the query's deadline
+  kBadImage,           // bytes that are no image, or an image that can't be used
+  kImageTooLarge,      // an image beyond the limits
 };
 // As the JSON answer has it: "homography_inliers", "building_axes", ...; "" for kNone.
 const char* NameOf(DecidedBy gate);
@@ -94,7 +94,8 @@ struct BuildingView {
   // The building's axes x and y are horizontal, z is up; the query's frame is its camera's, or the
   // panorama's middle column's: x right, y down, z forward. Unit; the identity without a heading.
   Eigen::Quaterniond building_from_query = Eigen::Quaterniond::Identity();
-  std::optional<Heading> heading;  // in the building: of the view ahead; nothing where it stays open
+  std::optional<Heading>
+      heading;  // in the building: of the view ahead; nothing where it stays open
   // Lines of the query that run along the building's x, y and z; none where it isn't known by them.
   std::array<int, 3> lines{};
   // Angle between the axes by the query's lines and those that the place implies, up to quarter

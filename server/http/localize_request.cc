@@ -47,23 +47,23 @@ QueryRequest ReadRaw(const HttpRequest& http, const RequestLimits& limits) {
 void RefuseParameters(const HttpRequest& http) {
   if (http.query.empty()) return;
   RefuseRequest("parameters go into the JSON of such a body, not into the address; move " +
-         QuoteShortened(http.query.begin()->first));
+                QuoteShortened(http.query.begin()->first));
 }
 
 void CheckCount(const QueryRequest& request, const RequestLimits& limits) {
   if (request.images.empty()) RefuseRequest("there is no image in the body");
   if (request.images.size() > static_cast<size_t>(limits.max_images)) {
     RefuseRequest(std::to_string(request.images.size()) + " images, at most " +
-           std::to_string(limits.max_images) + " are taken at once");
+                  std::to_string(limits.max_images) + " are taken at once");
   }
   if (!request.odometry.empty() && request.odometry.size() != request.images.size()) {
     RefuseRequest("odometry has " + std::to_string(request.odometry.size()) + " motions for " +
-           std::to_string(request.images.size()) + " images; give one, or null, for each");
+                  std::to_string(request.images.size()) + " images; give one, or null, for each");
   }
 }
 
 QueryRequest ReadForm(const HttpRequest& http, const std::string& type,
-                         const RequestLimits& limits) {
+                      const RequestLimits& limits) {
   RefuseParameters(http);
   const std::string body = http.read_body();
   const size_t max_parts = static_cast<size_t>(limits.max_images) + 1;
@@ -80,7 +80,8 @@ QueryRequest ReadForm(const HttpRequest& http, const std::string& type,
       if (part.bytes.size() > kMaxObjectBytes) RefuseRequest("the part 'request' is over 64 KiB");
       request = ParseQueryRequest(ParseJson(part.bytes), limits, false);
     } else {
-      RefuseRequest("the form has a part " + QuoteShortened(part.name) + "; there are 'image' and 'request'");
+      RefuseRequest("the form has a part " + QuoteShortened(part.name) +
+                    "; there are 'image' and 'request'");
     }
   }
   request.images = std::move(images);

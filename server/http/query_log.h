@@ -21,8 +21,7 @@ class QueryLog {
   QueryLog(std::filesystem::path folder, int64_t max_bytes,
            std::function<void(const std::string&)> on_error);
 
-  void Add(const std::string& id, const Json& map, const QueryRequest& request,
-           const Json& answer);
+  void Add(const std::string& id, const Json& map, const QueryRequest& request, const Json& answer);
 
  private:
   std::string Store(const std::string& bytes);

@@ -94,7 +94,7 @@ TEST(AnswerJson, PlacesOnlyWhenAmbiguous) {
   answer.verdict = Verdict::kAmbiguous;
   answer.planes.keyframe.reset();
   answer.planes.places = {{{KeyframeId{1}, "s", "a.jpg", {}}, 0.5, 40},
-                   {{KeyframeId{2}, "s", "b.jpg", 1.0}, 0.4, 39}};
+                          {{KeyframeId{2}, "s", "b.jpg", 1.0}, 0.4, 39}};
   const Json json = ToJson(answer);
   EXPECT_TRUE(json["keyframe"].is_null());
   EXPECT_EQ(json["places"].size(), 2u);

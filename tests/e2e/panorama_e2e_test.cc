@@ -231,6 +231,57 @@ TEST_F(PanoramaMap, SeveralPanoramasOverHttpAreASeriesAndTheBeliefGoesOn) {
   EXPECT_NE(problem["detail"].get<std::string>().find("999"), std::string::npos);
 }
 
+// What a series of these panoramas gives on the command line, one object an answer.
+std::vector<Json> SeriesOnTheCommandLine(const fs::path& map, const std::vector<fs::path>& images) {
+  std::vector<std::string> arguments = {"localize", map, "--series", "--json"};
+  arguments.insert(arguments.end(), images.begin(), images.end());
+  std::istringstream lines(RunWaystone(arguments).out);
+  std::vector<Json> answers;
+  for (std::string line; std::getline(lines, line);) answers.push_back(Json::parse(line));
+  return answers;
+}
+
+TEST_F(PanoramaMap, TheCommandLineAndTheServerAnswerASeriesAlike) {
+  ASSERT_EQ(build_.code, 0) << build_.err;
+  const std::vector<fs::path> images = {Query(2), Query(3), Query(4)};
+  const std::vector<Json> local = SeriesOnTheCommandLine(home_ / "hall.db", images);
+  ASSERT_EQ(local.size(), images.size());
+  ChildProcess server({WAYSTONE_PROGRAM, "serve", home_ / "hall.db", "--port", "0"}, true);
+  const std::string line = server.ReadLine();
+  httplib::Client client(line.substr(line.find("http://")));
+  client.set_read_timeout(30);
+  httplib::MultipartFormDataItems form;
+  for (size_t i = 0; i < images.size(); ++i) {
+    form.push_back({"image", ReadFile(images[i]), images[i].string(), "image/png"});
+    const auto result = client.Post("/v1/maps/hall/localize", form);
+    ASSERT_TRUE(result);
+    const Json served = Json::parse(result->body);
+    if (i == 0) continue;  // a panorama alone is no series
+    for (const auto& [key, value] : local[i].items()) {
+      if (key != "timing_ms") EXPECT_EQ(served.value(key, Json()), value) << i << ": " << key;
+    }
+    EXPECT_EQ(served.contains("building"), local[i].contains("building"));
+  }
+  EXPECT_EQ(local.back()["verdict"], "localized");
+}
+
+// An image that can't be used is answered so and leaves the series as it was.
+TEST_F(PanoramaMap, ASeriesPassesOverWhatIsNoPanorama) {
+  ASSERT_EQ(build_.code, 0) << build_.err;
+  const fs::path photo = folder_ / "photo.png";
+  DrawPhoto(photo, 3.5);
+  const fs::path map = home_ / "hall.db";
+  const std::vector<Json> plain = SeriesOnTheCommandLine(map, {Query(2), Query(3)});
+  const std::vector<Json> with = SeriesOnTheCommandLine(map, {Query(2), photo, Query(3)});
+  ASSERT_EQ(plain.size(), 2u);
+  ASSERT_EQ(with.size(), 3u);
+  EXPECT_EQ(with[1]["verdict"], "bad_image");
+  EXPECT_EQ(with[2]["probability"], plain[1]["probability"]);
+  EXPECT_EQ(with[2]["panorama"], plain[1]["panorama"]);
+  const RunResult run = RunWaystone({"localize", map, Query(2), photo, "--series"});
+  EXPECT_EQ(run.code, 3);
+}
+
 // The log's own map, and one that names the same panoramas otherwise: the belief is of the map that
 // is asked, so the series goes on with either.
 TEST_F(PanoramaMap, AReplayedSeriesGoesOn) {

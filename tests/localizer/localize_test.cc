@@ -92,7 +92,8 @@ TEST(LocalizeFeatures, FindsThePlanesAndTheirHomographies) {
       EXPECT_EQ(plane.reference_points.size(), plane.query_points.size());
       EXPECT_EQ(plane.reference.id, KeyframeId{1});
     }
-    EXPECT_GE(answer.planes.recognised[0].inliers, answer.planes.recognised[1].inliers) << "most inliers first";
+    EXPECT_GE(answer.planes.recognised[0].inliers, answer.planes.recognised[1].inliers)
+        << "most inliers first";
     EXPECT_GT(answer.probability, 0.99);
     EXPECT_LE(answer.probability, 1);
     EXPECT_TRUE(answer.planes.places.empty());
@@ -232,7 +233,8 @@ TEST(LocalizeFeatures, TwoFarPlanesThatLookAlikeAreAmbiguous) {
   EXPECT_FALSE(answer.planes.keyframe);
   ASSERT_EQ(answer.planes.places.size(), 2u);
   std::vector<int64_t> keyframes;
-  for (const PlaceCandidate& place : answer.planes.places) keyframes.push_back(place.keyframe.id.value);
+  for (const PlaceCandidate& place : answer.planes.places)
+    keyframes.push_back(place.keyframe.id.value);
   std::sort(keyframes.begin(), keyframes.end());
   EXPECT_EQ(keyframes, (std::vector<int64_t>{2, 6}));
   EXPECT_GE(answer.planes.places[0].inliers, answer.planes.places[1].inliers);

@@ -58,8 +58,7 @@ TEST(Session, AnswersAsTheEngineDoesByTheNameItIsAskedBy) {
 TEST(Session, AnImageThatIsDecodedAlreadyIsAnsweredAlike) {
   const auto index = MadeIndex();
   const QueryImage decoded{"q", "no image", cv::Mat(48, 64, CV_8UC1, cv::Scalar(90))};
-  const Answer answer =
-      OverallAnswer(Session(RequestFor({decoded}), {{"lab", index}}, {}).Ask());
+  const Answer answer = OverallAnswer(Session(RequestFor({decoded}), {{"lab", index}}, {}).Ask());
   EXPECT_EQ(answer.decided_by, DecidedBy::kFeatures);
   const Answer broken =
       OverallAnswer(Session(RequestFor({{"q", "no image"}}), {{"lab", index}}, {}).Ask());

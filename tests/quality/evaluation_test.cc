@@ -19,7 +19,8 @@ class EvaluationTest : public testing::Test {
     query.answer.probability = probability;
     const KeyframeRef ref{KeyframeId{place}, "walk", "", std::nullopt};
     if (verdict == Verdict::kLocalized) query.answer.planes.keyframe = ref;
-    if (verdict == Verdict::kAmbiguous) query.answer.planes.places.push_back({ref, probability, 20});
+    if (verdict == Verdict::kAmbiguous)
+      query.answer.planes.places.push_back({ref, probability, 20});
     if (verdict == Verdict::kNotInMap && place > 0) {
       query.answer.planes.runner_up = PlaceCandidate{ref, probability, 10};
     }

@@ -3,9 +3,11 @@
 // file starts with.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -57,7 +59,26 @@ const std::map<std::string, int>& CoreRanks() {
   return ranks;
 }
 
-// A library that only some folders may include.
+// The rooms of a top folder, the lowest level first: a file may include its own room and those of
+// lower levels. "" is the folder itself.
+using RoomLevels = std::vector<std::vector<std::string>>;
+
+const std::map<std::string, RoomLevels>& Rooms() {
+  static const std::map<std::string, RoomLevels> rooms = {
+      {"localizer", {{"verdict"}, {"index"}, {"planes", "appearance", "orientation"}, {""}}},
+      {"builder",
+       {{"sources"},
+        {"frames"},
+        {"planes", "appearance", "orientation"},
+        {"calibration"},
+        {""},
+        {"report"}}},
+      {"server", {{"web"}, {"http"}}},
+  };
+  return rooms;
+}
+
+// A library, or a part of ours, that only some folders may include.
 struct Fence {
   std::regex header;
   std::vector<std::string> folders;  // path prefixes that may
@@ -74,11 +95,35 @@ const std::vector<Fence>& Fences() {
       {std::regex("CLI/.*"), {"cli/", "bench/", "tests/"}},
       {std::regex("ceres/.*"), {"core/pose_graph/", "core/manhattan/", "tests/"}},
       {std::regex("yaml-cpp/.*"), {"builder/sources/", "cli/", "tests/"}},
+      // Commands but for `serve` ask the localizer through its session and render by api/.
+      {std::regex("server/.*"), {"server/", "cli/serve", "bench/", "tests/"}},
   };
   return fences;
 }
 
 std::string TopFolder(const std::string& path) { return path.substr(0, path.find('/')); }
+
+// "planes" of "localizer/planes/verify.cc", "" of "localizer/session.h".
+std::string RoomOf(const std::string& path) {
+  const size_t start = path.find('/') + 1;
+  const size_t end = path.find('/', start);
+  return end == std::string::npos ? "" : path.substr(start, end - start);
+}
+
+// The level of a room; nothing for one that has none.
+std::optional<size_t> LevelOf(const RoomLevels& levels, const std::string& room) {
+  for (size_t level = 0; level < levels.size(); ++level) {
+    if (std::ranges::count(levels[level], room) > 0) return level;
+  }
+  return std::nullopt;
+}
+
+bool RoomMayInclude(const std::string& top, const std::string& from, const std::string& to) {
+  if (!Rooms().count(top)) return true;
+  const std::optional<size_t> a = LevelOf(Rooms().at(top), from);
+  const std::optional<size_t> b = LevelOf(Rooms().at(top), to);
+  return a && b && (from == to || *b < *a);
+}
 
 std::string CoreFolder(const std::string& path) {
   const size_t start = path.find('/') + 1;
@@ -107,6 +152,7 @@ bool MayInclude(const SourceFile& file, const std::string& include) {
   if (!AllowedFolders().count(to) || include.find('/') == std::string::npos) return true;
   const std::string from = TopFolder(file.path);
   if (!AllowedFolders().at(from).count(to)) return false;
+  if (from == to && !RoomMayInclude(to, RoomOf(file.path), RoomOf(include))) return false;
   if (from != "core") return true;
   const std::string a = CoreFolder(file.path);
   const std::string b = CoreFolder(include);
@@ -128,6 +174,42 @@ std::vector<std::string> Violations(const SourceFile& file) {
   }
   if (file.path.ends_with(".h") && file.text.find("\n#pragma once\n") == std::string::npos) {
     found.push_back(file.path + " has no #pragma once");
+  }
+  return found;
+}
+
+// The headers that say that they are "inside FOLDER only", with that folder.
+std::map<std::string, std::string> InternalHeaders(const std::vector<SourceFile>& files) {
+  static const std::regex note(R"(inside ([a-z_]+(/[a-z_]+)*) only)");
+  std::map<std::string, std::string> internal;
+  for (const SourceFile& file : files) {
+    std::smatch match;
+    if (!file.path.ends_with(".h") || file.path.starts_with("tests/")) continue;
+    if (std::regex_search(file.text, match, note)) internal[file.path] = match[1];
+  }
+  return internal;
+}
+
+// Includes of internal headers from elsewhere than their folder and its tests, and headers that
+// name a folder which isn't theirs.
+std::vector<std::string> InternalViolations(const std::vector<SourceFile>& files) {
+  const std::map<std::string, std::string> internal = InternalHeaders(files);
+  std::vector<std::string> found;
+  for (const auto& [header, folder] : internal) {
+    if (!header.starts_with(folder + "/")) {
+      found.push_back(header + " says that it is inside " + folder + " only, where it isn't");
+    }
+  }
+  for (const SourceFile& file : files) {
+    for (const std::string& include : IncludesOf(file.text)) {
+      const auto it = internal.find(include);
+      if (it == internal.end() || file.path.starts_with(it->second + "/") ||
+          file.path.starts_with("tests/" + it->second + "/")) {
+        continue;
+      }
+      found.push_back(file.path + " includes " + include + ", which is inside " + it->second +
+                      " only");
+    }
   }
   return found;
 }
@@ -157,6 +239,12 @@ TEST(Structure, IncludesFollowTheGrain) {
   }
 }
 
+TEST(Structure, InternalHeadersStayInside) {
+  const std::vector<SourceFile> files = AllSources();
+  EXPECT_GE(InternalHeaders(files).size(), 5u) << "the notes are written otherwise now";
+  for (const std::string& violation : InternalViolations(files)) ADD_FAILURE() << violation;
+}
+
 // What the test above looks for, planted: each line must be found out.
 TEST(Structure, PlantedViolationsAreFound) {
   const std::vector<std::pair<std::string, std::string>> planted = {
@@ -166,7 +254,7 @@ TEST(Structure, PlantedViolationsAreFound) {
       {"core/unranked/x.cc", "#include \"core/base/check.h\""},
       {"core/base/x.cc", "#include <nlohmann/json.hpp>"},
       {"world/x.cc", "#include \"schema/map_data.h\""},
-      {"schema/x.cc", "#include \"localizer/answer.h\""},
+      {"schema/x.cc", "#include \"localizer/verdict/answer.h\""},
       {"localizer/x.cc", "#include \"builder/build_map.h\""},
       {"localizer/x.cc", "#include <SQLiteCpp/SQLiteCpp.h>"},
       {"builder/x.cc", "#include \"server/http/router.h\""},
@@ -174,7 +262,19 @@ TEST(Structure, PlantedViolationsAreFound) {
       {"server/http/x.cc", "#include \"builder/build_map.h\""},
       {"server/http/x.cc", "  #include \"cli/commands.h\""},
       {"server/http/x.cc", "#include <httplib.h>"},
-      {"clients/cpp/x.cc", "#include \"localizer/answer.h\""},
+      {"clients/cpp/x.cc", "#include \"localizer/verdict/answer.h\""},
+      {"api/x.cc", "#include \"server/http/router.h\""},
+      {"cli/replay.cc", "#include \"server/http/router.h\""},
+      {"localizer/verdict/x.cc", "#include \"localizer/index/map_index.h\""},
+      {"localizer/verdict/x.cc", "#include \"localizer/planes/verify.h\""},
+      {"localizer/planes/x.cc", "#include \"localizer/appearance/appearance.h\""},
+      {"localizer/orientation/x.cc", "#include \"localizer/planes/verify.h\""},
+      {"localizer/appearance/x.cc", "#include \"localizer/session.h\""},
+      {"localizer/unknown/x.cc", "#include \"localizer/verdict/answer.h\""},
+      {"builder/sources/x.cc", "#include \"builder/planes/keyframe_selector.h\""},
+      {"builder/planes/x.cc", "#include \"builder/build_map.h\""},
+      {"builder/appearance/x.cc", "#include \"builder/planes/fusion.h\""},
+      {"server/web/x.cc", "#include \"server/http/router.h\""},
   };
   const std::string spdx = "// SPDX-License-Identifier: Apache-2.0\n";
   for (const auto& [path, line] : planted) {
@@ -182,6 +282,19 @@ TEST(Structure, PlantedViolationsAreFound) {
   }
   EXPECT_EQ(Violations({"core/base/x.cc", "#include <vector>\n"}).size(), 1u);
   EXPECT_EQ(Violations({"core/base/x.h", spdx + "int x;\n"}).size(), 1u);
+}
+
+TEST(Structure, PlantedUsesOfInternalHeadersAreFound) {
+  const SourceFile header = {"core/image/x.h", "// Parsers: inside core/image only.\n"};
+  const std::string include = "#include \"core/image/x.h\"\n";
+  EXPECT_TRUE(InternalViolations({header,
+                                  {"core/image/x.cc", include},
+                                  {"tests/core/image/x_test.cc", include}})
+                  .empty());
+  for (const std::string path : {"core/camera/x.cc", "core/image_x/x.cc", "tests/core/x.cc"}) {
+    EXPECT_EQ(InternalViolations({header, {path, include}}).size(), 1u) << path;
+  }
+  EXPECT_EQ(InternalViolations({{"api/x.h", "// Inside: inside quality only.\n"}}).size(), 1u);
 }
 
 TEST(Structure, SoundFilesPass) {

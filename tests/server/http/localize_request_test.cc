@@ -39,15 +39,15 @@ const char* const kForm = "Multipart/Form-Data; boundary=\"B\"";
 
 TEST(LocalizeRequest, RawBytesTakeQueryParameters) {
   const QueryRequest request = Read("image/jpeg", "bytes",
-                                       {{"name", "a.jpg"},
-                                        {"fx", "500"},
-                                        {"fy", "501.5"},
-                                        {"cx", "320"},
-                                        {"cy", "-1e1"},
-                                        {"prior_keyframe", "7"},
-                                        {"top_k", "3"},
-                                        {"debug", "true"},
-                                        {"deadline_ms", "250"}});
+                                    {{"name", "a.jpg"},
+                                     {"fx", "500"},
+                                     {"fy", "501.5"},
+                                     {"cx", "320"},
+                                     {"cy", "-1e1"},
+                                     {"prior_keyframe", "7"},
+                                     {"top_k", "3"},
+                                     {"debug", "true"},
+                                     {"deadline_ms", "250"}});
   ASSERT_EQ(request.images.size(), 1u);
   EXPECT_EQ(request.images[0].name, "a.jpg");
   EXPECT_EQ(request.images[0].bytes, "bytes");
@@ -74,10 +74,9 @@ TEST(LocalizeRequest, FormsHoldSeveralImagesAndARequest) {
 }
 
 TEST(LocalizeRequest, JsonHoldsBase64) {
-  const QueryRequest request =
-      Read("application/json; charset=utf-8",
-           R"({"camera":"walk","images":[{"name":"x","data":"aGVsbG8="},)"
-           R"({"data":"data:image/png;base64,aGk="}]})");
+  const QueryRequest request = Read("application/json; charset=utf-8",
+                                    R"({"camera":"walk","images":[{"name":"x","data":"aGVsbG8="},)"
+                                    R"({"data":"data:image/png;base64,aGk="}]})");
   EXPECT_EQ(request.stored_camera, "walk");
   EXPECT_EQ(request.images[0].bytes, "hello");
   EXPECT_EQ(request.images[1].bytes, "hi");

@@ -222,11 +222,13 @@ TEST(Appearance, APhotoIsFoundByWhatItSeesOrRefused) {
   EXPECT_EQ(LocalizePhoto(Grid(true), photo(elsewhere, {3, 3, 0.2}), camera, {}).verdict,
             Verdict::kNotInMap);
   const cv::Mat image = photo(Rooms(), kQueries[0]);
-  EXPECT_NE(LocalizePhoto(Grid(true), image, {}, {}).message.find("field of view"), std::string::npos);
+  EXPECT_NE(LocalizePhoto(Grid(true), image, {}, {}).message.find("field of view"),
+            std::string::npos);
   EXPECT_NE(LocalizePhoto(Grid(false), image, camera, {}).message.find("--node-features"),
             std::string::npos);
   const Camera small = PinholeCamera(100, 80, 1);
-  EXPECT_NE(LocalizePhoto(Grid(true), image, small, {}).message.find("unscaled"), std::string::npos);
+  EXPECT_NE(LocalizePhoto(Grid(true), image, small, {}).message.find("unscaled"),
+            std::string::npos);
 }
 
 TEST(Appearance, APhotoPassesOverNodesThatAreLeftOut) {
@@ -240,7 +242,8 @@ TEST(Appearance, APhotoPassesOverNodesThatAreLeftOut) {
   EXPECT_EQ(answer.verdict, Verdict::kLocalized);
   for (const NodeCandidate& node : answer.panorama->candidates) EXPECT_NE(node.node.id.value, 5);
   left_out.assign(9, true);
-  EXPECT_EQ(LocalizePhoto(Grid(true), photo, options.camera, {}, {}, left_out).verdict, Verdict::kNotInMap);
+  EXPECT_EQ(LocalizePhoto(Grid(true), photo, options.camera, {}, {}, left_out).verdict,
+            Verdict::kNotInMap);
 }
 
 TEST(Appearance, ADeadlineThatPassedLeavesAPhotoUndecided) {
