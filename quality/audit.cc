@@ -246,14 +246,8 @@ const char* NameOf(Weakness weakness) {
 }
 
 void AuditOptions::Check() const {
+  CheckFields("audit", *this);
   query.Check();
-  const bool good = min_alias_inliers >= 5 && max_voters >= 8 && votes_per_feature >= 2 &&
-                    max_candidates >= 1 && same_surface_share >= 0 && same_surface_share <= 1 &&
-                    min_view_features >= 1 && min_stretch_planes >= 0 && short_run >= 1;
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "audit: an option is out of its range; leave them at their defaults");
-  }
 }
 
 AuditReport AuditMap(const MapIndex& index, const AuditOptions& options) {

@@ -1,40 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <tuple>
 #include <vector>
 
 #include "core/base/ids.h"
+#include "core/base/options.h"
 #include "localizer/index/map_index.h"
 #include "localizer/planes/plane_query_options.h"
 
 namespace waystone {
 
 struct AuditOptions {
-  // Inliers that two places must share to answer for each other, 5 or more. Lower lists more pairs.
   int min_alias_inliers = 15;
   // What queries will be asked with: its gates say which evidence makes a place answer.
   PlaneQueryOptions query;
-  // Features of a plane, best voted first, that are taken as a query, 8 or more. Bounds the cost on
-  // large planes; fewer miss small things that look alike.
   int max_voters = 600;
-  // Nearest map features for which each of them votes, 2 or more: the first ones are the plane's
-  // own and those of its neighbours.
   int votes_per_feature = 8;
-  // Candidates whose homography is tried for each plane, 1 or more, best voted first.
   int max_candidates = 8;
-  // Two planes on which this share of the features is alike, where both of them were seen, are
-  // taken for one surface that was mapped twice rather than for two that bear the same thing, 0
-  // to 1.
   double same_surface_share = 0.15;
-  // A keyframe with fewer features on planes in view is one that queries may not be recognised at,
-  // 1 or more. A query finds a third to a half of them again, and a place of fewer than about a
-  // dozen inliers is refused.
   int min_view_features = 40;
-  // A stretch with fewer planes is one that queries are hardly recognised in, 0 or more.
   int min_stretch_planes = 2;
-  // Fewer keyframes in a row than this are too few views rather than too little to see.
   int short_run = 3;
 
+  static constexpr auto Fields() {
+    using Self = AuditOptions;
+    return std::tuple{
+        OptionField{"min_alias_inliers", &Self::min_alias_inliers, AtLeast(5), "",
+                    "Inliers that two places must share to be mistaken for each other. Lower lists "
+                    "more pairs."},
+        OptionGroup{"query", &Self::query},
+        OptionField{"max_voters", &Self::max_voters, AtLeast(8), "",
+                    "Features of a plane, most votes first, that are taken as a query. Bounds the "
+                    "cost on large planes; fewer miss small things that look alike."},
+        OptionField{"votes_per_feature", &Self::votes_per_feature, AtLeast(2), "",
+                    "Nearest map features for which each of them votes: the first ones are the "
+                    "plane's own and those of its neighbours."},
+        OptionField{"max_candidates", &Self::max_candidates, AtLeast(1), "",
+                    "Candidates whose homography is tried for each plane, most votes first."},
+        OptionField{"same_surface_share", &Self::same_surface_share, Closed(0, 1), "",
+                    "Two planes on which this share of the features is alike, where both of them "
+                    "were seen, are taken for one surface that was mapped twice rather than for "
+                    "two that bear the same thing."},
+        OptionField{"min_view_features", &Self::min_view_features, AtLeast(1), "",
+                    "A keyframe with fewer features on planes in view is one that queries may not "
+                    "be recognised at. A query finds a third to a half of them again, and a place "
+                    "of fewer than about a dozen inliers is refused."},
+        OptionField{"min_stretch_planes", &Self::min_stretch_planes, AtLeast(0), "",
+                    "A stretch with fewer planes is one that queries are hardly recognised in."},
+        OptionField{"short_run", &Self::short_run, AtLeast(1), "",
+                    "Fewer keyframes in a row than this are too few views rather than too little "
+                    "to see."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

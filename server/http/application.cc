@@ -72,17 +72,8 @@ Json VersionJson() {
 }  // namespace
 
 void ServiceOptions::Check() const {
+  CheckFields("service", *this);
   localize.Check();
-  limits.Check();
-  if (query_threads < 0 || query_threads > 1024) {
-    throw MapError(ErrorCode::kBadOptions, "query_threads must be 0 (all cores) to 1024");
-  }
-  if (queue_length < 0 || queue_length > 100'000) {
-    throw MapError(ErrorCode::kBadOptions, "queue_length must be 0 to 100000");
-  }
-  if (query_log_bytes < 1) {
-    throw MapError(ErrorCode::kBadOptions, "query_log_bytes must be above 0");
-  }
 }
 
 Application::Application(const MapCatalog::Indices& maps, const ServiceOptions& options,

@@ -5,7 +5,9 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <tuple>
 
+#include "core/base/options.h"
 #include "server/http/localize_service.h"
 #include "server/http/map_service.h"
 #include "server/http/tokens.h"
@@ -15,19 +17,27 @@ namespace waystone {
 struct ServiceOptions {
   LocalizeOptions localize;
   RequestLimits limits;
-  // Queries computed at once; 0 takes as many as there are cores. More don't answer faster, they
-  // only answer later together.
   int query_threads = 0;
-  // Queries that wait for their turn; the next ones get 429. A longer queue turns fewer away and
-  // keeps the last ones waiting longer.
   int queue_length = 32;
   // Who may ask. Empty: everybody.
   Tokens tokens;
   // Folder of the query log; empty for none.
   std::string query_log;
-  // Bytes that the query log may hold, above 0; it ends when it is full.
   int64_t query_log_bytes = 2'000'000'000;
 
+  static constexpr auto Fields() {
+    using Self = ServiceOptions;
+    return std::tuple{
+        OptionGroup{"localize", &Self::localize}, OptionGroup{"limits", &Self::limits},
+        OptionField{"query_threads", &Self::query_threads, Closed(0, 1024), "",
+                    "Queries computed at once; 0 takes as many as there are cores. More don't "
+                    "answer faster, they only answer later together."},
+        OptionField{"queue_length", &Self::queue_length, Closed(0, 100'000), "",
+                    "Queries that wait for their turn; the next ones get 429. A longer queue turns "
+                    "fewer away and keeps the last ones waiting longer."},
+        OptionField{"query_log_bytes", &Self::query_log_bytes, AtLeast(1), "bytes",
+                    "What the query log may hold; it ends when it is full."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -5,7 +5,9 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <tuple>
 
+#include "core/base/options.h"
 #include "server/http/message.h"
 
 namespace waystone {
@@ -14,28 +16,47 @@ struct HttpOptions {
   // Address to listen on. Only loopback addresses are taken unless clients must show a token or
   // `insecure` is set.
   std::string host = "127.0.0.1";
-  int port = 8080;  // 0 takes any free one
-  // Listen on an address that other machines reach, although nobody has to show who they are.
+  int port = 8080;
   bool insecure = false;
   // The application behind refuses requests without a token.
   bool has_tokens = false;
-  // Bytes of a request's body. A photo of 50 megapixels has about 15 MB.
   int64_t max_body_bytes = 20'000'000;
-  // Bytes of all bodies that are held at once; the next one gets 429.
   int64_t max_bodies_bytes = 400'000'000;
-  // Connections that are held at once, each by a thread, also while it is idle.
   int connection_threads = 64;
-  // Connections that the kernel keeps ready while all threads are held; it refuses more.
   int backlog = 511;
-  // Seconds that an idle connection is kept. Longer saves handshakes and lets slow clients hold
-  // threads.
   int keep_alive_s = 2;
-  int read_timeout_s = 5;  // seconds without a byte from the client
-  // Seconds in which a whole body must have come. Longer takes larger photos over poorer links and
-  // lets slow clients hold threads.
+  int read_timeout_s = 5;
   int body_timeout_s = 30;
-  int write_timeout_s = 5;  // seconds in which the client takes none of ours
+  int write_timeout_s = 5;
 
+  static constexpr auto Fields() {
+    using Self = HttpOptions;
+    return std::tuple{
+        OptionField{"port", &Self::port, Closed(0, 65535), "", "0 takes any free one."},
+        OptionField{"insecure", &Self::insecure, AnyValue(), "",
+                    "Listen on an address that other machines reach, although clients need no "
+                    "token."},
+        OptionField{"max_body_bytes", &Self::max_body_bytes, AtLeast(1), "bytes",
+                    "Of a request's body. A photo of 50 megapixels has about 15 MB."},
+        OptionField{"max_bodies_bytes", &Self::max_bodies_bytes, AtLeast(1), "bytes",
+                    "Of all bodies that are held at once, at least max_body_bytes; the next one "
+                    "gets 429."},
+        OptionField{"connection_threads", &Self::connection_threads, Closed(1, 10'000), "",
+                    "Connections that are held at once, each by a thread, also while it is idle."},
+        OptionField{"backlog", &Self::backlog, AtLeast(1), "",
+                    "Connections that the kernel keeps ready while all threads are held; it "
+                    "refuses more."},
+        OptionField{"keep_alive_s", &Self::keep_alive_s, AtLeast(1), "s",
+                    "How long an idle connection is kept. Longer saves handshakes and lets slow "
+                    "clients hold threads."},
+        OptionField{"read_timeout_s", &Self::read_timeout_s, AtLeast(1), "s",
+                    "Time without a byte from the client."},
+        OptionField{"body_timeout_s", &Self::body_timeout_s, AtLeast(1), "s",
+                    "Time in which a whole body must arrive. Longer accepts larger photos over "
+                    "slow links and lets slow clients hold threads."},
+        OptionField{"write_timeout_s", &Self::write_timeout_s, AtLeast(1), "s",
+                    "Time in which the client accepts none of our bytes."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
