@@ -9,13 +9,25 @@ RELEASE := build/release
 # Every source of ours; generated files and the build folders are not among them.
 SOURCES = git ls-files -co --exclude-standard -- '*.h' '*.cc' | while read -r f; do [ -f "$$f" ] && echo "$$f"; done
 
-.PHONY: help demo test bench format lint release build asan tsan packages web package package-test clean
+# The page is tested in a browser, which is installed for it. BROWSER=no leaves that out.
+BROWSER ?= yes
+export BROWSER
+
+.NOTPARALLEL:
+.PHONY: help demo test bench check lint check-format tidy standalone format release build asan tsan \
+  packages browser web package package-test clean
 
 help:  ## list the targets
-	@awk -F ':.*## ' '/^[a-z].*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 packages:  ## install the Debian packages that are missing
 	@scripts/install_packages.sh packages.txt
+
+browser: packages  # Chromium, Node and the page's npm packages
+ifneq ($(BROWSER),no)
+	@scripts/install_packages.sh scripts/browser_packages.txt
+	@scripts/install_node_modules.sh
+endif
 
 release: packages  ## build what is shipped, into build/release
 	@scripts/build.sh release $(JOBS)
@@ -26,34 +38,48 @@ demo: packages  ## make a small world, map it, serve it, localize three photos o
 	@scripts/build.sh release $(JOBS) waystone
 	@$(RELEASE)/cli/waystone demo
 
-test: release  ## build and run every test
-	@ctest --test-dir $(RELEASE) --parallel $(JOBS) --output-on-failure --no-tests=error
+test: release browser  ## build and run every test; BROWSER=no leaves out the page's
+	@scripts/run_tests.py $(RELEASE) --parallel $(JOBS)
 
 bench: packages  ## build and run the benchmarks (waystone-bench alone lists them)
-	@scripts/build.sh release $(JOBS) waystone waystone-bench
+	@scripts/build.sh release $(JOBS) waystone waystone-bench waystone-speed
+	@$(RELEASE)/bench/waystone-speed
 	@$(RELEASE)/bench/waystone-bench all
 
-asan: packages  ## the tests under AddressSanitizer and UndefinedBehaviorSanitizer
-	@scripts/build.sh asan $(JOBS)
-	@LSAN_OPTIONS=suppressions=$(CURDIR)/scripts/lsan.supp:print_suppressions=0 ctest --test-dir build/asan --parallel $(JOBS) --output-on-failure --no-tests=error
+check: lint test asan tsan  ## everything: lint, the tests, and these with sanitizers
 
-tsan: packages  ## the tests under ThreadSanitizer
-	@scripts/build.sh tsan $(JOBS)
-	@ctest --test-dir build/tsan --parallel $(JOBS) --output-on-failure --no-tests=error
+lint: check-format tidy standalone  ## format, clang-tidy, each source by itself; warnings are errors
+
+check-format: packages  # by .clang-format
+	@scripts/install_packages.sh scripts/lint_packages.txt
+	@$(SOURCES) | xargs clang-format --dry-run -Werror
+
+tidy: packages  # clang-tidy
+	@scripts/install_packages.sh scripts/lint_packages.txt
+	@scripts/tidy.sh $(JOBS)
+
+standalone: packages  # no source leans on those it is compiled together with
+	@scripts/compile_each.py $(JOBS)
+
+asan: packages  ## all but the end-to-end tests with AddressSanitizer and UndefinedBehaviorSanitizer
+	@scripts/build.sh asan $(JOBS) short_tests
+	@LSAN_OPTIONS=suppressions=$(CURDIR)/scripts/lsan.supp:print_suppressions=0 \
+	 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
+	 scripts/run_tests.py build/asan --parallel $(JOBS) -L program -LE long
+
+tsan: packages  ## the tests of what runs on several threads with ThreadSanitizer
+	@scripts/build.sh tsan $(JOBS) threaded_tests
+	@scripts/run_tests.py build/tsan --parallel $(JOBS) -L threaded
 
 format: packages  ## lay out every source file by .clang-format
 	@scripts/install_packages.sh scripts/lint_packages.txt
 	@$(SOURCES) | xargs clang-format -i
 
-lint: packages  ## layout, clang-tidy and compiler warnings; each one is an error
-	@scripts/install_packages.sh scripts/lint_packages.txt
-	@$(SOURCES) | xargs clang-format --dry-run -Werror
-	@scripts/build.sh dev $(JOBS)
-	@scripts/tidy.sh $(JOBS)
-
-web:  ## build the page anew into server/web/dist (needs Node 20 and npm; the result is committed)
+web:  ## build the page anew into server/web/dist (the result is committed)
+	@scripts/install_packages.sh scripts/browser_packages.txt
 	@/usr/bin/python3 scripts/generate_js_client.py clients/openapi.yaml clients/js
-	@cd server/web && npm ci --no-audit --no-fund && npm run --silent check && npm run --silent build
+	@scripts/install_node_modules.sh
+	@cd server/web && npm run --silent check && npm run --silent build
 
 package: packages  ## make build/release/package/waystone_*.deb
 	@scripts/build.sh release $(JOBS) waystone package_files

@@ -37,7 +37,7 @@ bool Contains(const OrientationLayer& layer, const Corridor& corridor, Orientati
   return frame && first && frame->sequence == first->sequence;
 }
 
-Json CorridorOf(const OrientationLayer& layer, OrientationFrameId frame) {
+Json FindCorridor(const OrientationLayer& layer, OrientationFrameId frame) {
   for (size_t i = 0; i < layer.corridors.size(); ++i) {
     if (Contains(layer, layer.corridors[i], frame)) return i + 1;
   }
@@ -158,7 +158,7 @@ Json LayerJson(const std::string& map_name, const MapData& map, const Orientatio
          {"keyframe", frame ? rows.KeyframeOf(frame->sequence, frame->frame) : Json(nullptr)},
          {"kind", turn ? "turn" : "frame"},
          {"heading_rad", frame ? HeadingJson(*frame) : Json(nullptr)},
-         {"corridor", CorridorOf(layer, node.frame)},
+         {"corridor", FindCorridor(layer, node.frame)},
          {"directions", node.directions},
          {"image", node.jpeg.empty() ? Json(nullptr)
                                      : ImagePath(map_name, "orientation", node.frame.value)}});

@@ -61,7 +61,7 @@ Json CornersJson(const Keyframe& keyframe, const Camera& camera) {
 }  // namespace
 
 Json SpaceJson(const MapIndex& index, const Keyframe& keyframe) {
-  const KeyframeSpace space = SpaceOf(index, keyframe);
+  const KeyframeSpace space = EstimateSpace(index, keyframe);
   const int unit = space.estimate.unit_plane;
   Json json;
   json["keyframe"] = keyframe.id.value;

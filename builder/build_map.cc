@@ -18,7 +18,7 @@
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
-#include "schema/index_features.h"
+#include "schema/layers/planes/index_features.h"
 
 namespace waystone {
 namespace {

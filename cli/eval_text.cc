@@ -143,7 +143,7 @@ Json EvaluationJson(const Evaluation& e) {
 std::string MistakesText(const MapIndex& index, const std::vector<ScoredQuery>& queries) {
   std::string text;
   for (const ScoredQuery& query : queries) {
-    const Outcome outcome = OutcomeOf(index, query);
+    const Outcome outcome = ClassifyOutcome(index, query);
     if (outcome != Outcome::kWrong && outcome != Outcome::kFalseAccept) continue;
     text += "  " + query.answer.image + ": localized near " + query.answer.planes.keyframe->source +
             Format(" with probability %.4f, ", query.answer.probability);
@@ -157,7 +157,7 @@ std::string MistakesText(const MapIndex& index, const std::vector<ScoredQuery>& 
 Json FailuresJson(const MapIndex& index, const std::vector<ScoredQuery>& queries) {
   Json list = Json::array();
   for (const ScoredQuery& query : queries) {
-    const Outcome outcome = OutcomeOf(index, query);
+    const Outcome outcome = ClassifyOutcome(index, query);
     if (outcome == Outcome::kRight || outcome == Outcome::kRightlyRefused) continue;
     const std::optional<KeyframeId> place = BestPlace(query.answer);
     Json truth = Json::array();

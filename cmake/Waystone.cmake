@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 # Helpers: one library a folder, one test program a folder.
 
+# All of the below.
+add_custom_target(waystone_headers)
+
 # waystone_headers(TARGET HEADER...): headers compiled once, for targets that REUSE_FROM TARGET.
 function(waystone_headers target)
   add_library(${target} STATIC ${PROJECT_SOURCE_DIR}/cmake/pch.cc)
   target_include_directories(${target} SYSTEM PUBLIC ${OpenCV_INCLUDE_DIRS})
   target_link_libraries(${target} PUBLIC Eigen3::Eigen PRIVATE waystone_warnings)
+  add_dependencies(waystone_headers ${target})
   if(WAYSTONE_PCH)
     target_precompile_headers(${target} PRIVATE ${ARGN})
   endif()
@@ -13,7 +17,7 @@ endfunction()
 
 # Templates that several sources of a target use are compiled once for all of them: half the work.
 function(waystone_unity target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${WAYSTONE_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${WAYSTONE_UNITY} UNITY_BUILD_BATCH_SIZE ${WAYSTONE_UNITY_BATCH})
 endfunction()
 
 # waystone_library(NAME SOURCES ... DEPS ... [HEADERS target]): the static library waystone_NAME of the
@@ -34,9 +38,16 @@ function(waystone_library name)
   waystone_unity(${target})
 endfunction()
 
-# waystone_test(NAME SOURCES ... DEPS ... [SECONDS n]): the test program test_NAME, one ctest entry.
+# The test programs that the sanitizers run: short_tests are all but the LONG ones, threaded_tests are
+# those of what runs on several threads.
+add_custom_target(short_tests)
+add_custom_target(threaded_tests)
+
+# waystone_test(NAME SOURCES ... DEPS ... [SECONDS n] [LONG] [THREADED]): the test program test_NAME, one
+# ctest entry with the labels `program`, and `long` and `threaded` where it says so. Property tests take
+# `rapidcheck` among their DEPS.
 function(waystone_test name)
-  cmake_parse_arguments(ARG "" "SECONDS" "SOURCES;DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "LONG;THREADED" "SECONDS" "SOURCES;DEPS" ${ARGN})
   set(target test_${name})
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ${ARG_DEPS} GTest::gtest_main waystone_warnings)
@@ -48,8 +59,21 @@ function(waystone_test name)
   endif()
   waystone_unity(${target})
   add_test(NAME ${name} COMMAND ${target})
+  set(labels program)
+  if(ARG_LONG)
+    list(APPEND labels long)
+  else()
+    add_dependencies(short_tests ${target})
+  endif()
+  if(ARG_THREADED)
+    list(APPEND labels threaded)
+    add_dependencies(threaded_tests ${target})
+  endif()
   if(NOT ARG_SECONDS)
     set(ARG_SECONDS 120)
   endif()
-  set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_SECONDS})
+  if(WAYSTONE_SANITIZE)
+    math(EXPR ARG_SECONDS "${ARG_SECONDS} * 5")
+  endif()
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_SECONDS} LABELS "${labels}")
 endfunction()

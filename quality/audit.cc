@@ -69,7 +69,7 @@ struct AlikePlanes {
   double shared = 0;
 };
 
-std::vector<cv::Point2f> HullOf(const std::vector<Eigen::Vector2d>& outline) {
+std::vector<cv::Point2f> ToHull(const std::vector<Eigen::Vector2d>& outline) {
   std::vector<cv::Point2f> hull;
   for (const Eigen::Vector2d& x : outline) hull.emplace_back(x.x(), x.y());
   return hull;
@@ -79,7 +79,7 @@ std::vector<cv::Point2f> HullOf(const std::vector<Eigen::Vector2d>& outline) {
 // `inside` is a point of the first plane that is certainly in front.
 int CountWithin(const Plane& plane, const Plane& other, const Eigen::Matrix3d& other_from_plane,
                 const Eigen::Vector2d& inside) {
-  const std::vector<cv::Point2f> hull = HullOf(other.outline);
+  const std::vector<cv::Point2f> hull = ToHull(other.outline);
   if (hull.size() < 3) return 0;
   return static_cast<int>(
       std::count_if(plane.features.begin(), plane.features.end(), [&](const PlaneFeature& feature) {
@@ -252,7 +252,7 @@ void AuditOptions::Check() const {
 
 AuditReport AuditMap(const MapIndex& index, const AuditOptions& options) {
   options.Check();
-  const std::vector<KeyframeView> views = ViewsOf(index.map());
+  const std::vector<KeyframeView> views = CollectViews(index.map());
   return {FindAliases(index, views, options), FindLoneTies(index, views),
           FindWeakRuns(index.map(), views, options)};
 }

@@ -23,7 +23,7 @@ int IndexOf(const std::vector<KeyframeView>& views, KeyframeId keyframe) {
   return static_cast<int>(found - views.begin());
 }
 
-std::vector<Visit> VisitsOf(const MapIndex& index, const Plane& plane,
+std::vector<Visit> FindVisits(const MapIndex& index, const Plane& plane,
                             const std::vector<KeyframeView>& views) {
   const std::vector<Keyframe>& keyframes = index.map().keyframes;
   std::vector<Visit> visits;
@@ -55,7 +55,7 @@ bool AreTied(const MapIndex& index, const Visit& a, const Visit& b) {
 }
 
 // The pair of visits of a plane with the most evidence that nothing else ties.
-std::optional<LoneTie> TieOf(const MapIndex& index, const Plane& plane,
+std::optional<LoneTie> DescribeTie(const MapIndex& index, const Plane& plane,
                              const std::vector<Visit>& visits) {
   std::optional<LoneTie> tie;
   for (size_t i = 0; i < visits.size(); ++i) {
@@ -76,7 +76,7 @@ std::optional<LoneTie> TieOf(const MapIndex& index, const Plane& plane,
 std::vector<LoneTie> FindLoneTies(const MapIndex& index, const std::vector<KeyframeView>& views) {
   std::vector<LoneTie> ties;
   for (const Plane& plane : index.map().planes) {
-    const std::optional<LoneTie> tie = TieOf(index, plane, VisitsOf(index, plane, views));
+    const std::optional<LoneTie> tie = DescribeTie(index, plane, FindVisits(index, plane, views));
     if (tie) ties.push_back(*tie);
   }
   return ties;

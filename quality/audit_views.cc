@@ -49,7 +49,7 @@ std::vector<Run> Split(const std::vector<Keyframe>& keyframes, Predicate togethe
   return runs;
 }
 
-std::optional<Weakness> WeaknessOf(const KeyframeView& view, const AuditOptions& options) {
+std::optional<Weakness> FindWeakness(const KeyframeView& view, const AuditOptions& options) {
   if (view.planes.empty()) return Weakness::kSeesNoPlane;
   if (view.features < options.min_view_features) return Weakness::kFewFeatures;
   return std::nullopt;
@@ -86,7 +86,7 @@ WeakRun Described(const MapData& map, const std::vector<KeyframeView>& views, co
 
 }  // namespace
 
-std::vector<KeyframeView> ViewsOf(const MapData& map) {
+std::vector<KeyframeView> CollectViews(const MapData& map) {
   std::vector<KeyframeView> views(map.keyframes.size());
   std::unordered_map<KeyframeId, int> index;
   for (size_t k = 0; k < views.size(); ++k) {
@@ -121,9 +121,9 @@ std::vector<WeakRun> FindWeakRuns(const MapData& map, const std::vector<Keyframe
   }
   for (const Run& run : Split(keyframes, [&](int a, int b) {
          return SameStretch(keyframes[a], keyframes[b]) &&
-                WeaknessOf(views[a], options) == WeaknessOf(views[b], options);
+                FindWeakness(views[a], options) == FindWeakness(views[b], options);
        })) {
-    const std::optional<Weakness> weakness = WeaknessOf(views[run.first], options);
+    const std::optional<Weakness> weakness = FindWeakness(views[run.first], options);
     if (weakness) weak.push_back(Described(map, views, run, *weakness, options));
   }
   std::stable_sort(weak.begin(), weak.end(),

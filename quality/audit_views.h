@@ -15,7 +15,7 @@ struct KeyframeView {
 };
 
 // One for each keyframe, in the map's order. Pure.
-std::vector<KeyframeView> ViewsOf(const MapData& map);
+std::vector<KeyframeView> CollectViews(const MapData& map);
 
 // Features in view at a keyframe; 0 for one that isn't there.
 int FeaturesInView(const std::vector<KeyframeView>& views, KeyframeId keyframe);

@@ -54,7 +54,7 @@ void MeasureReliability(const MapIndex& index, const std::vector<ScoredQuery>& q
   evaluation.reliability_localized = Binned(localized);
 }
 
-Percentiles PercentilesOf(const std::vector<ScoredQuery>& queries, double StageTimes::*stage) {
+Percentiles ComputePercentiles(const std::vector<ScoredQuery>& queries, double StageTimes::*stage) {
   std::vector<double> times;
   for (const ScoredQuery& query : queries) {
     if (query.answer.verdict != Verdict::kBadImage) times.push_back(query.answer.timing.*stage);
@@ -62,12 +62,12 @@ Percentiles PercentilesOf(const std::vector<ScoredQuery>& queries, double StageT
   return {Quantile(times, 0.5), Quantile(times, 0.9), Quantile(times, 0.99)};
 }
 
-Latency LatencyOf(const std::vector<ScoredQuery>& queries) {
-  return {PercentilesOf(queries, &StageTimes::decode_ms),
-          PercentilesOf(queries, &StageTimes::extract_ms),
-          PercentilesOf(queries, &StageTimes::shortlist_ms),
-          PercentilesOf(queries, &StageTimes::verify_ms),
-          PercentilesOf(queries, &StageTimes::total_ms)};
+Latency SummarizeLatency(const std::vector<ScoredQuery>& queries) {
+  return {ComputePercentiles(queries, &StageTimes::decode_ms),
+          ComputePercentiles(queries, &StageTimes::extract_ms),
+          ComputePercentiles(queries, &StageTimes::shortlist_ms),
+          ComputePercentiles(queries, &StageTimes::verify_ms),
+          ComputePercentiles(queries, &StageTimes::total_ms)};
 }
 
 std::optional<PositionErrors> PositionsOf(const std::vector<ScoredQuery>& queries) {
@@ -138,7 +138,7 @@ const char* NameOf(Outcome outcome) {
   WS_CHECK(false, "unknown outcome");
 }
 
-Outcome OutcomeOf(const MapIndex& index, const ScoredQuery& query) {
+Outcome ClassifyOutcome(const MapIndex& index, const ScoredQuery& query) {
   const bool positive = !query.truth.empty();
   if (query.answer.verdict == Verdict::kAmbiguous) return Outcome::kUnsure;
   if (query.answer.verdict != Verdict::kLocalized) {
@@ -163,7 +163,7 @@ Evaluation Evaluate(const MapIndex& index, const std::vector<ScoredQuery>& queri
   evaluation.queries = static_cast<int>(queries.size());
   std::vector<double> right;  // probabilities
   for (const ScoredQuery& query : queries) {
-    const Outcome outcome = OutcomeOf(index, query);
+    const Outcome outcome = ClassifyOutcome(index, query);
     Count(outcome, query, evaluation);
     if (outcome == Outcome::kRight) right.push_back(query.answer.probability);
     if (outcome == Outcome::kWrong || outcome == Outcome::kFalseAccept) {
@@ -179,7 +179,7 @@ Evaluation Evaluate(const MapIndex& index, const std::vector<ScoredQuery>& queri
   });
   evaluation.recall_at_full_precision = static_cast<double>(sure) / positives;
   MeasureReliability(index, queries, evaluation);
-  evaluation.latency = LatencyOf(queries);
+  evaluation.latency = SummarizeLatency(queries);
   evaluation.position = PositionsOf(queries);
   return evaluation;
 }

@@ -39,7 +39,7 @@ enum class Outcome {
 };
 // "right", "wrong", "false_accept", "missed", "unsure", "rightly_refused".
 const char* NameOf(Outcome outcome);
-Outcome OutcomeOf(const MapIndex& index, const ScoredQuery& query);
+Outcome ClassifyOutcome(const MapIndex& index, const ScoredQuery& query);
 
 // Answers whose stated probability lies in [from, to); the last bin includes 1.
 struct ReliabilityBin {

@@ -1,7 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
-# install_packages.sh LIST...: installs the Debian packages named in the lists (one a line, # starts
-# a comment) that are missing. Says what it installs; says nothing when nothing is missing.
+# install_packages.sh LIST...: installs the Debian packages named in the lists that are missing. Says
+# what it installs; says nothing when nothing is missing. A line is `PACKAGE [PROGRAM]`, # starts a
+# comment; a PROGRAM that is there, wherever it comes from, makes its package unnecessary.
 set -euo pipefail
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
@@ -10,11 +11,12 @@ if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
 fi
 
 missing=()
-while read -r package; do
+while read -r package program; do
+  if [ -n "$program" ] && command -v "$program" >/dev/null; then continue; fi
   status=$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true)
   # A package of several architectures prints its status once for each.
   [[ $status == *installed* && $status != *not-installed* ]] || missing+=("$package")
-done < <(sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' "$@")
+done < <(sed -e 's/#.*//' -e 's/[[:space:]]*$//' -e '/^$/d' "$@")
 [ ${#missing[@]} -gt 0 ] || exit 0
 
 command="apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"

@@ -15,7 +15,7 @@
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "schema/file/map_store.h"
-#include "schema/index_features.h"
+#include "schema/layers/planes/index_features.h"
 #include "world/rig.h"
 #include "world/truth.h"
 

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "core/base/random.h"
-#include "schema/index_features.h"
+#include "schema/layers/planes/index_features.h"
 
 namespace waystone::bench {
 namespace {

@@ -19,7 +19,7 @@ using Weight = boost::property<boost::edge_weight_t, double>;
 using Graph =
     boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS, boost::no_property, Weight>;
 using Square = boost::square_topology<std::minstd_rand>;
-using Point = Square::point_type;
+using SquarePoint = Square::point_type;
 
 // Springs between all pairs give the clearer picture, at a cost that grows with the cube of the
 // number of planes; beyond this many, forces between neighbours have to do.
@@ -29,7 +29,7 @@ constexpr double kAtRest = 1e-4;
 // Rounds of forces: their temperature falls to nothing over them.
 constexpr int kForceRounds = 200;
 // Room between two parts of the graph, as a share of the smallest part's width.
-constexpr double kGap = 0.25;
+constexpr double kComponentGap = 0.25;
 
 // A connected part of the graph: rows of map.planes, and where they are, in [0, 1] x [0, 1].
 struct Part {
@@ -60,16 +60,16 @@ std::vector<Part> PartsOf(size_t count, const Pairs& edges) {
   return parts;
 }
 
-std::vector<Eigen::Vector2d> FitToUnitSquare(const std::vector<Point>& points) {
+std::vector<Eigen::Vector2d> FitToUnitSquare(const std::vector<SquarePoint>& points) {
   Eigen::Array2d low = Eigen::Array2d(points[0][0], points[0][1]);
   Eigen::Array2d high = low;
-  for (const Point& p : points) {
+  for (const SquarePoint& p : points) {
     low = low.min(Eigen::Array2d(p[0], p[1]));
     high = high.max(Eigen::Array2d(p[0], p[1]));
   }
   const Eigen::Array2d size = high - low;
   std::vector<Eigen::Vector2d> fitted;
-  for (const Point& p : points) {
+  for (const SquarePoint& p : points) {
     Eigen::Array2d at(0.5, 0.5);
     for (int i = 0; i < 2; ++i) {
       if (size[i] > 0) at[i] = (p[static_cast<size_t>(i)] - low[i]) / size[i];
@@ -86,7 +86,7 @@ void LayOut(Part& part, const Pairs& edges) {
   for (const auto& [a, b] : edges) {
     if (local.count(a) != 0) boost::add_edge(local.at(a), local.at(b), 1.0, graph);
   }
-  std::vector<Point> points(part.rows.size());
+  std::vector<SquarePoint> points(part.rows.size());
   const auto positions =
       boost::make_iterator_property_map(points.begin(), boost::get(boost::vertex_index, graph));
   boost::circle_graph_layout(graph, positions, 0.5);
@@ -112,7 +112,7 @@ std::vector<Eigen::Vector2d> LayOutGraph(const MapData& map) {
   if (map.planes.empty()) return at;
   const Pairs edges = EdgesByRow(map);
   std::vector<Part> parts = PartsOf(map.planes.size(), edges);
-  const double gap = kGap * parts.back().width();
+  const double gap = kComponentGap * parts.back().width();
   double total = gap * static_cast<double>(parts.size() - 1);
   for (const Part& part : parts) total += part.width();
   // Side by side: each part as wide as it has to be, and as high as it is wide or the page allows.

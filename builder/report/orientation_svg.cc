@@ -25,7 +25,7 @@ constexpr double kTick = 18;  // of a node's heading
 constexpr double kLeft = 60;
 constexpr double kHeadingHeight = 170;
 constexpr double kLinesHeight = 130;
-constexpr double kGap = 40;
+constexpr double kPanelGap = 40;
 
 constexpr const char* kRed = "#d6454f";
 constexpr const char* kGreen = "#2b9348";
@@ -254,7 +254,7 @@ std::string OrientationPlotSvg(const OrientationLayer& layer, SequenceId sequenc
   const double last = layer.frames[rows.last].frame;
   const Panel headings{20, kHeadingHeight, -185, 185, first, last};
   const double most = MostLines(layer, rows);
-  const Panel lines{20 + kHeadingHeight + kGap, kLinesHeight, 0, most, first, last};
+  const Panel lines{20 + kHeadingHeight + kPanelGap, kLinesHeight, 0, most, first, last};
   std::ostringstream svg = Svg(lines.top + kLinesHeight + 40, "Heading and lines over the frames");
   DrawGround(svg, headings, layer, trajectory, {-180, -90, 0, 90, 180});
   DrawHeadings(svg, headings, layer, rows);

@@ -74,7 +74,7 @@ std::optional<ImageList> RecogniseTum(const fs::path& folder) {
                  .name = NameOfPath(folder),
                  .root = folder,
                  .images = {},
-                 .own_camera = CameraFileIfThere(folder / "camera.yaml")};
+                 .own_camera = CameraFileIfThere(folder / kCameraFile)};
   for (const TextLine& line : ReadLines(file, ErrorCode::kBadSource)) {
     const std::vector<std::string> words = Words(line.text);
     const auto time = ToNumber(words[0]);

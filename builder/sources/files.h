@@ -14,6 +14,9 @@
 // Small helpers on files and text: inside builder/sources only.
 namespace waystone {
 
+// The calibration that lies in a folder of images or faces, or beside it.
+inline constexpr const char* kCameraFile = "camera.yaml";
+
 // img2 before img10: digits are compared as numbers, the rest byte by byte; a folder's files come
 // before those of a folder whose name goes on. A strict weak order.
 bool NaturalLess(std::string_view a, std::string_view b);

@@ -13,7 +13,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kImagesFolder = "images";
-constexpr const char* kCameraFile = "camera.yaml";
 
 // What a folder or a pattern holds: images, and what else there is for the message.
 struct Contents {

@@ -20,7 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kRigFile = "rig.yaml";
-constexpr const char* kCameraFile = "camera.yaml";
 
 // The first of these files that is there.
 std::optional<fs::path> FirstThere(const std::vector<fs::path>& files) {

@@ -12,7 +12,7 @@ namespace {
 #define WS_INLINE inline __attribute__((always_inline))
 
 using Lanes = float __attribute__((vector_size(4 * kMotionLanes)));
-using Ints = int32_t __attribute__((vector_size(4 * kMotionLanes)));
+using MotionInts = int32_t __attribute__((vector_size(4 * kMotionLanes)));
 
 WS_INLINE void Load(const float* from, Lanes& to) { std::memcpy(&to, from, sizeof(Lanes)); }
 WS_INLINE void Store(const Lanes& from, float* to) { std::memcpy(to, &from, sizeof(Lanes)); }
@@ -48,10 +48,10 @@ WS_INLINE void SampleBlock(const MotionBlock& block, const MotionPixels& pixels)
   for (int row = 0; row < block.rows; ++row) {
     const int at = row * kMotionLanes;
     const Lanes y = static_cast<float>(row) - block.lift[row] * lifts - tilts;
-    const Ints shows = (y >= 0) & (y < last);  // -1 where it does
+    const MotionInts shows = (y >= 0) & (y < last);  // -1 where it does
     const Lanes shown = -__builtin_convertvector(shows, Lanes);
     const Lanes from = shown * y;
-    const Ints upper = __builtin_convertvector(from, Ints);
+    const MotionInts upper = __builtin_convertvector(from, MotionInts);
     const Lanes part = from - __builtin_convertvector(upper, Lanes);
     Lanes above;
     Lanes below;

@@ -48,8 +48,8 @@ void AddCandidates(const MapIndex& index, const std::vector<ComparedNode>& nodes
     AppearanceEvidence evidence = CollectEvidence(index, nodes, i, options);
     evidence.verified = verified;
     panorama.candidates.push_back({RefOf(index, layer.nodes[nodes[i].node]),
-                                   ProbabilityOf(evidence, model), nodes[i].cost, nodes[i].inliers,
-                                   nodes[i].query_from_node});
+                                   EstimateProbability(evidence, model), nodes[i].cost,
+                                   nodes[i].inliers, nodes[i].query_from_node});
     const bool elsewhere = AreElsewhere(index, nodes[0].node, nodes[i].node, options);
     if (elsewhere && !panorama.runner_up) panorama.runner_up = panorama.candidates.back();
   }
@@ -77,7 +77,8 @@ void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool v
   alone.verified = verified;
   alone.margin = options.max_margin;
   alone.log_inlier_margin = alone.log_inliers;
-  const bool alike = panorama.runner_up && ProbabilityOf(alone, model) >= options.min_probability;
+  const bool alike =
+      panorama.runner_up && EstimateProbability(alone, model) >= options.min_probability;
   answer.verdict = alike ? Verdict::kAmbiguous : Verdict::kNotInMap;
   answer.message = alike ? "several mapped places match this panorama; move on and send a series"
                          : "no mapped panorama matches closely enough; map the place, or send "
@@ -109,7 +110,7 @@ bool IsSettled(const MapIndex& index, const std::vector<ComparedNode>& nodes,
   if (nodes.empty()) return true;
   const AppearanceEvidence evidence = CollectEvidence(index, nodes, 0, options);
   const AppearanceVerdict model = VerdictFor(*index.map().appearance, false);
-  return ProbabilityOf(evidence, model) >= options.settled_probability;
+  return EstimateProbability(evidence, model) >= options.settled_probability;
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "core/camera/cube_faces.h"
 #include "core/camera/rig.h"
 #include "core/features/descriptor_codes.h"
@@ -40,7 +39,7 @@ Eigen::Vector3d RayOf(const Bearing& bearing) {
 
 void PanoramaFeatureOptions::Check() const {
   bearings.Check();
-  CheckRange("face_width", face_width, 0.05, 1);
+  CheckFields("panorama_features", *this);
 }
 
 BearingFeatures ExtractPanoramaFeatures(const cv::Mat& equirectangular,

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <tuple>
 
+#include "core/base/options.h"
 #include "core/two_view/bearings.h"
 #include "schema/layers/appearance/appearance_layer.h"
 
@@ -11,10 +13,15 @@ namespace waystone {
 struct PanoramaFeatureOptions {
   // Features of each face, and how they are spread over it.
   BearingFeatureOptions bearings{.features = {.max_features = 600}, .max_kept = 300};
-  // Width of a face over that of the panorama, 0.05 to 1. A face spans a quarter of the circle; at
-  // 1 / pi its middle has the panorama's own resolution. Less is faster and finds less.
   double face_width = 0.318;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"face_width", &PanoramaFeatureOptions::face_width, Closed(0.05, 1), "",
+                    "Width of a face over that of the panorama. A face spans a quarter of the "
+                    "circle; at 1 / pi its middle has the panorama's own resolution. Less is faster "
+                    "and finds less."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -65,6 +65,7 @@ struct PanoramaQueryOptions {
         OptionField{"settled_probability", &Self::settled_probability, Closed(0.5, 1), "",
                     "An answer by appearance alone that is as probable isn't verified; 1 verifies "
                     "all. Lower answers faster and trusts the appearance more."},
+        OptionGroup{"features", &Self::features},
         OptionGroup{"match", &Self::match},
         OptionField{"max_poses", &Self::max_poses, Closed(1, 1000), "",
                     "Candidates whose relative pose is estimated, most matches first."},

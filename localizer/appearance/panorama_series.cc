@@ -20,7 +20,7 @@ double AloneProbability(const MapIndex& index, const std::vector<ComparedNode>& 
   evidence.verified = verified;
   evidence.margin = options.query.max_margin;
   evidence.log_inlier_margin = evidence.log_inliers;
-  return ProbabilityOf(evidence, model);
+  return EstimateProbability(evidence, model);
 }
 
 std::vector<NodeEvidence> CollectNodeEvidence(const MapIndex& index,

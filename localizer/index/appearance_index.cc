@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "core/base/check.h"
-#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -23,8 +22,6 @@ float LargestRoot(const AppearanceLayer& layer, int columns) {
   }
   return std::sqrt(largest);
 }
-
-constexpr int kReachSamples = 200;  // nodes from which the reach of views is taken
 
 double Median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -63,13 +60,6 @@ struct Found {
 
 }  // namespace
 
-void AppearanceIndexOptions::Check() const {
-  CheckRange("frequencies", frequencies, 1, 4096);
-  CheckRange("stride", stride, 1, 4096);
-  CheckRange("typical_pairs", typical_pairs, 1, 1'000'000);
-  CheckRange("alike", alike, 0, 1);
-}
-
 AppearanceIndex::AppearanceIndex(const AppearanceLayer& layer,
                                  const AppearanceIndexOptions& options)
     : nodes_(static_cast<int>(layer.nodes.size())), rows_(layer.described.rows) {
@@ -88,14 +78,15 @@ AppearanceIndex::AppearanceIndex(const AppearanceLayer& layer,
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
   typical_ = TypicalDistance(options.typical_pairs);
-  spacing_ = std::max(MedianSpacing(layer.nodes), Reach(layer.nodes, options.alike));
+  spacing_ = std::max(MedianSpacing(layer.nodes), ComputeReach(layer.nodes, options));
 }
 
 // The median over nodes spread over the layer of how far one can go from them without coming to a
 // node that looks otherwise; places far away that look alike don't count.
-double AppearanceIndex::Reach(const std::vector<AppearanceNode>& nodes, double alike) const {
+double AppearanceIndex::ComputeReach(const std::vector<AppearanceNode>& nodes,
+                                     const AppearanceIndexOptions& options) const {
   const auto limit = static_cast<uint32_t>(alike * typical_);
-  const int samples = std::min(nodes_, kReachSamples);
+  const int samples = std::min(nodes_, options.reach_nodes);
   std::vector<double> reaches;
   for (int i = 0; i < samples; ++i) {
     const auto a = static_cast<int>(static_cast<int64_t>(i) * nodes_ / samples);

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/panorama/fourier_signature.h"
 #include "schema/layers/appearance/appearance_layer.h"
 
@@ -18,19 +20,33 @@ struct NearNode {
 };
 
 struct AppearanceIndexOptions {
-  // Magnitudes of a row that are compared, from frequency 0: 1 to 4096; those that the layer
-  // doesn't have are left out. More tell neighbours apart, fewer bear a motion between them.
   int frequencies = 16;
-  // Frequencies that are summed before a node is given up for being farther than the best ones,
-  // 1 to 4096. Fewer give up sooner and ask more often.
   int stride = 4;
-  // Pairs of nodes from which the typical distance is taken, 1 to 1,000,000. More are surer.
   int typical_pairs = 2000;
-  // Signatures that differ by less than this share of the typical distance are views of one place,
-  // 0 to 1: what spacing() is at least. More makes larger places of nodes that stand densely.
   double alike = 0.5;
+  int reach_nodes = 200;
 
-  void Check() const;  // throws MapError(kBadOptions)
+  static constexpr auto Fields() {
+    using Self = AppearanceIndexOptions;
+    return std::tuple{
+        OptionField{"frequencies", &Self::frequencies, Closed(1, 4096), "",
+                    "Magnitudes of a row that are compared, from frequency 0; those that the layer "
+                    "doesn't have are left out. More tell neighbours apart, fewer tolerate a "
+                    "motion between them."},
+        OptionField{"stride", &Self::stride, Closed(1, 4096), "",
+                    "Frequencies that are summed before a node is given up for being farther than "
+                    "the best ones. Fewer give up sooner and test more often."},
+        OptionField{"typical_pairs", &Self::typical_pairs, Closed(1, 1'000'000), "",
+                    "Pairs of nodes from which the typical distance is estimated. More are more "
+                    "certain."},
+        OptionField{"alike", &Self::alike, Closed(0, 1), "",
+                    "Signatures that differ by less than this share of the typical distance are "
+                    "views of one place: what spacing() is at least. More makes larger places of "
+                    "nodes that stand densely."},
+        OptionField{"reach_nodes", &Self::reach_nodes, Closed(1, 1'000'000), "",
+                    "Nodes from which the reach of views is estimated.", OptionUse::kInternal}};
+  }
+  void Check() const { CheckFields("appearance_index", *this); }  // throws MapError(kBadOptions)
 };
 
 // The magnitudes of all nodes in one matrix of bytes, for searching. They are compared by the sum
@@ -60,7 +76,8 @@ class AppearanceIndex {
  private:
   std::vector<uint8_t> BytesOf(const FourierSignature& signature) const;
   double TypicalDistance(int pairs) const;
-  double Reach(const std::vector<AppearanceNode>& nodes, double alike) const;
+  double ComputeReach(const std::vector<AppearanceNode>& nodes,
+                      const AppearanceIndexOptions& options) const;
   uint32_t DistanceBelow(const uint8_t* query, int node, uint32_t limit) const;
 
   int nodes_ = 0;

@@ -8,7 +8,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "schema/index_features.h"
+#include "schema/layers/planes/index_features.h"
 
 namespace waystone {
 namespace {

@@ -54,7 +54,8 @@ void AddTo(const MapIndex& index, Place& place, VerifiedPlane plane) {
   if (place.planes.empty()) {
     place.evidence.best_share = static_cast<double>(plane.distinct) / std::max(1, plane.matches);
   }
-  place.probability = ProbabilityOf(place.evidence, index.map().verdict.value_or(VerdictModel{}));
+  place.probability =
+      EstimateProbability(place.evidence, index.map().verdict.value_or(VerdictModel{}));
   place.planes.push_back(std::move(plane));
 }
 

@@ -59,7 +59,7 @@ PointPairs SpreadOut(const PointPairs& pairs) {
 }
 
 // Where the plane's features are in both keyframes by its homographies.
-PointPairs PairsOf(const Plane& plane, const Keyframe& a, const Camera& camera_a,
+PointPairs CollectPairs(const Plane& plane, const Keyframe& a, const Camera& camera_a,
                    const PlaneView& in_a, const Keyframe& b, const Camera& camera_b,
                    const PlaneView& in_b) {
   const Eigen::Matrix3d a_from_reference = in_a.reference_from_keyframe.inverse();
@@ -83,7 +83,7 @@ struct Question {
   int views = 0;
 };
 
-Question QuestionOf(const MapIndex& index, const Keyframe& keyframe, const Camera& camera) {
+Question PoseQuestion(const MapIndex& index, const Keyframe& keyframe, const Camera& camera) {
   std::map<KeyframeId, std::vector<PlaneInView>> seen = SeenTogether(index, keyframe);
   Question question{.planes = seen[keyframe.id], .sightings = {}};
   seen.erase(keyframe.id);
@@ -98,7 +98,7 @@ Question QuestionOf(const MapIndex& index, const Keyframe& keyframe, const Camer
     for (size_t p = 0; p < question.planes.size(); ++p) {
       const auto it = std::ranges::find(shared, question.planes[p].plane, &PlaneInView::plane);
       if (it == shared.end()) continue;
-      PointPairs pairs = PairsOf(*it->plane, keyframe, camera, *question.planes[p].view, *other,
+      PointPairs pairs = CollectPairs(*it->plane, keyframe, camera, *question.planes[p].view, *other,
                                  *other_camera, *it->view);
       if (pairs.a.empty()) continue;
       question.sightings.push_back({static_cast<int>(p), question.views, std::move(pairs)});
@@ -110,14 +110,14 @@ Question QuestionOf(const MapIndex& index, const Keyframe& keyframe, const Camer
 
 }  // namespace
 
-KeyframeSpace SpaceOf(const MapIndex& index, const Keyframe& keyframe) {
+KeyframeSpace EstimateSpace(const MapIndex& index, const Keyframe& keyframe) {
   const std::optional<Camera> camera = PerspectiveCamera(index, keyframe);
   if (!camera) {
     throw MapError(ErrorCode::kNotAvailable,
                    "planes in space need a camera that isn't a panorama's, and this keyframe's "
                    "sequence has none; build the map with --camera");
   }
-  Question question = QuestionOf(index, keyframe, *camera);
+  Question question = PoseQuestion(index, keyframe, *camera);
   SpaceOptions options;
   options.point_sigma = kPointSigmaPx / camera->params[0];
   SpaceEstimate estimate = FindPlanesInSpace(static_cast<int>(question.planes.size()),

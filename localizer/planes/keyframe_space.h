@@ -27,6 +27,6 @@ struct KeyframeSpace {
 // Puts the planes of a keyframe into space by their stored homographies to the other keyframes that
 // share most of them (core/homography/plane_in_space). Throws MapError(kNotAvailable) for a
 // sequence without a camera and for panoramas. Takes up to some 100 ms. Pure; thread-safe.
-KeyframeSpace SpaceOf(const MapIndex& index, const Keyframe& keyframe);
+KeyframeSpace EstimateSpace(const MapIndex& index, const Keyframe& keyframe);
 
 }  // namespace waystone

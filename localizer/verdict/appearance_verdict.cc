@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/base/check.h"
-#include "core/base/option_range.h"
 #include "localizer/verdict/logistic_fit.h"
 
 namespace waystone {
@@ -64,12 +63,6 @@ AppearanceVerdict ModelOf(const Eigen::VectorXd& coefficients, bool verified) {
 
 }  // namespace
 
-void AppearanceFitOptions::Check() const {
-  CheckRange("intercept_sigma", intercept_sigma, 0.01, 100);
-  CheckRange("weight_sigma", weight_sigma, 0.01, 100);
-  CheckRange("wrong_weight", wrong_weight, 0.1, 100);
-}
-
 AppearanceVerdict DefaultVerdict(bool verified) {
   // More than 13 inliers that no other place comes near, seen from nearly there; a view of half the
   // typical cost that stands out.
@@ -83,7 +76,7 @@ AppearanceVerdict VerdictFor(const AppearanceLayer& layer, bool verified) {
   return kept && IsOfKind(*kept, verified) ? *kept : DefaultVerdict(verified);
 }
 
-double ProbabilityOf(const AppearanceEvidence& evidence, const AppearanceVerdict& model) {
+double EstimateProbability(const AppearanceEvidence& evidence, const AppearanceVerdict& model) {
   WS_CHECK(IsOfKind(model, evidence.verified), "a model for evidence of another kind");
   return Logistic(CoefficientsOf(model).dot(FactorsOf(evidence, evidence.verified)));
 }

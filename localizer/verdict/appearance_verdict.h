@@ -2,7 +2,9 @@
 #pragma once
 
 #include <span>
+#include <tuple>
 
+#include "core/base/options.h"
 #include "schema/layers/appearance/appearance_layer.h"
 
 namespace waystone {
@@ -33,7 +35,7 @@ AppearanceVerdict DefaultVerdict(bool verified);
 AppearanceVerdict VerdictFor(const AppearanceLayer& layer, bool verified);
 
 // The probability that a place with this evidence is right, in (0, 1), by a model for its kind.
-double ProbabilityOf(const AppearanceEvidence& evidence, const AppearanceVerdict& model);
+double EstimateProbability(const AppearanceEvidence& evidence, const AppearanceVerdict& model);
 
 struct AppearanceSample {
   AppearanceEvidence evidence;
@@ -41,15 +43,24 @@ struct AppearanceSample {
 };
 
 struct AppearanceFitOptions {
-  // Standard sigmas of the model's numbers around the default's, 0.01 to 100. Larger ones trust
-  // few samples more.
   double intercept_sigma = 5;
   double weight_sigma = 5;
-  // What a wrong sample counts, besides that both classes weigh the same, 0.1 to 100: a wrong place
-  // that is believed costs a robot more than a right one that isn't. More refuses more.
   double wrong_weight = 3;
 
-  void Check() const;  // throws MapError(kBadOptions)
+  static constexpr auto Fields() {
+    using Self = AppearanceFitOptions;
+    return std::tuple{
+        OptionField{"intercept_sigma", &Self::intercept_sigma, Closed(0.01, 100), "",
+                    "Standard deviation of the intercept around the default's. Larger trusts few "
+                    "samples more."},
+        OptionField{"weight_sigma", &Self::weight_sigma, Closed(0.01, 100), "",
+                    "The same of each term's weight."},
+        OptionField{"wrong_weight", &Self::wrong_weight, Closed(0.1, 100), "",
+                    "What a wrong sample counts, besides that both classes weigh the same: a wrong "
+                    "place that is believed costs a robot more than a right one that isn't. More "
+                    "refuses more."}};
+  }
+  void Check() const { CheckFields("appearance_verdict", *this); }  // throws MapError(kBadOptions)
 };
 
 // The most probable model (logistic regression with a normal prior around the default), fitted to

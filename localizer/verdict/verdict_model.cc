@@ -24,14 +24,7 @@ Vector3d CoefficientsOf(const VerdictModel& model) {
 
 }  // namespace
 
-void FitOptions::Check() const {
-  if (!(intercept_sigma > 0 && log_inliers_sigma > 0 && inlier_share_sigma > 0)) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "verdict model: the deviations must be above 0; leave them at their defaults");
-  }
-}
-
-double ProbabilityOf(const Evidence& evidence, const VerdictModel& model) {
+double EstimateProbability(const Evidence& evidence, const VerdictModel& model) {
   return Logistic(CoefficientsOf(model).dot(FactorsOf(evidence)));
 }
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <span>
+#include <tuple>
 
+#include "core/base/options.h"
 #include "schema/map_data.h"
 
 namespace waystone {
@@ -14,7 +16,7 @@ struct Evidence {
 };
 
 // The probability that a place with this evidence is right, in (0, 1).
-double ProbabilityOf(const Evidence& evidence, const VerdictModel& model);
+double EstimateProbability(const Evidence& evidence, const VerdictModel& model);
 
 // One place of which it is known whether it was right.
 struct VerdictSample {
@@ -23,13 +25,22 @@ struct VerdictSample {
 };
 
 struct FitOptions {
-  // Standard sigmas of the model's coefficients around those of the model that holds for any
-  // map. Larger ones trust few samples more.
   double intercept_sigma = 5;
   double log_inliers_sigma = 2;
   double inlier_share_sigma = 2;
 
-  void Check() const;  // throws MapError(kBadOptions)
+  static constexpr auto Fields() {
+    using Self = FitOptions;
+    return std::tuple{
+        OptionField{"intercept_sigma", &Self::intercept_sigma, Above(0), "",
+                    "Standard deviation of the intercept around that of the model that holds for "
+                    "any map. Larger trusts few samples more."},
+        OptionField{"log_inliers_sigma", &Self::log_inliers_sigma, Above(0), "",
+                    "The same of the coefficient of the inliers' logarithm."},
+        OptionField{"inlier_share_sigma", &Self::inlier_share_sigma, Above(0), "",
+                    "The same of the coefficient of the inlier ratio."}};
+  }
+  void Check() const { CheckFields("verdict", *this); }  // throws MapError(kBadOptions)
 };
 
 // The model's most probable coefficients (a logistic regression with a normal prior), so that

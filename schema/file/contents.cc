@@ -10,12 +10,13 @@
 #include <string>
 
 #include "schema/file/map_database.h"
+#include "schema/file/map_tables.h"
 #include "schema/tables/blob.h"
+#include "schema/tables/table_writer.h"
 
 namespace waystone {
 namespace {
 
-constexpr char kContents[] = "contents";
 // Findings of integrity_check that are listed; a torn file has one for every row.
 constexpr int kMaxIntegrityFindings = 1000;
 
@@ -100,7 +101,7 @@ void CompareContents(SQLite::Database& database, const std::string& table,
 }
 
 bool HasContents(const SchemaObject& object) {
-  return object.type == "table" && object.name != kContents;
+  return object.type == "table" && object.name != kContentsTable.name;
 }
 
 std::vector<SchemaObject> ObjectsOf(SQLite::Database& database) {
@@ -167,15 +168,12 @@ std::vector<MapProblem> FindAlteredObjects(SQLite::Database& database,
 
 void WriteContents(SQLite::Database& database, const std::vector<SchemaObject>& objects) {
   database.exec("DELETE FROM contents");
-  SQLite::Statement insert(database, "INSERT INTO contents VALUES (?, ?, ?)");
+  RowSink sink(database);
+  TableWriter<kContentsTable> writer(sink);
   for (const SchemaObject& object : objects) {
     if (!HasContents(object)) continue;
     const TableContents contents = ContentsOf(database, object.name);
-    insert.bind(1, object.name);
-    insert.bind(2, contents.rows);
-    insert.bind(3, contents.crc);
-    insert.exec();
-    insert.reset();
+    writer.Row(object.name, contents.rows, contents.crc);
   }
 }
 

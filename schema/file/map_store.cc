@@ -161,7 +161,7 @@ void WriteMap(const MapData& map, const fs::path& path, const WriteOptions& opti
     file.Commit();
   } catch (const SQLite::Exception& error) {
     // The temporary file is gone by now, so that what is free is all that is.
-    throw UnwritableError(path, error.what(), EstimatedBytes(map));
+    throw UnwritableError(path, error.what(), EstimateBytes(map));
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "schema/map_data.h"
+#include "schema/map_problem.h"
 
 namespace waystone {
 
@@ -14,9 +15,6 @@ namespace waystone {
 inline constexpr int kSchemaVersion = 3;
 // SQLite's application_id of a map file: "WAYS".
 inline constexpr int kApplicationId = 0x57415953;
-
-// The one format of the table search_index that this program knows; frozen, see FORMAT.md.
-inline constexpr int kInvertedFileFormat = 1;
 
 struct WriteOptions {
   bool overwrite = false;  // replace a file that is there (only ever as a whole, by rename)
@@ -39,12 +37,6 @@ struct ReadOptions {
 // read-only and immutable; never writes, also not beside it.
 // Throws MapError: kFileUnreadable, kNotAMap, kMapDamaged, kMapVersion.
 MapData ReadMap(const std::filesystem::path& path, const ReadOptions& options = {});
-
-// One finding of CheckMap.
-struct MapProblem {
-  std::string where;    // "planes 7", "plane_views 3/12", "file"
-  std::string message;  // cause and number
-};
 
 // Everything that is wrong with a map, not the first thing alone: SQLite's integrity and foreign
 // keys, blob lengths and CRCs, homographies finite and invertible, adjacency symmetric (a < b, both

@@ -14,6 +14,6 @@ namespace waystone {
 void WriteDatabase(const MapData& map, const std::filesystem::path& path);
 
 // Bytes that the map's file will have, to a few per cent; for messages.
-int64_t EstimatedBytes(const MapData& map);
+int64_t EstimateBytes(const MapData& map);
 
 }  // namespace waystone

@@ -5,18 +5,30 @@
 #include <string>
 #include <vector>
 
-#include "schema/file/map_store.h"
 #include "schema/map_data.h"
+#include "schema/map_problem.h"
 
-// What FindMapProblems says of the layers beside the planes; FORMAT.md lists the rules.
+// What FindMapProblems says of each layer; FORMAT.md lists the rules.
 namespace waystone {
 
+void FindPlaneProblems(const MapData& map, std::vector<MapProblem>& problems);
+// The layer must be there.
 void FindAppearanceProblems(const MapData& map, std::vector<MapProblem>& problems);
 void FindOrientationProblems(const MapData& map, std::vector<MapProblem>& problems);
 
-inline void FindLayerProblems(const MapData& map, std::vector<MapProblem>& problems) {
-  if (map.appearance) FindAppearanceProblems(map, problems);
-  if (map.orientation) FindOrientationProblems(map, problems);
+// Items with ids must be ordered by them.
+template <class Item>
+void CheckIds(const std::string& table, const std::vector<Item>& items,
+              std::vector<MapProblem>& problems) {
+  int64_t last = 0;
+  for (const Item& item : items) {
+    if (item.id.value <= last) {
+      problems.push_back(
+          {table + " " + std::to_string(item.id.value),
+           "ids must be 1 or more and ascend; it comes after " + std::to_string(last)});
+    }
+    last = item.id.value;
+  }
 }
 
 inline bool HasSequence(const MapData& map, SequenceId id) {

@@ -6,23 +6,25 @@
 #include <optional>
 #include <vector>
 
-#include "schema/file/map_store.h"
-#include "schema/layers/appearance/appearance_layer.h"
-#include "schema/layers/orientation/orientation_layer.h"
+#include "schema/map_data.h"
+#include "schema/map_problem.h"
+#include "schema/tables/table_writer.h"
 
-// The tables of the layers beside the planes. Reading adds what is wrong to `problems`, row by row;
-// writing throws SQLite::Exception.
+// The tables of the layers. Reading adds what is wrong to `problems`, row by row, and takes
+// pictures where `images` says so; writing throws SQLite::Exception.
 namespace waystone {
 
+// Fills what the plane layer has in `map`, whose info.feature_type is read already.
+void ReadPlaneLayer(SQLite::Database& database, bool images, MapData& map,
+                    std::vector<MapProblem>& problems);
 // Nothing when the table of the layer has no row. Descriptors are of `type`.
 std::optional<AppearanceLayer> ReadAppearance(SQLite::Database& database, FeatureType type,
-                                              const ReadOptions& options,
-                                              std::vector<MapProblem>& problems);
-std::optional<OrientationLayer> ReadOrientation(SQLite::Database& database,
-                                                const ReadOptions& options,
+                                              bool images, std::vector<MapProblem>& problems);
+std::optional<OrientationLayer> ReadOrientation(SQLite::Database& database, bool images,
                                                 std::vector<MapProblem>& problems);
 
-void WriteAppearance(const AppearanceLayer& layer, SQLite::Database& database);
-void WriteOrientation(const OrientationLayer& layer, SQLite::Database& database);
+void WritePlaneLayer(const MapData& map, RowSink& sink);
+void WriteAppearance(const AppearanceLayer& layer, RowSink& sink);
+void WriteOrientation(const OrientationLayer& layer, RowSink& sink);
 
 }  // namespace waystone

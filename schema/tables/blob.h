@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "core/features/features.h"
-#include "schema/map_data.h"
+#include "schema/layers/appearance/appearance_layer.h"
+#include "schema/layers/planes/plane_layer.h"
 
 // The blobs of a map file: rows of numbers, little-endian whatever the machine, without padding.
 // How many rows and columns a blob has is said beside it; FORMAT.md lists them. The decoders take

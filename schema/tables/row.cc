@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/base/check.h"
 #include "core/base/error.h"
 
 namespace waystone {
@@ -37,16 +38,35 @@ void CheckType(const SQLite::Column& column, int type, const char* expected) {
 }  // namespace
 
 std::string Row::Where() const {
-  std::string where(table_);
-  for (int i = 0; i < key_columns_; ++i) {
+  std::string where(table_.name);
+  for (int i = 0; i < table_.key_columns; ++i) {
     where += i == 0 ? ' ' : '/';
     where += std::to_string(statement_.getColumn(i).getInt64());
   }
   return where;
 }
 
+void Row::Advance(ColumnType type) {
+  WS_CHECK(read_ < table_.columns.size(),
+           std::string(table_.name) + " has no column " + std::to_string(read_));
+  WS_CHECK(table_.columns[read_].type == type,
+           std::string(table_.columns[read_].name) + " is read as another type");
+  ++read_;
+  stored_ += type == ColumnType::kBlob ? 2 : 1;
+}
+
+SQLite::Column Row::Next(ColumnType type) {
+  Advance(type);
+  return statement_.getColumn(stored_ - 1);
+}
+
+void Row::CheckComplete() const {
+  WS_CHECK(read_ == table_.columns.size(),
+           std::string(table_.name) + ": " + std::to_string(read_) + " columns were read");
+}
+
 int64_t Row::Int64(int64_t low, int64_t high) {
-  const SQLite::Column column = Next();
+  const SQLite::Column column = Next(ColumnType::kInteger);
   CheckType(column, SQLITE_INTEGER, "an integer");
   const int64_t value = column.getInt64();
   if (value < low || value > high) {
@@ -59,7 +79,7 @@ int64_t Row::Int64(int64_t low, int64_t high) {
 int Row::Int(int low, int high) { return static_cast<int>(Int64(low, high)); }
 
 double Row::Real() {
-  const SQLite::Column column = Next();
+  const SQLite::Column column = Next(ColumnType::kReal);
   CheckType(column, SQLITE_FLOAT, "a real number");
   const double value = column.getDouble();
   if (!std::isfinite(value)) ThrowDamage(column, "isn't finite");
@@ -68,46 +88,46 @@ double Row::Real() {
 
 std::optional<double> Row::OptionalReal() {
   if (!IsNull()) return Real();
-  Skip(1);
+  Advance(ColumnType::kReal);
   return {};
 }
 
 std::string Row::Text() {
-  const SQLite::Column column = Next();
+  const SQLite::Column column = Next(ColumnType::kText);
   CheckType(column, SQLITE_TEXT, "a text");
   return column.getString();
 }
 
 BytesView Row::Blob(int64_t bytes) {
-  const SQLite::Column column = statement_.getColumn(next_ + 1);
+  const SQLite::Column column = Next(ColumnType::kBlob);
   CheckType(column, SQLITE_BLOB, "a blob");
   if (column.getBytes() != bytes) {
     ThrowDamage(column, "has " + std::to_string(column.getBytes()) + " bytes; " +
                             std::to_string(bytes) + " belong there");
   }
-  return CheckedBlob();
+  return CheckedBlob(column);
 }
 
 BytesView Row::BlobOfRows(int row_bytes) {
-  const SQLite::Column column = statement_.getColumn(next_ + 1);
+  const SQLite::Column column = Next(ColumnType::kBlob);
   CheckType(column, SQLITE_BLOB, "a blob");
   if (column.getBytes() % row_bytes != 0) {
     ThrowDamage(column, "has " + std::to_string(column.getBytes()) +
                             " bytes, which is no multiple of " + std::to_string(row_bytes));
   }
-  return CheckedBlob();
+  return CheckedBlob(column);
 }
 
-BytesView Row::CheckedBlob() {
-  const int64_t expected = Int64(0, std::numeric_limits<uint32_t>::max());
-  const SQLite::Column column = Next();
+BytesView Row::CheckedBlob(const SQLite::Column& column) {
+  const SQLite::Column crc = statement_.getColumn(stored_ - 2);
+  CheckType(crc, SQLITE_INTEGER, "an integer");
   // SQLite fetches a blob's pages here; nothing when it can't.
   const auto* data = static_cast<const uint8_t*>(column.getBlob());
   const BytesView blob(data, data == nullptr ? 0 : static_cast<size_t>(column.getBytes()));
   const uint32_t found = Crc32c(blob);
-  if (found != expected) {
+  if (found != crc.getInt64()) {
     ThrowDamage(column, "has CRC-32C " + HexOf(found) + "; " +
-                            HexOf(static_cast<uint32_t>(expected)) + " was written");
+                            HexOf(static_cast<uint32_t>(crc.getInt64())) + " was written");
   }
   return blob;
 }

@@ -8,20 +8,22 @@
 #include <limits>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "schema/tables/blob.h"
+#include "schema/tables/table.h"
 
 namespace waystone {
 
-// One row of a result, read column after column and without trust: a value of another type or out
-// of its range throws MapError(kMapDamaged) naming the column, the value and what was expected.
-// Views into the statement: what it gives is valid until the statement's next step.
+// One row of a table, read column after column in the descriptor's order and without trust: a value
+// of another type or out of its range throws MapError(kMapDamaged) naming the column, the value and
+// what was expected. Reading a column as something else than the descriptor says is a programmer's
+// error (WS_CHECK). Views into the statement: what it gives is valid until the statement's next
+// step.
 class Row {
  public:
-  // The first `key_columns` columns name the row.
-  Row(SQLite::Statement& statement, std::string_view table, int key_columns)
-      : statement_(statement), table_(table), key_columns_(key_columns) {}
+  // `statement` selects ColumnList(table).
+  Row(SQLite::Statement& statement, const TableView& table)
+      : statement_(statement), table_(table) {}
 
   // "planes 7", "plane_views 3/12".
   std::string Where() const;
@@ -31,21 +33,25 @@ class Row {
   double Real();
   std::optional<double> OptionalReal();
   std::string Text();
-  // A blob with its CRC-32C in the column before it, for exactly `bytes` bytes.
+  // A blob of exactly `bytes` bytes whose CRC-32C is as stored.
   BytesView Blob(int64_t bytes);
   // The same for any number of whole rows of `row_bytes` bytes.
   BytesView BlobOfRows(int row_bytes);
-  bool IsNull() const { return statement_.getColumn(next_).isNull(); }
-  void Skip(int columns) { next_ += columns; }
+  bool IsNull() const { return statement_.getColumn(stored_).isNull(); }
+  void SkipRest() { read_ = table_.columns.size(); }
+  // WS_CHECK: that every column was read.
+  void CheckComplete() const;
 
  private:
-  SQLite::Column Next() { return statement_.getColumn(next_++); }
-  BytesView CheckedBlob();
+  // The next column of SQLite's.
+  SQLite::Column Next(ColumnType type);
+  void Advance(ColumnType type);
+  BytesView CheckedBlob(const SQLite::Column& blob);
 
   SQLite::Statement& statement_;
-  std::string_view table_;
-  int key_columns_;
-  int next_ = 0;
+  TableView table_;
+  size_t read_ = 0;  // columns of the descriptor
+  int stored_ = 0;   // columns of SQLite's
 };
 
 }  // namespace waystone

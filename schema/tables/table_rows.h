@@ -9,30 +9,33 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "schema/file/map_store.h"
+#include "schema/map_problem.h"
 #include "schema/tables/row.h"
 
 namespace waystone {
 
-// Calls `read(Row&)` for every row of a table, in the order of its first `key_columns` (1 or 2)
-// columns, which name the row. What `read` throws becomes a problem of that row, and what SQLite
-// throws a problem of the table.
+// Calls `read(Row&)` for every row of a table, in the order of its primary key. What `read` throws
+// as MapError becomes a problem of that row, and what SQLite throws a problem of the table. `read`
+// takes all columns of the descriptor (WS_CHECK).
 template <class Read>
-void ForEachRow(SQLite::Database& database, std::vector<MapProblem>& problems, const char* table,
-                const std::string& columns, int key_columns, Read read) {
+void ForEachRow(SQLite::Database& database, std::vector<MapProblem>& problems,
+                const TableView& table, Read read) {
+  const std::string name(table.name);
   try {
-    SQLite::Statement statement(database, "SELECT " + columns + " FROM " + table + " ORDER BY " +
-                                              (key_columns == 1 ? "1" : "1, 2"));
+    SQLite::Statement statement(database, "SELECT " + ColumnList(table) + " FROM " + name +
+                                              " ORDER BY " +
+                                              (table.key_columns == 1 ? "1" : "1, 2"));
     while (statement.executeStep()) {
-      Row row(statement, table, key_columns);
+      Row row(statement, table);
       try {
         read(row);
+        row.CheckComplete();
       } catch (const MapError& error) {
         problems.push_back({row.Where(), error.what()});
       }
     }
   } catch (const SQLite::Exception& error) {
-    problems.push_back({table, error.what()});
+    problems.push_back({name, error.what()});
   }
 }
 

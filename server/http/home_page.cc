@@ -6,7 +6,7 @@
 namespace waystone {
 namespace {
 
-constexpr const char* kHead = R"(<!doctype html>
+constexpr const char* kHomeHead = R"(<!doctype html>
 <html lang="en">
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width">
@@ -28,7 +28,7 @@ std::string Link(const std::string& address, const std::string& text) {
 }  // namespace
 
 std::string HomePage(const std::vector<std::string>& map_names, const std::string& host) {
-  std::string page = kHead;
+  std::string page = kHomeHead;
   for (const std::string& name : map_names) {
     const std::string base = "/v1/maps/" + EncodeSegment(name);
     page += "<h2>" + EscapeHtml(name) + "</h2>\n<pre>" +

@@ -13,7 +13,7 @@ extern const char kOpenApiJson[];
 
 namespace {
 
-constexpr const char* kHead = R"(<!doctype html>
+constexpr const char* kApiHead = R"(<!doctype html>
 <html lang="en">
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width">
@@ -53,7 +53,7 @@ std::string OperationHtml(const std::string& method, const std::string& path,
 }
 
 std::string MakePage() {
-  std::string page = kHead;
+  std::string page = kApiHead;
   const Json contract = Json::parse(kOpenApiJson);
   for (const auto& [path, operations] : contract["paths"].items()) {
     for (const auto& [method, operation] : operations.items()) {

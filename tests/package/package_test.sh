@@ -37,6 +37,10 @@ completed=$(bash -c 'source "$1"; COMP_WORDS=(waystone lo); COMP_CWORD=1; _wayst
   - "$root/usr/share/bash-completion/completions/waystone")
 [ "$completed" = localize ] || fail "'waystone lo' is completed to '$completed'"
 
+for file in copyright NOTICE changelog.gz; do
+  [ -s "$root/usr/share/doc/waystone/$file" ] || fail "no $file"
+done
+
 unit=$root/lib/systemd/system/waystone.service
 grep -qx DynamicUser=yes "$unit" && grep -qx ProtectSystem=strict "$unit" || fail "the unit isn't shut in"
 if command -v systemd-analyze >/dev/null; then

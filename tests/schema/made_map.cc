@@ -11,7 +11,7 @@
 
 #include "core/base/random.h"
 #include "core/features/descriptor_codes.h"
-#include "schema/index_features.h"
+#include "schema/layers/planes/index_features.h"
 
 namespace waystone {
 namespace {

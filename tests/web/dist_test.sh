@@ -14,8 +14,14 @@ if ! diff <(echo "$listed") <(echo "$present"); then
   exit 1
 fi
 
+# NOTICE names every package whose licence is in licences.txt.
+{ echo; cat dist/licences.txt; } | grep -A2 -E '^(-{40})?$' | grep -oE '^[@a-z][^ ]* [0-9.]+$' | cut -d' ' -f1 |
+  while read -r package; do
+    grep -q "^  $package  *(c)" ../../NOTICE || { echo "NOTICE doesn't name $package"; exit 1; }
+  done
+
 if ! command -v node >/dev/null || [ ! -d node_modules/esbuild ]; then
-  echo "Only the checksums were compared: Node or server/web/node_modules is missing ('make web' installs it)"
+  echo "Only the checksums were compared: Node or server/web/node_modules is missing ('make browser' installs it)"
   exit 0
 fi
 again=$(mktemp -d)

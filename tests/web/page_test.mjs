@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // node page_test.mjs URL INSIDE.jpg ELSEWHERE.jpg [SCREENSHOT_FOLDER]: every view of the page, served
-// at URL with the maps room, walls (of a calibrated camera) and turns (of a rig), in Debian's Chromium. Exits with 0, with 1 after saying what is wrong, and with 77 after
-// saying what is missing.
+// at URL with the maps room, walls (of a calibrated camera) and turns (of a rig), in Debian's Chromium.
+// Exits with 0, or with 1 after saying what is wrong or missing.
 import assert from "node:assert/strict";
 import { existsSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -11,16 +11,16 @@ const kChromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const kModules = new URL("../../server/web/", import.meta.url);
 const require = createRequire(kModules);
 
-function skip(what) {
+function missing(what) {
   console.log(what);
-  process.exit(77);
+  process.exit(1);
 }
 
-if (Number(process.versions.node.split(".")[0]) < 20) skip("Node is older than 20");
+if (Number(process.versions.node.split(".")[0]) < 18) missing("Node is older than 18");
 if (!existsSync(new URL("node_modules/playwright-core", kModules))) {
-  skip("server/web/node_modules is missing; 'make web' installs it");
+  missing("server/web/node_modules is missing; 'make browser' installs it");
 }
-if (!existsSync(kChromium)) skip(`there is no ${kChromium}; apt-get install chromium`);
+if (!existsSync(kChromium)) missing(`there is no ${kChromium}; apt-get install chromium`);
 
 const { chromium } = require("playwright-core");
 const axeSource = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");

@@ -4,10 +4,11 @@
 #include <unordered_map>
 
 #include "core/features/descriptor_codes.h"
+#include "schema/layers/appearance/appearance_tables.h"
 #include "schema/layers/layer_rows.h"
 #include "schema/tables/blob.h"
-#include "schema/tables/insert.h"
 #include "schema/tables/table_rows.h"
+#include "schema/tables/table_writer.h"
 
 namespace waystone {
 namespace {
@@ -43,8 +44,8 @@ class AppearanceReader {
 
  private:
   template <class Each>
-  void ForEach(const char* table, const std::string& columns, int key_columns, Each each) {
-    ForEachRow(database_, problems_, table, columns, key_columns, each);
+  void ForEach(const TableView& table, Each each) {
+    ForEachRow(database_, problems_, table, each);
   }
 
   AppearanceNode& NodeOf(int64_t id) {
@@ -60,67 +61,61 @@ class AppearanceReader {
   }
 
   void ReadSettings() {
-    ForEach("appearance_layer",
-            "id, signature_rows, k1, k2, top_rad, bottom_rad, normalised, metres_per_unit, dropped",
-            1, [&](Row& row) {
-              row.Int64(1, 1);
-              SignatureOptions& described = layer_.described;
-              described.rows = row.Int(1, kMaxSignatureSide);
-              described.k1 = row.Int(1, kMaxSignatureSide);
-              described.k2 = row.Int(1, kMaxSignatureSide);
-              described.band.top_rad = row.Real();
-              described.band.bottom_rad = row.Real();
-              described.normalise = row.Int(0, 1) == 1;
-              layer_.metres_per_unit = row.OptionalReal();
-              layer_.dropped = row.Int();
-              found_ = true;
-            });
+    ForEach(kAppearanceLayerTable, [&](Row& row) {
+      row.Int64(1, 1);
+      SignatureOptions& described = layer_.described;
+      described.rows = row.Int(1, kMaxSignatureSide);
+      described.k1 = row.Int(1, kMaxSignatureSide);
+      described.k2 = row.Int(1, kMaxSignatureSide);
+      described.band.top_rad = row.Real();
+      described.band.bottom_rad = row.Real();
+      described.normalise = row.Int(0, 1) == 1;
+      layer_.metres_per_unit = row.OptionalReal();
+      layer_.dropped = row.Int();
+      found_ = true;
+    });
   }
 
   void ReadNodes() {
-    ForEach("appearance_nodes", "id, sequence, frame, source, time_s, x, y, theta_rad", 1,
-            [&](Row& row) {
-              RequireLayer();
-              AppearanceNode node;
-              node.id = {row.Int64(1)};
-              node.sequence = {row.Int64(1)};
-              node.frame = row.Int();
-              node.source = row.Text();
-              node.time_s = row.OptionalReal();
-              node.pose = ReadPose(row);
-              nodes_.emplace(node.id.value, layer_.nodes.size());
-              layer_.nodes.push_back(std::move(node));
-            });
+    ForEach(kAppearanceNodesTable, [&](Row& row) {
+      RequireLayer();
+      AppearanceNode node;
+      node.id = {row.Int64(1)};
+      node.sequence = {row.Int64(1)};
+      node.frame = row.Int();
+      node.source = row.Text();
+      node.time_s = row.OptionalReal();
+      node.pose = ReadPose(row);
+      nodes_.emplace(node.id.value, layer_.nodes.size());
+      layer_.nodes.push_back(std::move(node));
+    });
   }
 
   void ReadSignatures() {
     const SignatureOptions& d = layer_.described;
-    ForEach("appearance_signatures", "node, magnitudes_crc32c, magnitudes, phases_crc32c, phases",
-            1, [&](Row& row) {
-              AppearanceNode& node = NodeOf(row.Int64(1));
-              const auto matrix = [&](int columns) {
-                const int64_t bytes = int64_t{d.rows} * columns * kHalfBytes;
-                return DecodeHalves(row.Blob(bytes), d.rows, columns);
-              };
-              node.signature.magnitudes = matrix(d.k1);
-              node.signature.phases = matrix(d.k2);
-            });
+    ForEach(kAppearanceSignaturesTable, [&](Row& row) {
+      AppearanceNode& node = NodeOf(row.Int64(1));
+      const auto matrix = [&](int columns) {
+        const int64_t bytes = int64_t{d.rows} * columns * kHalfBytes;
+        return DecodeHalves(row.Blob(bytes), d.rows, columns);
+      };
+      node.signature.magnitudes = matrix(d.k1);
+      node.signature.phases = matrix(d.k2);
+    });
   }
 
   void ReadFeatures() {
-    ForEach("appearance_features",
-            "node, feature_count, bearings_crc32c, bearings, codes_crc32c, codes", 1,
-            [&](Row& row) {
-              NodeFeatures& features = NodeOf(row.Int64(1)).features;
-              const int64_t count = row.Int(1);
-              features.bearings = DecodeBearings(row.Blob(count * kBearingBytes));
-              const BytesView codes = row.Blob(count * code_bytes_);
-              features.codes = Descriptors(code_bytes_, {codes.begin(), codes.end()});
-            });
+    ForEach(kAppearanceFeaturesTable, [&](Row& row) {
+      NodeFeatures& features = NodeOf(row.Int64(1)).features;
+      const int64_t count = row.Int(1);
+      features.bearings = DecodeBearings(row.Blob(count * kBearingBytes));
+      const BytesView codes = row.Blob(count * code_bytes_);
+      features.codes = Descriptors(code_bytes_, {codes.begin(), codes.end()});
+    });
   }
 
   void ReadImages() {
-    ForEach("appearance_images", "node, jpeg_crc32c, jpeg", 1, [&](Row& row) {
+    ForEach(kAppearanceImagesTable, [&](Row& row) {
       AppearanceNode& node = NodeOf(row.Int64(1));
       const BytesView jpeg = row.BlobOfRows(1);
       node.jpeg.assign(jpeg.begin(), jpeg.end());
@@ -128,18 +123,17 @@ class AppearanceReader {
   }
 
   void ReadEdges() {
-    ForEach("appearance_edges", "a, b, kind, distance, x, y, heading_rad, deviation_rad", 2,
-            [&](Row& row) {
-              RequireLayer();
-              AppearanceEdge edge;
-              edge.a = {row.Int64(1)};
-              edge.b = {row.Int64(1)};
-              edge.kind = static_cast<AppearanceEdgeKind>(row.Int(0, kLastAppearanceEdgeKind));
-              edge.distance = row.Real();
-              edge.a_from_b = ReadPose(row);
-              edge.sigma_rad = row.Real();
-              layer_.edges.push_back(edge);
-            });
+    ForEach(kAppearanceEdgesTable, [&](Row& row) {
+      RequireLayer();
+      AppearanceEdge edge;
+      edge.a = {row.Int64(1)};
+      edge.b = {row.Int64(1)};
+      edge.kind = static_cast<AppearanceEdgeKind>(row.Int(0, kLastAppearanceEdgeKind));
+      edge.distance = row.Real();
+      edge.a_from_b = ReadPose(row);
+      edge.sigma_rad = row.Real();
+      layer_.edges.push_back(edge);
+    });
   }
 
   // 1 is by appearance alone, 2 verified.
@@ -148,7 +142,7 @@ class AppearanceReader {
   }
 
   void ReadVerdicts() {
-    ForEach("appearance_verdict", "id, intercept, positives, negatives", 1, [&](Row& row) {
+    ForEach(kAppearanceVerdictTable, [&](Row& row) {
       RequireLayer();
       std::optional<AppearanceVerdict>& verdict =
           VerdictOf(row.Int64(kAloneVerdict, kVerifiedVerdict));
@@ -157,7 +151,7 @@ class AppearanceReader {
       verdict->positives = row.Int();
       verdict->negatives = row.Int();
     });
-    ForEach("appearance_verdict_terms", "id, verdict, name, weight", 1, [&](Row& row) {
+    ForEach(kAppearanceVerdictTermsTable, [&](Row& row) {
       row.Int64(1);
       const int64_t id = row.Int64(kAloneVerdict, kVerifiedVerdict);
       std::optional<AppearanceVerdict>& verdict = VerdictOf(id);
@@ -178,48 +172,40 @@ class AppearanceReader {
   std::unordered_map<int64_t, size_t> nodes_;  // index by id
 };
 
-void WriteNodes(const AppearanceLayer& layer, SQLite::Database& database) {
-  Insert nodes(database, "appearance_nodes", 8);
-  Insert signatures(database,
-                    "appearance_signatures (node, magnitudes_crc32c, magnitudes, phases_crc32c,"
-                    " phases)",
-                    5);
-  Insert images(database, "appearance_images", 3);
+void WriteNodes(const AppearanceLayer& layer, RowSink& sink) {
+  TableWriter<kAppearanceNodesTable> nodes(sink);
+  TableWriter<kAppearanceSignaturesTable> signatures(sink);
+  TableWriter<kAppearanceImagesTable> images(sink);
   for (const AppearanceNode& node : layer.nodes) {
-    nodes.Row(node.id.value, node.sequence.value, node.frame, node.source, node.time_s, node.pose.x,
+    nodes.Row(node.id, node.sequence, node.frame, node.source, node.time_s, node.pose.x,
               node.pose.y, node.pose.theta_rad);
-    const Bytes magnitudes = EncodeHalves(node.signature.magnitudes);
-    const Bytes phases = EncodeHalves(node.signature.phases);
-    signatures.Row(node.id.value, CheckedBlob{magnitudes}, CheckedBlob{phases});
-    if (!node.jpeg.empty()) images.Row(node.id.value, CheckedBlob{node.jpeg});
+    signatures.Row(node.id, EncodeHalves(node.signature.magnitudes),
+                   EncodeHalves(node.signature.phases));
+    if (!node.jpeg.empty()) images.Row(node.id, node.jpeg);
   }
 }
 
-void WriteFeatures(const AppearanceLayer& layer, SQLite::Database& database) {
-  Insert insert(database,
-                "appearance_features (node, feature_count, bearings_crc32c, bearings,"
-                " codes_crc32c, codes)",
-                6);
+void WriteFeatures(const AppearanceLayer& layer, RowSink& sink) {
+  TableWriter<kAppearanceFeaturesTable> writer(sink);
   for (const AppearanceNode& node : layer.nodes) {
     const NodeFeatures& features = node.features;
     if (features.bearings.empty()) continue;
-    const Bytes bearings = EncodeBearings(features.bearings);
-    insert.Row(node.id.value, std::ssize(features.bearings), CheckedBlob{bearings},
-               CheckedBlob{features.codes.data()});
+    writer.Row(node.id, features.bearings.size(), EncodeBearings(features.bearings),
+               features.codes.data());
   }
 }
 
-void WriteEdges(const AppearanceLayer& layer, SQLite::Database& database) {
-  Insert insert(database, "appearance_edges", 8);
+void WriteEdges(const AppearanceLayer& layer, RowSink& sink) {
+  TableWriter<kAppearanceEdgesTable> writer(sink);
   for (const AppearanceEdge& edge : layer.edges) {
-    insert.Row(edge.a.value, edge.b.value, static_cast<int>(edge.kind), edge.distance,
-               edge.a_from_b.x, edge.a_from_b.y, edge.a_from_b.theta_rad, edge.sigma_rad);
+    writer.Row(edge.a, edge.b, edge.kind, edge.distance, edge.a_from_b.x, edge.a_from_b.y,
+               edge.a_from_b.theta_rad, edge.sigma_rad);
   }
 }
 
-void WriteVerdicts(const AppearanceLayer& layer, SQLite::Database& database) {
-  Insert models(database, "appearance_verdict", 4);
-  Insert terms(database, "appearance_verdict_terms", 4);
+void WriteVerdicts(const AppearanceLayer& layer, RowSink& sink) {
+  TableWriter<kAppearanceVerdictTable> models(sink);
+  TableWriter<kAppearanceVerdictTermsTable> terms(sink);
   int term_id = 0;
   const auto write = [&](int64_t id, const std::optional<AppearanceVerdict>& verdict) {
     if (!verdict) return;
@@ -233,20 +219,19 @@ void WriteVerdicts(const AppearanceLayer& layer, SQLite::Database& database) {
 }  // namespace
 
 std::optional<AppearanceLayer> ReadAppearance(SQLite::Database& database, FeatureType type,
-                                              const ReadOptions& options,
-                                              std::vector<MapProblem>& problems) {
-  return AppearanceReader(database, type, problems).Read(options.images);
+                                              bool images, std::vector<MapProblem>& problems) {
+  return AppearanceReader(database, type, problems).Read(images);
 }
 
-void WriteAppearance(const AppearanceLayer& layer, SQLite::Database& database) {
+void WriteAppearance(const AppearanceLayer& layer, RowSink& sink) {
   const SignatureOptions& d = layer.described;
-  Insert(database, "appearance_layer", 9)
-      .Row(1, d.rows, d.k1, d.k2, d.band.top_rad, d.band.bottom_rad, d.normalise ? 1 : 0,
-           layer.metres_per_unit, layer.dropped);
-  WriteNodes(layer, database);
-  WriteFeatures(layer, database);
-  WriteEdges(layer, database);
-  WriteVerdicts(layer, database);
+  TableWriter<kAppearanceLayerTable>(sink).Row(1, d.rows, d.k1, d.k2, d.band.top_rad,
+                                               d.band.bottom_rad, d.normalise,
+                                               layer.metres_per_unit, layer.dropped);
+  WriteNodes(layer, sink);
+  WriteFeatures(layer, sink);
+  WriteEdges(layer, sink);
+  WriteVerdicts(layer, sink);
 }
 
 }  // namespace waystone

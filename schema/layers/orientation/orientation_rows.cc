@@ -3,9 +3,10 @@
 #include <unordered_map>
 
 #include "schema/layers/layer_rows.h"
+#include "schema/layers/orientation/orientation_tables.h"
 #include "schema/tables/blob.h"
-#include "schema/tables/insert.h"
 #include "schema/tables/table_rows.h"
+#include "schema/tables/table_writer.h"
 
 namespace waystone {
 namespace {
@@ -30,7 +31,7 @@ class OrientationReader {
       : database_(database), problems_(problems) {}
 
   std::optional<OrientationLayer> Read(bool images) {
-    ForEach("orientation_layer", "id, step", 1, [&](Row& row) {
+    ForEach(kOrientationLayerTable, [&](Row& row) {
       row.Int64(1, 1);
       layer_.step = row.Int(1);
       found_ = true;
@@ -48,9 +49,9 @@ class OrientationReader {
  private:
   // Rows of a layer that isn't there belong to nothing.
   template <class Each>
-  void ForEach(const char* table, const std::string& columns, int key_columns, Each each) {
-    ForEachRow(database_, problems_, table, columns, key_columns, [&](Row& row) {
-      if (!found_ && std::string_view(table) != "orientation_layer") {
+  void ForEach(const TableView& table, Each each) {
+    ForEachRow(database_, problems_, table, [&](Row& row) {
+      if (!found_ && table.name != kOrientationLayerTable.name) {
         throw MapError(ErrorCode::kMapDamaged, "orientation_layer has no row");
       }
       each(row);
@@ -58,38 +59,38 @@ class OrientationReader {
   }
 
   void ReadFrames() {
-    ForEach("orientation_frames",
-            "id, sequence, frame, source, time_s, reliable, lines_x, lines_y, lines_z, qw, qx, qy, "
-            "qz, covariance_crc32c, covariance",
-            1, [&](Row& row) {
-              OrientationFrame frame;
-              frame.id = {row.Int64(1)};
-              frame.sequence = {row.Int64(1)};
-              frame.frame = row.Int();
-              frame.source = row.Text();
-              frame.time_s = row.OptionalReal();
-              frame.reliable = row.Int(0, 1) == 1;
-              for (int& lines : frame.lines) lines = row.Int();
-              if (!row.IsNull()) frame.rotation = ReadRotation(row);
-              layer_.frames.push_back(std::move(frame));
-            });
+    ForEach(kOrientationFramesTable, [&](Row& row) {
+      OrientationFrame frame;
+      frame.id = {row.Int64(1)};
+      frame.sequence = {row.Int64(1)};
+      frame.frame = row.Int();
+      frame.source = row.Text();
+      frame.time_s = row.OptionalReal();
+      frame.reliable = row.Int(0, 1) == 1;
+      for (int& lines : frame.lines) lines = row.Int();
+      if (row.IsNull()) {
+        row.SkipRest();
+      } else {
+        frame.rotation = ReadRotation(row);
+      }
+      layer_.frames.push_back(std::move(frame));
+    });
   }
 
   void ReadTurns() {
-    ForEach("orientation_turns", "frame, direction, angle_rad, confirmed, axis_after", 1,
-            [&](Row& row) {
-              OrientationTurn turn;
-              turn.frame = {row.Int64(1)};
-              turn.direction = row.Int(-1, 1);
-              turn.angle_rad = row.Real();
-              turn.confirmed = row.Int(0, 1) == 1;
-              turn.axis_after = row.Int(0, 1);
-              layer_.turns.push_back(turn);
-            });
+    ForEach(kOrientationTurnsTable, [&](Row& row) {
+      OrientationTurn turn;
+      turn.frame = {row.Int64(1)};
+      turn.direction = row.Int(-1, 1);
+      turn.angle_rad = row.Real();
+      turn.confirmed = row.Int(0, 1) == 1;
+      turn.axis_after = row.Int(0, 1);
+      layer_.turns.push_back(turn);
+    });
   }
 
   void ReadNodes() {
-    ForEach("orientation_nodes", "frame, kind, up, right, down, left", 1, [&](Row& row) {
+    ForEach(kOrientationNodesTable, [&](Row& row) {
       OrientationNode node;
       node.frame = {row.Int64(1)};
       node.kind = static_cast<OrientationNodeKind>(row.Int(0, kLastNodeKind));
@@ -100,7 +101,7 @@ class OrientationReader {
   }
 
   void ReadImages() {
-    ForEach("orientation_images", "frame, jpeg_crc32c, jpeg", 1, [&](Row& row) {
+    ForEach(kOrientationImagesTable, [&](Row& row) {
       const int64_t id = row.Int64(1);
       const auto found = nodes_.find(id);
       if (found == nodes_.end()) {
@@ -113,7 +114,7 @@ class OrientationReader {
   }
 
   void ReadEdges() {
-    ForEach("orientation_edges", "a, b, kind, matches", 2, [&](Row& row) {
+    ForEach(kOrientationEdgesTable, [&](Row& row) {
       OrientationEdge edge;
       edge.a = {row.Int64(1)};
       edge.b = {row.Int64(1)};
@@ -124,7 +125,7 @@ class OrientationReader {
   }
 
   void ReadCorridors() {
-    ForEach("corridors", "first_frame, last_frame, axis", 1, [&](Row& row) {
+    ForEach(kCorridorsTable, [&](Row& row) {
       Corridor corridor;
       corridor.first = {row.Int64(1)};
       corridor.last = {row.Int64(1)};
@@ -140,62 +141,58 @@ class OrientationReader {
   std::unordered_map<int64_t, size_t> nodes_;  // index by frame
 };
 
-void WriteFrames(const OrientationLayer& layer, SQLite::Database& database) {
-  Insert insert(database, "orientation_frames", 15);
+void WriteFrames(const OrientationLayer& layer, RowSink& sink) {
+  TableWriter<kOrientationFramesTable> writer(sink);
   for (const OrientationFrame& frame : layer.frames) {
     const auto write = [&](const auto&... rotation) {
-      insert.Row(frame.id.value, frame.sequence.value, frame.frame, frame.source, frame.time_s,
-                 frame.reliable ? 1 : 0, frame.lines[0], frame.lines[1], frame.lines[2],
-                 rotation...);
+      writer.Row(frame.id, frame.sequence, frame.frame, frame.source, frame.time_s, frame.reliable,
+                 frame.lines[0], frame.lines[1], frame.lines[2], rotation...);
     };
     if (frame.rotation) {
       const Eigen::Quaterniond& q = frame.rotation->building_from_rig;
-      const Bytes covariance = EncodeMatrix(frame.rotation->covariance);
-      write(q.w(), q.x(), q.y(), q.z(), CheckedBlob{covariance});
+      write(q.w(), q.x(), q.y(), q.z(), EncodeMatrix(frame.rotation->covariance));
     } else {
-      write(nullptr, nullptr, nullptr, nullptr, nullptr, nullptr);
+      write(nullptr, nullptr, nullptr, nullptr, nullptr);
     }
   }
 }
 
-void WriteTurns(const OrientationLayer& layer, SQLite::Database& database) {
-  Insert insert(database, "orientation_turns", 5);
+void WriteTurns(const OrientationLayer& layer, RowSink& sink) {
+  TableWriter<kOrientationTurnsTable> writer(sink);
   for (const OrientationTurn& turn : layer.turns) {
-    insert.Row(turn.frame.value, turn.direction, turn.angle_rad, turn.confirmed ? 1 : 0,
-               turn.axis_after);
+    writer.Row(turn.frame, turn.direction, turn.angle_rad, turn.confirmed, turn.axis_after);
   }
 }
 
-void WriteNodes(const OrientationLayer& layer, SQLite::Database& database) {
-  Insert nodes(database, "orientation_nodes", 6);
-  Insert images(database, "orientation_images", 3);
+void WriteNodes(const OrientationLayer& layer, RowSink& sink) {
+  TableWriter<kOrientationNodesTable> nodes(sink);
+  TableWriter<kOrientationImagesTable> images(sink);
   for (const OrientationNode& node : layer.nodes) {
     const auto& [up, right, down, left] = node.directions;
-    nodes.Row(node.frame.value, static_cast<int>(node.kind), up, right, down, left);
-    if (!node.jpeg.empty()) images.Row(node.frame.value, CheckedBlob{node.jpeg});
+    nodes.Row(node.frame, node.kind, up, right, down, left);
+    if (!node.jpeg.empty()) images.Row(node.frame, node.jpeg);
   }
 }
 
 }  // namespace
 
-std::optional<OrientationLayer> ReadOrientation(SQLite::Database& database,
-                                                const ReadOptions& options,
+std::optional<OrientationLayer> ReadOrientation(SQLite::Database& database, bool images,
                                                 std::vector<MapProblem>& problems) {
-  return OrientationReader(database, problems).Read(options.images);
+  return OrientationReader(database, problems).Read(images);
 }
 
-void WriteOrientation(const OrientationLayer& layer, SQLite::Database& database) {
-  Insert(database, "orientation_layer", 2).Row(1, layer.step);
-  WriteFrames(layer, database);
-  WriteTurns(layer, database);
-  WriteNodes(layer, database);
-  Insert edges(database, "orientation_edges", 4);
+void WriteOrientation(const OrientationLayer& layer, RowSink& sink) {
+  TableWriter<kOrientationLayerTable>(sink).Row(1, layer.step);
+  WriteFrames(layer, sink);
+  WriteTurns(layer, sink);
+  WriteNodes(layer, sink);
+  TableWriter<kOrientationEdgesTable> edges(sink);
   for (const OrientationEdge& edge : layer.edges) {
-    edges.Row(edge.a.value, edge.b.value, static_cast<int>(edge.kind), edge.matches);
+    edges.Row(edge.a, edge.b, edge.kind, edge.matches);
   }
-  Insert corridors(database, "corridors", 3);
+  TableWriter<kCorridorsTable> corridors(sink);
   for (const Corridor& corridor : layer.corridors) {
-    corridors.Row(corridor.first.value, corridor.last.value, corridor.axis);
+    corridors.Row(corridor.first, corridor.last, corridor.axis);
   }
 }
 

@@ -48,8 +48,8 @@ TEST(CalibrateVerdict, TellsTheMapsOwnPlacesFromChance) {
   const VerdictModel model = CalibrateVerdict(*MapIndex::Build(map), QueriesOf(map), {}, {});
   EXPECT_GE(model.positives, static_cast<int>(map.keyframes.size()) / 2);
   EXPECT_GE(model.negatives, 1);
-  EXPECT_GT(ProbabilityOf({60, 0.7}, model), 0.95);
-  EXPECT_LT(ProbabilityOf({5, 0.1}, model), 0.3);
+  EXPECT_GT(EstimateProbability({60, 0.7}, model), 0.95);
+  EXPECT_LT(EstimateProbability({5, 0.1}, model), 0.3);
 }
 
 TEST(CalibrateVerdict, IsTheSameOnAnyNumberOfThreads) {
@@ -76,9 +76,9 @@ TEST(CalibrateVerdict, LearnsThatAnotherBuildingIsNotInTheMap) {
   const VerdictModel plain = CalibrateVerdict(*index, queries, {}, {});
   const VerdictModel with = CalibrateVerdict(*index, queries, outside, {});
   EXPECT_GE(with.negatives, plain.negatives);
-  EXPECT_LT(ProbabilityOf({5, 0.1}, with), 0.3);
-  EXPECT_LT(ProbabilityOf({60, 0.7}, CalibrateVerdict(*index, queries, own, {})),
-            ProbabilityOf({60, 0.7}, with));
+  EXPECT_LT(EstimateProbability({5, 0.1}, with), 0.3);
+  EXPECT_LT(EstimateProbability({60, 0.7}, CalibrateVerdict(*index, queries, own, {})),
+            EstimateProbability({60, 0.7}, with));
 }
 
 TEST(RenderedNegatives, AreTheSameOnAnyNumberOfThreads) {

@@ -17,12 +17,12 @@
 namespace waystone {
 namespace {
 
-constexpr int kWidth = 512;
+constexpr int kPanoramaWidth = 512;
 constexpr double kHeight_m = 1.2;
 
 // A panorama on the ground: x ahead is along the heading.
 cv::Mat Panorama(const World& world, const Pose2& at) {
-  const Renderer renderer(PanoramaCamera(kWidth));
+  const Renderer renderer(PanoramaCamera(kPanoramaWidth));
   return renderer.Render(world, WorldFromCamera({at.x, at.y, kHeight_m}, at.theta_rad)).grey;
 }
 
@@ -98,8 +98,8 @@ TEST(Appearance, AnotherBuildingIsRefusedByFeatures) {
 }
 
 TEST(Appearance, ABadPanoramaIsAnAnswer) {
-  const Answer black =
-      LocalizePanorama(Grid(false), cv::Mat::zeros(kWidth / 2, kWidth, CV_8UC1), {});
+  const Answer black = LocalizePanorama(
+      Grid(false), cv::Mat::zeros(kPanoramaWidth / 2, kPanoramaWidth, CV_8UC1), {});
   EXPECT_EQ(black.verdict, Verdict::kBadImage);
   EXPECT_FALSE(black.message.empty());
 }
@@ -142,7 +142,7 @@ TEST(Appearance, ASeriesIsAtLeastAsSureAsItsImages) {
 // both, each with a noise of its own. The second leads on into the eastern room.
 const MapIndex& AliasedCorridors() {
   static const auto index = [] {
-    const Renderer renderer(PanoramaCamera(kWidth / 2));
+    const Renderer renderer(PanoramaCamera(kPanoramaWidth / 2));
     MapData map;
     map.info.name = "aliased";
     map.sequences.push_back({SequenceId{1}, "walk", "panorama", 0, 0, {}});

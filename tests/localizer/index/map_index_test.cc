@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "localizer/localizer.h"
-#include "schema/index_features.h"
+#include "schema/layers/planes/index_features.h"
 #include "tests/localizer/made_map.h"
 
 namespace waystone {

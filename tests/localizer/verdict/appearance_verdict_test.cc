@@ -20,10 +20,10 @@ AppearanceEvidence ByAppearance(double cost, double margin) {
 
 TEST(AppearanceVerdict, MoreEvidenceIsMoreLikely) {
   const AppearanceVerdict model = DefaultVerdict(false);
-  EXPECT_GT(ProbabilityOf(ByAppearance(0.3, 0.3), model),
-            ProbabilityOf(ByAppearance(0.8, 0.3), model));
-  EXPECT_GT(ProbabilityOf(ByAppearance(0.5, 0.3), model),
-            ProbabilityOf(ByAppearance(0.5, 0), model));
+  EXPECT_GT(EstimateProbability(ByAppearance(0.3, 0.3), model),
+            EstimateProbability(ByAppearance(0.8, 0.3), model));
+  EXPECT_GT(EstimateProbability(ByAppearance(0.5, 0.3), model),
+            EstimateProbability(ByAppearance(0.5, 0), model));
 }
 
 TEST(AppearanceVerdict, FindsTheModelOfItsSamples) {
@@ -35,7 +35,7 @@ TEST(AppearanceVerdict, FindsTheModelOfItsSamples) {
   std::vector<AppearanceSample> samples;
   for (int i = 0; i < 4000; ++i) {
     const auto evidence = ByAppearance(random.Uniform(0, 1.2), random.Uniform(-0.3, 0.3));
-    samples.push_back({evidence, random.Uniform() < ProbabilityOf(evidence, truth)});
+    samples.push_back({evidence, random.Uniform() < EstimateProbability(evidence, truth)});
   }
   const AppearanceVerdict fitted = FitAppearanceVerdict(samples, false, {100, 100, 1});
   EXPECT_EQ(fitted.terms[1].name, "cost");

@@ -17,7 +17,7 @@ std::vector<VerdictSample> Draw(const VerdictModel& truth, int count, uint64_t s
   std::vector<VerdictSample> samples;
   for (int i = 0; i < count; ++i) {
     const Evidence evidence{4 + random.Below(30), random.Uniform(0.1, 0.9)};
-    samples.push_back({evidence, random.Uniform() < ProbabilityOf(evidence, truth)});
+    samples.push_back({evidence, random.Uniform() < EstimateProbability(evidence, truth)});
   }
   return samples;
 }
@@ -26,12 +26,12 @@ TEST(VerdictModel, ProbabilityGrowsWithTheEvidence) {
   const VerdictModel model;
   double last = 0;
   for (int inliers = 0; inliers < 200; inliers += 5) {
-    const double p = ProbabilityOf({inliers, 0.5}, model);
+    const double p = EstimateProbability({inliers, 0.5}, model);
     EXPECT_GT(p, last);
     EXPECT_LT(p, 1);
     last = p;
   }
-  EXPECT_GT(ProbabilityOf({10, 0.9}, model), ProbabilityOf({10, 0.2}, model));
+  EXPECT_GT(EstimateProbability({10, 0.9}, model), EstimateProbability({10, 0.2}, model));
 }
 
 TEST(VerdictModel, WithoutSamplesTheGeneralModelHolds) {
@@ -58,7 +58,7 @@ TEST(VerdictModel, StatesTheObservedFrequency) {
   int observed[10] = {};
   int seen[10] = {};
   for (const VerdictSample& sample : even) {
-    const double p = ProbabilityOf(sample.evidence, model);
+    const double p = EstimateProbability(sample.evidence, model);
     const int bin = std::min(9, static_cast<int>(10 * p));
     stated[bin] += p;
     observed[bin] += sample.right;
@@ -77,8 +77,8 @@ TEST(VerdictModel, SamplesThatAreToldApartDontDriveItToInfinity) {
   for (int i = 0; i < 50; ++i) samples.push_back({{5, 0.2}, false});
   const VerdictModel model = FitVerdictModel(samples);
   EXPECT_LT(model.log_inliers, 15);
-  EXPECT_GT(ProbabilityOf({60, 0.8}, model), 0.95);
-  EXPECT_LT(ProbabilityOf({5, 0.2}, model), 0.05);
+  EXPECT_GT(EstimateProbability({60, 0.8}, model), 0.95);
+  EXPECT_LT(EstimateProbability({5, 0.2}, model), 0.05);
   EXPECT_EQ(model.positives, 50);
   EXPECT_EQ(model.negatives, 50);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "schema/index_features.h"
+#include "schema/layers/planes/index_features.h"
 
 namespace waystone {
 
