@@ -163,7 +163,7 @@ std::vector<Group> GroupAlike(const MapIndex& index, const std::vector<AlikePlan
 }
 
 // Inliers of pairs that have no plane in common with a better one.
-int InliersOf(const Group& group) {
+int SumInliers(const Group& group) {
   std::set<int> counted;
   int inliers = 0;
   for (const AlikePlanes& pair : group) {
@@ -197,7 +197,7 @@ AliasPair Described(const MapIndex& index, const Group& group,
     const Plane& b = planes[turned ? pair.a : pair.b];
     alias.planes.push_back({a.id, b.id, pair.inliers, pair.shared});
   }
-  alias.inliers = InliersOf(group);
+  alias.inliers = SumInliers(group);
   const int in_view = std::min(FeaturesInView(views, alias.a), FeaturesInView(views, alias.b));
   alias.of_view = std::min(1.0, static_cast<double>(alias.inliers) / std::max(1, in_view));
   alias.shared = MeanShared(alias.planes);
@@ -209,7 +209,7 @@ std::vector<AliasPair> FindAliases(const MapIndex& index, const std::vector<Keyf
                                    const AuditOptions& options) {
   std::vector<AliasPair> aliases;
   for (const Group& group : GroupAlike(index, FindAllAlike(index, options))) {
-    if (InliersOf(group) < options.min_alias_inliers) continue;
+    if (SumInliers(group) < options.min_alias_inliers) continue;
     aliases.push_back(Described(index, group, views, options));
   }
   std::stable_sort(aliases.begin(), aliases.end(),

@@ -24,7 +24,7 @@ int IndexOf(const std::vector<KeyframeView>& views, KeyframeId keyframe) {
 }
 
 std::vector<Visit> FindVisits(const MapIndex& index, const Plane& plane,
-                            const std::vector<KeyframeView>& views) {
+                              const std::vector<KeyframeView>& views) {
   const std::vector<Keyframe>& keyframes = index.map().keyframes;
   std::vector<Visit> visits;
   for (const PlaneView& view : plane.views) {
@@ -56,7 +56,7 @@ bool AreTied(const MapIndex& index, const Visit& a, const Visit& b) {
 
 // The pair of visits of a plane with the most evidence that nothing else ties.
 std::optional<LoneTie> DescribeTie(const MapIndex& index, const Plane& plane,
-                             const std::vector<Visit>& visits) {
+                                   const std::vector<Visit>& visits) {
   std::optional<LoneTie> tie;
   for (size_t i = 0; i < visits.size(); ++i) {
     for (size_t j = i + 1; j < visits.size(); ++j) {

@@ -85,7 +85,7 @@ AppearanceIndex::AppearanceIndex(const AppearanceLayer& layer,
 // node that looks otherwise; places far away that look alike don't count.
 double AppearanceIndex::ComputeReach(const std::vector<AppearanceNode>& nodes,
                                      const AppearanceIndexOptions& options) const {
-  const auto limit = static_cast<uint32_t>(alike * typical_);
+  const auto limit = static_cast<uint32_t>(options.alike * typical_);
   const int samples = std::min(nodes_, options.reach_nodes);
   std::vector<double> reaches;
   for (int i = 0; i < samples; ++i) {

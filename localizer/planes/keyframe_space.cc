@@ -60,8 +60,8 @@ PointPairs SpreadOut(const PointPairs& pairs) {
 
 // Where the plane's features are in both keyframes by its homographies.
 PointPairs CollectPairs(const Plane& plane, const Keyframe& a, const Camera& camera_a,
-                   const PlaneView& in_a, const Keyframe& b, const Camera& camera_b,
-                   const PlaneView& in_b) {
+                        const PlaneView& in_a, const Keyframe& b, const Camera& camera_b,
+                        const PlaneView& in_b) {
   const Eigen::Matrix3d a_from_reference = in_a.reference_from_keyframe.inverse();
   const Eigen::Matrix3d b_from_reference = in_b.reference_from_keyframe.inverse();
   PointPairs pairs;
@@ -98,8 +98,8 @@ Question PoseQuestion(const MapIndex& index, const Keyframe& keyframe, const Cam
     for (size_t p = 0; p < question.planes.size(); ++p) {
       const auto it = std::ranges::find(shared, question.planes[p].plane, &PlaneInView::plane);
       if (it == shared.end()) continue;
-      PointPairs pairs = CollectPairs(*it->plane, keyframe, camera, *question.planes[p].view, *other,
-                                 *other_camera, *it->view);
+      PointPairs pairs = CollectPairs(*it->plane, keyframe, camera, *question.planes[p].view,
+                                      *other, *other_camera, *it->view);
       if (pairs.a.empty()) continue;
       question.sightings.push_back({static_cast<int>(p), question.views, std::move(pairs)});
     }
