@@ -52,9 +52,9 @@ TEST(Answer, TellsWhatWasConsidered) {
   const MapData map = MadeMap();
   const auto index = MapIndex::Build(map);
   const Answer answer = LocalizeFeatures(*index, QueryOf(map, {1, 2}, PoseOf(2), 200, 1), {});
-  ASSERT_FALSE(answer.candidates.empty());
+  ASSERT_FALSE(answer.planes.candidates.empty());
   EXPECT_EQ(answer.planes.candidates[0].keyframe.id, answer.planes.keyframe->id);
-  EXPECT_EQ(answer.candidates[0].probability, answer.probability);
+  EXPECT_EQ(answer.planes.candidates[0].probability, answer.probability);
 }
 
 TEST(LocalizeAcross, AnswersAsEachMapDoes) {
@@ -69,7 +69,8 @@ TEST(LocalizeAcross, AnswersAsEachMapDoes) {
     EXPECT_EQ(answer.image, "q");
     EXPECT_GT(answer.timing.total_ms, 0);
   }
-  EXPECT_EQ(LocalizeAcross({index.get()}, {}, "q", {})[0].verdict, Verdict::kBadImage);
+  EXPECT_EQ(LocalizeAcross({index.get()}, std::span<const uint8_t>(), "q", {})[0].verdict,
+            Verdict::kBadImage);
 }
 
 }  // namespace

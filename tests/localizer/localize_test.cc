@@ -137,14 +137,14 @@ TEST(LocalizeFeatures, CovisiblePlanesThatAreNotInTheQueryAreExpectedNext) {
   const auto index = MapIndex::Build(map);
   const Answer one = LocalizeFeatures(*index, QueryOf(map, {1}, PoseOf(2), 100, 4), {});
   ASSERT_EQ(PlaneIdsOf(one), std::vector<int64_t>{1});
-  EXPECT_EQ(Ids(one.planes[0].expect_next), std::vector<int64_t>{2});
+  EXPECT_EQ(Ids(one.planes.recognised[0].expect_next), std::vector<int64_t>{2});
   const Answer two = LocalizeFeatures(*index, QueryOf(map, {1, 2}, PoseOf(2), 100, 5), {});
   ASSERT_EQ(PlaneIdsOf(two), (std::vector<int64_t>{1, 2}));
   EXPECT_TRUE(PlaneWithId(two, 1).expect_next.empty());
   EXPECT_EQ(Ids(PlaneWithId(two, 2).expect_next), std::vector<int64_t>{3});
   const Answer four = LocalizeFeatures(*index, QueryOf(map, {4}, PoseOf(5.5), 100, 6), {});
   ASSERT_EQ(PlaneIdsOf(four), std::vector<int64_t>{4});
-  EXPECT_TRUE(four.planes[0].expect_next.empty());
+  EXPECT_TRUE(four.planes.recognised[0].expect_next.empty());
 }
 
 TEST(LocalizeFeatures, RandomFeaturesAreNotInTheMap) {
@@ -192,8 +192,8 @@ TEST(LocalizeFeatures, TooFewFeaturesAreNotInTheMap) {
   const Answer few = LocalizeFeatures(*index, FirstFeatures(whole, 8), {});
   EXPECT_EQ(few.verdict, Verdict::kNotInMap);
   EXPECT_EQ(few.decided_by, DecidedBy::kPlaceProbability);
-  ASSERT_TRUE(few.runner_up);
-  EXPECT_LE(few.runner_up->inliers, 8);
+  ASSERT_TRUE(few.planes.runner_up);
+  EXPECT_LE(few.planes.runner_up->inliers, 8);
   EXPECT_LT(few.probability, 0.9);
   EXPECT_EQ(LocalizeFeatures(*index, FirstFeatures(whole, 25), {}).verdict, Verdict::kLocalized);
 }
@@ -306,7 +306,7 @@ TEST(LocalizeFeatures, TheOrderOfTheFeaturesDoesNotMatter) {
     EXPECT_EQ(one.planes.keyframe->id, other.planes.keyframe->id);
     EXPECT_EQ(one.decided_by, other.decided_by);
     EXPECT_NEAR(one.probability, other.probability, 1e-6);
-    for (const RecognisedPlane& plane : one.planes) {
+    for (const RecognisedPlane& plane : one.planes.recognised) {
       const RecognisedPlane& same = PlaneWithId(other, plane.id.value);
       EXPECT_NEAR(plane.inliers, same.inliers, 2);
       EXPECT_EQ(plane.expect_next, same.expect_next);

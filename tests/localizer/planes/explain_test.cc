@@ -39,8 +39,8 @@ TEST_F(ExplainTest, AgreesWithTheAnswer) {
   ASSERT_FALSE(why.places.empty());
   EXPECT_EQ(why.places[0].nearest, answer_.planes.keyframe->id);
   EXPECT_EQ(why.places[0].probability, answer_.probability);
-  EXPECT_EQ(why.places[0].planes.size(), answer_.planes.size());
-  for (const RecognisedPlane& plane : answer_.planes) {
+  EXPECT_EQ(why.places[0].planes.size(), answer_.planes.recognised.size());
+  for (const RecognisedPlane& plane : answer_.planes.recognised) {
     const auto it = std::find_if(why.candidates.begin(), why.candidates.end(),
                                  [&](const auto& c) { return c.plane == plane.id; });
     ASSERT_NE(it, why.candidates.end());
