@@ -54,7 +54,7 @@ std::vector<LoggedQuery> ReadQueryLog(const fs::path& folder) {
   if (!in) {
     throw MapError(ErrorCode::kFileUnreadable,
                    (folder / kQueryLogLines).string() +
-                       " can't be read; give the folder of `waystone serve --query-log`");
+                       " can't be read; expected a folder written by `waystone serve --query-log`");
   }
   std::vector<LoggedQuery> queries;
   int number = 0;
@@ -65,7 +65,7 @@ std::vector<LoggedQuery> ReadQueryLog(const fs::path& folder) {
     } catch (const Json::exception&) {
       throw MapError(ErrorCode::kBadRequest, (folder / kQueryLogLines).string() + ", line " +
                                                  std::to_string(number) +
-                                                 " is no query; take the line out");
+                                                 " is not a logged query; remove the line");
     }
   }
   return queries;

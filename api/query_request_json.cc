@@ -33,13 +33,14 @@ Json ParseJson(std::string_view text) {
   try {
     return Json::parse(text, bounded);
   } catch (const Json::exception& error) {
-    RefuseRequest("the JSON can't be read: " + std::string(error.what()).substr(0, 120));
+    RefuseRequest("invalid JSON: " + std::string(error.what()).substr(0, 120));
   }
 }
 
 std::string NameIn(const Json& value, const std::string& field) {
   if (!value.is_string() || value.get_ref<const std::string&>().size() > kMaxNameBytes) {
-    RefuseRequest(field + " must be a text of at most " + std::to_string(kMaxNameBytes) + " bytes");
+    RefuseRequest(field + " must be a string of at most " + std::to_string(kMaxNameBytes) +
+                  " bytes");
   }
   return value.get<std::string>();
 }
@@ -51,8 +52,8 @@ void CheckKnownFields(const Json& object, const std::string& what,
     if (known.contains(name)) continue;
     std::string list;
     for (const std::string& field : known) list += (list.empty() ? "" : ", ") + field;
-    RefuseRequest(what + " has a field " + QuoteShortened(name) + " that isn't known; there are " +
-                  list);
+    RefuseRequest(what + " has an unknown field " + QuoteShortened(name) +
+                  "; known fields: " + list);
   }
 }
 
@@ -63,7 +64,8 @@ double NumberIn(const Json& value, const std::string& field, double low, double 
     const double number = value.get<double>();
     if (number >= low && number <= high) return number;
   }
-  RefuseRequest(field + " must be a number from " + Dump(Json(low)) + " to " + Dump(Json(high)));
+  RefuseRequest(field + " must be a number between " + Dump(Json(low)) + " and " +
+                Dump(Json(high)));
 }
 
 int64_t WholeIn(const Json& value, const std::string& field, int64_t low, int64_t high) {
@@ -72,7 +74,7 @@ int64_t WholeIn(const Json& value, const std::string& field, int64_t low, int64_
     const int64_t number = fits ? value.get<int64_t>() : -1;
     if (fits && number >= low && number <= high) return number;
   }
-  RefuseRequest(field + " must be a whole number from " + std::to_string(low) + " to " +
+  RefuseRequest(field + " must be an integer between " + std::to_string(low) + " and " +
                 std::to_string(high));
 }
 
@@ -84,7 +86,8 @@ bool FlagIn(const Json& value, const std::string& field) {
 Intrinsics ReadIntrinsics(const Json& object) {
   const auto of = [&](const char* name, double low) {
     if (!object.contains(name))
-      RefuseRequest("fx, fy, cx and cy go together; " + std::string(name) + " is missing");
+      RefuseRequest("fx, fy, cx and cy must be given together; " + std::string(name) +
+                    " is missing");
     return NumberIn(object[name], name, low, kMaxPixel);
   };
   constexpr double kMinFocal = 1;
@@ -111,7 +114,7 @@ NodeBelief ReadNodeBelief(const Json& one) {
 std::vector<NodeBelief> ReadBelief(const Json& list) {
   if (!list.is_array() || list.size() > kMaxBeliefs) {
     RefuseRequest("previous.belief must be a list of at most " + std::to_string(kMaxBeliefs) +
-                  " nodes, as an answer gave it");
+                  " nodes, as returned in an answer");
   }
   std::vector<NodeBelief> belief;
   for (const Json& one : list) belief.push_back(ReadNodeBelief(one));
@@ -136,7 +139,7 @@ PreviousAnswer ReadPrevious(const Json& object) {
 
 std::vector<std::optional<Pose2>> ReadOdometry(const Json& list) {
   if (!list.is_array() || list.empty() || list.size() > kMaxMotions) {
-    RefuseRequest("odometry must be a list of a motion or null for each image");
+    RefuseRequest("odometry must be a list with a motion or null for each image");
   }
   std::vector<std::optional<Pose2>> motions;
   for (const Json& one : list) {
@@ -166,7 +169,9 @@ void ReadCamera(const Json& object, QueryRequest& request) {
   if (object.contains("camera")) request.stored_camera = NameIn(object["camera"], "camera");
   const int given = int{request.intrinsics.has_value()} + int{request.fov_rad.has_value()} +
                     int{request.stored_camera.has_value()};
-  if (given > 1) RefuseRequest("the camera is given twice; use one of fx.., fov_deg and camera");
+  if (given > 1)
+    RefuseRequest(
+        "the camera is given more than once; use either fx, fy, cx and cy, fov_deg, or camera");
 }
 
 Json PreviousJson(const PreviousAnswer& previous) {

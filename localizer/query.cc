@@ -32,17 +32,16 @@ Camera StoredCamera(const MapData& map, const std::string& name, const cv::Size&
     for (const Sequence& other : map.sequences) {
       if (other.camera) names += (names.empty() ? "" : ", ") + Quoted(other.name);
     }
-    throw MapError(ErrorCode::kBadCamera,
-                   "the map has no camera " + Quoted(name) +
-                       (names.empty() ? "; it was built without any" : "; it has " + names));
+    throw MapError(ErrorCode::kBadCamera, "the map has no camera " + Quoted(name) +
+                                              (names.empty() ? "; it was built without cameras"
+                                                             : "; its cameras are " + names));
   }
   const Camera& camera = *sequence->camera;
   if (camera.width != image.width || camera.height != image.height) {
-    throw MapError(ErrorCode::kBadCamera, "the camera " + Quoted(name) + " takes " +
-                                              SizeText(camera.width, camera.height) +
-                                              ", the image has " +
-                                              SizeText(image.width, image.height) +
-                                              "; send it unscaled, or fx, fy, cx and cy");
+    throw MapError(ErrorCode::kBadCamera,
+                   "the camera " + Quoted(name) + " has " + SizeText(camera.width, camera.height) +
+                       ", the image has " + SizeText(image.width, image.height) +
+                       "; send the image unscaled, or send fx, fy, cx and cy");
   }
   return camera;
 }

@@ -213,8 +213,9 @@ Answer OverallAnswer(const RequestAnswer& answer) {
   if (localized < 2) return best;
   best.verdict = Verdict::kAmbiguous;
   best.decided_by = DecidedBy::kAmbiguousMaps;
-  best.message = std::to_string(localized) +
-                 " maps have this place; `maps` ranks them, ask one of them for its answer";
+  best.message =
+      std::to_string(localized) +
+      " maps contain this place; `maps` ranks them, query one of them for its full answer";
   for (int i = 0; i < localized; ++i) {
     const PlaneAnswer& planes = maps[i].planes;
     const int inliers = planes.recognised.empty() ? 0 : planes.recognised.front().inliers;

@@ -209,7 +209,7 @@ void WarpingOptions::Check() const {
   CheckRange("shift_cost", shift_cost, 0, 0.5);
   if (scales % 2 == 0) {
     throw MapError(ErrorCode::kBadOptions,
-                   "scales is " + std::to_string(scales) + "; give an odd number");
+                   "scales is " + std::to_string(scales) + "; it must be odd");
   }
 }
 

@@ -81,7 +81,7 @@ void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool v
       panorama.runner_up && EstimateProbability(alone, model) >= options.min_probability;
   answer.verdict = alike ? Verdict::kAmbiguous : Verdict::kNotInMap;
   answer.message = alike ? "several mapped places match this panorama; move on and send a series"
-                         : "no mapped panorama matches closely enough; map the place, or send "
+                         : "no mapped panorama matches closely enough; map the place or send "
                            "another panorama";
 }
 
@@ -134,7 +134,7 @@ Answer JudgeNodes(const MapIndex& index, const FourierSignature& query,
                   const PanoramaQueryOptions& options) {
   Answer answer;
   if (nodes.empty()) {
-    answer.message = "the map's appearance layer has no node left to compare with; map more places";
+    answer.message = "the appearance layer has no other node to compare with; map more places";
     return answer;
   }
   if (nodes.front().inliers == 0 && options.fine_heading) {

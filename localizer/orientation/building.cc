@@ -221,9 +221,9 @@ void JudgeByAxes(int guesses, double min_probability, const BuildingOptions& opt
   answer.planes.keyframe.reset();
   answer.heading.reset();
   answer.planes.recognised.clear();
-  answer.message = "the place fits, but the image's lines are turned by " +
+  answer.message = "the place matches, but the lines of the image are rotated by " +
                    std::to_string(degrees) +
-                   " degrees against the building there; send another image";
+                   " degrees relative to the axes of the map; send another image";
 }
 
 void AddBuilding(const MapIndex& index, const cv::Mat& grey, const BuildingQuery& query,

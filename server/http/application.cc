@@ -134,13 +134,13 @@ HttpResponse Application::Admitted(const HttpRequest& request) const {
                         options_.tokens.Admit(request.header("Authorization").value_or(""));
   if (admitted) return router_.Dispatch(request);
   return ProblemResponse(ErrorCode::kUnauthorized,
-                         "send one of this server's tokens: Authorization: Bearer TOKEN");
+                         "send a valid token in the header Authorization: Bearer TOKEN");
 }
 
 HttpResponse Application::Ready() const {
   const std::shared_ptr<const MapCatalog::Maps> maps = catalog_.Now();
-  if (stopping_) return ProblemResponse(ErrorCode::kNotReady, "the server ends");
-  if (maps->empty()) return ProblemResponse(ErrorCode::kNotReady, "no map is served");
+  if (stopping_) return ProblemResponse(ErrorCode::kNotReady, "the server is shutting down");
+  if (maps->empty()) return ProblemResponse(ErrorCode::kNotReady, "no maps loaded");
   return JsonResponse({{"ready", true}, {"maps", maps->size()}});
 }
 

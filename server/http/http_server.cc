@@ -142,19 +142,19 @@ std::optional<HttpResponse> Refusal(const httplib::Request& request) {
   const size_t lengths = request.get_header_value_count("Content-Length");
   const bool chunked = request.has_header("Transfer-Encoding");
   if (lengths > 1 || (lengths == 1 && chunked)) {
-    return refuse(ErrorCode::kBadRequest, "the body's length is given twice");
+    return refuse(ErrorCode::kBadRequest, "the length of the body is given twice");
   }
   if (lengths == 1 && !IsNumber(request.get_header_value("Content-Length"))) {
     return refuse(ErrorCode::kBadRequest, "Content-Length is not a number");
   }
   if (request.has_header("Content-Encoding")) {
     return refuse(ErrorCode::kUnsupportedMedia,
-                  "encoded bodies are not taken; send the image without Content-Encoding");
+                  "encoded bodies are not supported; send the image without Content-Encoding");
   }
   const bool has_body =
       chunked || (lengths == 1 && request.get_header_value("Content-Length") != "0");
   if (has_body && request.method != "POST") {
-    return refuse(ErrorCode::kBadRequest, request.method + " takes no body");
+    return refuse(ErrorCode::kBadRequest, request.method + " requests must not have a body");
   }
   return std::nullopt;
 }
@@ -168,7 +168,7 @@ void HttpOptions::Check() const {
   };
   require(IsLoopback(host) || has_tokens || insecure,
           host +
-              " can be reached by other machines, and no authentication is required; use "
+              " is reachable from other machines and authentication is off; use "
               "--token-file, --host 127.0.0.1 behind a proxy, or --insecure");
   require(max_bodies_bytes >= max_body_bytes,
           "http.max_bodies_bytes must be at least http.max_body_bytes");
@@ -250,7 +250,7 @@ class HttpServer::Impl {
     // Without it the library would send the exception's text as a header.
     server_.set_exception_handler(
         [](const httplib::Request&, httplib::Response& out, const std::exception_ptr&) {
-          Fill(ProblemResponse(ErrorCode::kInternal, "the server failed"), out);
+          Fill(ProblemResponse(ErrorCode::kInternal, "internal server error"), out);
         });
   }
 
@@ -277,7 +277,7 @@ class HttpServer::Impl {
     if (!bound) {
       throw MapError(ErrorCode::kBadOptions,
                      "can't listen on " + options_.host + ":" + std::to_string(options_.port) +
-                         " (" + std::strerror(errno) + "); use another --port or --host");
+                         " (" + std::strerror(errno) + "); choose another --port or --host");
     }
     // The library's own backlog is 5: a burst of connections would wait a second for its retry.
     ::listen(socket_, options_.backlog);

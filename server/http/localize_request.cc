@@ -17,7 +17,7 @@ Json ParameterValue(const std::string& name, const std::string& text) {
   if (name == "debug") {
     if (text == "true" || text == "1" || text.empty()) return true;
     if (text == "false" || text == "0") return false;
-    RefuseRequest("debug=" + text.substr(0, 40) + " is neither true nor false");
+    RefuseRequest("debug=" + text.substr(0, 40) + " must be true or false");
   }
   Json value = Json::parse(text, nullptr, false);
   if (!value.is_number()) RefuseRequest(name + "=" + text.substr(0, 40) + " is not a number");
@@ -33,7 +33,7 @@ QueryRequest ReadRaw(const HttpRequest& http, const RequestLimits& limits) {
     } else if (name == "prior_keyframe") {
       object["prior"]["keyframe"] = ParameterValue(name, text);
     } else if (name == "prior" || name == "previous" || name == "odometry" || name == "images") {
-      RefuseRequest(name + " goes into a JSON body; as a query parameter there is prior_keyframe");
+      RefuseRequest(name + " must be in a JSON body; the query parameter is prior_keyframe");
     } else {
       object[name] = ParameterValue(name, text);
     }
@@ -46,19 +46,20 @@ QueryRequest ReadRaw(const HttpRequest& http, const RequestLimits& limits) {
 
 void RefuseParameters(const HttpRequest& http) {
   if (http.query.empty()) return;
-  RefuseRequest("parameters go into the JSON of such a body, not into the address; move " +
+  RefuseRequest("with such a body, parameters must be in its JSON and not in the URL; move " +
                 QuoteShortened(http.query.begin()->first));
 }
 
 void CheckCount(const QueryRequest& request, const RequestLimits& limits) {
-  if (request.images.empty()) RefuseRequest("there is no image in the body");
+  if (request.images.empty()) RefuseRequest("the body has no image");
   if (request.images.size() > static_cast<size_t>(limits.max_images)) {
-    RefuseRequest(std::to_string(request.images.size()) + " images, at most " +
-                  std::to_string(limits.max_images) + " are taken at once");
+    RefuseRequest(std::to_string(request.images.size()) + " images; the limit is " +
+                  std::to_string(limits.max_images) + " per request");
   }
   if (!request.odometry.empty() && request.odometry.size() != request.images.size()) {
     RefuseRequest("odometry has " + std::to_string(request.odometry.size()) + " motions for " +
-                  std::to_string(request.images.size()) + " images; give one, or null, for each");
+                  std::to_string(request.images.size()) +
+                  " images; give one motion or null per image");
   }
 }
 
@@ -76,12 +77,13 @@ QueryRequest ReadForm(const HttpRequest& http, const std::string& type,
                                                      : part.filename.substr(0, kMaxNameBytes);
       images.push_back({name, std::string(part.bytes)});
     } else if (part.name == "request") {
-      if (std::exchange(described, true)) RefuseRequest("the form has two parts 'request'");
-      if (part.bytes.size() > kMaxObjectBytes) RefuseRequest("the part 'request' is over 64 KiB");
+      if (std::exchange(described, true))
+        RefuseRequest("the form has more than one part 'request'");
+      if (part.bytes.size() > kMaxObjectBytes) RefuseRequest("the part 'request' exceeds 64 KiB");
       request = ParseQueryRequest(ParseJson(part.bytes), limits, false);
     } else {
-      RefuseRequest("the form has a part " + QuoteShortened(part.name) +
-                    "; there are 'image' and 'request'");
+      RefuseRequest("the form has an unknown part " + QuoteShortened(part.name) +
+                    "; known parts: 'image' and 'request'");
     }
   }
   request.images = std::move(images);
@@ -99,7 +101,7 @@ QueryRequest ReadJson(const HttpRequest& http, const RequestLimits& limits) {
   for (const Json& image : object["images"]) {
     CheckKnownFields(image, "an image", {"data", "name"});
     if (!image.contains("data") || !image["data"].is_string()) {
-      RefuseRequest("an image has no data; give its bytes as base64");
+      RefuseRequest("an image has no data; send its bytes as base64");
     }
     const std::string name = image.contains("name")
                                  ? NameIn(image["name"], "an image's name")
@@ -126,7 +128,7 @@ QueryRequest ReadQueryRequest(const HttpRequest& request, const RequestLimits& l
   if (raw) return ReadRaw(request, limits);
   throw MapError(ErrorCode::kUnsupportedMedia,
                  QuoteShortened(type) +
-                     " is no image; send the file's bytes as Content-Type: image/jpeg, a "
+                     " is not supported; send the image file as image/jpeg, image/png, "
                      "multipart/form-data or JSON");
 }
 

@@ -49,7 +49,7 @@ QueryLog::QueryLog(fs::path folder, int64_t max_bytes,
   }
   if (!std::ofstream(folder_ / kQueryLogLines, std::ios::app)) {
     throw MapError(ErrorCode::kFileUnwritable,
-                   folder_.string() + " can't be written; choose another --query-log");
+                   folder_.string() + " can't be written; choose another folder for --query-log");
   }
   bytes_ = BytesIn(folder_);
 }
@@ -66,7 +66,8 @@ void QueryLog::Add(const std::string& id, const Json& map, const QueryRequest& r
   if (!(out << text).flush()) on_error_("the query log " + folder_.string() + " can't be written");
   bytes_ += static_cast<int64_t>(text.size());
   full_ = bytes_ >= max_bytes_;
-  if (full_) on_error_("the query log " + folder_.string() + " is full; nothing more is written");
+  if (full_)
+    on_error_("the query log " + folder_.string() + " is full; further queries are not logged");
 }
 
 std::string QueryLog::Store(const std::string& bytes) {
