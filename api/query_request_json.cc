@@ -64,7 +64,8 @@ double NumberIn(const Json& value, const std::string& field, double low, double 
     const double number = value.get<double>();
     if (number >= low && number <= high) return number;
   }
-  RefuseRequest(field + " must be a number between " + Dump(Json(low)) + " to " + Dump(Json(high)));
+  RefuseRequest(field + " must be a number between " + Dump(Json(low)) + " and " +
+                Dump(Json(high)));
 }
 
 int64_t WholeIn(const Json& value, const std::string& field, int64_t low, int64_t high) {
@@ -73,7 +74,7 @@ int64_t WholeIn(const Json& value, const std::string& field, int64_t low, int64_
     const int64_t number = fits ? value.get<int64_t>() : -1;
     if (fits && number >= low && number <= high) return number;
   }
-  RefuseRequest(field + " must be an integer between " + std::to_string(low) + " to " +
+  RefuseRequest(field + " must be an integer between " + std::to_string(low) + " and " +
                 std::to_string(high));
 }
 

@@ -81,7 +81,7 @@ void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool v
       panorama.runner_up && EstimateProbability(alone, model) >= options.min_probability;
   answer.verdict = alike ? Verdict::kAmbiguous : Verdict::kNotInMap;
   answer.message = alike ? "several mapped places match this panorama; move on and send a series"
-                         : "no mapped panorama matches closely enough; map the place, or send "
+                         : "no mapped panorama matches closely enough; map the place or send "
                            "another panorama";
 }
 

@@ -114,9 +114,9 @@ Answer Undecided(Stage last) {
   answer.last_stage = last;
   answer.message =
       last == Stage::kQueue
-          ? "the deadline passed while the query waited in the queue; allow more time or ask less "
-            "often"
-          : "the deadline expired after stage '" + std::string(NameOf(last)) + "'; allow more time";
+          ? "the deadline expired in the queue; use a longer deadline or send fewer queries"
+          : "the deadline expired after stage '" + std::string(NameOf(last)) +
+                "'; use a longer deadline";
   return answer;
 }
 
