@@ -8,6 +8,7 @@
 namespace waystone {
 
 void BuildOptions::Check() const {
+  CheckFields("", *this);
   features.Check();
   keyframes.Check();
   planes.Check();
@@ -15,7 +16,6 @@ void BuildOptions::Check() const {
   orientation.Check();
   calibration.Check();
   appearance_calibration.Check();
-  CheckFields("", *this);
   if (threads < 0 || threads > 1024) {
     throw MapError(ErrorCode::kBadOptions, "threads is " + std::to_string(threads) +
                                                "; it must be between 0 (one per core) and 1024");

@@ -32,10 +32,11 @@ void CheckAsked(const std::vector<AssignedSource>& assigned, size_t sources,
            });
   };
   if (missing(choice.planes, LayerKind::kPlanes)) {
-    throw MapError(ErrorCode::kBadSource,
-                   none +
-                       "are ordinary images, which the plane layer requires; omit planes, or "
-                       "select that layer alone to treat panoramas as photos");
+    throw MapError(
+        ErrorCode::kBadSource,
+        none +
+            "are ordinary images, which the plane layer requires; omit planes, or select "
+            "that layer alone to treat panoramas as photos");
   }
   if (missing(choice.appearance, LayerKind::kAppearance)) {
     throw MapError(ErrorCode::kBadSource,
@@ -46,7 +47,7 @@ void CheckAsked(const std::vector<AssignedSource>& assigned, size_t sources,
   if (missing(choice.orientation, LayerKind::kOrientation)) {
     throw MapError(ErrorCode::kBadCamera,
                    none +
-                       "is calibrated, which the orientation layer takes; give --camera FILE, "
+                       "is calibrated, which the orientation layer requires; use --camera FILE, "
                        "panoramas or a rig");
   }
 }

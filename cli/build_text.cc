@@ -84,14 +84,14 @@ void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
 
 void OrientationLines(std::ostream& out, const OrientationLayer& layer,
                       const OrientationReport& report) {
-  FramesLines(out, "directions",
+  FramesLines(out, "orientation",
               std::to_string(report.frames) + " frames, " + std::to_string(report.skipped) +
                   " unreadable, " + std::to_string(report.unreliable) + " without reliable axes",
               report.skipped_names);
-  Line(out, "way",
-       Plural(TurnCount(layer), "turn") + " of " + Plural(layer.turns.size(), "jump") + ", " +
-           Plural(layer.nodes.size(), "node") + ", " + Plural(layer.corridors.size(), "corridor") +
-           ", " + Plural(LoopCount(layer), "loop"));
+  Line(out, "trajectory",
+       Plural(TurnCount(layer), "turn") + " in " + Plural(layer.turns.size(), "heading change") +
+           ", " + Plural(layer.nodes.size(), "node") + ", " +
+           Plural(layer.corridors.size(), "corridor") + ", " + Plural(LoopCount(layer), "loop"));
   Line(out, "seconds",
        "lines and features " + Seconds(report.observe_s) +
            " (total over threads), axes and turns " + Seconds(report.add_s) + ", edges and loops " +

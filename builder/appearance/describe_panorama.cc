@@ -11,8 +11,6 @@ namespace waystone {
 namespace {
 
 constexpr int kSmallestImage_px = 16;
-constexpr int kLargestImage_px = 4096;
-constexpr int kBestQuality = 100;
 
 std::vector<uint8_t> SmallJpeg(const cv::Mat& grey, const DescribeOptions& options) {
   std::vector<uint8_t> jpeg;
@@ -38,27 +36,19 @@ void Describe(const Panorama& panorama, const DescribeOptions& options,
   if (options.image_width > 0) described.jpeg = SmallJpeg(panorama.grey, options);
 }
 
-[[noreturn]] void RefuseOption(const std::string& message) {
-  throw MapError(ErrorCode::kBadOptions, message);
-}
-
 }  // namespace
 
 void DescribeOptions::Check() const {
+  CheckFields("describe", *this);
   panorama.Check();
   signature.Check();
   features.Check();
   SignatureOptions of_trajectory = signature;
   of_trajectory.rows = trajectory_rows;
   of_trajectory.Check();
-  if (image_width != 0 && (image_width < kSmallestImage_px || image_width > kLargestImage_px)) {
-    RefuseOption("image_width is " + std::to_string(image_width) +
-                 "; it must be 0, or between 16 and 4096");
-  }
-  if (image_quality < 1 || image_quality > kBestQuality) {
-    RefuseOption("image_quality is " + std::to_string(image_quality) +
-                 "; it must be between 1 and 100");
-  }
+  if (image_width == 0 || image_width >= kSmallestImage_px) return;
+  throw MapError(ErrorCode::kBadOptions, "describe.image_width is " + std::to_string(image_width) +
+                                             "; it must be 0 or between 16 and 4096 px");
 }
 
 std::unique_ptr<DescribedPanorama> DescribePanorama(const Frame& frame,

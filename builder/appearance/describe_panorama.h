@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <tuple>
 #include <vector>
 
 #include "builder/appearance/node_features.h"
 #include "builder/frames/layer_builder.h"
+#include "core/base/options.h"
 #include "core/camera/panorama.h"
 #include "core/panorama/fourier_signature.h"
 
@@ -18,18 +20,25 @@ struct DescribeOptions {
   // Half of the rows that a signature has by itself: what they take of a node's 20 KB, features use
   // better.
   SignatureOptions signature{.rows = 32};
-  // Rows of the signatures that odometry and loops are measured by, 1 to 1024; the map doesn't keep
-  // them. More measure headings and steps more finely.
   int trajectory_rows = 64;
   // Features are taken from whole spheres alone: a mirror's image or a rig without its upper and
   // lower face gives none.
   NodeFeatureOptions features;
-  // Width of the smaller picture that is kept for people, px, 16 to 4096; 0 keeps none. Wider ones
-  // make the map larger.
   int image_width = 128;
-  // JPEG quality of that picture, 1 to 100. More is clearer and larger.
   int image_quality = 50;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"trajectory_rows", &DescribeOptions::trajectory_rows, Closed(1, 1024), "",
+                    "Rows of the signatures that odometry and loops are estimated with; the map "
+                    "doesn't keep them. More estimate headings and steps more accurately."},
+        OptionGroup{"features", &DescribeOptions::features},
+        OptionField{"image_width", &DescribeOptions::image_width, Closed(0, 4096), "px",
+                    "Width of the thumbnail kept of each panorama; 0 keeps none, otherwise at "
+                    "least 16. Wider ones make the map larger."},
+        OptionField{"image_quality", &DescribeOptions::image_quality, Closed(1, 100), "",
+                    "JPEG quality of that thumbnail. Higher is clearer and larger."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

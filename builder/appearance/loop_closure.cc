@@ -10,7 +10,6 @@
 #include <optional>
 
 #include "core/base/check.h"
-#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -245,20 +244,6 @@ class Closer {
 };
 
 }  // namespace
-
-void LoopOptions::Check() const {
-  CheckRange("min_gap", min_gap, 2, 100000);
-  CheckRange("loop k1", k1, 1, 4096);
-  CheckRange("max_distance_share", max_distance_share, 0.05, 1);
-  CheckRange("candidates", candidates, 1, 20);
-  CheckRange("loop max_deviation_rad", max_sigma_rad, 0.001, 1);
-  CheckRange("min_supporters", min_supporters, 0, 20);
-  CheckRange("neighbourhood", neighbourhood, 1, 1000);
-  CheckRange("agreement_rad", agreement_rad, 0.001, 1);
-  CheckRange("agreement_steps", agreement_steps, 0.1, 100);
-  CheckRange("loop length_deviation", length_sigma, 0.01, 10);
-  CheckRange("steps_deviation", steps_sigma, 0.01, 100);
-}
 
 LoopClosure CloseLoops(const std::vector<FourierSignature>& signatures, const ElevationBand& band,
                        const std::vector<PanoramaStretch>& stretches,

@@ -1,42 +1,62 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <tuple>
 #include <vector>
 
 #include "builder/appearance/visual_odometry.h"
+#include "core/base/options.h"
 
 // Places that a camera came back to, beyond the paper (its future work).
 namespace waystone {
 
+// How loops are found and verified.
 struct LoopOptions {
-  // Panoramas of one sequence that are nearer than this in it are no loop, 2 to 100000. Fewer find
-  // small loops, and what lies side by side.
   int min_gap = 30;
-  // Magnitudes a row that candidates are found by, 1 to 4096, at most what the signatures have. The
-  // lowest change slowly, so that a place is still known some steps beside it.
   int k1 = 16;
-  // A candidate is at most this share as far as two panoramas usually are, 0.05 to 1. More finds
-  // more loops; each candidate costs a compass.
   double max_distance_share = 0.6;
-  // Candidates a panorama, 1 to 20, each min_gap from the others.
   int candidates = 2;
-  // Headings less certain than this close no loop, radians, 0.001 to 1.
   double max_sigma_rad = 0.03;
-  // Other candidates that must say the same, 0 to 20, among those of panoramas at most
-  // neighbourhood (1 to 1000) before or behind in both passes: rooms that look alike seldom do so
-  // over a stretch and from the same side.
   int min_supporters = 2;
   int neighbourhood = 5;
-  // What counts as the same: headings to this, radians, 0.001 to 1, and places to this many steps,
-  // 0.1 to 100, plus a third of the way between them.
   double agreement_rad = 0.1;
   double agreement_steps = 2;
-  // Deviation of the place of a loop: a share of its length, 0.01 to 10, and so many steps, 0.01
-  // to 100.
   double length_sigma = 0.3;
   double steps_sigma = 0.5;
 
-  void Check() const;  // throws MapError(kBadOptions)
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"min_gap", &LoopOptions::min_gap, Closed(2, 100'000), "panoramas",
+                    "Panoramas of one sequence that are nearer than this in it form no loop. "
+                    "Fewer find small loops, and adjacent places."},
+        OptionField{"k1", &LoopOptions::k1, Closed(1, 4096), "",
+                    "Magnitudes per row that candidates are found by, at most what the signatures "
+                    "have. The lowest change slowly, so that a place is still recognised some "
+                    "steps away."},
+        OptionField{"max_distance_share", &LoopOptions::max_distance_share, Closed(0.05, 1), "",
+                    "Largest distance of a candidate relative to the usual distance of two "
+                    "panoramas. Higher finds more loops; each candidate costs one compass "
+                    "estimate."},
+        OptionField{"candidates", &LoopOptions::candidates, Closed(1, 20), "",
+                    "Candidates per panorama, each min_gap from the others."},
+        OptionField{"max_sigma_rad", &LoopOptions::max_sigma_rad, Closed(0.001, 1), "rad",
+                    "Headings less certain than this close no loop."},
+        OptionField{"min_supporters", &LoopOptions::min_supporters, Closed(0, 20), "",
+                    "Other candidates of neighbouring panoramas that must agree: rooms that look "
+                    "alike seldom do so over a stretch and from the same side."},
+        OptionField{"neighbourhood", &LoopOptions::neighbourhood, Closed(1, 1000), "panoramas",
+                    "How far before or behind in both passes a supporter may be."},
+        OptionField{"agreement_rad", &LoopOptions::agreement_rad, Closed(0.001, 1), "rad",
+                    "Largest difference of headings that agree."},
+        OptionField{"agreement_steps", &LoopOptions::agreement_steps, Closed(0.1, 100), "steps",
+                    "Largest distance of positions that agree, plus a third of the trajectory "
+                    "between them."},
+        OptionField{"length_sigma", &LoopOptions::length_sigma, Closed(0.01, 10), "",
+                    "Standard deviation of a loop's position, relative to its length ..."},
+        OptionField{"steps_sigma", &LoopOptions::steps_sigma, Closed(0.01, 100), "steps",
+                    "... and in steps."}};
+  }
+  void Check() const { CheckFields("loops", *this); }  // throws MapError(kBadOptions)
 };
 
 struct LoopClosure {

@@ -8,7 +8,6 @@
 #include <tuple>
 #include <utility>
 
-#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -54,9 +53,8 @@ std::vector<int> Spread(const BearingFeatures& features, const std::vector<int>&
 }  // namespace
 
 void NodeFeatureOptions::Check() const {
-  CheckRange("max_kept", max_kept, 0, 10'000);
+  CheckFields("features", *this);
   extract.Check();
-  match.Check();
 }
 
 NodeFeatures NodeFeatureChooser::Next(BearingFeatures features) {

@@ -1,21 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "localizer/appearance/panorama_features.h"
 
 namespace waystone {
 
 // What of a panorama is kept to verify answers with.
 struct NodeFeatureOptions {
-  // Features kept of each panorama, 0 (none: answers then rest on the appearance alone) to 10,000.
-  // More verify from farther away, and make the map larger by 36 bytes each.
   int max_kept = 255;
   PanoramaFeatureOptions extract;
-  // Of a panorama's features among those of the one before it.
+  // Of a panorama's features with those of the one before it.
   MatchOptions match{0.8, true};
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"max_kept", &NodeFeatureOptions::max_kept, Closed(0, 10'000), "",
+                    "Features kept of each panorama; 0 keeps none, and answers rest on the "
+                    "appearance alone. More verify from farther away and add 36 bytes each to the "
+                    "map."},
+        OptionGroup{"match", &NodeFeatureOptions::match}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <tuple>
+
 #include "builder/appearance/describe_panorama.h"
 #include "builder/appearance/loop_closure.h"
 #include "builder/appearance/redundancy.h"
 #include "builder/appearance/visual_odometry.h"
+#include "core/base/options.h"
 #include "core/pose_graph/pose_graph.h"
 
 namespace waystone {
@@ -16,15 +19,27 @@ struct AppearanceOptions {
   LoopOptions loops;
   PoseGraphOptions graph;
   RedundancyOptions redundancy;
-  // Whether loops are looked for at all; without them the poses are those of the odometry.
   bool close_loops = true;
-  // Largest share of a sequence's frames that may be unusable, 0 to 1. Beyond, the sequence is
-  // refused: its steps would be of very different lengths.
   double max_skipped_share = 0.5;
-  // Panoramas whose features are handed out whole, for calibrating the verdict, 0 to 100,000:
-  // spread evenly over all. They take about 0.2 MB each while the map is built.
   int max_samples = 60;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionGroup{"describe", &AppearanceOptions::describe},
+        OptionGroup{"odometry", &AppearanceOptions::odometry},
+        OptionGroup{"loops", &AppearanceOptions::loops},
+        OptionGroup{"redundancy", &AppearanceOptions::redundancy},
+        OptionField{"close_loops", &AppearanceOptions::close_loops, AnyValue(), "",
+                    "Whether loops are closed; without them the poses are those of the odometry."},
+        OptionField{"max_skipped_share", &AppearanceOptions::max_skipped_share, Closed(0, 1), "",
+                    "Largest share of a sequence's frames that may be unusable. Beyond, the "
+                    "sequence is refused: its steps would be of very different lengths."},
+        OptionField{"max_samples", &AppearanceOptions::max_samples, Closed(0, 100'000), "",
+                    "Panoramas whose features are handed out whole for calibration, spread evenly "
+                    "over all. They take about 0.2 MB each while the map is built. BuildMap sets "
+                    "it.",
+                    OptionUse::kInternal}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

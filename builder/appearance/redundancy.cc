@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -62,8 +61,6 @@ class Keeper {
 };
 
 }  // namespace
-
-void RedundancyOptions::Check() const { CheckRange("max_loss", max_loss, 0, 1); }
 
 std::vector<bool> KeepInformative(const std::vector<FourierSignature>& signatures,
                                   const std::vector<Pose2>& poses,

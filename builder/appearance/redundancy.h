@@ -1,20 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <tuple>
 #include <vector>
 
 #include "builder/appearance/loop_closure.h"
+#include "core/base/options.h"
 
 namespace waystone {
 
+// Which panoramas are left out of the map.
 struct RedundancyOptions {
-  // Largest loss of information by which a panorama may be left out of the map, 0 to 1: the share
-  // of its magnitudes' variance over the map that those of the kept panoramas before and after it,
-  // interpolated by the way, don't give. 0 keeps all: even small losses cost localization between
-  // the nodes some of its accuracy. 0.1 is sparing.
   double max_loss = 0;
 
-  void Check() const;  // throws MapError(kBadOptions)
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"max_loss", &RedundancyOptions::max_loss, Closed(0, 1), "",
+                    "Largest loss of information by which a panorama may be left out: the share "
+                    "of its magnitudes' variance over the map that interpolating between the kept "
+                    "panoramas before and after it doesn't explain. 0 keeps all; 0.1 is sparing. "
+                    "Even small losses cost accuracy between the nodes."}};
+  }
+  void Check() const { CheckFields("redundancy", *this); }  // throws MapError(kBadOptions)
 };
 
 // Which panoramas of the stretches are kept; the ends of each stretch always are. Greedy along the

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "core/base/check.h"
-#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -110,12 +109,8 @@ class Follower {
 }  // namespace
 
 void VisualOdometryOptions::Check() const {
+  CheckFields("odometry", *this);
   compass.Check();
-  CheckRange("odometry k1", k1, 1, 4096);
-  CheckRange("max_span", max_span, 1, 64);
-  CheckRange("length_deviation", length_sigma, 0.01, 10);
-  CheckRange("span_deviation", span_sigma, 0.01, 10);
-  CheckRange("max_deviation_rad", max_sigma_rad, 0.01, 3);
 }
 
 double SignatureDistance(const FourierSignature& a, const FourierSignature& b, int k1) {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <functional>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/base/pose2.h"
 #include "core/panorama/visual_compass.h"
 #include "core/pose_graph/pose_graph.h"
@@ -11,28 +13,35 @@
 // Where a panoramic camera went, from signatures alone (Fernandez et al. 2011, sec. IV-A).
 namespace waystone {
 
+// How steps and headings are estimated.
 struct VisualOdometryOptions {
-  // Magnitudes a row that the distance of two panoramas (eq. 2) is summed over, 1 to 4096, at most
-  // what the signatures have. The distance grows more slowly than the trajectory: with all
-  // frequencies hardly any more after a few steps, so that even steps come out even, and uneven
-  // ones more even than they are. With few it follows the trajectory longer, and the nearness of
-  // the walls more.
   int k1 = 64;
-  // Each panorama is compared with as many before it as powers of 2 up to this, 1 to 64: headings
-  // over several steps don't share the errors of those over one, and don't add up. Costs a compass
-  // each.
   int max_span = 4;
-  // The compass; its band is replaced by that of the signatures.
-  CompassOptions compass;
-  // Standard sigma of a step's place, in its lengths, 0.01 to 10. Errors of neighbouring steps
-  // are alike, for the walls stay as near as they were: more than a single step is off by. More
-  // lets loops bend the trajectory more.
+  CompassOptions compass;  // its band is replaced by that of the signatures
   double length_sigma = 0.5;
-  // The same for the longer spans, whose lengths are those of the steps in them, 0.01 to 10.
   double span_sigma = 1.0;
-  // Steps whose headings are less certain are counted as uncertain, radians, 0.01 to 3.
   double max_sigma_rad = 0.2;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"k1", &VisualOdometryOptions::k1, Closed(1, 4096), "",
+                    "Magnitudes per row that the distance of two panoramas (eq. 2) is summed "
+                    "over, at most what the signatures have. Distances grow more slowly than the "
+                    "trajectory; with few frequencies they follow it longer, and depend more on "
+                    "how near the walls are."},
+        OptionField{"max_span", &VisualOdometryOptions::max_span, Closed(1, 64), "panoramas",
+                    "Each panorama is compared with those 1, 2, 4, ... before it up to this: "
+                    "headings over several steps don't accumulate the errors of single ones. Each "
+                    "costs one compass estimate."},
+        OptionField{"length_sigma", &VisualOdometryOptions::length_sigma, Closed(0.01, 10), "",
+                    "Standard deviation of a step's position, relative to its length. Errors of "
+                    "neighbouring steps are correlated: more than a single step is off by. Higher "
+                    "lets loops bend the trajectory more."},
+        OptionField{"span_sigma", &VisualOdometryOptions::span_sigma, Closed(0.01, 10), "",
+                    "The same for the longer spans, whose lengths are those of the steps in them."},
+        OptionField{"max_sigma_rad", &VisualOdometryOptions::max_sigma_rad, Closed(0.01, 3), "rad",
+                    "Steps whose headings are less certain are counted as uncertain."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -66,10 +66,8 @@ std::vector<PanoramaQuery> DescribeNegatives(const MapIndex& index,
 }  // namespace
 
 void AppearanceCalibrationOptions::Check() const {
-  CheckRange("max_nodes", max_nodes, 1, 100'000);
-  CheckRange("right_spacings", right_spacings, 0.1, 100);
+  CheckFields("appearance_calibration", *this);
   for (const double blank : blank_spacings) CheckRange("blank_spacings", blank, 0, 1000);
-  CheckRange("rendered_negatives", rendered_negatives, 0, 1000);
   query.Check();
   fit.Check();
 }

@@ -3,29 +3,40 @@
 
 #include <functional>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "builder/appearance/appearance_layer.h"
+#include "core/base/options.h"
 #include "localizer/appearance/appearance.h"
 
 namespace waystone {
 
+// How the verdict of panoramas is calibrated.
 struct AppearanceCalibrationOptions {
-  // Panoramas that are asked for again, spread evenly over the layer, 1 to 100,000. More tell the
-  // model better, and cost a query for each of the surroundings below.
   int max_nodes = 60;
-  // An answer within so many spacings of the truth is right, 0.1 to 100.
   double right_spacings = 2;
   // Each panorama is asked for as if its surroundings weren't in the map: without the nodes within
   // so many spacings, 0 (itself alone) to 1000. Just beyond right_spacings answers are wrong by
   // little: that is what the model has to learn to refuse.
   std::vector<double> blank_spacings = {0, 2, 3, 6};
-  // Panoramas of a made building that are asked for too, 0 to 1000: what isn't in the map. They
-  // cost about 50 ms each.
   int rendered_negatives = 12;
   PanoramaQueryOptions query;
   AppearanceFitOptions fit;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"max_nodes", &AppearanceCalibrationOptions::max_nodes, Closed(1, 100'000), "",
+                    "Panoramas that the finished layer is queried with, spread evenly over it. "
+                    "More fit the model better, and cost one query for each of blank_spacings."},
+        OptionField{"right_spacings", &AppearanceCalibrationOptions::right_spacings,
+                    Closed(0.1, 100), "node spacings",
+                    "An answer within this distance of the truth is right."},
+        OptionField{"rendered_negatives", &AppearanceCalibrationOptions::rendered_negatives,
+                    Closed(0, 1000), "",
+                    "Panoramas of a rendered building that it is queried with, too: what isn't in "
+                    "the map. They cost about 50 ms each."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -9,7 +9,6 @@
 #include <unordered_set>
 
 #include "builder/calibration/rendered_negatives.h"
-#include "core/base/error.h"
 #include "core/base/random.h"
 #include "localizer/planes/decide.h"
 #include "localizer/planes/shortlist.h"
@@ -133,12 +132,8 @@ CalibrationOptions WithOpenGates(CalibrationOptions options) {
 }  // namespace
 
 void CalibrationOptions::Check() const {
+  CheckFields("calibration", *this);
   localize.Check();
-  if (max_keyframes < 2 || rendered_negatives < 0) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "calibration: max_keyframes must be 2 or more and rendered_negatives 0 or more; "
-                   "leave them at their defaults");
-  }
 }
 
 VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<SampledKeyframe>& queries,

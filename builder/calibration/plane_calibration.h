@@ -2,24 +2,35 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "builder/planes/keyframe_sample.h"
+#include "core/base/options.h"
 #include "core/features/features.h"
 #include "localizer/localizer.h"
 #include "schema/map_data.h"
 
 namespace waystone {
 
+// How the verdict of planes is calibrated.
 struct CalibrationOptions {
-  // Keyframes that are asked for again. More tell the model better, and cost about 30 ms each.
   int max_keyframes = 40;
-  // Pictures of a made building that are asked for too, 0 or more: what isn't in the map. They cost
-  // about 100 ms each.
   int rendered_negatives = 8;
   LocalizeOptions localize;
   uint64_t seed = 1;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"max_keyframes", &CalibrationOptions::max_keyframes, AtLeast(2), "",
+                    "Keyframes that the finished map is queried with. More fit the model better "
+                    "and cost about 30 ms each."},
+        OptionField{"rendered_negatives", &CalibrationOptions::rendered_negatives, AtLeast(0), "",
+                    "Images of a rendered building that it is queried with, too: what isn't in "
+                    "the map. They cost about 100 ms each."},
+        OptionField{"seed", &CalibrationOptions::seed, AnyValue(), "",
+                    "Seed of the scrambled negatives."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <tuple>
+
+#include "core/base/options.h"
 #include "core/manhattan/manhattan_frame.h"
 #include "core/two_view/bearings.h"
 #include "core/two_view/relative_rotation.h"
@@ -9,29 +12,45 @@ namespace waystone {
 
 // How axes are followed from frame to frame.
 struct FollowOptions {
-  // Largest turn between two consecutive frames, 0.01 to 0.7. Where the features say nothing, it
-  // bounds how far the axes may have turned. rad
   double max_jump_rad = 0.2;
-  // A frame whose best rival has this share of its support at most is believed by itself, 0 to 1.
-  // Higher asks the features less often, and believes more frames of single cameras that are wrong.
   double max_clear_rival = 0.6;
-  // Frames in a row that have to agree before the axes are settled where none is clear, 1 to 100.
   int min_votes = 5;
-  // Largest angle between the axes that the lines give and those that the features' rotation
-  // predicts, 0.01 to 0.5. Higher takes the lines of a skewed room for the building's. rad
   double max_drift_rad = 0.09;
-  // The same where the lines leave a choice of frames, 0.005 to 0.5. Lower believes fewer frames of
-  // single cameras. rad
   double max_rival_drift_rad = 0.04;
-  // Standard sigma of a rotation between two frames beside what its matches tell, 1e-5 to 0.1.
-  // Higher trusts the lines more and the features less. rad
   double step_sigma_rad = 0.001;
-  // A frame is kept every so many to find the quarter turn by, should it get lost, 1 to 1000; and
-  // lost ones are compared with those every so many frames, 1 to 100. Fewer cost time.
   int anchor_frames = 20;
   int retry_frames = 5;
 
-  void Check() const;  // throws MapError(kBadOptions)
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"max_jump_rad", &FollowOptions::max_jump_rad, Closed(0.01, 0.7), "rad",
+                    "Largest turn between two consecutive frames. Where the features say nothing, "
+                    "it bounds how far the axes may have turned."},
+        OptionField{"max_clear_rival", &FollowOptions::max_clear_rival, Closed(0, 1), "",
+                    "A frame whose best rival has at most this share of its support is believed "
+                    "by itself. Higher uses the features less often, and believes more wrong "
+                    "frames of single cameras."},
+        OptionField{"min_votes", &FollowOptions::min_votes, Closed(1, 100), "frames",
+                    "Frames in a row that must agree before the axes are settled where none is "
+                    "clear."},
+        OptionField{"max_drift_rad", &FollowOptions::max_drift_rad, Closed(0.01, 0.5), "rad",
+                    "Largest angle between the axes of the lines and those that the features' "
+                    "rotation predicts. Higher takes the lines of a skewed room for the "
+                    "building's."},
+        OptionField{"max_rival_drift_rad", &FollowOptions::max_rival_drift_rad, Closed(0.005, 0.5),
+                    "rad",
+                    "The same where the lines leave a choice of frames. Lower believes fewer "
+                    "frames of single cameras."},
+        OptionField{"step_sigma_rad", &FollowOptions::step_sigma_rad, Closed(1e-5, 0.1), "rad",
+                    "Standard deviation of a rotation between two frames besides what its matches "
+                    "give. Higher trusts the lines more and the features less."},
+        OptionField{"anchor_frames", &FollowOptions::anchor_frames, Closed(1, 1000), "frames",
+                    "A frame is kept every so many to find the quarter turn by after the axes "
+                    "were lost. Fewer cost time."},
+        OptionField{"retry_frames", &FollowOptions::retry_frames, Closed(1, 100), "frames",
+                    "Lost frames are compared with those every so many frames. Fewer cost time."}};
+  }
+  void Check() const { CheckFields("follow", *this); }  // throws MapError(kBadOptions)
 };
 
 // Whether one frame can be reached in view from another (sec. II-B.2).
@@ -40,68 +59,106 @@ struct TraversabilityOptions {
   // min_inliers is the paper's 10 correspondences. What a plane leaves open is settled by how the
   // camera turned before, so that near ties alone are left to that.
   RelativeOptions relative{.max_rival = 0.98};
-  // Largest angle between the essential matrix's rotation and R1 R2^T, 0.005 to 0.5. Higher
-  // connects frames whose rotation is wrong. rad
   double max_disagreement_rad = 0.087;
-  // Median angle by which inliers move besides the rotation, from which on the direction of motion
-  // is believed, 0.0005 to 0.5. Lower gives a direction to a camera that stands still. rad
   double min_parallax_rad = 0.008;
 
-  void Check() const;
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionGroup{"matching", &TraversabilityOptions::matching},
+        OptionField{"max_disagreement_rad", &TraversabilityOptions::max_disagreement_rad,
+                    Closed(0.005, 0.5), "rad",
+                    "Largest angle between the essential matrix's rotation and R1 R2^T. Higher "
+                    "connects frames whose rotation is wrong."},
+        OptionField{"min_parallax_rad", &TraversabilityOptions::min_parallax_rad,
+                    Closed(0.0005, 0.5), "rad",
+                    "Median angle by which inliers must move besides the rotation before the "
+                    "direction of motion is believed. Lower gives a direction to a camera that "
+                    "stands still."}};
+  }
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // Turns (sec. II-B.1).
 struct TurnOptions {
-  // How far the heading has to go past half a right angle before the axis is switched, 0 to 0.5.
-  // Higher keeps a camera that looks along a diagonal from switching back and forth. rad
   double hysteresis_rad = 0.05;
-  // The test joins the frame this many before a jump with the one as many after it, 1 to 100.
   int reach = 5;
-  // A motion whose heading is within this angle of an axis follows it, 0.05 to 0.7. Higher settles
-  // earlier and takes ways across a room for ways along an axis. rad
   double settled_rad = 0.35;
-  // Motions in a row along the same axis before the trajectory counts as following it, 1 to 100.
-  // More leave out short detours and short ways between two turns.
   int settled_motions = 3;
 
-  void Check() const;
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"hysteresis_rad", &TurnOptions::hysteresis_rad, Closed(0, 0.5), "rad",
+                    "How far the heading must pass half a right angle before the axis is "
+                    "switched. Higher keeps a camera that looks along a diagonal from switching "
+                    "back and forth."},
+        OptionField{"reach", &TurnOptions::reach, Closed(1, 100), "frames",
+                    "The test joins the frame this many before a jump with the one as many after "
+                    "it."},
+        OptionField{"settled_rad", &TurnOptions::settled_rad, Closed(0.05, 0.7), "rad",
+                    "A motion whose heading is within this angle of an axis follows it. Higher "
+                    "settles earlier and takes trajectories across a room for those along an "
+                    "axis."},
+        OptionField{"settled_motions", &TurnOptions::settled_motions, Closed(1, 100), "",
+                    "Motions in a row along the same axis before the trajectory counts as "
+                    "following it. More leave out short detours and short stretches between two "
+                    "turns."}};
+  }
+  void Check() const { CheckFields("turns", *this); }  // throws MapError(kBadOptions)
 };
 
 // Corridors (sec. III-C.1).
 struct CorridorOptions {
-  // Range of the heading within a corridor, 0.05 to 1.5. Higher puts up with more sway. rad
   double heading_range_rad = 0.35;
-  // Lines along the corridor over those across it, at least, 1 to 20. Higher leaves out rooms and
-  // wide halls.
   double min_ratio = 1.33;
-  // Shortest corridor, 1 to 100,000. frames
   int min_frames = 30;
-  // Frames in a row that may have no rotation, 0 to 1000.
   int max_gap_frames = 10;
 
-  void Check() const;
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"heading_range_rad", &CorridorOptions::heading_range_rad, Closed(0.05, 1.5),
+                    "rad", "Range of the heading within a corridor. Higher tolerates more sway."},
+        OptionField{"min_ratio", &CorridorOptions::min_ratio, Closed(1, 20), "",
+                    "Least ratio of the lines along the corridor to those across it. Higher "
+                    "leaves out rooms and wide halls."},
+        OptionField{"min_frames", &CorridorOptions::min_frames, Closed(1, 100'000), "frames",
+                    "Shortest corridor."},
+        OptionField{"max_gap_frames", &CorridorOptions::max_gap_frames, Closed(0, 1000), "frames",
+                    "Frames in a row that may have no rotation."}};
+  }
+  void Check() const { CheckFields("corridors", *this); }  // throws MapError(kBadOptions)
 };
 
 // Loop closures (sec. III-C.2): stricter than traversability, because places far apart may look
 // alike.
 struct OrientationLoopOptions {
-  // Nodes of one sequence this close are neighbours anyway, 1 to 1,000,000. frames
   int min_gap_frames = 60;
-  // Features of a node, the strongest ones, by which earlier nodes are ranked, 10 to 10,000.
   int sample = 600;
-  // Best ranked earlier nodes that are verified, 1 to 1000. More find weaker loops and cost time in
-  // proportion.
   int candidates = 4;
-  // Verified correspondences, 5 to 10,000 (the paper's loop had 46).
   int min_matches = 40;
-  // Chance that so many fit by accident, as a power of ten, -300 to 0.
   double max_log10_chance = -20;
-  // Largest difference of the two orientations, 0.05 to 3.2. rad
   double max_turn_rad = 0.5;
-  // Largest angle between the essential matrix's rotation and R1 R2^T, 0.005 to 0.5. rad
   double max_disagreement_rad = 0.035;
 
-  void Check() const;
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"min_gap_frames", &OrientationLoopOptions::min_gap_frames, Closed(1, 1'000'000),
+                    "frames", "Nodes of one sequence this close are neighbours anyway."},
+        OptionField{"sample", &OrientationLoopOptions::sample, Closed(10, 10'000), "",
+                    "Features of a node, the strongest ones, by which earlier nodes are ranked."},
+        OptionField{"candidates", &OrientationLoopOptions::candidates, Closed(1, 1000), "",
+                    "Best ranked earlier nodes that are verified. More find weaker loops and cost "
+                    "time in proportion."},
+        OptionField{"min_matches", &OrientationLoopOptions::min_matches, Closed(5, 10'000), "",
+                    "Verified correspondences (the paper's loop had 46)."},
+        OptionField{"max_log10_chance", &OrientationLoopOptions::max_log10_chance, Closed(-300, 0),
+                    "", "Probability that so many fit by chance, as a power of ten."},
+        OptionField{"max_turn_rad", &OrientationLoopOptions::max_turn_rad, Closed(0.05, 3.2), "rad",
+                    "Largest difference of the two orientations."},
+        OptionField{"max_disagreement_rad", &OrientationLoopOptions::max_disagreement_rad,
+                    Closed(0.005, 0.5), "rad",
+                    "Largest angle between the essential matrix's rotation and R1 R2^T."}};
+  }
+  void Check() const { CheckFields("loops", *this); }  // throws MapError(kBadOptions)
 };
 
 // Everything the layer is made with.
@@ -112,18 +169,29 @@ struct OrientationOptions {
   BearingFeatureOptions bearings;
   FollowOptions follow;
   TraversabilityOptions traversability;
-  // The paper's n: frames from one test of traversability to the next, 1 to 1000. More cost less
-  // time and place nodes less precisely.
   int step = 10;
-  // The direction of motion is measured over this many frames, 1 to 100. More frames measure slow
-  // motion better and cut corners.
   int motion_frames = 5;
   TurnOptions turns;
   CorridorOptions corridors;
   OrientationLoopOptions loops;
-  // Width of the picture kept of each node, 0 (none) to 4096. px
   int image_width = 320;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionGroup{"follow", &OrientationOptions::follow},
+        OptionGroup{"traversability", &OrientationOptions::traversability},
+        OptionField{"step", &OrientationOptions::step, Closed(1, 1000), "frames",
+                    "The paper's n: frames from one test of traversability to the next. More cost "
+                    "less time and place nodes less precisely."},
+        OptionField{"motion_frames", &OrientationOptions::motion_frames, Closed(1, 100), "frames",
+                    "The direction of motion is measured over this many frames. More measure slow "
+                    "motion better and cut corners."},
+        OptionGroup{"turns", &OrientationOptions::turns},
+        OptionGroup{"corridors", &OrientationOptions::corridors},
+        OptionGroup{"loops", &OrientationOptions::loops},
+        OptionField{"image_width", &OrientationOptions::image_width, Closed(0, 4096), "px",
+                    "Width of the thumbnail kept of each node; 0 keeps none."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -12,7 +12,6 @@
 #include <set>
 
 #include "builder/planes/plane_features.h"
-#include "core/base/error.h"
 
 namespace waystone {
 namespace {
@@ -186,15 +185,8 @@ std::optional<FusionMatch> MatchPacked(const Plane& m, const PackedRows& packed_
 }  // namespace
 
 void FusionOptions::Check() const {
-  const bool good = min_votes >= 1 && votes_per_feature >= 1 && max_voters >= 1 &&
-                    min_inliers >= 5 && min_support >= 0 && min_support <= 1 && min_overlap >= 0 &&
-                    min_overlap <= 1 && min_within_reach >= 0 && min_within_reach <= 1 &&
-                    neighbours >= 2 && max_vote_distance > 0 && max_vote_distance <= 1 &&
-                    max_vote_ratio > 0 && max_vote_ratio <= 1 && probes >= 1 && max_moved_px > 0;
+  CheckFields("fusion", *this);
   index.Check();
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions, "fusion: option out of range; use the defaults");
-  }
 }
 
 std::optional<FusionMatch> MatchPlanes(const Plane& m, const Plane& n, FeatureType type,

@@ -8,13 +8,12 @@
 namespace waystone {
 
 void KeyframeOptions::Check() const {
-  const bool good = min_matches_stretch >= 4 && min_matches_before_last >= min_matches_stretch &&
-                    min_matches_last >= min_matches_before_last && lookahead >= 0 && max_gap >= 1;
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "keyframes: min_matches_last >= min_matches_before_last >= "
-                   "min_matches_stretch >= 4 must hold; leave them at their defaults");
-  }
+  CheckFields("keyframes", *this);
+  if (min_matches_before_last >= min_matches_stretch && min_matches_last >= min_matches_before_last)
+    return;
+  throw MapError(ErrorCode::kBadOptions,
+                 "keyframes.min_matches_last must be at least keyframes.min_matches_before_last, "
+                 "and that at least keyframes.min_matches_stretch");
 }
 
 KeyframeSelector::KeyframeSelector(const KeyframeOptions& options, const MatchOptions& match)

@@ -3,9 +3,11 @@
 
 #include <deque>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "builder/sources/source.h"
+#include "core/base/options.h"
 #include "core/features/features.h"
 #include "core/features/match.h"
 
@@ -14,16 +16,28 @@ namespace waystone {
 // The paper's three conditions for key frames (sec. IV, after Royer et al.): as many frames as
 // possible between two of them, at least M matches with the last one and N with the one before.
 struct KeyframeOptions {
-  int min_matches_last = 300;         // M. Higher: more keyframes, closer together
-  int min_matches_before_last = 150;  // N
-  // Frames looked at beyond the first one that breaks the conditions, so that one blurred frame
-  // doesn't end the search.
+  int min_matches_last = 300;
+  int min_matches_before_last = 150;
   int lookahead = 3;
-  // Frames from one keyframe to the next at the most; bounds what a standing camera costs.
   int max_gap = 60;
-  // Fewer matches than this with the last keyframe: the sequence is broken, a new stretch starts.
   int min_matches_stretch = 30;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"min_matches_last", &KeyframeOptions::min_matches_last, AtLeast(4), "",
+                    "M: matches with the last keyframe. Higher: more keyframes, closer together."},
+        OptionField{"min_matches_before_last", &KeyframeOptions::min_matches_before_last,
+                    AtLeast(4), "", "N: matches with the keyframe before the last, at most M."},
+        OptionField{"lookahead", &KeyframeOptions::lookahead, AtLeast(0), "frames",
+                    "Frames tried beyond the first one that breaks the conditions, so that one "
+                    "blurred frame doesn't end the search."},
+        OptionField{"max_gap", &KeyframeOptions::max_gap, AtLeast(1), "frames",
+                    "Most frames from one keyframe to the next; bounds the cost of a camera that "
+                    "stands still."},
+        OptionField{"min_matches_stretch", &KeyframeOptions::min_matches_stretch, AtLeast(4), "",
+                    "With fewer matches with the last keyframe the sequence is broken and a new "
+                    "stretch starts; at most N."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

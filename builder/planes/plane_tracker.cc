@@ -27,18 +27,14 @@ std::vector<int> AllRows(int count) {
 }  // namespace
 
 void PlaneLayerOptions::Check() const {
-  match.Check();
+  CheckFields("planes", *this);
   segmentation.Check();
   rotation.Check();
   fusion.Check();
-  const bool good = min_tracked >= 5 && reacquire_px > 0 && reacquire_distance > 0 &&
-                    reacquire_distance <= 1 && max_extrapolation >= 0 && min_anchored >= 0 &&
-                    min_anchored <= 1 && min_vote_share >= 0 && min_vote_share <= 1 &&
-                    plenty_of_features >= min_features && votes_in_plenty >= 0 &&
-                    min_features >= 4 && min_features_unconfirmed >= min_features;
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions, "planes: option out of range; use the defaults");
-  }
+  if (plenty_of_features >= min_features && min_features_unconfirmed >= min_features) return;
+  throw MapError(ErrorCode::kBadOptions,
+                 "planes.plenty_of_features and planes.min_features_unconfirmed must be at least "
+                 "planes.min_features");
 }
 
 PlaneTracker::PlaneTracker(const PlaneLayerOptions& options) : options_(options) {

@@ -117,12 +117,9 @@ bool IsRotation(const MatchedPoints& points, const std::vector<Matrix3d>& calibr
 }  // namespace
 
 void RotationOptions::Check() const {
-  const bool good = min_share > 0 && min_share <= 1 && max_excess >= 1 && min_focal > 0 &&
-                    max_focal > min_focal && focal_steps >= 2 && max_angle_rad > 0 &&
-                    max_angle_rad < std::numbers::pi / 2;
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions, "rotation: option out of range; use the defaults");
-  }
+  CheckFields("rotation", *this);
+  if (max_focal > min_focal) return;
+  throw MapError(ErrorCode::kBadOptions, "rotation.max_focal must be above rotation.min_focal");
 }
 
 bool RotatesOnly(const MatchedPoints& points, int width, int height,

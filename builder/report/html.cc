@@ -111,11 +111,12 @@ std::string CountsTable(const AppearanceReport& report) {
 }
 
 std::string SecondsTable(const AppearanceReport& report) {
-  return "<table><tr><th>Stage<th>Seconds\n" + Row("decode", Fixed(report.decode_s, 2)) +
+  return "<table><tr><th>Stage<th>Seconds\n" + Row("decoding", Fixed(report.decode_s, 2)) +
          Row("signatures and features", Fixed(report.observe_s, 2)) +
-         Row("odometry", Fixed(report.odometry_s, 2)) + Row("loops", Fixed(report.loops_s, 2)) +
-         Row("poses", Fixed(report.graph_s, 2)) + Row("calibration", Fixed(report.calibrate_s, 2)) +
-         "</table>\n";
+         Row("odometry", Fixed(report.odometry_s, 2)) +
+         Row("loop closure", Fixed(report.loops_s, 2)) +
+         Row("pose graph", Fixed(report.graph_s, 2)) +
+         Row("calibration", Fixed(report.calibrate_s, 2)) + "</table>\n";
 }
 
 std::string CountsTable(const MapData& map, const PlaneReport& report) {
@@ -134,8 +135,8 @@ std::string CountsTable(const MapData& map, const PlaneReport& report) {
 }
 
 std::string SecondsTable(const PlaneReport& report, double total_s) {
-  return "<table><tr><th>Stage<th>Seconds\n" + Row("decode", Fixed(report.decode_s, 2)) +
-         Row("features", Fixed(report.observe_s, 2)) + Row("track", Fixed(report.add_s, 2)) +
+  return "<table><tr><th>Stage<th>Seconds\n" + Row("decoding", Fixed(report.decode_s, 2)) +
+         Row("features", Fixed(report.observe_s, 2)) + Row("tracking", Fixed(report.add_s, 2)) +
          Row("fusion", Fixed(report.fusion_s, 2)) +
          Row("calibration", Fixed(report.calibrate_s, 2)) +
          Row("wall-clock time", Fixed(total_s, 2)) + "</table>\n";
@@ -203,7 +204,7 @@ std::string TablesSection(const MapData& map, const BuildReport& report,
   if (HasPlanes(map)) {
     const PlaneReport planes = report.planes.value_or(PlaneReport{});
     add("Counts", CountsTable(map, planes));
-    add("Seconds", SecondsTable(planes, report.total_s));
+    add("Time (s)", SecondsTable(planes, report.total_s));
   }
   if (report.appearance) {
     add("Panoramas", CountsTable(*report.appearance));
