@@ -165,7 +165,7 @@ TEST_F(CheckMapTest, RowsGoneOrAdded) {
               "has no row in contents");
   ExpectFound("DELETE FROM plane_views", "planes ", "no view of its reference");
   ExpectFound("INSERT INTO keyframes VALUES (999, 999, 0, 0, '', NULL, 1, 1)", "keyframes 999",
-              "no sequence 999");
+              "no such sequence: 999");
   ExpectFound("DELETE FROM keyframes", "keyframes", "0 rows");
   ExpectFound("DELETE FROM keyframes", "plane_views", "does not exist");
 }

@@ -166,7 +166,7 @@ TEST_F(CameraFileTest, ColmapsErrorsNameTheLine) {
   ExpectRefusal("1 PINHOLE 640 480 515 516 320 240\n2 PINHOLE 640 480 515 516 320 240\n",
                 {"line 2", "2 cameras"});
   ExpectRefusal("# one\n1 FOV 640 480 515 516 320 240 0.9\n", {"line 2", "FOV"});
-  ExpectRefusal("1 PINHOLE 640 480 515 516 320\n", {"line 1", "takes 4", "not 3"});
+  ExpectRefusal("1 PINHOLE 640 480 515 516 320\n", {"line 1", "has 4 parameters", "not 3"});
   ExpectRefusal("1 PINHOLE 640 480 515 516 320 y\n", {"line 1", "'y'"});
   ExpectRefusal("1 PINHOLE wide 480 515 516 320 240\n", {"line 1", "width"});
 }
@@ -193,7 +193,7 @@ TEST_F(CameraFileTest, MatricesThatAreWrong) {
   ExpectRefusal("image_width: 64\nimage_height: 48\ncamera_matrix: [50, 1, 3, 0, 5, 6, 0, 0, 1]\n",
                 {"skew"});
   ExpectRefusal("image_width: 64\nimage_height: 48\ncamera_matrix: [50, x, 3, 0, 5, 6, 0, 0, 1]\n",
-                {"place 2"});
+                {"position 2"});
 }
 
 }  // namespace

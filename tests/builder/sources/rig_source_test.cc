@@ -84,7 +84,7 @@ TEST_F(RigSourceTest, OwnFilesThatAreWrong) {
               {"rig.yaml", "rig_from_camera_xyzw is missing"});
   ExpectError(read(OwnRig("    rig_from_camera_xyzw: [0, 0, 0, 2]\n")), ErrorCode::kBadCamera,
               {"length 2", "unit quaternion"});
-  ExpectError(read(OwnRig(kSidePose, "ahead")), ErrorCode::kBadCamera, {"'ahead' is there twice"});
+  ExpectError(read(OwnRig(kSidePose, "ahead")), ErrorCode::kBadCamera, {"'ahead' is duplicated"});
   ExpectError(read("cameras: 5\n"), ErrorCode::kBadCamera, {"cameras must be a list"});
   ExpectError(read("cameras: []\n"), ErrorCode::kBadCamera, {"a rig of 0 cameras"});
   ExpectError(read("cameras: [7]\n"), ErrorCode::kBadCamera, {"rig.yaml"});
@@ -156,7 +156,7 @@ TEST_F(RigSourceTest, FoldersOfDifferentLengths) {
   Write("rig.yaml", OwnRig(kSidePose));
   for (int i = 0; i < 3; ++i) WriteImage("ahead/" + std::to_string(i) + ".png");
   WriteImage("side/0.png");
-  ExpectRefusal(ErrorCode::kBadSource, {"'side' has 1 images", "'ahead' has 3", "time stamps"});
+  ExpectRefusal(ErrorCode::kBadSource, {"'side' has 1 images", "'ahead' has 3", "time stamp"});
 }
 
 TEST_F(RigSourceTest, ACameraWithoutImages) {
@@ -178,7 +178,7 @@ TEST_F(RigSourceTest, TimeStampsPairWhatBelongsTogether) {
   EXPECT_NEAR(*sequence.moments[1].time_s, 1700000000.2, 1e-6);
   EXPECT_EQ(ReadMoment(sequence, sequence.moments[1])[1].at<uchar>(0, 0), 13);
   ExpectError([&] { Open({.rig_file = {}, .max_time_gap_s = 0.001}); }, ErrorCode::kBadSource,
-              {"within 0.001", "check the time stamps"});
+              {"within 0.001", "check the time stamp"});
 }
 
 TEST_F(RigSourceTest, NumberedFoldersOfFacesNeedNoFile) {

@@ -195,7 +195,7 @@ TEST(CheckCameraTest, RefusesWithTheNumberAtFault) {
   EXPECT_NE(RefusalOf(bad).find("640x2000000"), std::string::npos);
   bad = good;
   bad.params.pop_back();
-  EXPECT_NE(RefusalOf(bad).find("takes 4 parameters, not 3"), std::string::npos);
+  EXPECT_NE(RefusalOf(bad).find("has 4 parameters, not 3"), std::string::npos);
   bad = good;
   bad.params[1] = -5;
   EXPECT_NE(RefusalOf(bad).find("parameter 2"), std::string::npos);
