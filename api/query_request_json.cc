@@ -3,8 +3,8 @@
 
 #include <numbers>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 
 namespace waystone {
 

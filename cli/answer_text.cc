@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/base/angle.h"
+#include "core/geometry/angle.h"
 
 namespace waystone {
 namespace {

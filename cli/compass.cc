@@ -6,8 +6,8 @@
 #include "api/json.h"
 #include "cli/commands.h"
 #include "cli/panorama_file.h"
-#include "core/base/angle.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 #include "core/panorama/visual_compass.h"
 
 namespace waystone {

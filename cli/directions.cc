@@ -12,8 +12,8 @@
 #include "builder/sources/rig_source.h"
 #include "cli/commands.h"
 #include "cli/directions_picture.h"
-#include "core/base/angle.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"
 #include "core/manhattan/manhattan_frame.h"
@@ -91,8 +91,8 @@ struct Looked {
 Looked LookAt(const RigSequence& sequence, const RigMoment& moment, const SegmentOptions& options) {
   Looked looked{.images = ReadMoment(sequence, moment), .lines = {}, .frame = {}};
   for (size_t c = 0; c < looked.images.size(); ++c) {
-    const auto found = GreatCirclesOf(sequence.rig, static_cast<int>(c),
-                                      DetectSegments(looked.images[c], options));
+    const auto found = FindGreatCircles(sequence.rig, static_cast<int>(c),
+                                        DetectSegments(looked.images[c], options));
     looked.lines.insert(looked.lines.end(), found.begin(), found.end());
   }
   looked.frame = FindManhattanFrame(looked.lines);

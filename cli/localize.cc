@@ -11,8 +11,8 @@
 #include "cli/asked_server.h"
 #include "cli/commands.h"
 #include "cli/map_file.h"
-#include "core/base/angle.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 #include "core/image/decode.h"
 #include "localizer/session.h"
 

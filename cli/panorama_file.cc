@@ -2,9 +2,9 @@
 #include "cli/panorama_file.h"
 
 #include "cli/map_file.h"
-#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/camera/cube_faces.h"
+#include "core/geometry/angle.h"
 #include "core/image/decode.h"
 
 namespace waystone {

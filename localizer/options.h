@@ -34,6 +34,8 @@ struct LocalizeOptions {
   // from then on. An answer depends on the machine's speed with it, and not without.
   Deadline deadline;
 
+  // Limits of decoding, and what is known of one query: a map doesn't depend on them.
+  static constexpr int kUnlistedMembers = 5;
   static constexpr auto Fields() {
     return std::tuple{OptionGroup{"planes", &LocalizeOptions::planes},
                       OptionGroup{"panorama", &LocalizeOptions::panorama},

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "core/base/pose2.h"
 #include "core/camera/camera.h"
+#include "core/geometry/pose2.h"
 #include "schema/map_data.h"
 
 // What is asked of the localizer, without files, JSON or HTTP.

@@ -111,6 +111,15 @@ Series::Series(QueriedMap map, LocalizeOptions options, FilterState previous)
 }
 
 Answer Series::Ask(const QueryImage& image, const std::optional<Pose2>& odometry) {
+  if (LooksLikePhoto(image)) {
+    Answer refused = RefuseImage(
+        MapError(ErrorCode::kBadImage,
+                 "not a panorama, which is twice as wide as high; a series takes panoramas only"));
+    refused.map_version = map_.index->map().info.version;
+    refused.image = image.name;
+    refused.map = map_.name;
+    return refused;
+  }
   LocalizeOptions options = options_;
   options.series = SeriesContext{belief_, odometry};
   Answer answer = AskIndices({map_.index.get()}, image, options).front();

@@ -87,9 +87,8 @@ std::vector<Eigen::Vector2i> FindStops(const std::vector<std::string>& lines, si
 }  // namespace
 
 void PlanOptions::Check() const {
-  CheckRange("cell_m", cell_m, 0.1, 5.0);
-  CheckRange("wall_height_m", wall_height_m, 1.0, 20.0);
-  CheckRange("door_height_m", door_height_m, 0.5, wall_height_m);
+  CheckFields("plan", *this);
+  CheckRange("plan.door_height_m", door_height_m, 0.5, wall_height_m);
 }
 
 bool FloorPlan::IsOpen(int column, int row) const {

@@ -5,20 +5,30 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
+
+#include "core/base/options.h"
 
 namespace waystone {
 
 // The sizes that turn the characters of a plan into metres.
 struct PlanOptions {
-  // Side of a cell, metres, 0.1 to 5. Smaller cells give thinner walls and larger plans to type.
   double cell_m = 0.5;
-  // Floor to ceiling, metres, 1 to 20. Higher rooms show less ceiling and more wall.
   double wall_height_m = 2.6;
-  // Floor to the underside of a door's lintel, metres, 0.5 to wall_height_m (which means no
-  // lintel). A lower one hides more of the next room.
   double door_height_m = 2.05;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"cell_m", &PlanOptions::cell_m, Closed(0.1, 5), "m",
+                    "Side of a cell. Smaller cells give thinner walls and larger plans to type."},
+        OptionField{"wall_height_m", &PlanOptions::wall_height_m, Closed(1, 20), "m",
+                    "Floor to ceiling. Higher rooms show less ceiling and more wall."},
+        OptionField{
+            "door_height_m", &PlanOptions::door_height_m, AtLeast(0.5), "m",
+            "Floor to the underside of a door's lintel, at most wall_height_m, which means no "
+            "lintel. A lower one hides more of the next room."}};
+  }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;
 };

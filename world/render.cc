@@ -6,7 +6,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/check.h"
-#include "core/base/option_range.h"
 #include "world/texture.h"
 
 namespace waystone {
@@ -64,13 +63,7 @@ Eigen::Isometry3d PartOfMotion(const Eigen::Isometry3d& motion, double share) {
   return part;
 }
 
-void RenderOptions::Check() const {
-  CheckRange("lens_blur_px", lens_blur_px, 0.0, 20.0);
-  CheckRange("noise_sigma", noise_sigma, 0.0, 100.0);
-  CheckRange("exposure_gain", exposure_gain, 0.05, 20.0);
-  CheckRange("motion_samples", motion_samples, 1, 64);
-  CheckRange("edge_rays", edge_rays, 1, 8);
-}
+void RenderOptions::Check() const { CheckFields("render", *this); }
 
 // One sharp picture from one pose.
 class Renderer::Pass {

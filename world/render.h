@@ -5,8 +5,10 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/camera/camera.h"
 #include "world/world.h"
 
@@ -14,25 +16,37 @@ namespace waystone {
 
 // What a real camera adds to the picture. The truth (ids, depth) stays sharp.
 struct RenderOptions {
-  // Standard sigma of the lens's blur, pixels, 0 to 20; 0 is a perfect lens.
   double lens_blur_px = 0.0;
-  // Standard sigma of the sensor's noise, grey levels, 0 to 100; every pixel draws its own.
   double noise_sigma = 0.0;
-  // Seed of the noise; give every frame another one.
   uint64_t noise_seed = 0;
-  // Factor on the light, 0.05 to 20; what gets too bright is cut at 255.
   double exposure_gain = 1.0;
   // How the camera moves while the shutter is open: x_open = motion x_close, camera frame. The pose
   // that is asked for is the one in the middle.
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  // Pictures averaged over the motion, 1 to 64; they cost as much as frames. 1 is no motion blur.
   int motion_samples = 1;
-  // Rays along each side of a pixel where two surfaces meet, 1 to 8; 1 leaves jagged edges, 2 costs
-  // a few percent.
   int edge_rays = 2;
   // Whether to give the depth too.
   bool depth = false;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"lens_blur_px", &RenderOptions::lens_blur_px, Closed(0, 20), "px",
+                    "Standard deviation of the lens's blur; 0 is a perfect lens."},
+        OptionField{"noise_sigma", &RenderOptions::noise_sigma, Closed(0, 100), "grey levels",
+                    "Standard deviation of the sensor's noise; every pixel draws its own."},
+        OptionField{"noise_seed", &RenderOptions::noise_seed, AnyValue(), "",
+                    "Seed of the noise; give every frame another one."},
+        OptionField{"exposure_gain", &RenderOptions::exposure_gain, Closed(0.05, 20), "",
+                    "Factor on the light; what gets too bright is cut at 255."},
+        OptionField{
+            "motion_samples", &RenderOptions::motion_samples, Closed(1, 64), "",
+            "Pictures averaged over the motion; they cost as much as frames. 1 is no motion "
+            "blur."},
+        OptionField{
+            "edge_rays", &RenderOptions::edge_rays, Closed(1, 8), "",
+            "Rays along each side of a pixel where two surfaces meet; 1 leaves jagged edges, 2 "
+            "costs a few percent."}};
+  }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;
 };

@@ -7,7 +7,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "core/base/random.h"
 
 namespace waystone {
@@ -120,11 +119,7 @@ Setting SettingByName(std::string_view name) {
                  "unknown setting \"" + std::string(name) + "\"; choose office or laboratory");
 }
 
-void OdometryOptions::Check() const {
-  CheckRange("distance_noise", distance_noise, 0.0, 0.5);
-  CheckRange("turn_noise", turn_noise, 0.0, 1.0);
-  CheckRange("turn_bias", turn_bias, -1.0, 1.0);
-}
+void OdometryOptions::Check() const { CheckFields("odometry", *this); }
 
 std::vector<Pose2> GroundPoses(const Walk& walk) {
   std::vector<Pose2> poses;

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
-#include "core/base/pose2.h"
+#include "core/base/options.h"
+#include "core/geometry/pose2.h"
 #include "world/floor_plan.h"
 #include "world/walk.h"
 #include "world/world.h"
@@ -36,15 +38,22 @@ Setting LaboratorySetting();
 Setting SettingByName(std::string_view name);
 
 struct OdometryOptions {
-  // Standard sigma of a wheel's slip: relative, per step, 0 to 0.5.
   double distance_noise = 0.05;
-  // Standard sigma of the error of the heading, rad per square root of a metre, 0 to 1.
   double turn_noise = 0.05;
-  // Constant error of the heading, as by wheels of unequal size: rad/m, -1 to 1.
   double turn_bias = 0.05;
-  // All noise follows from it.
   uint64_t seed = 1;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"distance_noise", &OdometryOptions::distance_noise, Closed(0, 0.5), "",
+                    "Standard deviation of a wheel's slip, as a share of each step."},
+        OptionField{
+            "turn_noise", &OdometryOptions::turn_noise, Closed(0, 1), "",
+            "Standard deviation of the error of the heading, rad per square root of a metre."},
+        OptionField{"turn_bias", &OdometryOptions::turn_bias, Closed(-1, 1), "rad/m",
+                    "Constant error of the heading, as by wheels of unequal size."},
+        OptionField{"seed", &OdometryOptions::seed, AnyValue(), "", "All noise follows from it."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

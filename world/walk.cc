@@ -6,10 +6,10 @@
 #include <cmath>
 #include <string>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
 #include "core/base/random.h"
+#include "core/geometry/angle.h"
 #include "world/path.h"
 
 namespace waystone {
@@ -187,17 +187,8 @@ void CheckHeight(const FloorPlan& plan, const WalkOptions& options) {
 }  // namespace
 
 void WalkOptions::Check() const {
-  CheckRange("height_m", height_m, 0.1 + 0.02 * sway, 20.0);
-  CheckRange("step_m", step_m, 0.001, 1.0);
-  CheckRange("turn_rad", turn_rad, 0.001, 1.0);
-  CheckRange("frame_rate", frame_rate, 1.0, 1000.0);
-  CheckRange("gaze_rad", gaze_rad, 0.0, 1.5);
-  CheckRange("gaze_period_m", gaze_period_m, 0.5, 100.0);
-  CheckRange("gaze_offset_rad", gaze_offset_rad, -3.2, 3.2);
-  CheckRange("sway", sway, 0.0, 5.0);
-  CheckRange("turn_on_spot_rad", turn_on_spot_rad, -6.3, 6.3);
-  CheckRange("rounding_m", rounding_m, 0.05, 2.0);
-  CheckRange("clearance_m", clearance_m, 0.0, 2.0);
+  CheckFields("walk", *this);
+  CheckRange("walk.height_m", height_m, 0.1 + 0.02 * sway, 20.0);
 }
 
 Eigen::Isometry3d WorldFromCamera(const Eigen::Vector3d& centre, double yaw_rad, double pitch_rad,

@@ -4,8 +4,10 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "world/floor_plan.h"
 
 namespace waystone {
@@ -26,36 +28,54 @@ struct Walk {
 };
 
 struct WalkOptions {
-  // Height of the camera above the floor, metres, 0.1 to 20 and below the lintels.
   double height_m = 1.5;
-  // Largest step from a frame to the next, metres, 0.001 to 1. Longer steps mean fewer frames with
-  // less overlap.
   double step_m = 0.05;
-  // Largest turn from a frame to the next, radians, 0.001 to 1: in bends the camera slows down.
   double turn_rad = 0.05;
-  // Frames a second, 1 to 1000: the time stamps.
   double frame_rate = 15.0;
-  // The gaze swings by this angle to the left and right of the trajectory, radians, 0 to 1.5, so
-  // that walls are passed at an oblique angle; 0 looks straight ahead.
   double gaze_rad = 0.8;
-  // Length of trajectory for a swing to the left, the right and back, metres, 0.5 to 100.
   double gaze_period_m = 7.0;
-  // Constant angle between way and gaze, radians, -3.2 to 3.2; pi / 2 looks to the left all the
-  // way.
   double gaze_offset_rad = 0.0;
-  // How unsteady the hand is: factor on the sway of height (2 cm), pitch (2 degrees) and roll
-  // (1 degree), 0 to 5; 0 is a rail.
   double sway = 1.0;
-  // Half way the camera stops and turns on the spot by this angle and back, radians, -6.3 to 6.3: a
-  // stretch without parallax. 0 is none.
   double turn_on_spot_rad = 0.0;
-  // Corners of the trajectory are rounded off over this length, metres, 0.05 to 2.
   double rounding_m = 0.4;
-  // Distance kept from walls where the trajectory allows it, metres, 0 to 2.
   double clearance_m = 0.35;
-  // Phases of the sway.
   uint64_t seed = 1;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"height_m", &WalkOptions::height_m, Closed(0.1, 20), "m",
+                    "Height of the camera above the floor, below the lintels."},
+        OptionField{
+            "step_m", &WalkOptions::step_m, Closed(0.001, 1), "m",
+            "Largest step from a frame to the next. Longer steps mean fewer frames with less "
+            "overlap."},
+        OptionField{"turn_rad", &WalkOptions::turn_rad, Closed(0.001, 1), "rad",
+                    "Largest turn from a frame to the next: in bends the camera slows down."},
+        OptionField{"frame_rate", &WalkOptions::frame_rate, Closed(1, 1000), "1/s",
+                    "Frames a second: the time stamps."},
+        OptionField{
+            "gaze_rad", &WalkOptions::gaze_rad, Closed(0, 1.5), "rad",
+            "The gaze swings by this angle to the left and right of the trajectory, so that "
+            "walls are passed at an oblique angle; 0 looks straight ahead."},
+        OptionField{"gaze_period_m", &WalkOptions::gaze_period_m, Closed(0.5, 100), "m",
+                    "Length of trajectory for a swing to the left, the right and back."},
+        OptionField{
+            "gaze_offset_rad", &WalkOptions::gaze_offset_rad, Closed(-3.2, 3.2), "rad",
+            "Constant angle between trajectory and gaze; pi / 2 looks to the left all the time."},
+        OptionField{
+            "sway", &WalkOptions::sway, Closed(0, 5), "",
+            "How unsteady the hand is: factor on the sway of height (2 cm), pitch (2 degrees) "
+            "and roll (1 degree); 0 is a rail."},
+        OptionField{
+            "turn_on_spot_rad", &WalkOptions::turn_on_spot_rad, Closed(-6.3, 6.3), "rad",
+            "Half way the camera stops and turns on the spot by this angle and back: a stretch "
+            "without parallax. 0 is none."},
+        OptionField{"rounding_m", &WalkOptions::rounding_m, Closed(0.05, 2), "m",
+                    "Corners of the trajectory are rounded off over this length."},
+        OptionField{"clearance_m", &WalkOptions::clearance_m, Closed(0, 2), "m",
+                    "Distance kept from walls where the trajectory allows it."},
+        OptionField{"seed", &WalkOptions::seed, AnyValue(), "", "Phases of the sway."}};
+  }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;
 };

@@ -11,7 +11,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "core/base/random.h"
 #include "world/posters.h"
 #include "world/texture.h"
@@ -116,15 +115,7 @@ struct World::Textures {
   std::vector<std::optional<MipMap>> of_face;
 };
 
-void WorldOptions::Check() const {
-  CheckRange("texel_m", texel_m, 0.001, 0.1);
-  CheckRange("texture_richness", texture_richness, 0.0, 2.0);
-  CheckRange("bare_walls", bare_walls, 0.0, 1.0);
-  CheckRange("poster_probability", poster_probability, 0.0, 1.0);
-  CheckRange("repeat_poster", repeat_poster, 0.0, 1.0);
-  CheckRange("poster_width_m", poster_width_m, 0.1, 5.0);
-  CheckRange("poster_height_m", poster_height_m, 0.1, 5.0);
-}
+void WorldOptions::Check() const { CheckFields("world", *this); }
 
 World::World(const FloorPlan& plan, const WorldOptions& options) : plan_(plan), options_(options) {
   options_.Check();

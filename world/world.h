@@ -4,37 +4,56 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "world/faces.h"
 #include "world/floor_plan.h"
 
 namespace waystone {
 
 struct WorldOptions {
-  // Everything random follows from it.
   uint64_t seed = 1;
-  // Side of a texel, metres, 0.001 to 0.1. Finer texels are sharper up close and cost memory with
-  // their square; a picture of 640 px and 60 degrees shows 4 mm a pixel at 2.2 m.
   double texel_m = 0.004;
-  // Density of the shapes on walls, floor, ceiling and posters, 0 to 2. More of them give more
-  // corners; fewer give an emptier, more difficult building.
   double texture_richness = 1.0;
-  // Share of the walls that are bare (plain paint with hardly a corner), 0 to 1.
   double bare_walls = 0.0;
-  // Whether surfaces have trim: skirting board, rail, cornice and door frames on walls, panels on
-  // the ceiling, tiles on the floor. Without it hardly a line runs along the building's axes but
-  // for the edges between surfaces, which is unlike most buildings.
   bool trim = false;
-  // Chance that a stretch of wall of full height gets a poster besides those of the plan, 0 to 1.
   double poster_probability = 0.4;
-  // Share of these posters that show one and the same picture, 0 to 1. More of them make places
-  // that look alike.
   double repeat_poster = 0.0;
-  // Width and height of a poster, metres, 0.1 to 5.
   double poster_width_m = 0.8;
   double poster_height_m = 1.1;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"seed", &WorldOptions::seed, AnyValue(), "",
+                    "Everything random follows from it."},
+        OptionField{"texel_m", &WorldOptions::texel_m, Closed(0.001, 0.1), "m",
+                    "Side of a texel. Finer texels are sharper up close and cost memory with their "
+                    "square; a picture of 640 px and 60 degrees shows 4 mm a pixel at 2.2 m."},
+        OptionField{"texture_richness", &WorldOptions::texture_richness, Closed(0, 2), "",
+                    "Density of the shapes on walls, floor, ceiling and posters. More of them give "
+                    "more corners; fewer give an emptier, more difficult building."},
+        OptionField{"bare_walls", &WorldOptions::bare_walls, Closed(0, 1), "",
+                    "Share of the walls that are bare (plain paint with hardly a corner)."},
+        OptionField{
+            "trim", &WorldOptions::trim, AnyValue(), "",
+            "Whether surfaces have trim: skirting board, rail, cornice and door frames on "
+            "walls, panels on the ceiling, tiles on the floor. Without it hardly a line runs "
+            "along the building's axes but for the edges between surfaces, which is unlike "
+            "most buildings."},
+        OptionField{
+            "poster_probability", &WorldOptions::poster_probability, Closed(0, 1), "",
+            "Chance that a stretch of wall of full height gets a poster besides those of the "
+            "plan."},
+        OptionField{"repeat_poster", &WorldOptions::repeat_poster, Closed(0, 1), "",
+                    "Share of these posters that show one and the same picture. More of them make "
+                    "places that look alike."},
+        OptionField{"poster_width_m", &WorldOptions::poster_width_m, Closed(0.1, 5), "m",
+                    "Width of a poster."},
+        OptionField{"poster_height_m", &WorldOptions::poster_height_m, Closed(0.1, 5), "m",
+                    "Height of a poster."}};
+  }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;
 };

@@ -16,7 +16,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "world/texture.h"
 #include "world/truth.h"
 
@@ -269,10 +268,7 @@ class Writer {
 }  // namespace
 
 void WriteWalkOptions::Check() const {
-  render.Check();
-  CheckRange("jpeg_quality", jpeg_quality, 1, 100);
-  CheckRange("shutter", shutter, 0.0, 1.0);
-  CheckRange("exposure_swing", exposure_swing, 0.0, 3.0);
+  CheckFields("walk_files", *this);
   if (format != "jpg" && format != "png") {
     throw MapError(ErrorCode::kBadOptions,
                    "picture format \"" + format + "\"; it must be jpg or png");

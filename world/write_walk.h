@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <tuple>
 
+#include "core/base/options.h"
 #include "core/camera/camera.h"
 #include "world/render.h"
 #include "world/rig.h"
@@ -15,30 +17,46 @@
 namespace waystone {
 
 struct WriteWalkOptions {
-  // Which pictures are written: one pinhole camera, the six-face rig, the panorama.
   bool pinhole = true;
   bool rig = false;
   bool panorama = false;
   // The pinhole camera; without distortion.
   Camera camera = PinholeCamera(640, 480, 1.1);
-  // Width of a rig's face, and of the panorama, px.
   int rig_width_px = 320;
   int panorama_width_px = 1024;
   // "jpg" or "png".
   std::string format = "jpg";
-  // JPEG quality, 1 to 100.
   int jpeg_quality = 95;
-  // Whether to write the plane id of every pixel of the pinhole pictures (16 bit PNG).
   bool plane_ids = true;
   // Lens, noise and exposure. Each frame's noise has a seed of its own, made from noise_seed and
   // the frame's number; motion comes from the walk.
   RenderOptions render;
-  // Part of the time between two frames that the shutter is open, 0 to 1; it counts only with
-  // render.motion_samples above 1.
   double shutter = 0.5;
-  // The exposure swings slowly between 1 / (1 + x) and 1 + x, 0 to 3; 0 is constant.
   double exposure_swing = 0.0;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"pinhole", &WriteWalkOptions::pinhole, AnyValue(), "",
+                    "Write the pictures of one pinhole camera."},
+        OptionField{"rig", &WriteWalkOptions::rig, AnyValue(), "",
+                    "Write the pictures of the rig of six faces."},
+        OptionField{"panorama", &WriteWalkOptions::panorama, AnyValue(), "",
+                    "Write equirectangular panoramas."},
+        OptionField{"rig_width_px", &WriteWalkOptions::rig_width_px, AtLeast(1), "px",
+                    "Width of a rig's face."},
+        OptionField{"panorama_width_px", &WriteWalkOptions::panorama_width_px, AtLeast(1), "px",
+                    "Width of a panorama."},
+        OptionField{"jpeg_quality", &WriteWalkOptions::jpeg_quality, Closed(1, 100), "",
+                    "Quality of JPEG pictures. Higher takes more bytes."},
+        OptionField{"plane_ids", &WriteWalkOptions::plane_ids, AnyValue(), "",
+                    "Write the plane id of every pixel of the pinhole pictures (16-bit PNG)."},
+        OptionGroup{"render", &WriteWalkOptions::render},
+        OptionField{"shutter", &WriteWalkOptions::shutter, Closed(0, 1), "",
+                    "Part of the time between two frames that the shutter is open; it counts only "
+                    "with render.motion_samples above 1."},
+        OptionField{"exposure_swing", &WriteWalkOptions::exposure_swing, Closed(0, 3), "",
+                    "The exposure swings slowly between 1 / (1 + x) and 1 + x; 0 is constant."}};
+  }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;
 };

@@ -14,8 +14,8 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
-#include "core/base/angle.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 #include "core/image/decode.h"
 #include "core/panorama/visual_compass.h"
 

@@ -6,8 +6,8 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/oriented_set.h"
-#include "core/base/angle.h"
 #include "core/base/clock.h"
+#include "core/geometry/angle.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"
 #include "core/manhattan/manhattan_frame.h"
@@ -40,7 +40,7 @@ Measured Measure(const OrientedSet& set, int i, SegmentDetector detector) {
   std::vector<GreatCircle> lines;
   for (size_t c = 0; c < images.size(); ++c) {
     const auto segments = DetectSegments(images[c], {.detector = detector});
-    const auto found = GreatCirclesOf(set.rig, static_cast<int>(c), segments);
+    const auto found = FindGreatCircles(set.rig, static_cast<int>(c), segments);
     lines.insert(lines.end(), found.begin(), found.end());
   }
   measured.segments_ms = MillisecondsSince(start);

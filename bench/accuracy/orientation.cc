@@ -19,6 +19,7 @@
 #include "builder/orientation/view.h"
 #include "builder/sources/memory_source.h"
 #include "core/base/error.h"
+#include "core/geometry/rotation.h"
 #include "core/manhattan/cube_rotations.h"
 #include "world/rig.h"
 

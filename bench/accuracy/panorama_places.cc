@@ -9,9 +9,9 @@
 #include <sstream>
 
 #include "bench/accuracy/common.h"
-#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/geometry/angle.h"
 #include "core/image/decode.h"
 #include "world/render.h"
 #include "world/rig.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/pose2.h"
+#include "core/geometry/pose2.h"
 #include "core/trajectory/shape_difference.h"
 #include "world/walk.h"
 #include "world/world.h"

@@ -9,8 +9,9 @@
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/oriented_set.h"
 #include "bench/accuracy/stopwatch.h"
-#include "core/base/angle.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
+#include "core/geometry/rotation.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"
 #include "core/manhattan/manhattan_frame.h"
@@ -33,7 +34,7 @@ Place LookAt(const OrientedSet& set, int i) {
   const std::vector<cv::Mat> images = set.images(i);
   std::vector<GreatCircle> lines;
   for (size_t c = 0; c < images.size(); ++c) {
-    const auto found = GreatCirclesOf(set.rig, static_cast<int>(c), DetectSegments(images[c]));
+    const auto found = FindGreatCircles(set.rig, static_cast<int>(c), DetectSegments(images[c]));
     lines.insert(lines.end(), found.begin(), found.end());
   }
   return {ExtractBearings(set.rig, images), FindManhattanFrame(lines)};

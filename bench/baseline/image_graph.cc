@@ -54,11 +54,7 @@ std::optional<Verified> Verify(const Features& from, const Features& to,
     points.from.push_back(PositionOf(from.keypoints[match.a]));
     points.to.push_back(PositionOf(to.keypoints[match.b]));
   }
-  const Neighbourhoods neighbourhoods(points.from, 2 * options.ransac.neighbourhood);
-  std::vector<int> all(points.size());
-  std::iota(all.begin(), all.end(), 0);
-  Random random(seed);
-  const auto fit = FindPlane(points, all, neighbourhoods, options.ransac, random);
+  const auto fit = FindPlane(points, options.ransac, seed);
   if (!fit) return std::nullopt;
   Verified verified;
   verified.to_from = fit->model.to_from;

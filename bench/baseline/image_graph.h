@@ -10,7 +10,7 @@
 #include "core/base/ids.h"
 #include "core/features/features.h"
 #include "core/features/match.h"
-#include "core/homography/local_ransac.h"
+#include "core/homography/find_plane.h"
 #include "localizer/options.h"
 
 // The graph that the plane graph is measured against: images as nodes, all features kept, an edge

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/base/check.h"
+#include "core/robust/median.h"
 
 namespace waystone {
 namespace {
@@ -31,13 +32,6 @@ Matrix LowMagnitudes(const std::vector<FourierSignature>& signatures, int k1) {
         Eigen::Map<const Eigen::RowVectorXf>(low.data(), low.size());
   }
   return matrix;
-}
-
-double MedianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 class Closer {
@@ -95,7 +89,7 @@ class Closer {
           units.push_back(std::hypot(steps[t].a_from_b.x, steps[t].a_from_b.y) /
                           *motion->step_per_distance);
         }
-        units_[stretches_[s].first + i] = MedianOf(std::move(units));
+        units_[stretches_[s].first + i] = Median(std::move(units));
       }
     }
   }
@@ -119,7 +113,7 @@ class Closer {
         if (MayBeLoop(a, b)) distances.push_back((low_.row(a) - low_.row(b)).norm());
       }
     }
-    return MedianOf(std::move(distances));
+    return Median(std::move(distances));
   }
 
   std::vector<std::pair<int, int>> Candidates() const {

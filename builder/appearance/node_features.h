@@ -22,6 +22,7 @@ struct NodeFeatureOptions {
                     "Features kept of each panorama; 0 keeps none, and answers rest on the "
                     "appearance alone. More verify from farther away and add 36 bytes each to the "
                     "map."},
+        OptionGroup{"extract", &NodeFeatureOptions::extract},
         OptionGroup{"match", &NodeFeatureOptions::match}};
   }
   void Check() const;  // throws MapError(kBadOptions)

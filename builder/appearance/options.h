@@ -28,6 +28,7 @@ struct AppearanceOptions {
         OptionGroup{"describe", &AppearanceOptions::describe},
         OptionGroup{"odometry", &AppearanceOptions::odometry},
         OptionGroup{"loops", &AppearanceOptions::loops},
+        OptionGroup{"graph", &AppearanceOptions::graph},
         OptionGroup{"redundancy", &AppearanceOptions::redundancy},
         OptionField{"close_loops", &AppearanceOptions::close_loops, AnyValue(), "",
                     "Whether loops are closed; without them the poses are those of the odometry."},

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/options.h"
-#include "core/base/pose2.h"
+#include "core/geometry/pose2.h"
 #include "core/panorama/visual_compass.h"
 #include "core/pose_graph/pose_graph.h"
 

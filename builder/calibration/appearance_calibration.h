@@ -24,6 +24,7 @@ struct AppearanceCalibrationOptions {
   PanoramaQueryOptions query;
   AppearanceFitOptions fit;
 
+  static constexpr int kUnlistedMembers = 1;  // blank_spacings, a list
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"max_nodes", &AppearanceCalibrationOptions::max_nodes, Closed(1, 100'000), "",
@@ -35,7 +36,9 @@ struct AppearanceCalibrationOptions {
         OptionField{"rendered_negatives", &AppearanceCalibrationOptions::rendered_negatives,
                     Closed(0, 1000), "",
                     "Panoramas of a rendered building that it is queried with, too: what isn't in "
-                    "the map. They cost about 50 ms each."}};
+                    "the map. They cost about 50 ms each."},
+        OptionGroup{"query", &AppearanceCalibrationOptions::query},
+        OptionGroup{"fit", &AppearanceCalibrationOptions::fit}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -28,6 +28,7 @@ struct CalibrationOptions {
         OptionField{"rendered_negatives", &CalibrationOptions::rendered_negatives, AtLeast(0), "",
                     "Images of a rendered building that it is queried with, too: what isn't in "
                     "the map. They cost about 100 ms each."},
+        OptionGroup{"localize", &CalibrationOptions::localize},
         OptionField{"seed", &CalibrationOptions::seed, AnyValue(), "",
                     "Seed of the scrambled negatives."}};
   }

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "builder/orientation/follow.h"
-#include "core/base/angle.h"
+#include "core/geometry/angle.h"
 
 namespace waystone {
 namespace {

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/geometry/rotation.h"
 #include "core/manhattan/cube_rotations.h"
 #include "schema/layers/orientation/orientation_trajectory.h"
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "core/geometry/rotation.h"
 #include "core/manhattan/cube_rotations.h"
 
 namespace waystone {

@@ -65,6 +65,7 @@ struct TraversabilityOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionGroup{"matching", &TraversabilityOptions::matching},
+        OptionGroup{"relative", &TraversabilityOptions::relative},
         OptionField{"max_disagreement_rad", &TraversabilityOptions::max_disagreement_rad,
                     Closed(0.005, 0.5), "rad",
                     "Largest angle between the essential matrix's rotation and R1 R2^T. Higher "
@@ -178,6 +179,10 @@ struct OrientationOptions {
 
   static constexpr auto Fields() {
     return std::tuple{
+        OptionGroup{"segments", &OrientationOptions::segments},
+        OptionGroup{"circles", &OrientationOptions::circles},
+        OptionGroup{"manhattan", &OrientationOptions::manhattan},
+        OptionGroup{"bearings", &OrientationOptions::bearings},
         OptionGroup{"follow", &OrientationOptions::follow},
         OptionGroup{"traversability", &OrientationOptions::traversability},
         OptionField{"step", &OrientationOptions::step, Closed(1, 1000), "frames",

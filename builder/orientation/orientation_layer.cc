@@ -9,9 +9,9 @@
 
 #include "builder/orientation/loops.h"
 #include "builder/orientation/traversable_directions.h"
-#include "core/base/angle.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 
 namespace waystone {
 namespace {

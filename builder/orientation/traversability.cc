@@ -5,25 +5,20 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/rotation.h"
 #include "core/manhattan/cube_rotations.h"
+#include "core/robust/median.h"
 
 namespace waystone {
 namespace {
 
-double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 // Median angle by which inliers move besides the rotation.
 double Parallax(const MatchedRays& rays, const RelativePose& pose) {
-  if (pose.inliers.empty()) return 0;
   std::vector<double> angles;
   for (const int i : pose.inliers) {
     angles.push_back(AngleBetween(pose.b_from_a * rays.a[i], rays.b[i]));
   }
-  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-  std::ranges::nth_element(angles, middle);
-  return *middle;
+  return Median(std::move(angles));
 }
 
 // Azimuth around the building's vertical as the rig sees it: 0 ahead, growing to the left.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "core/base/angle.h"
+#include "core/geometry/angle.h"
 
 namespace waystone {
 namespace {

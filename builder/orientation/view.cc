@@ -12,8 +12,8 @@ std::unique_ptr<OrientationView> ObserveOrientation(const Rig& rig, const FrameI
   view->info = info;
   for (size_t c = 0; c < images.size(); ++c) {
     CheckImageSize(rig.cameras[c], images[c].cols, images[c].rows);
-    const auto found = GreatCirclesOf(rig, static_cast<int>(c),
-                                      DetectSegments(images[c], options.segments), options.circles);
+    const auto found = FindGreatCircles(
+        rig, static_cast<int>(c), DetectSegments(images[c], options.segments), options.circles);
     view->lines.insert(view->lines.end(), found.begin(), found.end());
   }
   view->frame = FindManhattanFrame(view->lines, options.manhattan);

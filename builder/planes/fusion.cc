@@ -12,6 +12,7 @@
 #include <set>
 
 #include "builder/planes/plane_features.h"
+#include "core/homography/estimate_homography.h"
 
 namespace waystone {
 namespace {
@@ -159,25 +160,15 @@ std::optional<FusionMatch> MatchPacked(const Plane& m, const PackedRows& packed_
     points.from.push_back(PositionOf(n.features[match.b]));
     points.to.push_back(PositionOf(m.features[match.a]));
   }
-  const LocalRansacOptions& ransac = options.segmentation.ransac;
-  const Neighbourhoods neighbourhoods(points.from, 2 * ransac.neighbourhood);
-  std::vector<int> all(points.size());
-  std::iota(all.begin(), all.end(), 0);
-  Random random(options.seed ^ (m.id.value << 20) ^ n.id.value);
-  const auto fit = FindPlane(points, all, neighbourhoods, ransac, random);
-  if (!fit || static_cast<int>(fit->inliers.size()) < fusion.min_inliers ||
-      fit->inliers.size() < fusion.min_support * static_cast<double>(matches.size())) {
+  const auto estimate = EstimateHomography(points, options.segmentation.ransac,
+                                           options.seed ^ (m.id.value << 20) ^ n.id.value);
+  if (!estimate || static_cast<int>(estimate->inliers.size()) < fusion.min_inliers ||
+      estimate->inliers.size() < fusion.min_support * static_cast<double>(matches.size())) {
     return std::nullopt;
   }
-  PointPairs pairs;
   FusionMatch result;
-  for (int row : fit->inliers) {
-    pairs.Add(points.from[row], points.to[row]);
-    result.inliers.push_back(matches[row]);
-  }
-  const auto refined = RefineHomography(pairs, fit->model.to_from);
-  if (!refined) return std::nullopt;
-  result.m_from_n = *refined;
+  for (const int row : estimate->inliers) result.inliers.push_back(matches[row]);
+  result.m_from_n = estimate->to_from;
   if (!OverlapAgrees(m, n, result, fusion.min_overlap)) return std::nullopt;
   return result;
 }

@@ -64,6 +64,7 @@ struct FusionOptions {
 
   static constexpr auto Fields() {
     return std::tuple{
+        OptionGroup{"index", &FusionOptions::index},
         OptionField{"min_votes", &FusionOptions::min_votes, AtLeast(1), "",
                     "Descriptor votes that make a pair of planes a candidate. Lower tries more "
                     "pairs."},
@@ -125,6 +126,7 @@ struct PlaneLayerOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionGroup{"match", &PlaneLayerOptions::match},
+        OptionGroup{"segmentation", &PlaneLayerOptions::segmentation},
         OptionGroup{"rotation", &PlaneLayerOptions::rotation},
         OptionGroup{"fusion", &PlaneLayerOptions::fusion},
         OptionField{"min_tracked", &PlaneLayerOptions::min_tracked, AtLeast(5), "",

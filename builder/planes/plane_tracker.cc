@@ -4,11 +4,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "builder/planes/plane_features.h"
 #include "builder/planes/rotation_only.h"
 #include "core/base/error.h"
+#include "core/homography/estimate_homography.h"
 
 namespace waystone {
 namespace {
@@ -17,12 +17,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
 constexpr int kNone = -1;
-
-std::vector<int> AllRows(int count) {
-  std::vector<int> rows(count);
-  std::iota(rows.begin(), rows.end(), 0);
-  return rows;
-}
 
 }  // namespace
 
@@ -86,27 +80,17 @@ std::optional<PlaneTracker::Tracked> PlaneTracker::Track(const OpenPlane& open, 
     points.reference.push_back(PositionOf(open.plane.features[feature].reference));
   }
   if (static_cast<int>(rows.size()) < options_.min_tracked) return std::nullopt;
-  const LocalRansacOptions& ransac = options_.segmentation.ransac;
-  const Neighbourhoods neighbourhoods(points.from, 2 * ransac.neighbourhood);
-  Random random(options_.seed ^ (step.id.value << 20) ^ open.plane.id.value);
-  const std::vector<int> all = AllRows(points.size());
-  const auto fit = FindPlane(points, all, neighbourhoods, ransac, random);
-  if (!fit || static_cast<int>(fit->inliers.size()) < options_.min_tracked) return std::nullopt;
-
-  PointPairs to_last;
-  PointPairs to_reference;
-  for (int i : fit->inliers) {
-    to_last.Add(points.from[i], points.to[i]);
-    to_reference.Add(points.from[i], points.reference[i]);
+  const auto estimate =
+      EstimateHomography(points, options_.segmentation.ransac,
+                         options_.seed ^ (step.id.value << 20) ^ open.plane.id.value);
+  if (!estimate || static_cast<int>(estimate->inliers.size()) < options_.min_tracked) {
+    return std::nullopt;
   }
-  const auto last = RefineHomography(to_last, fit->model.to_from);
-  const auto reference = RefineHomography(to_reference, fit->model.reference_from);
-  if (!last || !reference) return std::nullopt;
   Tracked tracked;
-  tracked.reference_from_current = reference->b_from_a;
-  tracked.segment.to_from = *last;
+  tracked.reference_from_current = estimate->reference_from.b_from_a;
+  tracked.segment.to_from = estimate->to_from;
   tracked.feature_at.assign(step.current.size(), kNone);
-  for (int i : fit->inliers) {
+  for (const int i : estimate->inliers) {
     tracked.segment.rows.push_back(rows[i]);
     const Match& match = step.matches[rows[i]];
     tracked.feature_at[match.a] = open.feature_at[match.b];

@@ -97,15 +97,11 @@ std::vector<Matrix3d> Calibrations(int width, int height, const RotationOptions&
 // rotation does so as well.
 bool IsRotation(const MatchedPoints& points, const std::vector<Matrix3d>& calibrations,
                 const RotationOptions& options, const LocalRansacOptions& ransac, uint64_t seed) {
-  std::vector<int> all(points.size());
-  std::iota(all.begin(), all.end(), 0);
   // Samples from anywhere: a rotation's homography holds all over the image.
   LocalRansacOptions wide = ransac;
   wide.neighbourhood = std::max(3, points.size() - 1);
-  const Neighbourhoods neighbourhoods(points.from, wide.neighbourhood);
-  Random random(seed);
-  const std::optional<PlaneFit> fit = FindPlane(points, all, neighbourhoods, wide, random);
-  if (!fit || fit->inliers.size() < options.min_share * static_cast<double>(all.size())) {
+  const std::optional<PlaneFit> fit = FindPlane(points, wide, seed);
+  if (!fit || fit->inliers.size() < options.min_share * static_cast<double>(points.size())) {
     return false;
   }
   const double free = std::sqrt(MeanError2(points, fit->inliers, fit->model.to_from));

@@ -5,7 +5,7 @@
 
 #include "builder/planes/options.h"
 #include "core/camera/camera.h"
-#include "core/homography/local_ransac.h"
+#include "core/homography/find_plane.h"
 
 namespace waystone {
 

@@ -62,6 +62,10 @@ void ParseOptionValue(const std::string& path, const std::string& text, int* val
   ParseNumber(path, text, "a whole number", value);
 }
 
+void ParseOptionValue(const std::string& path, const std::string& text, int64_t* value) {
+  ParseNumber(path, text, "a whole number", value);
+}
+
 void ParseOptionValue(const std::string& path, const std::string& text, uint64_t* value) {
   ParseNumber(path, text, "a whole number, 0 or more", value);
 }

@@ -136,6 +136,7 @@ void CheckFields(std::string_view path, const Options& options) {
 // the field's name for any other text. Enumerations are set by ParseOptionValue of their own.
 void ParseOptionValue(const std::string& path, const std::string& text, bool* value);
 void ParseOptionValue(const std::string& path, const std::string& text, int* value);
+void ParseOptionValue(const std::string& path, const std::string& text, int64_t* value);
 void ParseOptionValue(const std::string& path, const std::string& text, uint64_t* value);
 void ParseOptionValue(const std::string& path, const std::string& text, float* value);
 void ParseOptionValue(const std::string& path, const std::string& text, double* value);

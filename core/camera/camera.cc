@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 
 namespace waystone {
 namespace {

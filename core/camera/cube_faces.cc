@@ -7,10 +7,10 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/camera/camera.h"
+#include "core/geometry/angle.h"
 
 namespace waystone {
 namespace {

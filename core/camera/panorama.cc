@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
+#include "core/geometry/angle.h"
 
 namespace waystone {
 namespace {
@@ -175,11 +175,9 @@ void CheckSeam(const cv::Mat& grey, double max_seam) {
 }  // namespace
 
 void PanoramaOptions::Check() const {
-  CheckRange("columns", columns, 16, 16384);
+  CheckFields("panorama", *this);
   CheckRange("mirror_band's top", mirror_band.top_rad, -kPi / 2, kPi / 2);
   CheckRange("mirror_band's bottom", mirror_band.bottom_rad, -kPi / 2, mirror_band.top_rad - 0.01);
-  CheckRange("max_seam", max_seam, 1, 100);
-  CheckRange("min_mirror_contrast", min_mirror_contrast, 1, 100);
   if (mirror && !(mirror->inner_px >= 0 && mirror->outer_px >= mirror->inner_px + 1)) {
     throw MapError(ErrorCode::kBadOptions, "the mirror's radii are " + Rounded(mirror->inner_px) +
                                                " and " + Rounded(mirror->outer_px) +

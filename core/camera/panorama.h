@@ -4,6 +4,9 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <tuple>
+
+#include "core/base/options.h"
 
 namespace waystone {
 
@@ -32,25 +35,35 @@ struct MirrorRing {
 };
 
 struct PanoramaOptions {
-  // Columns of a panorama that is made from a mirror's image or from faces, 16 to 16384. More keep
-  // more detail; those of a mirror's image are seldom worth more than 2 pi outer_px.
   int columns = 1024;
   // A mirror's elevations at its outer and inner radius, pi / 2 to -pi / 2; between them elevation
   // goes with the radius. Depends on the mirror: its data sheet tells.
   ElevationBand mirror_band = {0.35, -0.9};
   // Where the mirror is; found in the image when not given.
   std::optional<MirrorRing> mirror;
-  // Whether azimuth grows clockwise in the mirror's image (a camera that looks up into it sees it
-  // counter-clockwise). The front is the image's upper side.
   bool mirror_clockwise = true;
-  // How much more the two sides of the seam differ than nearly all (98 %) of the other
-  // neighbouring columns before the image counts as less than 360 degrees wide, 1 to 100. Less
-  // refuses panoramas whose seam runs along an edge.
   double max_seam = 3;
-  // Grey levels by which a mirror's image is brighter inside its circle than outside, 1 to 100,
-  // before a circle is believed.
   double min_mirror_contrast = 12;
 
+  // Where a mirror is and what it shows belongs to the camera: the file of the camera has it.
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"columns", &PanoramaOptions::columns, Closed(16, 16'384), "",
+                    "Columns of a panorama that is made from a mirror's image or from faces. More "
+                    "keep more detail; those of a mirror's image are seldom worth more than 2 pi "
+                    "times its outer radius."},
+        OptionField{"mirror_clockwise", &PanoramaOptions::mirror_clockwise, AnyValue(), "",
+                    "Whether azimuth grows clockwise in the mirror's image (a camera that looks up "
+                    "into it sees it counter-clockwise). The front is the image's upper side."},
+        OptionField{"max_seam", &PanoramaOptions::max_seam, Closed(1, 100), "",
+                    "How much more the two sides of the seam differ than nearly all (98 %) of the "
+                    "other neighbouring columns before the image counts as less than 360 degrees "
+                    "wide. Less refuses panoramas whose seam runs along an edge."},
+        OptionField{"min_mirror_contrast", &PanoramaOptions::min_mirror_contrast, Closed(1, 100),
+                    "grey levels",
+                    "By how much a mirror's image is brighter inside its circle than outside "
+                    "before a circle is believed."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

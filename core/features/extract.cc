@@ -101,6 +101,16 @@ std::string_view NameOf(FeatureType type) {
   WS_CHECK(false, "unknown feature type");
 }
 
+void ParseOptionValue(const std::string& path, const std::string& text, FeatureType* value) {
+  for (FeatureType type : {FeatureType::kSift, FeatureType::kOrb, FeatureType::kAkaze}) {
+    if (NameOf(type) != text) continue;
+    *value = type;
+    return;
+  }
+  throw MapError(ErrorCode::kBadOptions,
+                 path + " is '" + text + "'; it must be sift, orb or akaze");
+}
+
 FeatureType FeatureTypeByName(std::string_view name) {
   for (FeatureType type : {FeatureType::kSift, FeatureType::kOrb, FeatureType::kAkaze}) {
     if (NameOf(type) == name) return type;
@@ -121,17 +131,7 @@ int DescriptorBytes(FeatureType type) {
   WS_CHECK(false, "unknown feature type");
 }
 
-void FeatureOptions::Check() const {
-  if (max_features < 50 || max_features > 20000) {
-    throw MapError(ErrorCode::kBadOptions, "max_features is " + std::to_string(max_features) +
-                                               "; it must be between 50 and 20000");
-  }
-  if (!(contrast_threshold > 0 && contrast_threshold < 1)) {
-    throw MapError(ErrorCode::kBadOptions, "contrast_threshold is " +
-                                               std::to_string(contrast_threshold) +
-                                               "; it must be above 0 and below 1");
-  }
-}
+void FeatureOptions::Check() const { CheckFields("features", *this); }
 
 Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options) {
   options.Check();

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/base/options.h"
 
 namespace waystone {
 
@@ -18,6 +20,8 @@ enum class FeatureType { kSift = 0, kOrb = 1, kAkaze = 2 };
 std::string_view NameOf(FeatureType type);
 // Throws MapError(kBadOptions) for another name.
 FeatureType FeatureTypeByName(std::string_view name);
+// The same for an option; `path` is its name.
+void ParseOptionValue(const std::string& path, const std::string& text, FeatureType* value);
 // Bytes of one descriptor: 128 for SIFT, 32 for ORB, 61 for AKAZE.
 int DescriptorBytes(FeatureType type);
 
@@ -91,11 +95,21 @@ struct Features {
 
 struct FeatureOptions {
   FeatureType type = FeatureType::kSift;
-  // Strongest features kept per image. More recognise more, and cost time and map size.
   int max_features = 1000;
-  // SIFT: the least contrast of a keypoint, in OpenCV's scale. Lower finds more on plain walls.
   double contrast_threshold = 0.02;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"type", &FeatureOptions::type, AnyValue(), "",
+                    "Detector and descriptor: sift, orb or akaze."},
+        OptionField{"max_features", &FeatureOptions::max_features, Closed(50, 20'000), "",
+                    "Strongest features kept per image. More recognise more, and cost time and map "
+                    "size."},
+        OptionField{
+            "contrast_threshold", &FeatureOptions::contrast_threshold, Open(0, 1), "",
+            "SIFT: the least contrast of a keypoint, in OpenCV's scale. Lower finds more on "
+            "plain walls."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

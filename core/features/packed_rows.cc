@@ -29,7 +29,7 @@ struct Squares {
   bool AreNarrow() const { return low <= kMaxNarrow && high <= kMaxNarrow; }
 };
 
-Squares SquaresOf(const uint8_t* row, int bytes) {
+Squares SumSquares(const uint8_t* row, int bytes) {
   Squares squares;
   for (int i = 0; i < bytes; ++i) {
     const int32_t square = int32_t{row[i]} * row[i];
@@ -185,7 +185,7 @@ void Avx2(const PackedQuery& query, const PackedRows& rows, int first, int count
 PackedQuery::PackedQuery(FeatureType type, const uint8_t* row) {
   std::memcpy(words.data(), row, DescriptorBytes(type));
   if (type != FeatureType::kSift) return;
-  const Squares squares = SquaresOf(row, DescriptorBytes(type));
+  const Squares squares = SumSquares(row, DescriptorBytes(type));
   square = squares.low + squares.high;
   narrow = squares.AreNarrow();
 }
@@ -212,7 +212,7 @@ void PackedRows::Set(int slot, const uint8_t* row) {
   }
   bias_[slot] = 0;
   if (type_ != FeatureType::kSift) return;
-  const Squares squares = SquaresOf(row, bytes);
+  const Squares squares = SumSquares(row, bytes);
   bias_[slot] = squares.low + squares.high;
   narrow_ = narrow_ && squares.AreNarrow();
 }

@@ -7,7 +7,8 @@
 #include <cmath>
 
 #include "core/base/check.h"
-#include "core/base/linear_algebra.h"
+#include "core/geometry/linear_algebra.h"
+#include "core/homography/transfer_jacobian.h"
 
 namespace waystone {
 namespace {
@@ -69,35 +70,6 @@ Matrix3d FromVector(const Eigen::Matrix<double, 9, 1>& v) {
   Matrix3d h;
   h << v(0), v(1), v(2), v(3), v(4), v(5), v(6), v(7), v(8);
   return h;
-}
-
-// Derivatives of Apply(h, x) by the nine entries of h, row by row.
-Eigen::Matrix<double, 2, 9> ApplyJacobian(const Vector3d& mapped, const Vector3d& x) {
-  const double inverse = 1.0 / mapped.z();
-  const Vector2d y = mapped.head<2>() * inverse;
-  Eigen::Matrix<double, 2, 9> jacobian = Eigen::Matrix<double, 2, 9>::Zero();
-  jacobian.block<1, 3>(0, 0) = x.transpose() * inverse;
-  jacobian.block<1, 3>(1, 3) = x.transpose() * inverse;
-  jacobian.block<1, 3>(0, 6) = -y.x() * x.transpose() * inverse;
-  jacobian.block<1, 3>(1, 6) = -y.y() * x.transpose() * inverse;
-  return jacobian;
-}
-
-// Derivatives of Apply(g, x) by the entries of h where g = h^-1: dg = -g dh g.
-Eigen::Matrix<double, 2, 9> InverseJacobian(const Matrix3d& g, const Vector3d& x) {
-  const Vector3d mapped = g * x;
-  const double inverse = 1.0 / mapped.z();
-  Eigen::Matrix<double, 2, 3> projection;
-  projection << inverse, 0, -mapped.x() * inverse * inverse, 0, inverse,
-      -mapped.y() * inverse * inverse;
-  const Eigen::Matrix<double, 2, 3> left = -projection * g;
-  Eigen::Matrix<double, 2, 9> jacobian;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      jacobian.col(3 * row + column) = left.col(row) * mapped(column);
-    }
-  }
-  return jacobian;
 }
 
 struct NormalEquations {
@@ -242,7 +214,7 @@ std::optional<Matrix3d> HomographyByDlt(const PointPairs& pairs, std::span<const
         -y.y() * x.transpose();
     ata.noalias() += (weights.empty() ? 1.0 : weights[i]) * rows.transpose() * rows;
   }
-  const SymmetricEigen eigen = EigenOfSymmetric(ata);
+  const SymmetricEigen eigen = DecomposeSymmetric(ata);
   if (!eigen.converged) return std::nullopt;
   // Both are judged in normalised coordinates: in pixels they would depend on the image's size.
   constexpr double kUndetermined = 1e-10;  // second smallest eigenvalue, as a share of the largest
@@ -272,7 +244,7 @@ std::optional<HomographyEstimate> RefineHomography(const PointPairs& pairs,
   if (!h) return std::nullopt;
 
   const NormalEquations equations = Linearise(normalised, *h);
-  const SymmetricEigen eigen = EigenOfSymmetric(equations.jtj);
+  const SymmetricEigen eigen = DecomposeSymmetric(equations.jtj);
   if (!eigen.converged || eigen.values(0) <= 0) return std::nullopt;
   // The errors in the two images are the same noise seen twice, so the information is counted
   // twice: hence the factor 2.

@@ -6,8 +6,8 @@
 #include <complex>
 
 #include "core/base/error.h"
-#include "core/base/linear_algebra.h"
 #include "core/base/random.h"
+#include "core/geometry/linear_algebra.h"
 
 namespace waystone {
 namespace {
@@ -44,16 +44,10 @@ Matrix3d WithNoiseOf(const HomographyEstimate& n, const Matrix3d& b_from_a, cons
 
 }  // namespace
 
-void HomologyOptions::Check() const {
-  if (!(max_sigmas > 0) || draws < 10) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "homology: max_deviations must be positive and draws at "
-                   "least 10; use the defaults");
-  }
-}
+void HomologyOptions::Check() const { CheckFields("homology", *this); }
 
-HomologyEigenvalues EigenvaluesOf(const Matrix3d& homology) {
-  const Eigen::Vector3cd values = EigenvaluesOf3x3(homology);
+HomologyEigenvalues ComputeEigenvalues(const Matrix3d& homology) {
+  const Eigen::Vector3cd values = ComputeEigenvalues3x3(homology);
   int odd = 0;  // the one that is not in the closest pair
   double closest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
@@ -76,7 +70,7 @@ Homology TestHomology(const HomographyEstimate& m, const HomographyEstimate& n,
   options.Check();
   Homology result;
   const Matrix3d measured = m.b_from_a.inverse() * n.b_from_a;  // H^{mn} = (H^m)^-1 H^n
-  const HomologyEigenvalues values = EigenvaluesOf(measured);
+  const HomologyEigenvalues values = ComputeEigenvalues(measured);
   if (!std::isfinite(values.split) || std::abs(values.scale) < 1e-9) return result;
   result.matrix = measured / values.scale;
   result.third_eigenvalue = values.third;
@@ -91,8 +85,8 @@ Homology TestHomology(const HomographyEstimate& m, const HomographyEstimate& n,
   for (int draw = 0; draw < options.draws; ++draw) {
     const Matrix3d m_inverse = Perturbed(m, DrawNormals(random)).inverse();
     const Vector8d z = DrawNormals(random);
-    const auto two = EigenvaluesOf(m_inverse * WithNoiseOf(n, m.b_from_a * ideal, z));
-    const auto same = EigenvaluesOf(m_inverse * WithNoiseOf(n, m.b_from_a, z));
+    const auto two = ComputeEigenvalues(m_inverse * WithNoiseOf(n, m.b_from_a * ideal, z));
+    const auto same = ComputeEigenvalues(m_inverse * WithNoiseOf(n, m.b_from_a, z));
     split2 += two.split * two.split;
     third2 += (same.third - 1) * (same.third - 1);
   }

@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <tuple>
 
+#include "core/base/options.h"
 #include "core/homography/homography.h"
 
 namespace waystone {
@@ -16,13 +18,20 @@ enum class HomologyKind {
 };
 
 struct HomologyOptions {
-  // How many standard deviations of its noise an eigenvalue may be off and still count as near one.
-  // Higher accepts more false planes, lower rejects more true ones.
   double max_sigmas = 4.0;
-  // Draws from which those standard deviations are taken.
   int draws = 40;
   uint64_t seed = 1;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{
+            "max_sigmas", &HomologyOptions::max_sigmas, Above(0), "",
+            "How many standard deviations of its noise an eigenvalue may be off and still "
+            "count as near one. Higher accepts more false planes, lower rejects more true ones."},
+        OptionField{"draws", &HomologyOptions::draws, AtLeast(10), "",
+                    "Draws from which the standard deviations of the eigenvalues are taken."},
+        OptionField{"seed", &HomologyOptions::seed, AnyValue(), "", "Seed of the draws."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
@@ -48,6 +57,6 @@ struct HomologyEigenvalues {
   double split = 0;  // distance of the closest pair, in units of `scale`
   double third = 1;  // in units of `scale`
 };
-HomologyEigenvalues EigenvaluesOf(const Eigen::Matrix3d& homology);
+HomologyEigenvalues ComputeEigenvalues(const Eigen::Matrix3d& homology);
 
 }  // namespace waystone

@@ -7,7 +7,8 @@
 #include <utility>
 
 #include "core/base/check.h"
-#include "core/base/option_range.h"
+#include "core/geometry/decompose_homography.h"
+#include "core/geometry/rotation.h"
 #include "core/homography/space_fit.h"
 
 namespace waystone {
@@ -23,7 +24,7 @@ struct Measured {
   double parallax = 0;  // difference of the outer singular values: about |t| / d
 };
 
-std::optional<Measured> MeasuredOf(const PlaneSighting& seen) {
+std::optional<Measured> MeasureHomography(const PlaneSighting& seen) {
   const auto h = HomographyByDlt(seen.points);
   if (!h) return std::nullopt;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(*h);
@@ -38,41 +39,18 @@ std::optional<Measured> MeasuredOf(const PlaneSighting& seen) {
   return Measured{&seen, sign / values(1) * *h, (values(0) - values(2)) / values(1)};
 }
 
-struct Decomposition {
-  ViewMotion motion;  // translation over the plane's distance
-  Eigen::Vector3d normal;
-};
-
-// The decompositions of H whose plane lies in front of the reference camera (alg. 5.2 of Ma et
-// al.).
-std::vector<Decomposition> Decompositions(const Measured& measured) {
-  const Eigen::Matrix3d& h = measured.view_from_reference;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(h, Eigen::ComputeFullV);
-  const Eigen::Vector3d squares = svd.singularValues().cwiseAbs2();
-  if (!(squares(0) > squares(2))) return {};
-  const Eigen::Vector3d v2 = svd.matrixV().col(1);
-  const double first = std::sqrt(std::max(0.0, 1 - squares(2)));
-  const double third = std::sqrt(std::max(0.0, squares(0) - 1));
-  std::vector<Decomposition> found;
-  for (const double sign : {1.0, -1.0}) {
-    const Eigen::Vector3d u =
-        (first * svd.matrixV().col(0) + sign * third * svd.matrixV().col(2)).normalized();
-    Eigen::Matrix3d from;
-    from << v2, u, v2.cross(u);
-    Eigen::Matrix3d to;
-    to << h * v2, h * u, (h * v2).cross(h * u);
-    Decomposition solution;
-    solution.motion.rotation = to * from.transpose();
-    solution.normal = from.col(2);
-    solution.motion.translation = (h - solution.motion.rotation) * solution.normal;
-    if (solution.normal.dot(measured.seen->points.a.front().homogeneous()) < 0) {
-      solution.normal *= -1;
-      solution.motion.translation *= -1;
+// The motions of a sighting's homography whose plane lies in front of the reference camera.
+std::vector<PlaneMotion> MotionsInFront(const Measured& measured) {
+  std::vector<PlaneMotion> found;
+  const std::vector<Eigen::Vector2d>& points = measured.seen->points.a;
+  for (PlaneMotion motion : DecomposeHomography(measured.view_from_reference)) {
+    if (motion.normal.dot(points.front().homogeneous()) < 0) {
+      motion.normal *= -1;
+      motion.translation *= -1;
     }
-    const bool in_front = std::ranges::all_of(measured.seen->points.a, [&](const auto& a) {
-      return solution.normal.dot(a.homogeneous()) > 0;
-    });
-    if (in_front) found.push_back(solution);
+    const bool in_front = std::ranges::all_of(
+        points, [&](const auto& a) { return motion.normal.dot(a.homogeneous()) > 0; });
+    if (in_front) found.push_back(motion);
   }
   return found;
 }
@@ -159,19 +137,19 @@ std::vector<SpaceModel> Solutions(int planes, int views, std::span<const PlaneSi
                                   const SpaceOptions& options) {
   std::vector<Measured> measured;
   for (const PlaneSighting& seen : sightings) {
-    if (const auto one = MeasuredOf(seen)) measured.push_back(*one);
+    if (const auto one = MeasureHomography(seen)) measured.push_back(*one);
   }
   std::ranges::stable_sort(measured, std::ranges::greater(), &Measured::parallax);
   std::vector<SpaceModel> solutions;
   for (size_t i = 0; i < measured.size() && std::cmp_less(i, options.seeds); ++i) {
     const Measured& seed = measured[i];
     if (seed.parallax < 3 * options.point_sigma) break;
-    for (const Decomposition& decomposition : Decompositions(seed)) {
+    for (const PlaneMotion& motion : MotionsInFront(seed)) {
       SpaceModel model;
       model.planes.resize(planes);
       model.views.resize(views);
-      model.planes[seed.seen->plane] = decomposition.normal;
-      model.views[seed.seen->view] = decomposition.motion;
+      model.planes[seed.seen->plane] = motion.normal;
+      model.views[seed.seen->view] = ViewMotion{motion.b_from_a, motion.translation};
       Grow(model, sightings, measured);
       RefineSpace(model, sightings, options, kSeedSteps);
       solutions.push_back(std::move(model));
@@ -179,10 +157,6 @@ std::vector<SpaceModel> Solutions(int planes, int views, std::span<const PlaneSi
   }
   std::ranges::stable_sort(solutions, {}, &SpaceModel::cost);
   return solutions;
-}
-
-double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 // Planes that another solution explains nearly as well with another normal.
@@ -214,17 +188,15 @@ int UnitPlane(const SpaceModel& model, std::span<const PlaneSighting> sightings)
   return static_cast<int>(std::ranges::max_element(points) - points.begin());
 }
 
-PlaneInSpace PlaneOf(const Eigen::Vector3d& m, const Eigen::Matrix3d& covariance, double unit,
-                     const SpaceOptions& options) {
+PlaneInSpace DescribePlane(const Eigen::Vector3d& m, const Eigen::Matrix3d& covariance, double unit,
+                           const SpaceOptions& options) {
   PlaneInSpace plane;
   const double length = m.norm();
   plane.normal = m / length;
   plane.distance = unit / length;
   const Eigen::Matrix3d across =
       Eigen::Matrix3d::Identity() - plane.normal * plane.normal.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(across * covariance * across,
-                                                              Eigen::EigenvaluesOnly);
-  plane.normal_sigma_rad = std::sqrt(std::max(0.0, solver.eigenvalues()(2))) / length;
+  plane.normal_sigma_rad = WorstAxisSigma(across * covariance * across) / length;
   plane.distance_sigma =
       std::sqrt(std::max(0.0, plane.normal.dot(covariance * plane.normal))) / length;
   const bool sure = plane.normal_sigma_rad <= options.max_normal_sigma_rad &&
@@ -260,7 +232,7 @@ SpaceEstimate FindPlanesInSpace(int planes, int views, std::span<const PlaneSigh
   const double unit = best.planes[estimate.unit_plane]->norm();
   for (int p = 0; p < planes; ++p) {
     if (!best.planes[p]) continue;
-    estimate.planes[p] = PlaneOf(*best.planes[p], *covariances[p], unit, options);
+    estimate.planes[p] = DescribePlane(*best.planes[p], *covariances[p], unit, options);
     if (p == estimate.unit_plane) estimate.planes[p].distance_sigma = 0;
     if (ambiguous[p]) estimate.planes[p].error = SpaceError::kAmbiguous;
   }
@@ -284,14 +256,6 @@ std::string_view NameOf(SpaceError error) {
   }
 }
 
-void SpaceOptions::Check() const {
-  CheckRange("point_sigma", point_sigma, 1e-5, 0.1);
-  CheckRange("seeds", seeds, 1, 1000);
-  CheckRange("max_steps", max_steps, 1, 1000);
-  CheckRange("rival_deviations", rival_sigmas, 0, 100);
-  CheckRange("rival_angle_rad", rival_angle_rad, 0.01, 1.5);
-  CheckRange("max_normal_sigma_rad", max_normal_sigma_rad, 0.001, 1);
-  CheckRange("max_distance_sigma", max_distance_sigma, 0.001, 1);
-}
+void SpaceOptions::Check() const { CheckFields("space", *this); }
 
 }  // namespace waystone

@@ -5,8 +5,10 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/homography/homography.h"
 
 namespace waystone {
@@ -20,24 +22,38 @@ struct PlaneSighting {
 };
 
 struct SpaceOptions {
-  // Standard sigma of a coordinate of a point in a view, image plane z = 1, 1e-5 to 0.1. Higher
-  // trusts small motions less.
   double point_sigma = 0.002;
-  // Sightings, those with most parallax, whose decompositions are tried, 1 to 1000. More find the
-  // common motion among more homographies that are wrong.
   int seeds = 16;
-  // Steps of the refinement, 1 to 1000.
   int max_steps = 30;
-  // A solution whose error is within this many sigmas of the best one's leaves the choice open,
-  // 0 to 100. Higher calls more planes ambiguous.
   double rival_sigmas = 4;
-  // Normals of two solutions that differ by more are two answers, 0.01 to 1.5. rad
   double rival_angle_rad = 0.2;
-  // What a plane needs to be called determined: standard deviations of its normal (0.001 to 1 rad)
-  // and of its distance, as a share of it (0.001 to 1).
   double max_normal_sigma_rad = 0.06;
   double max_distance_sigma = 0.06;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"point_sigma", &SpaceOptions::point_sigma, Closed(1e-5, 0.1), "",
+                    "Standard deviation of a coordinate of a point in a view, image plane z = 1. "
+                    "Higher trusts small motions less."},
+        OptionField{
+            "seeds", &SpaceOptions::seeds, Closed(1, 1000), "",
+            "Sightings, those with most parallax, whose decompositions are tried. More find "
+            "the common motion among more homographies that are wrong."},
+        OptionField{"max_steps", &SpaceOptions::max_steps, Closed(1, 1000), "",
+                    "Steps of the refinement."},
+        OptionField{
+            "rival_sigmas", &SpaceOptions::rival_sigmas, Closed(0, 100), "",
+            "A solution whose error is within this many sigmas of the best one's leaves the "
+            "choice open. Higher calls more planes ambiguous."},
+        OptionField{"rival_angle_rad", &SpaceOptions::rival_angle_rad, Closed(0.01, 1.5), "rad",
+                    "Normals of two solutions that differ by more are two answers."},
+        OptionField{"max_normal_sigma_rad", &SpaceOptions::max_normal_sigma_rad, Closed(0.001, 1),
+                    "rad",
+                    "Largest standard deviation of a plane's normal that is called determined."},
+        OptionField{"max_distance_sigma", &SpaceOptions::max_distance_sigma, Closed(0.001, 1), "",
+                    "Largest standard deviation of a plane's distance, as a share of it, that is "
+                    "called determined."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

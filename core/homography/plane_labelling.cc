@@ -6,15 +6,15 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/robust/median.h"
 
 namespace waystone {
 void LabellingOptions::Check() const {
-  const bool good = min_sigmas > 0 && max_sigmas >= std::max(1.0, min_sigmas) && min_sigma_px > 0 &&
-                    max_sigma_px >= min_sigma_px && tail > 0 && plane_cost >= 0 &&
-                    smoothness >= 0 && companions >= 1 && rounds >= 1;
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions, "plane labels: option out of range; use the defaults");
-  }
+  CheckFields("labelling", *this);
+  if (max_sigmas >= min_sigmas && max_sigma_px >= min_sigma_px) return;
+  throw MapError(
+      ErrorCode::kBadOptions,
+      "labelling.max_sigmas and max_sigma_px must be at least min_sigmas and min_sigma_px");
 }
 
 PlaneLabelling::PlaneLabelling(const MatchedPoints& points, const Neighbourhoods& neighbourhoods,
@@ -191,10 +191,8 @@ void PlaneLabelling::Refit() {
     Measure(plane);
     std::vector<float> errors;
     for (int row : rows) errors.push_back(plane.errors_px[row]);
-    const auto middle = errors.begin() + static_cast<ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    plane.sigma_px =
-        std::clamp(*middle / kRayleighMedian, options_.min_sigma_px, options_.max_sigma_px);
+    plane.sigma_px = std::clamp(Median(std::move(errors)) / kRayleighMedian, options_.min_sigma_px,
+                                options_.max_sigma_px);
   }
 }
 

@@ -2,38 +2,59 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <tuple>
 #include <vector>
 
-#include "core/homography/local_ransac.h"
+#include "core/base/options.h"
+#include "core/homography/find_plane.h"
 
 namespace waystone {
 
 inline constexpr int kNoPlane = -1;
 
 struct LabellingOptions {
-  // The bound on a plane's errors is this many standard deviations of its own noise at least ...
   double min_sigmas = 5.0;
-  // ... and this many at the most, as far as the matches of no plane leave room: real planes are
-  // bent by lenses and not quite flat, so that their errors have long tails, but beside other
-  // things a long tail takes in what isn't the plane's.
   double max_sigmas = 10.0;
-  // The noise of a plane is at least and at most this. px
   double min_sigma_px = 0.2;
   double max_sigma_px = 2.5;
-  // Degrees of freedom of Student's distribution of the errors. Lower has longer tails.
   double tail = 3.0;
-  // What a match of no plane pays, minus the logarithm of its likelihood per px^2. Higher gives
-  // planes more of what lies far from them.
   double outlier_cost = 9.0;
-  // What a plane pays, in the same units. Higher finds fewer and larger planes.
   double plane_cost = 50.0;
-  // What a match pays when all its companions belong to another plane. Higher smooths more.
   double smoothness = 4.0;
-  // Nearest matches that are the companions of one.
   int companions = 8;
-  // Rounds of labelling and refitting.
   int rounds = 4;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"min_sigmas", &LabellingOptions::min_sigmas, Above(0), "",
+                    "Least bound on a plane's errors, in standard deviations of its own noise."},
+        OptionField{
+            "max_sigmas", &LabellingOptions::max_sigmas, AtLeast(1), "",
+            "Largest bound, as far as the matches of no plane leave room: real planes are bent "
+            "by lenses and not quite flat, so that their errors have long tails, but beside "
+            "other things a long tail takes in what isn't the plane's."},
+        OptionField{"min_sigma_px", &LabellingOptions::min_sigma_px, Above(0), "px",
+                    "Least noise of a plane."},
+        OptionField{"max_sigma_px", &LabellingOptions::max_sigma_px, Above(0), "px",
+                    "Largest noise of a plane."},
+        OptionField{"tail", &LabellingOptions::tail, Above(0), "",
+                    "Degrees of freedom of Student's distribution of the errors. Lower has longer "
+                    "tails."},
+        OptionField{
+            "outlier_cost", &LabellingOptions::outlier_cost, AnyValue(), "",
+            "What a match of no plane pays, minus the logarithm of its likelihood per px^2. "
+            "Higher gives planes more of what lies far from them."},
+        OptionField{"plane_cost", &LabellingOptions::plane_cost, AtLeast(0), "",
+                    "What a plane pays, in the same units. Higher finds fewer and larger planes."},
+        OptionField{
+            "smoothness", &LabellingOptions::smoothness, AtLeast(0), "",
+            "What a match pays when all its companions belong to another plane. Higher smooths "
+            "more."},
+        OptionField{"companions", &LabellingOptions::companions, AtLeast(1), "",
+                    "Nearest matches that are the companions of one."},
+        OptionField{"rounds", &LabellingOptions::rounds, AtLeast(1), "",
+                    "Rounds of labelling and refitting."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -199,13 +199,9 @@ class Segmenter {
 }  // namespace
 
 void SegmentationOptions::Check() const {
+  CheckFields("segmentation", *this);
   ransac.Check();
   labelling.Check();
-  homology.Check();
-  const bool good = min_inliers >= 5 && max_planes >= 1 && patch >= 5;
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions, "plane search: option out of range; use the defaults");
-  }
 }
 
 Segmentation SegmentPlanes(const MatchedPoints& points, std::vector<PlaneSegment> known,

@@ -2,27 +2,39 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
+#include "core/homography/find_plane.h"
 #include "core/homography/homology.h"
-#include "core/homography/local_ransac.h"
 #include "core/homography/plane_labelling.h"
 
 namespace waystone {
 
 struct SegmentationOptions {
-  // Of the samples from which planes are proposed.
   LocalRansacOptions ransac;
   LabellingOptions labelling;
   HomologyOptions homology;
-  // Matches that a plane needs. Lower finds smaller planes and more that aren't any.
   int min_inliers = 14;
-  // New planes looked for in one pair of images.
   int max_planes = 24;
-  // Matches next to each other from which a second plane inside a plane is proposed. Fewer find
-  // smaller ones, more determine them better.
   int patch = 16;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionGroup{"ransac", &SegmentationOptions::ransac},
+        OptionGroup{"labelling", &SegmentationOptions::labelling},
+        OptionGroup{"homology", &SegmentationOptions::homology},
+        OptionField{
+            "min_inliers", &SegmentationOptions::min_inliers, AtLeast(5), "",
+            "Matches that a plane needs. Lower finds smaller planes and more that aren't any."},
+        OptionField{"max_planes", &SegmentationOptions::max_planes, AtLeast(1), "",
+                    "New planes looked for in one pair of images."},
+        OptionField{
+            "patch", &SegmentationOptions::patch, AtLeast(5), "",
+            "Matches next to each other from which a second plane inside a plane is proposed. "
+            "Fewer find smaller ones, more determine them better."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

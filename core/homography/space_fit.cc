@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/linear_algebra.h"
+#include "core/geometry/linear_algebra.h"
+#include "core/geometry/rotation.h"
 
 namespace waystone {
 namespace {
@@ -17,12 +18,6 @@ constexpr double kSmallestGain = 1e-9;  // of the cost, as a share of it
 
 using Rows = Eigen::Matrix<double, 2, 3>;
 
-Eigen::Matrix3d Cross(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
 // Where a motion has the point of a plane, before the division: R x + t (m . x).
 Eigen::Vector3d Moved(const ViewMotion& motion, const Eigen::Vector3d& m,
                       const Eigen::Vector2d& a) {
@@ -31,9 +26,9 @@ Eigen::Vector3d Moved(const ViewMotion& motion, const Eigen::Vector3d& m,
 }
 
 // Error of a point in sigmas; nothing for one behind either camera.
-std::optional<Eigen::Vector2d> ErrorOf(const ViewMotion& motion, const Eigen::Vector3d& m,
-                                       const Eigen::Vector2d& a, const Eigen::Vector2d& b,
-                                       double sigma) {
+std::optional<Eigen::Vector2d> ComputeError(const ViewMotion& motion, const Eigen::Vector3d& m,
+                                            const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                                            double sigma) {
   const Eigen::Vector3d y = Moved(motion, m, a);
   if (y.z() <= 1e-9 || m.dot(a.homogeneous()) <= 0) return std::nullopt;
   return (y.hnormalized() - b) / sigma;
@@ -41,7 +36,7 @@ std::optional<Eigen::Vector2d> ErrorOf(const ViewMotion& motion, const Eigen::Ve
 
 // Geman and McClure's cost of a squared sigma, which levels off at kLargestCost.
 double Robust(double squared) { return squared * kLargestCost / (squared + kLargestCost); }
-double WeightOf(double squared) {
+double RobustWeight(double squared) {
   const double share = kLargestCost / (squared + kLargestCost);
   return share * share;
 }
@@ -61,7 +56,7 @@ struct Columns {
   int size = 0;
 };
 
-Columns ColumnsOf(const SpaceModel& model) {
+Columns LayOutColumns(const SpaceModel& model) {
   Columns columns;
   for (const auto& plane : model.planes) {
     columns.plane.push_back(columns.size);
@@ -76,18 +71,10 @@ Columns ColumnsOf(const SpaceModel& model) {
 
 void AddPoint(const ViewMotion& motion, const Eigen::Vector3d& m, const Eigen::Vector2d& a,
               const Eigen::Vector2d& b, double sigma, int plane, int view, Equations& equations) {
-  const auto error = ErrorOf(motion, m, a, b, sigma);
+  const auto error = ComputeError(motion, m, a, b, sigma);
   if (!error) return;
-  const Eigen::Vector3d x = a.homogeneous();
-  const Eigen::Vector3d y = Moved(motion, m, a);
-  Rows divide;
-  divide << 1 / y.z(), 0, -y.x() / (y.z() * y.z()), 0, 1 / y.z(), -y.y() / (y.z() * y.z());
-  divide /= sigma;
-  Eigen::Matrix<double, 2, 9> j;
-  j.leftCols<3>() = divide * motion.translation * x.transpose();
-  j.middleCols<3>(3) = -divide * Cross(motion.rotation * x);
-  j.rightCols<3>() = divide * m.dot(x);
-  const double weight = WeightOf(error->squaredNorm());
+  const Eigen::Matrix<double, 2, 9> j = SpaceJacobian(motion, m, a, sigma);
+  const double weight = RobustWeight(error->squaredNorm());
   const Eigen::Matrix<double, 9, 9> block = weight * j.transpose() * j;
   const Eigen::Matrix<double, 9, 1> right = -weight * j.transpose() * *error;
   equations.normal.block<3, 3>(plane, plane) += block.topLeftCorner<3, 3>();
@@ -100,8 +87,8 @@ void AddPoint(const ViewMotion& motion, const Eigen::Vector3d& m, const Eigen::V
   equations.weights += weight;
 }
 
-Equations EquationsOf(const SpaceModel& model, const Columns& columns,
-                      std::span<const PlaneSighting> sightings, double sigma) {
+Equations SumEquations(const SpaceModel& model, const Columns& columns,
+                       std::span<const PlaneSighting> sightings, double sigma) {
   Equations equations;
   equations.normal = Eigen::MatrixXd::Zero(columns.size, columns.size);
   equations.right = Eigen::VectorXd::Zero(columns.size);
@@ -124,12 +111,8 @@ SpaceModel Stepped(const SpaceModel& model, const Columns& columns, const Eigen:
   }
   for (size_t v = 0; v < next.views.size(); ++v) {
     if (!next.views[v]) continue;
-    const Eigen::Vector3d turn = step.segment<3>(columns.view[v]);
-    const double angle = turn.norm();
-    if (angle > 0) {
-      next.views[v]->rotation =
-          Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() * next.views[v]->rotation;
-    }
+    next.views[v]->rotation =
+        RotationByVector(step.segment<3>(columns.view[v])) * next.views[v]->rotation;
     next.views[v]->translation += step.segment<3>(columns.view[v] + 3);
   }
   return next;
@@ -137,15 +120,29 @@ SpaceModel Stepped(const SpaceModel& model, const Columns& columns, const Eigen:
 
 }  // namespace
 
-double CostOf(const SpaceModel& model, std::span<const PlaneSighting> sightings,
-              const SpaceOptions& options) {
+Eigen::Matrix<double, 2, 9> SpaceJacobian(const ViewMotion& motion, const Eigen::Vector3d& m,
+                                          const Eigen::Vector2d& a, double sigma) {
+  const Eigen::Vector3d x = a.homogeneous();
+  const Eigen::Vector3d y = Moved(motion, m, a);
+  Rows divide;
+  divide << 1 / y.z(), 0, -y.x() / (y.z() * y.z()), 0, 1 / y.z(), -y.y() / (y.z() * y.z());
+  divide /= sigma;
+  Eigen::Matrix<double, 2, 9> j;
+  j.leftCols<3>() = divide * motion.translation * x.transpose();
+  j.middleCols<3>(3) = -divide * CrossMatrix(motion.rotation * x);
+  j.rightCols<3>() = divide * m.dot(x);
+  return j;
+}
+
+double ComputeCost(const SpaceModel& model, std::span<const PlaneSighting> sightings,
+                   const SpaceOptions& options) {
   double cost = 0;
   for (const PlaneSighting& seen : sightings) {
     const auto& m = model.planes[seen.plane];
     const auto& motion = model.views[seen.view];
     for (int i = 0; i < seen.points.size(); ++i) {
-      const auto error = m && motion ? ErrorOf(*motion, *m, seen.points.a[i], seen.points.b[i],
-                                               options.point_sigma)
+      const auto error = m && motion ? ComputeError(*motion, *m, seen.points.a[i], seen.points.b[i],
+                                                    options.point_sigma)
                                      : std::nullopt;
       cost += error ? Robust(error->squaredNorm()) : kLargestCost;
     }
@@ -155,16 +152,16 @@ double CostOf(const SpaceModel& model, std::span<const PlaneSighting> sightings,
 
 void RefineSpace(SpaceModel& model, std::span<const PlaneSighting> sightings,
                  const SpaceOptions& options, int steps) {
-  const Columns columns = ColumnsOf(model);
-  model.cost = CostOf(model, sightings, options);
+  const Columns columns = LayOutColumns(model);
+  model.cost = ComputeCost(model, sightings, options);
   double damping = kFirstDamping;
   for (int i = 0; i < steps && damping < kLargestDamping; ++i) {
-    const Equations equations = EquationsOf(model, columns, sightings, options.point_sigma);
+    const Equations equations = SumEquations(model, columns, sightings, options.point_sigma);
     Eigen::MatrixXd damped = equations.normal;
     damped.diagonal() *= 1 + damping;
     damped.diagonal().array() += 1e-9;  // the scale is free
     SpaceModel next = Stepped(model, columns, SolveSymmetric(damped, equations.right));
-    next.cost = CostOf(next, sightings, options);
+    next.cost = ComputeCost(next, sightings, options);
     if (!(next.cost < model.cost)) {
       damping *= 10;
       continue;
@@ -179,8 +176,8 @@ void RefineSpace(SpaceModel& model, std::span<const PlaneSighting> sightings,
 std::vector<std::optional<Eigen::Matrix3d>> PlaneCovariances(
     const SpaceModel& model, std::span<const PlaneSighting> sightings, const SpaceOptions& options,
     int unit_plane) {
-  const Columns columns = ColumnsOf(model);
-  Equations equations = EquationsOf(model, columns, sightings, options.point_sigma);
+  const Columns columns = LayOutColumns(model);
+  Equations equations = SumEquations(model, columns, sightings, options.point_sigma);
   // The length of the unit plane's m is known: no other parameter tells the scale.
   const Eigen::Vector3d along = model.planes[unit_plane]->normalized();
   const double strength = 1e3 * equations.normal.diagonal().maxCoeff();
@@ -190,7 +187,7 @@ std::vector<std::optional<Eigen::Matrix3d>> PlaneCovariances(
   equations.normal.diagonal().array() += 1e-6;
   const double freedom = std::max(1.0, 2 * equations.weights - columns.size);
   const double scale = std::max(1.0, equations.weighted / freedom);
-  const Eigen::MatrixXd covariance = scale * InverseOfSymmetric(equations.normal);
+  const Eigen::MatrixXd covariance = scale * InvertSymmetric(equations.normal);
   std::vector<std::optional<Eigen::Matrix3d>> planes(model.planes.size());
   for (size_t p = 0; p < planes.size(); ++p) {
     if (!model.planes[p]) continue;

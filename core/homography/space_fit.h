@@ -19,9 +19,14 @@ struct SpaceModel {
   double cost = 0;  // robust, of all sightings; unknown ones count as wrong ones
 };
 
+// Derivatives of a point's error, in sigmas, by the plane's m, a rotation vector on the left of the
+// rotation, and the translation.
+Eigen::Matrix<double, 2, 9> SpaceJacobian(const ViewMotion& motion, const Eigen::Vector3d& m,
+                                          const Eigen::Vector2d& a, double sigma);
+
 // Robust cost of a model: sum of squared sigmas, each point's at most kLargestCost.
-double CostOf(const SpaceModel& model, std::span<const PlaneSighting> sightings,
-              const SpaceOptions& options);
+double ComputeCost(const SpaceModel& model, std::span<const PlaneSighting> sightings,
+                   const SpaceOptions& options);
 
 // Levenberg-Marquardt over all known planes and motions; gives the model its cost.
 void RefineSpace(SpaceModel& model, std::span<const PlaneSighting> sightings,

@@ -41,20 +41,7 @@ cv::Mat Decode(std::span<const uint8_t> bytes, const DecodeLimits& limits, int f
 
 }  // namespace
 
-void DecodeLimits::Check() const {
-  constexpr int64_t kMaxPixels = int64_t{1} << 30;  // what OpenCV itself refuses
-  constexpr int kMaxScans = 10'000;
-  if (max_pixels < 1 || max_pixels > kMaxPixels) {
-    throw MapError(ErrorCode::kBadOptions, "max_pixels is " + std::to_string(max_pixels) +
-                                               "; it must be between 1 and " +
-                                               std::to_string(kMaxPixels));
-  }
-  if (max_scans < 1 || max_scans > kMaxScans) {
-    throw MapError(ErrorCode::kBadOptions, "max_scans is " + std::to_string(max_scans) +
-                                               "; it must be between 1 and " +
-                                               std::to_string(kMaxScans));
-  }
-}
+void DecodeLimits::Check() const { CheckFields("decode", *this); }
 
 void CheckLimits(const ImageHeader& header, const DecodeLimits& limits) {
   const int64_t pixels = static_cast<int64_t>(header.width) * header.height;

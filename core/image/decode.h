@@ -5,6 +5,9 @@
 #include <opencv2/core.hpp>
 #include <span>
 #include <string>
+#include <tuple>
+
+#include "core/base/options.h"
 
 namespace waystone {
 
@@ -17,13 +20,19 @@ struct ImageHeader {
 };
 
 struct DecodeLimits {
-  // Pixels of the largest image that is decoded, 1 to 2^30. 8-bit grey: as many bytes. More admits
-  // larger photos and larger attacks: decoding 50 megapixels takes half a second.
   int64_t max_pixels = 50'000'000;
-  // Scans of a progressive JPEG, 1 to 10,000: each costs a pass over the whole image. Encoders
-  // write about 10.
   int max_scans = 100;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"max_pixels", &DecodeLimits::max_pixels, Closed(1, 1 << 30), "",
+                    "Pixels of the largest image that is decoded. 8-bit grey: as many bytes. More "
+                    "admits larger photos and larger attacks: decoding 50 megapixels takes half a "
+                    "second."},
+        OptionField{"max_scans", &DecodeLimits::max_scans, Closed(1, 10'000), "",
+                    "Scans of a progressive JPEG: each costs a pass over the whole image. Encoders "
+                    "write about 10."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

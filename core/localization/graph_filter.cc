@@ -9,7 +9,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -163,14 +162,7 @@ class Update {
 
 }  // namespace
 
-void GraphFilterOptions::Check() const {
-  CheckRange("position_deviation", position_sigma, 1e-9, 1e9);
-  CheckRange("share_of_way", share_of_trajectory, 0, 1);
-  CheckRange("step_deviation", step_sigma, 1e-9, 1e9);
-  CheckRange("turn_deviation_rad", turn_sigma_rad, 0.001, 3);
-  CheckRange("kidnapped", kidnapped, 1e-9, 0.5);
-  CheckRange("max_beliefs", max_beliefs, 1, 10'000);
-}
+void GraphFilterOptions::Check() const { CheckFields("filter", *this); }
 
 FilterAnswer UpdateBelief(const std::vector<Pose2>& poses,
                           const std::vector<NodeEvidence>& evidence, const FilterState& previous,

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <tuple>
 #include <vector>
 
-#include "core/base/pose2.h"
+#include "core/base/options.h"
+#include "core/geometry/pose2.h"
 
 // Localization over a graph of nodes with poses for a series of images: a Bayes filter whose places
 // are the nodes, each with a normal distribution of the heading. It is what Monte-Carlo
@@ -13,23 +15,35 @@
 namespace waystone {
 
 struct GraphFilterOptions {
-  // Standard sigma of where an image is taken around the predicted place, in the poses' units,
-  // besides share_of_way; above 0. At least the distance between nodes: a robot is rarely at one.
   double position_sigma = 0.3;
-  // The same per unit of trajectory that the odometry reports, 0 to 1.
   double share_of_trajectory = 0.1;
-  // Standard sigma of how far a robot gets between two images without odometry, above 0. More
-  // bear fast robots; less resolves likenesses sooner.
   double step_sigma = 1.0;
-  // Standard sigma of a turn that the odometry reports, rad, 0.001 to 3.
   double turn_sigma_rad = 0.1;
-  // Chance that the robot was carried elsewhere between two images, 1e-9 to 0.5. More recover
-  // sooner from an error; less holds on to what is known.
   double kidnapped = 1e-3;
-  // Beliefs that a state keeps, 1 to 10,000. Fewer make smaller states and faster updates and lose
-  // places that were unlikely at first.
   int max_beliefs = 64;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"position_sigma", &GraphFilterOptions::position_sigma, Closed(1e-9, 1e9), "",
+                    "Standard deviation of where an image is taken around the predicted place, in "
+                    "the poses' units, besides share_of_trajectory. At least the distance between "
+                    "nodes: a robot is rarely at one."},
+        OptionField{"share_of_trajectory", &GraphFilterOptions::share_of_trajectory, Closed(0, 1),
+                    "", "The same per unit of trajectory that the odometry reports."},
+        OptionField{
+            "step_sigma", &GraphFilterOptions::step_sigma, Closed(1e-9, 1e9), "",
+            "Standard deviation of how far a robot gets between two images without odometry. "
+            "More bear fast robots; less resolves likenesses sooner."},
+        OptionField{"turn_sigma_rad", &GraphFilterOptions::turn_sigma_rad, Closed(0.001, 3), "rad",
+                    "Standard deviation of a turn that the odometry reports."},
+        OptionField{"kidnapped", &GraphFilterOptions::kidnapped, Closed(1e-9, 0.5), "",
+                    "Chance that the robot was carried elsewhere between two images. More recover "
+                    "sooner from an error; less holds on to what is known."},
+        OptionField{
+            "max_beliefs", &GraphFilterOptions::max_beliefs, Closed(1, 10'000), "",
+            "Beliefs that a state keeps. Fewer make smaller states and faster updates and lose "
+            "places that were unlikely at first."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/rotation.h"
+
 namespace waystone {
 namespace {
 
@@ -29,11 +31,6 @@ std::array<Eigen::Matrix3d, 24> MakeCubeRotations() {
 const std::array<Eigen::Matrix3d, 24>& CubeRotations() {
   static const std::array<Eigen::Matrix3d, 24> rotations = MakeCubeRotations();
   return rotations;
-}
-
-double RotationAngle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
-  // |R_a - R_b|^2 = 8 sin^2(angle / 2): exact near 0, where the trace isn't.
-  return 2 * std::asin(std::clamp((a - b).norm() / std::sqrt(8.0), 0.0, 1.0));
 }
 
 Eigen::Matrix3d NearestOfCube(const Eigen::Matrix3d& rig_from_axes,

@@ -9,9 +9,6 @@ namespace waystone {
 // The 24 rotations that take the axes of a cube to axes of the cube. The first is the identity.
 const std::array<Eigen::Matrix3d, 24>& CubeRotations();
 
-// Angle of the rotation between two frames' axes, rad, in [0, pi].
-double RotationAngle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
-
 // Of the 24 descriptions rig_from_axes C of a Manhattan frame, the one nearest to a previous one:
 // how axes are followed through a sequence, so that only true jumps are left (turns of the camera
 // by more than 45 degrees between two frames can't be told from the axes alone).

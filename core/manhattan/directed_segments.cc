@@ -22,7 +22,7 @@ DirectedSegments FindDirectedSegments(const cv::Mat& grey, const Camera& camera,
                                       const ManhattanOptions& manhattan) {
   WS_CHECK(camera.model != CameraModel::kEquirectangular, "lines of a panorama are bent");
   const std::vector<GreatCircle> circles =
-      GreatCirclesOf(RigOfOne(camera), 0, DetectSegments(grey, segments));
+      FindGreatCircles(RigOfOne(camera), 0, DetectSegments(grey, segments));
   DirectedSegments found;
   Eigen::Matrix3d axes;
   if (rig_from_building) {
@@ -34,7 +34,8 @@ DirectedSegments FindDirectedSegments(const cv::Mat& grey, const Camera& camera,
     found.reliable = frame.reliable();
   }
   for (const Line& line : LinesOf(circles, manhattan.max_lines)) {
-    found.segments.push_back({circles[line.index].segment, SupportOf(line, axes, manhattan).axis});
+    found.segments.push_back(
+        {circles[line.index].segment, ComputeSupport(line, axes, manhattan).axis});
   }
   return found;
 }

@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "core/base/linear_algebra.h"
+#include "core/geometry/linear_algebra.h"
 
 namespace waystone {
 namespace {
@@ -86,7 +86,7 @@ ImageSegment FitLine(std::span<const cv::Point> chain) {
     const Eigen::Vector2d offset = ToVector(point) - mean;
     scatter += offset * offset.transpose();
   }
-  const Eigen::Vector2d along = EigenOfSymmetric(scatter).vectors.col(1);
+  const Eigen::Vector2d along = DecomposeSymmetric(scatter).vectors.col(1);
   const auto foot = [&](const cv::Point& point) -> Eigen::Vector2d {
     return mean + along * along.dot(ToVector(point) - mean);
   };

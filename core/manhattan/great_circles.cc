@@ -7,7 +7,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -21,8 +20,8 @@ double PixelAngle(const Camera& camera, const ImageSegment& segment) {
   return left.cross(Unproject(camera, middle + 0.5 * across)).norm();
 }
 
-std::optional<GreatCircle> CircleOf(const RigCamera& seen, const ImageSegment& segment,
-                                    const GreatCircleOptions& options) {
+std::optional<GreatCircle> FitCircle(const RigCamera& seen, const ImageSegment& segment,
+                                     const GreatCircleOptions& options) {
   const Eigen::Vector3d a = Unproject(seen.camera, segment.a);
   const Eigen::Vector3d b = Unproject(seen.camera, segment.b);
   const Eigen::Vector3d cross = a.cross(b);
@@ -44,19 +43,16 @@ std::optional<GreatCircle> CircleOf(const RigCamera& seen, const ImageSegment& s
 
 }  // namespace
 
-void GreatCircleOptions::Check() const {
-  CheckRange("end_sigma_px", end_sigma_px, 0.05, 5);
-  CheckRange("max_sag_px", max_sag_px, 0.1, 20);
-}
+void GreatCircleOptions::Check() const { CheckFields("circles", *this); }
 
-std::vector<GreatCircle> GreatCirclesOf(const Rig& rig, int camera,
-                                        std::span<const ImageSegment> segments,
-                                        const GreatCircleOptions& options) {
+std::vector<GreatCircle> FindGreatCircles(const Rig& rig, int camera,
+                                          std::span<const ImageSegment> segments,
+                                          const GreatCircleOptions& options) {
   options.Check();
   WS_CHECK(camera >= 0 && camera < static_cast<int>(rig.cameras.size()), "no such camera");
   std::vector<GreatCircle> circles;
   for (const ImageSegment& segment : segments) {
-    auto circle = CircleOf(rig.cameras[camera], segment, options);
+    auto circle = FitCircle(rig.cameras[camera], segment, options);
     if (!circle) continue;
     circle->camera = camera;
     circles.push_back(*circle);

@@ -3,8 +3,10 @@
 
 #include <Eigen/Core>
 #include <span>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/camera/rig.h"
 #include "core/manhattan/segments.h"
 
@@ -23,20 +25,26 @@ struct GreatCircle {
 };
 
 struct GreatCircleOptions {
-  // Standard sigma of a segment's end point across the segment, 0.05 to 5. Higher trusts short
-  // segments less. px
   double end_sigma_px = 0.5;
-  // How far a segment's middle may lie from the great circle of its ends, 0.1 to 20. A segment that
-  // is straight in a distorted image isn't straight in the world. px
   double max_sag_px = 1.0;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"end_sigma_px", &GreatCircleOptions::end_sigma_px, Closed(0.05, 5), "px",
+                    "Standard deviation of a segment's end point across the segment. Higher trusts "
+                    "short segments less."},
+        OptionField{
+            "max_sag_px", &GreatCircleOptions::max_sag_px, Closed(0.1, 20), "px",
+            "How far a segment's middle may lie from the great circle of its ends. A segment "
+            "that is straight in a distorted image isn't straight in the world."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
 // The arcs of one camera's segments. The camera's place in the rig is ignored: directions of lines
 // don't depend on it. Segments whose ends have one ray, and those that sag, are left out.
-std::vector<GreatCircle> GreatCirclesOf(const Rig& rig, int camera,
-                                        std::span<const ImageSegment> segments,
-                                        const GreatCircleOptions& options = {});
+std::vector<GreatCircle> FindGreatCircles(const Rig& rig, int camera,
+                                          std::span<const ImageSegment> segments,
+                                          const GreatCircleOptions& options = {});
 
 }  // namespace waystone

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/base/linear_algebra.h"
+#include "core/geometry/linear_algebra.h"
+#include "core/geometry/rotation.h"
 
 namespace waystone {
 namespace {
@@ -43,7 +44,7 @@ std::array<NormalEquations, 3> LineariseAxes(std::span<const Line> lines,
                                              const ManhattanOptions& options) {
   std::array<NormalEquations, 3> axes;
   for (const Line& line : lines) {
-    const LineSupport best = SupportOf(line, rotation, options);
+    const LineSupport best = ComputeSupport(line, rotation, options);
     if (best.axis < 0) continue;
     const Eigen::Vector3d v = rotation.col(best.axis);
     const LineError error = ErrorOf(line, v, options);
@@ -70,12 +71,6 @@ NormalEquations Linearise(std::span<const Line> lines, const Eigen::Matrix3d& ro
   }
   sum.h += Eigen::Matrix3d::Identity() / kFreeVariance;
   return sum;
-}
-
-Eigen::Matrix3d Exp(const Eigen::Vector3d& w) {
-  const double angle = w.norm();
-  if (angle == 0) return Eigen::Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
 }
 
 }  // namespace
@@ -109,8 +104,8 @@ LineError ErrorOf(const Line& line, const Eigen::Vector3d& direction,
   return {.sigmas = line.normal.dot(direction) / sigma, .sigma = sigma, .say = say};
 }
 
-LineSupport SupportOf(const Line& line, const Eigen::Matrix3d& rig_from_axes,
-                      const ManhattanOptions& options) {
+LineSupport ComputeSupport(const Line& line, const Eigen::Matrix3d& rig_from_axes,
+                           const ManhattanOptions& options) {
   LineSupport best;
   // No line's error can have a larger sigma than this.
   const double bound =
@@ -129,7 +124,7 @@ LineSupport SupportOf(const Line& line, const Eigen::Matrix3d& rig_from_axes,
 double TotalSupport(std::span<const Line> lines, const Eigen::Matrix3d& rig_from_axes,
                     const ManhattanOptions& options) {
   double total = 0;
-  for (const Line& line : lines) total += SupportOf(line, rig_from_axes, options).support;
+  for (const Line& line : lines) total += ComputeSupport(line, rig_from_axes, options).support;
   return total;
 }
 
@@ -139,7 +134,7 @@ RefinedRotation RefineRotation(std::span<const Line> lines, const Eigen::Matrix3
   for (int step = 0; step < options.max_steps; ++step) {
     const NormalEquations sum = Linearise(lines, rotation, options);
     const Eigen::Vector3d w = -SolveSymmetric(sum.h, sum.g);
-    rotation = Exp(w) * rotation;
+    rotation = RotationByVector(w) * rotation;
     if (w.norm() < kArrived) break;
   }
   rotation = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();

@@ -40,8 +40,8 @@ struct LineSupport {
   int axis = -1;
   double support = 0;
 };
-LineSupport SupportOf(const Line& line, const Eigen::Matrix3d& rig_from_axes,
-                      const ManhattanOptions& options);
+LineSupport ComputeSupport(const Line& line, const Eigen::Matrix3d& rig_from_axes,
+                           const ManhattanOptions& options);
 
 // Support of all lines.
 double TotalSupport(std::span<const Line> lines, const Eigen::Matrix3d& rig_from_axes,

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/option_range.h"
 #include "core/base/random.h"
+#include "core/geometry/rotation.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/line_model.h"
 
@@ -144,7 +144,7 @@ ManhattanFrame Describe(std::span<const Line> lines, size_t all_lines,
   frame.covariance = refined.covariance;
   frame.axis_of_line.assign(all_lines, -1);
   for (const Line& line : lines) {
-    const int axis = SupportOf(line, refined.rig_from_axes, options).axis;
+    const int axis = ComputeSupport(line, refined.rig_from_axes, options).axis;
     if (axis < 0) continue;
     frame.axis_of_line[line.index] = axis;
     ++frame.lines[axis];
@@ -155,10 +155,7 @@ ManhattanFrame Describe(std::span<const Line> lines, size_t all_lines,
 
 }  // namespace
 
-double ManhattanFrame::sigma_rad() const {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
-}
+double ManhattanFrame::sigma_rad() const { return WorstAxisSigma(covariance); }
 
 ManhattanFrame FindManhattanFrame(std::span<const GreatCircle> circles,
                                   const ManhattanOptions& options) {
@@ -223,21 +220,7 @@ ManhattanFrame Renumbered(ManhattanFrame frame, const Eigen::Matrix3d& previous)
   return frame;
 }
 
-void ManhattanOptions::Check() const {
-  CheckRange("max_pairs", max_pairs, 10, 100'000);
-  CheckRange("max_lines", max_lines, 10, 10'000);
-  CheckRange("line_sigma_rad", line_sigma_rad, 1e-4, 0.1);
-  CheckRange("axis_sigma_rad", axis_sigma_rad, 0, 0.1);
-  CheckRange("max_deviations", max_sigmas, 1, 10);
-  CheckRange("vote_bin_rad", vote_bin_rad, 0.001, 0.1);
-  CheckRange("refined_frames", refined_frames, 1, 100);
-  CheckRange("max_steps", max_steps, 1, 100);
-  CheckRange("min_second_lines", min_second_lines, 1, 100);
-  CheckRange("min_support", min_support, 0, 1);
-  CheckRange("max_sigma_rad", max_sigma_rad, 1e-4, 1);
-  CheckRange("max_rival", max_rival, 0, 1);
-  CheckRange("rival_angle_rad", rival_angle_rad, 0.01, 0.7);
-}
+void ManhattanOptions::Check() const { CheckFields("manhattan", *this); }
 
 std::string_view NameOf(FrameError error) {
   switch (error) {

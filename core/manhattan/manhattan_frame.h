@@ -6,51 +6,77 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/manhattan/great_circles.h"
 
 namespace waystone {
 
 struct ManhattanOptions {
-  // Pairs of lines whose common direction is tried; all pairs where there are fewer, else pairs
-  // drawn by the lines' lengths, 10 to 100,000. More find weaker frames and cost time in
-  // proportion.
   int max_pairs = 300;
-  // Lines that are looked at, the longest ones, 10 to 10,000. Bounds the time.
   int max_lines = 600;
-  // Standard sigma of the angle between a line of the building and its axis, plus what the
-  // calibration leaves, 1e-4 to 0.1. Higher puts up with crooked buildings and poor calibration and
-  // takes in more lines that belong to no axis. rad
   double line_sigma_rad = 0.003;
-  // Standard sigma of an axis as a whole, shared by all its lines: calibration, distortion, and
-  // directions of a building that aren't quite perpendicular, 0 to 0.1. Higher weighs the axes more
-  // alike and states a larger covariance. rad
   double axis_sigma_rad = 0.008;
-  // How many standard deviations a line of an axis may be off it, 1 to 10. Also the scale of the
-  // final refinement's robust kernel.
   double max_sigmas = 3.0;
-  // Width of the bins in which directions across the first one are counted, 0.001 to 0.1. rad
   double vote_bin_rad = 0.0175;
-  // Best frames of the voting that are refined, 1 to 100.
   int refined_frames = 8;
-  // Refinement steps a frame, 1 to 100.
   int max_steps = 12;
-  // Seed of the pairs.
   uint64_t seed = 1;
-
-  // What a frame needs to be called reliable.
-  // Lines of its second-best axis: a frame needs two directions, 1 to 100.
   int min_second_lines = 4;
-  // Share of the lines' length that its axes explain, 0 to 1.
   double min_support = 0.25;
-  // Largest standard deviation of the rotation about its worst-known direction, 1e-4 to 1. rad
   double max_sigma_rad = 0.02;
-  // Another frame, turned by more than `rival_angle_rad` (0.01 to 0.7), may reach this share of its
-  // support at most, 0 to 1.
   double max_rival = 0.9;
   double rival_angle_rad = 0.09;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{
+            "max_pairs", &ManhattanOptions::max_pairs, Closed(10, 100'000), "",
+            "Pairs of lines whose common direction is tried; all pairs where there are fewer, "
+            "else pairs drawn by the lines' lengths. More find weaker frames and cost time in "
+            "proportion."},
+        OptionField{"max_lines", &ManhattanOptions::max_lines, Closed(10, 10'000), "",
+                    "Lines that are looked at, the longest ones. Bounds the time."},
+        OptionField{
+            "line_sigma_rad", &ManhattanOptions::line_sigma_rad, Closed(1e-4, 0.1), "rad",
+            "Standard deviation of the angle between a line of the building and its axis, plus "
+            "what the calibration leaves. Higher puts up with crooked buildings and poor "
+            "calibration and takes in more lines that belong to no axis."},
+        OptionField{
+            "axis_sigma_rad", &ManhattanOptions::axis_sigma_rad, Closed(0, 0.1), "rad",
+            "Standard deviation of an axis as a whole, shared by all its lines: calibration, "
+            "distortion, and directions of a building that aren't quite perpendicular. Higher "
+            "weighs the axes more alike and states a larger covariance."},
+        OptionField{
+            "max_sigmas", &ManhattanOptions::max_sigmas, Closed(1, 10), "",
+            "How many standard deviations a line of an axis may be off it. Also the scale of "
+            "the final refinement's robust kernel."},
+        OptionField{"vote_bin_rad", &ManhattanOptions::vote_bin_rad, Closed(0.001, 0.1), "rad",
+                    "Width of the bins in which directions across the first one are counted."},
+        OptionField{"refined_frames", &ManhattanOptions::refined_frames, Closed(1, 100), "",
+                    "Best frames of the voting that are refined."},
+        OptionField{"max_steps", &ManhattanOptions::max_steps, Closed(1, 100), "",
+                    "Refinement steps a frame."},
+        OptionField{"seed", &ManhattanOptions::seed, AnyValue(), "", "Seed of the pairs."},
+        OptionField{
+            "min_second_lines", &ManhattanOptions::min_second_lines, Closed(1, 100), "",
+            "Lines of its second-best axis that a frame needs to be called reliable: a frame "
+            "needs two directions."},
+        OptionField{"min_support", &ManhattanOptions::min_support, Closed(0, 1), "",
+                    "Share of the lines' length that the axes of a reliable frame explain."},
+        OptionField{
+            "max_sigma_rad", &ManhattanOptions::max_sigma_rad, Closed(1e-4, 1), "rad",
+            "Largest standard deviation of a reliable frame's rotation about its worst-known "
+            "direction."},
+        OptionField{
+            "max_rival", &ManhattanOptions::max_rival, Closed(0, 1), "",
+            "Share of its support that another frame, turned by more than rival_angle_rad, may "
+            "reach at most."},
+        OptionField{"rival_angle_rad", &ManhattanOptions::rival_angle_rad, Closed(0.01, 0.7), "rad",
+                    "Angle from which on another frame is a rival."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

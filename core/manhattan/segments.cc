@@ -9,7 +9,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "core/manhattan/edge_chains.h"
 #include "core/manhattan/refine_segment.h"
 
@@ -93,6 +92,15 @@ std::string_view NameOf(SegmentDetector detector) {
   return row->name;
 }
 
+void ParseOptionValue(const std::string& path, const std::string& text, SegmentDetector* value) {
+  const auto row = std::ranges::find(kDetectors, text, &NamedDetector::name);
+  if (row == kDetectors.end()) {
+    throw MapError(ErrorCode::kBadOptions,
+                   path + " is '" + text + "'; it must be edge_drawing, canny or lsd");
+  }
+  *value = row->detector;
+}
+
 SegmentDetector SegmentDetectorByName(std::string_view name) {
   const auto row = std::ranges::find(kDetectors, name, &NamedDetector::name);
   if (row != kDetectors.end()) return row->detector;
@@ -100,13 +108,7 @@ SegmentDetector SegmentDetectorByName(std::string_view name) {
                                              "' is unknown; use edge_drawing, canny or lsd");
 }
 
-void SegmentOptions::Check() const {
-  CheckRange("min_length", min_length, 0.005, 0.5);
-  CheckRange("blur_px", blur_px, 0.3, 5);
-  CheckRange("min_gradient", min_gradient, 1, 255);
-  CheckRange("max_bend_px", max_bend_px, 0.3, 5);
-  CheckRange("refine_reach_px", refine_reach_px, 1, 5);
-}
+void SegmentOptions::Check() const { CheckFields("segments", *this); }
 
 std::vector<ImageSegment> DetectSegments(const cv::Mat& grey, const SegmentOptions& options) {
   options.Check();

@@ -4,7 +4,10 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 #include <string_view>
+#include <tuple>
 #include <vector>
+
+#include "core/base/options.h"
 
 namespace waystone {
 
@@ -19,6 +22,8 @@ enum class SegmentDetector {
 std::string_view NameOf(SegmentDetector detector);
 // Throws MapError(kBadOptions) for another name.
 SegmentDetector SegmentDetectorByName(std::string_view name);
+// The same for an option; `path` is its name.
+void ParseOptionValue(const std::string& path, const std::string& text, SegmentDetector* value);
 
 // A straight edge of an image between two points. Pixels, (0, 0) is the centre of the top left one.
 struct ImageSegment {
@@ -30,24 +35,35 @@ struct ImageSegment {
 
 struct SegmentOptions {
   SegmentDetector detector = SegmentDetector::kEdgeDrawing;
-  // Shortest segment that is kept, as a share of the image's longer side, 0.005 to 0.5. Shorter
-  // ones are many and point anywhere; longer ones may be too few.
   double min_length = 0.03;
-  // Standard sigma of the blur before edges are looked for (edge drawing and Canny), 0.3 to 5.
-  // More blur finds fewer, steadier edges. px
   double blur_px = 1.0;
-  // Least gradient of an edge pixel, grey levels a pixel, 1 to 255. Lower finds fainter lines and
-  // more noise. (LSD has its own.)
   int min_gradient = 10;
-  // How far a chain of edge pixels may lie from its straight line, 0.3 to 5. Higher takes slightly
-  // bent edges for straight ones. px
   double max_bend_px = 1.0;
-  // Whether each segment is laid anew along the steepest gradient with sub-pixel precision. Costs
-  // about a tenth of the detection.
   bool refine = true;
-  // How far to both sides the steepest gradient is looked for, 1 to 5. px
   double refine_reach_px = 2.0;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"detector", &SegmentOptions::detector, AnyValue(), "",
+                    "How straight segments are found: edge_drawing, canny or lsd."},
+        OptionField{"min_length", &SegmentOptions::min_length, Closed(0.005, 0.5), "",
+                    "Shortest segment that is kept, as a share of the image's longer side. Shorter "
+                    "ones are many and point anywhere; longer ones may be too few."},
+        OptionField{"blur_px", &SegmentOptions::blur_px, Closed(0.3, 5), "px",
+                    "Standard deviation of the blur before edges are looked for (edge drawing and "
+                    "Canny). More blur finds fewer, steadier edges."},
+        OptionField{"min_gradient", &SegmentOptions::min_gradient, Closed(1, 255), "",
+                    "Least gradient of an edge pixel, in grey levels per pixel. Lower finds "
+                    "fainter lines and more noise. LSD has its own."},
+        OptionField{"max_bend_px", &SegmentOptions::max_bend_px, Closed(0.3, 5), "px",
+                    "How far a chain of edge pixels may lie from its straight line. Higher takes "
+                    "slightly bent edges for straight ones."},
+        OptionField{"refine", &SegmentOptions::refine, AnyValue(), "",
+                    "Whether each segment is laid anew along the steepest gradient with sub-pixel "
+                    "precision. Costs about a tenth of the detection."},
+        OptionField{"refine_reach_px", &SegmentOptions::refine_reach_px, Closed(1, 5), "px",
+                    "How far to both sides the steepest gradient is looked for."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
+#include "core/geometry/angle.h"
 
 namespace waystone {
 namespace {

@@ -9,12 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/linear_algebra.h"
 #include "core/base/option_range.h"
+#include "core/geometry/angle.h"
+#include "core/geometry/linear_algebra.h"
 #include "core/panorama/motion_kernels.h"
+#include "core/robust/median.h"
 
 namespace waystone {
 namespace {
@@ -58,9 +59,7 @@ double MedianMagnitude(const Pixels& residuals, const Pixels& weights, size_t sa
     if (weights[k] > 0) values.push_back(std::abs(residuals[k]));
   }
   WS_CHECK(!values.empty(), "no overlap of two signatures");
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return Median(std::move(values));
 }
 
 // One stage: two images of so many frequencies; b is turned already by what is known of the turn.
@@ -134,7 +133,7 @@ class Stage {
   }
 
   Information Covariance() const {
-    return InverseOfSymmetric(information_) * (sigma_ * sigma_ * options_.correlated_pixels);
+    return InvertSymmetric(information_) * (sigma_ * sigma_ * options_.correlated_pixels);
   }
 
   // How much of a is explained: 1 - weighted squares of residuals over those of a.

@@ -9,11 +9,11 @@
 #include <numbers>
 #include <string>
 
-#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/linear_algebra.h"
 #include "core/base/option_range.h"
+#include "core/geometry/angle.h"
+#include "core/geometry/linear_algebra.h"
 
 namespace waystone {
 namespace {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/option_range.h"
+#include "core/geometry/angle.h"
 #include "core/panorama/warping_kernels.h"
 
 namespace waystone {

@@ -13,7 +13,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -216,12 +215,7 @@ class Optimiser {
 
 }  // namespace
 
-void PoseGraphOptions::Check() const {
-  CheckRange("loop_loss", loop_loss, 0.1, 100);
-  CheckRange("reject_beyond", reject_beyond, 1, 1000);
-  CheckRange("log_scale_deviation", log_scale_sigma, 0.001, 10);
-  CheckRange("max_iterations", max_iterations, 1, 1000);
-}
+void PoseGraphOptions::Check() const { CheckFields("pose_graph", *this); }
 
 PoseGraphResult OptimisePoseGraph(const std::vector<Pose2>& start,
                                   const std::vector<PoseEdge>& edges,

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <tuple>
 #include <vector>
 
-#include "core/base/pose2.h"
+#include "core/base/options.h"
+#include "core/geometry/pose2.h"
 
 namespace waystone {
 
@@ -22,18 +24,26 @@ struct PoseEdge {
 };
 
 struct PoseGraphOptions {
-  // How many sigmas a loop edge may be off before it counts less (Cauchy's loss), 0.1 to 100.
-  // More trusts loops more; fewer bear more wrong ones and need a better start.
   double loop_loss = 3.0;
-  // Loop edges farther off than this after the robust optimisation are taken out, in sigmas, 1
-  // to 1000. 3.4 keeps 99 % of the right ones if their sigmas are right.
   double reject_beyond = 3.4;
-  // Standard sigma of the logarithm of a group's scale around 0, 0.001 to 10: without it a
-  // graph whose groups nothing ties to metres would shrink to a point.
   double log_scale_sigma = 0.5;
-  // Steps of each optimisation, 1 to 1000.
   int max_iterations = 100;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"loop_loss", &PoseGraphOptions::loop_loss, Closed(0.1, 100), "",
+                    "How many sigmas a loop edge may be off before it counts less (Cauchy's loss). "
+                    "More trusts loops more; fewer bear more wrong ones and need a better start."},
+        OptionField{
+            "reject_beyond", &PoseGraphOptions::reject_beyond, Closed(1, 1000), "",
+            "Loop edges farther off than this after the robust optimisation are taken out, in "
+            "sigmas. 3.4 keeps 99 % of the right ones if their sigmas are right."},
+        OptionField{"log_scale_sigma", &PoseGraphOptions::log_scale_sigma, Closed(0.001, 10), "",
+                    "Standard deviation of the logarithm of a group's scale around 0: without it a "
+                    "graph whose groups nothing ties to metres would shrink to a point."},
+        OptionField{"max_iterations", &PoseGraphOptions::max_iterations, Closed(1, 1000), "",
+                    "Steps of each optimisation."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -83,7 +83,7 @@ Grouped GroupByList(const std::vector<uint16_t>& lists, int list_count) {
 }
 
 // Mean of the members, rounded.
-void MeanOf(const Descriptors& rows, std::span<const int> members, uint8_t* centre) {
+void ComputeMean(const Descriptors& rows, std::span<const int> members, uint8_t* centre) {
   std::vector<int64_t> sums(rows.bytes(), 0);
   for (const int member : members) {
     const uint8_t* row = rows.row(member);
@@ -96,7 +96,7 @@ void MeanOf(const Descriptors& rows, std::span<const int> members, uint8_t* cent
 }
 
 // Each bit as most members have it (k-majority, which is k-means for Hamming distances).
-void MajorityOf(const Descriptors& rows, std::span<const int> members, uint8_t* centre) {
+void ComputeMajority(const Descriptors& rows, std::span<const int> members, uint8_t* centre) {
   std::vector<size_t> ones(static_cast<size_t>(rows.bytes()) * 8, 0);
   for (const int member : members) {
     const uint8_t* row = rows.row(member);
@@ -110,8 +110,8 @@ void MajorityOf(const Descriptors& rows, std::span<const int> members, uint8_t* 
 
 // Centres of the lists that `lists` sorts the rows into. A list that has lost all its rows starts
 // anew from one drawn at random.
-Descriptors CentresOf(const Descriptors& rows, FeatureType type, int list_count,
-                      const std::vector<uint16_t>& lists, Random& random) {
+Descriptors LearnCentres(const Descriptors& rows, FeatureType type, int list_count,
+                         const std::vector<uint16_t>& lists, Random& random) {
   const Grouped grouped = GroupByList(lists, list_count);
   std::vector<uint8_t> data(static_cast<size_t>(list_count) * rows.bytes());
   for (int list = 0; list < list_count; ++list) {
@@ -121,9 +121,9 @@ Descriptors CentresOf(const Descriptors& rows, FeatureType type, int list_count,
     if (members.empty()) {
       std::copy_n(rows.row(random.Below(rows.rows())), rows.bytes(), centre);
     } else if (type == FeatureType::kSift) {
-      MeanOf(rows, members, centre);
+      ComputeMean(rows, members, centre);
     } else {
-      MajorityOf(rows, members, centre);
+      ComputeMajority(rows, members, centre);
     }
   }
   return {rows.bytes(), std::move(data)};
@@ -131,13 +131,7 @@ Descriptors CentresOf(const Descriptors& rows, FeatureType type, int list_count,
 
 }  // namespace
 
-void InvertedFileOptions::Check() const {
-  const bool good = min_rows >= 1 && lists_per_root > 0 && lists_per_root <= 100 &&
-                    training_rows >= 1 && rounds >= 0;
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions, "search index: option out of range; use the defaults");
-  }
-}
+void InvertedFileOptions::Check() const { CheckFields("index", *this); }
 
 int ListCount(int64_t rows, const InvertedFileOptions& options) {
   if (rows < options.min_rows) return 0;
@@ -162,7 +156,7 @@ InvertedFile BuildInvertedFile(DescriptorsView rows, FeatureType type,
       Descriptors(rows.bytes, {first, first + static_cast<ptrdiff_t>(list_count) * rows.bytes});
   for (int round = 0; round < options.rounds; ++round) {
     const std::vector<uint16_t> lists = Assign(file.centres, type, sample);
-    file.centres = CentresOf(sample, type, list_count, lists, random);
+    file.centres = LearnCentres(sample, type, list_count, lists, random);
   }
   file.list_of_row = Assign(file.centres, type, rows);
   return file;

@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/features/features.h"
 
 namespace waystone {
@@ -20,18 +22,30 @@ struct InvertedFile {
 };
 
 struct InvertedFileOptions {
-  // Fewer rows than this are searched one by one: that takes hardly longer and finds everything.
   int min_rows = 8192;
-  // Lists for n rows: this times the square root of n, to the nearest power of two. More are
-  // shorter, and cost time to choose among. At most 2^15 lists.
   double lists_per_root = 4.0;
-  // Rows a list that the centres are learnt from. More follow the rows better and take longer.
   int training_rows = 48;
-  // Rounds of k-means.
   int rounds = 8;
-  // Seed of the choice of training rows: the same rows and options give the same file.
   uint64_t seed = 1;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{
+            "min_rows", &InvertedFileOptions::min_rows, AtLeast(1), "",
+            "Fewer rows than this are searched one by one: that takes hardly longer and finds "
+            "everything."},
+        OptionField{
+            "lists_per_root", &InvertedFileOptions::lists_per_root, OpenLow(0, 100), "",
+            "Lists for n rows: this times the square root of n, to the nearest power of two. "
+            "More are shorter, and cost time to choose among. At most 2^15 lists."},
+        OptionField{"training_rows", &InvertedFileOptions::training_rows, AtLeast(1), "",
+                    "Rows a list that the centres are learnt from. More follow the rows better and "
+                    "take longer."},
+        OptionField{"rounds", &InvertedFileOptions::rounds, AtLeast(0), "", "Rounds of k-means."},
+        OptionField{
+            "seed", &InvertedFileOptions::seed, AnyValue(), "",
+            "Seed of the choice of training rows: the same rows and options give the same file."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -69,11 +69,7 @@ void AddRelativeError(const Trajectory& estimate, const Trajectory& truth, const
 
 }  // namespace
 
-void AssociationOptions::Check() const {
-  if (max_difference_s > 0 && std::isfinite(max_difference_s)) return;
-  throw MapError(ErrorCode::kBadOptions, "max_difference_s is " + std::to_string(max_difference_s) +
-                                             "; it must be positive");
-}
+void AssociationOptions::Check() const { CheckFields("association", *this); }
 
 Pairs Associate(const Trajectory& estimate, const Trajectory& truth,
                 const AssociationOptions& options) {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "core/base/pose2.h"
+#include "core/base/options.h"
+#include "core/geometry/pose2.h"
 #include "core/trajectory/shape_difference.h"
 
 namespace waystone {
@@ -18,10 +20,14 @@ struct Trajectory {
 };
 
 struct AssociationOptions {
-  // Time stamps of one moment differ by at most this, s, above 0. More pairs more and blurs fast
-  // motion.
   double max_difference_s = 0.02;
 
+  static constexpr auto Fields() {
+    return std::tuple{OptionField{
+        "max_difference_s", &AssociationOptions::max_difference_s, OpenLow(0, 1e9), "s",
+        "Time stamps of one moment differ by at most this. More pairs more and blurs fast "
+        "motion."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -6,7 +6,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -46,11 +45,7 @@ void Append(BearingFeatures& all, const RigCamera& seen, int camera, const Featu
 
 }  // namespace
 
-void BearingFeatureOptions::Check() const {
-  features.Check();
-  CheckRange("buckets", buckets, 1, 64);
-  CheckRange("max_kept", max_kept, 10, 100'000);
-}
+void BearingFeatureOptions::Check() const { CheckFields("bearings", *this); }
 
 BearingFeatures ExtractBearings(const Rig& rig, std::span<const cv::Mat> images,
                                 const BearingFeatureOptions& options) {

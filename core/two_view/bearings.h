@@ -4,8 +4,10 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 #include <span>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/camera/rig.h"
 #include "core/features/features.h"
 #include "core/features/match.h"
@@ -13,15 +15,23 @@
 namespace waystone {
 
 struct BearingFeatureOptions {
-  // The detector of each image; SIFT by default (sec. III-C).
   FeatureOptions features{.max_features = 1500};
-  // Each image is divided into this many cells along its longer side, 1 to 64, of which each keeps
-  // as many of its strongest features as the cells share: features spread over the whole view
-  // (the bucketing of sec. III-C) instead of crowding on what is best textured.
   int buckets = 8;
-  // Features kept per image, 10 to 100,000. More give more matches and cost time with their square.
   int max_kept = 500;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionGroup{"features", &BearingFeatureOptions::features},
+        OptionField{
+            "buckets", &BearingFeatureOptions::buckets, Closed(1, 64), "",
+            "Each image is divided into this many cells along its longer side, of which each "
+            "keeps as many of its strongest features as the cells share: features spread over "
+            "the whole view (the bucketing of sec. III-C) instead of crowding on what is best "
+            "textured."},
+        OptionField{
+            "max_kept", &BearingFeatureOptions::max_kept, Closed(10, 100'000), "",
+            "Features kept per image. More give more matches and cost time with their square."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -71,7 +71,7 @@ std::vector<Eigen::Matrix3d> SolveFivePoints(const Rays& a, const Rays& b) {
   return solutions;
 }
 
-std::array<Motion, 4> MotionsOf(const Eigen::Matrix3d& essential) {
+std::array<Motion, 4> DecomposeEssential(const Eigen::Matrix3d& essential) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(essential, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d u = svd.matrixU();
   Eigen::Matrix3d v = svd.matrixV();

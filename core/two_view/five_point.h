@@ -18,6 +18,6 @@ struct Motion {
   Eigen::Matrix3d b_from_a;
   Eigen::Vector3d translation;
 };
-std::array<Motion, 4> MotionsOf(const Eigen::Matrix3d& essential);
+std::array<Motion, 4> DecomposeEssential(const Eigen::Matrix3d& essential);
 
 }  // namespace waystone

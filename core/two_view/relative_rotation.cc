@@ -6,9 +6,12 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/linear_algebra.h"
-#include "core/base/option_range.h"
 #include "core/base/random.h"
+#include "core/geometry/decompose_homography.h"
+#include "core/geometry/linear_algebra.h"
+#include "core/geometry/rotation.h"
+#include "core/robust/lo_ransac.h"
+#include "core/two_view/epipolar.h"
 #include "core/two_view/five_point.h"
 
 namespace waystone {
@@ -23,26 +26,7 @@ constexpr int kLocalRounds = 3;
 // A translation that the rays leave free has this variance (its direction is a unit vector).
 constexpr double kFreeVariance = 1.0;
 
-using Vector5d = Eigen::Matrix<double, 5, 1>;
 using Matrix5d = Eigen::Matrix<double, 5, 5>;
-
-// x_b^T E x_a and what it is divided by: E x_a and E^T x_b say how it grows when a ray moves.
-double ErrorOf(const Eigen::Matrix3d& e, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  const Eigen::Vector3d ea = e * a;
-  const Eigen::Vector3d eb = e.transpose() * b;
-  const double scale = std::sqrt(ea.squaredNorm() + eb.squaredNorm());
-  return std::abs(b.dot(ea)) / std::max(scale, kTiny);
-}
-
-Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& t) {
-  Eigen::Matrix3d cross;
-  cross << 0, -t.z(), t.y(), t.z(), 0, -t.x(), -t.y(), t.x(), 0;
-  return cross;
-}
-
-Eigen::Matrix3d EssentialOf(const Motion& motion) {
-  return CrossMatrix(motion.translation) * motion.b_from_a;
-}
 
 // Whether the point that both rays see lies ahead on both, or so far away that it can't be told.
 bool Ahead(const Motion& motion, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
@@ -55,10 +39,10 @@ bool Ahead(const Motion& motion, const Eigen::Vector3d& a, const Eigen::Vector3d
          motion.translation.cross(ra).dot(parallax) < 0;
 }
 
-double ScoreOf(const MatchedRays& rays, const Eigen::Matrix3d& e, double max_error) {
+double ScoreEssential(const MatchedRays& rays, const Eigen::Matrix3d& e, double max_error) {
   double score = 0;
   for (int i = 0; i < rays.size(); ++i) {
-    const double ratio = ErrorOf(e, rays.a[i], rays.b[i]) / max_error;
+    const double ratio = EpipolarError(e, rays.a[i], rays.b[i]) / max_error;
     score += std::max(0.0, 1 - ratio * ratio);
   }
   return score;
@@ -70,11 +54,11 @@ struct Fit {
   double score = 0;
 };
 
-Fit FitOf(const MatchedRays& rays, const Motion& motion, double max_error) {
+Fit EvaluateMotion(const MatchedRays& rays, const Motion& motion, double max_error) {
   Fit fit{.motion = motion, .inliers = {}};
-  const Eigen::Matrix3d e = EssentialOf(motion);
+  const Eigen::Matrix3d e = EssentialMatrix(motion);
   for (int i = 0; i < rays.size(); ++i) {
-    const double ratio = ErrorOf(e, rays.a[i], rays.b[i]) / max_error;
+    const double ratio = EpipolarError(e, rays.a[i], rays.b[i]) / max_error;
     if (!(ratio < 1) || !Ahead(motion, rays.a[i], rays.b[i], max_error)) continue;
     fit.inliers.push_back(i);
     fit.score += 1 - ratio * ratio;
@@ -90,22 +74,13 @@ struct Equations {
   double weight = 0;
 };
 
-// With n = x_b^T [t]x R x_a: dn/dw = R x_a x (x_b x t), dn/dt = R x_a x x_b; the divisor is kept.
 // Cauchy's kernel at half the largest error.
 Equations Linearise(const MatchedRays& rays, const std::vector<int>& rows, const Motion& motion,
                     const Eigen::Matrix<double, 3, 2>& basis, double max_error) {
   Equations sum;
-  const Eigen::Matrix3d e = EssentialOf(motion);
+  const Eigen::Matrix3d e = EssentialMatrix(motion);
   for (const int i : rows) {
-    const Eigen::Vector3d& b = rays.b[i];
-    const Eigen::Vector3d ra = motion.b_from_a * rays.a[i];
-    const Eigen::Vector3d ea = e * rays.a[i];
-    const double scale =
-        std::max(std::sqrt(ea.squaredNorm() + (e.transpose() * b).squaredNorm()), kTiny);
-    const double error = b.dot(ea) / scale;
-    Vector5d j;
-    j << ra.cross(b.cross(motion.translation)), basis.transpose() * ra.cross(b);
-    j /= scale;
+    const auto [error, j] = LineariseEpipolar(motion, e, basis, rays.a[i], rays.b[i]);
     const double ratio = 2 * error / max_error;
     const double weight = 1 / (1 + ratio * ratio);
     sum.h += weight * j * j.transpose();
@@ -114,13 +89,6 @@ Equations Linearise(const MatchedRays& rays, const std::vector<int>& rows, const
     sum.weight += weight;
   }
   return sum;
-}
-
-Eigen::Matrix<double, 3, 2> TangentBasis(const Eigen::Vector3d& t) {
-  Eigen::Matrix<double, 3, 2> basis;
-  basis.col(0) = t.unitOrthogonal();
-  basis.col(1) = t.cross(basis.col(0));
-  return basis;
 }
 
 // What keeps a free translation from making the equations singular, in the errors' unit.
@@ -135,11 +103,7 @@ Motion Refine(const MatchedRays& rays, const std::vector<int>& rows, Motion moti
     const Equations sum = Linearise(rays, rows, motion, basis, options.max_error_rad);
     const Vector5d x = -SolveSymmetric(sum.h + Damping(options.max_error_rad), sum.g);
     if (!x.allFinite()) break;
-    const double angle = x.head<3>().norm();
-    if (angle > 0) {
-      const Eigen::AngleAxisd turn(angle, x.head<3>() / angle);
-      motion.b_from_a = turn.toRotationMatrix() * motion.b_from_a;
-    }
+    motion.b_from_a = RotationByVector(x.head<3>()) * motion.b_from_a;
     motion.translation = (motion.translation + basis * x.tail<2>()).normalized();
     if (x.norm() < kArrived) break;
   }
@@ -152,7 +116,7 @@ Fit LocalOptimize(const MatchedRays& rays, Fit fit, const RelativeOptions& optio
   for (int round = 0; round < kLocalRounds; ++round) {
     if (static_cast<int>(fit.inliers.size()) < kSample) break;
     const Motion better = Refine(rays, fit.inliers, fit.motion, options);
-    Fit next = FitOf(rays, better, options.max_error_rad);
+    Fit next = EvaluateMotion(rays, better, options.max_error_rad);
     if (next.score <= fit.score) break;
     fit = std::move(next);
   }
@@ -161,35 +125,66 @@ Fit LocalOptimize(const MatchedRays& rays, Fit fit, const RelativeOptions& optio
 
 Fit BestMotion(const MatchedRays& rays, const Eigen::Matrix3d& essential, double max_error) {
   Fit best;
-  for (const Motion& motion : MotionsOf(essential)) {
-    Fit fit = FitOf(rays, motion, max_error);
+  for (const Motion& motion : DecomposeEssential(essential)) {
+    Fit fit = EvaluateMotion(rays, motion, max_error);
     if (fit.score > best.score) best = std::move(fit);
   }
   return best;
 }
 
-// Samples so that with the wanted confidence one is made of inliers alone.
-double SamplesFor(double inlier_share, double confidence) {
-  const double good = std::pow(inlier_share, kSample);
-  if (good >= 1) return 1;
-  return good > 0 ? std::log(1 - confidence) / std::log1p(-good) : INFINITY;
-}
+using RaySample = std::array<int, kSample>;
 
-std::vector<Eigen::Matrix3d> Sampled(const MatchedRays& rays, Random& random) {
-  std::array<int, kSample> rows;
-  for (int i = 0; i < kSample; ++i) {
-    do {
-      rows[i] = random.Below(rays.size());
-    } while (std::find(rows.begin(), rows.begin() + i, rows[i]) != rows.begin() + i);
+// Five different rows, for RunLoRansac.
+class RaySampler {
+ public:
+  explicit RaySampler(int rows) : rows_(rows) {}
+
+  std::optional<RaySample> Draw(Random& random) const {
+    RaySample sample;
+    for (int i = 0; i < kSample; ++i) {
+      do {
+        sample[i] = random.Below(rows_);
+      } while (std::find(sample.begin(), sample.begin() + i, sample[i]) != sample.begin() + i);
+    }
+    return sample;
   }
-  std::array<Eigen::Vector3d, kSample> a;
-  std::array<Eigen::Vector3d, kSample> b;
-  for (int i = 0; i < kSample; ++i) {
-    a[i] = rays.a[rows[i]];
-    b[i] = rays.b[rows[i]];
+
+ private:
+  int rows_;
+};
+
+// Essential matrices of five rays, of which the best motion is refined, for RunLoRansac.
+class MotionEstimator {
+ public:
+  MotionEstimator(const MatchedRays& rays, const RelativeOptions& options)
+      : rays_(rays), options_(options) {}
+
+  std::vector<Eigen::Matrix3d> Estimate(const RaySample& sample) const {
+    std::array<Eigen::Vector3d, kSample> a;
+    std::array<Eigen::Vector3d, kSample> b;
+    for (int i = 0; i < kSample; ++i) {
+      a[i] = rays_.a[sample[i]];
+      b[i] = rays_.b[sample[i]];
+    }
+    return SolveFivePoints(a, b);
   }
-  return SolveFivePoints(a, b);
-}
+
+  double Score(const Eigen::Matrix3d& essential) const {
+    return ScoreEssential(rays_, essential, options_.max_error_rad);
+  }
+
+  Fit Refine(const Eigen::Matrix3d& essential) const {
+    return LocalOptimize(rays_, BestMotion(rays_, essential, options_.max_error_rad), options_);
+  }
+
+  double SampleProbability(const Fit& fit) const {
+    return std::pow(static_cast<double>(fit.inliers.size()) / rays_.size(), kSample);
+  }
+
+ private:
+  const MatchedRays& rays_;
+  const RelativeOptions& options_;
+};
 
 // Bound on the chance that `inliers` of `matches` unrelated ones fit some of the motions tried
 // (Chernoff's for the binomial tail). A ray lies within e of a given plane with chance sin e.
@@ -207,19 +202,18 @@ double Log10Chance(int matches, int inliers, double max_error, int samples) {
 
 // The errors' variance is measured, but no better than a hundredth of the bound: with few inliers
 // they may fit by accident.
-Eigen::Matrix3d CovarianceOf(const MatchedRays& rays, const Fit& fit, double max_error) {
+Eigen::Matrix3d EstimateCovariance(const MatchedRays& rays, const Fit& fit, double max_error) {
   const Equations sum =
       Linearise(rays, fit.inliers, fit.motion, TangentBasis(fit.motion.translation), max_error);
   const double freedom = std::max(1.0, sum.weight - kSample);
   const double variance = std::max(sum.error2 / freedom, 1e-4 * max_error * max_error);
-  const Matrix5d inverse =
-      InverseOfSymmetric(sum.h + variance / kFreeVariance * Matrix5d::Identity());
+  const Matrix5d inverse = InvertSymmetric(sum.h + variance / kFreeVariance * Matrix5d::Identity());
   return variance * inverse.topLeftCorner<3, 3>();
 }
 
 // The matrix that takes rays of a plane to each other, b ~ H a, by the direct linear transform over
-// these rows; its middle singular value is 1 and its sign that of points ahead.
-Eigen::Matrix3d PlaneOf(const MatchedRays& rays, const std::vector<int>& rows) {
+// these rows; its sign is that of points ahead.
+Eigen::Matrix3d FitPlaneHomography(const MatchedRays& rays, const std::vector<int>& rows) {
   Eigen::Matrix<double, 9, 9> sum = Eigen::Matrix<double, 9, 9>::Zero();
   for (const int i : rows) {
     const Eigen::Matrix3d cross = CrossMatrix(rays.b[i]);
@@ -227,57 +221,34 @@ Eigen::Matrix3d PlaneOf(const MatchedRays& rays, const std::vector<int>& rows) {
     for (int k = 0; k < 3; ++k) j.middleCols<3>(3 * k) = rays.a[i](k) * cross;
     sum += j.transpose() * j;
   }
-  const Eigen::MatrixXd vectors = EigenOfSymmetric(sum).vectors;
+  const Eigen::MatrixXd vectors = DecomposeSymmetric(sum).vectors;
   const Eigen::Matrix3d h = Eigen::Map<const Eigen::Matrix3d>(vectors.data());
   double ahead = 0;
   for (const int i : rows) ahead += rays.b[i].dot(h * rays.a[i]);
-  const double middle = Eigen::JacobiSVD<Eigen::Matrix3d>(h).singularValues()(1);
-  return h * ((ahead < 0 ? -1 : 1) / std::max(middle, kTiny));
-}
-
-// H = R + t n^T of a plane by its singular values (Faugeras and Lustman 1988, in the form of Ma et
-// al. 2004): with H^T H = V diag(s1^2, 1, s3^2) V^T the vectors u of unit length that H keeps as
-// long span two planes, and R maps (v2, u, v2 x u) to (H v2, H u, H v2 x H u).
-std::vector<Motion> MotionsOfPlane(const Eigen::Matrix3d& h) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(h.transpose() * h);
-  const double s3 = solver.eigenvalues()(0);
-  const double s1 = solver.eigenvalues()(2);
-  if (s1 - s3 < kTiny || s1 < 1 || s3 > 1) return {};
-  const Eigen::Vector3d v1 = solver.eigenvectors().col(2);
-  const Eigen::Vector3d v2 = solver.eigenvectors().col(1);
-  const Eigen::Vector3d v3 = solver.eigenvectors().col(0);
-  std::vector<Motion> motions;
-  for (const int sign : {1, -1}) {
-    const Eigen::Vector3d u =
-        (std::sqrt(1 - s3) * v1 + sign * std::sqrt(s1 - 1) * v3) / std::sqrt(s1 - s3);
-    Eigen::Matrix3d from;
-    from << v2, u, v2.cross(u);
-    Eigen::Matrix3d to;
-    to << h * v2, h * u, (h * v2).cross(h * u);
-    const Eigen::Matrix3d r = to * from.transpose();
-    const Eigen::Vector3d t = (h - r) * v2.cross(u);
-    if (t.norm() < kTiny) continue;
-    for (const int trajectory : {1, -1}) motions.push_back({r, trajectory * t.normalized()});
-  }
-  return motions;
+  return ahead < 0 ? Eigen::Matrix3d(-h) : h;
 }
 
 // The other motion that the inliers' plane allows, where it explains them as well.
-std::optional<RelativePose::Rival> RivalOf(const MatchedRays& rays, const Fit& best,
-                                           const RelativeOptions& options) {
+std::optional<RelativePose::Rival> FindRival(const MatchedRays& rays, const Fit& best,
+                                             const RelativeOptions& options) {
   std::optional<RelativePose::Rival> rival;
   double most = options.max_rival * best.score;
-  for (const Motion& motion : MotionsOfPlane(PlaneOf(rays, best.inliers))) {
-    const Fit fit = LocalOptimize(rays, FitOf(rays, motion, options.max_error_rad), options);
-    const Eigen::AngleAxisd turned(fit.motion.b_from_a * best.motion.b_from_a.transpose());
-    if (fit.score < most || turned.angle() < options.rival_angle_rad) continue;
-    most = fit.score;
-    rival = {fit.motion.b_from_a, fit.motion.translation};
+  for (const PlaneMotion& plane : DecomposeHomography(FitPlaneHomography(rays, best.inliers))) {
+    if (plane.translation.norm() < kTiny) continue;
+    for (const int sign : {1, -1}) {
+      const Motion motion{plane.b_from_a, sign * plane.translation.normalized()};
+      const Fit fit =
+          LocalOptimize(rays, EvaluateMotion(rays, motion, options.max_error_rad), options);
+      const Eigen::AngleAxisd turned(fit.motion.b_from_a * best.motion.b_from_a.transpose());
+      if (fit.score < most || turned.angle() < options.rival_angle_rad) continue;
+      most = fit.score;
+      rival = {fit.motion.b_from_a, fit.motion.translation};
+    }
   }
   return rival;
 }
 
-RelativeError ErrorOf(const RelativePose& pose, const RelativeOptions& options) {
+RelativeError JudgePose(const RelativePose& pose, const RelativeOptions& options) {
   if (static_cast<int>(pose.inliers.size()) < options.min_inliers) {
     return RelativeError::kFewInliers;
   }
@@ -289,18 +260,7 @@ RelativeError ErrorOf(const RelativePose& pose, const RelativeOptions& options) 
 
 }  // namespace
 
-void RelativeOptions::Check() const {
-  CheckRange("max_error_rad", max_error_rad, 1e-5, 0.1);
-  CheckRange("confidence", confidence, 0.5, 0.999999);
-  CheckRange("max_samples", max_samples, 1, 100'000);
-  CheckRange("min_samples", min_samples, 1, 100'000);
-  CheckRange("max_steps", max_steps, 1, 100);
-  CheckRange("min_inliers", min_inliers, kSample, 10'000);
-  CheckRange("max_log10_chance", max_log10_chance, -300, 0);
-  CheckRange("max_sigma_rad", max_sigma_rad, 1e-5, 1);
-  CheckRange("max_rival", max_rival, 0.5, 1);
-  CheckRange("rival_angle_rad", rival_angle_rad, 0.001, 1);
-}
+void RelativeOptions::Check() const { CheckFields("relative", *this); }
 
 std::string_view NameOf(RelativeError error) {
   switch (error) {
@@ -317,46 +277,36 @@ std::string_view NameOf(RelativeError error) {
   }
 }
 
-double RelativePose::sigma_rad() const {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
-}
+double RelativePose::sigma_rad() const { return WorstAxisSigma(covariance); }
 
 double EpipolarError(const Eigen::Matrix3d& b_from_a, const Eigen::Vector3d& translation,
                      const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return ErrorOf(EssentialOf({b_from_a, translation}), a, b);
+  return EpipolarError(EssentialMatrix({b_from_a, translation}), a, b);
 }
 
 RelativePose FindRelativePose(const MatchedRays& rays, const RelativeOptions& options) {
   options.Check();
   RelativePose pose;
   if (rays.size() < options.min_inliers) return pose;
+  RaySampler sampler(rays.size());
   Random random(options.seed);
-  Fit best;
-  double needed = options.max_samples;
-  while (pose.samples < std::max<double>(needed, options.min_samples) &&
-         pose.samples < options.max_samples) {
-    ++pose.samples;
-    for (const Eigen::Matrix3d& e : Sampled(rays, random)) {
-      if (ScoreOf(rays, e, options.max_error_rad) <= best.score) continue;
-      Fit fit = LocalOptimize(rays, BestMotion(rays, e, options.max_error_rad), options);
-      if (fit.score <= best.score) continue;
-      best = std::move(fit);
-      needed =
-          SamplesFor(static_cast<double>(best.inliers.size()) / rays.size(), options.confidence);
-    }
-  }
+  const auto [best, samples] = RunLoRansac(sampler, MotionEstimator(rays, options),
+                                           {.confidence = options.confidence,
+                                            .max_samples = options.max_samples,
+                                            .min_samples = options.min_samples},
+                                           random);
+  pose.samples = samples;
   if (best.inliers.empty()) return pose;
   pose.b_from_a = best.motion.b_from_a;
   pose.translation = best.motion.translation;
   pose.inliers = best.inliers;
   pose.log10_chance = Log10Chance(rays.size(), static_cast<int>(best.inliers.size()),
                                   options.max_error_rad, pose.samples);
-  pose.covariance = CovarianceOf(rays, best, options.max_error_rad);
+  pose.covariance = EstimateCovariance(rays, best, options.max_error_rad);
   if (static_cast<int>(best.inliers.size()) >= options.min_inliers) {
-    pose.rival = RivalOf(rays, best, options);
+    pose.rival = FindRival(rays, best, options);
   }
-  pose.error = ErrorOf(pose, options);
+  pose.error = JudgePose(pose, options);
   return pose;
 }
 

@@ -6,37 +6,57 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/two_view/bearings.h"
 
 namespace waystone {
 
 struct RelativeOptions {
-  // Largest error of an inlier (EpipolarError), 1e-5 to 0.1. Higher accepts blurred and
-  // badly calibrated images, and more wrong matches. rad
   double max_error_rad = 0.003;
-  // Probability that one sample at least is made of inliers alone, 0.5 to 0.999999.
   double confidence = 0.999;
-  // Samples at most and at least, 1 to 100,000. The first bounds the time.
   int max_samples = 600;
   int min_samples = 30;
-  // Refinement steps, 1 to 100.
   int max_steps = 15;
-  // Correspondences that the rotation needs, 5 to 10,000; the paper asks for 10 (sec. III-C).
   int min_inliers = 10;
-  // Chance that matches without any truth would have given as many inliers, as a power of ten, -300
-  // to 0. Lower refuses more. Among many wrong matches some lie on epipolar planes by accident.
   double max_log10_chance = -6.0;
-  // Largest standard deviation of the rotation about its worst-known direction, 1e-5 to 1. rad
   double max_sigma_rad = 0.01;
-  // A plane allows two motions. The other one counts where it explains this share of what the best
-  // motion explains, 0.5 to 1, and is turned against it by this angle, 0.001 to 1. Lower calls more
-  // poses ambiguous.
   double max_rival = 0.9;
   double rival_angle_rad = 0.01;
-  uint64_t seed = 1;  // of the samples
+  uint64_t seed = 1;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"max_error_rad", &RelativeOptions::max_error_rad, Closed(1e-5, 0.1), "rad",
+                    "Largest error of an inlier (EpipolarError). Higher accepts blurred and badly "
+                    "calibrated images, and more wrong matches."},
+        OptionField{"confidence", &RelativeOptions::confidence, Closed(0.5, 0.999999), "",
+                    "Probability that one sample at least is made of inliers alone."},
+        OptionField{"max_samples", &RelativeOptions::max_samples, Closed(1, 100'000), "",
+                    "Samples at most. Bounds the time."},
+        OptionField{"min_samples", &RelativeOptions::min_samples, Closed(1, 100'000), "",
+                    "Samples at least."},
+        OptionField{"max_steps", &RelativeOptions::max_steps, Closed(1, 100), "",
+                    "Refinement steps."},
+        OptionField{"min_inliers", &RelativeOptions::min_inliers, Closed(5, 10'000), "",
+                    "Correspondences that the rotation needs; the paper asks for 10 (sec. III-C)."},
+        OptionField{
+            "max_log10_chance", &RelativeOptions::max_log10_chance, Closed(-300, 0), "",
+            "Chance that matches without any truth would have given as many inliers, as a "
+            "power of ten. Lower refuses more. Among many wrong matches some lie on epipolar "
+            "planes by accident."},
+        OptionField{"max_sigma_rad", &RelativeOptions::max_sigma_rad, Closed(1e-5, 1), "rad",
+                    "Largest standard deviation of the rotation about its worst-known direction."},
+        OptionField{
+            "max_rival", &RelativeOptions::max_rival, Closed(0.5, 1), "",
+            "A plane allows two motions. The other one counts where it explains this share of "
+            "what the best motion explains. Lower calls more poses ambiguous."},
+        OptionField{"rival_angle_rad", &RelativeOptions::rival_angle_rad, Closed(0.001, 1), "rad",
+                    "Angle between the two motions from which on the other one counts."},
+        OptionField{"seed", &RelativeOptions::seed, AnyValue(), "", "Seed of the samples."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

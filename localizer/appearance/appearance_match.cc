@@ -6,7 +6,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "core/base/linear_algebra.h"
+#include "core/geometry/linear_algebra.h"
+#include "core/robust/median.h"
 
 namespace waystone {
 namespace {
@@ -34,9 +35,7 @@ double MedianParallax(const MatchedRays& rays, const RelativePose& pose) {
     const double cosine = (pose.b_from_a * rays.a[i]).dot(rays.b[i]);
     angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
   }
-  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-  std::ranges::nth_element(angles, middle);
-  return *middle;
+  return Median(std::move(angles));
 }
 
 // Heading and direction of the query from the motion x_query = R x_node + t. Azimuths are clockwise
@@ -199,7 +198,7 @@ PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& n
     pull += weights * PositionOf(NodeAt(index, compared.node));
   }
   const Eigen::Vector2d position = SolveSymmetric(information, pull);
-  const double least = EigenOfSymmetric(information).values(0);
+  const double least = DecomposeSymmetric(information).values(0);
   return {{position.x(), position.y(), best.heading_rad}, 1 / std::sqrt(least)};
 }
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/base/pose2.h"
+#include "core/geometry/pose2.h"
 #include "core/panorama/visual_compass.h"
 #include "core/two_view/bearings.h"
 #include "localizer/appearance/panorama_query_options.h"

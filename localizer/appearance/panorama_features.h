@@ -16,11 +16,13 @@ struct PanoramaFeatureOptions {
   double face_width = 0.318;
 
   static constexpr auto Fields() {
-    return std::tuple{OptionField{
-        "face_width", &PanoramaFeatureOptions::face_width, Closed(0.05, 1), "",
-        "Width of a face over that of the panorama. A face spans a quarter of the "
-        "circle; at 1 / pi its middle has the panorama's own resolution. Less is faster "
-        "and finds less."}};
+    return std::tuple{
+        OptionGroup{"bearings", &PanoramaFeatureOptions::bearings},
+        OptionField{
+            "face_width", &PanoramaFeatureOptions::face_width, Closed(0.05, 1), "",
+            "Width of a face over that of the panorama. A face spans a quarter of the "
+            "circle; at 1 / pi its middle has the panorama's own resolution. Less is faster "
+            "and finds less."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -67,6 +67,7 @@ struct PanoramaQueryOptions {
                     "all. Lower answers faster and trusts the appearance more."},
         OptionGroup{"features", &Self::features},
         OptionGroup{"match", &Self::match},
+        OptionGroup{"relative", &Self::relative},
         OptionField{"max_poses", &Self::max_poses, Closed(1, 1000), "",
                     "Candidates whose relative pose is estimated, most matches first."},
         OptionField{"photo_features", &Self::photo_features, Closed(10, 100'000), "",

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "core/base/pose2.h"
+#include "core/geometry/pose2.h"
 #include "core/localization/graph_filter.h"
 #include "localizer/appearance/appearance.h"
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/base/check.h"
+#include "core/robust/median.h"
 
 namespace waystone {
 namespace {
@@ -23,12 +24,7 @@ float LargestRoot(const AppearanceLayer& layer, int columns) {
   return std::sqrt(largest);
 }
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+constexpr int kReachSamples = 200;  // nodes from which the reach of views is taken
 
 double MedianSpacing(const std::vector<AppearanceNode>& nodes) {
   std::vector<double> nearest;

@@ -11,6 +11,8 @@
 #include "core/base/error.h"
 #include "core/camera/cube_faces.h"
 #include "core/camera/image_plane.h"
+#include "core/geometry/decompose_homography.h"
+#include "core/geometry/rotation.h"
 #include "core/manhattan/cube_rotations.h"
 #include "schema/layers/orientation/orientation_trajectory.h"
 
@@ -22,6 +24,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kMinSigmaRad = 0.003;  // calibration and the frame's own axes
+// Eigenvalues of H^T H that differ by less are those of a camera that only turned.
+constexpr double kPureRotation = 1e-3;
 
 // Points of the image planes that both cameras see ahead.
 struct Rays {
@@ -42,29 +46,19 @@ Rays ComputeRays(const RecognisedPlane& plane, const Camera& camera, const Camer
   return rays;
 }
 
-// Rotations reference_from_query of H = R + t n^T for which the plane lies before the camera.
+// Rotations reference_from_query of H = R + t n^T. Either is right for one sign of t and n.
 std::vector<Matrix3d> DecomposeRotations(const Rays& rays) {
   constexpr size_t kFewest = 8;
   if (rays.query.size() < kFewest) return {};
   const cv::Mat h = cv::findHomography(rays.query, rays.reference, 0);
   if (h.empty()) return {};
-  std::vector<cv::Mat> rotations;
-  std::vector<cv::Mat> translations;
-  std::vector<cv::Mat> normals;
-  cv::decomposeHomographyMat(h, cv::Mat::eye(3, 3, CV_64F), rotations, translations, normals);
-  std::vector<Matrix3d> before;
-  for (size_t i = 0; i < rotations.size(); ++i) {
-    Vector3d n;
-    cv::cv2eigen(normals[i], n);
-    const auto ahead = std::ranges::count_if(
-        rays.query, [&](const cv::Point2d& p) { return n.dot(Vector3d(p.x, p.y, 1)) > 0; });
-    // Of a pure rotation the normal is nothing, and all motions are the one.
-    if (n.norm() > 0 && 2 * ahead < std::ssize(rays.query)) continue;
-    Matrix3d r;
-    cv::cv2eigen(rotations[i], r);
-    if (r.allFinite()) before.push_back(r);
+  Matrix3d reference_from_query;
+  cv::cv2eigen(h, reference_from_query);
+  std::vector<Matrix3d> rotations;
+  for (const PlaneMotion& motion : DecomposeHomography(reference_from_query, kPureRotation)) {
+    rotations.push_back(motion.b_from_a);
   }
-  return before;
+  return rotations;
 }
 
 // The rotation among `all` that is nearest to r, as an angle; pi where there is none.
@@ -197,7 +191,7 @@ ManhattanFrame DetectLines(const cv::Mat& grey, const std::optional<Camera>& cam
     const cv::Mat image = camera ? grey : FaceOf(grey, static_cast<CubeFace>(c), face_px);
     CheckImageSize(rig.cameras[c], image.cols, image.rows);
     const auto found =
-        GreatCirclesOf(rig, c, DetectSegments(image, options.segments), options.circles);
+        FindGreatCircles(rig, c, DetectSegments(image, options.segments), options.circles);
     lines.insert(lines.end(), found.begin(), found.end());
   }
   return FindManhattanFrame(lines, options.manhattan);

@@ -21,6 +21,9 @@ struct BuildingOptions {
   static constexpr auto Fields() {
     using Self = BuildingOptions;
     return std::tuple{
+        OptionGroup{"segments", &Self::segments},
+        OptionGroup{"circles", &Self::circles},
+        OptionGroup{"manhattan", &Self::manhattan},
         OptionField{"max_clear_rival", &Self::max_clear_rival, Closed(0, 1), "",
                     "The query's lines are believed when their best rival frame has at most this "
                     "share of their support. Higher believes more photos, and more that are "

@@ -7,8 +7,8 @@
 #include "core/base/options.h"
 #include "core/features/features.h"
 #include "core/features/match.h"
+#include "core/homography/find_plane.h"
 #include "core/homography/homology.h"
-#include "core/homography/local_ransac.h"
 #include "localizer/verdict/gates.h"
 
 namespace waystone {
@@ -60,6 +60,8 @@ struct PlaneQueryOptions {
         OptionField{"min_votes", &Self::min_votes, AtLeast(1), "",
                     "A plane with fewer votes isn't tried."},
         OptionGroup{"match", &Self::match},
+        OptionGroup{"ransac", &Self::ransac},
+        OptionGroup{"homology", &Self::homology},
         OptionGroup{"gates", &Self::gates},
         OptionField{"seed", &Self::seed, AnyValue(), "",
                     "Seed of the sampling: the same query, map and options give the same answer."}};

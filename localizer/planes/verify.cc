@@ -3,7 +3,8 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <numeric>
+
+#include "core/homography/estimate_homography.h"
 
 #include "localizer/planes/decide.h"
 
@@ -64,22 +65,13 @@ std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeat
     points.from.push_back(PositionOf(query.keypoints[match.a]));
     points.to.push_back(PositionOf(target.features[match.b].reference));
   }
-  const Neighbourhoods neighbourhoods(points.from, 2 * options.ransac.neighbourhood);
-  std::vector<int> all(points.size());
-  std::iota(all.begin(), all.end(), 0);
-  Random random(options.seed ^ static_cast<uint64_t>(target.id.value));
-  const auto fit = FindPlane(points, all, neighbourhoods, options.ransac, random);
-  if (!fit) return std::nullopt;
-  PointPairs pairs;
+  const uint64_t seed = options.seed ^ static_cast<uint64_t>(target.id.value);
+  const auto estimate = EstimateHomography(points, options.ransac, seed);
+  if (!estimate) return std::nullopt;
   VerifiedPlane verified;
-  for (int row : fit->inliers) {
-    pairs.Add(points.from[row], points.to[row]);
-    verified.inliers.push_back(matches[row]);
-  }
-  const auto refined = RefineHomography(pairs, fit->model.to_from);
-  if (!refined) return std::nullopt;
   verified.plane = plane;
-  verified.reference_from_query = *refined;
+  verified.reference_from_query = estimate->to_from;
+  for (const int row : estimate->inliers) verified.inliers.push_back(matches[row]);
   verified.matches = static_cast<int>(matches.size());
   verified.distinct = CountDistinct(query, verified.inliers, options.gates.distinct_px);
   verified.stopped_by = FirstFailedGate(verified, query, options.gates);

@@ -10,7 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/ids.h"
-#include "core/base/pose2.h"
+#include "core/geometry/pose2.h"
 #include "core/localization/graph_filter.h"
 #include "localizer/verdict/explanation.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/base/check.h"
-#include "core/base/linear_algebra.h"
+#include "core/geometry/linear_algebra.h"
 
 namespace waystone {
 namespace {

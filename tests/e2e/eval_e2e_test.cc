@@ -129,7 +129,7 @@ TEST_F(EvalTest, KeyframesByName) {
 TEST_F(EvalTest, BadLinesAreNamed) {
   const std::string photo = TheMap().inside.string();
   ExpectBadLine("image,keyframe\n" + photo + ",nowhere.jpg\n", 2, "nowhere.jpg");
-  ExpectBadLine("image,keyframe\n\n" + photo + "\n", 3, "1 cell");
+  ExpectBadLine("image,keyframe\n\n" + photo + "\n", 3, "1 field");
   ExpectBadLine("image,keyframe\n# a comment\nmissing.jpg,\n", 3, "missing.jpg");
   ExpectBadLine("image,frame\n" + photo + ",often\n", 2, "often");
   ExpectBadLine("image,frame\n" + photo + ",attic:3\n", 2, "attic");
@@ -137,9 +137,9 @@ TEST_F(EvalTest, BadLinesAreNamed) {
   ExpectBadLine("image,frame,x,y\n" + photo + ",3,1,2\n", 1, "x, y and z");
   ExpectBadLine("picture,frame\n" + photo + ",3\n", 1, "image");
   ExpectBadLine("image\n" + photo + "\n", 1, "keyframe");
-  ExpectBadLine("image,frame\n,3\n", 2, "no image");
+  ExpectBadLine("image,frame\n,3\n", 2, "image field is empty");
   ExpectBadLine("image,frame\n", 1, "no queries");
-  ExpectBadLine("", 1, "no header");
+  ExpectBadLine("", 1, "missing header");
 }
 
 TEST_F(EvalTest, FilesThatAreNone) {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "api/json.h"
-#include "core/base/angle.h"
+#include "core/geometry/angle.h"
 #include "schema/file/map_store.h"
 #include "server/http/application.h"
 #include "tests/e2e/calibrated_maps.h"

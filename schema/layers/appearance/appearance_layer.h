@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "core/base/pose2.h"
 #include "core/features/features.h"
+#include "core/geometry/pose2.h"
 #include "core/panorama/fourier_signature.h"
 
 // The appearance layer of a map (Fernandez et al. 2011): a graph of panoramas with their Fourier

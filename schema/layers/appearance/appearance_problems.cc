@@ -6,9 +6,9 @@
 #include <unordered_set>
 #include <utility>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/features/descriptor_codes.h"
+#include "core/geometry/angle.h"
 #include "schema/layers/layer_problems.h"
 
 namespace waystone {

@@ -7,7 +7,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "core/base/angle.h"
+#include "core/geometry/angle.h"
 #include "schema/layers/layer_problems.h"
 
 namespace waystone {

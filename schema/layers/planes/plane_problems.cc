@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "core/base/linear_algebra.h"
+#include "core/geometry/linear_algebra.h"
 #include "schema/layers/layer_problems.h"
 #include "schema/layers/planes/index_features.h"
 #include "schema/tables/blob.h"
@@ -47,7 +47,7 @@ double ConditionOf(const Matrix3d& to_from, double to_px, double from_px) {
 
 // Whether `h` has the eigenvalues (1, 1, third), whichever of the three the third one is.
 bool HasEigenvalues(const Matrix3d& h, double third, double tolerance) {
-  const Eigen::Vector3cd values = EigenvaluesOf3x3(h);
+  const Eigen::Vector3cd values = ComputeEigenvalues3x3(h);
   const double imaginary = values.imag().cwiseAbs().maxCoeff();
   for (int i = 0; i < 3; ++i) {
     const std::complex<double> p = values((i + 1) % 3);

@@ -13,7 +13,7 @@
 #include "builder/appearance/appearance_layer.h"
 #include "builder/frames/frame_pipeline.h"
 #include "builder/sources/memory_source.h"
-#include "core/base/pose2.h"
+#include "core/geometry/pose2.h"
 #include "core/panorama/fourier_signature.h"
 #include "core/trajectory/shape_difference.h"
 #include "world/render.h"

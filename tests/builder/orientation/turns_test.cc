@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "core/base/angle.h"
+#include "core/geometry/angle.h"
 
 namespace waystone {
 namespace {

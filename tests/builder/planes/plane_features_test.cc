@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/angle.h"
 #include "core/features/distance.h"
+#include "core/geometry/angle.h"
 #include "core/homography/homography.h"
 #include "tests/builder/planes/made_scene.h"
 

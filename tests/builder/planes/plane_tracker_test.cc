@@ -165,7 +165,7 @@ TEST(PlaneTracker, JoinsTheWallsByAHomologyWithADoubleEigenvalue) {
     EXPECT_EQ(edge.b, PlaneId{2});
     EXPECT_EQ(edge.from, IdOf(0));
     EXPECT_EQ(edge.to, IdOf(1));
-    const HomologyEigenvalues eigenvalues = EigenvaluesOf(edge.homology);
+    const HomologyEigenvalues eigenvalues = ComputeEigenvalues(edge.homology);
     EXPECT_NEAR(eigenvalues.scale, 1, 1e-6);
     EXPECT_LT(eigenvalues.split, 0.02) << "seed " << seed;
     EXPECT_NEAR(eigenvalues.third, edge.third_eigenvalue, 1e-6);

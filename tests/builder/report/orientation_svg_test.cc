@@ -84,7 +84,7 @@ TEST(OrientationReport, HasTheSectionsOfEachSequence) {
   MapData map;
   map.orientation = MadeLayer();
   const std::string page = ReportHtml(map, {}, {});
-  EXPECT_NE(page.find("12 directions, 1 turns"), std::string::npos);
+  EXPECT_NE(page.find("12 orientation frames, 1 turns"), std::string::npos);
   EXPECT_NE(page.find("Trajectory by turns, sequence 2"), std::string::npos);
   EXPECT_EQ(Count(page, "<svg class=cells"), 3U) << "none of the frame without a rotation";
   EXPECT_EQ(SequencesOf(*map.orientation).size(), 2U);

@@ -7,10 +7,10 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/camera/cube_faces.h"
+#include "core/geometry/angle.h"
 
 namespace waystone {
 namespace {

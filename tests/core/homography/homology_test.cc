@@ -46,36 +46,36 @@ bool Differ(const MadeViews& views, const MadePlane& m, const MadePlane& n) {
   return LargestDifference(views.HomographyOf(m), views.HomographyOf(n)) > 6;
 }
 
-TEST(EigenvaluesOf, FindsTheClosestPairWhateverTheOrderAndScale) {
+TEST(ComputeEigenvalues, FindsTheClosestPairWhateverTheOrderAndScale) {
   for (const Vector3d& values :
        {Vector3d(1, 1.01, 3), Vector3d(3, 1, 1.01), Vector3d(1.01, 3, 1)}) {
     Random random(1);
     const Matrix3d basis = RandomHomography(random);
     const Matrix3d matrix = basis * (2.0 * values).asDiagonal() * basis.inverse();
-    const HomologyEigenvalues found = EigenvaluesOf(matrix);
+    const HomologyEigenvalues found = ComputeEigenvalues(matrix);
     EXPECT_NEAR(found.scale, 2 * 1.005, 1e-6);
     EXPECT_NEAR(found.split, 0.01 / 1.005, 1e-6);
     EXPECT_NEAR(found.third, 3 / 1.005, 1e-6);
   }
 }
 
-TEST(EigenvaluesOf, TheIdentityHasThreeOnes) {
-  const HomologyEigenvalues found = EigenvaluesOf(Matrix3d::Identity());
+TEST(ComputeEigenvalues, TheIdentityHasThreeOnes) {
+  const HomologyEigenvalues found = ComputeEigenvalues(Matrix3d::Identity());
   EXPECT_DOUBLE_EQ(found.scale, 1);
   EXPECT_DOUBLE_EQ(found.split, 0);
   EXPECT_DOUBLE_EQ(found.third, 1);
 }
 
-TEST(EigenvaluesOf, AComplexPairIsSplit) {
+TEST(ComputeEigenvalues, AComplexPairIsSplit) {
   Matrix3d turn = Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(0.1).matrix();
-  const HomologyEigenvalues found = EigenvaluesOf(turn * 4);
+  const HomologyEigenvalues found = ComputeEigenvalues(turn * 4);
   EXPECT_GT(found.split, 0.05);
 }
 
-TEST(EigenvaluesOf, ANegativeScaleCancels) {
+TEST(ComputeEigenvalues, ANegativeScaleCancels) {
   const Matrix3d matrix = Vector3d(-2, -2, -5).asDiagonal();
-  const HomologyEigenvalues found = EigenvaluesOf(matrix);
+  const HomologyEigenvalues found = ComputeEigenvalues(matrix);
   EXPECT_NEAR(found.scale, -2, 1e-12);
   EXPECT_NEAR(found.third, 2.5, 1e-12);
 }

@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 #include "tests/core/homography/made_views.h"
 
 namespace waystone {

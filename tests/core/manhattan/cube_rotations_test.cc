@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/manhattan/cube_rotations.h"
+#include "core/geometry/rotation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/manhattan/manhattan_frame.h"
+#include "core/geometry/rotation.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <numbers>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/geometry/angle.h"
 #include "core/manhattan/cube_rotations.h"
 #include "tests/world/test_worlds.h"
 
@@ -183,7 +184,7 @@ TEST(GreatCircles, UndoDistortion) {
   // A vertical line through the image's right part.
   const auto pixel = [&](double y) { return *Project(camera, {0.5, y, 1}); };
   const std::vector<ImageSegment> segments{{pixel(-0.1), pixel(0.1)}, {pixel(-0.5), pixel(0.5)}};
-  const auto arcs = GreatCirclesOf(rig, 0, segments, {.end_sigma_px = 0.5, .max_sag_px = 2});
+  const auto arcs = FindGreatCircles(rig, 0, segments, {.end_sigma_px = 0.5, .max_sag_px = 2});
   ASSERT_EQ(arcs.size(), 1u) << "the long one is bent by several pixels";
   EXPECT_NEAR(arcs[0].normal.dot(Eigen::Vector3d::UnitY()), 0, 1e-6);
   EXPECT_NEAR(arcs[0].end_sigma_rad, 0.5 / 400, 0.3 / 400);
@@ -197,7 +198,7 @@ TEST(ManhattanFrame, RenderedRoom) {
     for (size_t c = 0; c < rig.cameras.size(); ++c) {
       const cv::Mat image =
           Render(TwoRoomWorld(), rig.cameras[c].camera, pose * rig.cameras[c].rig_from_camera).grey;
-      const auto found = GreatCirclesOf(rig, static_cast<int>(c), DetectSegments(image));
+      const auto found = FindGreatCircles(rig, static_cast<int>(c), DetectSegments(image));
       lines.insert(lines.end(), found.begin(), found.end());
     }
     const ManhattanFrame frame = FindManhattanFrame(lines);

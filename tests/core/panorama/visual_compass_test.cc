@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/geometry/angle.h"
 #include "tests/core/panorama/panoramas.h"
 
 namespace waystone {

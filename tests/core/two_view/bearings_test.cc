@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 #include <set>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 #include "core/two_view/relative_rotation.h"
 #include "tests/world/test_worlds.h"
 

@@ -6,9 +6,9 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/geometry/angle.h"
 #include "core/two_view/five_point.h"
 
 namespace waystone {
@@ -62,7 +62,7 @@ TEST(FivePoints, TruthIsAmongTheSolutions) {
     std::copy_n(scene.rays.b.begin(), 5, b.begin());
     double nearest = 10;
     for (const Eigen::Matrix3d& e : SolveFivePoints(a, b)) {
-      for (const Motion& motion : MotionsOf(e)) {
+      for (const Motion& motion : DecomposeEssential(e)) {
         nearest = std::min(nearest, (motion.b_from_a - scene.b_from_a).norm() +
                                         (motion.translation - scene.translation).norm());
       }

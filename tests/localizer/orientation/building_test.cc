@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localizer/orientation/building.h"
+#include "core/geometry/rotation.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/base/angle.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 #include "core/manhattan/cube_rotations.h"
 #include "localizer/localizer.h"
 #include "tests/localizer/made_map.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/base/linear_algebra.h"
+#include "core/geometry/linear_algebra.h"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ TEST(LinearAlgebra, EigenvectorsAreScaledByTheirAscendingValues) {
   Random random(1);
   for (const int n : {1, 2, 3, 8, 9}) {
     const Eigen::MatrixXd a = RandomInformation(n, random);
-    const SymmetricEigen eigen = EigenOfSymmetric(a);
+    const SymmetricEigen eigen = DecomposeSymmetric(a);
     ASSERT_TRUE(eigen.converged);
     EXPECT_TRUE(std::ranges::is_sorted(eigen.values));
     EXPECT_TRUE((a * eigen.vectors).isApprox(eigen.vectors * eigen.values.asDiagonal(), 1e-9)) << n;
@@ -38,13 +38,13 @@ TEST(LinearAlgebra, OnlyTheLowerHalfIsRead) {
   const Eigen::MatrixXd a = RandomInformation(4, random);
   Eigen::MatrixXd lower = a;
   lower.triangularView<Eigen::StrictlyUpper>().setConstant(7);
-  EXPECT_EQ(EigenOfSymmetric(lower).values, EigenOfSymmetric(a).values);
+  EXPECT_EQ(DecomposeSymmetric(lower).values, DecomposeSymmetric(a).values);
 }
 
-TEST(LinearAlgebra, EigenvaluesOf3x3MayBeComplex) {
+TEST(LinearAlgebra, EigenvaluesMayBeComplex) {
   Eigen::Matrix3d a;
   a << 0, -2, 0, 2, 0, 0, 0, 0, 5;  // a turn by 90 degrees, twice as long
-  const Eigen::Vector3cd values = EigenvaluesOf3x3(a);
+  const Eigen::Vector3cd values = ComputeEigenvalues3x3(a);
   for (const std::complex<double> expected : {std::complex(0.0, 2.0), {0.0, -2.0}, {5.0, 0.0}}) {
     EXPECT_TRUE(std::ranges::any_of(values, [&](const auto& value) {
       return std::abs(value - expected) < 1e-12;
@@ -58,7 +58,7 @@ TEST(LinearAlgebra, SolutionsAndInversesSolve) {
     const Eigen::MatrixXd a = RandomInformation(n, random);
     const Eigen::MatrixXd b = RandomMatrix(n, 2, random);
     EXPECT_TRUE((a * SolveSymmetric(a, b)).isApprox(b, 1e-9)) << n;
-    EXPECT_TRUE((a * InverseOfSymmetric(a)).isIdentity(1e-9)) << n;
+    EXPECT_TRUE((a * InvertSymmetric(a)).isIdentity(1e-9)) << n;
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/homography/local_ransac.h"
+#include "core/homography/find_plane.h"
 
 #include <gtest/gtest.h>
 
@@ -48,59 +48,6 @@ std::optional<PlaneFit> Find(const MatchedPoints& points, std::span<const int> a
 int CountBelow(const std::vector<int>& rows, int limit) {
   return static_cast<int>(
       std::count_if(rows.begin(), rows.end(), [&](int r) { return r < limit; }));
-}
-
-TEST(SamplesNeeded, IsEquationOne) {
-  for (double p : {0.9, 0.99, 0.999}) {
-    for (double w : {0.2, 0.5, 0.8, 0.95}) {
-      const double w4 = std::pow(w, 4);
-      EXPECT_NEAR(SamplesNeeded(p, w4), std::log(1 - p) / std::log(1 - w4), 1e-6);
-      // What it means: the probability that all k samples miss is 1 - p.
-      EXPECT_NEAR(std::pow(1 - w4, SamplesNeeded(p, w4)), 1 - p, 1e-9);
-    }
-  }
-  EXPECT_NEAR(SamplesNeeded(0.99, std::pow(0.5, 4)), 71.36, 0.01);
-}
-
-TEST(SamplesNeeded, AtItsEnds) {
-  EXPECT_EQ(SamplesNeeded(0.99, 0), std::numeric_limits<double>::infinity());
-  EXPECT_EQ(SamplesNeeded(0.99, 1), 1);
-  EXPECT_GT(SamplesNeeded(0.99, 1e-17), 1e17)
-      << "the smallest probabilities must not round to none";
-}
-
-TEST(Neighbourhoods, AreThoseOfSorting) {
-  Random random(1);
-  for (int count : {2, 3, 15, 120}) {
-    std::vector<Vector2d> points;
-    for (int i = 0; i < count; ++i) points.push_back(RandomPoint(random));
-    for (int k : {1, 4, 14, 200}) {
-      const Neighbourhoods neighbourhoods(points, k);
-      for (int i = 0; i < count; ++i) {
-        std::vector<int> others = RowsUpTo(count);
-        others.erase(others.begin() + i);
-        std::stable_sort(others.begin(), others.end(), [&](int a, int b) {
-          return (points[a] - points[i]).squaredNorm() < (points[b] - points[i]).squaredNorm();
-        });
-        others.resize(std::min<size_t>(k, others.size()));
-        const auto found = neighbourhoods.of(i);
-        EXPECT_EQ(std::vector<int>(found.begin(), found.end()), others) << count << " " << k;
-      }
-    }
-  }
-}
-
-TEST(Neighbourhoods, OfEqualPointsTheLowerComesFirst) {
-  const std::vector<Vector2d> points(6, Vector2d(3, 4));
-  const Neighbourhoods neighbourhoods(points, 3);
-  const auto found = neighbourhoods.of(1);
-  EXPECT_EQ(std::vector<int>(found.begin(), found.end()), (std::vector<int>{0, 2, 3}));
-}
-
-TEST(Neighbourhoods, OfNoneAndOfOne) {
-  EXPECT_NO_THROW(Neighbourhoods({}, 5));
-  const std::vector<Vector2d> one = {Vector2d(1, 2)};
-  EXPECT_TRUE(Neighbourhoods(one, 5).of(0).empty());
 }
 
 TEST(PlaneError2, IsTheLargerOfBothErrorsInPixelsOfFrom) {
@@ -228,6 +175,21 @@ TEST(FindPlane, IsDeterministicForASeed) {
   EXPECT_EQ(once->inliers, again->inliers);
   EXPECT_EQ(once->model.to_from, again->model.to_from);
   EXPECT_EQ(once->samples, again->samples);
+}
+
+TEST(FindPlane, OfAllRowsHasNeighbourhoodsOfItsOwn) {
+  Random random(9);
+  MatchedPoints points;
+  Append(points, PairsOf(RandomHomography(random), 50, 0.5, random));
+  AppendOutliers(points, 30, random);
+  const LocalRansacOptions options;
+  const Neighbourhoods neighbourhoods(points.from, 2 * options.neighbourhood);
+  Random draws(5);
+  const auto expected = FindPlane(points, RowsUpTo(points.size()), neighbourhoods, options, draws);
+  const auto fit = FindPlane(points, options, 5);
+  ASSERT_TRUE(expected && fit);
+  EXPECT_EQ(fit->inliers, expected->inliers);
+  EXPECT_EQ(fit->model.to_from, expected->model.to_from);
 }
 
 TEST(FindPlane, FewSamplesAreEnoughWithoutOutliers) {

@@ -16,10 +16,10 @@ struct SymmetricEigen {
 };
 
 // Of a symmetric n x n matrix; only its lower half is read.
-SymmetricEigen EigenOfSymmetric(const Eigen::Ref<const Eigen::MatrixXd>& a);
+SymmetricEigen DecomposeSymmetric(const Eigen::Ref<const Eigen::MatrixXd>& a);
 
 // The three eigenvalues of any matrix, in no particular order.
-Eigen::Vector3cd EigenvaluesOf3x3(const Eigen::Matrix3d& a);
+Eigen::Vector3cd ComputeEigenvalues3x3(const Eigen::Matrix3d& a);
 
 // x of a x = b for a symmetric positive semidefinite n x n matrix and n x k right-hand sides;
 // directions that `a` doesn't determine get 0.
@@ -27,6 +27,6 @@ Eigen::MatrixXd SolveSymmetric(const Eigen::Ref<const Eigen::MatrixXd>& a,
                                const Eigen::Ref<const Eigen::MatrixXd>& b);
 
 // The inverse of a symmetric positive definite n x n matrix.
-Eigen::MatrixXd InverseOfSymmetric(const Eigen::Ref<const Eigen::MatrixXd>& a);
+Eigen::MatrixXd InvertSymmetric(const Eigen::Ref<const Eigen::MatrixXd>& a);
 
 }  // namespace waystone

@@ -2,29 +2,18 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/base/random.h"
 #include "core/homography/homography.h"
+#include "core/homography/neighbourhoods.h"
 
 namespace waystone {
-
-// The nearest neighbours of every point of a set, nearest first.
-class Neighbourhoods {
- public:
-  // `k` neighbours a point (fewer when there are fewer points). Cost: quadratic in the points.
-  Neighbourhoods(std::span<const Eigen::Vector2d> points, int k);
-
-  std::span<const int> of(int point) const {
-    return {neighbours_.data() + static_cast<size_t>(point) * k_, static_cast<size_t>(k_)};
-  }
-
- private:
-  int k_ = 0;
-  std::vector<int> neighbours_;
-};
 
 // Matched points of one image (`from`) and of one or two others. Row i of each belongs together.
 struct MatchedPoints {
@@ -39,31 +28,49 @@ struct MatchedPoints {
 };
 
 struct LocalRansacOptions {
-  // Largest transfer error of an inlier. Higher joins planes that are nearly parallel, lower splits
-  // walls that are not quite flat. px
   double max_error_px = 2.0;
-  // The bound is tightened to this many standard deviations of the errors of the plane's own
-  // inliers, so that sharp images tell planes apart that blurred ones can't ...
   double max_sigmas = 4.0;
-  // ... but not below this. px
   double min_error_px = 0.75;
-  // p of eq. (1): probability that one sample at least is made of inliers alone.
   double confidence = 0.99;
-  // Samples at the most, however low the inlier ratio. Bounds the time.
   int max_samples = 1500;
-  // The three companions of a sampled point are drawn among this many nearest neighbours: closer
-  // points are likelier to be coplanar, farther ones determine the homography better.
   int neighbourhood = 14;
-  // Lowest triangle, as a share of its longest side, that doesn't count as three points in a line.
   double min_height_ratio = 0.05;
-  // Refits of a promising sample on its inliers.
   int max_refits = 8;
-  // The first of them take in matches up to twice the bound.
   int wide_refits = 2;
-  // A sample is refitted if it scores at least this share of the best so far. Lower finds larger
-  // planes behind poor samples and costs time.
   double min_refit_share = 0.1;
 
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"max_error_px", &LocalRansacOptions::max_error_px, Above(0), "px",
+                    "Largest transfer error of an inlier. Higher joins planes that are nearly "
+                    "parallel, lower splits walls that are not quite flat."},
+        OptionField{"max_sigmas", &LocalRansacOptions::max_sigmas, Above(1), "",
+                    "The bound is tightened to this many standard deviations of the errors of the "
+                    "plane's own inliers, so that sharp images tell planes apart that blurred ones "
+                    "can't."},
+        OptionField{"min_error_px", &LocalRansacOptions::min_error_px, Above(0), "px",
+                    "The bound isn't tightened below this."},
+        OptionField{"confidence", &LocalRansacOptions::confidence, Open(0, 1), "",
+                    "p of eq. (1): probability that one sample at least is made of inliers alone."},
+        OptionField{"max_samples", &LocalRansacOptions::max_samples, AtLeast(1), "",
+                    "Samples at the most, however low the inlier ratio. Bounds the time."},
+        OptionField{
+            "neighbourhood", &LocalRansacOptions::neighbourhood, AtLeast(3), "",
+            "The three companions of a sampled point are drawn among this many nearest "
+            "neighbours: closer points are likelier to be coplanar, farther ones determine the "
+            "homography better."},
+        OptionField{"min_height_ratio", &LocalRansacOptions::min_height_ratio, OpenHigh(0, 0.5), "",
+                    "Lowest triangle, as a share of its longest side, that doesn't count as three "
+                    "points in a line."},
+        OptionField{"max_refits", &LocalRansacOptions::max_refits, AtLeast(0), "",
+                    "Refits of a promising sample on its inliers."},
+        OptionField{"wide_refits", &LocalRansacOptions::wide_refits, AtLeast(0), "",
+                    "The first refits, which take in matches up to twice the bound."},
+        OptionField{
+            "min_refit_share", &LocalRansacOptions::min_refit_share, Closed(0, 1), "",
+            "A sample is refitted if it scores at least this share of the best so far. Lower "
+            "finds larger planes behind poor samples and costs time."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
@@ -93,6 +100,10 @@ std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const i
                                   const Neighbourhoods& neighbourhoods,
                                   const LocalRansacOptions& options, Random& random);
 
+// The same among all rows, with samples from neighbourhoods of these points alone.
+std::optional<PlaneFit> FindPlane(const MatchedPoints& points, const LocalRansacOptions& options,
+                                  uint64_t seed);
+
 // Least-squares refits of a model on its own inliers among the `active` rows until they don't grow.
 PlaneFit LocalOptimize(const MatchedPoints& points, std::span<const int> active,
                        const PlaneFit& start, const LocalRansacOptions& options);
@@ -100,14 +111,5 @@ PlaneFit LocalOptimize(const MatchedPoints& points, std::span<const int> active,
 // The largest error of an inlier of a plane whose inliers' errors have a given standard deviation
 // (of a coordinate), px.
 double ErrorBound(double sigma_px, const LocalRansacOptions& options);
-
-// Median of the length of an error whose two coordinates have unit standard deviation,
-// sqrt(2 ln 2): outliers don't move the median much.
-inline constexpr double kRayleighMedian = 1.1774;
-
-// Number of samples so that with probability `confidence` one is made of inliers alone, eq. (1):
-// k = log(1 - p) / log(1 - w^4), where w^4 is the probability that a sample is. Local samples make
-// it likelier than w^4, so the caller gives it.
-double SamplesNeeded(double confidence, double sample_probability);
 
 }  // namespace waystone

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/homography/local_ransac.h"
+#include "core/homography/find_plane.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -9,6 +9,8 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/robust/lo_ransac.h"
+#include "core/robust/median.h"
 
 namespace waystone {
 namespace {
@@ -59,8 +61,8 @@ std::array<Vector2d, 4> Pick(const std::vector<Vector2d>& points, const Sample& 
   return {points[sample[0]], points[sample[1]], points[sample[2]], points[sample[3]]};
 }
 
-std::optional<PlaneModel> ModelOf(const MatchedPoints& points, const Sample& sample,
-                                  double min_height_ratio) {
+std::optional<PlaneModel> SolveSample(const MatchedPoints& points, const Sample& sample,
+                                      double min_height_ratio) {
   const auto from = Pick(points.from, sample);
   const auto to_from = HomographyFromFour(from, Pick(points.to, sample), min_height_ratio);
   if (!to_from) return std::nullopt;
@@ -73,7 +75,7 @@ std::optional<PlaneModel> ModelOf(const MatchedPoints& points, const Sample& sam
   return model;
 }
 
-std::optional<PlaneModel> ModelOf(const MatchedPoints& points, std::span<const int> rows) {
+std::optional<PlaneModel> FitModel(const MatchedPoints& points, std::span<const int> rows) {
   PointPairs pairs;
   for (int row : rows) pairs.Add(points.from[row], points.to[row]);
   const auto to_from = HomographyByDlt(pairs);
@@ -102,14 +104,12 @@ PlaneFit Evaluate(const MatchedPoints& points, std::span<const int> active, cons
   return fit;
 }
 
-// Standard sigma of the errors' coordinates, from their median: outliers don't move it much.
-double RobustSigma(const MatchedPoints& points, const PlaneFit& fit) {
+// Standard deviation of the errors' coordinates, from their median: outliers don't move it much.
+double EstimateSigma(const MatchedPoints& points, const PlaneFit& fit) {
   const PlaneModel inverse = Inverse(fit.model);
   std::vector<double> errors2;
   for (int row : fit.inliers) errors2.push_back(PlaneError2(points, fit.model, inverse, row));
-  const auto middle = errors2.begin() + static_cast<ptrdiff_t>(errors2.size() / 2);
-  std::nth_element(errors2.begin(), middle, errors2.end());
-  return std::sqrt(*middle) / kRayleighMedian;
+  return std::sqrt(Median(std::move(errors2))) / kRayleighMedian;
 }
 
 // Drops the inliers that the plane's own noise doesn't explain, and fits again without them.
@@ -118,8 +118,8 @@ PlaneFit Tighten(const MatchedPoints& points, std::span<const int> active, const
   constexpr int kRounds = 3;
   PlaneFit tight = fit;
   for (int round = 0; round < kRounds && tight.inliers.size() >= 5; ++round) {
-    const double bound = ErrorBound(RobustSigma(points, tight), options);
-    const std::optional<PlaneModel> model = ModelOf(points, tight.inliers);
+    const double bound = ErrorBound(EstimateSigma(points, tight), options);
+    const std::optional<PlaneModel> model = FitModel(points, tight.inliers);
     if (!model) break;
     tight = Evaluate(points, active, *model, bound);
   }
@@ -127,56 +127,62 @@ PlaneFit Tighten(const MatchedPoints& points, std::span<const int> active, const
   return tight.inliers.size() >= 5 ? tight : fit;
 }
 
-// How likely a local sample is made of inliers alone: its first point with the share of inliers
-// among all, the other three with the share among the neighbours of inliers.
-double SampleProbability(const PlaneFit& fit, std::span<const int> active, int points,
-                         const Neighbourhoods& neighbourhoods, int neighbourhood) {
-  std::vector<char> state(points, 0);
-  for (int row : active) state[row] = 1;
-  for (int row : fit.inliers) state[row] = 2;
-  int64_t neighbours = 0;
-  int64_t inliers = 0;
-  for (int row : fit.inliers) {
-    int seen = 0;
-    for (int neighbour : neighbourhoods.of(row)) {
-      if (state[neighbour] == 0) continue;
-      ++neighbours;
-      inliers += state[neighbour] == 2;
-      if (++seen == neighbourhood) break;
-    }
+// Planes through samples of four, for RunLoRansac.
+class PlaneEstimator {
+ public:
+  PlaneEstimator(const MatchedPoints& points, std::span<const int> active,
+                 const Neighbourhoods& neighbourhoods, const LocalRansacOptions& options)
+      : points_(points), active_(active), neighbourhoods_(neighbourhoods), options_(options) {}
+
+  std::vector<PlaneFit> Estimate(const Sample& sample) const {
+    const auto model = SolveSample(points_, sample, options_.min_height_ratio);
+    if (!model) return {};
+    return {Evaluate(points_, active_, *model, options_.max_error_px)};
   }
-  const double global = static_cast<double>(fit.inliers.size()) / active.size();
-  const double local = neighbours == 0 ? 0 : static_cast<double>(inliers) / neighbours;
-  return global * local * local * local;
-}
+
+  double Score(const PlaneFit& fit) const { return fit.score; }
+
+  PlaneFit Refine(const PlaneFit& fit) const {
+    return LocalOptimize(points_, active_, fit, options_);
+  }
+
+  // Of a local sample: its first point with the share of inliers among all, the other three with
+  // the share among the neighbours of inliers.
+  double SampleProbability(const PlaneFit& fit) const {
+    std::vector<char> state(points_.size(), 0);
+    for (int row : active_) state[row] = 1;
+    for (int row : fit.inliers) state[row] = 2;
+    int64_t neighbours = 0;
+    int64_t inliers = 0;
+    for (int row : fit.inliers) {
+      int seen = 0;
+      for (int neighbour : neighbourhoods_.of(row)) {
+        if (state[neighbour] == 0) continue;
+        ++neighbours;
+        inliers += state[neighbour] == 2;
+        if (++seen == options_.neighbourhood) break;
+      }
+    }
+    const double global = static_cast<double>(fit.inliers.size()) / active_.size();
+    const double local = neighbours == 0 ? 0 : static_cast<double>(inliers) / neighbours;
+    return global * local * local * local;
+  }
+
+ private:
+  const MatchedPoints& points_;
+  std::span<const int> active_;
+  const Neighbourhoods& neighbourhoods_;
+  const LocalRansacOptions& options_;
+};
 
 }  // namespace
 
-Neighbourhoods::Neighbourhoods(std::span<const Vector2d> points, int k)
-    : k_(std::max(0, std::min<int>(k, static_cast<int>(points.size()) - 1))) {
-  const int n = static_cast<int>(points.size());
-  neighbours_.resize(static_cast<size_t>(n) * k_);
-  if (k_ == 0) return;
-  std::vector<std::pair<double, int>> others(n - 1);
-  for (int i = 0; i < n; ++i) {
-    int count = 0;
-    for (int j = 0; j < n; ++j) {
-      if (j != i) others[count++] = {(points[j] - points[i]).squaredNorm(), j};
-    }
-    std::nth_element(others.begin(), others.begin() + (k_ - 1), others.end());
-    std::sort(others.begin(), others.begin() + k_);
-    for (int m = 0; m < k_; ++m) neighbours_[static_cast<size_t>(i) * k_ + m] = others[m].second;
-  }
-}
-
 void LocalRansacOptions::Check() const {
-  const bool good = min_error_px > 0 && max_error_px >= min_error_px && max_sigmas > 1 &&
-                    confidence > 0 && confidence < 1 && max_samples >= 1 && neighbourhood >= 3 &&
-                    min_height_ratio >= 0 && min_height_ratio < 0.5 && max_refits >= 0 &&
-                    wide_refits >= 0 && min_refit_share >= 0 && min_refit_share <= 1;
-  if (!good) {
-    throw MapError(ErrorCode::kBadOptions, "plane sampling: option out of range; use the defaults");
-  }
+  CheckFields("ransac", *this);
+  if (max_error_px >= min_error_px) return;
+  throw MapError(
+      ErrorCode::kBadOptions,
+      "ransac.max_error_px is below min_error_px; give at least " + std::to_string(min_error_px));
 }
 
 double PlaneError2(const MatchedPoints& points, const PlaneModel& model, const PlaneModel& inverse,
@@ -197,18 +203,12 @@ double ErrorBound(double sigma_px, const LocalRansacOptions& options) {
   return std::clamp(options.max_sigmas * sigma_px, options.min_error_px, options.max_error_px);
 }
 
-double SamplesNeeded(double confidence, double sample_probability) {
-  if (sample_probability <= 0) return std::numeric_limits<double>::infinity();
-  if (sample_probability >= 1) return 1;
-  return std::log(1 - confidence) / std::log1p(-sample_probability);  // eq. (1)
-}
-
 PlaneFit LocalOptimize(const MatchedPoints& points, std::span<const int> active,
                        const PlaneFit& start, const LocalRansacOptions& options) {
   PlaneFit best = start;
   std::vector<int> support = start.inliers;
   for (int refit = 0; refit < options.max_refits && support.size() >= 5; ++refit) {
-    const std::optional<PlaneModel> model = ModelOf(points, support);
+    const std::optional<PlaneModel> model = FitModel(points, support);
     if (!model) break;
     PlaneFit next = Evaluate(points, active, *model, options.max_error_px);
     // A local sample is off by more than the bound a little farther on: the first refits look
@@ -231,29 +231,26 @@ std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const i
                                   const LocalRansacOptions& options, Random& random) {
   if (active.size() < 4) return std::nullopt;
   LocalSampler sampler(active, points.size(), neighbourhoods, options.neighbourhood);
-  PlaneFit best;
-  double needed = options.max_samples;
-  int samples = 0;
-  for (; samples < needed; ++samples) {
-    const std::optional<Sample> sample = sampler.Draw(random);
-    if (!sample) continue;
-    const std::optional<PlaneModel> model = ModelOf(points, *sample, options.min_height_ratio);
-    if (!model) continue;
-    PlaneFit fit = Evaluate(points, active, *model, options.max_error_px);
-    // Local samples extrapolate badly: one that is much worse than the best may still grow past it.
-    if (fit.score <= options.min_refit_share * best.score) continue;
-    fit = LocalOptimize(points, active, fit, options);
-    if (fit.score <= best.score) continue;
-    best = std::move(fit);
-    needed = std::min<double>(
-        options.max_samples,
-        SamplesNeeded(
-            options.confidence,
-            SampleProbability(best, active, points.size(), neighbourhoods, options.neighbourhood)));
-  }
+  const PlaneEstimator estimator(points, active, neighbourhoods, options);
+  // Local samples extrapolate badly: one that is much worse than the best may still grow past it,
+  // hence min_refit_share.
+  auto [best, samples] = RunLoRansac(sampler, estimator,
+                                     {.confidence = options.confidence,
+                                      .max_samples = options.max_samples,
+                                      .min_refine_share = options.min_refit_share},
+                                     random);
   if (best.inliers.size() < 4) return std::nullopt;
   best.samples = samples;
   return Tighten(points, active, best, options);
+}
+
+std::optional<PlaneFit> FindPlane(const MatchedPoints& points, const LocalRansacOptions& options,
+                                  uint64_t seed) {
+  const Neighbourhoods neighbourhoods(points.from, 2 * options.neighbourhood);
+  std::vector<int> all(points.size());
+  std::iota(all.begin(), all.end(), 0);
+  Random random(seed);
+  return FindPlane(points, all, neighbourhoods, options, random);
 }
 
 }  // namespace waystone

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+namespace waystone {
+
+// The nearest neighbours of every point of a set, nearest first.
+class Neighbourhoods {
+ public:
+  // `k` neighbours a point (fewer when there are fewer points). Cost: quadratic in the points.
+  Neighbourhoods(std::span<const Eigen::Vector2d> points, int k);
+
+  std::span<const int> of(int point) const {
+    return {neighbours_.data() + static_cast<size_t>(point) * k_, static_cast<size_t>(k_)};
+  }
+
+ private:
+  int k_ = 0;
+  std::vector<int> neighbours_;
+};
+
+}  // namespace waystone

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/rotation.h"
+#include "core/two_view/five_point.h"
+
+// The epipolar error and its derivatives: inside core/two_view and its tests only. Inline, since
+// samples are scored by it.
+namespace waystone {
+
+using Vector5d = Eigen::Matrix<double, 5, 1>;
+using Basis3x2 = Eigen::Matrix<double, 3, 2>;
+
+inline constexpr double kLeastScale = 1e-12;  // of an error's divisor
+
+inline Eigen::Matrix3d EssentialMatrix(const Motion& motion) {
+  return CrossMatrix(motion.translation) * motion.b_from_a;
+}
+
+// x_b^T E x_a over what it grows by when a ray moves: E x_a and E^T x_b. Not negative.
+inline double EpipolarError(const Eigen::Matrix3d& e, const Eigen::Vector3d& a,
+                            const Eigen::Vector3d& b) {
+  const Eigen::Vector3d ea = e * a;
+  const Eigen::Vector3d eb = e.transpose() * b;
+  const double scale = std::sqrt(ea.squaredNorm() + eb.squaredNorm());
+  return std::abs(b.dot(ea)) / std::max(scale, kLeastScale);
+}
+
+// Two unit vectors across a direction of unit length.
+inline Basis3x2 TangentBasis(const Eigen::Vector3d& t) {
+  Basis3x2 basis;
+  basis.col(0) = t.unitOrthogonal();
+  basis.col(1) = t.cross(basis.col(0));
+  return basis;
+}
+
+// The error with its sign, and its derivatives by a step (w, s) after which R is exp(w) R and t is
+// t + basis s. With n = x_b^T [t]x R x_a: dn/dw = R x_a x (x_b x t), dn/dt = R x_a x x_b; the
+// divisor is kept, which is exact where the error is 0.
+struct LinearEpipolarError {
+  double error = 0;
+  Vector5d jacobian;
+};
+inline LinearEpipolarError LineariseEpipolar(const Motion& motion, const Eigen::Matrix3d& e,
+                                             const Basis3x2& basis, const Eigen::Vector3d& a,
+                                             const Eigen::Vector3d& b) {
+  const Eigen::Vector3d ra = motion.b_from_a * a;
+  const Eigen::Vector3d ea = e * a;
+  const double scale =
+      std::max(std::sqrt(ea.squaredNorm() + (e.transpose() * b).squaredNorm()), kLeastScale);
+  LinearEpipolarError linear{b.dot(ea) / scale, {}};
+  linear.jacobian << ra.cross(b.cross(motion.translation)), basis.transpose() * ra.cross(b);
+  linear.jacobian /= scale;
+  return linear;
+}
+
+}  // namespace waystone
