@@ -10,7 +10,6 @@
 #include "core/base/angle.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "core/panorama/warping_kernels.h"
 
 namespace waystone {
@@ -82,7 +81,8 @@ class Search {
       of_b.push_back(ScaledColumns(b, band, ScaleOf(s), FilledUp(columns_, kWarpingFloats)));
     }
     for (int s = 0; s < options_.scales; ++s) {
-      costs_.push_back(CostsOf(of_a[std::max(0, s - middle)], of_b[std::max(0, middle - s)]));
+      costs_.push_back(
+          CompareColumns(of_a[std::max(0, s - middle)], of_b[std::max(0, middle - s)]));
     }
   }
 
@@ -90,7 +90,7 @@ class Search {
   RowImage Costs() const {
     std::vector<uint16_t> sums(static_cast<size_t>(columns_) * turns_, 0);
     for (int angle = 0; angle < columns_; ++angle) {
-      const std::vector<ColumnStep> steps = StepsOf(angle);
+      const std::vector<ColumnStep> steps = FindSteps(angle);
       kernels_.add_least(
           {steps.data(), static_cast<int>(steps.size()), columns_, RowBytes() + 1, angle, turns_},
           sums.data());
@@ -138,7 +138,7 @@ class Search {
     return costs_[scale].data() + Lead() + column_of_b;
   }
 
-  std::vector<uint8_t> CostsOf(const RowImage& a, const RowImage& b) const {
+  std::vector<uint8_t> CompareColumns(const RowImage& a, const RowImage& b) const {
     std::vector<uint8_t> costs(columns_ * RowBytes());
     kernels_.multiply({static_cast<int>(a.rows()), columns_, a.data(), b.data(), levels_,
                        costs.data() + Lead(), RowBytes()});
@@ -151,7 +151,7 @@ class Search {
   }
 
   // For landmarks `angle` columns clockwise of the direction of motion.
-  std::vector<ColumnStep> StepsOf(int angle) const {
+  std::vector<ColumnStep> FindSteps(int angle) const {
     const double x = std::abs(std::remainder(angle * step_rad_, 2 * kPi));
     const int side = 2 * angle <= columns_ ? 1 : -1;
     const int middle = options_.scales / 2;
@@ -201,12 +201,7 @@ std::vector<double> ToVector(const Eigen::RowVectorXf& values) {
 }  // namespace
 
 void WarpingOptions::Check() const {
-  CheckRange("columns", columns, 24, 360);
-  CheckRange("frequencies", frequencies, 4, 4096);
-  CheckRange("max_shift_rad", max_shift_rad, 0.05, 1.5);
-  CheckRange("max_scale", max_scale, 1.1, 5);
-  CheckRange("scales", scales, 3, 41);
-  CheckRange("shift_cost", shift_cost, 0, 0.5);
+  CheckFields("warping", *this);
   if (scales % 2 == 0) {
     throw MapError(ErrorCode::kBadOptions,
                    "scales is " + std::to_string(scales) + "; give an odd number");

@@ -1,30 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/panorama/row_images.h"
 
 namespace waystone {
 
 struct WarpingOptions {
-  // Columns that the circle is cut into, 24 to 360: the grid of turns and of directions of motion.
-  // More are finer; time grows with the cube.
   int columns = 72;
-  // Frequencies used, 4 to 4096; those beyond the signature's or the columns' are left out.
-  // Fewer bear tilt and change, more are sharper.
   int frequencies = 64;
-  // How far a landmark may move sideways through the motion, radians, 0.05 to 1.5. More reaches
-  // farther; also lets what doesn't belong together match.
   double max_shift_rad = 0.9;
-  // Largest ratio of a landmark's distances before and after the motion, 1.1 to 5.
   double max_scale = 2.5;
-  // Steps from 1 / max_scale to max_scale, odd, 3 to 41. More fit better; time grows with them.
   int scales = 11;
-  // Cost of a column of sideways shift, 0 to 0.5 of the cost of columns without any correlation:
-  // the landmarks of a room are rather far than near.
   double shift_cost = 0.01;
 
+  static constexpr auto Fields() {
+    using O = WarpingOptions;
+    return std::tuple{
+        OptionField{"columns", &O::columns, Closed(24, 360), "columns",
+                    "Columns that the circle is cut into: the grid of turns and of directions of "
+                    "motion. More are finer; time grows with the cube."},
+        OptionField{"frequencies", &O::frequencies, Closed(4, 4096), "",
+                    "Frequencies used; those beyond the signature's or the columns' are left out. "
+                    "Fewer bear tilt and change, more are sharper."},
+        OptionField{"max_shift_rad", &O::max_shift_rad, Closed(0.05, 1.5), "rad",
+                    "How far a landmark may move sideways through the motion. More reaches "
+                    "farther; also lets what doesn't belong together match."},
+        OptionField{"max_scale", &O::max_scale, Closed(1.1, 5), "",
+                    "Largest ratio of a landmark's distances before and after the motion."},
+        OptionField{"scales", &O::scales, Closed(3, 41), "steps",
+                    "Steps from 1 / max_scale to max_scale, odd. More fit better; time grows with "
+                    "them."},
+        OptionField{"shift_cost", &O::shift_cost, Closed(0, 0.5), "",
+                    "Cost of a column of sideways shift, of the cost of columns without any "
+                    "correlation: the landmarks of a room are rather far than near."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
