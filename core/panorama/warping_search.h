@@ -12,10 +12,15 @@ namespace waystone {
 struct WarpingOptions {
   int columns = 72;
   int frequencies = 64;
-  double max_shift_rad = 0.9;
-  double max_scale = 2.5;
+  double max_shift_rad = 1.2;
+  double max_scale = 4;
   int scales = 11;
   double shift_cost = 0.01;
+  int bands = 2;
+  double band_overlap = 0.1;
+  double upright_share = 0.5;
+  double edge_softness = 1;
+  double plain_share = 0.3;
 
   static constexpr auto Fields() {
     using O = WarpingOptions;
@@ -36,7 +41,23 @@ struct WarpingOptions {
                     "them."},
         OptionField{"shift_cost", &O::shift_cost, Closed(0, 0.5), "",
                     "Cost of a column of sideways shift, of the cost of columns without any "
-                    "correlation: the landmarks of a room are rather far than near."}};
+                    "correlation: the landmarks of a room are rather far than near."},
+        OptionField{"bands", &O::bands, Closed(1, 4), "bands",
+                    "Bands of elevations whose columns are matched each on their own: furniture "
+                    "below the horizon is nearer than the wall above it. More fit cluttered rooms, "
+                    "and see less of each column."},
+        OptionField{"band_overlap", &O::band_overlap, Closed(0, 1), "",
+                    "How far each band reaches into the next, of its height."},
+        OptionField{"upright_share", &O::upright_share, Closed(0, 1), "",
+                    "How much upright edges (door frames, corners) count in the comparison of "
+                    "columns, against level ones. More tell azimuths, less tell distances."},
+        OptionField{"edge_softness", &O::edge_softness, Closed(0, 100), "",
+                    "Edges this strong, of the mean square, count half as much as the strongest. "
+                    "Less lets faint edges count beside those of bright windows; 0 counts edges as "
+                    "they are."},
+        OptionField{"plain_share", &O::plain_share, Closed(0, 10), "",
+                    "Columns whose edges are this share of the mean square count half as much as "
+                    "the richest: plain walls show nothing but noise."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -56,8 +77,9 @@ struct Warping {
 // and direction of motion, each column of a is matched to the best of the columns of b that the
 // hypothesis allows it to move to, with the vertical scale that belongs to the shift: a landmark at
 // angle x from the direction of motion comes to x' between x and pi, and its distance shrinks by
-// sin(x') / sin(x). Columns are compared by the correlation of their vertical gradients, so
-// brightness and contrast of a column don't matter. `band` is what the rows span.
+// sin(x') / sin(x). Columns are compared by the correlation of their gradients, up and
+// around, softened so that bright windows don't outweigh the rest, and each of some bands of
+// elevations on its own: brightness and contrast hardly matter. `band` is what the rows span.
 // Both signatures must have the same rows (CheckFailure). Thread-safe.
 Warping SearchWarping(const FourierSignature& a, const FourierSignature& b,
                       const ElevationBand& band, const WarpingOptions& options);
