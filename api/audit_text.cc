@@ -11,7 +11,7 @@ std::string Counted(int count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-std::string Percent(double share) { return std::to_string(std::lround(100 * share)) + " %"; }
+std::string Percent(double share) { return std::to_string(std::lround(100 * share)) + "%"; }
 
 // As `waystone eval` takes it.
 std::string SourceOf(const MapIndex& index, KeyframeId id) {
@@ -22,31 +22,31 @@ std::string SourceOf(const MapIndex& index, KeyframeId id) {
 
 std::string Advice(const MapIndex& index, const AliasPair& alias) {
   if (alias.remedy == Remedy::kJoin) {
-    return "probably one surface that was mapped twice: record a sequence that leads from one to "
-           "the other without losing sight of it, and build with it";
+    return "probably one surface mapped twice: record a sequence that moves from one to the other "
+           "while keeping it in view, and add it to the map";
   }
-  return "hang a poster or marker that is nowhere else near " + SourceOf(index, alias.a) + " or " +
-         SourceOf(index, alias.b) + ", and record it again; if both are one place, record a way " +
-         "from one to the other instead";
+  return "put up a unique poster or marker near " + SourceOf(index, alias.a) + " or " +
+         SourceOf(index, alias.b) + " and record it again; if both are the same place, record a " +
+         "sequence from one to the other instead";
 }
 
 std::string Advice(const WeakRun& run) {
   switch (run.remedy) {
     case Remedy::kSlowerPass:
-      return "the camera lost what it saw here: pass again, slower and in better light";
+      return "tracking was lost here: record this place again, slower and in better light";
     case Remedy::kMoreViews:
-      return "pass again, slower, and look at walls from more positions";
+      return "record this place again, slower and from more viewpoints";
     case Remedy::kMarker:
     case Remedy::kJoin:
-      return "there is little to see here: hang posters or markers, and record it again";
+      return "there is little texture here: put up posters or markers and record it again";
   }
   WS_CHECK(false, "unknown remedy");
 }
 
 std::string AliasText(const MapIndex& index, const AliasPair& alias) {
   std::string text = "  " + SourceOf(index, alias.a) + " and " + SourceOf(index, alias.b) + ": " +
-                     std::to_string(alias.inliers) + " features alike, " + Percent(alias.of_view) +
-                     " of what is seen there; planes";
+                     std::to_string(alias.inliers) + " features in common, " +
+                     Percent(alias.of_view) + " of those in view; planes";
   for (const AliasPlanes& planes : alias.planes) {
     text += " " + std::to_string(planes.a.value) + "/" + std::to_string(planes.b.value);
   }
@@ -54,23 +54,23 @@ std::string AliasText(const MapIndex& index, const AliasPair& alias) {
 }
 
 constexpr const char* kTieAdvice =
-    "look at both keyframes: if they are two places, hang something else at one of them and build "
-    "again; if they are one, record a slower way through it";
+    "compare both keyframes: if they show two places, change the appearance of one and rebuild the "
+    "map; if they show one place, record a slower pass through it";
 
 std::string TieText(const MapIndex& index, const LoneTie& tie) {
-  return "  " + SourceOf(index, tie.a) + " and " + SourceOf(index, tie.b) + ": plane " +
-         std::to_string(tie.plane.value) + " alone, " + Counted(tie.inliers, "feature") + "\n    " +
+  return "  " + SourceOf(index, tie.a) + " and " + SourceOf(index, tie.b) + ": only plane " +
+         std::to_string(tie.plane.value) + ", " + Counted(tie.inliers, "feature") + "\n    " +
          kTieAdvice + "\n";
 }
 
 std::string Cause(const WeakRun& run) {
   switch (run.weakness) {
     case Weakness::kSeesNoPlane:
-      return "no plane";
+      return "no plane in view";
     case Weakness::kFewFeatures:
       return "only " + Counted(run.features, "feature") + " in view";
     case Weakness::kFewPlanes:
-      return "a stretch with only " + Counted(run.planes, "plane");
+      return "isolated stretch with only " + Counted(run.planes, "plane");
   }
   WS_CHECK(false, "unknown weakness");
 }
@@ -126,14 +126,12 @@ Json WeakJson(const MapIndex& index, const WeakRun& run) {
 
 std::string AuditText(const MapIndex& index, const AuditReport& report) {
   const auto count = [](size_t n) { return static_cast<int>(n); };
-  std::string text = Counted(count(report.aliases.size()), "pair") +
-                     " of places that would answer for each other\n";
+  std::string text =
+      Counted(count(report.aliases.size()), "pair") + " of perceptually aliased places\n";
   for (const AliasPair& alias : report.aliases) text += AliasText(index, alias);
-  text +=
-      Counted(count(report.ties.size()), "pair") + " of places that one plane alone makes one\n";
+  text += Counted(count(report.ties.size()), "pair") + " of places connected by a single plane\n";
   for (const LoneTie& tie : report.ties) text += TieText(index, tie);
-  text += Counted(count(report.weak.size()), "run") +
-          " of keyframes with too little to be recognised by\n";
+  text += Counted(count(report.weak.size()), "run") + " of weak keyframes\n";
   for (const WeakRun& run : report.weak) text += WeakText(index, run);
   return text;
 }

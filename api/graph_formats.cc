@@ -91,7 +91,7 @@ GraphText FormatGraph(const MapIndex& index, const std::string& format) {
   std::string names = "json";
   for (const std::string& name : GraphFormatNames()) names += ", " + name;
   throw MapError(ErrorCode::kBadRequest,
-                 "format '" + format.substr(0, 40) + "' isn't known; there are " + names);
+                 "format '" + format.substr(0, 40) + "' is unknown; supported formats: " + names);
 }
 
 }  // namespace waystone

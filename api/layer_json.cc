@@ -101,15 +101,15 @@ Json FramesJson(const OrientationLayer& layer) {
 const AppearanceLayer& AppearanceOf(const MapIndex& index) {
   if (index.map().appearance) return *index.map().appearance;
   throw MapError(ErrorCode::kNoLayer,
-                 "this map has no appearance layer; build it from panoramas, or from a rig that "
-                 "sees all around");
+                 "this map has no appearance layer; build it from panoramas or from a rig that "
+                 "covers the full circle");
 }
 
 const OrientationLayer& OrientationOf(const MapIndex& index) {
   if (index.map().orientation) return *index.map().orientation;
   throw MapError(ErrorCode::kNoLayer,
-                 "this map has no orientation layer; build it from a calibrated camera's images of "
-                 "a building");
+                 "this map has no orientation layer; build it from the images of a calibrated "
+                 "camera");
 }
 
 const OrientationFrame* FrameOf(const OrientationLayer& layer, OrientationFrameId id) {

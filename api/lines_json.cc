@@ -15,8 +15,7 @@ namespace {
 
 cv::Mat PictureOf(const std::vector<uint8_t>& jpeg) {
   if (!jpeg.empty()) return DecodeGrey(jpeg);
-  throw MapError(ErrorCode::kNotFound,
-                 "this map was built without images; build it again without --no-images");
+  throw MapError(ErrorCode::kNotFound, "this map stores no images; rebuild it without --no-images");
 }
 
 std::optional<Camera> CameraOf(const MapIndex& index, SequenceId id) {
@@ -66,13 +65,13 @@ Json LinesJson(const MapIndex& index, const Keyframe& keyframe) {
   const std::optional<Camera> camera = CameraOf(index, keyframe.sequence);
   if (!camera) {
     throw MapError(ErrorCode::kNotAvailable,
-                   "directions need a camera, and this keyframe's sequence has none; build the map "
-                   "with --camera");
+                   "line directions require a camera, and this keyframe's sequence has none; build "
+                   "the map with --camera");
   }
   if (camera->model == CameraModel::kEquirectangular) {
     throw MapError(ErrorCode::kNotAvailable,
-                   "the map's small copy of a panorama is too coarse for lines; ask for those of a "
-                   "node of the orientation layer");
+                   "the stored copy of the panorama is too small for line detection; request the "
+                   "lines of a node of the orientation layer instead");
   }
   const cv::Mat picture = PictureOf(keyframe.jpeg);
   return Sized(keyframe.width, keyframe.height,

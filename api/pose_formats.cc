@@ -28,15 +28,15 @@ struct PoseGraph {
 
   Pose2 Scaled(const Pose2& pose) const { return {scale * pose.x, scale * pose.y, pose.theta_rad}; }
   std::string UnitText() const {
-    return unit == "m" ? "metres" : "the layer's own unit, which isn't known in metres";
+    return unit == "m" ? "metres" : "units of the layer (unknown scale)";
   }
 };
 
 PoseGraph GraphOf(const MapData& map) {
   if (!map.appearance) {
     CannotGive(
-        "this map has homographies between images and no poses, which come with an appearance "
-        "layer (build it from panoramas); take graphml or dot");
+        "this map has homographies between images but no poses, which require an appearance layer "
+        "(build it from panoramas); use graphml or dot");
   }
   const std::optional<double> metres = map.appearance->metres_per_unit;
   return {map, *map.appearance, metres.value_or(1), metres ? "m" : "unit"};
@@ -155,7 +155,7 @@ std::string Tum(const PoseGraph& graph) {
       std::all_of(nodes.begin(), nodes.end(), [](const auto& n) { return n.time_s.has_value(); });
   std::ostringstream out;
   out << "# " << (timed ? "time_s" : "frame number (not all nodes have a time)")
-      << " x y z qx qy qz qw; x ahead, z up; lengths in " << graph.UnitText() << '\n';
+      << " x y z qx qy qz qw; x forward, z up; lengths in " << graph.UnitText() << '\n';
   SequenceId sequence;
   for (const AppearanceNode& node : nodes) {
     if (node.sequence != sequence) {
@@ -175,8 +175,8 @@ std::string Tum(const PoseGraph& graph) {
 std::string ResultLines(const PoseGraph& graph) {
   if (graph.unit != "m") {
     CannotGive(
-        "lines of visuallocalization.net are in metres, and the scale of this map's appearance "
-        "layer isn't known; take tum");
+        "the visuallocalization.net format is in metres, and the scale of this map's appearance "
+        "layer is unknown; use tum");
   }
   // The front camera's axes in the node's frame: x right, y down, z forward of x ahead, y left.
   Eigen::Matrix3d node_from_camera;
@@ -198,8 +198,8 @@ std::string ResultLines(const PoseGraph& graph) {
 
 std::string Colmap(const PoseGraph&) {
   CannotGive(
-      "a COLMAP model has the intrinsics of cameras and points in space, and no panoramas; this "
-      "map has poses on the ground alone, take tum, g2o or ply");
+      "a COLMAP model requires camera intrinsics and 3D points and has no panoramas; this map has "
+      "planar poses only, use tum, g2o or ply");
 }
 
 struct PoseFormat {

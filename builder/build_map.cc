@@ -201,7 +201,7 @@ class MapBuilder {
   }
 
   [[noreturn]] static void Interrupt() {
-    throw MapError(ErrorCode::kInterrupted, "stopped; nothing was written");
+    throw MapError(ErrorCode::kInterrupted, "interrupted; nothing was written");
   }
 
   [[noreturn]] void FailWithoutFrames() const {
@@ -209,7 +209,7 @@ class MapBuilder {
         report_.skipped_names.empty() ? "" : " (first: " + report_.skipped_names.front() + ")";
     throw MapError(ErrorCode::kBadSource, "none of the " + std::to_string(report_.frames) +
                                               " frames could be decoded" + first +
-                                              "; give images that open in a viewer");
+                                              "; check that the images open in a viewer");
   }
 
   void CopyTrackerReport() {
@@ -321,13 +321,13 @@ BuildResult BuildLayers(const std::vector<std::unique_ptr<Source>>& sources,
                         const BuildOptions& options, const Progress& progress) {
   const LayerChoice& layers = options.layers;
   auto planes = SourcesOf(LayerKind::kPlanes, layers.planes,
-                          "are ordinary images, which planes take; leave planes out, or name "
-                          "that layer alone to take panoramas for photos",
+                          "are ordinary images, which the plane layer requires; omit planes, or "
+                          "select that layer alone to treat panoramas as photos",
                           sources, layers);
   auto panoramas =
       SourcesOf(LayerKind::kAppearance, layers.appearance,
-                "are panoramas (twice as wide as high, or rigs), which appearance takes; name "
-                "that layer alone to take others for panoramas",
+                "are panoramas (twice as wide as high, or rigs), which the appearance layer "
+                "requires; select that layer alone to treat other images as panoramas",
                 sources, layers);
   OrientationPass pass(options, progress);
   pass.Watch(1, planes);
@@ -355,11 +355,11 @@ void BuildOptions::Check() const {
   appearance_calibration.Check();
   if (image_width < 16 || image_width > 4096) {
     throw MapError(ErrorCode::kBadOptions, "image_width is " + std::to_string(image_width) +
-                                               "; give a number from 16 to 4096");
+                                               "; it must be between 16 and 4096");
   }
   if (threads < 0 || threads > 1024) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "threads is " + std::to_string(threads) + "; give 0 (all cores) to 1024");
+    throw MapError(ErrorCode::kBadOptions, "threads is " + std::to_string(threads) +
+                                               "; it must be between 0 (one per core) and 1024");
   }
 }
 
@@ -367,7 +367,8 @@ BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
                      const BuildOptions& options,
                      const std::function<bool(const BuildProgress&)>& progress) {
   options.Check();
-  if (sources.empty()) throw MapError(ErrorCode::kBadSource, "no source given; give one at least");
+  if (sources.empty())
+    throw MapError(ErrorCode::kBadSource, "no source given; at least one is required");
   const Clock::time_point start = Clock::now();
   cv::setNumThreads(1);  // frames are what runs in parallel
   tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : options.threads);

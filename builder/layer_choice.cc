@@ -24,14 +24,14 @@ LayerChoice LayerChoiceByNames(const std::string& names) {
       layers.orientation = true;
     } else {
       throw MapError(ErrorCode::kBadOptions,
-                     "there is no layer '" + name +
-                         "'; give auto, or planes, appearance and orientation with commas between "
-                         "them");
+                     "unknown layer '" + name +
+                         "'; use auto, or a comma-separated list of planes, appearance and "
+                         "orientation");
     }
   }
   if (layers.planes || layers.appearance || layers.orientation) return layers;
   throw MapError(ErrorCode::kBadOptions,
-                 "no layer is named; give auto, planes, appearance or orientation");
+                 "no layer given; use auto, planes, appearance or orientation");
 }
 
 std::optional<LayerKind> LayerOf(const Source& source, const LayerChoice& layers) {

@@ -75,7 +75,7 @@ std::vector<Source*> DirectionsAlone(const std::vector<std::unique_ptr<Source>>&
 void RefuseUncalibrated(size_t sources) {
   throw MapError(ErrorCode::kBadCamera,
                  "none of the " + std::to_string(sources) +
-                     " sources is calibrated, which the orientation layer takes; give --camera "
+                     " sources is calibrated, which the orientation layer requires; use --camera "
                      "FILE, panoramas or a rig");
 }
 

@@ -19,7 +19,7 @@ std::string TokenOf(const ServerFlags& flags) {
   std::string token;
   if (!std::getline(in, token) || token.empty()) {
     throw MapError(ErrorCode::kFileUnreadable,
-                   flags.token_file + " has no token; give a file with one on its first line");
+                   flags.token_file + " has no token on its first line; write the token there");
   }
   return token;
 }
@@ -29,11 +29,11 @@ std::string TokenOf(const ServerFlags& flags) {
 void AddServerFlags(CLI::App* command, ServerFlags& flags) {
   command->add_option(
       "--server", flags.url,
-      "Ask this server (http://HOST:PORT); MAP is the name of one of its maps then, "
-      "or - for all of them");
+      "Query this server (http://HOST:PORT) instead of a file; MAP is then the name of a map, "
+      "or - for all maps");
   command
       ->add_option("--token-file", flags.token_file,
-                   "File with the server's token; else the variable WAYSTONE_TOKEN")
+                   "File with the server's token; default: environment variable WAYSTONE_TOKEN")
       ->needs("--server");
 }
 

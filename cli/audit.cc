@@ -34,12 +34,12 @@ int RunAudit(const AuditFlags& flags) {
 
 void AddAudit(CLI::App& app, Run& run) {
   auto flags = std::make_shared<AuditFlags>();
-  CLI::App* command = app.add_subcommand(
-      "audit", "List the places of a map that look alike or are hardly recognised");
+  CLI::App* command =
+      app.add_subcommand("audit", "Find weak keyframes and perceptual aliases in a map");
   command->add_option("map", flags->map, "Map file")->required();
-  command->add_flag("--json", flags->json, "One JSON object");
+  command->add_flag("--json", flags->json, "Print one JSON object");
   command->footer(
-      "Each finding comes with what to do about it.\n"
+      "Each finding includes a recommendation.\n"
       "Example: waystone audit lab.db");
   command->callback([flags, &run] { run = [flags] { return RunAudit(*flags); }; });
 }

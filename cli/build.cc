@@ -22,7 +22,7 @@
 namespace waystone {
 namespace {
 
-// A map without a plane answers nothing.
+// Exit status for a map without any layer that can answer.
 constexpr int kBelowQualityGate = 4;
 
 struct BuildFlags {
@@ -43,11 +43,11 @@ struct BuildFlags {
   bool quiet = false;
 };
 
-// Behind an announcement: what is usual isn't worth a word.
+// Appended to an announcement; empty for the plane layer.
 std::string LayerText(const Source& source, const LayerChoice& layers) {
   const bool panoramas = LayerOf(source, layers) == LayerKind::kAppearance;
-  return std::string(panoramas ? ", panoramas for the appearance layer" : "") +
-         (GivesOrientation(source, layers) ? ", calibrated for the orientation layer" : "");
+  return std::string(panoramas ? ", panoramas (appearance layer)" : "") +
+         (GivesOrientation(source, layers) ? ", calibrated (orientation layer)" : "");
 }
 
 std::vector<std::unique_ptr<Source>> OpenSources(const BuildFlags& flags) {
@@ -92,8 +92,8 @@ BuildResult BuildWithProgress(const BuildFlags& flags, const BuildOptions& optio
 }
 
 int ReportNoPlanes(const BuildResult& result) {
-  std::cerr << "waystone: no plane was found in " << result.map.keyframes.size()
-            << " keyframes, so no map was written; film textured walls or floors while moving "
+  std::cerr << "waystone: no plane found in " << result.map.keyframes.size()
+            << " keyframes; no map was written. Record textured walls or floors while moving "
                "sideways, or try --max-features 2000\n";
   return kBelowQualityGate;
 }
@@ -133,54 +133,59 @@ int RunBuild(const BuildFlags& flags) {
 void AddSourceFlags(CLI::App* command, BuildFlags& flags) {
   command
       ->add_option("sources", flags.sources,
-                   "Image folders, globs in quotes, videos, TUM, KITTI or EuRoC sequences, "
-                   "panoramas, rigs of faces")
+                   "Image folders, quoted globs, videos, TUM, KITTI or EuRoC sequences, "
+                   "panorama folders or rig folders")
       ->required();
-  command->add_option("-o,--output", flags.output, "Map file to write")->required();
+  command->add_option("-o,--output", flags.output, "Output map file")->required();
   command->add_option("--every", flags.source.every, "Use every N-th frame")->capture_default_str();
-  command->add_option("--from", flags.source.from, "First frame, from 0")->capture_default_str();
-  command->add_option("--to", flags.to, "Last frame, inclusive")->check(CLI::NonNegativeNumber);
+  command->add_option("--from", flags.source.from, "Index of the first frame, starting at 0")
+      ->capture_default_str();
+  command->add_option("--to", flags.to, "Index of the last frame, inclusive")
+      ->check(CLI::NonNegativeNumber);
   command->add_option(
       "--camera", flags.camera,
-      "Calibration: OpenCV, ROS, Kalibr or COLMAP file (the orientation layer takes "
-      "one)");
+      "Camera calibration: OpenCV, ROS, Kalibr or COLMAP file; required by the orientation "
+      "layer");
 }
 
 void AddMapFlags(CLI::App* command, BuildFlags& flags) {
-  command->add_option("--features", flags.features, "Kind of features: sift, orb or akaze")
+  command->add_option("--features", flags.features, "Feature type: sift, orb or akaze")
       ->capture_default_str();
-  command->add_option("--max-features", flags.build.features.max_features, "Features an image")
+  command
+      ->add_option("--max-features", flags.build.features.max_features,
+                   "Maximum features per image")
       ->capture_default_str();
   command
       ->add_option("--layers", flags.layers,
-                   "Layers with commas between them: planes, appearance (panoramas), orientation "
-                   "(rigs, panoramas, calibrated cameras); auto takes what the images are, and "
-                   "orientation of rigs and panoramas alone")
+                   "Comma-separated layers: planes, appearance (panoramas), orientation (rigs, "
+                   "panoramas, calibrated cameras); auto chooses by the type of the source, with "
+                   "orientation for rigs and panoramas only")
       ->capture_default_str();
   command
-      ->add_option("--max-loss", flags.build.appearance.redundancy.max_loss,
-                   "Leave out panoramas that lose at most this share of information, 0 to 1")
+      ->add_option(
+          "--max-loss", flags.build.appearance.redundancy.max_loss,
+          "Drop redundant panoramas whose loss of information is at most this share, 0 to 1")
       ->capture_default_str();
   command
-      ->add_option("--node-features", flags.build.appearance.describe.features.max_kept,
-                   "Features kept of each panorama, 36 bytes each: answers are verified with them, "
-                   "and photos found; 0 keeps none")
+      ->add_option(
+          "--node-features", flags.build.appearance.describe.features.max_kept,
+          "Features stored per panorama, 36 bytes each, for verification and for localizing "
+          "photos; 0 stores none")
       ->capture_default_str();
   AddPanoramaFlags(*command, flags.panorama);
-  command->add_flag("--no-images", flags.no_images, "Leave the keyframes' pictures out of the map");
+  command->add_flag("--no-images", flags.no_images, "Do not store keyframe images in the map");
   command
       ->add_option("--threads", flags.build.threads,
-                   "Threads; 0 takes all cores. The map is "
-                   "the same with any number")
+                   "Number of threads, 0 for one per core; does not affect the map")
       ->capture_default_str();
-  command->add_flag("--force", flags.force, "Replace the map file if it is there");
+  command->add_flag("--force", flags.force, "Overwrite an existing map file");
 }
 
 void AddOutputFlags(CLI::App* command, BuildFlags& flags) {
-  command->add_option("--report", flags.report_folder, "Write a page with pictures to this folder");
-  command->add_flag("--json", flags.json, "Print what was built as one JSON object");
+  command->add_option("--report", flags.report_folder, "Write an HTML report to this folder");
+  command->add_flag("--json", flags.json, "Print the summary as one JSON object");
   command->add_flag("--quiet", flags.quiet, "Print errors only");
-  command->add_option("--progress", flags.progress, "On stderr: auto, none or json")
+  command->add_option("--progress", flags.progress, "Progress on stderr: auto, none or json")
       ->capture_default_str();
 }
 
@@ -188,7 +193,7 @@ void AddOutputFlags(CLI::App* command, BuildFlags& flags) {
 
 void AddBuild(CLI::App& app, Run& run) {
   auto flags = std::make_shared<BuildFlags>();
-  CLI::App* command = app.add_subcommand("build", "Make a map from image sequences");
+  CLI::App* command = app.add_subcommand("build", "Build a map from image sequences");
   AddSourceFlags(command, *flags);
   AddMapFlags(command, *flags);
   AddOutputFlags(command, *flags);

@@ -50,14 +50,14 @@ void Line(std::ostream& out, const std::string& label, const std::string& text) 
 }
 
 std::string PlanesText(const BuildReport& report) {
-  return std::to_string(report.planes_started) + " started, " +
+  return std::to_string(report.planes_started) + " created, " +
          std::to_string(report.planes_rejected) + " rejected and " +
-         std::to_string(report.planes_merged) + " merged by their homologies, " +
+         std::to_string(report.planes_merged) + " merged by the homology test, " +
          std::to_string(report.planes_fused) + " fused, " + std::to_string(report.planes_dropped) +
          " dropped";
 }
 
-// The frames that were used, and those that were not by name.
+// The frame counts, and the skipped frames by name.
 void FramesLines(std::ostream& out, const std::string& label, const std::string& counts,
                  const std::vector<std::string>& skipped) {
   Line(out, label, counts);
@@ -67,32 +67,33 @@ void FramesLines(std::ostream& out, const std::string& label, const std::string&
 void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
   FramesLines(out, "panoramas",
               std::to_string(report.frames) + " used, " + std::to_string(report.skipped) +
-                  " skipped, " + std::to_string(report.uncertain) + " steps uncertain, " +
+                  " skipped, " + std::to_string(report.uncertain) + " uncertain steps, " +
                   std::to_string(report.dropped) + " redundant",
               report.skipped_names);
   Line(out, "loops",
        std::to_string(report.loop_candidates) + " candidates, " +
-           std::to_string(report.loops_certain) + " certain by the compass, " +
-           std::to_string(report.loops_supported) + " by their neighbours, " +
-           std::to_string(report.loops_rejected) + " rejected by the graph");
+           std::to_string(report.loops_certain) + " confirmed by the compass, " +
+           std::to_string(report.loops_supported) + " by neighbouring matches, " +
+           std::to_string(report.loops_rejected) + " rejected by the pose graph");
   Line(out, "seconds",
-       "decode " + Seconds(report.decode_s) + ", signatures " + Seconds(report.describe_s) +
-           ", odometry " + Seconds(report.odometry_s) + ", loops " + Seconds(report.loops_s) +
-           ", poses " + Seconds(report.graph_s) + ", calibrate " + Seconds(report.calibrate_s));
+       "decoding " + Seconds(report.decode_s) + ", signatures " + Seconds(report.describe_s) +
+           ", odometry " + Seconds(report.odometry_s) + ", loop closure " +
+           Seconds(report.loops_s) + ", pose graph " + Seconds(report.graph_s) + ", calibration " +
+           Seconds(report.calibrate_s));
 }
 
 void OrientationLines(std::ostream& out, const OrientationLayer& layer,
                       const OrientationReport& report) {
-  FramesLines(out, "directions",
+  FramesLines(out, "orientation",
               std::to_string(report.frames) + " frames, " + std::to_string(report.unreadable) +
                   " unreadable, " + std::to_string(report.unreliable) + " without reliable axes",
               report.unreadable_names);
-  Line(out, "way",
-       Plural(TurnCount(layer), "turn") + " of " + Plural(layer.turns.size(), "jump") +
-           " of the heading, " + Plural(layer.nodes.size(), "node") + ", " +
+  Line(out, "trajectory",
+       Plural(TurnCount(layer), "turn") + " in " + Plural(layer.turns.size(), "heading change") +
+           ", " + Plural(layer.nodes.size(), "node") + ", " +
            Plural(layer.corridors.size(), "corridor") + ", " + Plural(LoopCount(layer), "loop"));
   Line(out, "seconds",
-       "lines and features " + Seconds(report.look_s) + " (summed over threads), axes and turns " +
+       "lines and features " + Seconds(report.look_s) + " (total over threads), axes and turns " +
            Seconds(report.follow_s) + ", edges and loops " + Seconds(report.finish_s));
 }
 
@@ -104,9 +105,9 @@ void PlanesLines(std::ostream& out, const BuildReport& report) {
               report.skipped_names);
   Line(out, "planes", PlanesText(report));
   Line(out, "seconds",
-       "decode " + Seconds(report.decode_s) + ", features " + Seconds(report.extract_s) +
-           ", track " + Seconds(report.track_s) + ", fusion " + Seconds(report.fusion_s) +
-           ", calibration " + Seconds(report.calibrate_s) + " (summed over threads)");
+       "decoding " + Seconds(report.decode_s) + ", features " + Seconds(report.extract_s) +
+           ", tracking " + Seconds(report.track_s) + ", fusion " + Seconds(report.fusion_s) +
+           ", calibration " + Seconds(report.calibrate_s) + " (total over threads)");
 }
 
 Json AppearanceReportJson(const AppearanceReport& report) {
@@ -188,7 +189,7 @@ std::string CountsText(const MapData& map) {
                     Plural(LoopCount(*map.appearance), "loop"));
   }
   if (map.orientation) {
-    parts.push_back(Plural(map.orientation->frames.size(), "direction") + " with " +
+    parts.push_back(Plural(map.orientation->frames.size(), "orientation frame") + " with " +
                     Plural(TurnCount(*map.orientation), "turn"));
   }
   std::string text;

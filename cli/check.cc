@@ -33,7 +33,7 @@ int RunCheck(const CheckFlags& flags) {
   if (flags.json) {
     std::cout << Dump(ProblemsJson(flags.map, problems)) << '\n';
   } else if (problems.empty()) {
-    std::cout << flags.map << ": sound\n";
+    std::cout << flags.map << ": no damage found\n";
   } else {
     for (const MapProblem& problem : problems) {
       std::cout << problem.where << ": " << problem.message << '\n';
@@ -42,7 +42,7 @@ int RunCheck(const CheckFlags& flags) {
   if (problems.empty()) return 0;
   std::cerr << "waystone: " << flags.map << " has " << problems.size()
             << (problems.size() == 1 ? " problem" : " problems")
-            << "; build it again or take it from a backup\n";
+            << "; rebuild the map or restore it from a backup\n";
   return InfoOf(ErrorCode::kMapDamaged).exit_code;
 }
 
@@ -50,11 +50,11 @@ int RunCheck(const CheckFlags& flags) {
 
 void AddCheck(CLI::App& app, Run& run) {
   auto flags = std::make_shared<CheckFlags>();
-  CLI::App* command = app.add_subcommand("check", "Look for damage in a map");
+  CLI::App* command = app.add_subcommand("check", "Check a map file for damage");
   command->add_option("map", flags->map, "Map file")->required();
-  command->add_flag("--json", flags->json, "One JSON object");
+  command->add_flag("--json", flags->json, "Print one JSON object");
   command->footer(
-      "Exits with 3 when there is damage, after listing all of it.\n"
+      "Lists all damage and exits with status 3 if there is any.\n"
       "Example: waystone check lab.db");
   command->callback([flags, &run] { run = [flags] { return RunCheck(*flags); }; });
 }

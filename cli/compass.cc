@@ -35,10 +35,10 @@ Json HeadingJson(const std::string& image, const std::string& first,
   return json;
 }
 
-// "b.jpg: 12.3 +- 0.4 degrees to the left of a.jpg (runner-up -170.0, sharpness 0.21), ..."
+// "b.jpg: +12.30 deg +- 0.40 (runner-up -170, sharpness 0.210), moved towards +31 +- 5"
 std::string HumanLine(const std::string& image, const CompassHeading& heading) {
   char text[200];
-  std::snprintf(text, sizeof(text), "%+.2f degrees +- %.2f (runner-up %+.0f, sharpness %.3f)",
+  std::snprintf(text, sizeof(text), "%+.2f deg +- %.2f (runner-up %+.0f, sharpness %.3f)",
                 heading.heading_rad * kDegreesPerRadian, heading.sigma_rad * kDegreesPerRadian,
                 heading.runner_up_rad * kDegreesPerRadian, heading.sharpness);
   std::string line = image + ": " + text;
@@ -53,16 +53,15 @@ void CheckSameBand(const std::string& image, const ElevationBand& band,
                    const ElevationBand& first) {
   if (band == first) return;
   throw MapError(ErrorCode::kBadImage,
-                 image + " shows other elevations (" +
+                 image + " covers elevations from " +
                      std::to_string(band.top_rad * kDegreesPerRadian) + " to " +
                      std::to_string(band.bottom_rad * kDegreesPerRadian) +
-                     " degrees) than the first panorama; give a --band that both show");
+                     " degrees, unlike the first panorama; set --band to a range covered by both");
 }
 
 int RunCompass(const CompassFlags& flags) {
   if (flags.images.size() < 2) {
-    throw MapError(ErrorCode::kUsage,
-                   "a compass compares panoramas and was given 1; give at least 2");
+    throw MapError(ErrorCode::kUsage, "1 panorama given; the compass needs at least 2");
   }
   const PanoramaOptions options = PanoramaOptionsOf(flags.panorama);
   const SignatureOptions signature = SignatureOptionsOf(flags.panorama);
@@ -88,15 +87,14 @@ int RunCompass(const CompassFlags& flags) {
 void AddCompass(CLI::App& app, Run& run) {
   auto flags = std::make_shared<CompassFlags>();
   CLI::App* command =
-      app.add_subcommand("compass", "Say how panoramas are turned against the first");
-  command->add_option("images", flags->images, "Panoramas, mirror images or folders of a rig")
+      app.add_subcommand("compass", "Estimate each panorama's heading relative to the first");
+  command->add_option("images", flags->images, "Panoramas, mirror images or rig folders")
       ->required();
-  command->add_flag("--json", flags->json, "One JSON object a panorama");
+  command->add_flag("--json", flags->json, "Print one JSON object per panorama");
   AddPanoramaFlags(*command, flags->panorama);
   command->footer(
-      "Headings and directions are counter-clockwise seen from above, in degrees; directions "
-      "count\n"
-      "from the first panorama's front, the middle of its columns.\n"
+      "Headings and directions are in degrees, counter-clockwise seen from above. Directions are\n"
+      "relative to the forward direction of the first panorama (its middle column).\n"
       "Example: waystone compass a.jpg b.jpg c.jpg --json");
   command->callback([flags, &run] { run = [flags] { return RunCompass(*flags); }; });
 }

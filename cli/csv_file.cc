@@ -46,11 +46,11 @@ CsvFile::CsvFile(const std::filesystem::path& path) : path_(path) {
     rows_.push_back({number, Cells(trimmed)});
     const size_t cells = rows_.back().cells.size();
     if (cells == header_.size()) continue;
-    Fail(number, std::to_string(cells) + (cells == 1 ? " cell" : " cells") +
-                     " where the header has " + std::to_string(header_.size()) +
-                     "; a cell may be empty, but not its comma");
+    Fail(number, std::to_string(cells) + (cells == 1 ? " field" : " fields") +
+                     ", but the header has " + std::to_string(header_.size()) +
+                     "; write empty fields as consecutive commas");
   }
-  if (header_.empty()) Fail(1, "no header; begin with the names of the columns");
+  if (header_.empty()) Fail(1, "missing header; the first line must name the columns");
 }
 
 std::optional<size_t> CsvFile::Column(const std::string& name) const {

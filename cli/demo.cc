@@ -29,7 +29,7 @@ struct DemoFlags {
   std::string setting;
 };
 
-// The demo's folder: the user's, or one that goes away with the demo.
+// The working folder: the user's, or a temporary one that is removed.
 class DemoFolder {
  public:
   explicit DemoFolder(const std::string& keep) : keep_(!keep.empty()), path_(keep) {
@@ -38,7 +38,7 @@ class DemoFolder {
     } else {
       std::string name = (fs::temp_directory_path() / "waystone-demo-XXXXXX").string();
       if (mkdtemp(name.data()) == nullptr) {
-        throw MapError(ErrorCode::kFileUnwritable, "no folder can be made in " +
+        throw MapError(ErrorCode::kFileUnwritable, "can't create a folder in " +
                                                        fs::temp_directory_path().string() +
                                                        "; set TMPDIR or use --keep DIR");
       }
@@ -60,7 +60,7 @@ class DemoFolder {
     std::error_code error;
     fs::create_directories(path_, error);
     if (error) {
-      throw MapError(ErrorCode::kFileUnwritable, path_.string() + " can't be made: " +
+      throw MapError(ErrorCode::kFileUnwritable, "can't create " + path_.string() + ": " +
                                                      error.message() + "; choose another folder");
     }
   }
@@ -71,9 +71,7 @@ class DemoFolder {
 
 void WriteWalkWithProgress(const fs::path& dir) {
   ProgressMeter meter(std::cerr, ProgressStyleByName("auto", false), ColoursWelcome());
-  WriteDemoWalk(dir, [&meter](int done, int total) {
-    meter.Update({"pictures", done, total, ""});
-  });
+  WriteDemoWalk(dir, [&meter](int done, int total) { meter.Update({"images", done, total, ""}); });
 }
 
 void Say(const std::string& text) { std::cout << text << std::endl; }
@@ -84,7 +82,7 @@ void Build(const fs::path& images, const fs::path& map) {
   const int code = build.Wait();
   if (code != 0) {
     throw MapError(ErrorCode::kInternal,
-                   "the build ended with code " + std::to_string(code) + "; see above");
+                   "waystone build exited with status " + std::to_string(code) + "; see above");
   }
 }
 
@@ -103,7 +101,7 @@ struct Question {
   std::string expected;
 };
 
-// Asks the server as curl would. Returns the verdict.
+// Queries the server as curl would. Returns the verdict.
 std::string Ask(const std::string& url, const Question& question) {
   const std::string path = "/v1/maps/demo/localize";
   Say("\n" + question.about + ":\n$ curl --data-binary @" + question.photo.string() +
@@ -112,7 +110,7 @@ std::string Ask(const std::string& url, const Question& question) {
   Json answer = AskServer({url, ""}, "demo", question.photo.filename().string(),
                           std::string(photo.begin(), photo.end()));
   std::string verdict = answer.value("verdict", "no verdict");
-  // In short: a plane's matrix and outline fill a page.
+  // Abridged: the matrices and outlines of planes fill a page.
   if (answer.contains("planes")) {
     for (Json& plane : answer["planes"]) {
       plane.erase("outline");
@@ -126,10 +124,9 @@ std::string Ask(const std::string& url, const Question& question) {
 int AskAll(const std::string& url, const DemoPhotos& photos) {
   int code = 0;
   for (const Question& question : std::vector<Question>{
-           {photos.right, "A photo from a place that no picture of the walk shows exactly",
-            "localized"},
+           {photos.right, "A photo from a viewpoint that is not in the sequence", "localized"},
            {photos.elsewhere, "A photo from another building", "not_in_map"},
-           {photos.broken, "The first photo, cut off", "bad_image"}}) {
+           {photos.broken, "The first photo, truncated", "bad_image"}}) {
     const std::string verdict = Ask(url, question);
     if (verdict == question.expected) continue;
     std::cerr << "waystone: expected " << question.expected << ", got " << verdict << '\n';
@@ -143,10 +140,9 @@ int RunWriteSetting(const DemoFlags& flags) {
   WriteSetting(flags.setting, flags.write_folder, [&meter](int done, int total) {
     meter.Update({"panoramas", done, total, ""});
   });
-  Say("The panoramas are in " + flags.write_folder + "/panorama, where they were taken in " +
-      flags.write_folder + "/poses.csv;\nREADME.txt there says what each file is.\n" +
-      "Next: waystone eval trajectory " + flags.write_folder + "/odometry.csv " +
-      flags.write_folder + "/poses.csv");
+  Say("Panoramas: " + flags.write_folder + "/panorama, poses: " + flags.write_folder +
+      "/poses.csv; README.txt describes each file.\n" + "Next: waystone eval trajectory " +
+      flags.write_folder + "/odometry.csv " + flags.write_folder + "/poses.csv");
   return 0;
 }
 
@@ -155,7 +151,7 @@ int RunDemo(const DemoFlags& flags) {
   if (!flags.write_folder.empty()) {
     WriteWalkWithProgress(flags.write_folder);
     WriteDemoQueries(flags.write_folder);
-    Say("The walk is in " + flags.write_folder + "; README.txt there says what each file is.\n" +
+    Say("Wrote the sequence to " + flags.write_folder + "; README.txt describes each file.\n" +
         "Next: waystone build " + flags.write_folder + "/images -o demo.db\n" +
         "then: waystone eval demo.db " + flags.write_folder + "/queries.csv --poses " +
         flags.write_folder + "/poses.csv");
@@ -164,7 +160,7 @@ int RunDemo(const DemoFlags& flags) {
   const DemoFolder folder(flags.keep_folder);
   const fs::path walk = folder.path() / "walk";
   const fs::path map = folder.path() / "demo.db";
-  Say("Taking a walk through a made building, with a camera of 640x480 pixels ...");
+  Say("Rendering a walk through a synthetic building (640x480 pixels) ...");
   WriteWalkWithProgress(walk);
   const DemoPhotos photos = WriteDemoPhotos(folder.path());
   Build(walk / "images", map);
@@ -173,9 +169,9 @@ int RunDemo(const DemoFlags& flags) {
   const std::string url = UrlIn(server.ReadLine());
   Say("Serving at " + url);
   const int code = AskAll(url, photos);
-  Say("\nThat is all. Answers are in short here, without outlines and homographies.");
-  Say(folder.kept() ? "Try it yourself: waystone serve " + map.string()
-                    : "To keep the walk, the map and the photos: waystone demo --keep DIR");
+  Say("\nDone. Answers are abridged here: outlines and homographies are left out.");
+  Say(folder.kept() ? "Next: waystone serve " + map.string()
+                    : "To keep the sequence, the map and the photos: waystone demo --keep DIR");
   return code;
 }
 
@@ -183,15 +179,17 @@ int RunDemo(const DemoFlags& flags) {
 
 void AddDemo(CLI::App& app, Run& run) {
   auto flags = std::make_shared<DemoFlags>();
-  CLI::App* command =
-      app.add_subcommand("demo", "Map a made building, serve it and ask about three photos");
-  CLI::Option* write = command->add_option("--write", flags->write_folder,
-                                           "Only write the walk and its truth, to this new folder");
-  command->add_option("--keep", flags->keep_folder, "Work in this new folder and keep it")
+  CLI::App* command = app.add_subcommand(
+      "demo", "Map a synthetic building, serve the map and localize three photos");
+  CLI::Option* write =
+      command->add_option("--write", flags->write_folder,
+                          "Only write the sequence and its ground truth to this new folder");
+  command->add_option("--keep", flags->keep_folder, "Work in this new folder and keep its contents")
       ->excludes(write);
   command
       ->add_option("--setting", flags->setting,
-                   "Write a robot's drive with panoramas instead: office (200) or laboratory (150)")
+                   "Write a drive of a robot with panoramas instead: office (200 images) or "
+                   "laboratory (150)")
       ->needs(write);
   command->footer(
       "Takes about a minute.\nExample: waystone demo --keep demo\n"

@@ -98,7 +98,7 @@ std::filesystem::path Save(const std::filesystem::path& path, const std::vector<
   out.close();
   if (!out) {
     throw MapError(ErrorCode::kFileUnwritable,
-                   path.string() + " can't be written; see whether its folder is full");
+                   path.string() + " can't be written; check the free space");
   }
   return path;
 }

@@ -66,7 +66,7 @@ std::string HumanText(const Directions& answer) {
   std::string text = answer.image + ": ";
   char line[128];
   if (frame.reliable()) {
-    (void)std::snprintf(line, sizeof line, "reliable, to %.2f degrees\n",
+    (void)std::snprintf(line, sizeof line, "reliable, sigma %.2f degrees\n",
                         kDegreesPerRadian * frame.sigma_rad());
     text += line;
   } else {
@@ -112,7 +112,7 @@ void SavePicture(const std::filesystem::path& folder, const std::string& source,
   const std::filesystem::path path = folder / PictureName(source);
   if (cv::imwrite(path.string(), picture)) return;
   throw MapError(ErrorCode::kFileUnwritable,
-                 path.string() + " can't be written; choose another folder or make room");
+                 path.string() + " can't be written; choose another folder or free up space");
 }
 
 // Answers every moment of a photo or folder, following the axes from one to the next. Returns
@@ -157,24 +157,22 @@ int RunDirections(const DirectionsFlags& flags) {
 void AddDirections(CLI::App& app, Run& run) {
   auto flags = std::make_shared<DirectionsFlags>();
   CLI::App* command = app.add_subcommand(
-      "directions", "Find the three directions of a building in photos of calibrated cameras");
+      "directions", "Estimate the Manhattan axes in images of calibrated cameras");
   command
-      ->add_option("photos", flags->photos,
-                   "Photos, panoramas, or folders of them or of a rig's images")
+      ->add_option("photos", flags->photos, "Photos, panoramas, or folders of images or of a rig")
       ->required();
   command->add_option("--camera", flags->camera,
-                      "Camera or rig file; rig.yaml or camera.yaml beside the photos otherwise");
-  command->add_option("--detector", flags->detector, "edge_drawing, canny or lsd")
+                      "Camera or rig file; default: rig.yaml or camera.yaml beside the photos");
+  command->add_option("--detector", flags->detector, "Line detector: edge_drawing, canny or lsd")
       ->capture_default_str();
   command->add_option("--draw", flags->draw,
-                      "Write a picture of each photo into this folder: its lines in the colours of "
-                      "their axes, 1 red, 2 green, 3 blue");
-  command->add_flag("--json", flags->json, "One JSON object a photo");
+                      "Write a copy of each photo to this folder with its lines coloured by axis: "
+                      "1 red, 2 green, 3 blue");
+  command->add_flag("--json", flags->json, "Print one JSON object per photo");
   command->footer(
-      "Axes are unit vectors of the camera's frame (x right, y down, z forward), of a rig's head's "
-      "frame,\nin the order nearest to it and followed from photo to photo of a folder. Exits with "
-      "3 "
-      "when a photo\ncan't be read, after answering the others.\n"
+      "Axes are unit vectors in the camera or rig frame (x right, y down, z forward). Their order\n"
+      "is the one closest to that frame, and is tracked through the photos of a folder. Exits\n"
+      "with status 3 if any photo can't be read, after processing the others.\n"
       "Example: waystone directions photo.jpg --camera camera.yaml --json");
   command->callback([flags, &run] { run = [flags] { return RunDirections(*flags); }; });
 }

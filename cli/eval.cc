@@ -28,7 +28,7 @@ struct EvalFlags {
 
 std::vector<LabelledQuery> ReadQueries(const EvalFlags& flags, const MapIndex& index) {
   if (flags.queries.empty() && flags.negatives.empty()) {
-    throw MapError(ErrorCode::kUsage, "no queries; give a CSV file or --negatives DIR");
+    throw MapError(ErrorCode::kUsage, "no queries; specify a CSV file or --negatives DIR");
   }
   std::vector<LabelledQuery> all;
   const auto add = [&all](std::vector<LabelledQuery> more) {
@@ -89,20 +89,20 @@ int RunEval(const EvalFlags& flags) {
 void AddEval(CLI::App& app, Run& run) {
   auto flags = std::make_shared<EvalFlags>();
   CLI::App* command =
-      app.add_subcommand("eval", "Measure how good a map's answers are, on labelled photos");
+      app.add_subcommand("eval", "Evaluate localization with a map on labelled photos");
   command->add_option("map", flags->map, "Map file");  // not for its subcommand
   command->add_option("queries", flags->queries,
-                      "CSV files: image,keyframe or image,frame, and x,y,z where known");
+                      "CSV files with columns image and keyframe or frame, optionally x, y, z");
   command
       ->add_option("--negatives", flags->negatives,
-                   "Folder of images that aren't in the map; may be given again")
+                   "Folder of images that are not in the map; may be repeated")
       ->allow_extra_args(false);
   command->add_option("--poses", flags->poses,
-                      "CSV file with the keyframes' positions: keyframe,x,y,z or frame,x,y,z");
-  command->add_flag("--json", flags->json, "One JSON object");
-  command->add_flag("--quiet", flags->quiet, "No progress");
+                      "CSV file with keyframe positions: columns keyframe or frame, and x, y, z");
+  command->add_flag("--json", flags->json, "Print one JSON object");
+  command->add_flag("--quiet", flags->quiet, "Do not show progress");
   command->footer(
-      "An empty cell for the keyframe or frame means: not in the map.\n"
+      "An empty keyframe or frame field marks an image that is not in the map.\n"
       "Example: waystone eval lab.db queries.csv --negatives elsewhere --json");
   AddEvalTrajectory(*command, run);
   command->callback([flags, command, &run] {

@@ -20,16 +20,16 @@ __attribute__((format(printf, 1, 2))) std::string Format(const char* format, ...
 std::string CountsLines(const Evaluation& e) {
   std::string text =
       Format("%d queries: %d in the map, %d not\n\n", e.queries, e.positives, e.negatives);
-  text += Format("  recall                 %6.1f %%  %d of %d localized at the right place\n",
-                 100 * e.recall, e.right, e.positives);
-  text += Format("  recall at 100 %% prec.  %6.1f %%  ", 100 * e.recall_at_full_precision);
-  text += e.threshold < 0 ? std::string("no answer is false\n")
-                          : Format("with a probability above %.4f\n", e.threshold);
-  text += Format("  precision              %6.1f %%\n", 100 * e.precision);
+  text += Format("  recall                 %6.1f%%  %d of %d localized correctly\n", 100 * e.recall,
+                 e.right, e.positives);
+  text += Format("  recall at 100%% prec.   %6.1f%%  ", 100 * e.recall_at_full_precision);
+  text += e.threshold < 0 ? std::string("no false answers\n")
+                          : Format("at probabilities above %.4f\n", e.threshold);
+  text += Format("  precision              %6.1f%%\n", 100 * e.precision);
   text += Format("  wrong place            %6d\n", e.wrong);
-  text += Format("  false accepts          %6d    of %d not in the map\n", e.false_accepts,
-                 e.negatives);
-  text += Format("  ambiguous              %6d    in the map, %d not\n", e.ambiguous_positives,
+  text +=
+      Format("  false accepts          %6d   of %d not in the map\n", e.false_accepts, e.negatives);
+  text += Format("  ambiguous              %6d   in the map, %d not\n", e.ambiguous_positives,
                  e.ambiguous_negatives);
   text += Format("  unreadable images      %6d\n", e.bad_images);
   return text;
@@ -38,7 +38,7 @@ std::string CountsLines(const Evaluation& e) {
 std::string ReliabilityLines(const Evaluation& e) {
   std::string text =
       "\n  reliability   all answers               localized\n"
-      "  probability   count  stated observed   count  stated observed\n";
+      "  probability   count   mean  observed   count   mean  observed\n";
   const auto cells = [](const ReliabilityBin& bin) {
     if (bin.count == 0) return Format("%7d       -        -", 0);
     return Format("%7d %7.3f  %7.3f", bin.count, bin.stated, bin.observed);
@@ -63,7 +63,7 @@ constexpr NamedStage kStages[] = {{"decode", &Latency::decode_ms},
                                   {"total", &Latency::total_ms}};
 
 std::string LatencyLines(const Latency& latency) {
-  std::string text = "\n  latency, ms      p50      p90      p99\n";
+  std::string text = "\n  latency (ms)     p50      p90      p99\n";
   for (const NamedStage& stage : kStages) {
     const Percentiles& times = latency.*stage.times;
     text += Format("  %-10s  %8.1f %8.1f %8.1f\n", stage.name, times.p50, times.p90, times.p99);
@@ -73,7 +73,7 @@ std::string LatencyLines(const Latency& latency) {
 
 std::string PositionLines(const PositionErrors& p) {
   return Format(
-      "\n  distance to the answered keyframe, m, of %d answers\n"
+      "\n  distance to the returned keyframe (m), %d answers\n"
       "  rmse %.2f  mean %.2f  median %.2f  p90 %.2f  max %.2f\n",
       p.count, p.rmse_m, p.mean_m, p.median_m, p.p90_m, p.max_m);
 }
@@ -147,8 +147,9 @@ std::string MistakesText(const MapIndex& index, const std::vector<ScoredQuery>& 
     if (outcome != Outcome::kWrong && outcome != Outcome::kFalseAccept) continue;
     text += "  " + query.answer.image + ": localized near " + query.answer.keyframe->source +
             Format(" with probability %.4f, ", query.answer.probability);
-    text += query.truth.empty() ? "not in the map"
-                                : "taken near " + index.FindKeyframe(query.truth.front())->source;
+    text += query.truth.empty()
+                ? "not in the map"
+                : "true place: near " + index.FindKeyframe(query.truth.front())->source;
     text += "\n";
   }
   return text.empty() ? text : "\nfalse answers\n" + text;

@@ -46,11 +46,11 @@ std::string ErrorText(const std::string& name, const TrajectoryError& error) {
   const Similarity2& s = error.shape.truth_from_estimate;
   std::string text = name + ": shape difference " + Number(error.shape.mu, "%.5f") + " over " +
                      std::to_string(error.pairs) + " poses (scale " + Number(s.scale, "%.4f") +
-                     (s.rotation.determinant() < 0 ? ", mirrored" : "") + ")\n  absolute error " +
-                     Number(error.ate_m, "%.3f") + " m, with scale " +
-                     Number(error.ate_scaled_m, "%.3f") + " m";
+                     (s.rotation.determinant() < 0 ? ", reflected" : "") +
+                     ")\n  absolute trajectory error " + Number(error.ate_m, "%.3f") +
+                     " m, with scale correction " + Number(error.ate_scaled_m, "%.3f") + " m";
   if (error.rpe_m) {
-    text += "; from pose to pose " + Number(*error.rpe_m, "%.4f") + " m and " +
+    text += "; relative pose error " + Number(*error.rpe_m, "%.4f") + " m and " +
             Number(*error.rpe_rad, "%.4f") + " rad";
   }
   return text + '\n';
@@ -58,7 +58,7 @@ std::string ErrorText(const std::string& name, const TrajectoryError& error) {
 
 void WritePlot(const TrajectoryFlags& flags, const Trajectory& truth, const TrajectoryError& error,
                const std::optional<TrajectoryError>& odometry) {
-  PlotLine trajectory{"truth", "#222222", {}};
+  PlotLine trajectory{"ground truth", "#222222", {}};
   for (const Pose2& pose : truth.poses) trajectory.points.emplace_back(pose.x, pose.y);
   std::vector<PlotLine> lines = {trajectory};
   const auto label = [](const std::string& name, const TrajectoryError& of) {
@@ -68,7 +68,7 @@ void WritePlot(const TrajectoryFlags& flags, const Trajectory& truth, const Traj
   lines.push_back({label("estimate", error), "#2166ac", error.shape.aligned});
   std::ofstream out(flags.plot, std::ios::binary);
   out << PlotTrajectories(
-      std::filesystem::path(flags.estimate).filename().string() + " beside the truth", lines);
+      std::filesystem::path(flags.estimate).filename().string() + " and ground truth", lines);
   out.close();
   if (!out) {
     throw MapError(ErrorCode::kFileUnwritable,
@@ -100,19 +100,21 @@ int RunEvalTrajectory(const TrajectoryFlags& flags) {
 
 void AddEvalTrajectory(CLI::App& eval, Run& run) {
   auto flags = std::make_shared<TrajectoryFlags>();
-  CLI::App* command = eval.add_subcommand(
-      "trajectory", "Measure how the shape of a trajectory differs from the truth");
-  command->add_option("estimate", flags->estimate, "Trajectory: TUM file, or CSV with x and y")
+  CLI::App* command =
+      eval.add_subcommand("trajectory", "Evaluate a trajectory against ground truth");
+  command
+      ->add_option("estimate", flags->estimate,
+                   "Estimated trajectory: TUM file, or CSV with columns x and y")
       ->required();
-  command->add_option("truth", flags->truth, "True trajectory, likewise")->required();
-  command->add_option("odometry", flags->odometry,
-                      "The robot's own odometry, likewise, to compare with");
-  command->add_option("--plot", flags->plot, "Draw all of them, aligned, to this SVG file");
+  command->add_option("truth", flags->truth, "Ground-truth trajectory, in the same formats")
+      ->required();
+  command->add_option("odometry", flags->odometry, "Odometry for comparison, in the same formats");
+  command->add_option("--plot", flags->plot, "Plot the aligned trajectories to this SVG file");
   command->add_option("--max-difference", flags->association.max_difference_s,
-                      "Seconds by which time stamps of one moment may differ");
-  command->add_flag("--json", flags->json, "One JSON object");
+                      "Maximum difference of associated time stamps, in seconds");
+  command->add_flag("--json", flags->json, "Print one JSON object");
   command->footer(
-      "Poses belong together by time stamp, or by order where a file has none.\n"
+      "Poses are associated by time stamp, or by order if a file has none.\n"
       "Example: waystone eval trajectory odometry.csv poses.csv --plot odometry.svg");
   command->callback([flags, &run] { run = [flags] { return RunEvalTrajectory(*flags); }; });
 }

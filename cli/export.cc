@@ -31,7 +31,7 @@ int RunExport(const ExportFlags& flags) {
   std::ofstream out(flags.output, std::ios::binary);
   if (!(out << text.text).flush()) {
     throw MapError(ErrorCode::kFileUnwritable,
-                   flags.output + " can't be written; choose another place");
+                   flags.output + " can't be written; choose another path");
   }
   return 0;
 }
@@ -40,18 +40,16 @@ int RunExport(const ExportFlags& flags) {
 
 void AddExport(CLI::App& app, Run& run) {
   auto flags = std::make_shared<ExportFlags>();
-  CLI::App* command = app.add_subcommand("export", "Write a map in a format of other programs");
+  CLI::App* command = app.add_subcommand("export", "Export a map to other formats");
   command->add_option("map", flags->map, "Map file")->required();
-  command->add_option("--format", flags->format, "Format")
+  command->add_option("--format", flags->format, "Output format")
       ->capture_default_str()
       ->check(CLI::IsMember(GraphFormatNames()));
-  command->add_option("-o,--output", flags->output, "File to write; stdout without it");
-  command->add_flag("--force", flags->force, "Replace the file if it is there");
+  command->add_option("-o,--output", flags->output, "Output file; default: stdout");
+  command->add_flag("--force", flags->force, "Overwrite an existing file");
   command->footer(
-      "graphml and dot hold planes and what is seen together; g2o, tum, ply, geojson and poses "
-      "the\n"
-      "poses of an appearance layer (maps of panoramas). What a map can't give is said with the "
-      "reason.\n"
+      "graphml and dot contain the graph of planes; g2o, tum, ply, geojson and poses contain the\n"
+      "poses of the appearance layer (maps of panoramas).\n"
       "Example: waystone export lab.db --format graphml -o lab.graphml");
   command->callback([flags, &run] { run = [flags] { return RunExport(*flags); }; });
 }

@@ -34,7 +34,7 @@ void PrintInfo(const OpenMap& map, const std::vector<TableSize>& sizes, uint64_t
   const MapData& data = map.index->map();
   std::cout << map.name << ": " << CountsText(data) << ", " << BytesText(bytes) << '\n'
             << "  version   " << data.info.version << '\n'
-            << "  made by   " << data.info.program << " with " << NameOf(data.info.feature_type)
+            << "  built by  " << data.info.program << " with " << NameOf(data.info.feature_type)
             << " features\n";
   for (const Sequence& sequence : data.sequences) {
     std::cout << "  sequence  " << sequence.name << " (" << sequence.kind
@@ -59,9 +59,9 @@ int RunInfo(const InfoFlags& flags) {
 
 void AddInfo(CLI::App& app, Run& run) {
   auto flags = std::make_shared<InfoFlags>();
-  CLI::App* command = app.add_subcommand("info", "Say what is in a map");
+  CLI::App* command = app.add_subcommand("info", "Show the contents of a map");
   command->add_option("map", flags->map, "Map file")->required();
-  command->add_flag("--json", flags->json, "One JSON object");
+  command->add_flag("--json", flags->json, "Print one JSON object");
   command->footer("Example: waystone info lab.db");
   command->callback([flags, &run] { run = [flags] { return RunInfo(*flags); }; });
 }

@@ -67,8 +67,8 @@ bool AnswerOne(const OpenMap& map, const std::string& photo, const LocalizeFlags
 bool AnswerSeries(const OpenMap& map, const LocalizeFlags& flags) {
   if (!map.index->HasAppearance()) {
     throw MapError(ErrorCode::kUsage, "map '" + map.name +
-                                          "' has no appearance layer, which --series needs; build "
-                                          "it from panoramas, or leave --series out");
+                                          "' has no appearance layer, which --series requires; "
+                                          "build it from panoramas or omit --series");
   }
   bool all_read = true;
   SeriesContext context;
@@ -110,7 +110,7 @@ bool AnswerByServer(const LocalizeFlags& flags) {
 int RunLocalize(const LocalizeFlags& flags) {
   if (!flags.server.url.empty()) {
     if (flags.series) {
-      throw MapError(ErrorCode::kUsage, "--series needs the map's file; leave it or --server out");
+      throw MapError(ErrorCode::kUsage, "--series requires a map file; omit --series or --server");
     }
     return AnswerByServer(flags) ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
   }
@@ -125,23 +125,24 @@ int RunLocalize(const LocalizeFlags& flags) {
 
 void AddLocalize(CLI::App& app, Run& run) {
   auto flags = std::make_shared<LocalizeFlags>();
-  CLI::App* command =
-      app.add_subcommand("localize", "Say where photos were taken, by a map file or a server");
-  command->add_option("map", flags->map, "Map file; with --server a map's name, or -")->required();
+  CLI::App* command = app.add_subcommand("localize", "Localize images with a map file or a server");
+  command->add_option("map", flags->map, "Map file; with --server the name of a map, or - for all")
+      ->required();
   command->add_option("photos", flags->photos, "Image files")->required();
-  command->add_flag("--json", flags->json, "One JSON object a photo, as the server answers");
+  command->add_flag("--json", flags->json,
+                    "Print one JSON object per image, as the server returns it");
   command->add_flag("--series", flags->series,
-                    "The images are panoramas of one robot in order: each answer builds on those "
-                    "before it");
+                    "The images are consecutive panoramas of one robot; each answer uses the "
+                    "previous ones");
   command
       ->add_option("--fov-deg", flags->fov_deg,
-                   "Horizontal field of view of the photos, which a map of panoramas answers them "
-                   "by; else what their EXIF data say")
+                   "Horizontal field of view of the photos in degrees, used by maps of panoramas; "
+                   "default: EXIF data")
       ->check(CLI::Range(1.0, 179.0))
       ->excludes("--series");
   AddServerFlags(command, flags->server);
   command->footer(
-      "Exits with 3 when a photo can't be read, after answering the others.\n"
+      "Exits with status 3 if any image can't be read, after processing the others.\n"
       "Example: waystone localize lab.db photo.jpg --json\n"
       "         waystone localize office.db 1.jpg 2.jpg 3.jpg --series\n"
       "         waystone localize office.db photo.jpg --fov-deg 63\n"

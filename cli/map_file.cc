@@ -25,7 +25,7 @@ std::vector<uint8_t> ReadBytes(const std::filesystem::path& path, const std::str
   std::ifstream in(path, std::ios::binary);
   if (!in || errno == EISDIR) {
     throw MapError(ErrorCode::kFileUnreadable,
-                   path.string() + ": " + std::strerror(errno) + "; give the path of " + wanted);
+                   path.string() + ": " + std::strerror(errno) + "; expected " + wanted);
   }
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }

@@ -12,9 +12,10 @@ namespace {
 int RunMigrate(const std::string& map) {
   const int before = MigrateMap(map);
   if (before == kSchemaVersion) {
-    std::cout << map << ": already has version " << before << "; nothing to do\n";
+    std::cout << map << ": schema version is already " << before << "; nothing to do\n";
   } else {
-    std::cout << map << ": version " << before << " became " << kSchemaVersion << '\n';
+    std::cout << map << ": migrated from schema version " << before << " to " << kSchemaVersion
+              << '\n';
   }
   return 0;
 }
@@ -23,8 +24,7 @@ int RunMigrate(const std::string& map) {
 
 void AddMigrate(CLI::App& app, Run& run) {
   auto map = std::make_shared<std::string>();
-  CLI::App* command =
-      app.add_subcommand("migrate", "Bring a map of an older version to this program's");
+  CLI::App* command = app.add_subcommand("migrate", "Migrate a map to the current schema version");
   command->add_option("map", *map, "Map file")->required();
   command->footer("Example: waystone migrate lab.db");
   command->callback([map, &run] { run = [map] { return RunMigrate(*map); }; });

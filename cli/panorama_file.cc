@@ -36,18 +36,19 @@ Panorama ReadRig(const fs::path& folder, const PanoramaOptions& options) {
 void AddPanoramaFlags(CLI::App& command, PanoramaFlags& flags) {
   command
       .add_option("--mirror", flags.mirror,
-                  "A mirror camera's image: centre x and y, inner and outer radius in pixels "
-                  "(found by themselves when not given)")
+                  "Catadioptric (mirror) images: centre x and y, inner and outer radius in pixels "
+                  "(detected if no values are given)")
       ->expected(4);
   command
-      .add_option("--mirror-band", flags.mirror_band,
-                  "Elevations at the mirror's outer and inner radius, degrees (default 20 -52)")
+      .add_option(
+          "--mirror-band", flags.mirror_band,
+          "Elevation at the outer and inner radius of the mirror image in degrees (default 20 -52)")
       ->expected(2);
   command.add_flag("--counter-clockwise", flags.counter_clockwise,
-                   "The mirror's image turns the other way");
+                   "Mirror images run counter-clockwise");
   command
       .add_option("--band", flags.band,
-                  "Elevations that are used, top and bottom, degrees (default 34 -34)")
+                  "Range of elevations to use, top and bottom, in degrees (default 34 -34)")
       ->expected(2);
 }
 

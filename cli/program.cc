@@ -15,19 +15,20 @@ namespace waystone {
 namespace {
 
 constexpr const char* kDescription =
-    "Waystone tells a camera where it is: build a map from image sequences once,\n"
-    "then ask it about single photos.";
+    "Visual localization in large indoor maps: build a map from image sequences offline,\n"
+    "then localize single images in it.";
 
 constexpr const char* kFooter =
-    "Exit codes: 0 ok, 2 usage, 3 bad input, 4 no usable result, 5 a bug, 130 interrupted.\n"
-    "Try: waystone demo";
+    "Exit status: 0 success, 2 usage error, 3 invalid input, 4 no usable result,\n"
+    "5 internal error, 130 interrupted.\n"
+    "To get started: waystone demo";
 
 int Fail(const std::string& message, ErrorCode code) {
   std::cerr << "waystone: " << message << '\n';
   return InfoOf(code).exit_code;
 }
 
-// CLI11's own messages, in our form and on one line.
+// CLI11's messages in the form of this program's, on one line.
 std::string UsageMessage(const CLI::App* app, const CLI::Error& error) {
   std::string cause = error.what();
   for (char& c : cause) {

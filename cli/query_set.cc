@@ -88,7 +88,7 @@ KeyframeId KeyframeNamed(const CsvFile& file, int line, const std::string& name,
   if (found.size() > 1) {
     FailName(file, line,
              "the map has " + std::to_string(found.size()) + " keyframes \"" + name +
-                 "\"; write sequence:source");
+                 "\"; specify it as sequence:source");
   }
   return found.front();
 }
@@ -107,12 +107,12 @@ FrameName ParseFrame(const CsvFile& file, int line, const std::string& cell,
   const bool whole = !number.empty() && number.size() < 10 &&
                      std::all_of(number.begin(), number.end(),
                                  [](unsigned char c) { return std::isdigit(c) != 0; });
-  if (!whole) file.Fail(line, "frame is \"" + cell + "\"; it must be the number of a frame");
+  if (!whole) file.Fail(line, "frame is \"" + cell + "\"; it must be a frame number");
   const Sequence* sequence = names.FindSequence(sequence_name);
   if (sequence == nullptr) {
     FailName(file, line,
              sequence_name.empty()
-                 ? "the map has several sequences; write sequence:frame"
+                 ? "the map has several sequences; specify the frame as sequence:frame"
                  : "the map has no sequence \"" + sequence_name + "\"; `waystone info` lists them");
   }
   return {sequence->id, std::stoi(number)};
@@ -127,7 +127,7 @@ struct PlaceColumns {
 PlaceColumns PlaceColumnsOf(const CsvFile& file) {
   const PlaceColumns columns{file.Column("keyframe"), file.Column("frame")};
   if (columns.keyframe.has_value() == columns.frame.has_value()) {
-    file.Fail(1, "the header must have a column keyframe or a column frame, and not both");
+    file.Fail(1, "the header must have either a keyframe or a frame column");
   }
   return columns;
 }
@@ -144,7 +144,7 @@ std::vector<KeyframeId> TruthOf(const CsvFile& file, const CsvFile::Row& row,
     const FrameName frame = ParseFrame(file, row.line, name, names);
     const std::vector<KeyframeId> around = names.Around(frame.sequence, frame.frame);
     if (around.empty())
-      FailName(file, row.line, "the sequence of frame " + name + " has no keyframe");
+      FailName(file, row.line, "the sequence of frame " + name + " has no keyframes");
     truth.insert(truth.end(), around.begin(), around.end());
   }
   return truth;
@@ -157,7 +157,7 @@ PositionColumns PositionColumnsOf(const CsvFile& file) {
   const auto y = file.Column("y");
   const auto z = file.Column("z");
   if (!x && !y && !z) return std::nullopt;
-  if (!x || !y || !z) file.Fail(1, "the header must have all of x, y and z or none of them");
+  if (!x || !y || !z) file.Fail(1, "the header must have all of the columns x, y and z, or none");
   return std::array<size_t, 3>{*x, *y, *z};
 }
 
@@ -172,13 +172,14 @@ std::optional<Eigen::Vector3d> PositionIn(const CsvFile& file, const CsvFile::Ro
 }
 
 fs::path ImageIn(const CsvFile& file, const CsvFile::Row& row, size_t column) {
-  if (row.cells[column].empty()) file.Fail(row.line, "no image; give its path");
+  if (row.cells[column].empty()) file.Fail(row.line, "the image field is empty");
   fs::path image = file.path().parent_path() / row.cells[column];
   std::error_code error;
   if (fs::is_regular_file(image, error)) return image;
   throw MapError(ErrorCode::kFileUnreadable, file.path().string() + ", line " +
-                                                 std::to_string(row.line) + ": no image " +
-                                                 image.string() + "; paths start at the CSV file");
+                                                 std::to_string(row.line) +
+                                                 ": file not found: " + image.string() +
+                                                 "; paths are relative to the CSV file");
 }
 
 bool IsImage(const fs::path& path) {
@@ -193,7 +194,7 @@ bool IsImage(const fs::path& path) {
 std::vector<LabelledQuery> ReadQuerySet(const fs::path& path, const MapIndex& index) {
   const CsvFile file(path);
   const std::optional<size_t> image = file.Column("image");
-  if (!image) file.Fail(1, "the header has no column image");
+  if (!image) file.Fail(1, "the header has no image column");
   const PlaceColumns place = PlaceColumnsOf(file);
   const PositionColumns position = PositionColumnsOf(file);
   const KeyframeNames names(index);
@@ -202,7 +203,7 @@ std::vector<LabelledQuery> ReadQuerySet(const fs::path& path, const MapIndex& in
     queries.push_back({ImageIn(file, row, *image), TruthOf(file, row, place, names),
                        PositionIn(file, row, position)});
   }
-  if (queries.empty()) file.Fail(1, "no queries; give a line for each image below the header");
+  if (queries.empty()) file.Fail(1, "no queries; add one line per image after the header");
   return queries;
 }
 
@@ -217,12 +218,11 @@ std::vector<LabelledQuery> ReadNegatives(const fs::path& folder) {
   }
   if (error) {
     throw MapError(ErrorCode::kFileUnreadable,
-                   folder.string() + ": " + error.message() + "; give a folder of images");
+                   folder.string() + ": " + error.message() + "; expected a folder of images");
   }
   if (queries.empty()) {
-    throw MapError(
-        ErrorCode::kBadSource,
-        folder.string() + " has no image; give a folder with JPEG, PNG, BMP or PNM files");
+    throw MapError(ErrorCode::kBadSource,
+                   folder.string() + " contains no images; expected JPEG, PNG, BMP or PNM files");
   }
   std::sort(queries.begin(), queries.end(),
             [](const LabelledQuery& a, const LabelledQuery& b) { return a.image < b.image; });

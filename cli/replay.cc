@@ -117,7 +117,7 @@ int RunReplay(const ReplayFlags& flags) {
   }
   for (const Replayed& query : queries) {
     if (query.before == query.after) continue;
-    std::cout << query.id << " " << query.image << ": " << TextOf(query.before) << " became "
+    std::cout << query.id << " " << query.image << ": " << TextOf(query.before) << " -> "
               << TextOf(query.after) << '\n';
   }
   std::cout << changed << " of " << queries.size() << " answers changed\n";
@@ -128,15 +128,14 @@ int RunReplay(const ReplayFlags& flags) {
 
 void AddReplay(CLI::App& app, Run& run) {
   auto flags = std::make_shared<ReplayFlags>();
-  CLI::App* command =
-      app.add_subcommand("replay", "Ask the queries of a log again, of another map");
-  command->add_option("log", flags->log, "Folder of waystone serve --query-log")->required();
+  CLI::App* command = app.add_subcommand("replay", "Run logged queries again on another map");
+  command->add_option("log", flags->log, "Folder written by waystone serve --query-log")
+      ->required();
   command->add_option("map", flags->map, "Map file")->required();
-  command->add_flag("--json", flags->json, "One JSON object");
+  command->add_flag("--json", flags->json, "Print one JSON object");
   command->footer(
-      "Says which verdicts and places changed. A series goes on with what the map asked now made "
-      "of "
-      "its earlier panoramas.\n"
+      "Lists the queries whose verdict or place changed. A series continues from the beliefs\n"
+      "computed with the new map.\n"
       "Example: waystone replay queries/ lab-new.db");
   command->callback([flags, &run] { run = [flags] { return RunReplay(*flags); }; });
 }

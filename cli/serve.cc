@@ -95,34 +95,34 @@ int RunServe(ServeFlags flags) {
 void AddServiceFlags(CLI::App* command, ServeFlags& flags) {
   command
       ->add_option("--threads", flags.service.query_threads,
-                   "Queries computed at once; 0 takes all cores")
+                   "Number of queries processed concurrently, 0 for one per core")
       ->capture_default_str();
   command
       ->add_option("--queue", flags.service.queue_length,
-                   "Queries that may wait; more get status 429")
+                   "Maximum queries in the queue; further ones get status 429")
       ->capture_default_str();
-  command->add_option("--max-body", flags.max_body_mb, "Largest body, MB")
+  command->add_option("--max-body", flags.max_body_mb, "Maximum size of a request body in MB")
       ->capture_default_str()
       ->check(CLI::Range(1, 400));
-  command->add_option("--max-images", flags.service.limits.max_images, "Images of one request")
+  command->add_option("--max-images", flags.service.limits.max_images, "Maximum images per request")
       ->capture_default_str();
   command
       ->add_option("--max-pixels", flags.service.localize.limits.max_pixels,
-                   "Pixels of the largest image that is decoded")
+                   "Maximum pixels of an image")
       ->capture_default_str();
   command
       ->add_option("--connections", flags.http.connection_threads,
-                   "Connections held at once, each by a thread")
+                   "Maximum concurrent connections, one thread each")
       ->capture_default_str();
   command
       ->add_option("--watch", flags.watch_s,
-                   "Seconds between looks whether map files changed; 0: only at SIGHUP")
+                   "Seconds between checks for changed map files; 0: only on SIGHUP")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 3600.0));
-  command->add_flag("--log", flags.log, "Write a line of JSON to stderr for each request");
+  command->add_flag("--log", flags.log, "Log each request to stderr as a line of JSON");
   command->add_option("--query-log", flags.service.query_log,
-                      "Folder that keeps queries with their photos, for waystone replay");
-  command->add_option("--query-log-max", flags.query_log_mb, "Largest query log, MB")
+                      "Store queries with their images in this folder, for waystone replay");
+  command->add_option("--query-log-max", flags.query_log_mb, "Maximum size of the query log in MB")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
 }
@@ -131,22 +131,23 @@ void AddServiceFlags(CLI::App* command, ServeFlags& flags) {
 
 void AddServe(CLI::App& app, Run& run) {
   auto flags = std::make_shared<ServeFlags>();
-  CLI::App* command = app.add_subcommand("serve", "Answer photos over HTTP");
+  CLI::App* command = app.add_subcommand("serve", "Serve maps over HTTP");
   command
       ->add_option("maps", flags->maps,
-                   "Map files, or folders of *.db; each goes by its file's name")
+                   "Map files, or folders of *.db files; a map is named after its file")
       ->required();
   command->add_option("--host", flags->http.host, "Address to listen on")->capture_default_str();
-  command->add_option("--port", flags->http.port, "Port to listen on; 0 takes any free one")
+  command->add_option("--port", flags->http.port, "Port to listen on; 0 chooses a free port")
       ->capture_default_str();
   command->add_option("--token-file", flags->token_file,
-                      "Who may ask: a file with one bearer token a line");
+                      "File of accepted bearer tokens, one per line");
   command->add_flag("--insecure", flags->http.insecure,
-                    "Let other machines ask, although nobody has to show who they are");
+                    "Accept requests from other machines without authentication");
   AddServiceFlags(command, *flags);
   command->footer(
-      "Ends on Ctrl-C or SIGTERM, after the answers at hand. Reads maps again on SIGHUP and when\n"
-      "their files change; requests under way finish on the map they began with.\n"
+      "Stops on Ctrl-C or SIGTERM after finishing the requests in progress. Reloads maps on "
+      "SIGHUP\n"
+      "and when their files change; requests in progress finish on the version they started with.\n"
       "Example: waystone serve lab.db --port 8080");
   command->callback([flags, &run] { run = [flags] { return RunServe(*flags); }; });
 }

@@ -45,8 +45,8 @@ std::map<std::string, ServedFiles::Stamp> ServedFiles::Scan() const {
       const auto [it, is_new] = found.emplace(MapNameOf(file), stamp);
       if (!is_new && it->second.path != file) {
         throw MapError(ErrorCode::kUsage, it->second.path.string() + " and " + file.string() +
-                                              " have one name; rename one, maps go by their "
-                                              "file's name");
+                                              " have the same name; maps are named after their "
+                                              "files, so rename one");
       }
     }
   }
@@ -58,8 +58,8 @@ MapCatalog::Indices ServedFiles::OpenAll() {
   known_ = Scan();
   for (const auto& [name, stamp] : known_) maps[name] = OpenMapFile(stamp.path, true).index;
   if (maps.empty()) {
-    throw MapError(ErrorCode::kUsage, "there is no map (*.db) in " + paths_.front().string() +
-                                          "; make one with: waystone build");
+    throw MapError(ErrorCode::kUsage, "no map (*.db) in " + paths_.front().string() +
+                                          "; create one with waystone build");
   }
   return maps;
 }
@@ -79,9 +79,10 @@ std::vector<ServedFiles::Change> ServedFiles::Refresh(MapCatalog& catalog, bool 
       std::shared_ptr<const MapIndex> index = OpenMapFile(stamp.path, true).index;
       const std::string version = index->map().info.version;
       catalog.Put(name, std::move(index));
-      changes.push_back({name, "serves " + version, true});
+      changes.push_back({name, "now serving " + version, true});
     } catch (const MapError& error) {
-      changes.push_back({name, std::string(error.what()) + "; the map before is served on", false});
+      changes.push_back(
+          {name, std::string(error.what()) + "; still serving the previous version", false});
     }
   }
   // A file that was given by its name and is away for a moment is being replaced.
@@ -89,7 +90,7 @@ std::vector<ServedFiles::Change> ServedFiles::Refresh(MapCatalog& catalog, bool 
     const bool given = std::find(paths_.begin(), paths_.end(), stamp.path) != paths_.end();
     if (found.contains(name) || given) continue;
     catalog.Remove(name);
-    changes.push_back({name, "is gone and not served any more", true});
+    changes.push_back({name, "file removed; no longer served", true});
   }
   known_ = std::move(found);
   return changes;

@@ -29,7 +29,7 @@ double HeadingOf(double qx, double qy, double qz, double qw) {
 
 void AddTime(const fs::path& path, int line, double time_s, Trajectory& trajectory) {
   if (!trajectory.times_s.empty() && time_s <= trajectory.times_s.back()) {
-    Fail(path, line, "time stamps must ascend; sort the file by time");
+    Fail(path, line, "time stamps must increase; sort the file by time");
   }
   trajectory.times_s.push_back(time_s);
 }
@@ -38,7 +38,8 @@ class CsvColumns {
  public:
   explicit CsvColumns(const CsvFile& file) : file_(file) {
     for (size_t i = 0; i < kNames.size(); ++i) columns_[i] = file.Column(kNames[i]);
-    if (!columns_[0] || !columns_[1]) file.Fail(1, "there are no columns x and y; name them there");
+    if (!columns_[0] || !columns_[1])
+      file.Fail(1, "missing columns x and y; name them in the header");
   }
 
   bool HasTime() const { return columns_[2].has_value(); }
@@ -76,7 +77,7 @@ Trajectory ReadTum(const fs::path& path) {
   std::ifstream in(path);
   if (!in) {
     throw MapError(ErrorCode::kFileUnreadable,
-                   path.string() + " can't be read; check the name and the permissions");
+                   path.string() + " can't be read; check the path and the permissions");
   }
   Trajectory trajectory;
   trajectory.has_headings = true;
@@ -87,8 +88,7 @@ Trajectory ReadTum(const fs::path& path) {
     std::istringstream numbers(text);
     std::array<double, 8> n{};
     for (double& number : n) {
-      if (!(numbers >> number))
-        Fail(path, line, "eight numbers belong there: time x y z qx qy qz qw");
+      if (!(numbers >> number)) Fail(path, line, "expected eight numbers: time x y z qx qy qz qw");
     }
     AddTime(path, line, n[0], trajectory);
     trajectory.poses.push_back({n[1], n[2], HeadingOf(n[4], n[5], n[6], n[7])});

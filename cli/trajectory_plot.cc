@@ -109,7 +109,7 @@ class Plot {
            << "\" text-anchor=\"end\" fill=\"#555\">" << y << "</text>\n";
     }
     svg_ << "<text x=\"" << kMargin + width_ << "\" y=\"" << kTop + height_ + 40
-         << "\" text-anchor=\"end\" fill=\"#555\">metres; a dot marks the start</text>\n";
+         << "\" text-anchor=\"end\" fill=\"#555\">metres; dots mark the start</text>\n";
   }
 
   void DrawLine(const PlotLine& line) {

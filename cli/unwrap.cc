@@ -52,7 +52,7 @@ void Write(const fs::path& path, const cv::Mat& image) {
   }
   if (written) return;
   throw MapError(ErrorCode::kFileUnwritable,
-                 "can't write " + path.string() + "; choose a folder that you may write to");
+                 "can't write " + path.string() + "; choose a writable folder");
 }
 
 int RunUnwrap(const UnwrapFlags& flags) {
@@ -67,8 +67,8 @@ int RunUnwrap(const UnwrapFlags& flags) {
     const fs::path path(image);
     const std::string name = (path.has_filename() ? path : path.parent_path()).stem().string();
     if (!names.insert(name).second) {
-      throw MapError(ErrorCode::kUsage, "two images are called " + name +
-                                            ", and their pictures would be too; unwrap them into "
+      throw MapError(ErrorCode::kUsage, "two images are named " + name +
+                                            ", so their outputs would collide; unwrap them to "
                                             "different folders");
     }
     const fs::path unwrapped = fs::path(flags.out) / (name + "_panorama.png");
@@ -85,13 +85,14 @@ int RunUnwrap(const UnwrapFlags& flags) {
 
 void AddUnwrap(CLI::App& app, Run& run) {
   auto flags = std::make_shared<UnwrapFlags>();
-  CLI::App* command = app.add_subcommand("unwrap", "Show what of panoramic images will be used");
-  command->add_option("images", flags->images, "Panoramas, mirror images or folders of a rig")
+  CLI::App* command =
+      app.add_subcommand("unwrap", "Unwrap panoramic images and show the band that is used");
+  command->add_option("images", flags->images, "Panoramas, mirror images or rig folders")
       ->required();
-  command->add_option("-o,--out", flags->out, "Folder for the pictures")->required();
+  command->add_option("-o,--out", flags->out, "Output folder")->required();
   AddPanoramaFlags(*command, flags->panorama);
   command->footer(
-      "Writes NAME_panorama.png, the unwrapped image, and NAME_used.png with the band drawn.\n"
+      "Writes NAME_panorama.png, the unwrapped image, and NAME_used.png with the band marked.\n"
       "Example: waystone unwrap mirror.jpg -o unwrapped --mirror 320 240 60 230");
   command->callback([flags, &run] { run = [flags] { return RunUnwrap(*flags); }; });
 }

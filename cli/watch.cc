@@ -53,8 +53,8 @@ class Eye {
     if (!capture_.isOpened()) {
       throw MapError(ErrorCode::kBadSource,
                      source +
-                         " can't be opened; give a camera's number (0 is the first) or a "
-                         "video file that FFmpeg reads");
+                         " can't be opened; use a camera index (starting at 0) or a "
+                         "video file that FFmpeg can read");
     }
     start_ = Clock::now();
   }
@@ -103,7 +103,7 @@ class Oracle {
     constexpr int kQuality = 95;
     std::vector<uint8_t> bytes;
     WS_CHECK(cv::imencode(".jpg", grey, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality}),
-             "a frame can't be encoded");
+             "can't encode a frame");
     return AskServer(flags_.server, flags_.map, name, std::string(bytes.begin(), bytes.end()));
   }
 
@@ -131,7 +131,7 @@ int RunWatch(const WatchFlags& flags) {
   }
   if (Interrupted()) return InfoOf(ErrorCode::kInterrupted).exit_code;
   if (answers == 0) {
-    throw MapError(ErrorCode::kBadSource, flags.source + " gives no frame; give another video");
+    throw MapError(ErrorCode::kBadSource, flags.source + " has no frames; check the video file");
   }
   return 0;
 }
@@ -140,22 +140,25 @@ int RunWatch(const WatchFlags& flags) {
 
 void AddWatch(CLI::App& app, Run& run) {
   auto flags = std::make_shared<WatchFlags>();
-  CLI::App* command =
-      app.add_subcommand("watch", "Say where a camera or a video is, a line an answer");
-  command->add_option("map", flags->map, "Map file; with --server a map's name, or -")->required();
-  command
-      ->add_option("source", flags->source, "A camera's number (0 is the first), or a video file")
+  CLI::App* command = app.add_subcommand(
+      "watch", "Localize the frames of a camera or a video, one line per answer");
+  command->add_option("map", flags->map, "Map file; with --server the name of a map, or - for all")
       ->required();
-  command->add_option("--every", flags->every_s, "Seconds between answers; 0 asks for every frame")
+  command->add_option("source", flags->source, "Camera index (starting at 0) or video file")
+      ->required();
+  command->add_option("--every", flags->every_s, "Seconds between queries; 0 for every frame")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 3600.0));
-  command->add_option("--count", flags->count, "End after so many answers; 0: at the end")
+  command
+      ->add_option("--count", flags->count,
+                   "Stop after this many answers; 0: at the end of the video")
       ->capture_default_str()
       ->check(CLI::Range(0, 1'000'000'000));
-  command->add_flag("--json", flags->json, "One JSON object an answer, as the server gives it");
+  command->add_flag("--json", flags->json,
+                    "Print one JSON object per answer, as the server returns it");
   AddServerFlags(command, flags->server);
   command->footer(
-      "A camera is watched until Ctrl-C. Each answer is named by the frame's time.\n"
+      "Runs until Ctrl-C or the end of the video. Each answer is named by the time of its frame.\n"
       "Example: waystone watch lab.db walk.mp4 --every 0.5\n"
       "         waystone watch lab 0 --server http://robot:8080 --json");
   command->callback([flags, &run] { run = [flags] { return RunWatch(*flags); }; });

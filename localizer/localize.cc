@@ -93,8 +93,7 @@ void GateOptions::Check() const {
                     min_inlier_share >= 0 && min_inlier_share <= 1 && distinct_px >= 0 &&
                     max_scale > 1 && ambiguous_share > 0 && ambiguous_share <= 1;
   if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "gates: an option is out of its range; leave them at their defaults");
+    throw MapError(ErrorCode::kBadOptions, "gates: option out of range; use the defaults");
   }
 }
 
@@ -110,12 +109,12 @@ void LocalizeOptions::Check() const {
   if (settled_inliers < 1 || !(settled_share >= 0 && settled_share <= gates.ambiguous_share)) {
     throw MapError(ErrorCode::kBadOptions,
                    "settled_inliers must be positive and settled_share lie between 0 and "
-                   "ambiguous_share; leave them at their defaults");
+                   "ambiguous_share; use the defaults");
   }
   if (votes_per_feature < 1 || probes < 1 || max_candidates < 1 || min_votes < 1) {
     throw MapError(ErrorCode::kBadOptions,
                    "shortlist: votes_per_feature, probes, max_candidates and min_votes must be "
-                   "positive; leave them at their defaults");
+                   "positive; use the defaults");
   }
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 [[noreturn]] void FailReference(const std::string& what) {
   throw MapError(ErrorCode::kMapDamaged,
-                 what + ", which the map doesn't have; run `waystone check` on it");
+                 what + ", which is not in the map; run `waystone check` on it");
 }
 
 }  // namespace
@@ -119,8 +119,8 @@ void MapIndex::CheckSignatures() const {
       continue;
     }
     throw MapError(ErrorCode::kMapDamaged, "appearance node " + std::to_string(node.id.value) +
-                                               " has a signature of another shape than the layer "
-                                               "says; run `waystone check` on the map");
+                                               " has a signature whose size differs from the "
+                                               "layer's; run `waystone check` on the map");
   }
 }
 

@@ -8,7 +8,7 @@ Answer Undecided(const std::string& stage) {
   answer.verdict = Verdict::kUndecided;
   answer.decided_by = "deadline";
   answer.stage = stage;
-  answer.message = "the deadline passed after the stage '" + stage + "'; ask with a later one";
+  answer.message = "the deadline expired after stage '" + stage + "'; use a longer deadline";
   return answer;
 }
 

@@ -251,8 +251,7 @@ void AuditOptions::Check() const {
                     max_candidates >= 1 && same_surface_share >= 0 && same_surface_share <= 1 &&
                     min_view_features >= 1 && min_stretch_planes >= 0 && short_run >= 1;
   if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "audit: an option is out of its range; leave them at their defaults");
+    throw MapError(ErrorCode::kBadOptions, "audit: option out of range; use the defaults");
   }
 }
 

@@ -117,7 +117,7 @@ Setting SettingByName(std::string_view name) {
   if (name == "office") return OfficeSetting();
   if (name == "laboratory") return LaboratorySetting();
   throw MapError(ErrorCode::kBadOptions,
-                 "there is no setting \"" + std::string(name) + "\"; choose office or laboratory");
+                 "unknown setting \"" + std::string(name) + "\"; choose office or laboratory");
 }
 
 void OdometryOptions::Check() const {

@@ -134,7 +134,7 @@ class LayerBuilder {
     return [this, stage, done, total] {
       const std::lock_guard lock(reporting_);
       if (!progress_ || progress_(stage, done, total)) return;
-      throw MapError(ErrorCode::kInterrupted, "stopped; nothing was written");
+      throw MapError(ErrorCode::kInterrupted, "interrupted; nothing was written");
     };
   }
 
@@ -162,7 +162,8 @@ AppearanceResult BuildAppearanceLayer(const std::vector<Source*>& sources,
                                       const AppearanceOptions& options,
                                       const AppearanceProgress& progress) {
   options.Check();
-  if (sources.empty()) throw MapError(ErrorCode::kBadSource, "no source given; give one at least");
+  if (sources.empty())
+    throw MapError(ErrorCode::kBadSource, "no source given; at least one is required");
   cv::setNumThreads(1);  // frames are what runs in parallel
   const Clock::time_point start = Clock::now();
   AppearanceResult result;

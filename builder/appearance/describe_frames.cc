@@ -80,10 +80,12 @@ void DescribeOptions::Check() const {
   of_trajectory.rows = trajectory_rows;
   of_trajectory.Check();
   if (image_width != 0 && (image_width < kSmallestImage_px || image_width > kLargestImage_px)) {
-    RefuseOption("image_width is " + std::to_string(image_width) + "; give 0 or 16 to 4096");
+    RefuseOption("image_width is " + std::to_string(image_width) +
+                 "; it must be 0, or between 16 and 4096");
   }
   if (image_quality < 1 || image_quality > kBestQuality) {
-    RefuseOption("image_quality is " + std::to_string(image_quality) + "; give 1 to 100");
+    RefuseOption("image_quality is " + std::to_string(image_quality) +
+                 "; it must be between 1 and 100");
   }
 }
 

@@ -38,7 +38,7 @@ void PanoramaTaker::Add(Source& source) {
     stopped = progress_ && !progress_("panoramas", done, std::max(done, source.size()));
     return !stopped;
   });
-  if (stopped) throw MapError(ErrorCode::kInterrupted, "stopped; nothing was written");
+  if (stopped) throw MapError(ErrorCode::kInterrupted, "interrupted; nothing was written");
   if (taken_.size() > first) taken_.frames.back().kept = chooser_.Last();
   taken_.stretches.push_back({first, taken_.size()});
   CheckSequence();
@@ -97,8 +97,8 @@ void PanoramaTaker::CheckBand(const DescribedFrame& frame) const {
   }
   throw MapError(ErrorCode::kBadSource,
                  taken_.sequences.back().name + "/" + frame.info.source +
-                     " shows other elevations than the panoramas before it; give a narrower "
-                     "band that all of them show, or build a map of each");
+                     " covers other elevations than the previous panoramas; set --band to a "
+                     "range covered by all, or build separate maps");
 }
 
 void PanoramaTaker::CheckSequence() const {
@@ -111,11 +111,11 @@ void PanoramaTaker::CheckSequence() const {
   const std::string first = first_skip_.empty() ? "" : " (first: " + first_skip_ + ")";
   if (usable < kFewestPanoramas) {
     throw MapError(ErrorCode::kBadSource,
-                   counts + first + "; a sequence takes two at least, one after the other");
+                   counts + first + "; a sequence requires at least two consecutive ones");
   }
   if (sequence.skipped > options_.max_skipped_share * sequence.frames) {
     throw MapError(ErrorCode::kBadSource,
-                   counts + first + "; give panoramas of one size that show something");
+                   counts + first + "; use panoramas of one size with sufficient texture");
   }
 }
 

@@ -117,7 +117,7 @@ AppearanceVerdict CalibrateAppearance(const MapIndex& index,
   };
   tbb::parallel_for(size_t{0}, found.size(), [&](size_t i) {
     if (!may_go_on()) {
-      throw MapError(ErrorCode::kInterrupted, "stopped; nothing was written");
+      throw MapError(ErrorCode::kInterrupted, "interrupted; nothing was written");
     }
     if (i >= asked) {
       found[i] = SampleOf(index, outside[i - asked], {}, 0, {}, options.query);

@@ -12,7 +12,7 @@ namespace {
 SourceRig RequireRig(const Source& source) {
   std::optional<SourceRig> head = RigOfSource(source);
   if (head) return std::move(*head);
-  throw MapError(ErrorCode::kBadCamera, source.name() + " has no camera; give --camera");
+  throw MapError(ErrorCode::kBadCamera, source.name() + " has no camera; use --camera");
 }
 
 OrientationViewPtr Unreadable(const FrameInfo& info, const std::string& error) {

@@ -42,8 +42,8 @@ void Count(const OrientationView& view, OrientationReport& report) {
 void Report(const Progress& progress, const std::string& stage, int done) {
   if (progress && !progress({.stage = stage, .done = done})) {
     throw MapError(ErrorCode::kInterrupted,
-                   "stopped while making the orientation layer; the map "
-                   "was not written");
+                   "interrupted while building the orientation layer; nothing "
+                   "was written");
   }
 }
 

@@ -56,7 +56,7 @@ OrientationSequence SequenceOf(SequenceId id, Source& source) {
   if (!head) {
     throw MapError(
         ErrorCode::kBadCamera,
-        source.name() + " has no camera; the orientation layer needs one, give --camera");
+        source.name() + " has no camera, which the orientation layer requires; use --camera");
   }
   const auto next = [&source, head]() -> std::optional<OrientationMoment> {
     std::optional<EncodedFrame> encoded = source.NextEncoded();

@@ -193,8 +193,7 @@ void FusionOptions::Check() const {
                     max_vote_ratio > 0 && max_vote_ratio <= 1 && probes >= 1 && max_moved_px > 0;
   index.Check();
   if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "fusion: an option is out of its range; leave them at their defaults");
+    throw MapError(ErrorCode::kBadOptions, "fusion: option out of range; use the defaults");
   }
 }
 

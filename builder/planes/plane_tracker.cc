@@ -37,8 +37,7 @@ void PlaneLayerOptions::Check() const {
                     plenty_of_features >= min_features && votes_in_plenty >= 0 &&
                     min_features >= 4 && min_features_unconfirmed >= min_features;
   if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "planes: an option is out of its range; leave them at their defaults");
+    throw MapError(ErrorCode::kBadOptions, "planes: option out of range; use the defaults");
   }
 }
 

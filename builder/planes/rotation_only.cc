@@ -121,8 +121,7 @@ void RotationOptions::Check() const {
                     max_focal > min_focal && focal_steps >= 2 && max_angle_rad > 0 &&
                     max_angle_rad < std::numbers::pi / 2;
   if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "rotation: an option is out of its range; leave them at their defaults");
+    throw MapError(ErrorCode::kBadOptions, "rotation: option out of range; use the defaults");
   }
 }
 

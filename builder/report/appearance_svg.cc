@@ -69,7 +69,7 @@ std::string AppearanceSvg(const AppearanceLayer& layer) {
   for (const AppearanceNode& node : layer.nodes) at[node.id] = frame.At(node.pose);
   std::ostringstream svg;
   svg << std::fixed << std::setprecision(1) << "<svg viewBox=\"0 0 " << kPlanWidth << ' '
-      << frame.height() << "\" role=img aria-label=\"Way of the panoramas\">\n";
+      << frame.height() << "\" role=img aria-label=\"Trajectory of the panoramas\">\n";
   for (const AppearanceEdge& edge : layer.edges) {
     Line(svg, at[edge.a], at[edge.b], edge.kind == AppearanceEdgeKind::kLoop);
   }

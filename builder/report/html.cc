@@ -100,33 +100,34 @@ std::string GraphSvg(const MapData& map) {
 }
 
 std::string CountsTable(const AppearanceReport& report) {
-  return "<table><tr><th>What<th>Count\n" + Row("frames", report.frames) +
-         Row("frames skipped", report.skipped) + Row("steps that are uncertain", report.uncertain) +
+  return "<table><tr><th>Item<th>Count\n" + Row("frames", report.frames) +
+         Row("skipped frames", report.skipped) + Row("uncertain steps", report.uncertain) +
          Row("loop candidates", report.loop_candidates) +
-         Row("certain by the compass", report.loops_certain) +
-         Row("supported by neighbours", report.loops_supported) +
-         Row("rejected by the graph", report.loops_rejected) +
+         Row("confirmed by the compass", report.loops_certain) +
+         Row("confirmed by neighbouring matches", report.loops_supported) +
+         Row("rejected by the pose graph", report.loops_rejected) +
          Row("redundant panoramas", report.dropped) +
          Row("<b>panoramas</b>", report.panoramas - report.dropped) + "</table>\n";
 }
 
 std::string SecondsTable(const AppearanceReport& report) {
-  return "<table><tr><th>Stage<th>Seconds\n" + Row("decode", Fixed(report.decode_s, 2)) +
+  return "<table><tr><th>Stage<th>Seconds\n" + Row("decoding", Fixed(report.decode_s, 2)) +
          Row("signatures and features", Fixed(report.describe_s, 2)) +
-         Row("odometry", Fixed(report.odometry_s, 2)) + Row("loops", Fixed(report.loops_s, 2)) +
-         Row("poses", Fixed(report.graph_s, 2)) + Row("calibration", Fixed(report.calibrate_s, 2)) +
-         "</table>\n";
+         Row("odometry", Fixed(report.odometry_s, 2)) +
+         Row("loop closure", Fixed(report.loops_s, 2)) +
+         Row("pose graph", Fixed(report.graph_s, 2)) +
+         Row("calibration", Fixed(report.calibrate_s, 2)) + "</table>\n";
 }
 
 std::string CountsTable(const MapData& map, const BuildReport& report) {
   size_t features = 0;
   for (const Plane& plane : map.planes) features += plane.features.size();
-  return "<table><tr><th>What<th>Count\n" + Row("frames", report.frames) +
-         Row("frames skipped", report.skipped) + Row("keyframes", map.keyframes.size()) +
-         Row("stretches", report.stretches) + Row("pairs that only rotated", report.rotation_only) +
-         Row("planes started", report.planes_started) +
-         Row("planes rejected by homology", report.planes_rejected) +
-         Row("planes merged by homology", report.planes_merged) +
+  return "<table><tr><th>Item<th>Count\n" + Row("frames", report.frames) +
+         Row("skipped frames", report.skipped) + Row("keyframes", map.keyframes.size()) +
+         Row("stretches", report.stretches) + Row("rotation-only pairs", report.rotation_only) +
+         Row("planes created", report.planes_started) +
+         Row("planes rejected by the homology test", report.planes_rejected) +
+         Row("planes merged by the homology test", report.planes_merged) +
          Row("planes fused", report.planes_fused) + Row("planes dropped", report.planes_dropped) +
          Row("<b>planes</b>", map.planes.size()) + Row("<b>edges</b>", map.edges.size()) +
          Row("<b>features</b>", features) + Row("features dropped", report.features_dropped) +
@@ -134,11 +135,11 @@ std::string CountsTable(const MapData& map, const BuildReport& report) {
 }
 
 std::string SecondsTable(const BuildReport& report) {
-  return "<table><tr><th>Stage<th>Seconds\n" + Row("decode", Fixed(report.decode_s, 2)) +
-         Row("features", Fixed(report.extract_s, 2)) + Row("track", Fixed(report.track_s, 2)) +
+  return "<table><tr><th>Stage<th>Seconds\n" + Row("decoding", Fixed(report.decode_s, 2)) +
+         Row("features", Fixed(report.extract_s, 2)) + Row("tracking", Fixed(report.track_s, 2)) +
          Row("fusion", Fixed(report.fusion_s, 2)) +
          Row("calibration", Fixed(report.calibrate_s, 2)) +
-         Row("wall clock", Fixed(report.total_s, 2)) + "</table>\n";
+         Row("wall-clock time", Fixed(report.total_s, 2)) + "</table>\n";
 }
 
 std::string BytesTable(const std::vector<TableSize>& tables) {
@@ -187,9 +188,10 @@ bool HasPlanes(const MapData& map) { return !map.keyframes.empty(); }
 
 std::string PlanesSection(const MapData& map) {
   if (map.planes.empty()) return "";
-  return "<h2>Graph of planes</h2>\n" + GraphSvg(map) +
-         "<p class=sub>A node is a plane, larger with more features; an edge joins two planes that "
-         "were seen together with a valid homology.</p>\n";
+  return "<h2>Plane graph</h2>\n" + GraphSvg(map) +
+         "<p class=sub>Nodes are planes, sized by their number of features. Edges connect planes "
+         "that "
+         "were seen together and whose homology is valid.</p>\n";
 }
 
 // What was built of each layer, side by side.
@@ -201,13 +203,13 @@ std::string TablesSection(const MapData& map, const BuildReport& report,
   };
   if (HasPlanes(map)) {
     add("Counts", CountsTable(map, report));
-    add("Seconds", SecondsTable(report));
+    add("Time (s)", SecondsTable(report));
   }
   if (report.appearance) {
     add("Panoramas", CountsTable(*report.appearance));
-    add("Their seconds", SecondsTable(*report.appearance));
+    add("Time (s), panoramas", SecondsTable(*report.appearance));
   }
-  add("Bytes", BytesTable(tables));
+  add("Size", BytesTable(tables));
   return html + "</div>\n";
 }
 
@@ -227,7 +229,7 @@ std::string Subtitle(const MapData& map) {
   }
   if (map.appearance) text += std::to_string(map.appearance->nodes.size()) + " panoramas; ";
   if (map.orientation) {
-    text += std::to_string(map.orientation->frames.size()) + " directions, " +
+    text += std::to_string(map.orientation->frames.size()) + " orientation frames, " +
             std::to_string(
                 std::ranges::count(map.orientation->turns, true, &OrientationTurn::confirmed)) +
             " turns; ";
@@ -238,13 +240,13 @@ std::string Subtitle(const MapData& map) {
 std::string AppearanceSection(const MapData& map) {
   if (!map.appearance) return "";
   const AppearanceLayer& layer = *map.appearance;
-  return "<h2>Way of the panoramas</h2>\n" + AppearanceSvg(layer) + "<p class=sub>" +
+  return "<h2>Trajectory of the panoramas</h2>\n" + AppearanceSvg(layer) + "<p class=sub>" +
          std::to_string(layer.nodes.size()) + " panoramas, " + std::to_string(layer.dropped) +
-         " redundant ones left out. A dot is a panorama, the way joins those that follow each "
-         "other, orange lines are loops: places that the camera came back to.</p>\n";
+         " redundant ones dropped. Dots are panoramas, lines connect consecutive ones, and orange "
+         "lines are loop closures.</p>\n";
 }
 
-// Where one can go from the nodes of a sequence.
+// The traversable directions at the nodes of a sequence.
 std::string CellsGallery(const OrientationLayer& layer, SequenceId sequence) {
   std::unordered_map<OrientationFrameId, const OrientationFrame*> frames;
   for (const OrientationFrame& frame : layer.frames) {
@@ -255,8 +257,7 @@ std::string CellsGallery(const OrientationLayer& layer, SequenceId sequence) {
     const auto it = frames.find(node.frame);
     if (it == frames.end() || !it->second->reliable) continue;  // nothing was counted
     html += "<figure>" + DirectionCellsSvg(node) + "<figcaption>" + EscapeHtml(it->second->source) +
-            (node.kind == OrientationNodeKind::kTurn ? ", a turn" : "") +
-            "</figcaption></figure>\n";
+            (node.kind == OrientationNodeKind::kTurn ? ", turn" : "") + "</figcaption></figure>\n";
   }
   return html + "</div>\n";
 }
@@ -268,18 +269,20 @@ std::string OrientationSection(const MapData& map) {
   std::string html;
   for (size_t i = 0; i < sequences.size(); ++i) {
     const std::string number = sequences.size() > 1 ? ", sequence " + std::to_string(i + 1) : "";
-    html += "<h2>Way by its turns" + number + "</h2>\n" + OrientationMapSvg(layer, sequences[i]) +
-            "<p class=sub>Red: a turn. Green: the view along the way breaks. Blue: the camera "
-            "turned alone. Orange: a loop. Shaded: a corridor. Strokes show the heading. A frame "
-            "is a step, whatever its length, so a loop needn't close.</p>\n<div class=plot>" +
-            OrientationPlotSvg(layer, sequences[i]) +
-            "</div><p class=sub>Above: heading, 0 along the building's x, 90 along its y; grey "
-            "where it isn't reliable. Below: lines along x (red), y (green) and upright (blue). "
-            "Vertical lines are turns, blue ones of the camera alone; corridors are shaded.</p>\n"
-            "<h2>Where one can go" +
-            number + "</h2>\n" + CellsGallery(layer, sequences[i]) +
-            "<p class=sub>Lines across the way in the cells up, right, down and left of who looks "
-            "along it: where there are many, one can go. Of nodes with a reliable rotation.</p>\n";
+    html +=
+        "<h2>Trajectory by turns" + number + "</h2>\n" + OrientationMapSvg(layer, sequences[i]) +
+        "<p class=sub>Red: turn. Green: view break. Blue: camera-only turn. Orange: loop "
+        "closure. Shaded: corridor. Strokes show the heading. Drawn from headings alone with "
+        "one step per frame, so loops need not close.</p>\n<div class=plot>" +
+        OrientationPlotSvg(layer, sequences[i]) +
+        "</div><p class=sub>Top: heading, 0 along the map's x and 90 along its y; grey where "
+        "not reliable. Bottom: lines along x (red), y (green) and z (blue, vertical). Vertical "
+        "marks are turns, blue ones camera-only; corridors are shaded.</p>\n"
+        "<h2>Traversable directions" +
+        number + "</h2>\n" + CellsGallery(layer, sequences[i]) +
+        "<p class=sub>Lines perpendicular to the direction of travel in the upper, right, lower "
+        "and left cell of the image. Many lines mean that the direction is open. Nodes with a "
+        "reliable rotation only.</p>\n";
   }
   return html;
 }

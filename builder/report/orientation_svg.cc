@@ -223,7 +223,7 @@ std::vector<SequenceId> SequencesOf(const OrientationLayer& layer) {
 std::string OrientationMapSvg(const OrientationLayer& layer, SequenceId sequence) {
   const Rows rows = RowsOf(layer, sequence);
   const DrawnTrajectory trajectory(layer, rows);
-  std::ostringstream svg = Svg(trajectory.height(), "Way by its turns");
+  std::ostringstream svg = Svg(trajectory.height(), "Trajectory by turns");
   for (const Corridor& corridor : layer.corridors) {
     if (trajectory.Has(corridor.first)) trajectory.Draw(svg, corridor);
   }
@@ -241,7 +241,7 @@ std::string OrientationMapSvg(const OrientationLayer& layer, SequenceId sequence
     if (turn.confirmed || !trajectory.Has(turn.frame)) continue;
     Circle(svg, trajectory.At(turn.frame), 8,
            std::string("fill=none stroke=\"") + kBlue + "\" stroke-width=4",
-           "the camera turned alone: " + layer.frames[trajectory.RowOf(turn.frame)].source);
+           "camera-only turn: " + layer.frames[trajectory.RowOf(turn.frame)].source);
   }
   svg << "</svg>\n";
   return svg.str();
@@ -255,7 +255,7 @@ std::string OrientationPlotSvg(const OrientationLayer& layer, SequenceId sequenc
   const Panel headings{20, kHeadingHeight, -185, 185, first, last};
   const double most = MostLines(layer, rows);
   const Panel lines{20 + kHeadingHeight + kPanelGap, kLinesHeight, 0, most, first, last};
-  std::ostringstream svg = Svg(lines.top + kLinesHeight + 40, "Heading and lines over the frames");
+  std::ostringstream svg = Svg(lines.top + kLinesHeight + 40, "Heading and lines by frame");
   DrawGround(svg, headings, layer, trajectory, {-180, -90, 0, 90, 180});
   DrawHeadings(svg, headings, layer, rows);
   DrawGround(svg, lines, layer, trajectory, {0, std::floor(most / 2), most});
@@ -265,7 +265,7 @@ std::string OrientationPlotSvg(const OrientationLayer& layer, SequenceId sequenc
       << "</text><text x=" << kWidth - kMargin << " y=" << bottom << '>' << std::lround(last)
       << "</text><text x=" << (kLeft + kWidth - kMargin) / 2 << " y=" << bottom << ">frame</text>\n"
       << "<text class=name x=" << kLeft
-      << " y=12>heading, degrees</text><text class=name x=" << kLeft << " y=" << lines.top - 8
+      << " y=12>heading (degrees)</text><text class=name x=" << kLeft << " y=" << lines.top - 8
       << ">lines</text>\n</svg>\n";
   return svg.str();
 }
@@ -278,7 +278,8 @@ std::string DirectionCellsSvg(const OrientationNode& node) {
   const int most = std::max(1, std::ranges::max(node.directions));
   std::ostringstream svg;
   svg << std::fixed << std::setprecision(2)
-      << "<svg class=cells viewBox=\"-1 -1 102 102\" role=img aria-label=\"Lines across the way\">";
+      << "<svg class=cells viewBox=\"-1 -1 102 102\" role=img aria-label=\"Lines across the "
+         "direction of travel\">";
   for (size_t cell = 0; cell < 4; ++cell) {
     svg << "<polygon points=\"" << points[cell] << "\" fill=\"" << kGreen
         << "\" fill-opacity=" << 0.75 * node.directions[cell] / most

@@ -23,7 +23,7 @@ void Save(const std::filesystem::path& path, std::string_view bytes) {
   out.close();
   if (!out) {
     throw MapError(ErrorCode::kFileUnwritable,
-                   path.string() + " can't be written; choose another folder or make room");
+                   path.string() + " can't be written; choose another folder or free up space");
   }
 }
 
@@ -31,8 +31,8 @@ void MakeFolder(const std::filesystem::path& dir) {
   std::error_code error;
   std::filesystem::create_directories(dir, error);
   if (error) {
-    throw MapError(ErrorCode::kFileUnwritable,
-                   dir.string() + " can't be made: " + error.message() + "; choose another folder");
+    throw MapError(ErrorCode::kFileUnwritable, "can't create " + dir.string() + ": " +
+                                                   error.message() + "; choose another folder");
   }
 }
 

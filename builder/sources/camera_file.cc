@@ -38,12 +38,12 @@ Camera RadialTangential(const CameraSection& file, Camera camera,
   if (count == 0) return camera;
   if (count != 4 && count != 5 && count < kHeld) {
     file.Refuse("there are " + std::to_string(count) +
-                " distortion coefficients; give 0, 4, 5 or 8 of them");
+                " distortion coefficients; there must be 0, 4, 5 or 8");
   }
   if (!AllZero(distortion, kHeld)) {
     file.Refuse("there are " + std::to_string(count) +
-                " distortion coefficients, and those of thin prisms and tilted sensors aren't "
-                "known; calibrate with at most 8");
+                " distortion coefficients, but thin-prism and tilted-sensor models are not "
+                "supported; calibrate with at most 8");
   }
   camera.model = count == 4 ? CameraModel::kOpenCv : CameraModel::kFullOpenCv;
   camera.params.insert(camera.params.end(), distortion.begin(),
@@ -55,7 +55,7 @@ Camera RadialTangential(const CameraSection& file, Camera camera,
 Camera Fisheye(const CameraSection& file, Camera camera, const std::vector<double>& distortion) {
   if (distortion.size() != 4) {
     file.Refuse("there are " + std::to_string(distortion.size()) +
-                " distortion coefficients, and a fisheye has 4; correct them");
+                " distortion coefficients, but a fisheye model has 4");
   }
   camera.model = CameraModel::kOpenCvFisheye;
   camera.params.insert(camera.params.end(), distortion.begin(), distortion.end());
@@ -75,13 +75,14 @@ Camera Distorted(const CameraSection& file, Camera camera, const std::string& ki
     return Fisheye(file, std::move(camera), distortion);
   }
   file.Refuse("the distortion_model '" + kind +
-              "' isn't known; calibrate with plumb_bob (radtan) or equidistant");
+              "' is not supported; calibrate with plumb_bob (radtan) or equidistant");
 }
 
 // OpenCV and ROS: a 3x3 matrix and coefficients.
 Camera ReadMatrixCamera(const CameraSection& file) {
   const std::vector<double> k = file.Numbers(kMatrix, 9);
-  if (k[1] != 0) file.Refuse("the camera matrix has a skew, which isn't known; calibrate without");
+  if (k[1] != 0)
+    file.Refuse("the camera matrix has skew, which is not supported; calibrate without it");
   Camera camera{.model = CameraModel::kPinhole,
                 .width = file.Size(kWidth),
                 .height = file.Size(kHeight),
@@ -98,7 +99,7 @@ Camera ReadMatrixCamera(const CameraSection& file) {
 Camera ReadKalibrCamera(const CameraSection& file) {
   const std::string model = file.Text("camera_model");
   if (model != "pinhole") {
-    file.Refuse("the camera_model '" + model + "' isn't known; calibrate with pinhole");
+    file.Refuse("the camera_model '" + model + "' is not supported; calibrate with pinhole");
   }
   const std::vector<double> resolution = file.Numbers({"resolution"}, 2);
   std::vector<double> distortion;
@@ -119,8 +120,8 @@ void RefuseStrayParameters(const CameraSection& file, const std::vector<std::str
   for (const char* name : {"k", "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"}) {
     const bool known = std::ranges::find(used, name) != used.end();
     if (!known && file.Has({name}) && file.Number({name}) != 0) {
-      file.Refuse(std::string(name) + " is no parameter of " + model +
-                  "; name a camera_model that has it, or delete it");
+      file.Refuse(std::string(name) + " is not a parameter of " + model +
+                  "; use a camera_model that has it, or remove it");
     }
   }
 }
@@ -131,7 +132,7 @@ Camera ReadOwnCamera(const CameraSection& file) {
   const auto model = CameraModelByName(name);
   if (!model) {
     file.Refuse("the camera_model '" + name +
-                "' isn't known; use one of COLMAP's names, such as PINHOLE or OPENCV");
+                "' is unknown; use a COLMAP model name such as PINHOLE or OPENCV");
   }
   Camera camera{
       .model = *model, .width = file.Size(kWidth), .height = file.Size(kHeight), .params = {}};
@@ -165,23 +166,24 @@ Camera ReadCameraSection(const CameraSection& file) {
   // A `k` may be a matrix, or a coefficient of our own format.
   if (file.Has({"camera_model"}) && !file.Has({"camera_matrix"})) return ReadOwnCamera(file);
   if (file.Has(kMatrix)) return ReadMatrixCamera(file);
-  file.Refuse("its keys (" + file.Keys() +
-              ") are those of no camera file we know; give one of OpenCV, ROS, Kalibr or COLMAP, "
-              "or camera_model, image_width, image_height, fx, fy, cx, cy");
+  file.Refuse(
+      "its keys (" + file.Keys() +
+      ") match no supported format; use a file of OpenCV, ROS, Kalibr or COLMAP, or the keys "
+      "camera_model, image_width, image_height, fx, fy, cx, cy");
 }
 
 CameraSection OpenCameraYaml(const fs::path& path) {
   constexpr int64_t kMaxBytes = 1 << 20;  // a calibration has a few kilobytes
   const std::string text = WithoutDirectives(ReadFile(path, kMaxBytes, ErrorCode::kBadCamera));
   const CameraSection nothing(path, {});
-  if (text.starts_with('<')) nothing.Refuse("it is XML, which isn't read; write it as YAML");
+  if (text.starts_with('<')) nothing.Refuse("it is XML, which is not supported; save it as YAML");
   try {
     const YAML::Node root = YAML::Load(text);
-    if (!root.IsMap()) nothing.Refuse("it has no keys and values; give a camera file as YAML");
+    if (!root.IsMap()) nothing.Refuse("it has no keys and values; expected a YAML camera file");
     return {path, root};
   } catch (const YAML::Exception& error) {
-    nothing.Refuse("line " + std::to_string(error.mark.line + 1) + " is no YAML (" + error.msg +
-                   "); correct it");
+    nothing.Refuse("line " + std::to_string(error.mark.line + 1) + " is not valid YAML (" +
+                   error.msg + ")");
   }
 }
 

@@ -46,7 +46,7 @@ class CameraSection {
   // The sections of a list under a key.
   std::vector<CameraSection> List(const char* key) const {
     const YAML::Node value = Need({key});
-    if (!value.IsSequence()) Refuse(std::string(key) + " is no list; correct it");
+    if (!value.IsSequence()) Refuse(std::string(key) + " must be a list");
     std::vector<CameraSection> sections;
     for (const YAML::Node& item : value) sections.emplace_back(path_, item);
     return sections;
@@ -60,8 +60,8 @@ class CameraSection {
     bool sound = numbers.size() == rows;
     for (const std::vector<double>& row : numbers) sound &= row.size() == columns;
     if (!sound) {
-      Refuse(std::string(key) + " isn't " + std::to_string(rows) + " rows of " +
-             std::to_string(columns) + " numbers; correct it");
+      Refuse(std::string(key) + " must be " + std::to_string(rows) + " rows of " +
+             std::to_string(columns) + " numbers");
     }
     return numbers;
   }
@@ -78,14 +78,14 @@ class CameraSection {
   double Number(Names names) const {
     const YAML::Node value = Need(names);
     const auto number = value.IsScalar() ? ToNumber(value.Scalar()) : std::nullopt;
-    if (!number) Refuse(std::string(*names.begin()) + " is no number; correct it");
+    if (!number) Refuse(std::string(*names.begin()) + " must be a number");
     return *number;
   }
 
   int Size(Names names) const {
     const double number = Number(names);
     if (number != std::floor(number) || std::abs(number) > INT32_MAX) {
-      Refuse(std::string(*names.begin()) + " is no whole number of pixels; correct it");
+      Refuse(std::string(*names.begin()) + " must be an integer number of pixels");
     }
     return static_cast<int>(number);
   }
@@ -100,7 +100,7 @@ class CameraSection {
     std::vector<double> numbers = Numbers(names);
     if (numbers.size() != count) {
       Refuse(std::string(*names.begin()) + " has " + std::to_string(numbers.size()) +
-             " numbers, not " + std::to_string(count) + "; correct it");
+             " numbers, not " + std::to_string(count));
     }
     return numbers;
   }
@@ -120,14 +120,14 @@ class CameraSection {
   // The numbers of this list, which is the value of a key.
   std::vector<double> Items(const char* key) const {
     if (!node_.IsDefined() || !node_.IsSequence()) {
-      Refuse(std::string(key) + " is no list of numbers; correct it");
+      Refuse(std::string(key) + " must be a list of numbers");
     }
     std::vector<double> numbers;
     for (const YAML::Node& item : node_) {
       const auto number = item.IsScalar() ? ToNumber(item.Scalar()) : std::nullopt;
       if (!number) {
-        Refuse(std::string(key) + " holds what is no number, at place " +
-               std::to_string(numbers.size() + 1) + "; correct it");
+        Refuse(std::string(key) + " has a value that is not a number at position " +
+               std::to_string(numbers.size() + 1));
       }
       numbers.push_back(*number);
     }

@@ -45,7 +45,7 @@ Camera ReadColmapCamera(const std::filesystem::path& path) {
   if (lines.size() != 1) {
     Refuse(path, lines[1].number,
            "there are " + std::to_string(lines.size()) +
-               " cameras; leave the one of these images alone in a file of its own");
+               " cameras; provide a file with only the camera of these images");
   }
   const int number = lines[0].number;
   const std::vector<std::string> words = Words(lines[0].text);
@@ -53,20 +53,19 @@ Camera ReadColmapCamera(const std::filesystem::path& path) {
   if (!model) {
     Refuse(path, number,
            "the model " + words[1] +
-               " isn't known; use PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, "
+               " is not supported; use PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, "
                "OPENCV_FISHEYE or FULL_OPENCV");
   }
   Camera camera{.model = *model, .width = 0, .height = 0, .params = {}};
   const auto width = ToInteger(words[2]);
   const auto height = ToInteger(words[3]);
-  if (!width || !height)
-    Refuse(path, number, "width and height are no whole numbers; correct them");
+  if (!width || !height) Refuse(path, number, "width and height must be integers");
   // What doesn't fit an int is no size of an image: CheckCamera says so.
   camera.width = static_cast<int>(std::clamp<int64_t>(*width, 0, INT32_MAX));
   camera.height = static_cast<int>(std::clamp<int64_t>(*height, 0, INT32_MAX));
   for (size_t i = kFirstParameter; i < words.size(); ++i) {
     const auto value = ToNumber(words[i]);
-    if (!value) Refuse(path, number, "'" + words[i] + "' is no number; correct it");
+    if (!value) Refuse(path, number, "'" + words[i] + "' is not a number");
     camera.params.push_back(*value);
   }
   if (static_cast<int>(camera.params.size()) != ParameterCount(*model)) {

@@ -21,13 +21,12 @@ bool Exists(const fs::path& path) {
                              const std::string& wanted) {
   throw MapError(ErrorCode::kBadSource, Quoted(file) + " line " + std::to_string(line.number) +
                                             ": '" + line.text.substr(0, 60) + "' is not " + wanted +
-                                            "; correct or delete the line");
+                                            "; correct or remove the line");
 }
 
 void RefuseEmptyList(const fs::path& file, const ImageList& list) {
   if (!list.images.empty()) return;
-  throw MapError(ErrorCode::kBadSource,
-                 Quoted(file) + " lists no image; give a sequence with at least one");
+  throw MapError(ErrorCode::kBadSource, Quoted(file) + " lists no images");
 }
 
 // Time stamps of a KITTI sequence, one a line; none when the file isn't there.
@@ -55,13 +54,12 @@ Camera ReadKittiCamera(const fs::path& file, const std::string& key) {
     if (p.size() != kEntries || words.size() != kEntries + 1) {
       throw MapError(ErrorCode::kBadCamera, Quoted(file) + " line " + std::to_string(line.number) +
                                                 ": " + key + " has " + std::to_string(p.size()) +
-                                                " numbers, not 12; correct it, or give a camera "
-                                                "file with --camera");
+                                                " numbers, not 12; correct it or use --camera");
     }
     return {CameraModel::kPinhole, 0, 0, {p[0], p[5], p[2], p[6]}};
   }
-  throw MapError(ErrorCode::kBadCamera, Quoted(file) + " has no line '" + key +
-                                            ":'; add it, or give a camera file with --camera");
+  throw MapError(ErrorCode::kBadCamera,
+                 Quoted(file) + " has no line '" + key + ":'; add it or use --camera");
 }
 
 }  // namespace

@@ -88,13 +88,13 @@ std::string ImageExtensions() {
 std::vector<uint8_t> ReadFile(const fs::path& path, int64_t max_bytes, ErrorCode code) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) throw MapError(code, Quoted(path) + " isn't there; check the path");
+  if (!fs::exists(status)) throw MapError(code, Quoted(path) + " does not exist; check the path");
   // A pipe or a device might never end.
-  if (!fs::is_regular_file(status)) throw MapError(code, Quoted(path) + " isn't a file");
+  if (!fs::is_regular_file(status)) throw MapError(code, Quoted(path) + " is not a regular file");
   const auto size = static_cast<int64_t>(fs::file_size(path, error));
   if (!error && size > max_bytes) {
-    throw MapError(code, Quoted(path) + " has " + std::to_string(size) + " bytes, more than the " +
-                             std::to_string(max_bytes) + " that are read");
+    throw MapError(code, Quoted(path) + " has " + std::to_string(size) + " bytes; the limit is " +
+                             std::to_string(max_bytes));
   }
   std::ifstream file(path, std::ios::binary);
   std::vector<uint8_t> bytes(error ? 0 : size);

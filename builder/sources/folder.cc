@@ -64,16 +64,16 @@ std::string FoldersText(const std::vector<std::string>& folders) {
   std::string message = "no image in " + Quoted(folder) + ": ";
   if (contents.other_files > 0) {
     message += std::to_string(contents.other_files) +
-               (contents.other_files == 1 ? " file" : " files") + " there, none is one of " +
+               (contents.other_files == 1 ? " file" : " files") + " found, none of type " +
                ImageExtensions();
   } else {
-    message += contents.folders.empty() ? "it is empty" : "no file there at all";
+    message += contents.folders.empty() ? "it is empty" : "it contains no files";
   }
   if (contents.folders.empty()) {
-    message += "; give a folder with images, a video or a TUM, KITTI or EuRoC sequence";
+    message += "; expected a folder of images, a video, or a TUM, KITTI or EuRoC sequence";
   } else {
-    message += ", but " + FoldersText(contents.folders) +
-               "; give one of them, or a pattern such as " + Quoted(folder / "*" / "*.jpg");
+    message += ", but it contains " + FoldersText(contents.folders) +
+               "; use one of them, or a glob such as " + Quoted(folder / "*" / "*.jpg");
   }
   throw MapError(ErrorCode::kBadSource, message);
 }
@@ -149,11 +149,11 @@ ImageList ListPattern(const std::string& pattern) {
   if (contents.images.empty()) {
     throw MapError(ErrorCode::kBadSource, "no image matches '" + pattern + "': it matches " +
                                               std::to_string(matches.size()) +
-                                              " files and folders, none is one of " +
+                                              " files and folders, none of type " +
                                               ImageExtensions() + "; check the pattern");
   }
   ImageList list{.kind = "folder",
-                 .title = "Images that match '" + pattern + "'",
+                 .title = "Images matching '" + pattern + "'",
                  .name = NameOfPath(base),
                  .root = base,
                  .images = std::move(contents.images),

@@ -27,9 +27,10 @@ std::vector<uint8_t> ReadImageFile(const fs::path& path, const DecodeLimits& lim
 cv::Mat LoadImage(const fs::path& path, const DecodeLimits& limits, cv::Size size) {
   cv::Mat grey = DecodeGrey(ReadImageFile(path, limits), limits);
   if (grey.size() != size) {
-    throw MapError(ErrorCode::kBadImage,
-                   "it is " + SizeText(grey.cols, grey.rows) + ", but the first frame is " +
-                       SizeText(size.width, size.height) + "; a sequence has one size");
+    throw MapError(ErrorCode::kBadImage, "it is " + SizeText(grey.cols, grey.rows) +
+                                             ", but the first frame is " +
+                                             SizeText(size.width, size.height) +
+                                             "; all frames of a sequence must have the same size");
   }
   return grey;
 }
@@ -113,15 +114,15 @@ std::unique_ptr<Source> OpenImageList(ImageList list, const SourceOptions& optio
 FrameRange RangeOf(const SourceOptions& options, int frames, const std::string& path) {
   if (options.from >= frames) {
     throw MapError(ErrorCode::kBadSource, "'" + path + "' has " + std::to_string(frames) +
-                                              " frames, none at or after number " +
+                                              " frames, none at or after index " +
                                               std::to_string(options.from) +
-                                              "; give --from a smaller one");
+                                              "; use a smaller --from");
   }
   return {options.from, std::min(options.to.value_or(frames - 1), frames - 1), options.every};
 }
 
 std::string UsedPart(int used, int frames) {
-  return used == frames ? "" : ", " + std::to_string(used) + " of them used";
+  return used == frames ? "" : ", " + std::to_string(used) + " used";
 }
 
 void CheckCameraSize(const Camera& camera, int width, int height, const std::string& path) {
@@ -129,8 +130,8 @@ void CheckCameraSize(const Camera& camera, int width, int height, const std::str
   throw MapError(ErrorCode::kBadCamera,
                  "the camera is for images of " + SizeText(camera.width, camera.height) +
                      ", those of '" + path + "' are " + SizeText(width, height) +
-                     "; give the camera file of these images with --camera, or scale its "
-                     "parameters to their size");
+                     "; use the calibration of these images, or scale its parameters to "
+                     "their size");
 }
 
 }  // namespace waystone

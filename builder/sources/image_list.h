@@ -44,7 +44,7 @@ struct FrameRange {
 };
 FrameRange RangeOf(const SourceOptions& options, int frames, const std::string& path);
 
-// ", 100 of them used" or nothing.
+// ", 100 used" or nothing.
 std::string UsedPart(int used, int frames);
 
 // Throws MapError(kBadCamera) unless the camera's images are of this size.

@@ -19,7 +19,7 @@ Eigen::Isometry3d Pose(const CameraSection& file, const Eigen::Matrix3d& rotatio
                        const Eigen::Vector3d& translation, const std::string& key) {
   const bool sound = rotation.allFinite() && rotation.determinant() > 0 &&
                      (rotation.transpose() * rotation).isIdentity(kMaxRotationError);
-  if (!sound) file.Refuse(key + " is no rotation; correct it");
+  if (!sound) file.Refuse(key + " must be a rotation");
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
   pose.translation() = translation;
@@ -59,12 +59,12 @@ RigCamera ReadOwnRigCamera(const CameraSection& section) {
   constexpr const char* kRotation = "rig_from_camera_xyzw";
   constexpr const char* kTranslation = "rig_from_camera_m";
   RigCamera camera{.name = section.Text("name"), .camera = ReadCameraSection(section)};
-  if (camera.name.empty()) section.Refuse("a camera has no name; give each the one of its images");
+  if (camera.name.empty()) section.Refuse("a camera has no name; name it after its images");
   const std::vector<double> q = section.Numbers({kRotation}, 4);
   const Eigen::Quaterniond quaternion(q[3], q[0], q[1], q[2]);
   if (!(std::abs(quaternion.norm() - 1) < kMaxRotationError)) {
     section.Refuse(std::string(kRotation) + " has length " + std::to_string(quaternion.norm()) +
-                   "; give a unit quaternion x y z w");
+                   "; it must be a unit quaternion x y z w");
   }
   Eigen::Vector3d t = Eigen::Vector3d::Zero();
   if (section.Has({kTranslation})) {

@@ -122,8 +122,8 @@ std::vector<RigMoment> ByTime(const std::vector<std::vector<NamedImage>>& images
     if (moment.images.size() == images.size()) moments.push_back(std::move(moment));
   }
   if (moments.empty()) {
-    Refuse(folder, "no images of all cameras lie within " + std::to_string(max_gap_s) +
-                       " s of each other; check the time stamps or allow a larger gap");
+    Refuse(folder, "no images of all cameras are within " + std::to_string(max_gap_s) +
+                       " s of each other; check the time stamps");
   }
   return moments;
 }
@@ -135,15 +135,15 @@ std::vector<RigMoment> ByOrder(const std::vector<std::vector<NamedImage>>& image
     if (images[c].size() == count) continue;
     Refuse(folder, "camera '" + rig.cameras[c].name + "' has " + std::to_string(images[c].size()) +
                        " images and '" + rig.cameras[0].name + "' has " + std::to_string(count) +
-                       "; name the files by their time stamps, or remove what has no partner");
+                       "; name the files by time stamp, or remove unmatched images");
   }
   std::vector<RigMoment> moments;
   for (size_t i = 0; i < count; ++i) {
     RigMoment moment{.source = images.front()[i].moment, .time_s = {}, .images = {}};
     for (size_t c = 0; c < images.size(); ++c) {
       if (images[c][i].path.empty()) {
-        Refuse(folder / images[c][i].moment, "no image of camera '" + rig.cameras[c].name +
-                                                 "' there; add it or delete the folder");
+        Refuse(folder / images[c][i].moment,
+               "no image of camera '" + rig.cameras[c].name + "'; add it or remove the folder");
       }
       moment.images.push_back(images[c][i].path);
     }
@@ -172,7 +172,7 @@ std::vector<RigMoment> MomentsOf(const CameraImages& found, const Rig& rig, cons
     if (at == found.cameras.end()) {
       Refuse(folder, "no images of camera '" + camera.name + "', one of the rig's " +
                          std::to_string(rig.cameras.size()) +
-                         "; add them, or take the camera out of the rig file");
+                         "; add them, or remove the camera from the rig file");
     }
     images.push_back(found.images[at - found.cameras.begin()]);
   }

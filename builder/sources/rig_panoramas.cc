@@ -118,7 +118,7 @@ class RigPanoramaSource : public Source {
                                                 " images of " + found_.cameras.front() + " and " +
                                                 std::to_string(found_.images[c].size()) + " of " +
                                                 found_.cameras[c] +
-                                                "; every moment takes one of each face");
+                                                "; every face must have the same number of images");
     }
     return static_cast<int>(frames);
   }

@@ -70,8 +70,8 @@ std::optional<Rig> FacesByName(const std::vector<std::string>& names, int width_
 [[noreturn]] void RefuseWithoutRig(const fs::path& path) {
   throw MapError(ErrorCode::kBadSource,
                  Quoted(path) +
-                     " comes without a calibration; give a rig or camera file "
-                     "(--camera), or put rig.yaml or camera.yaml into it");
+                     " has no calibration; provide a rig or camera file with --camera, "
+                     "or add rig.yaml or camera.yaml to it");
 }
 
 bool IsPanorama(const Rig& rig) {
@@ -90,10 +90,10 @@ RigSequence FromImages(const fs::path& path, std::vector<RigMoment> moments,
   }
   if (!given) RefuseWithoutRig(path);
   if (given->cameras.size() != 1) {
-    throw MapError(ErrorCode::kBadSource, Quoted(path) +
-                                              " holds images of one camera, and the rig file has " +
-                                              std::to_string(given->cameras.size()) +
-                                              "; give a folder with one folder or file a camera");
+    throw MapError(ErrorCode::kBadSource,
+                   Quoted(path) + " has images of one camera, but the rig file has " +
+                       std::to_string(given->cameras.size()) +
+                       "; expected a folder with one subfolder or file per camera");
   }
   sequence.rig = *given;
   return sequence;
@@ -126,8 +126,8 @@ RigSequence OpenFolder(const fs::path& folder, const RigOptions& options) {
   std::vector<RigMoment> moments = ListMoments(folder);
   if (moments.empty()) {
     throw MapError(ErrorCode::kBadSource,
-                   "no image of a rig in " + Quoted(folder) +
-                       "; give a folder with one folder or file a camera, or with images");
+                   "no rig images in " + Quoted(folder) +
+                       "; expected one subfolder or file per camera, or images");
   }
   const std::optional<Rig> camera = CameraBeside(folder, options);
   return FromImages(folder, std::move(moments), camera, options);
@@ -160,7 +160,7 @@ RigSequence OpenRigSequence(const fs::path& path, const RigOptions& options) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return OpenFolder(path, options);
   if (!fs::is_regular_file(path, ignored)) {
-    throw MapError(ErrorCode::kBadSource, Quoted(path) + " isn't there; check the path");
+    throw MapError(ErrorCode::kBadSource, Quoted(path) + " does not exist; check the path");
   }
   const std::optional<Rig> given = CameraBeside(path.parent_path(), options);
   return FromImages(path, {{.source = path.filename().string(), .time_s = {}, .images = {path}}},

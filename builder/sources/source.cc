@@ -23,8 +23,9 @@ std::unique_ptr<Source> Open(const std::string& path, const SourceOptions& optio
   if (fs::is_directory(path)) return OpenFolder(path, options);
   if (fs::exists(path)) {
     if (HasImageExtension(path)) {
-      throw MapError(ErrorCode::kBadSource,
-                     "'" + path + "' is one image, and a map takes a sequence; give its folder");
+      throw MapError(
+          ErrorCode::kBadSource,
+          "'" + path + "' is a single image, but a map requires a sequence; use its folder");
     }
     if (!fs::is_regular_file(path)) {
       throw MapError(ErrorCode::kBadSource, "'" + path + "' is neither a folder nor a file");
@@ -32,7 +33,7 @@ std::unique_ptr<Source> Open(const std::string& path, const SourceOptions& optio
     return OpenVideo(path, options);
   }
   if (HasWildcard(path)) return OpenImageList(ListPattern(path), options);
-  throw MapError(ErrorCode::kBadSource, "'" + path + "' isn't there; check the path");
+  throw MapError(ErrorCode::kBadSource, "'" + path + "' does not exist; check the path");
 }
 
 [[noreturn]] void RefuseOption(const std::string& message) {
@@ -68,17 +69,17 @@ std::optional<Frame> Source::Next() {
 
 void SourceOptions::Check() const {
   limits.Check();
-  if (every < 1) RefuseOption("--every is " + std::to_string(every) + "; give 1 or more");
-  if (from < 0) RefuseOption("--from is " + std::to_string(from) + "; give 0 or more");
+  if (every < 1) RefuseOption("--every is " + std::to_string(every) + "; it must be at least 1");
+  if (from < 0) RefuseOption("--from is " + std::to_string(from) + "; it must be at least 0");
   if (to && *to < from) {
     RefuseOption("--to is " + std::to_string(*to) + ", before --from " + std::to_string(from) +
-                 "; give " + std::to_string(from) + " or more");
+                 "; it must be at least " + std::to_string(from));
   }
 }
 
 std::unique_ptr<Source> OpenSource(const std::string& path, const SourceOptions& options) {
   options.Check();
-  if (path.empty()) throw MapError(ErrorCode::kBadSource, "the source's path is empty; give one");
+  if (path.empty()) throw MapError(ErrorCode::kBadSource, "the path of the source is empty");
   try {
     return Open(path, options);
   } catch (const fs::filesystem_error& error) {

@@ -91,7 +91,7 @@ class Source {
   // The cameras whose images its frames are joined from, or whose first one's images they are
   // ("cameras"); nothing for frames that are images.
   virtual std::optional<Rig> faces() const { return std::nullopt; }
-  // "TUM sequence, 1000 frames 640x480": what was recognised; with ", 100 of them used" behind it
+  // "TUM sequence, 1000 frames 640x480": what was recognised; with ", 100 used" behind it
   // when options leave some out.
   virtual std::string Announcement() const = 0;
 

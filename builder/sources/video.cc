@@ -21,10 +21,11 @@ cv::Mat Grey(const cv::Mat& image) {
 }
 
 [[noreturn]] void RefuseVideo(const fs::path& path, const std::string& cause) {
-  throw MapError(ErrorCode::kBadSource,
-                 Quoted(path) + " can't be used as a video: " + cause +
-                     "; give a folder with images, a video that FFmpeg opens, or a TUM, KITTI or "
-                     "EuRoC sequence");
+  throw MapError(
+      ErrorCode::kBadSource,
+      Quoted(path) + " can't be read as a video: " + cause +
+          "; expected a folder of images, a video that FFmpeg can read, or a TUM, KITTI or "
+          "EuRoC sequence");
 }
 
 // One decoder, front to back: a frame depends on those before it. Grabbing without retrieving skips
@@ -39,7 +40,7 @@ class VideoSource : public Source {
         last_(options.to.value_or(std::numeric_limits<int>::max() - options.every)) {
     Open(options.limits);
     if (!GrabUntil(options.from)) {
-      RefuseVideo(path, "it gives " + std::to_string(grabbed_ + 1) + " frames, none with number " +
+      RefuseVideo(path, "it has " + std::to_string(grabbed_ + 1) + " frames, none with index " +
                             std::to_string(options.from));
     }
     // The frame just grabbed shows that the header's count is at least that.
@@ -70,8 +71,7 @@ class VideoSource : public Source {
     cv::Mat image = Retrieve();
     return EncodedFrame(std::move(info), [image = std::move(image), size = size_] {
       if (image.size() != size) {
-        throw MapError(ErrorCode::kBadImage,
-                       "the frame can't be decoded; the video is damaged here");
+        throw MapError(ErrorCode::kBadImage, "the frame can't be decoded; the video is damaged");
       }
       return Grey(image);
     });
@@ -84,7 +84,7 @@ class VideoSource : public Source {
     } catch (const cv::Exception& error) {
       RefuseVideo(path_, error.err);
     }
-    if (!capture_.isOpened()) RefuseVideo(path_, "FFmpeg finds no video in it");
+    if (!capture_.isOpened()) RefuseVideo(path_, "FFmpeg finds no video stream");
     // As in images, pixels stay where the camera put them: calibrations refer to that.
     capture_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
     size_ = {static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_WIDTH)),

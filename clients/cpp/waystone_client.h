@@ -60,7 +60,7 @@ class Client {
     const size_t host = server.find("://");
     if (host == std::string::npos || host + 3 == server.size()) {
       throw ClientError("unreachable", 0,
-                        "'" + server + "' is no server; give one as http://HOST:PORT");
+                        "'" + server + "' is not a server address; expected http://HOST:PORT");
     }
     const size_t path = std::min(server.find('/', host + 3), server.size());
     origin_ = server.substr(0, path);
@@ -68,7 +68,7 @@ class Client {
     while (!prefix_.empty() && prefix_.back() == '/') prefix_.pop_back();
   }
 
-  // Where was this photo taken? Of one map, or of all for an empty name. `request` has the fields
+  // Localizes images in one map, or in all maps for an empty name. `request` has the fields
   // of docs/http-api.md: {{"fov_deg", 63}, {"debug", true}}.
   Json Localize(const Photo& photo, const std::string& map = "", const Json& request = {}) const {
     return Localize(std::vector<Photo>{photo}, map, request);
@@ -131,7 +131,8 @@ class Client {
     std::ifstream in(path, std::ios::binary);
     std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
     if (!in.is_open() || in.bad()) {
-      throw ClientError("unreadable_photo", 0, path + " can't be read; give an image file");
+      throw ClientError("unreadable_photo", 0,
+                        path + " can't be read; check the path and its permissions");
     }
     return {path, std::move(bytes)};
   }
@@ -157,7 +158,7 @@ class Client {
       const httplib::Result result = send(client, headers);
       if (!result) {
         throw ClientError("unreachable", 0,
-                          "the server at " + origin_ + " doesn't answer (" +
+                          "the server at " + origin_ + " does not respond (" +
                               httplib::to_string(result.error()) + "); is it running?");
       }
       if (result->status >= 200 && result->status < 300) return result->body;
@@ -184,13 +185,13 @@ class Client {
     }
     throw ClientError("bad_answer", response.status,
                       "the server answered " + std::to_string(response.status) +
-                          " and no problem of Waystone's; is the address right?");
+                          " without JSON of Waystone; check the address");
   }
 
   static Json Parsed(const std::string& body) {
     Json json = Json::parse(body, nullptr, false);
     if (json.is_discarded()) {
-      throw ClientError("bad_answer", 200, "the answer isn't JSON; is the address right?");
+      throw ClientError("bad_answer", 200, "the response is not JSON; check the address");
     }
     return json;
   }

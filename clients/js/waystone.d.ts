@@ -33,75 +33,75 @@ export declare class Client {
   rows(list: "listOrientationFrames", map: string): AsyncGenerator<OrientationFrame, void>;
   rows(list: "listTurns", map: string): AsyncGenerator<Turn, void>;
   rows(list: "listCorridors", map: string): AsyncGenerator<Corridor, void>;
-  /** This contract. */
+  /** This contract as JSON. */
   contract(): Promise<Record<string, unknown>>;
-  /** Whether the process is up. Needs no token. */
+  /** Liveness check. Does not require a token. */
   healthz(): Promise<string>;
-  /** Whether maps are served and the server doesn't end. Needs no token. */
+  /** Readiness check: maps are loaded and the server is not shutting down. Does not require a token. */
   readyz(): Promise<Ready>;
-  /** The program and the version of the map files that it reads. */
+  /** Versions of the program and of the map schema. */
   version(): Promise<Version>;
-  /** Counters for Prometheus. */
+  /** Metrics in Prometheus format. */
   metrics(): Promise<string>;
-  /** The maps. */
+  /** List of maps. */
   listMaps(options?: { limit?: number; cursor?: string }): Promise<MapList>;
-  /** Where was this photo taken, in any of the maps? */
+  /** Localize images in all maps. */
   localizeAcross(photo: Photo, options?: { name?: string; fx?: number; fy?: number; cx?: number; cy?: number; fov_deg?: number; top_k?: number; debug?: boolean; deadline_ms?: number }): Promise<Answer>;
-  /** Where was this photo taken? */
+  /** Localize images in a map. */
   localize(map: string, photo: Photo, options?: { name?: string; fx?: number; fy?: number; cx?: number; cy?: number; fov_deg?: number; camera?: string; prior_keyframe?: number; top_k?: number; debug?: boolean; deadline_ms?: number }): Promise<Answer>;
-  /** One map's numbers. */
+  /** Summary of a map. */
   getMap(map: string): Promise<Map>;
-  /** Planar regions. */
+  /** List of planes. */
   listPlanes(map: string, options?: { limit?: number; cursor?: string }): Promise<PlaneList>;
-  /** One planar region. */
+  /** A plane. */
   getPlane(map: string, id: number): Promise<Plane>;
-  /** Its features. */
+  /** Features of a plane. */
   listFeatures(map: string, id: number, options?: { limit?: number; cursor?: string }): Promise<FeatureList>;
-  /** The keyframes that saw it. */
+  /** Keyframes with the plane in view. */
   listViews(map: string, id: number, options?: { limit?: number; cursor?: string }): Promise<ViewList>;
-  /** Planes and what is seen together. */
+  /** Graph of planes, or poses in other formats. */
   getGraph(map: string, options?: { format?: "json" | "graphml" | "dot" | "g2o" | "geojson" | "ply" | "tum" | "colmap" | "poses" }): Promise<Graph | string>;
-  /** Keyframes. */
+  /** List of keyframes. */
   listKeyframes(map: string, options?: { limit?: number; cursor?: string }): Promise<KeyframeList>;
-  /** One keyframe. */
+  /** A keyframe. */
   getKeyframe(map: string, id: number): Promise<Keyframe>;
-  /** Its picture. */
+  /** Image of a keyframe. */
   getKeyframeImage(map: string, id: number, options?: { width?: number }): Promise<Blob>;
-  /** A small picture of it. */
+  /** Thumbnail of a keyframe. */
   getKeyframeThumbnail(map: string, id: number): Promise<Blob>;
-  /** Straight lines of its picture by the direction that they have in the building. 422 for a sequence without a camera. */
+  /** Line segments of a keyframe by Manhattan axis. 422 for a sequence without a camera. */
   getKeyframeLines(map: string, id: number): Promise<DirectedLines>;
-  /** Where the planes that it saw are in space, relative to its camera. 422 for a sequence without a camera. */
+  /** 3D positions of the planes in view, relative to the camera. 422 for a sequence without a camera. */
   getKeyframeSpace(map: string, id: number): Promise<Space>;
-  /** The whole map by columns, for drawing. */
+  /** The complete map in columns, for visualization. */
   getOverview(map: string): Promise<Overview>;
-  /** Where the map is weak. The first time takes seconds and a query's turn. */
+  /** Weak spots of the map. The first request takes seconds and counts as a query. */
   getAudit(map: string): Promise<Audit>;
-  /** The appearance layer for drawing. 404 with the code no_layer for a map without, as the next. */
+  /** The appearance layer, for visualization. 404 with the code no_layer for maps without one, as the following. */
   getAppearance(map: string): Promise<Appearance>;
-  /** Its panoramas with their poses. */
+  /** List of panoramas with their poses. */
   listAppearanceNodes(map: string, options?: { limit?: number; cursor?: string }): Promise<AppearanceNodeList>;
-  /** One panorama. */
+  /** A panorama with its pose. */
   getAppearanceNode(map: string, id: number): Promise<AppearanceNode>;
-  /** A panorama. */
+  /** Image of a panorama. */
   getAppearanceImage(map: string, id: number, options?: { width?: number }): Promise<Blob>;
-  /** Its Fourier signature. */
+  /** Fourier signature of a panorama. */
   getSignature(map: string, id: number): Promise<Signature>;
-  /** Loop closures. */
+  /** List of loop closures. */
   listLoops(map: string, options?: { limit?: number; cursor?: string }): Promise<LoopList>;
-  /** The orientation layer for drawing. 404 with the code no_layer for a map without, as the next. */
+  /** The orientation layer, for visualization. 404 with the code no_layer for maps without one, as the following. */
   getOrientation(map: string): Promise<Orientation>;
-  /** Every frame with the camera's rotation in the building. */
+  /** List of frames with the camera rotation relative to the Manhattan axes. */
   listOrientationFrames(map: string, options?: { limit?: number; cursor?: string }): Promise<OrientationFrameList>;
-  /** One frame. */
+  /** A frame. */
   getOrientationFrame(map: string, id: number): Promise<OrientationFrame>;
-  /** A node's picture. */
+  /** Image of a node. */
   getOrientationImage(map: string, id: number, options?: { width?: number }): Promise<Blob>;
-  /** Straight lines of a node's picture by the direction that they have in the building. */
+  /** Line segments of the image of a node by Manhattan axis. */
   getOrientationLines(map: string, id: number): Promise<DirectedLines>;
-  /** Turns, confirmed or not. */
+  /** List of turns, confirmed or not. */
   listTurns(map: string, options?: { limit?: number; cursor?: string }): Promise<TurnList>;
-  /** Stretches without turns. */
+  /** List of corridors. */
   listCorridors(map: string, options?: { limit?: number; cursor?: string }): Promise<CorridorList>;
 }
 
@@ -114,14 +114,14 @@ export interface Request {
   camera?: string;
   prior?: { keyframe: number };
   previous?: { keyframe?: number; heading_rad?: number; map_version?: string; belief?: Belief };
-  /** For panoramas in order. Of each image the motion since the image or answer before it, in the units of the map's layer (x ahead, y to the left), or null. */
+  /** For series of panoramas: the motion of each image since the previous image or answer, in map units (x forward, y left), or null. */
   odometry?: (null | { x: number; y: number; heading_rad: number })[];
   top_k?: number;
   debug?: boolean;
   deadline_ms?: number;
 }
 
-/** Where a robot with panoramas may be, the likeliest node first. What they lack of 1 is anywhere. */
+/** Belief about the position of the robot, most probable node first. The remaining probability is spread over the map. */
 export type Belief = { node: Id; probability: Probability; heading_rad: number; deviation_rad: number }[];
 
 export interface Problem {
@@ -148,7 +148,7 @@ export type Probability = number;
 
 export type Count = number;
 
-/** Cursor of the page after; null at the end. */
+/** Cursor of the next page; null at the end. */
 export type Next = string | null;
 
 /** Three rows of three. */
@@ -235,19 +235,19 @@ export interface Answer {
   decided_by: string;
   message?: string;
   timing_ms: Timing;
-  /** Across maps. Each one's answer in short. */
+  /** For several maps: a summary of the answer of each. */
   maps?: ShortAnswer[];
-  /** Of several images. Each one's answer in short. */
+  /** For several images: a summary of the answer to each. */
   images?: ShortAnswer[];
   candidates?: Place[];
   explanation?: Explanation;
   stage?: "queue" | "decode" | "extract" | "shortlist" | "verify" | "decide";
   camera?: QueryCamera;
-  /** What was understood and no layer of this map uses. */
+  /** Fields of the request that no layer of this map uses. */
   unused?: ("camera" | "prior" | "previous" | "odometry")[];
 }
 
-/** The query's rotation in the building, where the map has an orientation layer and the query's camera is known or it is a panorama. The disagreement is that of the query's lines with the building's axes at the place, null where they say nothing clear. */
+/** Rotation of the query relative to the Manhattan axes, if the map has an orientation layer and the camera is known or the query is a panorama. disagreement_rad is the angle between the axes estimated from the query's lines and those of the place, null if not reliable. */
 export interface BuildingView {
   heading: null | Record<string, unknown>;
   building_from_query: null | Matrix;
@@ -255,7 +255,7 @@ export interface BuildingView {
   disagreement_rad: number | null;
 }
 
-/** From the appearance layer. The nearest node and the position when localized, else null, and what was considered. */
+/** Result of the appearance layer: the nearest node and the position if localized, else null, and the candidates. */
 export interface PanoramaPlace {
   node: null | NodeRef;
   position: null | { x: number; y: number; deviation: number; metres_per_unit: number | null };
@@ -277,7 +277,7 @@ export interface NodeCandidate {
   inliers: Count;
 }
 
-/** With debug. What became of every plane that looked like the image. */
+/** With debug: the outcome of every candidate plane. */
 export interface Explanation {
   image: { width: Count; height: Count; features: Count };
   gates: Gates;
@@ -320,7 +320,7 @@ export interface Overview {
   edges: { a: number[]; b: number[]; third_eigenvalue: number[] };
 }
 
-/** Positions in the layer's own unit of length; headings counter-clockwise. */
+/** Positions in map units; headings counter-clockwise. */
 export interface Appearance {
   scale: "metric" | "arbitrary";
   metres_per_unit: number | null;
@@ -376,7 +376,7 @@ export interface LoopList {
   next: Next;
 }
 
-/** Fourier transform of each row of the panorama, from above; frequencies from 0. */
+/** Fourier transform of each row of the panorama from top to bottom; frequencies from 0. */
 export interface Signature {
   node: Id;
   magnitudes: number[][];
@@ -392,7 +392,7 @@ export interface Orientation {
   corridors: Corridor[];
 }
 
-/** All frames by columns. x and y are the way by its turns alone, a step of 1 a frame along the building's axes, from 0 in each sequence; lines are those along the building's x, y and z. */
+/** All frames in columns. x and y are the trajectory reconstructed from turns, with unit steps per frame along the Manhattan axes, starting at 0 in each sequence; lines are counts along the x, y and z axes. */
 export interface OrientationColumns {
   id: number[];
   sequence: number[];
@@ -406,7 +406,7 @@ export interface OrientationColumns {
   lines_z: number[];
 }
 
-/** Polylines in pixels of a picture of the given size, each with the axis of the building that it runs along. Where the frame's rotation in the building is known (`of` is frame), x and y are the layer's; else the picture's own lines give the axes, z being the most upright one. */
+/** Polylines in pixels of an image of the given size, each with the Manhattan axis it is parallel to. If the rotation of the frame is known (`of` is frame), the axes are those of the map; otherwise they are estimated in this image, with z the most vertical one. */
 export interface DirectedLines {
   width: number;
   height: number;
@@ -420,7 +420,7 @@ export interface DirectedLine {
   points: Outline;
 }
 
-/** In the frame of the keyframe's camera (x right, y down, z forward). Lengths are multiples of the distance of `unit_plane`. `image_from_camera` is the camera's linear part, px; `corners` are rays through the image's corners, clockwise from the upper left. */
+/** In the frame of the keyframe's camera (x right, y down, z forward). Lengths are multiples of the distance of `unit_plane`. `image_from_camera` is the linear part of the projection in pixels; `corners` are rays through the image corners, clockwise from the top left. */
 export interface Space {
   keyframe: Id;
   views: Count;
@@ -430,7 +430,7 @@ export interface Space {
   planes: PlaneInSpace[];
 }
 
-/** Points X with normal . X = distance; `outline` are such points, in order around. What isn't well determined has its trouble and null. */
+/** Points X with normal . X = distance; `outline` are such points, in order around. Planes that are not well determined have a trouble and null values. */
 export interface PlaneInSpace {
   id: Id;
   trouble: null | "no_parallax" | "ambiguous" | "uncertain";
@@ -447,7 +447,7 @@ export interface OrientationNode {
   kind: "turn" | "frame";
   heading_rad: number | null;
   corridor: null | Id;
-  /** Lines across the way in the cells up, right, down and left of who looks along it. */
+  /** Lines perpendicular to the direction of travel in the upper, right, lower and left cell of the image. */
   directions: [number, number, number, number];
   image: string | null;
 }

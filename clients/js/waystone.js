@@ -42,7 +42,7 @@ async function problemOf(response) {
   if (typeof problem?.code === "string") {
     return new WaystoneError(problem.code, response.status, String(problem.detail ?? problem.title));
   }
-  return new WaystoneError("bad_answer", response.status, `the server answered ${response.status}, and no problem of Waystone's`);
+  return new WaystoneError("bad_answer", response.status, `the server responded with ${response.status}, without JSON of Waystone`);
 }
 
 // Runs in browsers and in Node 18 and later, on fetch alone.
@@ -90,16 +90,16 @@ export class Client {
       if (type.startsWith("application/json")) return await response.json();
       return type.startsWith("image/") ? await response.blob() : await response.text();
     } catch (error) {
-      if (error instanceof SyntaxError) throw new WaystoneError("bad_answer", response.status, "the answer isn't JSON");
+      if (error instanceof SyntaxError) throw new WaystoneError("bad_answer", response.status, "the response is not JSON");
       throw this.lost(error);
     }
   }
 
   lost(error) {
     if (error.name === "TimeoutError") {
-      return new WaystoneError("timeout", 0, `no answer within ${this.timeout_ms / 1000} s; ask with a longer timeout_ms`);
+      return new WaystoneError("timeout", 0, `no answer within ${this.timeout_ms / 1000} s; increase timeout_ms`);
     }
-    return new WaystoneError("unreachable", 0, "the server can't be reached; is it still running?");
+    return new WaystoneError("unreachable", 0, "the server can't be reached; is it running?");
   }
 
   // Every row of a list, page by page: for await (const plane of client.rows("listPlanes", "lab")).

@@ -208,7 +208,7 @@ def _image_of(photo: Photo, number: int) -> Image:
         with open(photo, "rb") as file:
             return Image(os.fspath(photo), file.read())
     except OSError as error:
-        detail = f"{os.fspath(photo)}: {error.strerror}; name an image file that you may read"
+        detail = f"{os.fspath(photo)}: {error.strerror}; check the path and its permissions"
         raise WaystoneError("unreadable_photo", 0, detail) from error
 
 
@@ -339,13 +339,13 @@ class Client:
             raise self._too_late() from error
         except (OSError, http.client.HTTPException) as error:
             where = f"{connection.host}:{connection.port}"
-            detail = f"no answer from {where}: {error or type(error).__name__}; does it run there?"
+            detail = f"no answer from {where}: {error or type(error).__name__}; is the server running?"
             raise WaystoneError("unreachable", 0, detail) from error
         finally:
             connection.close()
 
     def _too_late(self) -> WaystoneError:
-        detail = f"no answer from {self._host} within {self._timeout_s:g} s; raise the timeout"
+        detail = f"no answer from {self._host} within {self._timeout_s:g} s; increase the timeout"
         return WaystoneError("timeout", 0, detail)
 
 
@@ -389,7 +389,7 @@ def _read(response: http.client.HTTPResponse, socket: Any, end: float) -> bytes:
             break
         data += piece
         if len(data) > MAX_ANSWER:
-            raise WaystoneError("bad_answer", response.status, "the answer has no end")
+            raise WaystoneError("bad_answer", response.status, "the response is incomplete")
     if length is not None and len(data) < length:
         raise http.client.IncompleteRead(bytes(data), length - len(data))
     return bytes(data)
@@ -431,7 +431,7 @@ def _parsed(status: int, data: bytes) -> Any:
 
 
 def _not_ours(status: int) -> WaystoneError:
-    detail = f"status {status} without Waystone's JSON; is the address that of waystone serve?"
+    detail = f"status {status} without JSON of Waystone; check the address of the server"
     return WaystoneError("bad_answer", status, detail)
 
 
@@ -441,28 +441,28 @@ def _not_ours(status: int) -> WaystoneError:
 def _arguments() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="waystone-localize",
-        description="Say where photos were taken, by a Waystone server.",
-        epilog="Exits with 0 when every photo was answered, 2 when the command line makes no "
-        "sense, 3 when a photo or the server can't be used. "
+        description="Localize images with a Waystone server.",
+        epilog="Exit status: 0 if all images were answered, 2 for usage errors, 3 if an image can't "
+        "be read or the server can't be reached. "
         "Example: waystone-localize --map lab photo.jpg --json",
     )
     add = parser.add_argument
     add("photos", nargs="+", help="image files")
     add("--server", default=DEFAULT_SERVER, metavar="URL", help="default: %(default)s")
-    add("--map", metavar="NAME", help="ask this map instead of all")
-    add("--token-file", metavar="FILE", help="its first line is the token; else $WAYSTONE_TOKEN")
-    add("--together", action="store_true", help="one question: a rig's photos, or a series")
-    add("--timeout", type=float, default=30.0, metavar="S", help="seconds a photo (%(default)s)")
-    add("--retries", type=int, default=3, metavar="N", help="when it is busy (%(default)s)")
-    add("--json", action="store_true", help="one JSON object an answer, as the server gives it")
+    add("--map", metavar="NAME", help="query this map instead of all")
+    add("--token-file", metavar="FILE", help="file with the token on its first line; default: $WAYSTONE_TOKEN")
+    add("--together", action="store_true", help="send all images as one query: a rig, or a series")
+    add("--timeout", type=float, default=30.0, metavar="S", help="timeout per image in seconds (%(default)s)")
+    add("--retries", type=int, default=3, metavar="N", help="retries if the server is busy (%(default)s)")
+    add("--json", action="store_true", help="print one JSON object per answer")
     for name in ("fx", "fy", "cx", "cy"):
-        add("--" + name, type=float, metavar="PX", help="the camera's intrinsics, all four")
-    add("--fov-deg", type=float, metavar="DEG", help="the camera's horizontal field of view")
-    add("--camera", metavar="NAME", help="the camera of this sequence of the map")
-    add("--prior-keyframe", type=int, metavar="ID", help="where you believe to be")
-    add("--top-k", type=int, metavar="N", help="list that many candidates")
-    add("--debug", action="store_true", help="explain the answer: what became of every plane that looked like the photo")
-    add("--deadline-ms", type=int, metavar="MS", help="when the answer is no use any more")
+        add("--" + name, type=float, metavar="PX", help="camera intrinsics; all four are required")
+    add("--fov-deg", type=float, metavar="DEG", help="horizontal field of view in degrees")
+    add("--camera", metavar="NAME", help="use the camera of this sequence of the map")
+    add("--prior-keyframe", type=int, metavar="ID", help="keyframe assumed to be near")
+    add("--top-k", type=int, metavar="N", help="number of candidates to list")
+    add("--debug", action="store_true", help="include the outcome of every candidate plane")
+    add("--deadline-ms", type=int, metavar="MS", help="deadline in milliseconds")
     return parser
 
 

@@ -4,31 +4,31 @@
 namespace waystone {
 
 const ErrorInfo& InfoOf(ErrorCode code) {
-  static constexpr ErrorInfo kUsage{"usage", "The command line makes no sense", 2, 400};
-  static constexpr ErrorInfo kBadOptions{"bad_options", "An option is out of its range", 2, 400};
-  static constexpr ErrorInfo kBadSource{"bad_source", "The source has no usable image", 3, 422};
-  static constexpr ErrorInfo kBadCamera{"bad_camera", "The camera can't be used", 3, 422};
-  static constexpr ErrorInfo kBadImage{"bad_image", "The image can't be read", 3, 422};
-  static constexpr ErrorInfo kImageTooLarge{"image_too_large", "The image is too large", 3, 413};
-  static constexpr ErrorInfo kNotAMap{"not_a_map", "The file is not a Waystone map", 3, 500};
-  static constexpr ErrorInfo kMapDamaged{"map_damaged", "The map is damaged", 3, 500};
-  static constexpr ErrorInfo kMapVersion{"map_version", "The map has another version", 3, 500};
-  static constexpr ErrorInfo kFileExists{"file_exists", "The file exists already", 3, 409};
-  static constexpr ErrorInfo kFileUnreadable{"file_unreadable", "A file can't be read", 3, 500};
-  static constexpr ErrorInfo kFileUnwritable{"file_unwritable", "A file can't be written", 3, 500};
-  static constexpr ErrorInfo kNotFound{"not_found", "There is no such thing here", 3, 404};
-  static constexpr ErrorInfo kNoLayer{"no_layer", "The map has no such layer", 3, 404};
-  static constexpr ErrorInfo kBadRequest{"bad_request", "The request makes no sense", 3, 400};
-  static constexpr ErrorInfo kPayload{"payload_too_large", "The body is too large", 3, 413};
-  static constexpr ErrorInfo kMedia{"unsupported_media_type", "Send the image itself", 3, 415};
-  static constexpr ErrorInfo kMethod{"method_not_allowed", "Use another method", 3, 405};
-  static constexpr ErrorInfo kBusy{"busy", "Too many queries at once", 3, 429};
-  static constexpr ErrorInfo kUnauthorized{"unauthorized", "Show who you are", 3, 401};
-  static constexpr ErrorInfo kTooSlow{"too_slow", "The body came too slowly", 3, 408};
-  static constexpr ErrorInfo kNotAvailable{"not_available", "The map doesn't have this", 3, 422};
-  static constexpr ErrorInfo kNotReady{"not_ready", "The server is not ready", 3, 503};
+  static constexpr ErrorInfo kUsage{"usage", "Invalid command line", 2, 400};
+  static constexpr ErrorInfo kBadOptions{"bad_options", "Option out of range", 2, 400};
+  static constexpr ErrorInfo kBadSource{"bad_source", "No usable image in the source", 3, 422};
+  static constexpr ErrorInfo kBadCamera{"bad_camera", "Invalid camera", 3, 422};
+  static constexpr ErrorInfo kBadImage{"bad_image", "Image can't be decoded", 3, 422};
+  static constexpr ErrorInfo kImageTooLarge{"image_too_large", "Image too large", 3, 413};
+  static constexpr ErrorInfo kNotAMap{"not_a_map", "Not a Waystone map", 3, 500};
+  static constexpr ErrorInfo kMapDamaged{"map_damaged", "Map damaged", 3, 500};
+  static constexpr ErrorInfo kMapVersion{"map_version", "Unsupported map version", 3, 500};
+  static constexpr ErrorInfo kFileExists{"file_exists", "File already exists", 3, 409};
+  static constexpr ErrorInfo kFileUnreadable{"file_unreadable", "File can't be read", 3, 500};
+  static constexpr ErrorInfo kFileUnwritable{"file_unwritable", "File can't be written", 3, 500};
+  static constexpr ErrorInfo kNotFound{"not_found", "Not found", 3, 404};
+  static constexpr ErrorInfo kNoLayer{"no_layer", "Layer not in this map", 3, 404};
+  static constexpr ErrorInfo kBadRequest{"bad_request", "Invalid request", 3, 400};
+  static constexpr ErrorInfo kPayload{"payload_too_large", "Request body too large", 3, 413};
+  static constexpr ErrorInfo kMedia{"unsupported_media_type", "Unsupported media type", 3, 415};
+  static constexpr ErrorInfo kMethod{"method_not_allowed", "Method not allowed", 3, 405};
+  static constexpr ErrorInfo kBusy{"busy", "Too many concurrent queries", 3, 429};
+  static constexpr ErrorInfo kUnauthorized{"unauthorized", "Authentication required", 3, 401};
+  static constexpr ErrorInfo kTooSlow{"too_slow", "Request timed out", 3, 408};
+  static constexpr ErrorInfo kNotAvailable{"not_available", "Not available in this map", 3, 422};
+  static constexpr ErrorInfo kNotReady{"not_ready", "Server not ready", 3, 503};
   static constexpr ErrorInfo kInterrupted{"interrupted", "Interrupted", 130, 503};
-  static constexpr ErrorInfo kInternal{"internal", "A bug in Waystone", 5, 500};
+  static constexpr ErrorInfo kInternal{"internal", "Internal error", 5, 500};
   switch (code) {
     case ErrorCode::kUsage:
       return kUsage;

@@ -250,17 +250,16 @@ void CheckCamera(const Camera& camera) {
   const auto row = std::ranges::find(kModels, camera.model, &ModelRow::model);
   if (row == kModels.end()) {
     Refuse("camera model " + std::to_string(static_cast<int>(camera.model)) +
-           " is unknown; use one of COLMAP's names, such as PINHOLE or OPENCV");
+           " is unknown; use a COLMAP model name such as PINHOLE or OPENCV");
   }
   const auto fits = [](int side) { return side >= 1 && side <= kMaxSide; };
   if (!fits(camera.width) || !fits(camera.height)) {
     Refuse("a camera of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
-           " pixels; give the size of the images it took, 1 to " + std::to_string(kMaxSide) +
-           " a side");
+           " pixels; each side must be between 1 and " + std::to_string(kMaxSide));
   }
   const std::string name(row->name);
   if (static_cast<int>(camera.params.size()) != row->parameters) {
-    Refuse(name + " takes " + std::to_string(row->parameters) + " parameters, not " +
+    Refuse(name + " has " + std::to_string(row->parameters) + " parameters, not " +
            std::to_string(camera.params.size()));
   }
   for (size_t i = 0; i < camera.params.size(); ++i) {
@@ -268,7 +267,7 @@ void CheckCamera(const Camera& camera) {
     const bool focal = static_cast<int>(i) < row->focal_lengths;
     if (!std::isfinite(value) || (focal && value <= 0)) {
       Refuse("parameter " + std::to_string(i + 1) + " of " + name + " is " + std::to_string(value) +
-             (focal ? "; a focal length is above zero" : "; it must be finite"));
+             (focal ? "; it must be positive" : "; it must be finite"));
     }
   }
 }

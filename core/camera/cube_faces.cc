@@ -27,15 +27,16 @@ void CheckFaces(const FaceImages& faces) {
     const cv::Mat& image = faces[i];
     if (image.empty() && (face == CubeFace::kUp || face == CubeFace::kDown)) continue;
     if (image.empty()) {
-      throw MapError(ErrorCode::kBadImage, "the rig's face '" + NameText(face) +
-                                               "' is missing; give front, right, back and left");
+      throw MapError(ErrorCode::kBadImage,
+                     "the rig's face '" + NameText(face) +
+                         "' is missing; front, right, back and left are required");
     }
     if (image.cols != width || image.rows != width) {
       throw MapError(ErrorCode::kBadImage, "the rig's face '" + NameText(face) + "' has " +
                                                std::to_string(image.cols) + "x" +
                                                std::to_string(image.rows) + " pixels, not " +
                                                std::to_string(width) + "x" + std::to_string(width) +
-                                               "; give square faces of one size");
+                                               "; faces must be square and of one size");
     }
   }
 }

@@ -56,15 +56,15 @@ cv::Mat GreyOf(const cv::Mat& image) {
 void CheckContent(const cv::Mat& grey) {
   if (grey.cols < kMinColumns || grey.rows < kMinRows) {
     RefusePanorama("the image has " + SizeOf(grey) +
-                   " pixels, too few for a panorama; give at least " + std::to_string(kMinColumns) +
-                   "x" + std::to_string(kMinRows));
+                   " pixels, too few for a panorama; the minimum is " +
+                   std::to_string(kMinColumns) + "x" + std::to_string(kMinRows));
   }
   cv::Scalar mean;
   cv::Scalar sigma;
   cv::meanStdDev(grey, mean, sigma);
   if (sigma[0] < kMinSigma) {
-    RefusePanorama("the image shows nothing: all its grey levels are near " + Rounded(mean[0]) +
-                   "; uncover the lens or lengthen the exposure");
+    RefusePanorama("the image has no content: all grey levels are close to " + Rounded(mean[0]) +
+                   "; uncover the lens or increase the exposure");
   }
 }
 
@@ -167,9 +167,9 @@ double AspectOf(const cv::Mat& image) { return static_cast<double>(image.cols) /
 void CheckSeam(const cv::Mat& grey, double max_seam) {
   const double ratio = SeamRatio(grey);
   if (ratio <= max_seam) return;
-  RefusePanorama("the image isn't 360 degrees wide: its left and right edge differ " +
-                 Rounded(ratio) + " times as much as neighbouring columns do, more than " +
-                 Rounded(max_seam) + "; give a whole panorama, or raise max_seam");
+  RefusePanorama("the image does not cover 360 degrees: its left and right edges differ " +
+                 Rounded(ratio) + " times as much as neighbouring columns, more than " +
+                 Rounded(max_seam) + "; use a full panorama, or increase max_seam");
 }
 
 }  // namespace
@@ -183,7 +183,7 @@ void PanoramaOptions::Check() const {
   if (mirror && !(mirror->inner_px >= 0 && mirror->outer_px >= mirror->inner_px + 1)) {
     throw MapError(ErrorCode::kBadOptions, "the mirror's radii are " + Rounded(mirror->inner_px) +
                                                " and " + Rounded(mirror->outer_px) +
-                                               " px; give the inner first, then a larger outer");
+                                               " px; the inner must be smaller than the outer");
   }
 }
 
@@ -211,10 +211,10 @@ MirrorRing FindMirror(const cv::Mat& grey, const PanoramaOptions& options) {
   if (outer.contrast < options.min_mirror_contrast) {
     RefusePanorama(
         "the image of " + SizeOf(grey) +
-        " pixels is neither a panorama (twice as wide as high) nor that of a mirror (its best "
+        " pixels is neither a panorama (twice as wide as high) nor a mirror image (its best "
         "circle has a contrast of " +
         Rounded(outer.contrast) + ", less than " + Rounded(options.min_mirror_contrast) +
-        "); give a 360 degree image, or the mirror's centre and radii");
+        "); use a 360-degree image, or specify the centre and radii of the mirror");
   }
   return {outer.centre, InnerRadius(grey, outer, options.min_mirror_contrast), outer.radius};
 }

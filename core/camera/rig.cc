@@ -33,13 +33,14 @@ RigCamera Face(const char* name, const Camera& camera, const Eigen::Vector3d& ri
 
 void CheckRig(const Rig& rig) {
   if (rig.cameras.empty() || rig.cameras.size() > kMaxCameras) {
-    RefuseRig("a rig of " + std::to_string(rig.cameras.size()) + " cameras; give 1 to " +
-              std::to_string(kMaxCameras));
+    RefuseRig("a rig of " + std::to_string(rig.cameras.size()) +
+              " cameras; the number must be between 1 and " + std::to_string(kMaxCameras));
   }
   std::set<std::string> names;
   for (const RigCamera& camera : rig.cameras) {
     const std::string name = "camera '" + camera.name + "'";
-    if (!names.insert(camera.name).second) RefuseRig(name + " is there twice; rename one of them");
+    if (!names.insert(camera.name).second)
+      RefuseRig(name + " is duplicated; camera names must be unique");
     try {
       CheckCamera(camera.camera);
     } catch (const MapError& error) {
@@ -47,7 +48,7 @@ void CheckRig(const Rig& rig) {
     }
     if (!IsRotation(camera.rig_from_camera.linear()) ||
         !camera.rig_from_camera.translation().allFinite()) {
-      RefuseRig(name + ": its pose in the head is no rotation and finite translation; correct it");
+      RefuseRig(name + ": its pose in the rig must be a rotation and a finite translation");
     }
   }
 }
@@ -56,16 +57,16 @@ void CheckImageSize(const RigCamera& camera, int width, int height) {
   const auto size = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
   if (width == camera.camera.width && height == camera.camera.height) return;
   throw MapError(ErrorCode::kBadImage, "an image of " + size(width, height) +
-                                           " pixels, but camera '" + camera.name + "' takes " +
+                                           " pixels, but camera '" + camera.name + "' has " +
                                            size(camera.camera.width, camera.camera.height) +
-                                           "; calibrate at the images' size");
+                                           "; calibrate at the size of the images");
 }
 
 Rig RigOfOne(const Camera& camera) { return {.cameras = {{.name = "camera", .camera = camera}}}; }
 
 Rig CubeRig(int width_px) {
   if (width_px < 1 || width_px > kMaxFaceWidth) {
-    RefuseRig("faces " + std::to_string(width_px) + " px wide; give 1 to " +
+    RefuseRig("faces " + std::to_string(width_px) + " px wide; the width must be between 1 and " +
               std::to_string(kMaxFaceWidth));
   }
   const double focal_px = 0.5 * width_px;

@@ -106,7 +106,7 @@ FeatureType FeatureTypeByName(std::string_view name) {
     if (NameOf(type) == name) return type;
   }
   throw MapError(ErrorCode::kBadOptions,
-                 "unknown kind of features '" + std::string(name) + "'; use sift, orb or akaze");
+                 "unknown feature type '" + std::string(name) + "'; use sift, orb or akaze");
 }
 
 int DescriptorBytes(FeatureType type) {
@@ -124,12 +124,12 @@ int DescriptorBytes(FeatureType type) {
 void FeatureOptions::Check() const {
   if (max_features < 50 || max_features > 20000) {
     throw MapError(ErrorCode::kBadOptions, "max_features is " + std::to_string(max_features) +
-                                               "; give a number from 50 to 20000");
+                                               "; it must be between 50 and 20000");
   }
   if (!(contrast_threshold > 0 && contrast_threshold < 1)) {
     throw MapError(ErrorCode::kBadOptions, "contrast_threshold is " +
                                                std::to_string(contrast_threshold) +
-                                               "; give a number above 0 and below 1");
+                                               "; it must be above 0 and below 1");
   }
 }
 

@@ -47,8 +47,8 @@ Matrix3d WithNoiseOf(const HomographyEstimate& n, const Matrix3d& b_from_a, cons
 void HomologyOptions::Check() const {
   if (!(max_sigmas > 0) || draws < 10) {
     throw MapError(ErrorCode::kBadOptions,
-                   "homology: max_deviations must be above 0 and draws 10 "
-                   "or more; leave them at their defaults");
+                   "homology: max_deviations must be positive and draws at "
+                   "least 10; use the defaults");
   }
 }
 

@@ -175,8 +175,7 @@ void LocalRansacOptions::Check() const {
                     min_height_ratio >= 0 && min_height_ratio < 0.5 && max_refits >= 0 &&
                     wide_refits >= 0 && min_refit_share >= 0 && min_refit_share <= 1;
   if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "plane sampling: an option is out of its range; leave them at their defaults");
+    throw MapError(ErrorCode::kBadOptions, "plane sampling: option out of range; use the defaults");
   }
 }
 

@@ -13,8 +13,7 @@ void LabellingOptions::Check() const {
                     max_sigma_px >= min_sigma_px && tail > 0 && plane_cost >= 0 &&
                     smoothness >= 0 && companions >= 1 && rounds >= 1;
   if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "plane labels: an option is out of its range; leave them at their defaults");
+    throw MapError(ErrorCode::kBadOptions, "plane labels: option out of range; use the defaults");
   }
 }
 

@@ -204,8 +204,7 @@ void SegmentationOptions::Check() const {
   homology.Check();
   const bool good = min_inliers >= 5 && max_planes >= 1 && patch >= 5;
   if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "plane search: an option is out of its range; leave them at their defaults");
+    throw MapError(ErrorCode::kBadOptions, "plane search: option out of range; use the defaults");
   }
 }
 

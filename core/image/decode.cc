@@ -17,8 +17,7 @@ namespace {
 cv::Mat Decode(std::span<const uint8_t> bytes, const DecodeLimits& limits, int flags) {
   limits.Check();
   if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) {
-    RefuseSize("the image has " + std::to_string(bytes.size()) +
-               " bytes, more than the 2147483647 that are decoded; make it smaller");
+    RefuseSize("the image has " + std::to_string(bytes.size()) + " bytes; the limit is 2147483647");
   }
   const ImageHeader header = ReadImageHeader(bytes);
   CheckLimits(header, limits);
@@ -47,21 +46,23 @@ void DecodeLimits::Check() const {
   constexpr int kMaxScans = 10'000;
   if (max_pixels < 1 || max_pixels > kMaxPixels) {
     throw MapError(ErrorCode::kBadOptions, "max_pixels is " + std::to_string(max_pixels) +
-                                               "; give 1 to " + std::to_string(kMaxPixels));
+                                               "; it must be between 1 and " +
+                                               std::to_string(kMaxPixels));
   }
   if (max_scans < 1 || max_scans > kMaxScans) {
     throw MapError(ErrorCode::kBadOptions, "max_scans is " + std::to_string(max_scans) +
-                                               "; give 1 to " + std::to_string(kMaxScans));
+                                               "; it must be between 1 and " +
+                                               std::to_string(kMaxScans));
   }
 }
 
 void CheckLimits(const ImageHeader& header, const DecodeLimits& limits) {
   const int64_t pixels = static_cast<int64_t>(header.width) * header.height;
   if (pixels > limits.max_pixels) {
-    RefuseSize("the image claims " + std::to_string(header.width) + "x" +
+    RefuseSize("the image has " + std::to_string(header.width) + "x" +
                std::to_string(header.height) + " = " + std::to_string(pixels) +
                " pixels, more than the limit of " + std::to_string(limits.max_pixels) +
-               "; make it smaller");
+               "; downscale it");
   }
   if (header.scans > limits.max_scans) {
     RefuseSize("the JPEG has " + std::to_string(header.scans) + " scans, more than the limit of " +

@@ -53,12 +53,12 @@ std::string LooksLike(Bytes bytes) {
       Row{4, "ftyp", "HEIC or a video"}, Row{0, "%PDF", "a PDF"},
       Row{0, "PK", "a zip archive"},     Row{0, "SQLite format 3", "an SQLite database"},
       Row{0, "P1", "a plain-text PNM"},  Row{0, "P2", "a plain-text PNM"},
-      Row{0, "P3", "a plain-text PNM"},  Row{0, "P4", "a bitmap of black and white"},
+      Row{0, "P3", "a plain-text PNM"},  Row{0, "P4", "a black-and-white bitmap"},
   };
   for (const Row& row : kRows) {
     if (StartsWith(bytes, row.signature, row.offset)) return std::string(row.name);
   }
-  return LooksLikeText(bytes) ? "text" : "no image we know";
+  return LooksLikeText(bytes) ? "text" : "no known image format";
 }
 
 }  // namespace
@@ -66,7 +66,7 @@ std::string LooksLike(Bytes bytes) {
 void RefuseImage(const std::string& message) { throw MapError(ErrorCode::kBadImage, message); }
 
 void RefuseCutOff(const std::string& format, Bytes bytes, const std::string& missing) {
-  RefuseImage("the " + format + " is cut off after " + std::to_string(bytes.size()) +
+  RefuseImage("the " + format + " is truncated after " + std::to_string(bytes.size()) +
               " bytes, before " + missing + "; copy or send the whole file again");
 }
 
@@ -82,7 +82,7 @@ ImageHeader ReadPngHeader(Bytes bytes) {
     const Bytes rest = bytes.subspan(position + 4);
     const bool first = position == kPngSignature.size();
     if (first && (length != kIhdr || !StartsWith(rest, "IHDR"))) {
-      RefuseImage("the PNG doesn't start with its header chunk; it is damaged");
+      RefuseImage("the PNG does not start with a header chunk; it is damaged");
     }
     if (bytes.size() - position - kFrame < length) RefuseCutOff("PNG", bytes, "its end chunk");
     if (first) {
@@ -94,7 +94,7 @@ ImageHeader ReadPngHeader(Bytes bytes) {
     if (StartsWith(rest, "IEND")) break;
     position += kFrame + length;
   }
-  if (!has_data) RefuseImage("the PNG holds no image data; it is damaged");
+  if (!has_data) RefuseImage("the PNG has no image data; it is damaged");
   return header;
 }
 
@@ -103,13 +103,13 @@ ImageHeader ReadBmpHeader(Bytes bytes) {
   constexpr uint32_t kInfoHeader = 40;
   constexpr uint32_t kBitFields = 3;  // uncompressed, with masks
   if (bytes.size() < kShortest) RefuseCutOff("BMP", bytes, "the end of its header");
-  if (Little32(bytes, 14) < kInfoHeader) RefuseImage("the BMP is of OS/2; save it as PNG");
+  if (Little32(bytes, 14) < kInfoHeader) RefuseImage("OS/2 BMP is not supported; save it as PNG");
   const auto width = static_cast<int32_t>(Little32(bytes, 18));
   const auto height = static_cast<int32_t>(Little32(bytes, 22));
   const uint32_t bits = Little16(bytes, 28);
   const uint32_t compression = Little32(bytes, 30);
   if (compression != 0 && compression != kBitFields) {
-    RefuseImage("the BMP is compressed, which is not decoded; save it as PNG");
+    RefuseImage("compressed BMP is not supported; save it as PNG");
   }
   if (width <= 0 || height == 0 || height == std::numeric_limits<int32_t>::min() || bits == 0 ||
       bits > 32) {
@@ -141,7 +141,7 @@ class PnmNumbers {
       value = std::min(value * 10 + (bytes_[position_] - '0'), kMax);
     }
     if (position_ >= bytes_.size()) RefuseCutOff("PNM", bytes_, "the end of its header");
-    if (position_ == start) RefuseImage("the PNM's header lacks a number; it is damaged");
+    if (position_ == start) RefuseImage("a number is missing in the PNM header; it is damaged");
     return value;
   }
 
@@ -173,7 +173,7 @@ ImageHeader ReadPnmHeader(Bytes bytes) {
   header.height = numbers.Next();
   const int brightest = numbers.Next();
   if (brightest < 1 || brightest > 65535) {
-    RefuseImage("the PNM's brightest value is " + std::to_string(brightest) +
+    RefuseImage("the maximum value of the PNM is " + std::to_string(brightest) +
                 ", not 1 to 65535; it is damaged");
   }
   const uint64_t pixel_bytes = (bytes[1] == '6' ? 3 : 1) * (brightest > 255 ? 2 : 1);
@@ -197,7 +197,7 @@ ImageHeader ReadImageHeader(Bytes bytes) {
     header = ReadPnmHeader(bytes);
   } else {
     RefuseImage("the " + std::to_string(bytes.size()) + " bytes are " + LooksLike(bytes) +
-                "; give a JPEG, PNG, BMP or PNM (P5, P6)");
+                "; supported formats are JPEG, PNG, BMP and PNM (P5, P6)");
   }
   if (header.width < 1 || header.height < 1) {
     RefuseImage("the " + header.format + " claims " + std::to_string(header.width) + "x" +

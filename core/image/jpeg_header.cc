@@ -48,8 +48,7 @@ class JpegWalk {
     for (;;) {
       const int marker = NextMarker();
       if (marker == kEnd) return Finish();
-      if (marker == kStart)
-        RefuseImage("the JPEG starts a second time inside itself; it is damaged");
+      if (marker == kStart) RefuseImage("the JPEG has a second start marker; it is damaged");
       const Bytes segment = TakeSegment();
       if (IsFrame(marker)) {
         ReadFrame(marker, segment);
@@ -57,7 +56,7 @@ class JpegWalk {
         ++header_.scans;
       } else if (!IsOtherSegment(marker)) {
         // libjpeg gives up on these too, or steps over them without their length: a place to hide.
-        RefuseImage("the JPEG has a segment of the unknown kind " + std::to_string(marker) +
+        RefuseImage("the JPEG has an unknown segment " + std::to_string(marker) +
                     "; it is damaged");
       }
     }
@@ -94,9 +93,9 @@ class JpegWalk {
     if (!IsDecodable(marker)) {
       RefuseImage("the JPEG is lossless or hierarchical (SOF" +
                   std::to_string(marker - kFirstFrame) +
-                  "), which is not decoded; save it as a plain JPEG or PNG");
+                  "), which is not supported; save it as a baseline JPEG or PNG");
     }
-    if (segment.size() < 6) RefuseImage("the JPEG has a short frame header; it is damaged");
+    if (segment.size() < 6) RefuseImage("the frame header of the JPEG is too short; it is damaged");
     has_frame_ = true;
     header_.height = segment[1] * 256 + segment[2];
     header_.width = segment[3] * 256 + segment[4];
@@ -104,7 +103,7 @@ class JpegWalk {
 
   ImageHeader Finish() {
     if (!has_frame_ || header_.scans == 0) {
-      RefuseImage("the JPEG ends before it holds an image; it is damaged");
+      RefuseImage("the JPEG has no image data; it is damaged");
     }
     return header_;
   }

@@ -21,15 +21,15 @@ void CheckPrevious(const FilterState& previous, size_t nodes) {
                           belief.probability >= 0 && std::isfinite(belief.heading_rad) &&
                           belief.sigma_rad > 0 && std::isfinite(belief.sigma_rad);
     if (!possible) {
-      throw MapError(ErrorCode::kBadRequest, "the previous answer has a belief in node " +
-                                                 std::to_string(belief.node) +
-                                                 " that this map can't have given; leave it out");
+      throw MapError(ErrorCode::kBadRequest,
+                     "the previous answer has a belief in node " + std::to_string(belief.node) +
+                         " that this map can't have returned; omit `previous`");
     }
     sum += belief.probability;
   }
   if (sum <= 1 + 1e-6) return;
   throw MapError(ErrorCode::kBadRequest, "the previous answer's probabilities sum to " +
-                                             std::to_string(sum) + "; leave it out");
+                                             std::to_string(sum) + "; omit `previous`");
 }
 
 double NormalDensity(double x, double sigma) {
@@ -75,7 +75,7 @@ class Update {
     for (const NodeEvidence& evidence : evidence_) best = std::max(best, evidence.log_likelihood);
     if (!std::isfinite(best)) {
       throw MapError(ErrorCode::kBadRequest,
-                     "the image is impossible at every node; ask without the previous answer");
+                     "the image is impossible at every node; query without the previous answer");
     }
     FilterAnswer answer;
     double sum = 0;

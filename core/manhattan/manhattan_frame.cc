@@ -261,15 +261,15 @@ std::string_view SentenceOf(FrameError error) {
     case FrameError::kNone:
       return "reliable";
     case FrameError::kFewLines:
-      return "there are hardly any straight lines";
+      return "too few line segments";
     case FrameError::kOneDirection:
-      return "the lines show one direction only";
+      return "the lines show a single direction";
     case FrameError::kLittleSupport:
-      return "most lines belong to no common frame";
+      return "most lines fit no common frame";
     case FrameError::kRival:
-      return "another frame fits nearly as well";
+      return "another frame fits almost as well";
     default:
-      return "the lines don't determine the rotation well enough";
+      return "the rotation is poorly determined";
   }
 }
 

@@ -97,7 +97,7 @@ SegmentDetector SegmentDetectorByName(std::string_view name) {
   const auto row = std::ranges::find(kDetectors, name, &NamedDetector::name);
   if (row != kDetectors.end()) return row->detector;
   throw MapError(ErrorCode::kBadOptions, "segment detector '" + std::string(name) +
-                                             "' isn't known; give edge_drawing, canny or lsd");
+                                             "' is unknown; use edge_drawing, canny or lsd");
 }
 
 void SegmentOptions::Check() const {

@@ -38,10 +38,11 @@ void Normalise(cv::Mat& band) {
   cv::Scalar sigma;
   cv::meanStdDev(band, mean, sigma);
   if (sigma[0] < kMinSigma) {
-    throw MapError(ErrorCode::kBadImage,
-                   "the panorama's band has no texture (its grey levels deviate by " +
-                       std::to_string(sigma[0]) + ", less than " + std::to_string(kMinSigma) +
-                       "); uncover the lens, lengthen the exposure or choose another band");
+    throw MapError(
+        ErrorCode::kBadImage,
+        "the band of the panorama has no texture (standard deviation of its grey levels " +
+            std::to_string(sigma[0]) + ", less than " + std::to_string(kMinSigma) +
+            "); uncover the lens, increase the exposure or choose another band");
   }
   band.convertTo(band, CV_32F, 1 / sigma[0], -mean[0] / sigma[0]);
 }
@@ -90,10 +91,10 @@ bool FourierSignature::operator==(const FourierSignature& other) const {
 void SignatureOptions::Check() const {
   CheckFields("signature", *this);
   if (!(band.top_rad <= kPi / 2 && band.bottom_rad >= -kPi / 2 && band.top_rad > band.bottom_rad)) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "the band from " + std::to_string(band.top_rad) + " to " +
-                       std::to_string(band.bottom_rad) +
-                       " rad is none; give its top first, both between pi / 2 and -pi / 2");
+    throw MapError(
+        ErrorCode::kBadOptions,
+        "the band from " + std::to_string(band.top_rad) + " to " + std::to_string(band.bottom_rad) +
+            " rad is invalid; the top comes first, and both must be between pi / 2 and -pi / 2");
   }
 }
 
@@ -105,10 +106,11 @@ ElevationBand UsedBand(const Panorama& panorama, const SignatureOptions& options
   const double row_rad = (shown.top_rad - shown.bottom_rad) / panorama.grey.rows;
   if (used.top_rad - used.bottom_rad >= row_rad) return used;
   throw MapError(ErrorCode::kBadImage,
-                 "the panorama shows elevations from " + std::to_string(shown.top_rad) + " to " +
-                     std::to_string(shown.bottom_rad) + " rad, nothing of the band from " +
+                 "the panorama covers elevations from " + std::to_string(shown.top_rad) + " to " +
+                     std::to_string(shown.bottom_rad) +
+                     " rad, which do not overlap the band from " +
                      std::to_string(options.band.top_rad) + " to " +
-                     std::to_string(options.band.bottom_rad) + "; give another band");
+                     std::to_string(options.band.bottom_rad) + "; choose another band");
 }
 
 cv::Mat ExtractBand(const Panorama& panorama, const SignatureOptions& options) {
@@ -119,7 +121,7 @@ cv::Mat ExtractBand(const Panorama& panorama, const SignatureOptions& options) {
     throw MapError(ErrorCode::kBadImage,
                    "the panorama has " + std::to_string(panorama.grey.cols) +
                        " columns, too few for " + std::to_string(columns / 2) +
-                       " frequencies; take at least " + std::to_string(columns));
+                       " frequencies; the minimum is " + std::to_string(columns));
   }
   const ElevationBand used = UsedBand(panorama, options);
   const double rows_per_rad =

@@ -280,7 +280,7 @@ void WarpingOptions::Check() const {
   CheckFields("warping", *this);
   if (scales % 2 == 0) {
     throw MapError(ErrorCode::kBadOptions,
-                   "scales is " + std::to_string(scales) + "; give an odd number");
+                   "scales is " + std::to_string(scales) + "; it must be odd");
   }
 }
 

@@ -135,8 +135,7 @@ void InvertedFileOptions::Check() const {
   const bool good = min_rows >= 1 && lists_per_root > 0 && lists_per_root <= 100 &&
                     training_rows >= 1 && rounds >= 0;
   if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "search index: an option is out of its range; leave them at their defaults");
+    throw MapError(ErrorCode::kBadOptions, "search index: option out of range; use the defaults");
   }
 }
 
@@ -172,7 +171,7 @@ InvertedFile BuildInvertedFile(DescriptorsView rows, FeatureType type,
 std::string InvertedFileProblem(const InvertedFile& file, int64_t rows, FeatureType type) {
   const int lists = file.centres.rows();
   if (lists < 1 || lists > kMaxLists) {
-    return std::to_string(lists) + " lists; 1 to " + std::to_string(kMaxLists) + " are possible";
+    return std::to_string(lists) + " lists; 1 to " + std::to_string(kMaxLists) + " are valid";
   }
   if (file.centres.bytes() != DescriptorBytes(type)) {
     return "centres of " + std::to_string(file.centres.bytes()) + " bytes; " +

@@ -23,23 +23,24 @@ void CheckSpread(const Eigen::Matrix2Xd& points, const Eigen::Vector2d& mean,
                  const std::string& name) {
   if (!points.allFinite()) {
     throw MapError(ErrorCode::kBadSource,
-                   "a point of the " + name + " isn't finite; leave out frames without a position");
+                   "a point of the " + name + " is not finite; remove frames without a position");
   }
   const double spread = (points.colwise() - mean).cwiseAbs().maxCoeff();
   if (spread > kRounding * std::max(points.cwiseAbs().maxCoeff(), kRounding)) return;
   throw MapError(ErrorCode::kBadSource, "all " + std::to_string(points.cols()) + " points of the " +
-                                            name + " lie at one place; compare a drive that moves");
+                                            name +
+                                            " coincide; the shape of a trajectory requires motion");
 }
 
 void CheckPairs(const Points2& truth, const Points2& estimate) {
   if (truth.size() != estimate.size()) {
     throw MapError(ErrorCode::kBadSource,
                    std::to_string(estimate.size()) + " points of the estimate for " +
-                       std::to_string(truth.size()) + " of the truth; give pairs");
+                       std::to_string(truth.size()) + " of the truth; their numbers must be equal");
   }
   if (truth.size() >= 3) return;
   throw MapError(ErrorCode::kBadSource,
-                 std::to_string(truth.size()) + " pairs of points; a shape needs at least 3");
+                 std::to_string(truth.size()) + " pairs of points; at least 3 are required");
 }
 
 }  // namespace

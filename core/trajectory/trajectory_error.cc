@@ -72,7 +72,7 @@ void AddRelativeError(const Trajectory& estimate, const Trajectory& truth, const
 void AssociationOptions::Check() const {
   if (max_difference_s > 0 && std::isfinite(max_difference_s)) return;
   throw MapError(ErrorCode::kBadOptions, "max_difference_s is " + std::to_string(max_difference_s) +
-                                             "; give seconds above 0");
+                                             "; it must be positive");
 }
 
 Pairs Associate(const Trajectory& estimate, const Trajectory& truth,
@@ -83,16 +83,16 @@ Pairs Associate(const Trajectory& estimate, const Trajectory& truth,
     throw MapError(ErrorCode::kBadSource,
                    std::to_string(estimate.poses.size()) + " poses without time stamps for " +
                        std::to_string(truth.poses.size()) +
-                       " true ones; give time stamps in both, or as many poses");
+                       " true ones; both files need time stamps, or the same number of poses");
   }
   Pairs pairs =
       timed ? ByTime(estimate, truth, options.max_difference_s) : ByOrder(estimate.poses.size());
   if (pairs.size() >= kMinPairs) return pairs;
   throw MapError(ErrorCode::kBadSource,
                  "only " + std::to_string(pairs.size()) + " of " +
-                     std::to_string(estimate.poses.size()) + " poses have a true one" +
+                     std::to_string(estimate.poses.size()) + " poses have a ground-truth pose" +
                      (timed ? " within " + std::to_string(options.max_difference_s) + " s" : "") +
-                     "; at least 3 are needed: see whether both files are of one drive");
+                     "; at least 3 are required: check that both files are of the same run");
 }
 
 TrajectoryError CompareTrajectories(const Trajectory& estimate, const Trajectory& truth,

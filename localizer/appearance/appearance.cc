@@ -73,10 +73,10 @@ void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool v
   const bool alike =
       answer.node_runner_up && ProbabilityOf(alone, model) >= options.min_probability;
   answer.verdict = alike ? Verdict::kAmbiguous : Verdict::kNotInMap;
-  answer.message = alike ? "several places of the map look like this panorama; move on and send a "
-                           "series"
-                         : "no panorama of the map is enough like this one; map the place, or send "
-                           "another panorama";
+  answer.message = alike
+                       ? "several mapped places match this panorama; move on and send a series"
+                       : "no mapped panorama matches closely enough; map the place or send another "
+                         "panorama";
 }
 
 Answer Signed(const MapIndex& index) {
@@ -159,7 +159,7 @@ Answer AnswerFor(const MapIndex& index, const FourierSignature& query,
                  const PanoramaQueryOptions& options) {
   Answer answer = Signed(index);
   if (nodes.empty()) {
-    answer.message = "the map's appearance layer has no node left to compare with; map more places";
+    answer.message = "the appearance layer has no other node to compare with; map more places";
     return answer;
   }
   if (nodes.front().inliers == 0 && options.fine_heading) {

@@ -49,7 +49,7 @@ BearingFeatures ExtractPanoramaFeatures(const cv::Mat& equirectangular,
   if (equirectangular.type() != CV_8UC1 || equirectangular.cols != 2 * equirectangular.rows) {
     throw MapError(ErrorCode::kBadImage, "a panorama of " + std::to_string(equirectangular.cols) +
                                              "x" + std::to_string(equirectangular.rows) +
-                                             " isn't twice as wide as high; send a whole one");
+                                             " is not twice as wide as high; send a full panorama");
   }
   const int width_px = std::max(1, static_cast<int>(options.face_width * equirectangular.cols));
   std::vector<cv::Mat> faces(kCubeFaces);

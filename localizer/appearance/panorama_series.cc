@@ -74,7 +74,7 @@ void TakeBelief(const MapIndex& index, const FilterState& state, const SeriesOpt
   const bool sure = answer.probability >= options.query.min_probability;
   answer.verdict = sure ? Verdict::kLocalized : Verdict::kAmbiguous;
   answer.heading.reset();
-  answer.message = "several places of the map fit what was seen so far; move on";
+  answer.message = "several mapped places match the series so far; move on";
   if (!sure) return;
   answer.heading = Heading{best.heading_rad, best.sigma_rad, "layer"};
   answer.message.clear();

@@ -21,18 +21,18 @@ constexpr size_t kWitnesses = 2;  // nodes that have to agree
 std::string WhyNotAnswered(const MapIndex& index, const cv::Mat& grey,
                            const std::optional<Camera>& camera) {
   if (!camera) {
-    return "this map knows panoramas alone, and the image isn't twice as wide as high; send a "
-           "panorama, or say the photo's field of view";
+    return "this map has panoramas only, and the image is not twice as wide as high; send a "
+           "panorama or specify the field of view of the photo";
   }
   if (grey.cols != camera->width || grey.rows != camera->height) {
-    return "the camera takes " + std::to_string(camera->width) + "x" +
+    return "the camera has " + std::to_string(camera->width) + "x" +
            std::to_string(camera->height) + " pixels, the photo has " + std::to_string(grey.cols) +
-           "x" + std::to_string(grey.rows) + "; send it unscaled, or say its field of view";
+           "x" + std::to_string(grey.rows) + "; send it unscaled or specify its field of view";
   }
   const auto keeps = [](const AppearanceNode& node) { return !node.features.bearings.empty(); };
   if (!std::ranges::any_of(index.map().appearance->nodes, keeps)) {
-    return "the map's panoramas keep no features, without which a photo can't be found among them; "
-           "send a panorama, or build the map with --node-features";
+    return "the map stores no panorama features, which are required to localize photos; send a "
+           "panorama or build the map with --node-features";
   }
   return "";
 }
@@ -95,8 +95,7 @@ Answer Judged(const MapIndex& index, const std::vector<ComparedNode>& nodes,
   }
   Answer answer;
   answer.decided_by = "photo";
-  answer.message =
-      "no two panoramas of the map show enough of this photo; step back, or send a panorama";
+  answer.message = "fewer than two mapped panoramas match this photo; step back or send a panorama";
   return answer;
 }
 

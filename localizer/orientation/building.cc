@@ -155,8 +155,7 @@ void BuildingOptions::Check() const {
                     max_disagreement_rad < std::numbers::pi / 4 && true_disagreeing > 0 &&
                     true_disagreeing < 1;
   if (!good) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "building: an option is out of its range; leave them at their defaults");
+    throw MapError(ErrorCode::kBadOptions, "building: option out of range; use the defaults");
   }
 }
 
@@ -235,9 +234,9 @@ void JudgeByAxes(int guesses, const LocalizeOptions& options, Answer& answer) {
   answer.keyframe.reset();
   answer.heading.reset();
   answer.planes.clear();
-  answer.message = "the place fits, but the image's lines are turned by " +
+  answer.message = "the place matches, but the lines of the image are rotated by " +
                    std::to_string(degrees) +
-                   " degrees against the building there; send another image";
+                   " degrees relative to the axes of the map; send another image";
 }
 
 namespace {

@@ -104,7 +104,7 @@ PlaceCandidate Candidate(const MapIndex& index, const Place& place, const Featur
 }
 
 std::string Percent(double share) {
-  return std::to_string(static_cast<int>(std::floor(100 * share))) + " %";
+  return std::to_string(static_cast<int>(std::floor(100 * share))) + "%";
 }
 
 // Not in the map: names the gate that stopped the best plane and what would have passed it.
@@ -115,14 +115,14 @@ Answer Refuse(const MapIndex& index, const Features& query, int shortlisted,
   if (query.size() < options.gates.min_inliers) {
     answer.decided_by = "features";
     answer.message = "the image has " + std::to_string(query.size()) +
-                     " features; send a sharper one or one with more to see";
+                     " features, too few to match; send a sharper or more textured image";
     return answer;
   }
   if (tried.empty()) {
     answer.decided_by = shortlisted == 0 ? "shortlist_votes" : "homography_inliers";
-    answer.message = shortlisted == 0 ? "no plane of the map looks like anything in the image"
+    answer.message = shortlisted == 0 ? "no mapped plane has features similar to the image's"
                                       : "none of the " + std::to_string(shortlisted) +
-                                            " planes that look alike fits the image";
+                                            " candidate planes has a homography to the image";
     return answer;
   }
   const VerifiedPlane& best =
@@ -135,8 +135,8 @@ Answer Refuse(const MapIndex& index, const Features& query, int shortlisted,
   answer.decided_by = best.accepted ? "place_probability" : "homography_inliers";
   answer.message = "the best plane, " + std::to_string(PlaneOf(index, best).id.value) + ", has " +
                    std::to_string(best.distinct) + " inliers of " + std::to_string(best.matches) +
-                   " matches: " + Percent(place.probability) + " sure, " +
-                   Percent(options.gates.min_probability) + " are needed; show more of the place";
+                   " matches: confidence " + Percent(place.probability) + ", required " +
+                   Percent(options.gates.min_probability) + "; show more of the place";
   return answer;
 }
 
@@ -227,7 +227,7 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
   answer.verdict = Verdict::kAmbiguous;
   answer.decided_by = "ambiguous_places";
   answer.keyframe.reset();
-  answer.message = "two places look alike; move a little and ask again";
+  answer.message = "two mapped places match; move a little and query again";
   for (const Place& place : places) {
     if (place.evidence.inliers >= options.gates.ambiguous_share * places.front().evidence.inliers) {
       answer.places.push_back(Candidate(index, place, query));

@@ -114,7 +114,7 @@ KeyframeSpace SpaceOf(const MapIndex& index, const Keyframe& keyframe) {
   const std::optional<Camera> camera = PerspectiveCamera(index, keyframe);
   if (!camera) {
     throw MapError(ErrorCode::kNotAvailable,
-                   "planes in space need a camera that isn't a panorama's, and this keyframe's "
+                   "planes in 3D require a perspective or fisheye camera, and this keyframe's "
                    "sequence has none; build the map with --camera");
   }
   Question question = QuestionOf(index, keyframe, *camera);

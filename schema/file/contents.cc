@@ -90,7 +90,7 @@ void CompareContents(SQLite::Database& database, const std::string& table,
   const TableContents found = ContentsOf(database, table);
   const TableContents stored = StoredContents(database, table);
   if (stored.rows < 0) {
-    problems.push_back({table, "contents has no row for it"});
+    problems.push_back({table, "has no row in contents"});
   } else if (found.rows != stored.rows) {
     problems.push_back({table, std::to_string(found.rows) + " rows; " +
                                    std::to_string(stored.rows) + " were written"});
@@ -122,7 +122,7 @@ void FindForeignKeyProblems(SQLite::Database& database, std::vector<MapProblem>&
     problems.push_back(
         {rows.getColumn(0).getString(), (row.isNull() ? "a row" : "row " + row.getString()) +
                                             " refers to a row of " + rows.getColumn(2).getString() +
-                                            " that isn't there"});
+                                            " that does not exist"});
   }
 }
 
@@ -160,7 +160,7 @@ std::vector<MapProblem> FindAlteredObjects(SQLite::Database& database,
     const std::vector<SchemaObject> found = ObjectsOf(database);
     for (const SchemaObject& object : expected) {
       if (std::find(found.begin(), found.end(), object) != found.end()) continue;
-      problems.push_back({object.name, "this " + object.type + " is missing or was altered"});
+      problems.push_back({object.name, "this " + object.type + " is missing or has been modified"});
     }
   });
   return problems;

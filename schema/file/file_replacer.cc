@@ -30,8 +30,9 @@ constexpr size_t kMaxNameBytes = 200;
 constexpr std::chrono::minutes kAbandonedAfter{10};
 
 [[noreturn]] void ThrowExists(const fs::path& path) {
-  throw MapError(ErrorCode::kFileExists,
-                 path.string() + " exists already; give another name, or --force to replace it");
+  throw MapError(
+      ErrorCode::kFileExists,
+      path.string() + " already exists; choose another name, or use --force to overwrite it");
 }
 
 [[noreturn]] void ThrowUnwritable(const fs::path& path, const std::string& cause,
@@ -54,16 +55,16 @@ fs::path Resolved(const fs::path& path) {
 void CheckTarget(const fs::path& target, bool overwrite) {
   std::error_code error;
   const fs::path folder = FolderOf(target);
-  if (!target.has_filename()) ThrowUnwritable(target, "is a folder", "add a file name to it");
+  if (!target.has_filename()) ThrowUnwritable(target, "is a folder", "append a file name");
   if (!fs::is_directory(folder, error)) {
-    ThrowUnwritable(target, "there is no folder " + folder.string(),
-                    "create it first or write somewhere else");
+    ThrowUnwritable(target, "folder " + folder.string() + " does not exist",
+                    "create it or choose another path");
   }
   const fs::file_status status = fs::status(target, error);
   if (!fs::exists(status)) return;
-  if (fs::is_directory(status)) ThrowUnwritable(target, "is a folder", "add a file name to it");
+  if (fs::is_directory(status)) ThrowUnwritable(target, "is a folder", "append a file name");
   if (!fs::is_regular_file(status)) {
-    ThrowUnwritable(target, "is a device or the like", "give the name of a plain file");
+    ThrowUnwritable(target, "is not a regular file", "choose another path");
   }
   if (!overwrite) ThrowExists(target);
 }
@@ -158,11 +159,11 @@ std::string Megabytes(uintmax_t bytes) {
 
 MapError UnwritableError(const fs::path& path, const std::string& cause, int64_t needed_bytes) {
   std::string message = path.string() + " can't be written: " + cause;
-  if (needed_bytes > 0) message += ", " + Megabytes(needed_bytes) + " are needed";
+  if (needed_bytes > 0) message += ", " + Megabytes(needed_bytes) + " required";
   std::error_code error;
   const fs::space_info space = fs::space(FolderOf(path), error);
-  if (!error) message += ", " + Megabytes(space.available) + " are free";
-  return {ErrorCode::kFileUnwritable, message + "; make room or write to another folder"};
+  if (!error) message += ", " + Megabytes(space.available) + " free";
+  return {ErrorCode::kFileUnwritable, message + "; free up space or write to another folder"};
 }
 
 FileReplacer::FileReplacer(const fs::path& target, bool overwrite)

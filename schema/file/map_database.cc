@@ -31,7 +31,7 @@ constexpr int kPageBytes = 1024;
 
 [[noreturn]] void ThrowNotAMap(const fs::path& path, const std::string& cause) {
   throw MapError(ErrorCode::kNotAMap, path.string() + " is not a Waystone map: " + cause +
-                                          "; give a file that `waystone build` wrote");
+                                          "; expected a file written by `waystone build`");
 }
 
 void CheckRegular(const fs::path& path) {
@@ -39,7 +39,7 @@ void CheckRegular(const fs::path& path) {
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) ThrowUnreadable(path, error ? error.message() : "no such file");
   if (fs::is_directory(status)) ThrowUnreadable(path, "is a folder");
-  if (!fs::is_regular_file(status)) ThrowUnreadable(path, "is not a plain file");
+  if (!fs::is_regular_file(status)) ThrowUnreadable(path, "is not a regular file");
 }
 
 // SQLite's own header is big-endian.
@@ -84,7 +84,7 @@ MapHeader ReadMapHeader(const fs::path& path) {
   const std::streamsize count = in.gcount();
   if (count == 0) ThrowNotAMap(path, "it is empty");
   if (std::string_view(bytes.data(), std::min<size_t>(count, kMagic.size())) != kMagic) {
-    ThrowNotAMap(path, "it doesn't start as an SQLite database does");
+    ThrowNotAMap(path, "it is not an SQLite database");
   }
   const uint32_t page_bytes = BigEndian(&bytes[16], 2);
   MapHeader header;

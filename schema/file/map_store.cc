@@ -63,9 +63,10 @@ std::string Summary(const std::vector<MapProblem>& problems) {
 }
 
 [[noreturn]] void ThrowDamaged(const fs::path& path, const std::vector<MapProblem>& problems) {
-  throw MapError(ErrorCode::kMapDamaged,
-                 path.string() + " is damaged: " + Summary(problems) +
-                     "; take it from a backup or build it again (`waystone check` lists all)");
+  throw MapError(
+      ErrorCode::kMapDamaged,
+      path.string() + " is damaged: " + Summary(problems) +
+          "; restore it from a backup or rebuild it (`waystone check` lists all problems)");
 }
 
 // The version of a plane's descriptors without rows means nothing, so it may differ.
@@ -88,9 +89,9 @@ void VerifyWritten(const MapData& map, const fs::path& written, const fs::path& 
   const Reading reading = Inspect(written, {}, true);
   if (reading.problems.empty() && SameMap(map, reading.map)) return;
   throw MapError(ErrorCode::kMapDamaged,
-                 target.string() + ": what was written reads back " +
+                 target.string() + ": the written file reads back " +
                      (reading.problems.empty() ? "differently" : Summary(reading.problems)) +
-                     "; nothing was replaced: check the disk and try again");
+                     "; the target was not replaced; check the disk and try again");
 }
 
 // Which file a path names and when it last changed.
@@ -151,8 +152,8 @@ void WriteMap(const MapData& map, const fs::path& path, const WriteOptions& opti
   const std::vector<MapProblem> problems = FindMapProblems(map);
   if (!problems.empty()) {
     throw MapError(ErrorCode::kMapDamaged,
-                   path.string() + " was not written, the map is unsound: " + Summary(problems) +
-                       "; please report this");
+                   path.string() + " was not written because the map is inconsistent: " +
+                       Summary(problems) + "; please report this");
   }
   try {
     FileReplacer file(path, options.overwrite);
@@ -176,9 +177,9 @@ MapData ReadMap(const fs::path& path, const ReadOptions& options) {
     if (!reading.problems.empty()) ThrowDamaged(path, reading.problems);
     return std::move(reading.map);
   }
-  throw MapError(ErrorCode::kFileUnreadable, path.string() + " changed while it was read, " +
+  throw MapError(ErrorCode::kFileUnreadable, path.string() + " changed while being read, " +
                                                  std::to_string(kAttempts) +
-                                                 " times; wait until it is complete");
+                                                 " times; retry when it is complete");
 }
 
 std::vector<MapProblem> CheckMap(const fs::path& path) { return Inspect(path, {}, true).problems; }

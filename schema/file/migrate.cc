@@ -29,7 +29,7 @@ void CheckBefore(const fs::path& path, const MapHeader& header, std::span<const 
   if (problems.empty()) return;
   throw MapError(ErrorCode::kMapDamaged, path.string() + ": " + problems[0].where + ": " +
                                              problems[0].message +
-                                             "; take the map from a backup or build it again");
+                                             "; restore the map from a backup or rebuild it");
 }
 
 void ApplySteps(const fs::path& copy, std::span<const Migration> steps, int from_version) {

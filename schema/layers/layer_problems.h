@@ -25,7 +25,7 @@ void CheckIds(const std::string& table, const std::vector<Item>& items,
     if (item.id.value <= last) {
       problems.push_back(
           {table + " " + std::to_string(item.id.value),
-           "ids must be 1 or more and ascend; it comes after " + std::to_string(last)});
+           "ids must be positive and increasing; the previous one is " + std::to_string(last)});
     }
     last = item.id.value;
   }

@@ -18,7 +18,7 @@ std::string TypeOf(const SQLite::Column& column) {
     case SQLITE_FLOAT:
       return "a real number";
     case SQLITE_TEXT:
-      return "a text";
+      return "text";
     case SQLITE_BLOB:
       return "a blob";
     default:
@@ -71,7 +71,7 @@ int64_t Row::Int64(int64_t low, int64_t high) {
   const int64_t value = column.getInt64();
   if (value < low || value > high) {
     ThrowDamage(column, "is " + std::to_string(value) + "; " + std::to_string(low) + " to " +
-                            std::to_string(high) + " are possible");
+                            std::to_string(high) + " are valid");
   }
   return value;
 }
@@ -82,7 +82,7 @@ double Row::Real() {
   const SQLite::Column column = Next(ColumnType::kReal);
   CheckType(column, SQLITE_FLOAT, "a real number");
   const double value = column.getDouble();
-  if (!std::isfinite(value)) ThrowDamage(column, "isn't finite");
+  if (!std::isfinite(value)) ThrowDamage(column, "is not finite");
   return value;
 }
 
@@ -94,7 +94,7 @@ std::optional<double> Row::OptionalReal() {
 
 std::string Row::Text() {
   const SQLite::Column column = Next(ColumnType::kText);
-  CheckType(column, SQLITE_TEXT, "a text");
+  CheckType(column, SQLITE_TEXT, "text");
   return column.getString();
 }
 
@@ -103,7 +103,7 @@ BytesView Row::Blob(int64_t bytes) {
   CheckType(column, SQLITE_BLOB, "a blob");
   if (column.getBytes() != bytes) {
     ThrowDamage(column, "has " + std::to_string(column.getBytes()) + " bytes; " +
-                            std::to_string(bytes) + " belong there");
+                            std::to_string(bytes) + " expected");
   }
   return CheckedBlob(column);
 }
@@ -112,8 +112,8 @@ BytesView Row::BlobOfRows(int row_bytes) {
   const SQLite::Column column = Next(ColumnType::kBlob);
   CheckType(column, SQLITE_BLOB, "a blob");
   if (column.getBytes() % row_bytes != 0) {
-    ThrowDamage(column, "has " + std::to_string(column.getBytes()) +
-                            " bytes, which is no multiple of " + std::to_string(row_bytes));
+    ThrowDamage(column, "has " + std::to_string(column.getBytes()) + " bytes, not a multiple of " +
+                            std::to_string(row_bytes));
   }
   return CheckedBlob(column);
 }

@@ -75,10 +75,11 @@ void ServiceOptions::Check() const {
   localize.Check();
   limits.Check();
   if (query_threads < 0 || query_threads > 1024) {
-    throw MapError(ErrorCode::kBadOptions, "query_threads must be 0 (all cores) to 1024");
+    throw MapError(ErrorCode::kBadOptions,
+                   "query_threads must be between 0 (one per core) and 1024");
   }
   if (queue_length < 0 || queue_length > 100'000) {
-    throw MapError(ErrorCode::kBadOptions, "queue_length must be 0 to 100000");
+    throw MapError(ErrorCode::kBadOptions, "queue_length must be between 0 and 100000");
   }
   if (query_log_bytes < 1) {
     throw MapError(ErrorCode::kBadOptions, "query_log_bytes must be above 0");
@@ -143,13 +144,13 @@ HttpResponse Application::Admitted(const HttpRequest& request) const {
                         options_.tokens.Admit(request.header("Authorization").value_or(""));
   if (admitted) return router_.Dispatch(request);
   return ProblemResponse(ErrorCode::kUnauthorized,
-                         "send one of this server's tokens: Authorization: Bearer TOKEN");
+                         "send a valid token in the header Authorization: Bearer TOKEN");
 }
 
 HttpResponse Application::Ready() const {
   const std::shared_ptr<const MapCatalog::Maps> maps = catalog_.Now();
-  if (stopping_) return ProblemResponse(ErrorCode::kNotReady, "the server ends");
-  if (maps->empty()) return ProblemResponse(ErrorCode::kNotReady, "no map is served");
+  if (stopping_) return ProblemResponse(ErrorCode::kNotReady, "the server is shutting down");
+  if (maps->empty()) return ProblemResponse(ErrorCode::kNotReady, "no maps loaded");
   return JsonResponse({{"ready", true}, {"maps", maps->size()}});
 }
 

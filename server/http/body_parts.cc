@@ -55,7 +55,7 @@ std::optional<std::string> Parameter(std::string_view text, const std::string& n
 std::string BoundaryOf(const std::string& content_type) {
   std::string boundary = Parameter(content_type, "boundary").value_or("");
   if (boundary.empty() || boundary.size() > kMaxBoundary) {
-    RefuseBody("multipart/form-data without a boundary; let your HTTP library write the header");
+    RefuseBody("multipart/form-data without a boundary; let the HTTP library set Content-Type");
   }
   return boundary;
 }
@@ -64,7 +64,7 @@ std::string BoundaryOf(const std::string& content_type) {
 BodyPart ParsePart(std::string_view text) {
   const size_t end = text.starts_with("\r\n") ? 0 : text.find("\r\n\r\n");
   if (end > kMaxPartHeaders) {  // or npos
-    RefuseBody("a part of the form has no headers; each needs Content-Disposition");
+    RefuseBody("a part of the form has no headers; each part requires Content-Disposition");
   }
   BodyPart part;
   std::string_view headers = text.substr(0, end);
@@ -77,7 +77,8 @@ BodyPart ParsePart(std::string_view text) {
     part.name = Parameter(line, "name").value_or("");
     part.filename = Parameter(line, "filename").value_or("");
   }
-  if (part.name.empty()) RefuseBody("a part of the form has no name; call it 'image' or 'request'");
+  if (part.name.empty())
+    RefuseBody("a part of the form has no name; it must be 'image' or 'request'");
   return part;
 }
 
@@ -90,16 +91,18 @@ std::string MediaTypeOf(const std::string& content_type) {
 std::vector<BodyPart> ParseMultipart(std::string_view body, const std::string& content_type,
                                      size_t max_parts) {
   const std::string delimiter = "--" + BoundaryOf(content_type);
-  if (!body.starts_with(delimiter)) RefuseBody("the form doesn't begin with its boundary");
+  if (!body.starts_with(delimiter)) RefuseBody("the form does not start with its boundary");
   const std::string next = "\r\n" + delimiter;
   std::vector<BodyPart> parts;
   size_t at = delimiter.size();
   while (!body.substr(at).starts_with("--")) {
-    if (!body.substr(at).starts_with("\r\n")) RefuseBody("the form has a line beside its boundary");
+    if (!body.substr(at).starts_with("\r\n"))
+      RefuseBody("the form has extra characters after a boundary");
     const size_t end = body.find(next, at);
-    if (end == std::string_view::npos) RefuseBody("the form ends before its last boundary");
+    if (end == std::string_view::npos) RefuseBody("the form ends before its final boundary");
     if (parts.size() == max_parts) {
-      RefuseBody("the form has over " + std::to_string(max_parts) + " parts; send fewer images");
+      RefuseBody("the form has more than " + std::to_string(max_parts) +
+                 " parts; send fewer images");
     }
     // Of an empty part the blank line's end is the boundary's beginning.
     const size_t begin = std::min(at + 2, end);
@@ -116,22 +119,21 @@ std::string DecodeBase64(std::string_view text) {
     text.remove_prefix(comma + 8);
   }
   if (text.size() % 4 != 0 || text.size() > kMaxDecodable) {
-    RefuseBody(
-        "base64 of " + std::to_string(text.size()) +
-        " characters, which is no multiple of 4; keep its padding and leave out line breaks");
+    RefuseBody("base64 of " + std::to_string(text.size()) +
+               " characters, not a multiple of 4; keep the padding and remove line breaks");
   }
   const size_t padding = text.ends_with("==") ? 2 : text.ends_with("=") ? 1 : 0;
   const std::string_view digits = text.substr(0, text.size() - padding);
   for (const char c : digits) {
     if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '+' && c != '/') {
-      RefuseBody("the image's data is not base64: it has characters other than A-Z a-z 0-9 + /");
+      RefuseBody("the image data is not base64: it has characters other than A-Z a-z 0-9 + /");
     }
   }
   std::string bytes(text.size() / 4 * 3, '\0');
   const int count = EVP_DecodeBlock(reinterpret_cast<unsigned char*>(bytes.data()),
                                     reinterpret_cast<const unsigned char*>(text.data()),
                                     static_cast<int>(text.size()));
-  if (count < 0) RefuseBody("the image's data is not base64");
+  if (count < 0) RefuseBody("the image data is not base64");
   bytes.resize(bytes.size() - padding);
   return bytes;
 }

@@ -18,7 +18,7 @@ pre { background: #f2f3f5; color: #14171a; padding: .8rem 1rem; overflow-x: auto
 pre { background: #23272b; color: #e8eaed; } }
 </style>
 <h1>Waystone</h1>
-<p>Send a photo, get told where it was taken.</p>
+<p>Localize photos in the maps of this server.</p>
 )";
 
 std::string Link(const std::string& address, const std::string& text) {

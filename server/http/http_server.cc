@@ -142,19 +142,19 @@ std::optional<HttpResponse> Refusal(const httplib::Request& request) {
   const size_t lengths = request.get_header_value_count("Content-Length");
   const bool chunked = request.has_header("Transfer-Encoding");
   if (lengths > 1 || (lengths == 1 && chunked)) {
-    return refuse(ErrorCode::kBadRequest, "the body's length is given twice");
+    return refuse(ErrorCode::kBadRequest, "the length of the body is given twice");
   }
   if (lengths == 1 && !IsNumber(request.get_header_value("Content-Length"))) {
     return refuse(ErrorCode::kBadRequest, "Content-Length is not a number");
   }
   if (request.has_header("Content-Encoding")) {
     return refuse(ErrorCode::kUnsupportedMedia,
-                  "encoded bodies are not taken; send the image without Content-Encoding");
+                  "encoded bodies are not supported; send the image without Content-Encoding");
   }
   const bool has_body =
       chunked || (lengths == 1 && request.get_header_value("Content-Length") != "0");
   if (has_body && request.method != "POST") {
-    return refuse(ErrorCode::kBadRequest, request.method + " takes no body");
+    return refuse(ErrorCode::kBadRequest, request.method + " requests must not have a body");
   }
   return std::nullopt;
 }
@@ -166,18 +166,18 @@ void HttpOptions::Check() const {
     if (!holds) throw MapError(ErrorCode::kBadOptions, message);
   };
   require(port >= 0 && port <= 65535,
-          "port " + std::to_string(port) + " is not one; give 0 (any) to 65535");
+          "port " + std::to_string(port) + " is invalid; it must be between 0 (any) and 65535");
   require(IsLoopback(host) || has_tokens || insecure,
           host +
-              " can be reached by other machines, and nobody has to show who they are; "
-              "use --token-file, --host 127.0.0.1 behind a proxy, or --insecure");
+              " is reachable from other machines and authentication is off; use "
+              "--token-file, --host 127.0.0.1 behind a proxy, or --insecure");
   require(max_body_bytes > 0 && max_bodies_bytes >= max_body_bytes,
-          "max_body_bytes must be above 0 and max_bodies_bytes at least as much");
+          "max_body_bytes must be positive and max_bodies_bytes at least as large");
   require(connection_threads >= 1 && connection_threads <= 10'000,
-          "connection_threads must be 1 to 10000");
+          "connection_threads must be between 1 and 10000");
   require(backlog >= 1 && keep_alive_s >= 1 && read_timeout_s >= 1 && write_timeout_s >= 1 &&
               body_timeout_s >= 1,
-          "backlog and timeouts must be above 0");
+          "backlog and timeouts must be positive");
 }
 
 class HttpServer::Impl {
@@ -256,7 +256,7 @@ class HttpServer::Impl {
     // Without it the library would send the exception's text as a header.
     server_.set_exception_handler(
         [](const httplib::Request&, httplib::Response& out, const std::exception_ptr&) {
-          Fill(ProblemResponse(ErrorCode::kInternal, "the server failed"), out);
+          Fill(ProblemResponse(ErrorCode::kInternal, "internal server error"), out);
         });
   }
 
@@ -283,7 +283,7 @@ class HttpServer::Impl {
     if (!bound) {
       throw MapError(ErrorCode::kBadOptions,
                      "can't listen on " + options_.host + ":" + std::to_string(options_.port) +
-                         " (" + std::strerror(errno) + "); use another --port or --host");
+                         " (" + std::strerror(errno) + "); choose another --port or --host");
     }
     // The library's own backlog is 5: a burst of connections would wait a second for its retry.
     ::listen(socket_, options_.backlog);

@@ -43,7 +43,7 @@ Json ParseJson(std::string_view text) {
   try {
     return Json::parse(text, bounded);
   } catch (const Json::exception& error) {
-    Refuse("the JSON can't be read: " + std::string(error.what()).substr(0, 120));
+    Refuse("invalid JSON: " + std::string(error.what()).substr(0, 120));
   }
 }
 
@@ -52,7 +52,7 @@ double NumberIn(const Json& value, const std::string& field, double low, double 
     const double number = value.get<double>();
     if (number >= low && number <= high) return number;
   }
-  Refuse(field + " must be a number from " + Dump(Json(low)) + " to " + Dump(Json(high)));
+  Refuse(field + " must be a number between " + Dump(Json(low)) + " and " + Dump(Json(high)));
 }
 
 int64_t WholeIn(const Json& value, const std::string& field, int64_t low, int64_t high) {
@@ -61,13 +61,13 @@ int64_t WholeIn(const Json& value, const std::string& field, int64_t low, int64_
     const int64_t number = fits ? value.get<int64_t>() : -1;
     if (fits && number >= low && number <= high) return number;
   }
-  Refuse(field + " must be a whole number from " + std::to_string(low) + " to " +
+  Refuse(field + " must be an integer between " + std::to_string(low) + " and " +
          std::to_string(high));
 }
 
 std::string TextIn(const Json& value, const std::string& field) {
   if (!value.is_string() || value.get_ref<const std::string&>().size() > kMaxNameBytes) {
-    Refuse(field + " must be a text of at most " + std::to_string(kMaxNameBytes) + " bytes");
+    Refuse(field + " must be a string of at most " + std::to_string(kMaxNameBytes) + " bytes");
   }
   return value.get<std::string>();
 }
@@ -83,14 +83,14 @@ void CheckFields(const Json& object, const std::string& what, const std::set<std
     if (known.contains(name)) continue;
     std::string list;
     for (const std::string& field : known) list += (list.empty() ? "" : ", ") + field;
-    Refuse(what + " has a field " + Short(name) + " that isn't known; there are " + list);
+    Refuse(what + " has an unknown field " + Short(name) + "; known fields: " + list);
   }
 }
 
 Intrinsics ReadIntrinsics(const Json& object) {
   const auto of = [&](const char* name, double low) {
     if (!object.contains(name))
-      Refuse("fx, fy, cx and cy go together; " + std::string(name) + " is missing");
+      Refuse("fx, fy, cx and cy must be given together; " + std::string(name) + " is missing");
     return NumberIn(object[name], name, low, kMaxPixel);
   };
   constexpr double kMinFocal = 1;
@@ -105,7 +105,7 @@ double AngleIn(const Json& object, const char* name, const std::string& field) {
 void CheckBelief(const Json& belief) {
   if (!belief.is_array() || belief.size() > kMaxBeliefs) {
     Refuse("previous.belief must be a list of at most " + std::to_string(kMaxBeliefs) +
-           " nodes, as an answer gave it");
+           " nodes, as returned in an answer");
   }
   for (const Json& one : belief) {
     CheckFields(one, "a belief", {"deviation_rad", "heading_rad", "node", "probability"});
@@ -134,7 +134,7 @@ Json ReadPrevious(const Json& previous) {
 
 std::vector<std::optional<Pose2>> ReadOdometry(const Json& list) {
   if (!list.is_array() || list.empty() || list.size() > kMaxMotions) {
-    Refuse("odometry must be a list of a motion or null for each image");
+    Refuse("odometry must be a list with a motion or null for each image");
   }
   std::vector<std::optional<Pose2>> motions;
   for (const Json& one : list) {
@@ -164,7 +164,8 @@ void ReadCamera(const Json& object, LocalizeRequest& request) {
   if (object.contains("camera")) request.stored_camera = TextIn(object["camera"], "camera");
   const int given = int{request.intrinsics.has_value()} + int{request.fov_rad.has_value()} +
                     int{request.stored_camera.has_value()};
-  if (given > 1) Refuse("the camera is given twice; use one of fx.., fov_deg and camera");
+  if (given > 1)
+    Refuse("the camera is given more than once; use either fx, fy, cx and cy, fov_deg, or camera");
 }
 
 LocalizeRequest ReadObject(const Json& object, const RequestLimits& limits, bool images) {
@@ -200,7 +201,7 @@ Json ParameterValue(const std::string& name, const std::string& text) {
   if (name == "debug") {
     if (text == "true" || text == "1" || text.empty()) return true;
     if (text == "false" || text == "0") return false;
-    Refuse("debug=" + text.substr(0, 40) + " is neither true nor false");
+    Refuse("debug=" + text.substr(0, 40) + " must be true or false");
   }
   Json value = Json::parse(text, nullptr, false);
   if (!value.is_number()) Refuse(name + "=" + text.substr(0, 40) + " is not a number");
@@ -216,7 +217,7 @@ LocalizeRequest ReadRaw(const HttpRequest& http, const RequestLimits& limits) {
     } else if (name == "prior_keyframe") {
       object["prior"]["keyframe"] = ParameterValue(name, text);
     } else if (name == "prior" || name == "previous" || name == "odometry" || name == "images") {
-      Refuse(name + " goes into a JSON body; as a query parameter there is prior_keyframe");
+      Refuse(name + " must be in a JSON body; the query parameter is prior_keyframe");
     } else {
       object[name] = ParameterValue(name, text);
     }
@@ -229,19 +230,19 @@ LocalizeRequest ReadRaw(const HttpRequest& http, const RequestLimits& limits) {
 
 void RefuseParameters(const HttpRequest& http) {
   if (http.query.empty()) return;
-  Refuse("parameters go into the JSON of such a body, not into the address; move " +
+  Refuse("with such a body, parameters must be in its JSON and not in the URL; move " +
          Short(http.query.begin()->first));
 }
 
 void CheckCount(const LocalizeRequest& request, const RequestLimits& limits) {
-  if (request.images.empty()) Refuse("there is no image in the body");
+  if (request.images.empty()) Refuse("the body has no image");
   if (request.images.size() > static_cast<size_t>(limits.max_images)) {
-    Refuse(std::to_string(request.images.size()) + " images, at most " +
-           std::to_string(limits.max_images) + " are taken at once");
+    Refuse(std::to_string(request.images.size()) + " images; the limit is " +
+           std::to_string(limits.max_images) + " per request");
   }
   if (!request.odometry.empty() && request.odometry.size() != request.images.size()) {
     Refuse("odometry has " + std::to_string(request.odometry.size()) + " motions for " +
-           std::to_string(request.images.size()) + " images; give one, or null, for each");
+           std::to_string(request.images.size()) + " images; give one motion or null per image");
   }
 }
 
@@ -259,11 +260,12 @@ LocalizeRequest ReadForm(const HttpRequest& http, const std::string& type,
                                                      : part.filename.substr(0, kMaxNameBytes);
       images.push_back({name, std::string(part.bytes)});
     } else if (part.name == "request") {
-      if (std::exchange(described, true)) Refuse("the form has two parts 'request'");
-      if (part.bytes.size() > kMaxObjectBytes) Refuse("the part 'request' is over 64 KiB");
+      if (std::exchange(described, true)) Refuse("the form has more than one part 'request'");
+      if (part.bytes.size() > kMaxObjectBytes) Refuse("the part 'request' exceeds 64 KiB");
       request = ReadObject(ParseJson(part.bytes), limits, false);
     } else {
-      Refuse("the form has a part " + Short(part.name) + "; there are 'image' and 'request'");
+      Refuse("the form has an unknown part " + Short(part.name) +
+             "; known parts: 'image' and 'request'");
     }
   }
   request.images = std::move(images);
@@ -281,7 +283,7 @@ LocalizeRequest ReadJson(const HttpRequest& http, const RequestLimits& limits) {
   for (const Json& image : object["images"]) {
     CheckFields(image, "an image", {"data", "name"});
     if (!image.contains("data") || !image["data"].is_string()) {
-      Refuse("an image has no data; give its bytes as base64");
+      Refuse("an image has no data; send its bytes as base64");
     }
     const std::string name = image.contains("name")
                                  ? TextIn(image["name"], "an image's name")
@@ -307,17 +309,17 @@ Camera StoredCamera(const MapData& map, const std::string& name, const ImageHead
     for (const Sequence& other : map.sequences) {
       if (other.camera) names += (names.empty() ? "" : ", ") + Short(other.name);
     }
-    throw MapError(ErrorCode::kBadCamera,
-                   "the map has no camera " + Short(name) +
-                       (names.empty() ? "; it was built without any" : "; it has " + names));
+    throw MapError(ErrorCode::kBadCamera, "the map has no camera " + Short(name) +
+                                              (names.empty() ? "; it was built without cameras"
+                                                             : "; its cameras are " + names));
   }
   const Camera& camera = *sequence->camera;
   if (camera.width != image.width || camera.height != image.height) {
     throw MapError(ErrorCode::kBadCamera,
-                   "the camera " + Short(name) + " takes " + std::to_string(camera.width) + "x" +
+                   "the camera " + Short(name) + " has " + std::to_string(camera.width) + "x" +
                        std::to_string(camera.height) + " pixels, the image has " +
                        std::to_string(image.width) + "x" + std::to_string(image.height) +
-                       "; send it unscaled, or fx, fy, cx and cy");
+                       "; send the image unscaled, or send fx, fy, cx and cy");
   }
   return camera;
 }
@@ -327,7 +329,7 @@ Camera StoredCamera(const MapData& map, const std::string& name, const ImageHead
 void RequestLimits::Check() const {
   if (max_images < 1 || max_images > 64 || max_deadline_ms < 1) {
     throw MapError(ErrorCode::kBadOptions,
-                   "max_images must be 1 to 64 and max_deadline_ms above 0");
+                   "max_images must be between 1 and 64, and max_deadline_ms positive");
   }
 }
 
@@ -344,7 +346,7 @@ LocalizeRequest ReadLocalizeRequest(const HttpRequest& request, const RequestLim
   if (raw) return ReadRaw(request, limits);
   throw MapError(ErrorCode::kUnsupportedMedia,
                  Short(type) +
-                     " is no image; send the file's bytes as Content-Type: image/jpeg, a "
+                     " is not supported; send the image file as image/jpeg, image/png, "
                      "multipart/form-data or JSON");
 }
 

@@ -17,7 +17,7 @@ void RefuseMapsOwn(const LocalizeRequest& request) {
       !request.odometry.empty()) {
     throw MapError(
         ErrorCode::kBadRequest,
-        "camera, prior, previous and odometry are of one map; ask /v1/maps/{map}/localize");
+        "camera, prior, previous and odometry refer to one map; use /v1/maps/{map}/localize");
   }
 }
 
@@ -37,7 +37,7 @@ void LocalizeService::AddTo(Router& router) {
   router.Add("POST", "/v1/localize", [this](const HttpRequest& http, const Router::Captures&) {
     ServedMaps maps;
     for (const auto& [name, map] : *catalog_.Now()) maps.push_back(map);
-    if (maps.empty()) throw MapError(ErrorCode::kNotReady, "no map is served");
+    if (maps.empty()) throw MapError(ErrorCode::kNotReady, "no maps loaded");
     return Answer(http, maps, true);
   });
 }

@@ -32,7 +32,7 @@ std::shared_ptr<const ServedMap> MapCatalog::Find(const std::string& name) const
   const auto it = maps->find(name);
   if (it == maps->end()) {
     throw MapError(ErrorCode::kNotFound,
-                   "there is no map '" + name.substr(0, 80) + "' here; GET /v1/maps lists them");
+                   "no map '" + name.substr(0, 80) + "'; GET /v1/maps lists the maps");
   }
   return it->second;
 }

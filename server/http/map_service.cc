@@ -37,8 +37,8 @@ int64_t IdIn(const Router::Captures& captures, const std::string& kind) {
   int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) {
-    throw MapError(ErrorCode::kNotFound, "there is no " + kind + " '" + text.substr(0, 40) +
-                                             "' in this map; ids are numbers");
+    throw MapError(ErrorCode::kNotFound, "no " + kind + " '" + text.substr(0, 40) +
+                                             "' in this map; ids are positive integers");
   }
   return value;
 }
@@ -46,8 +46,7 @@ int64_t IdIn(const Router::Captures& captures, const std::string& kind) {
 template <class T>
 const T& Existing(const T* found, const std::string& kind, int64_t id) {
   if (!found) {
-    throw MapError(ErrorCode::kNotFound,
-                   "there is no " + kind + " " + std::to_string(id) + " in this map");
+    throw MapError(ErrorCode::kNotFound, "no " + kind + " " + std::to_string(id) + " in this map");
   }
   return *found;
 }
@@ -74,9 +73,10 @@ int WidthIn(const HttpRequest& request) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), width);
   const bool whole = error == std::errc() && end == text.data() + text.size();
   if (whole && width >= 0 && width <= kMaxImageWidth) return width;
-  throw MapError(ErrorCode::kBadRequest, "width '" + text.substr(0, 40) +
-                                             "' is not a number of pixels from 0 (as stored) to " +
-                                             std::to_string(kMaxImageWidth));
+  throw MapError(ErrorCode::kBadRequest,
+                 "width '" + text.substr(0, 40) +
+                     "' is invalid; it must be between 0 (stored size) and " +
+                     std::to_string(kMaxImageWidth));
 }
 
 // The picture of what has one.
@@ -84,7 +84,7 @@ template <class Pictured>
 HttpResponse ImageResponse(const Pictured& of, int width) {
   if (of.jpeg.empty()) {
     throw MapError(ErrorCode::kNotFound,
-                   "this map was built without images; build it again without --no-images");
+                   "this map stores no images; rebuild it without --no-images");
   }
   const std::vector<uint8_t> jpeg = width == 0 ? of.jpeg : ShrunkJpeg(of.jpeg, width);
   return {200, "image/jpeg", std::string(jpeg.begin(), jpeg.end()), {}};

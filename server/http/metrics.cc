@@ -50,23 +50,24 @@ struct Metrics::Impl {
                                                 .Register(registry);
   prometheus::Family<Histogram>& stages = BuildHistogram()
                                               .Name("waystone_stage_duration_seconds")
-                                              .Help("Stages of queries")
+                                              .Help("Duration of query stages in seconds")
                                               .Register(registry);
   prometheus::Family<prometheus::Counter>& verdicts =
       BuildCounter().Name("waystone_localized_total").Help("Answers by verdict").Register(registry);
   prometheus::Family<prometheus::Counter>& reloads = BuildCounter()
                                                          .Name("waystone_reloads_total")
-                                                         .Help("Maps read again, by result")
+                                                         .Help("Map reloads by result")
                                                          .Register(registry);
   Histogram& inliers = BuildHistogram()
                            .Name("waystone_inliers")
                            .Help("Inliers of the best plane of localized queries")
                            .Register(registry)
                            .Add({}, InlierBuckets());
-  prometheus::Gauge& running = MakeGauge("waystone_queries_running", "Queries computing now");
-  prometheus::Gauge& waiting = MakeGauge("waystone_queries_waiting", "Queries in the queue now");
-  prometheus::Gauge& maps = MakeGauge("waystone_maps", "Maps that are served");
-  prometheus::Gauge& memory = MakeGauge("process_resident_memory_bytes", "Resident memory");
+  prometheus::Gauge& running = MakeGauge("waystone_queries_running", "Queries being processed");
+  prometheus::Gauge& waiting = MakeGauge("waystone_queries_waiting", "Queries in the queue");
+  prometheus::Gauge& maps = MakeGauge("waystone_maps", "Maps loaded");
+  prometheus::Gauge& memory =
+      MakeGauge("process_resident_memory_bytes", "Resident memory size in bytes");
 
   prometheus::Gauge& MakeGauge(const std::string& name, const std::string& help) {
     return BuildGauge().Name(name).Help(help).Register(registry).Add({});

@@ -31,7 +31,7 @@ uint64_t Limit(const HttpRequest& request) {
   const std::optional<uint64_t> limit = ParseWhole(it->second, 10);
   if (!limit || *limit < 1 || *limit > kMaxLimit) {
     throw MapError(ErrorCode::kBadRequest, "limit '" + it->second.substr(0, 40) +
-                                               "' is not a number from 1 to " +
+                                               "' is invalid; it must be between 1 and " +
                                                std::to_string(kMaxLimit));
   }
   return *limit;
@@ -47,7 +47,7 @@ size_t FirstRow(const HttpRequest& request, size_t size) {
   }
   if (!row || *row > size) {
     throw MapError(ErrorCode::kBadRequest,
-                   "this cursor is not of this list; start again without one");
+                   "invalid cursor for this list; start again without a cursor");
   }
   return *row;
 }

@@ -40,14 +40,14 @@ HttpResponse ProblemResponse(const MapError& error) {
 HttpResponse ProblemResponseForStatus(int status) {
   switch (status) {
     case 404:
-      return ProblemResponse(ErrorCode::kNotFound, "there is nothing at this path");
+      return ProblemResponse(ErrorCode::kNotFound, "no resource at this path");
     case 413:
-      return ProblemResponse(ErrorCode::kPayloadTooLarge, "the body is over the limit");
+      return ProblemResponse(ErrorCode::kPayloadTooLarge, "the request body exceeds the limit");
     default:
       break;
   }
-  if (status >= 500) return Problem(ErrorCode::kInternal, status, "the server failed");
-  return Problem(ErrorCode::kBadRequest, status, "the request is not HTTP that this server reads");
+  if (status >= 500) return Problem(ErrorCode::kInternal, status, "internal server error");
+  return Problem(ErrorCode::kBadRequest, status, "malformed HTTP request");
 }
 
 }  // namespace waystone

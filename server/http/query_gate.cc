@@ -21,7 +21,7 @@ std::optional<QueryGate::Turn> QueryGate::Enter(const Deadline& deadline) {
   if (free_ == 0) {
     if (waiting_ >= seats_) {
       const int wait_s = RetryAfterS();
-      throw BusyError("all query threads and their queue are full; try again in " +
+      throw BusyError("all query threads are busy and the queue is full; retry in " +
                           std::to_string(wait_s) + " s",
                       wait_s);
     }

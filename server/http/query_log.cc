@@ -71,7 +71,7 @@ QueryLog::QueryLog(fs::path folder, int64_t max_bytes,
   }
   if (!std::ofstream(folder_ / kLines, std::ios::app)) {
     throw MapError(ErrorCode::kFileUnwritable,
-                   folder_.string() + " can't be written; choose another --query-log");
+                   folder_.string() + " can't be written; choose another folder for --query-log");
   }
   bytes_ = BytesIn(folder_);
 }
@@ -94,7 +94,8 @@ void QueryLog::Add(const std::string& id, const Json& map, const LocalizeRequest
   if (!(out << text).flush()) on_error_("the query log " + folder_.string() + " can't be written");
   bytes_ += static_cast<int64_t>(text.size());
   full_ = bytes_ >= max_bytes_;
-  if (full_) on_error_("the query log " + folder_.string() + " is full; nothing more is written");
+  if (full_)
+    on_error_("the query log " + folder_.string() + " is full; further queries are not logged");
 }
 
 std::string QueryLog::Store(const std::string& bytes) {
@@ -113,7 +114,7 @@ std::vector<LoggedQuery> ReadQueryLog(const fs::path& folder) {
   if (!in) {
     throw MapError(ErrorCode::kFileUnreadable,
                    (folder / kLines).string() +
-                       " can't be read; give the folder of `waystone serve --query-log`");
+                       " can't be read; expected a folder written by `waystone serve --query-log`");
   }
   std::vector<LoggedQuery> queries;
   int number = 0;
@@ -124,7 +125,7 @@ std::vector<LoggedQuery> ReadQueryLog(const fs::path& folder) {
     } catch (const Json::exception&) {
       throw MapError(ErrorCode::kBadRequest, (folder / kLines).string() + ", line " +
                                                  std::to_string(number) +
-                                                 " is no query; take the line out");
+                                                 " is not a logged query; remove the line");
     }
   }
   return queries;

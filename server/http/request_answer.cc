@@ -143,9 +143,9 @@ std::optional<FilterState> PreviousBelief(const LocalizeRequest& request, const 
     const AppearanceNodeId id{one["node"].get<int64_t>()};
     const auto node = std::ranges::lower_bound(nodes, id, {}, &AppearanceNode::id);
     if (node == nodes.end() || node->id != id) {
-      throw MapError(ErrorCode::kBadRequest,
-                     "previous.belief: the map has no panorama " + std::to_string(id.value) +
-                         "; leave `previous` out after the map has changed");
+      throw MapError(ErrorCode::kBadRequest, "previous.belief: the map has no panorama " +
+                                                 std::to_string(id.value) +
+                                                 "; omit `previous` after the map has changed");
     }
     belief.push_back({static_cast<int>(node - nodes.begin()), one["probability"].get<double>(),
                       one["heading_rad"].get<double>(), one["deviation_rad"].get<double>()});
@@ -236,7 +236,8 @@ RequestAnswer LateAnswer(const LocalizeRequest& request, const ServedMaps& maps)
       answer.map_version = map->version();
       answer.decided_by = "deadline";
       answer.stage = "queue";
-      answer.message = "the deadline passed in the queue; ask with a later one or less often";
+      answer.message =
+          "the deadline expired in the queue; use a longer deadline or send fewer queries";
     }
   }
   return result;
@@ -251,8 +252,9 @@ Answer OverallAnswer(const RequestAnswer& answer) {
   if (localized < 2) return best;
   best.verdict = Verdict::kAmbiguous;
   best.decided_by = "ambiguous_maps";
-  best.message = std::to_string(localized) +
-                 " maps have this place; `maps` ranks them, ask one of them for its answer";
+  best.message =
+      std::to_string(localized) +
+      " maps contain this place; `maps` ranks them, query one of them for its full answer";
   for (int i = 0; i < localized; ++i) {
     const int inliers = maps[i].planes.empty() ? 0 : maps[i].planes.front().inliers;
     // A panorama's place has no keyframe.

@@ -45,17 +45,19 @@ std::string RequestBody::Read() {
   });
   if (late_) {
     throw MapError(ErrorCode::kTooSlow,
-                   "the body took longer than the server waits; send a "
-                   "smaller image or use a faster link");
+                   "the request body was not received in time; send a smaller "
+                   "image or use a faster connection");
   }
   if (crowded_) {
-    throw MapError(ErrorCode::kBusy, "too many bodies are being read at once; try again");
+    throw MapError(ErrorCode::kBusy, "too many request bodies in progress; try again");
   }
   if (count_ > limit_) {
-    throw MapError(ErrorCode::kPayloadTooLarge,
-                   "the body is over " + std::to_string(limit_) + " bytes; send a smaller image");
+    throw MapError(
+        ErrorCode::kPayloadTooLarge,
+        "the request body exceeds " + std::to_string(limit_) + " bytes; send a smaller image");
   }
-  if (!complete) throw MapError(ErrorCode::kBadRequest, "the body ended before its length");
+  if (!complete)
+    throw MapError(ErrorCode::kBadRequest, "the request body is shorter than its Content-Length");
   return bytes;
 }
 

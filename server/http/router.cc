@@ -45,8 +45,8 @@ std::optional<Router::Captures> CapturesOf(const std::vector<std::string>& patte
 HttpResponse MethodNotAllowed(const HttpRequest& request, const std::set<std::string>& allowed) {
   std::string list;
   for (const std::string& method : allowed) list += (list.empty() ? "" : ", ") + method;
-  HttpResponse response = ProblemResponse(ErrorCode::kMethodNotAllowed,
-                                          request.method + " is not for this path; use " + list);
+  HttpResponse response = ProblemResponse(
+      ErrorCode::kMethodNotAllowed, request.method + " is not allowed for this path; use " + list);
   response.headers.emplace_back("Allow", list);
   return response;
 }
@@ -77,8 +77,7 @@ HttpResponse Router::Dispatch(const HttpRequest& request) const {
     if (route.method == "GET") allowed.insert("HEAD");
   }
   if (!allowed.empty()) return MethodNotAllowed(request, allowed);
-  return ProblemResponse(ErrorCode::kNotFound,
-                         "there is nothing at " + request.path.substr(0, 200));
+  return ProblemResponse(ErrorCode::kNotFound, "no resource at " + request.path.substr(0, 200));
 }
 
 HttpResponse Router::Handle(const HttpRequest& request, const Route& route,
@@ -91,14 +90,14 @@ HttpResponse Router::Handle(const HttpRequest& request, const Route& route,
   } catch (const std::exception& error) {
     return InternalError(request, error.what());
   } catch (...) {
-    return InternalError(request, "something that is no std::exception");
+    return InternalError(request, "an exception that is not a std::exception");
   }
 }
 
 HttpResponse Router::InternalError(const HttpRequest& request, const std::string& cause) const {
   if (listener_) listener_(request.id + " " + request.method + " " + request.path + ": " + cause);
   return ProblemResponse(ErrorCode::kInternal,
-                         "the server met a bug of its own and wrote its cause to its log");
+                         "an internal error occurred; its cause is in the server's log");
 }
 
 }  // namespace waystone

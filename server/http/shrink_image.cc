@@ -24,7 +24,7 @@ std::vector<uint8_t> ShrunkJpeg(const std::vector<uint8_t>& jpeg, int width) {
   cv::resize(image, small, {width, height}, 0, 0, cv::INTER_AREA);
   std::vector<uint8_t> bytes;
   WS_CHECK(cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}),
-           "a JPEG can't be written");
+           "can't encode a JPEG");
   return bytes;
 }
 

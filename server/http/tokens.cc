@@ -35,7 +35,7 @@ Tokens Tokens::FromFile(const std::filesystem::path& path) {
   std::ifstream in(path);
   if (!in) {
     throw MapError(ErrorCode::kFileUnreadable,
-                   path.string() + " can't be read; give a file with one token a line");
+                   path.string() + " can't be read; expected a file with one token per line");
   }
   Tokens tokens;
   int number = 0;
@@ -46,14 +46,14 @@ Tokens Tokens::FromFile(const std::filesystem::path& path) {
     if (!IsToken(line)) {
       throw MapError(ErrorCode::kBadOptions,
                      path.string() + ", line " + std::to_string(number) +
-                         ": a token has 16 to 512 printable characters and no blanks; make one "
-                         "with: openssl rand -hex 32");
+                         ": a token must have 16 to 512 printable characters without spaces; "
+                         "create one with: openssl rand -hex 32");
     }
     tokens.digests_.push_back(DigestOf(line));
   }
   if (tokens.empty()) {
     throw MapError(ErrorCode::kBadOptions,
-                   path.string() + " has no token; make one with: openssl rand -hex 32");
+                   path.string() + " has no tokens; create one with: openssl rand -hex 32");
   }
   return tokens;
 }

@@ -99,7 +99,8 @@ TEST_F(CsvTest, LinesOfAnotherLengthAreNamed) {
     Read("a,b\n1,2\n1,2,3\n");
     FAIL();
   } catch (const MapError& error) {
-    EXPECT_NE(std::string(error.what()).find("line 3: 3 cells"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("line 3: 3 fields"), std::string::npos)
+        << error.what();
   }
 }
 
@@ -127,9 +128,11 @@ TEST(AuditText, FindingsComeWithAdvice) {
   AuditReport report;
   report.weak.push_back({KeyframeId{1}, KeyframeId{1}, 1});
   const std::string text = AuditText(*index, report);
-  EXPECT_NE(text.find("0 pairs of places"), std::string::npos) << text;
-  EXPECT_NE(text.find("1 run of keyframes"), std::string::npos) << text;
-  EXPECT_NE(text.find("7.jpg: no plane (1 keyframe)\n    pass again"), std::string::npos) << text;
+  EXPECT_NE(text.find("0 pairs of perceptually aliased places"), std::string::npos) << text;
+  EXPECT_NE(text.find("1 run of weak keyframes"), std::string::npos) << text;
+  EXPECT_NE(text.find("7.jpg: no plane in view (1 keyframe)\n    record this place again"),
+            std::string::npos)
+      << text;
   const Json json = AuditJson(*index, report);
   EXPECT_EQ(json["weak"][0]["weakness"], "no_plane");
   EXPECT_EQ(json["weak"][0]["first"]["sequence"], "hall");
@@ -261,7 +264,7 @@ TEST_F(TrajectoryTest, ReadsTum) {
 TEST_F(TrajectoryTest, SaysWhichLineIsWrong) {
   EXPECT_NE(Refusal(".csv", "a,b\n1,2\n").find("x and y"), std::string::npos);
   EXPECT_NE(Refusal(".csv", "x,y,time_s\n1,2,5\n1,2,5\n").find("line 3"), std::string::npos);
-  EXPECT_NE(Refusal(".txt", "1 2 3\n").find("line 1: eight numbers"), std::string::npos);
+  EXPECT_NE(Refusal(".txt", "1 2 3\n").find("line 1: expected eight numbers"), std::string::npos);
   EXPECT_THROW(ReadTrajectory("no such file.txt"), MapError);
 }
 

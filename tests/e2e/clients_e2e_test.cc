@@ -216,7 +216,7 @@ TEST_F(CppClient, WatchAnswersAVideo) {
   for (const char* source : {"nowhere.avi", "9876", "99999999999"}) {
     const RunResult bad = RunWaystone({"watch", TheMap().map, source});
     EXPECT_EQ(bad.code, 3) << source;
-    EXPECT_NE(bad.err.find("camera's number"), std::string::npos) << bad.err;
+    EXPECT_NE(bad.err.find("camera index"), std::string::npos) << bad.err;
   }
 }
 

@@ -96,7 +96,7 @@ TEST_F(EvalTest, WrongLabelsAreMistakesThatAreListed) {
   const RunResult table = RunWaystone({"eval", TheMap().map, csv, "--quiet"});
   EXPECT_EQ(table.code, 0);
   EXPECT_NE(table.out.find("false answers\n"), std::string::npos) << table.out;
-  EXPECT_NE(table.out.find("latency, ms"), std::string::npos);
+  EXPECT_NE(table.out.find("latency (ms)"), std::string::npos);
 }
 
 TEST_F(EvalTest, PositionsGiveTheTrajectorysError) {

@@ -97,7 +97,7 @@ TEST(OrientationCommands, BuildMakesTheLayerAndInfoCountsIt) {
   const RunResult built = RunWaystone(
       {"build", RigFolder(), "-o", map, "--layers", "orientation", "--json", "--force"});
   ASSERT_EQ(built.code, 0) << built.err;
-  EXPECT_NE(built.err.find("calibrated for the orientation layer"), std::string::npos) << built.err;
+  EXPECT_NE(built.err.find("calibrated (orientation layer)"), std::string::npos) << built.err;
   const Json summary = Json::parse(built.out);
   EXPECT_EQ(summary["orientation"]["frames"], 6);
   EXPECT_EQ(summary["orientation"]["report"]["unreadable"], 0);
@@ -106,7 +106,7 @@ TEST(OrientationCommands, BuildMakesTheLayerAndInfoCountsIt) {
   EXPECT_EQ(Json::parse(info.out)["orientation"]["frames"], 6);
   EXPECT_GE(Json::parse(info.out)["orientation"]["reliable"], 1);
   const RunResult text = RunWaystone({"info", map});
-  EXPECT_NE(text.out.find("6 directions with 0 turns"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("6 orientation frames with 0 turns"), std::string::npos) << text.out;
   EXPECT_EQ(RunWaystone({"check", map}).code, 0);
 }
 
@@ -114,7 +114,7 @@ TEST(OrientationCommands, BuildSaysWhatTheLayerTakes) {
   const RunResult result = RunWaystone(
       {"build", TheMap().images, "-o", TheMap().folder / "none.db", "--layers", "orientation"});
   EXPECT_EQ(result.code, 3);
-  EXPECT_NE(result.err.find("give --camera"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("use --camera"), std::string::npos) << result.err;
   EXPECT_FALSE(fs::exists(TheMap().folder / "none.db"));
 }
 

@@ -73,7 +73,7 @@ TEST_F(CheckMapTest, WhatCantBeRead) {
   ExpectRefused(folder_ / "missing.db", ErrorCode::kFileUnreadable, "No such file");
   ExpectRefused(folder_.path(), ErrorCode::kFileUnreadable, "folder");
   ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
-  ExpectRefused(folder_ / "pipe", ErrorCode::kFileUnreadable, "plain file");
+  ExpectRefused(folder_ / "pipe", ErrorCode::kFileUnreadable, "regular file");
 }
 
 TEST_F(CheckMapTest, AnotherVersion) {
@@ -89,14 +89,14 @@ TEST_F(CheckMapTest, AnotherVersion) {
 TEST_F(CheckMapTest, BlobsOfAWrongLength) {
   ExpectFound("UPDATE plane_features SET keypoints = zeroblob(5)", "plane_features ", "5 bytes");
   ExpectFound("UPDATE plane_features SET votes = zeroblob(0) WHERE length(votes) > 0",
-              "plane_features ", "belong there");
+              "plane_features ", "expected");
   ExpectFound("UPDATE plane_features SET descriptors = zeroblob(9999999)", "plane_features ",
               "9999999");
-  ExpectFound("UPDATE planes SET feature_count = 2000000000", "plane_features ", "belong there");
-  ExpectFound("UPDATE planes SET vertex_count = 2147483647", "planes ", "belong there");
+  ExpectFound("UPDATE planes SET feature_count = 2000000000", "plane_features ", "expected");
+  ExpectFound("UPDATE planes SET vertex_count = 2147483647", "planes ", "expected");
   ExpectFound("UPDATE plane_views SET homography = zeroblob(71)", "plane_views ", "71 bytes");
   ExpectFound("UPDATE sequences SET camera_params = zeroblob(8) WHERE camera_params IS NOT NULL",
-              "sequences ", "belong there");
+              "sequences ", "expected");
 }
 
 TEST_F(CheckMapTest, BlobsChanged) {
@@ -111,9 +111,9 @@ TEST_F(CheckMapTest, ADamagedSearchIndex) {
               "CRC-32C");
   ExpectFound("UPDATE search_index SET lists = zeroblob(length(lists))", "search_index 1",
               "CRC-32C");
-  ExpectFound("UPDATE search_index SET lists = zeroblob(7)", "search_index 1", "belong there");
-  ExpectFound("UPDATE search_index SET list_count = 2000000000", "search_index 1", "belong there");
-  ExpectFound("UPDATE search_index SET feature_count = 1", "search_index 1", "belong there");
+  ExpectFound("UPDATE search_index SET lists = zeroblob(7)", "search_index 1", "expected");
+  ExpectFound("UPDATE search_index SET list_count = 2000000000", "search_index 1", "expected");
+  ExpectFound("UPDATE search_index SET feature_count = 1", "search_index 1", "expected");
   ExpectFound("DELETE FROM search_index", "search_index", "0 rows");
   ExpectFound("UPDATE search_index SET format = 2", "search_index", "values");
   ExpectFound("UPDATE search_index SET format = 2, lists = zeroblob(7)", "search_index 1",
@@ -123,7 +123,7 @@ TEST_F(CheckMapTest, ADamagedSearchIndex) {
 TEST_F(CheckMapTest, DamagedLayers) {
   ExpectFound("UPDATE appearance_signatures SET phases = zeroblob(length(phases))",
               "appearance_signatures ", "CRC-32C");
-  ExpectFound("UPDATE appearance_layer SET k1 = 2000", "appearance_signatures ", "belong there");
+  ExpectFound("UPDATE appearance_layer SET k1 = 2000", "appearance_signatures ", "expected");
   ExpectFound("UPDATE appearance_layer SET k1 = 20000", "appearance_layer 1", "k1 is 20000");
   ExpectFound("DELETE FROM appearance_layer", "appearance_nodes 2", "has no row");
   ExpectFound("DELETE FROM appearance_signatures WHERE node = 5", "appearance_signatures 5", "0x0");
@@ -148,7 +148,7 @@ TEST_F(CheckMapTest, ValuesChanged) {
   ExpectFound("UPDATE map SET options = '{}'", "map", "values");
   ExpectFound("UPDATE plane_views SET inliers = inliers + 1", "plane_views", "values");
   ExpectFound("UPDATE map SET feature_type = 3", "map 1", "feature_type is 3");
-  ExpectFound("UPDATE map SET feature_type = 1", "plane_features ", "belong there");
+  ExpectFound("UPDATE map SET feature_type = 1", "plane_features ", "expected");
   ExpectFound("UPDATE keyframes SET width = -5", "keyframes ", "width is -5");
   ExpectFound("UPDATE keyframes SET frame = 99999999999", "keyframes ", "frame is 99999999999");
   ExpectFound("UPDATE keyframes SET time_s = 9e999", "keyframes ", "finite");
@@ -161,18 +161,19 @@ TEST_F(CheckMapTest, RowsGoneOrAdded) {
   ExpectFound("DELETE FROM map", "map", "no row");
   ExpectFound("DELETE FROM edges", "edges", "0 rows");
   ExpectFound("DELETE FROM plane_features", "planes ", "no row in plane_features");
-  ExpectFound("DELETE FROM contents WHERE table_name = 'planes'", "planes", "contents has no row");
+  ExpectFound("DELETE FROM contents WHERE table_name = 'planes'", "planes",
+              "has no row in contents");
   ExpectFound("DELETE FROM plane_views", "planes ", "no view of its reference");
   ExpectFound("INSERT INTO keyframes VALUES (999, 999, 0, 0, '', NULL, 1, 1)", "keyframes 999",
               "no sequence 999");
   ExpectFound("DELETE FROM keyframes", "keyframes", "0 rows");
-  ExpectFound("DELETE FROM keyframes", "plane_views", "isn't there");
+  ExpectFound("DELETE FROM keyframes", "plane_views", "does not exist");
 }
 
 TEST_F(CheckMapTest, SchemaAltered) {
   ExpectFound("DROP TABLE edges", "edges", "missing");
-  ExpectFound("ALTER TABLE keyframes RENAME COLUMN source TO origin", "keyframes", "altered");
-  ExpectFound("DROP VIEW plane_list; CREATE VIEW plane_list AS SELECT 1", "plane_list", "altered");
+  ExpectFound("ALTER TABLE keyframes RENAME COLUMN source TO origin", "keyframes", "modified");
+  ExpectFound("DROP VIEW plane_list; CREATE VIEW plane_list AS SELECT 1", "plane_list", "modified");
   ExpectFound("DROP TABLE planes; CREATE VIEW planes AS SELECT randomblob(1000000000) AS id",
               "planes", "missing");
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // node page_test.mjs URL INSIDE.jpg ELSEWHERE.jpg [SCREENSHOT_FOLDER]: every view of the page, served
 // at URL with the maps room, walls (of a calibrated camera) and turns (of a rig), in Debian's Chromium.
-// Exits with 0, or with 1 after saying what is wrong or missing.
+// Exit status: 0 on success, 1 after a message about what failed or is missing.
 import assert from "node:assert/strict";
 import { existsSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -102,12 +102,12 @@ async function drop(page, photo) {
 
 async function testAsk(page) {
   await go(page, "ask", "Where was this photo taken?");
-  assert.match(await drop(page, inside), /This is near keyframe \d+/);
+  assert.match(await drop(page, inside), /Localized near keyframe \d+/);
   await page.locator("figure svg line").first().waitFor();
   assert.ok(await page.locator("figure svg line").count() >= 8, "lines of matches");
   assert.ok(await page.locator("figure .outline polygon").count() >= 2, "outlines on both pictures");
   const numbers = await page.locator(".facts").innerText();
-  assert.match(numbers, /Sure\s*(over )?\d+ %/);
+  assert.match(numbers, /Confidence\s*(over )?\d+%/);
   assert.match(numbers, /\d ms/);
   assert.ok((await page.locator(".curl pre").innerText()).includes(`${url}/v1/maps/room/localize`));
   await shoot(page, "ask");
@@ -117,21 +117,21 @@ async function testAsk(page) {
 async function testWhy(page) {
   await page.getByRole("link", { name: "Why", exact: true }).click();
   await page.getByRole("heading", { level: 1, name: "Why this answer?" }).waitFor();
-  assert.match(await page.locator("table").first().innerText(), /Fits: the best place/);
+  assert.match(await page.locator("table").first().innerText(), /Accepted: best place/);
   await checkAccess(page, "why, localized");
   await go(page, "ask", "Where was this photo taken?");
   await ask(page, elsewhere);
   await page.locator(".verdict.not_in_map").waitFor();
   await go(page, "why", "Why this answer?");
   const stages = await page.locator(".stages").innerText();
-  assert.match(stages, /0 planes\s+through the gates/);
+  assert.match(stages, /0 planes\s+accepted/);
   await shoot(page, "why");
   await checkAccess(page, "why, not in the map");
 }
 
 async function testPlanes(page) {
   const { planes } = await overview();
-  await go(page, "planes", /Planes/);
+  await go(page, "planes", "Plane graph");
   await page.locator(".graph canvas").first().waitFor();
   assert.equal(await page.locator("tbody tr").count(), Math.min(50, planes.id.length));
   await page.waitForTimeout(500);  // for the pictures in the nodes
@@ -139,7 +139,7 @@ async function testPlanes(page) {
   assert.ok(await distinctColours(page, picture) > 50, "the graph shows its planes");
   await shoot(page, "planes");
   await checkAccess(page, "planes");
-  await go(page, `planes/${planes.id[0]}`, /Planes/);
+  await go(page, `planes/${planes.id[0]}`, "Plane graph");
   await page.locator(".panel .dots circle").first().waitFor();
   await checkAccess(page, "a plane");
 }
@@ -152,13 +152,13 @@ async function testOrientation(page) {
   const turn = layer.turns.find((t) => t.confirmed);
   assert.ok(turn, "the walk around the corner has a turn");
   await go(page, "orientation", "Turns and corridors", "turns");
-  await page.locator(".way .turn circle").first().waitFor();
-  assert.equal(await page.locator(".way g circle").count(), layer.nodes.length);
-  assert.equal(await page.locator(".way .corridor").count(), layer.corridors.length);
+  await page.locator(".trajectory-map .turn circle").first().waitFor();
+  assert.equal(await page.locator(".trajectory-map g circle").count(), layer.nodes.length);
+  assert.equal(await page.locator(".trajectory-map .corridor").count(), layer.corridors.length);
   assert.equal(await page.locator(".series canvas").count(), 2, "heading and lines");
-  await page.locator(".way .turn circle").first().click();
+  await page.locator(".trajectory-map .turn circle").first().click();
   await page.waitForURL(new RegExp(`orientation/${turn.frame}$`));
-  await page.locator(".facts", { hasText: `to the ${turn.direction}` }).waitFor();
+  await page.locator(".facts", { hasText: `Turn${turn.direction}` }).waitFor();
   const cells = layer.nodes.find((n) => n.id === turn.frame).directions;
   assert.deepEqual((await page.locator(".cells text:not(.name)").allTextContents()).map(Number), cells);
   const { lines } = await getJson(`/v1/maps/turns/orientation/nodes/${turn.frame}/lines`);
@@ -172,7 +172,7 @@ async function testOrientation(page) {
   assert.ok(await distinctColours(page, plot) > 5, "the heading is drawn");
   await shootWhole(page, "orientation");
   await checkAccess(page, "orientation");
-  await page.getByRole("link", { name: "next node" }).or(page.getByRole("link", { name: "previous node" })).first().click();
+  await page.getByRole("link", { name: "Next node" }).or(page.getByRole("link", { name: "Previous node" })).first().click();
   await page.waitForURL((to) => !to.hash.endsWith(`/${turn.frame}`));
 }
 
@@ -186,13 +186,13 @@ async function testCorridors() {
   layer.edges.push({ a: layer.nodes[0].id, b: layer.nodes.at(-1).id, kind: "loop", matches: 60 });
   await page.route("**/turns/orientation", (route) => route.fulfill(json(layer)));
   await page.goto(`${url}/#/turns/orientation/${at}`);
-  await page.locator(".way .false-turn").click();
+  await page.locator(".trajectory-map .false-turn").click();
   await page.waitForURL(new RegExp(`orientation/${at + 5}$`));
-  await page.locator(".facts", { hasText: "to the left, of the camera alone" }).waitFor();
-  assert.equal(await page.locator(".way .corridor").count(), 1);
-  assert.equal(await page.locator(".way .loop").count(), 1);
-  assert.match(await page.getByRole("region", { name: "Corridors" }).innerText(), /the building’s x/);
-  assert.match(await page.getByRole("region", { name: "Loops" }).innerText(), /60/);
+  await page.locator(".facts", { hasText: "left (camera only)" }).waitFor();
+  assert.equal(await page.locator(".trajectory-map .corridor").count(), 1);
+  assert.equal(await page.locator(".trajectory-map .loop").count(), 1);
+  assert.match(await page.getByRole("region", { name: "Corridors" }).innerText(), /1\s+x/);
+  assert.match(await page.getByRole("region", { name: "Loop closures" }).innerText(), /60/);
   await checkAccess(page, "corridors");
   assert.deepEqual(complaints, []);
   await close();
@@ -206,16 +206,16 @@ async function testSpace(page) {
   const best = spaces.reduce((a, b) => (placed(b) > placed(a) ? b : a));
   assert.ok(placed(best) >= 2, "a keyframe sees both walls in space");
   await go(page, `keyframes/${best.keyframe}`, `Keyframe ${best.keyframe}`, "walls");
-  await page.getByLabel("lines by their direction").check();
+  await page.getByLabel("Show lines coloured by Manhattan axis").check();
   await page.locator(".directed polyline").first().waitFor({ state: "attached" });
-  await page.getByRole("button", { name: "Show its planes in space" }).click();
+  await page.getByRole("button", { name: "Show planes in 3D" }).click();
   await page.locator(".space canvas").waitFor();
   await page.waitForTimeout(800);  // for the picture on the planes
   const seen = await page.locator(".space").screenshot();
   assert.ok(await distinctColours(page, seen) > 40, "the planes have their pictures");
-  await page.getByRole("button", { name: "from above" }).click();
+  await page.getByRole("button", { name: "Top" }).click();
   assert.notDeepEqual(await page.locator(".space").screenshot(), seen, "it turns");
-  await page.getByRole("button", { name: "from behind the camera" }).click();
+  await page.getByRole("button", { name: "Behind the camera" }).click();
   await shootWhole(page, "space");
   await checkAccess(page, "planes in space");
 }
@@ -253,15 +253,15 @@ async function testKeyframes(page) {
 }
 
 async function testCoverage(page) {
-  await go(page, "coverage", "Where the map is weak");
-  await page.getByRole("heading", { name: /Hardly recognised/ }).waitFor();
+  await go(page, "coverage", "Coverage");
+  await page.getByRole("heading", { name: /Weak keyframes/ }).waitFor();
   await page.locator(".series canvas").waitFor();
   await shoot(page, "coverage");
   await checkAccess(page, "coverage");
 }
 
 async function testLayers(page) {
-  await go(page, "layers", "The way through the map");
+  await go(page, "layers", "Trajectory");
   await page.getByText("has no appearance layer").waitFor();
   await page.getByText("has no orientation layer").waitFor();
   await shoot(page, "layers");
@@ -288,8 +288,8 @@ async function testOtherLayers() {
   await page.locator(".trajectory line.loop").waitFor({ state: "attached" });
   assert.equal(await page.locator(".trajectory circle").count(), 24);
   assert.equal(await page.locator(".trajectory line.loop").count(), 1);
-  await page.getByText("0.jpg of walk").waitFor();
-  await page.getByRole("button", { name: "next" }).click();
+  await page.getByText("0.jpg of sequence walk").waitFor();
+  await page.getByRole("button", { name: "Next" }).click();
   await page.locator(".trajectory circle.chosen").waitFor({ state: "attached" });
   await checkAccess(page, "the other layers");
   assert.deepEqual(complaints, []);
@@ -312,9 +312,9 @@ async function testPanoramaAnswer() {
     contentType: "image/jpeg", body: readFileSync(inside),
   }));
   await page.goto(`${url}/`);
-  assert.equal(await ask(page, inside), "This is near panorama 51");
-  assert.match(await page.locator(".verdict").innerText(), /50\.jpg of walk, 97 % sure/);
-  assert.match(await page.locator(".facts").innerText(), /74\.4, -29\.2 ± 1\.9 of the map’s units\s+Heading\s+90°/);
+  assert.equal(await ask(page, inside), "Localized near panorama 51");
+  assert.match(await page.locator(".verdict").innerText(), /50\.jpg of sequence walk, confidence 97%/);
+  assert.match(await page.locator(".facts").innerText(), /74\.4, -29\.2 ± 1\.9 map units\s+Heading\s+90°/);
   assert.equal(await page.locator(".panoramas img").count(), 2);
   await checkAccess(page, "a panorama's answer");
   assert.deepEqual(complaints, []);
@@ -339,6 +339,67 @@ async function testPanorama() {
   await close();
 }
 
+// A map of panoramas alone: no views of planes, and no findings about keyframes that it hasn't got.
+async function testPanoramaMap() {
+  const { page, complaints, close } = await open({});
+  const summary = { ...(await getJson("/v1/maps/room")), planes: 0, keyframes: 0, edges: 0, features: 0 };
+  const none = { id: [], sequence: [], stretch: [], planes: [], features: [] };
+  await page.route("**/v1/maps?*", (route) => route.fulfill(json({ maps: [summary], next: null })));
+  await page.route("**/overview", (route) => route.fulfill(json({
+    ...known(none), layers: ["appearance"],
+  })));
+  await page.route("**/appearance", (route) => route.fulfill(json({
+    scale: "metric", nodes: [{ id: 1, keyframe: null, x: 0, y: 0, heading_rad: 0 }], edges: [],
+  })));
+  await page.goto(`${url}/`);
+  await page.getByRole("navigation").getByRole("link", { name: "Trajectory" }).waitFor();
+  const tabs = await page.getByRole("navigation").getByRole("link").allTextContents();
+  assert.deepEqual(tabs, ["Localize", "Trajectory"]);
+  await go(page, "coverage", "Coverage");
+  await page.getByText("This map has no planes").waitFor();
+  assert.equal(await page.getByText("Every keyframe").count(), 0);
+  await go(page, "planes", "Plane graph");
+  assert.equal(await page.locator(".graph").count(), 0, "no empty graph");
+  await checkAccess(page, "a map of panoramas");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+const known = (keyframes) => ({
+  keyframes,
+  planes: { id: [], stretch: [], features: [], reference: [], keyframes: [] },
+  edges: { a: [], b: [] },
+});
+
+// A JPEG with an EXIF orientation of 6: stored lying on its side, to be turned 90 degrees clockwise.
+function turnedPhoto(photo) {
+  const jpeg = readFileSync(photo);
+  const exif = Buffer.from("ffe1002245786966000049492a00080000000100120103000100000006000000" + "00000000", "hex");
+  return Buffer.concat([jpeg.subarray(0, 2), exif, jpeg.subarray(2)]);
+}
+
+// The browser shows such a photo upright; what the server answers in stored pixels follows it.
+async function testTurnedPhoto() {
+  const { page, complaints, close } = await open({ viewport: { width: 1280, height: 900 } });
+  await page.goto(`${url}/`);
+  const file = { name: "turned.jpg", mimeType: "image/jpeg", buffer: turnedPhoto(inside) };
+  let answer = null;
+  page.on("response", async (r) => { if (r.url().includes("/localize")) answer = await r.json(); });
+  assert.match(await ask(page, file), /Localized near keyframe \d+/);
+  await page.locator("figure svg line").first().waitFor();
+  const { width, height } = answer.explanation.image;
+  const shown = await page.locator("figure img").first().evaluate((i) => [i.naturalWidth, i.naturalHeight]);
+  assert.deepEqual(shown, [height, width], "the browser turns the photo");
+  const box = await page.locator("figure .part").first().boundingBox();
+  assert.ok(Math.abs(box.height / box.width - width / height) < 0.02, "its frame is as high as the upright photo");
+  const [x, y] = answer.planes[0].outline[0];
+  const points = await page.locator("figure .outline polygon").evaluateAll((all) => all.map((p) => p.getAttribute("points")));
+  assert.ok(points.some((list) => list.split(" ")[0] === `${height - y},${x}`), `outlines are turned: ${points[0]}`);
+  await shoot(page, "turned_photo");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
 // A server with tokens: the page asks for one, says when it is wrong, and keeps it with the tab. What
 // the server refuses without one is played here.
 async function testTokens() {
@@ -347,21 +408,21 @@ async function testTokens() {
   await page.route("**/v1/**", (route) => {
     if (route.request().headers().authorization === `Bearer ${token}`) return route.continue();
     return route.fulfill({ status: 401, contentType: "application/problem+json", body: JSON.stringify({
-      type: "urn:waystone:problem:unauthorized", title: "Show who you are", status: 401,
-      detail: "send one of this server's tokens", code: "unauthorized" }) });
+      type: "urn:waystone:problem:unauthorized", title: "Authentication required", status: 401,
+      detail: "Send one of this server's tokens as a bearer token", code: "unauthorized" }) });
   });
   await page.goto(`${url}/`);
-  await page.getByRole("heading", { name: "This server wants a token" }).waitFor();
+  await page.getByRole("heading", { name: "Authentication required" }).waitFor();
   await checkAccess(page, "the token");
   const enter = async (text) => {
     await page.getByLabel("Token").fill(text);
-    await page.getByRole("button", { name: "Go on" }).click();
+    await page.getByRole("button", { name: "Sign in" }).click();
   };
   await enter("another");
-  await page.getByText("doesn’t know this token").waitFor();
+  await page.getByText("Invalid token").waitFor();
   await enter(token);
   await page.getByRole("heading", { name: "Where was this photo taken?" }).waitFor();
-  assert.match(await drop(page, inside), /This is near keyframe \d+/);
+  assert.match(await drop(page, inside), /Localized near keyframe \d+/);
   await page.reload();
   await page.getByRole("heading", { name: "Where was this photo taken?" }).waitFor();
   await go(page, "keyframes", "Keyframes");
@@ -383,7 +444,7 @@ async function testKeyboard(page) {
       return e.getAttribute("type") === "file" ? "file" : e.textContent.trim().slice(0, 24);
     }));
   }
-  for (const wanted of ["Skip to the content", "Planes", "Coverage", "file"]) {
+  for (const wanted of ["Skip to content", "Planes", "Coverage", "file"]) {
     assert.ok(reached.includes(wanted), `Tab reaches ${wanted}: ${reached}`);
   }
 }
@@ -395,12 +456,12 @@ async function testPhone() {
   });
   await page.goto(`${url}/`);
   await ask(page, inside);
-  const views = [["ask", /Where/], ["why", /Why/], ["planes", /Planes/], ["keyframes", /Keyframes/],
-    ["layers", /way/], ["orientation", /Turns/], ["coverage", /weak/], ["layers", /way/, "turns"],
+  const views = [["ask", /Where/], ["why", /Why/], ["planes", /Plane graph/], ["keyframes", /Keyframes/],
+    ["layers", /Trajectory/], ["orientation", /Turns/], ["coverage", /Coverage/], ["layers", /Trajectory/, "turns"],
     ["orientation", /Turns/, "turns"], ["keyframes/2", /Keyframe 2/, "walls"]];
   for (const [view, heading, map] of views) {
     await go(page, view, heading, map);
-    if (map === "walls") await page.getByRole("button", { name: "in space" }).click();
+    if (map === "walls") await page.getByRole("button", { name: "planes in 3D" }).click();
     if (map) await page.waitForTimeout(800);  // for its pictures
     const width = await page.evaluate(() => document.documentElement.scrollWidth);
     assert.ok(width <= 360, `${view} is ${width} px wide on a phone`);
@@ -424,6 +485,8 @@ try {
   await testCorridors();
   await testPanorama();
   await testPanoramaAnswer();
+  await testPanoramaMap();
+  await testTurnedPhoto();
   await testTokens();
   await testPhone();
   await browser.close();

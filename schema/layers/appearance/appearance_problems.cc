@@ -71,16 +71,17 @@ class AppearanceProblemFinder {
 
   void CheckNode(const AppearanceNode& node) {
     const std::string where = "appearance_nodes " + std::to_string(node.id.value);
-    Require(node.id > last_, where,
-            "ids must be 1 or more and ascend; it comes after " + std::to_string(last_.value));
+    Require(
+        node.id > last_, where,
+        "ids must be positive and increasing; the previous one is " + std::to_string(last_.value));
     last_ = node.id;
     nodes_.insert(node.id);
     Require(HasSequence(map_, node.sequence), where,
-            "there is no sequence " + std::to_string(node.sequence.value));
+            "no such sequence: " + std::to_string(node.sequence.value));
     Require(node.frame >= 0, where, "frame " + std::to_string(node.frame) + " is below 0");
-    Require(std::isfinite(node.time_s.value_or(0)), where, "its time isn't finite");
+    Require(std::isfinite(node.time_s.value_or(0)), where, "its time is not finite");
     Require(IsFinite(node.pose) && IsWrapped(node.pose.theta_rad), where,
-            "its pose isn't finite or its angle isn't between -pi and pi");
+            "its pose is not finite or its angle isn't between -pi and pi");
     CheckSignature(node);
     CheckFeatures(node);
   }
@@ -98,7 +99,7 @@ class AppearanceProblemFinder {
                 "x" + std::to_string(d.k1) + " and " + std::to_string(d.rows) + "x" +
                 std::to_string(d.k2));
     Require(IsBetween(signature.magnitudes, 0, std::numeric_limits<float>::max()), where,
-            "a magnitude is below 0 or isn't finite");
+            "a magnitude is below 0 or is not finite");
     Require(IsBetween(signature.phases, -kPiAsHalf, kPiAsHalf), where,
             "a phase isn't between -pi and pi");
   }
@@ -122,7 +123,7 @@ class AppearanceProblemFinder {
       const std::string where =
           "appearance_edges " + std::to_string(edge.a.value) + "/" + std::to_string(edge.b.value);
       Require(edge.a < edge.b, where, "a must be below b");
-      Require(std::pair(edge.a, edge.b) > last, where, "edges must ascend by (a, b), each once");
+      Require(std::pair(edge.a, edge.b) > last, where, "edges must be unique and sorted by (a, b)");
       last = {edge.a, edge.b};
       for (const AppearanceNodeId node : {edge.a, edge.b}) {
         Require(nodes_.contains(node), where,
@@ -131,20 +132,20 @@ class AppearanceProblemFinder {
       Require(edge.distance >= 0 && std::isfinite(edge.distance), where,
               "its distance is " + std::to_string(edge.distance));
       Require(IsFinite(edge.a_from_b) && IsWrapped(edge.a_from_b.theta_rad), where,
-              "its relative pose isn't finite or its heading isn't between -pi and pi");
+              "its relative pose is not finite or its heading isn't between -pi and pi");
       Require(edge.sigma_rad >= 0 && std::isfinite(edge.sigma_rad), where,
-              "its deviation is " + std::to_string(edge.sigma_rad));
+              "its sigma is " + std::to_string(edge.sigma_rad));
     }
   }
 
   void CheckVerdict(const AppearanceVerdict& verdict, const std::string& where) {
-    Require(std::isfinite(verdict.intercept), where, "its intercept isn't finite");
+    Require(std::isfinite(verdict.intercept), where, "its intercept is not finite");
     Require(verdict.positives >= 0 && verdict.negatives >= 0, where,
-            "it was fitted to fewer than 0 samples");
+            "its sample counts are negative");
     std::string last;
     for (const VerdictTerm& term : verdict.terms) {
-      Require(term.name > last, where, "terms must have names and ascend by them, each once");
-      Require(std::isfinite(term.weight), where, "the weight of a term isn't finite");
+      Require(term.name > last, where, "terms must have names, be unique and sorted by name");
+      Require(std::isfinite(term.weight), where, "the weight of a term is not finite");
       last = term.name;
     }
   }

@@ -75,8 +75,9 @@ class OrientationProblemFinder {
   void CheckAscending(const std::string& table, const std::vector<Item>& items, IdOf id_of) {
     OrientationFrameId last;
     for (const Item& item : items) {
-      Require(id_of(item) > last, Where(table, id_of(item)),
-              "ids must be 1 or more and ascend; it comes after " + std::to_string(last.value));
+      Require(
+          id_of(item) > last, Where(table, id_of(item)),
+          "ids must be positive and increasing; the previous one is " + std::to_string(last.value));
       last = id_of(item);
     }
   }
@@ -85,14 +86,14 @@ class OrientationProblemFinder {
     const std::string where = Where("orientation_frames", frame.id);
     frames_.emplace(frame.id, frame.sequence);
     Require(HasSequence(map_, frame.sequence), where,
-            "there is no sequence " + std::to_string(frame.sequence.value));
+            "no such sequence: " + std::to_string(frame.sequence.value));
     const auto [last, first_of_sequence] = last_frame_.emplace(frame.sequence, -1);
     Require(frame.frame > last->second, where,
             "frame " + std::to_string(frame.frame) + " is below 0 or comes after frame " +
                 std::to_string(last->second) + " of its sequence");
     last->second = frame.frame;
-    Require(std::isfinite(frame.time_s.value_or(0)), where, "its time isn't finite");
-    Require(AreCounts(frame.lines), where, "fewer than 0 lines");
+    Require(std::isfinite(frame.time_s.value_or(0)), where, "its time is not finite");
+    Require(AreCounts(frame.lines), where, "negative number of lines");
     Require(frame.rotation || !frame.reliable, where, "it is reliable but has no rotation");
     if (!frame.rotation) return;
     Require(IsRotation(frame.rotation->building_from_rig), where,
@@ -105,7 +106,8 @@ class OrientationProblemFinder {
     const std::string where = Where("orientation_turns", turn.frame);
     RequireFrame(turn.frame, where);
     Require(turn.direction == 1 || turn.direction == -1, where,
-            "its direction is " + std::to_string(turn.direction) + "; 1 (left) or -1 (right)");
+            "its direction is " + std::to_string(turn.direction) +
+                "; it must be 1 (left) or -1 (right)");
     Require(std::abs(turn.angle_rad) <= kPi, where,
             "its angle is " + std::to_string(turn.angle_rad) + " rad");
     Require(IsAxis(turn.axis_after), where, "its axis is " + std::to_string(turn.axis_after));
@@ -116,9 +118,9 @@ class OrientationProblemFinder {
     const std::string where = Where("orientation_nodes", node.frame);
     nodes_.insert(node.frame);
     RequireFrame(node.frame, where);
-    Require(AreCounts(node.directions), where, "fewer than 0 lines in a direction");
+    Require(AreCounts(node.directions), where, "a direction has a negative number of lines");
     Require((node.kind == OrientationNodeKind::kTurn) == confirmed_.contains(node.frame), where,
-            "a node is a turn exactly where a turn was confirmed");
+            "nodes of kind turn must match the confirmed turns");
   }
 
   void CheckEdges() {
@@ -127,7 +129,7 @@ class OrientationProblemFinder {
       const std::string where =
           Where("orientation_edges", edge.a) + "/" + std::to_string(edge.b.value);
       Require(edge.a < edge.b, where, "a must be below b");
-      Require(std::pair(edge.a, edge.b) > last, where, "edges must ascend by (a, b), each once");
+      Require(std::pair(edge.a, edge.b) > last, where, "edges must be unique and sorted by (a, b)");
       last = {edge.a, edge.b};
       for (const OrientationFrameId node : {edge.a, edge.b}) {
         Require(nodes_.contains(node), where,
@@ -142,14 +144,14 @@ class OrientationProblemFinder {
     for (const Corridor& corridor : layer_.corridors) {
       const std::string where = Where("corridors", corridor.first);
       Require(corridor.first > last && corridor.first <= corridor.last, where,
-              "corridors must ascend, not overlap and end after they begin");
+              "corridors must be sorted, disjoint and end after they start");
       last = corridor.last;
       RequireFrame(corridor.first, where);
       RequireFrame(corridor.last, where);
       const auto first = frames_.find(corridor.first);
       const auto end = frames_.find(corridor.last);
       Require(first == frames_.end() || end == frames_.end() || first->second == end->second, where,
-              "it ends in another sequence than it begins");
+              "it starts and ends in different sequences");
       Require(IsAxis(corridor.axis), where, "its axis is " + std::to_string(corridor.axis));
     }
   }

@@ -85,14 +85,14 @@ class PlaneProblemFinder {
     const std::string where = "keyframes " + Text(keyframe.id);
     image_px_[keyframe.id] = std::max({keyframe.width, keyframe.height, 1});
     Require(HasSequence(map_, keyframe.sequence), where,
-            "there is no sequence " + Text(keyframe.sequence));
+            "no such sequence: " + Text(keyframe.sequence));
     Require(keyframe.stretch >= 0 && keyframe.frame >= 0, where,
             "stretch " + std::to_string(keyframe.stretch) + " or frame " +
                 std::to_string(keyframe.frame) + " is below 0");
     Require(keyframe.width > 0 && keyframe.height > 0, where,
             "its image is " + std::to_string(keyframe.width) + "x" +
                 std::to_string(keyframe.height) + " pixels");
-    Require(std::isfinite(keyframe.time_s.value_or(0)), where, "its time isn't finite");
+    Require(std::isfinite(keyframe.time_s.value_or(0)), where, "its time is not finite");
   }
 
   void CheckPlane(const Plane& plane) {
@@ -103,7 +103,7 @@ class PlaneProblemFinder {
     CheckFeatures(plane);
     const bool finite = std::all_of(plane.outline.begin(), plane.outline.end(),
                                     [](const auto& vertex) { return vertex.allFinite(); });
-    Require(finite, where, "a vertex of its outline isn't finite");
+    Require(finite, where, "a vertex of its outline is not finite");
     CheckViews(plane);
   }
 
@@ -131,7 +131,7 @@ class PlaneProblemFinder {
   // A vote where the feature should not have been visible is a match beyond the image's border or
   // one of a plane that was fused: at most one a view.
   static std::string FeatureProblem(const PlaneFeature& feature, size_t views) {
-    if (!IsFinite(feature.reference)) return " isn't finite";
+    if (!IsFinite(feature.reference)) return " is not finite";
     const bool possible = feature.votes >= 1 && feature.votes <= kMaxVotes &&
                           feature.visible >= 0 && feature.visible <= kMaxVotes &&
                           feature.votes - feature.visible <= static_cast<int64_t>(views);
@@ -145,7 +145,7 @@ class PlaneProblemFinder {
     bool has_reference = false;
     for (const PlaneView& view : plane.views) {
       const std::string where = "plane_views " + Text(plane.id) + "/" + Text(view.keyframe);
-      Require(view.keyframe > last, where, "views must ascend by keyframe, each once");
+      Require(view.keyframe > last, where, "views must be unique and sorted by keyframe");
       Require(image_px_.contains(view.keyframe), where,
               "there is no keyframe " + Text(view.keyframe));
       Require(view.inliers >= 0, where, std::to_string(view.inliers) + " inliers");
@@ -153,7 +153,7 @@ class PlaneProblemFinder {
       if (view.keyframe == plane.reference) {
         has_reference = true;
         Require(view.reference_from_keyframe == Matrix3d::Identity(), where,
-                "the view of the reference isn't the identity");
+                "the homography of the reference view is not the identity");
       }
       last = view.keyframe;
     }
@@ -164,12 +164,12 @@ class PlaneProblemFinder {
   // Returns whether it is worth looking at further.
   bool CheckHomography(const Matrix3d& to_from, KeyframeId to, KeyframeId from,
                        const std::string& where) {
-    Require(to_from.allFinite(), where, "its matrix isn't finite");
+    Require(to_from.allFinite(), where, "its matrix is not finite");
     if (!to_from.allFinite()) return false;
     const double condition = ConditionOf(to_from, ImageSide(to), ImageSide(from));
     const bool invertible = condition <= kMaxCondition;  // not for NaN
     Require(invertible, where,
-            "its matrix can't be inverted: condition number " + std::to_string(condition));
+            "its matrix is singular: condition number " + std::to_string(condition));
     return invertible;
   }
 
@@ -178,10 +178,10 @@ class PlaneProblemFinder {
     for (const Edge& edge : map_.edges) {
       const std::string where = "edges " + Text(edge.a) + "/" + Text(edge.b);
       Require(edge.a < edge.b, where, "a must be below b");
-      Require(std::pair(edge.a, edge.b) > last, where, "edges must ascend by (a, b), each once");
+      Require(std::pair(edge.a, edge.b) > last, where, "edges must be unique and sorted by (a, b)");
       last = {edge.a, edge.b};
       for (const PlaneId plane : {edge.a, edge.b}) {
-        Require(planes_.contains(plane), where, "there is no plane " + Text(plane));
+        Require(planes_.contains(plane), where, "no such plane: " + Text(plane));
       }
       for (const KeyframeId keyframe : {edge.from, edge.to}) {
         Require(image_px_.contains(keyframe), where, "there is no keyframe " + Text(keyframe));
@@ -191,11 +191,11 @@ class PlaneProblemFinder {
   }
 
   void CheckHomology(const Edge& edge, const std::string& where) {
-    Require(std::isfinite(edge.third_eigenvalue), where, "its third eigenvalue isn't finite");
+    Require(std::isfinite(edge.third_eigenvalue), where, "its third eigenvalue is not finite");
     if (!CheckHomography(edge.homology, edge.to, edge.to, where)) return;
-    Require(
-        HasEigenvalues(edge.homology, edge.third_eigenvalue, kEigenvalueTolerance), where,
-        "its homology hasn't the eigenvalues 1, 1 and " + std::to_string(edge.third_eigenvalue));
+    Require(HasEigenvalues(edge.homology, edge.third_eigenvalue, kEigenvalueTolerance), where,
+            "its homology does not have the eigenvalues 1, 1 and " +
+                std::to_string(edge.third_eigenvalue));
   }
 
   void CheckIndex() {

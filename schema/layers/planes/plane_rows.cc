@@ -78,7 +78,7 @@ Keyframe& PlaneReader::KeyframeOf(int64_t id) {
 Plane& PlaneReader::PlaneOf(int64_t id) {
   const auto found = planes_.find(id);
   if (found != planes_.end()) return map_.planes[found->second];
-  throw MapError(ErrorCode::kMapDamaged, "there is no plane " + std::to_string(id));
+  throw MapError(ErrorCode::kMapDamaged, "no such plane: " + std::to_string(id));
 }
 
 void PlaneReader::ReadImages() {

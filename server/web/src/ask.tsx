@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// View: drop a photo, see where it was taken.
+// View: localize a photo.
 import { useEffect, useState } from "preact/hooks";
 import { type Answer, localize, mapPath } from "./api";
 import { colourOf } from "./colours";
+import { readOrientation, uprightAnswer } from "./exif";
 import { Overlay, type Shape } from "./figure";
 import { MatchFigure } from "./match_figure";
-import type { Query, ViewProps } from "./main";
+import type { Query, ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, PlaneLink, PlaneLinks, Swatch } from "./parts";
 import { href } from "./route";
 import { usePicture } from "./use";
-import { sure, verdictInWords } from "./words";
+import { confidence, verdictInWords } from "./words";
 
 function curlLine(map: string): string {
   return `curl --data-binary @photo.jpg -H 'Content-Type: image/jpeg' ${location.origin}${mapPath(map)}/localize`;
@@ -22,7 +23,7 @@ function Curl({ map }: { map: string }) {
     navigator.clipboard?.writeText(line).then(() => setCopied(true), () => setCopied(false));
   return (
     <section class="curl">
-      <h2>The same from a terminal</h2>
+      <h2>From the command line</h2>
       <pre tabIndex={0} aria-label="curl command">{line}</pre>
       {navigator.clipboard && <button onClick={copy}>{copied ? "Copied" : "Copy"}</button>}
     </section>
@@ -53,14 +54,14 @@ function Chooser({ choose, busy }: { choose: (photo: File) => void; busy: boolea
       onDragLeave={() => setOver(false)}
       onDrop={drop}
     >
-      <p>{busy ? "Asking …" : "Drop a photo here, or"}</p>
+      <p>{busy ? "Localizing …" : "Drop a photo here or"}</p>
       <label class="button">
         <input type="file" accept="image/*" onChange={take} />
         Choose a photo
       </label>
       <label class="button camera">
         <input type="file" accept="image/*" capture="environment" onChange={take} />
-        Take one
+        Take a photo
       </label>
     </div>
   );
@@ -75,19 +76,19 @@ function Timing({ answer }: { answer: Answer }) {
 
 const kDegrees = 180 / Math.PI;
 
-// Where a panorama was taken, in the frame of the appearance layer.
+// The pose of a query panorama in the frame of the appearance layer.
 function PanoramaNumbers({ map, answer }: { map: string; answer: Answer }) {
   const { node, position } = answer.panorama!;
-  const unit = position?.metres_per_unit === null ? " of the map’s units" : "";
+  const unit = position?.metres_per_unit === null ? " map units" : "";
   const heading = answer.heading as { rad: number } | null;
   return (
     <Facts
       rows={[
-        ["Sure", sure(answer.probability)],
+        ["Confidence", confidence(answer.probability)],
         ["Nearest panorama", node
           ? <><a href={href(map, "layers")}>{node.id}</a> <small>{node.source}</small></>
           : "–"],
-        ["Place", position
+        ["Position", position
           ? `${position.x.toFixed(1)}, ${position.y.toFixed(1)} ± ${position.deviation.toFixed(1)}${unit}`
           : "–"],
         ["Heading", heading ? `${(heading.rad * kDegrees).toFixed(0)}°` : "–"],
@@ -97,14 +98,14 @@ function PanoramaNumbers({ map, answer }: { map: string; answer: Answer }) {
   );
 }
 
-// The panorama, above the map's nearest one.
+// The query panorama above the nearest one of the map.
 function PanoramaFound({ map, query }: { map: string; query: Query }) {
   const node = query.answer.panorama?.node;
   const nearest = usePicture(node ? `${mapPath(map)}/appearance/nodes/${node.id}/image` : null);
   return (
     <div class="panoramas">
-      <img src={query.photo} alt="the photo" />
-      {nearest && <img class="small" src={nearest} alt={`panorama ${node!.id} of the map`} />}
+      <img src={query.photo} alt="query image" />
+      {nearest && <img class="small" src={nearest} alt={`mapped panorama ${node!.id}`} />}
     </div>
   );
 }
@@ -115,12 +116,12 @@ function Numbers({ map, answer }: { map: string; answer: Answer }) {
   return (
     <Facts
       rows={[
-        ["Sure", answer.verdict === "bad_image" ? "–" : sure(answer.probability)],
+        ["Confidence", answer.verdict === "bad_image" ? "–" : confidence(answer.probability)],
         ["Nearest keyframe", answer.keyframe
           ? <><KeyframeLink map={map} id={answer.keyframe.id} /> <small>{answer.keyframe.source}</small></>
           : "–"],
         ["Runner-up", runnerUp
-          ? <>keyframe <KeyframeLink map={map} id={runnerUp.keyframe.id} />, {sure(runnerUp.probability)}</>
+          ? <>keyframe <KeyframeLink map={map} id={runnerUp.keyframe.id} />, {confidence(runnerUp.probability)}</>
           : "none"],
         ["Time", <Timing answer={answer} />],
       ]}
@@ -136,7 +137,7 @@ function Verdict({ map, query }: { map: string; query: Query }) {
       <h2>{verdictInWords(answer)}</h2>
       <p>
         {answer.verdict === "localized"
-          ? <>{near?.source} of {near?.sequence}, {sure(answer.probability)} sure.</>
+          ? <>{near?.source} of sequence {near?.sequence}, confidence {confidence(answer.probability)}.</>
           : answer.message}{" "}
         {answer.explanation && answer.verdict !== "bad_image" && <a href={href(map, "why")}>Why?</a>}
       </p>
@@ -160,12 +161,12 @@ function Planes(props: {
   select: (id: number) => void;
 }) {
   return (
-    <div class="scroll" tabIndex={0} role="region" aria-label="Planes in the photo">
+    <div class="scroll" tabIndex={0} role="region" aria-label="Recognized planes">
       <table>
-        <caption>Planes in the photo; choose one to see its matches</caption>
+        <caption>Recognized planes; select one to see its inliers</caption>
         <thead>
           <tr>
-            <th>Show</th><th>Plane</th><th class="number">Inliers</th><th>Found on</th><th>Next to it</th>
+            <th>Show</th><th>Plane</th><th class="number">Inliers</th><th>Reference keyframe</th><th>Neighbours</th>
           </tr>
         </thead>
         <tbody>
@@ -212,7 +213,7 @@ function PlanesFound({ map, query }: { map: string; query: Query }) {
   }));
   const candidate = why.candidates.find((c) => c.plane === selected);
   if (!candidate) {
-    const picture = { src: query.photo, alt: "the photo", ...why.image };
+    const picture = { src: query.photo, alt: "query image", ...why.image };
     return <Overlay picture={picture} shapes={[]} />;
   }
   const index = answer.planes.findIndex((p) => p.id === selected);
@@ -237,7 +238,8 @@ export function AskView({ map, query, setQuery }: ViewProps) {
     setBusy(true);
     setError(null);
     try {
-      const answer = await localize(map.name, photo);
+      const orientation = await readOrientation(photo);
+      const answer = uprightAnswer(await localize(map.name, photo), orientation);
       if (query) URL.revokeObjectURL(query.photo);
       const url = URL.createObjectURL(photo);
       setQuery({ map: map.name, photo: url, name: photo.name, answer });
@@ -261,10 +263,10 @@ export function AskView({ map, query, setQuery }: ViewProps) {
       {!query && (
         <p class="quiet">
           {map.planes > 0
-            ? `The photo is compared with ${map.planes.toLocaleString("en")} planes: flat things like walls
-              and posters that were seen on the way.`
-            : "This map is of panoramas: give a photo that is twice as wide as high and shows all around."}{" "}
-          It stays on this server and isn’t kept.
+            ? `The photo is matched against ${map.planes.toLocaleString("en")} mapped planes: flat surfaces such
+              as walls and posters.`
+            : "This map holds panoramas: choose an equirectangular image, twice as wide as high."}{" "}
+          It is sent to this server only, which doesn’t store it unless its query log is enabled.
         </p>
       )}
       <Curl map={map.name} />

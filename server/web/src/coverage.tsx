@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// View: where the map is weak, and what to do about it.
+// View: where the map is weak, and how to improve it.
 import { useMemo } from "preact/hooks";
 import { type Audit, mapPath, type MapSummary, type Overview } from "./api";
-import type { ViewProps } from "./main";
+import type { ViewProps } from "./types";
 import { Failure, KeyframeLink, PlaneLink, Thumbnail, Waiting } from "./parts";
 import { href } from "./route";
 import { Series } from "./series";
@@ -14,19 +14,19 @@ type Weak = Audit["weak"][number];
 function causeOf(run: Weak): string {
   switch (run.weakness) {
     case "no_plane":
-      return "no plane";
+      return "no plane in view";
     case "few_features":
       return `only ${counted(run.features, "feature")} in view`;
     default:
-      return `a stretch with only ${counted(run.planes, "plane")}`;
+      return `isolated stretch with only ${counted(run.planes, "plane")}`;
   }
 }
 
 function WeakRuns({ map, audit }: { map: MapSummary; audit: Audit }) {
   return (
     <section>
-      <h2>Hardly recognised ({audit.weak.length})</h2>
-      {audit.weak.length === 0 && <p>Every keyframe has enough to be recognised by.</p>}
+      <h2>Weak keyframes ({audit.weak.length})</h2>
+      {audit.weak.length === 0 && <p>Every keyframe has enough features for localization.</p>}
       <ul class="findings">
         {audit.weak.map((run) => (
           <li key={run.first.id}>
@@ -51,8 +51,8 @@ const sentence = (text: string) => `${text[0].toUpperCase()}${text.slice(1)}.`;
 function Aliases({ map, audit }: { map: MapSummary; audit: Audit }) {
   return (
     <section>
-      <h2>Alike ({audit.aliases.length})</h2>
-      {audit.aliases.length === 0 && <p>No two places would answer for each other.</p>}
+      <h2>Perceptual aliases ({audit.aliases.length})</h2>
+      {audit.aliases.length === 0 && <p>No two places are likely to be confused.</p>}
       <ul class="findings">
         {audit.aliases.map((pair) => (
           <li key={`${pair.a.id} ${pair.b.id}`}>
@@ -63,7 +63,7 @@ function Aliases({ map, audit }: { map: MapSummary; audit: Audit }) {
                 Keyframes <KeyframeLink map={map.name} id={pair.a.id} /> and{" "}
                 <KeyframeLink map={map.name} id={pair.b.id} />
               </strong>
-              : {counted(pair.inliers, "feature")} alike, {percent(pair.of_view)} of what is seen there
+              : {counted(pair.inliers, "feature")} in common, {percent(pair.of_view)} of those in view
               <p>{sentence(pair.advice)}</p>
             </div>
           </li>
@@ -76,15 +76,15 @@ function Aliases({ map, audit }: { map: MapSummary; audit: Audit }) {
 function Ties({ map, audit }: { map: MapSummary; audit: Audit }) {
   return (
     <section>
-      <h2>Joined by one plane alone ({audit.ties.length})</h2>
-      {audit.ties.length === 0 && <p>No two passes hang on one plane.</p>}
+      <h2>Connected by a single plane ({audit.ties.length})</h2>
+      {audit.ties.length === 0 && <p>No two passes depend on a single plane.</p>}
       <ul class="findings">
         {audit.ties.map((tie) => (
           <li key={tie.plane}>
             <Thumbnail map={map} id={tie.a.id} />
             <Thumbnail map={map} id={tie.b.id} />
             <div>
-              <strong>Plane <PlaneLink map={map.name} id={tie.plane} /></strong>: seen from keyframes{" "}
+              <strong>Plane <PlaneLink map={map.name} id={tie.plane} /></strong>: in view of keyframes{" "}
               <KeyframeLink map={map.name} id={tie.a.id} /> and{" "}
               <KeyframeLink map={map.name} id={tie.b.id} />, {counted(tie.inliers, "feature")}
               <p>{sentence(tie.advice)}</p>
@@ -109,10 +109,10 @@ function Profile({ map, overview, audit }: { map: string; overview: Overview; au
   const median = sorted[Math.floor(sorted.length / 2)] ?? 0;
   return (
     <section>
-      <h2>Features in view along the map</h2>
+      <h2>Features in view by keyframe</h2>
       <p class="legend">
-        Median {median}; {counted(none, "keyframe")} with none. Shaded: hardly recognised. Click to
-        open a keyframe.
+        Median {median}; {counted(none, "keyframe")} with none. Shaded: weak keyframes. Click to open a
+        keyframe.
       </p>
       <Series
         at={id}
@@ -120,7 +120,7 @@ function Profile({ map, overview, audit }: { map: string; overview: Overview; au
         curves={curves}
         unit="features"
         marked={weak}
-        what={`Features in view at ${id.length} keyframes, median ${median}`}
+        what={`Features in view of ${id.length} keyframes, median ${median}`}
         choose={(i) => {
           location.hash = href(map, "keyframes", id[i]);
         }}
@@ -131,15 +131,23 @@ function Profile({ map, overview, audit }: { map: string; overview: Overview; au
 
 export function CoverageView({ map }: ViewProps) {
   const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
-  const audit = useGet<Audit>(`${mapPath(map.name)}/audit`);
+  const audit = useGet<Audit>(map.planes > 0 ? `${mapPath(map.name)}/audit` : null);
   if (overview.error) return <Failure error={overview.error} />;
   if (!overview.value) return <Waiting what="the map" />;
+  if (map.planes === 0) {
+    return (
+      <>
+        <h1>Coverage</h1>
+        <p class="missing">This map has no planes, and coverage is a measure of the plane layer.</p>
+      </>
+    );
+  }
   return (
     <>
-      <h1>Where the map is weak</h1>
+      <h1>Coverage</h1>
       <Profile map={map.name} overview={overview.value} audit={audit.value} />
       {audit.error && <Failure error={audit.error} />}
-      {!audit.value && !audit.error && <Waiting what="the audit, which asks every plane like a query" />}
+      {!audit.value && !audit.error && <Waiting what="the audit (every plane is matched as a query)" />}
       {audit.value && (
         <>
           <WeakRuns map={map} audit={audit.value} />

@@ -66,7 +66,7 @@ export function Frame({ picture, children }: { picture: Picture; children?: Comp
   const src = usePicture(picture.src);
   return picture.src
     ? <img src={src ?? undefined} alt={picture.alt} width={picture.width} height={picture.height} />
-    : <div class="no-image" role="img" aria-label={picture.alt}>{children ?? "no image in the map"}</div>;
+    : <div class="no-image" role="img" aria-label={picture.alt}>{children ?? "no image stored"}</div>;
 }
 
 // One picture with outlines and points.

@@ -9,14 +9,14 @@ import { fetchedPicture, type Overview, picturesAreFetched, thumbnailPath } from
 import { colourOf, cssColour } from "./colours";
 import { useMedia } from "./use";
 
-const kMostPictures = 300; // planes; more would take all their keyframes' images at once
-const kLargeNodes = 2000; // from here on it is drawn as plainly as can be
+const kMostPictures = 300; // planes; more would load too many images at once
+const kLargeNodes = 2000; // from here on the graph is drawn with the simplest programs
 const kFullSizeNodes = 500; // from here on nodes shrink, so that they don't cover each other
 const kFullSizeWidth = 700; // px, of the canvas; likewise
 const kMinSize = 3;
 const kMaxSize = 16;
 
-// Puts pictures on the nodes as they come.
+// Shows images in the nodes as they arrive.
 function fetchPictures(graph: Graph) {
   graph.forEachNode((node, { image }) => {
     fetchedPicture(image).then(
@@ -52,7 +52,7 @@ function graphOf(map: string, overview: Overview, width: number): Graph {
   return graph;
 }
 
-// Starts the layout; returns what stops it.
+// Starts the layout; returns a function that stops it.
 function layOut(graph: Graph, overview: Overview, settled: () => void): () => void {
   const { planes, edges } = overview;
   const indexOf = new Map(planes.id.map((id, i) => [id, i]));
@@ -69,7 +69,7 @@ function layOut(graph: Graph, overview: Overview, settled: () => void): () => vo
   return () => worker.terminate();
 }
 
-// The chosen node: a ring around it, and its label on the page's ground.
+// The selected node: a ring around it, and its label on the page's background.
 const drawChosen: NodeHoverDrawingFunction = (context, data, settings) => {
   const label = data.label ?? "";
   context.font = `600 ${settings.labelSize}px ${settings.labelFont}`;
@@ -167,12 +167,12 @@ export function PlaneGraph(props: {
         class="canvas"
         ref={box}
         role="img"
-        aria-label="Graph of the planes. The table of planes has the same to read."
+        aria-label="Graph of planes. The table of planes has the same information."
       />
       <div class="tools">
-        <button aria-label="zoom in" onClick={() => camera()?.animatedZoom()}>+</button>
-        <button aria-label="zoom out" onClick={() => camera()?.animatedUnzoom()}>−</button>
-        <button onClick={() => camera()?.animatedReset()}>All</button>
+        <button aria-label="Zoom in" onClick={() => camera()?.animatedZoom()}>+</button>
+        <button aria-label="Zoom out" onClick={() => camera()?.animatedUnzoom()}>−</button>
+        <button onClick={() => camera()?.animatedReset()}>Fit</button>
       </div>
     </div>
   );

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// View: the keyframes, and one of them with its planes drawn on it.
+// View: the keyframes, and one keyframe with the outlines of its planes.
 import { useState } from "preact/hooks";
 import { type DirectedLines, imagePath, type Keyframe, type MapSummary, mapPath, type Overview } from "./api";
 import { colourOf } from "./colours";
 import { Overlay } from "./figure";
 import { LineStrokes, LineWords } from "./lines";
-import type { ViewProps } from "./main";
+import type { ViewProps } from "./types";
 import { Facts, Failure, Panorama, PlaneLink, Swatch, Thumbnail, Waiting } from "./parts";
 import { href } from "./route";
 import { InSpace } from "./space";
@@ -20,8 +20,8 @@ function Neighbours({ map, id, ids }: { map: string; id: number; ids: number[] }
     to === undefined ? <span class="quiet">{text}</span> : <a href={href(map, "keyframes", to)}>{text}</a>;
   return (
     <p class="steps">
-      {link(ids[at - 1], "← previous")} {link(ids[at + 1], "next →")}{" "}
-      <a href={href(map, "keyframes")}>all</a>
+      {link(ids[at - 1], "← Previous")} {link(ids[at + 1], "Next →")}{" "}
+      <a href={href(map, "keyframes")}>All</a>
     </p>
   );
 }
@@ -33,10 +33,10 @@ function PlaneTable({ map, keyframe, shown, toggle }: {
   toggle: (id: number) => void;
 }) {
   return (
-    <div class="scroll" tabIndex={0} role="region" aria-label="Planes seen here">
+    <div class="scroll" tabIndex={0} role="region" aria-label="Planes in view">
       <table>
-        <caption>Planes seen here</caption>
-        <thead><tr><th>Draw</th><th>Plane</th><th class="number">Features found</th></tr></thead>
+        <caption>Planes in view</caption>
+        <thead><tr><th>Draw</th><th>Plane</th><th class="number">Inliers</th></tr></thead>
         <tbody>
           {keyframe.planes.map((plane, i) => (
             <tr key={plane.id}>
@@ -86,7 +86,7 @@ function Show({ map, id }: { map: MapSummary; id: number }) {
           {image && camera && !panorama && (
             <label class="toggle">
               <input type="checkbox" checked={withLines} onChange={() => setWithLines(!withLines)} />
-              lines by their direction in the building
+              Show lines coloured by Manhattan axis
             </label>
           )}
           {lines.error && <Failure error={lines.error} />}
@@ -96,15 +96,15 @@ function Show({ map, id }: { map: MapSummary; id: number }) {
         <div>
           <Facts
             rows={[
-              ["Source", `${source} of ${sequence}`],
-              ["Frame", time_s === null ? frame : `${frame}, at ${time_s.toFixed(2)} s`],
+              ["Source", `${source} of sequence ${sequence}`],
+              ["Frame", time_s === null ? frame : `${frame} at ${time_s.toFixed(2)} s`],
               ["Stretch", stretch + 1],
               ["Size", `${width} × ${height} px`],
             ]}
           />
           {planes.length > 0
             ? <PlaneTable map={map.name} keyframe={keyframe.value} shown={shown} toggle={toggle} />
-            : <p>No plane of the map is seen here: a query from here won’t be recognised.</p>}
+            : <p>No mapped plane is in view: a query from here can’t be localized.</p>}
         </div>
       </div>
       {planes.length > 0 && camera && !panorama && <InSpace map={map} keyframe={keyframe.value} />}
@@ -121,13 +121,13 @@ function Grid({ map, overview }: { map: MapSummary; overview: Overview }) {
         {id.slice(0, count).map((keyframe, i) => (
           <li key={keyframe}>
             <Thumbnail map={map} id={keyframe} />
-            <span><strong>{keyframe}</strong> {counted(planes[i], "plane")}, {features[i]}</span>
+            <span><strong>{keyframe}</strong> {counted(planes[i], "plane")}, {counted(features[i], "inlier")}</span>
           </li>
         ))}
       </ul>
       {count < id.length && (
         <button onClick={() => setCount(count + kPage)}>
-          More ({(id.length - count).toLocaleString("en")} left)
+          Show more ({(id.length - count).toLocaleString("en")} left)
         </button>
       )}
     </>
@@ -137,13 +137,17 @@ function Grid({ map, overview }: { map: MapSummary; overview: Overview }) {
 export function KeyframesView({ map, route }: ViewProps) {
   const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
   if (overview.error) return <Failure error={overview.error} />;
-  if (!overview.value) return <Waiting what="the keyframes" />;
+  if (!overview.value) return <Waiting what="keyframes" />;
   if (route.id === null) {
     return (
       <>
         <h1>Keyframes</h1>
-        <p class="quiet">With how many planes each saw, and how many of their features.</p>
-        <Grid map={map} overview={overview.value} />
+        {map.keyframes > 0 ? (
+          <>
+            <p class="quiet">Each with the number of planes in view and their inliers.</p>
+            <Grid map={map} overview={overview.value} />
+          </>
+        ) : <p class="missing">This map has no keyframes.</p>}
       </>
     );
   }

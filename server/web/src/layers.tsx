@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// View: the way through the map, layer by layer: what was seen again, and the trajectory.
+// View: the trajectory, layer by layer: revisits, and the poses of the appearance layer.
 import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
 import { type Appearance, type AppearanceNode, mapPath, type Overview } from "./api";
 import { colourOf } from "./colours";
-import type { ViewProps } from "./main";
+import type { ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, Panorama, PlaneLink, Swatch, Waiting } from "./parts";
 import { href } from "./route";
 import { useGet } from "./use";
 import { counted } from "./words";
 
 const kDegrees = 180 / Math.PI;
-const kFewSteps = 10; // keyframes between two sightings that count as coming back
+const kFewSteps = 10; // keyframes out of view, from which on a plane counts as revisited
 
 interface Revisit {
   plane: number;
@@ -19,7 +19,7 @@ interface Revisit {
   to: number;
 }
 
-// Planes that were out of view for a while and seen again.
+// Planes that left the view for a while and were seen again.
 export function revisits(overview: Overview): Revisit[] {
   const at = new Map(overview.keyframes.id.map((id, i) => [id, i]));
   const found: Revisit[] = [];
@@ -48,7 +48,7 @@ function Arcs({ overview, found }: { overview: Overview; found: Revisit[] }) {
   };
   return (
     <svg class="plot" viewBox={`0 0 ${kArcWidth} ${kArcHeight}`} role="img"
-      aria-label={`${n} keyframes in a row and ${found.length} arcs between sightings of one plane`}>
+      aria-label={`${n} keyframes in order and ${found.length} arcs between observations of one plane`}>
       {found.map((r, i) => <path key={i} class="arc" d={arc(r)} />)}
       {overview.keyframes.stretch.map((s, i) => (
         <circle key={i} cx={x(i)} cy={base} r="3" fill={colourOf(s)} />
@@ -64,17 +64,17 @@ function SeenAgain({ map, overview }: { map: string; overview: Overview }) {
   const { id } = overview.keyframes;
   return (
     <section>
-      <h2>What was seen again</h2>
+      <h2>Revisits (plane layer)</h2>
       <p class="quiet">
-        From the plane layer: a plane that was out of view for {kFewSteps} keyframes or more and came
-        back ties two passes together. It says which places are one, not where they are.
+        A plane seen again after {kFewSteps} or more keyframes connects two passes through one place.
+        The plane layer has no positions, so none are drawn.
       </p>
       {found.length > 0 && <Arcs overview={overview} found={found} />}
       {found.length === 0
-        ? <p>No plane was seen again: the walk never came back, or wasn’t recognised when it did.</p>
+        ? <p>No revisits: the trajectory has no loop, or its loops were not detected.</p>
         : (
           <details>
-            <summary>{counted(found.length, "return")}</summary>
+            <summary>{counted(found.length, "revisit")}</summary>
             <ul class="columns">
               {found.map((r, i) => (
                 <li key={i}>
@@ -96,7 +96,7 @@ interface Drawn {
   y: number;
 }
 
-// Nodes where the odometry puts them, and the edges between them.
+// Nodes at their estimated positions, and the edges between them.
 function Trajectory(props: { layer: Appearance; chosen: number; choose: (index: number) => void }) {
   const { layer, chosen, choose } = props;
   const xs = layer.nodes.map((n) => n.x);
@@ -134,9 +134,9 @@ function Node({ map, id }: { map: string; id: number }) {
       <Facts
         rows={[
           ["Node", keyframe === null ? id : <>{id}, keyframe <KeyframeLink map={map} id={keyframe} /></>],
-          ["Source", `${source} of ${sequence}`],
-          ["Frame", time_s === null ? frame : `${frame}, at ${time_s.toFixed(2)} s`],
-          ["Place", `${x.toFixed(2)}, ${y.toFixed(2)}; heading ${(heading_rad * kDegrees).toFixed(0)}°`],
+          ["Source", `${source} of sequence ${sequence}`],
+          ["Frame", time_s === null ? frame : `${frame} at ${time_s.toFixed(2)} s`],
+          ["Position", `${x.toFixed(2)}, ${y.toFixed(2)}; heading ${(heading_rad * kDegrees).toFixed(0)}°`],
         ]}
       />
       {image ? <Panorama path={image} /> : <p class="quiet">The map was built without images.</p>}
@@ -156,12 +156,12 @@ function AppearanceLayer({ map }: { map: string }) {
       <p class="legend">
         <Swatch colour="var(--text)" />odometry <Swatch colour="var(--accent)" />
         {counted(loops, "loop closure")}.{" "}
-        {layer.value.scale === "metric" ? "In metres." : "Its scale is arbitrary."}
+        {layer.value.scale === "metric" ? "Units: metres." : "The scale is arbitrary."}
       </p>
       <Trajectory layer={layer.value} chosen={chosen} choose={choose} />
       <p class="steps">
-        <button disabled={chosen === 0} onClick={() => choose(chosen - 1)}>← previous</button>{" "}
-        <button disabled={chosen + 1 >= count} onClick={() => choose(chosen + 1)}>next →</button>
+        <button disabled={chosen === 0} onClick={() => choose(chosen - 1)}>← Previous</button>{" "}
+        <button disabled={chosen + 1 >= count} onClick={() => choose(chosen + 1)}>Next →</button>
       </p>
       {count > 0 && <Node map={map} id={layer.value.nodes[chosen].id} />}
     </>
@@ -184,21 +184,21 @@ export function LayersView({ map }: ViewProps) {
   const { layers } = overview.value;
   return (
     <>
-      <h1>The way through the map</h1>
-      {layers.includes("planes") && <SeenAgain map={map.name} overview={overview.value} />}
+      <h1>Trajectory</h1>
+      {map.planes > 0 && <SeenAgain map={map.name} overview={overview.value} />}
       <Layer
-        name="Trajectory (appearance layer)"
+        name="Poses (appearance layer)"
         has={layers.includes("appearance")}
-        missing="This map has no appearance layer, so nothing says where its keyframes are. A map gets one when it is built from panoramas, or from a rig that sees all around."
+        missing="This map has no appearance layer and therefore no poses. Build a map from panoramas or from a rig that covers the full circle to get one."
       >
         <AppearanceLayer map={map.name} />
       </Layer>
       <Layer
         name="Turns and corridors (orientation layer)"
         has={layers.includes("orientation")}
-        missing="This map has no orientation layer. A map gets one when it is built from a calibrated camera’s images of a building with walls at right angles."
+        missing="This map has no orientation layer. Build a map with a calibrated camera in a building with walls at right angles to get one."
       >
-        <p>They have <a href={href(map.name, "orientation")}>a view of their own</a>.</p>
+        <p>See the <a href={href(map.name, "orientation")}>orientation view</a>.</p>
       </Layer>
     </>
   );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture with its straight lines, coloured by the direction of the building that they have (the
+// An image with its line segments, coloured by the Manhattan axis they are parallel to (the
 // orientation paper's fig. 2).
 import type { DirectedLines } from "./api";
 import { Frame } from "./figure";
@@ -20,25 +20,25 @@ export function LineStrokes({ lines }: { lines: DirectedLines }) {
   );
 }
 
-// How many lines have which direction, and whose directions they are.
+// The number of lines along each axis, and the frame of the axes.
 export function LineWords({ lines }: { lines: DirectedLines }) {
   const count = (axis: string | null) => lines.lines.filter((l) => l.axis === axis).length;
   return (
     <figcaption>
       <span class="key x">{count("x")} along x</span> <span class="key y">{count("y")} along y</span>{" "}
-      <span class="key z">{count("z")} upright</span>; {counted(count(null), "line")} of no axis.{" "}
+      <span class="key z">{count("z")} vertical</span>; {counted(count(null), "line")} along no axis.{" "}
       {lines.of === "frame"
-        ? "The axes are the building’s."
-        : lines.reliable ? "The axes are this picture’s own." : "This picture’s axes aren’t reliable."}
+        ? "The axes are those of the map."
+        : lines.reliable ? "The axes were estimated in this image alone." : "The axes of this image are not reliable."}
     </figcaption>
   );
 }
 
-// A picture and the lines that the server finds in it; `path` gives them.
+// An image and the lines that the server detects in it, at `path`.
 export function LinedPicture({ image, alt, path }: { image: string; alt: string; path: string }) {
   const lines = useGet<DirectedLines>(path);
   if (lines.error) return <Failure error={lines.error} />;
-  if (!lines.value) return <Waiting what="the lines" />;
+  if (!lines.value) return <Waiting what="lines" />;
   const { width, height } = lines.value;
   return (
     <figure>

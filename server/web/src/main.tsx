@@ -1,40 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page: which map, which view.
+// The page: the header, the chosen map and the chosen view.
 import type { ComponentType } from "preact";
 import { render } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { type Answer, keepToken, listMaps, type MapSummary, wantsToken } from "./api";
+import { keepToken, listMaps, mapPath, type MapSummary, type Overview, wantsToken } from "./api";
 import { AskView } from "./ask";
 import { Failure, Waiting } from "./parts";
-import { href, type Route, useRoute, type View } from "./route";
+import { href, useRoute, type View } from "./route";
+import type { Query, ViewProps } from "./types";
+import { useGet } from "./use";
 import { counted } from "./words";
 
-// The last photo that was asked about; several views show parts of its answer.
-export interface Query {
-  map: string;
-  photo: string; // object URL
-  name: string;
-  answer: Answer;
-}
-
-export interface ViewProps {
-  map: MapSummary;
-  route: Route;
-  query: Query | null;
-  setQuery: (query: Query | null) => void;
-}
-
 const kTitles: Record<View, string> = {
-  ask: "Ask",
+  ask: "Localize",
   why: "Why",
   planes: "Planes",
   keyframes: "Keyframes",
-  layers: "Layers",
+  layers: "Trajectory",
   orientation: "Orientation",
   coverage: "Coverage",
 };
 
-// What the first view doesn't need is loaded when it is asked for.
+// Every view but the first is loaded on demand.
 const kLater: Record<Exclude<View, "ask">, () => Promise<ComponentType<ViewProps>>> = {
   why: async () => (await import("./why")).WhyView,
   planes: async () => (await import("./planes")).PlanesView,
@@ -57,7 +44,22 @@ function useView(view: View): ComponentType<ViewProps> | null {
   return loaded.view === view ? loaded.show : null;
 }
 
+// The views that a map has data for. Those that need a layer appear once the overview is loaded.
+function viewsOf(map: MapSummary, layers: string[]): View[] {
+  const needs: Record<View, boolean> = {
+    ask: true,
+    why: map.planes > 0,
+    planes: map.planes > 0,
+    keyframes: map.keyframes > 0,
+    layers: map.planes > 0 || layers.includes("appearance"),
+    orientation: layers.includes("orientation"),
+    coverage: map.planes > 0,
+  };
+  return (Object.keys(kTitles) as View[]).filter((view) => needs[view]);
+}
+
 function Header({ maps, map, view }: { maps: MapSummary[]; map: MapSummary; view: View }) {
+  const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
   const choose = (event: Event) => {
     location.hash = href((event.target as HTMLSelectElement).value, view);
   };
@@ -71,7 +73,7 @@ function Header({ maps, map, view }: { maps: MapSummary[]; map: MapSummary; view
         </select>
       </label>
       <nav aria-label="Views">
-        {(Object.keys(kTitles) as View[]).map((v) => (
+        {viewsOf(map, overview.value?.layers ?? []).map((v) => (
           <a key={v} href={href(map.name, v)} aria-current={v === view ? "page" : undefined}>
             {kTitles[v]}
           </a>
@@ -82,22 +84,22 @@ function Header({ maps, map, view }: { maps: MapSummary[]; map: MapSummary; view
 }
 
 function Footer({ map }: { map: MapSummary }) {
+  const counts = [counted(map.keyframes, "keyframe"), counted(map.planes, "plane"),
+    `${counted(map.features, "feature")} (${map.feature_type})`, counted(map.edges, "edge")];
   return (
     <footer>
       <p>
-        {map.name}: {counted(map.keyframes, "keyframe")}, {counted(map.planes, "plane")},{" "}
-        {counted(map.features, "feature")} ({map.feature_type}), {counted(map.edges, "edge")}.
-        Built by {map.program}. Version <code title={map.version}>{map.version.slice(0, 15)}</code>.
+        {map.name}{map.planes > 0 && `: ${counts.join(", ")}`}. Built with {map.program}. Version <code title={map.version}>{map.version.slice(0, 15)}</code>.
       </p>
       <p>
         <a href={`/v1/maps/${encodeURIComponent(map.name)}`}>JSON</a> ·{" "}
-        <a href="/plain">without scripts</a> · <a href="/page/licences.txt">licences</a>
+        <a href="/plain">version without JavaScript</a> · <a href="/page/licences.txt">Licences</a>
       </p>
     </footer>
   );
 }
 
-// The server's operator gives out tokens; the page keeps one as long as its tab is open.
+// The page keeps the token in the session storage of its tab.
 function TokenForm({ refused, use }: { refused: boolean; use: (token: string) => void }) {
   const submit = (event: Event) => {
     event.preventDefault();
@@ -106,15 +108,15 @@ function TokenForm({ refused, use }: { refused: boolean; use: (token: string) =>
   };
   return (
     <main>
-      <h1>This server wants a token</h1>
+      <h1>Authentication required</h1>
       <form class="token" onSubmit={submit}>
         <label>
           Token <input name="token" type="password" autocomplete="off" required />
         </label>
-        <button>Go on</button>
+        <button>Sign in</button>
       </form>
-      {refused && <p class="failure" role="alert">The server doesn’t know this token.</p>}
-      <p class="quiet">Whoever runs the server has its tokens. This one is kept until the tab is closed.</p>
+      {refused && <p class="failure" role="alert">Invalid token.</p>}
+      <p class="quiet">Ask the server’s administrator for a token. It is kept until this tab is closed.</p>
     </main>
   );
 }
@@ -125,7 +127,7 @@ function App() {
   const [error, setError] = useState<string | null>(null);
   const [query, setQuery] = useState<Query | null>(null);
   const show = useView(route.view);
-  const [asked, setAsked] = useState<"no" | "yes" | "again">("no"); // for a token
+  const [asked, setAsked] = useState<"no" | "yes" | "again">("no"); // whether a token is needed
   const load = () =>
     listMaps().then(setMaps, (e: Error) => {
       if (wantsToken(e)) setAsked((before) => (before === "no" ? "yes" : "again"));
@@ -145,12 +147,12 @@ function App() {
   if (error) return <main><Failure error={error} /></main>;
   if (!maps && asked !== "no") return <TokenForm refused={asked === "again"} use={useToken} />;
   if (!maps) return <main><Waiting what="the maps" /></main>;
-  if (!map) return <main><p>This server has no map.</p></main>;
+  if (!map) return <main><p>This server has no maps.</p></main>;
   const Show = show;
   const own = query?.map === map.name ? query : null;
   return (
     <>
-      <a class="skip" href="#main" onClick={skip}>Skip to the content</a>
+      <a class="skip" href="#main" onClick={skip}>Skip to content</a>
       <Header maps={maps} map={map} view={route.view} />
       <main id="main" tabIndex={-1} key={map.name}>
         {Show
@@ -162,7 +164,7 @@ function App() {
   );
 }
 
-// The address has the view in its hash, so the link can't change it.
+// The hash of the address names the view, so a link to #main can't be followed.
 function skip(event: Event) {
   event.preventDefault();
   document.getElementById("main")?.focus();

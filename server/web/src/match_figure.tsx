@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The query's photo beside the keyframe that a plane was found on, with the lines of the matches.
+// The query image beside the reference keyframe of a plane, with lines between their inliers.
 import { type Candidate, imagePath, type Keyframe, mapPath } from "./api";
 import { Pair, type Shape } from "./figure";
-import type { Query } from "./main";
+import type { Query } from "./types";
 import { Failure, KeyframeLink, Waiting } from "./parts";
 import { useGet } from "./use";
 
@@ -12,7 +12,7 @@ export function MatchFigure(props: {
   candidate: Candidate;
   shapes: Shape[];
   colour: string;
-  stacked?: boolean; // the keyframe below the photo, where there is little room beside it
+  stacked?: boolean; // the keyframe below the query image
 }) {
   const { map, query, candidate, colour } = props;
   const keyframe = useGet<Keyframe>(`${mapPath(map)}/keyframes/${candidate.reference}`);
@@ -24,7 +24,7 @@ export function MatchFigure(props: {
   return (
     <figure>
       <Pair
-        left={{ src: query.photo, alt: "the photo", ...why.image }}
+        left={{ src: query.photo, alt: "query image", ...why.image }}
         right={{
           src: image && imagePath(map, candidate.reference),
           alt: `keyframe ${candidate.reference}`,
@@ -38,8 +38,8 @@ export function MatchFigure(props: {
         stacked={props.stacked}
       />
       <figcaption>
-        The photo, and keyframe <KeyframeLink map={map} id={candidate.reference} /> with plane{" "}
-        {candidate.plane}. Each line joins a point of the photo with the same point of the plane.
+        Query image and keyframe <KeyframeLink map={map} id={candidate.reference} />, the reference of
+        plane {candidate.plane}. Each line joins an inlier in both.
       </figcaption>
     </figure>
   );

@@ -1,28 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// View: the orientation layer. The way by its turns (the paper's fig. 10), heading and lines over
-// the frames (figs. 3, 4 and 11), and one frame with where one can go from it (fig. 13).
+// View: the orientation layer. The trajectory by its turns (the paper's fig. 10), heading and lines
+// by frame (figs. 3, 4 and 11), and one frame with its free directions (fig. 13).
 import { useMemo } from "preact/hooks";
 import { mapPath, type Orientation, type OrientationFrame, type Overview } from "./api";
 import { LinedPicture } from "./lines";
-import type { ViewProps } from "./main";
+import type { Stretch, ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, Swatch, Waiting } from "./parts";
 import { href } from "./route";
 import { type Mark, Series } from "./series";
 import { useGet } from "./use";
-import { WayMap } from "./way_map";
+import { TrajectoryMap } from "./trajectory_map";
 import { counted } from "./words";
 
 const kDegrees = 180 / Math.PI;
 const kQuarters = [-180, -90, 0, 90, 180];
 
 type Node = Orientation["nodes"][number];
-
-// The frames of one sequence: rows first to last of the layer's columns.
-export interface Stretch {
-  sequence: number;
-  first: number;
-  last: number;
-}
 
 function stretches({ frames }: Orientation): Stretch[] {
   const found: Stretch[] = [];
@@ -34,7 +27,7 @@ function stretches({ frames }: Orientation): Stretch[] {
   return found;
 }
 
-// Of the frames of a stretch: what its two plots show.
+// The values of both plots for the frames of a stretch.
 function plotted(layer: Orientation, { first, last }: Stretch) {
   const { frames } = layer;
   const rows = Array.from({ length: last - first + 1 }, (_, i) => first + i);
@@ -77,18 +70,18 @@ function Plots(props: { layer: Orientation; stretch: Stretch; row: number; choos
     <section>
       <h2>Heading and lines</h2>
       <p class="legend">
-        <Swatch colour="var(--accent)" />heading, 0° along the building’s x and 90° along its y{" "}
+        <Swatch colour="var(--accent)" />heading, 0° along the map’s x and 90° along its y{" "}
         <Swatch colour="var(--quiet)" />not reliable{" "}
         <Swatch colour="var(--weak)" />corridor{" "}
         <Swatch colour="var(--red)" />turn{" "}
-        <Swatch colour="var(--blue)" />the camera turned alone
+        <Swatch colour="var(--blue)" />camera-only turn
       </p>
-      <Series at={at} along="frame" curves={plot.headings} unit="heading, degrees"
+      <Series at={at} along="frame" curves={plot.headings} unit="heading (degrees)"
         range={[-185, 185]} ticks={kQuarters} marked={marked} marks={marks} chosen={chosen}
         what={`Heading of ${at.length} frames; ${turns}`} choose={choose} />
       <p class="legend">
-        Lines along the building’s <Swatch colour="var(--red)" />x{" "}
-        <Swatch colour="var(--green)" />y <Swatch colour="var(--blue)" />z (upright)
+        Lines along the axes of the map: <Swatch colour="var(--red)" />x{" "}
+        <Swatch colour="var(--green)" />y <Swatch colour="var(--blue)" />z (vertical)
       </p>
       <Series at={at} along="frame" curves={plot.lines} unit="lines" marked={marked} marks={marks}
         chosen={chosen} what={`Lines along each axis in ${at.length} frames; ${turns}`} choose={choose} />
@@ -103,13 +96,13 @@ const kCells = [
   { name: "left", points: "0,0 0,100 50,50", x: 19, y: 52 },
 ];
 
-// Lines across the way in the four cells around it, for who looks along it (fig. 13).
+// Lines across the direction of travel in the four cells around it (fig. 13).
 function Cells({ node }: { node: Node }) {
   const most = Math.max(1, ...node.directions);
   const said = kCells.map((c, i) => `${node.directions[i]} ${c.name}`).join(", ");
   return (
     <figure class="cells">
-      <svg viewBox="-1 -1 102 102" role="img" aria-label={`Lines across the way: ${said}`}>
+      <svg viewBox="-1 -1 102 102" role="img" aria-label={`Lines across the direction of travel: ${said}`}>
         {kCells.map((cell, i) => (
           <g key={cell.name}>
             <polygon points={cell.points} fill-opacity={(0.75 * node.directions[i]) / most} />
@@ -118,19 +111,19 @@ function Cells({ node }: { node: Node }) {
           </g>
         ))}
       </svg>
-      <figcaption>Lines across the way, by where they are seen along it: where there are many, one can go.</figcaption>
+      <figcaption>Lines perpendicular to the direction of travel in each cell of the image. Many lines mean that the direction is open.</figcaption>
     </figure>
   );
 }
 
 function headingInWords(frame: OrientationFrame): string {
-  if (frame.heading_rad === null) return "no axes found";
+  if (frame.heading_rad === null) return "axes not found";
   const degrees = `${(frame.heading_rad * kDegrees).toFixed(1)}°`;
   const sure = frame.deviation_rad === null ? "" : ` ± ${(frame.deviation_rad * kDegrees).toFixed(2)}°`;
   return `${degrees}${sure}${frame.reliable ? "" : ", not reliable"}`;
 }
 
-// The node that a frame is, else the one before it.
+// The node at a frame, or the last one before it.
 function nodeAt(layer: Orientation, id: number): Node | undefined {
   const before = layer.nodes.filter((n) => n.id <= id);
   return before[before.length - 1] ?? layer.nodes[0];
@@ -149,27 +142,27 @@ function Frame({ map, layer, id }: { map: string; layer: Orientation; id: number
     <>
       <Facts
         rows={[
-          ["Frame", <>{frame.value.frame}{time_s !== null && `, at ${time_s.toFixed(2)} s`}
+          ["Frame", <>{frame.value.frame}{time_s !== null && ` at ${time_s.toFixed(2)} s`}
             {keyframe !== null && <>, keyframe <KeyframeLink map={map} id={keyframe} /></>}</>],
-          ["Source", `${source} of ${sequence}`],
+          ["Source", `${source} of sequence ${sequence}`],
           ["Heading", headingInWords(frame.value)],
-          ["Lines", `${lines[0]} along x, ${lines[1]} along y, ${lines[2]} upright`],
-          ["Corridor", corridor ? `${corridor.id}, along the building’s ${corridor.axis}` : "–"],
-          ["Turn", turn ? `to the ${turn.direction}${turn.confirmed ? "" : ", of the camera alone"}` : "–"],
+          ["Lines", `${lines[0]} along x, ${lines[1]} along y, ${lines[2]} vertical`],
+          ["Corridor", corridor ? `${corridor.id}, along ${corridor.axis}` : "–"],
+          ["Turn", turn ? `${turn.direction}${turn.confirmed ? "" : " (camera only)"}` : "–"],
         ]}
       />
       {node && (
         <>
           <h2>
-            {there ? "This node" : <>The node before it, <FrameLink map={map} id={node.id} layer={layer} /></>}
-            {node.kind === "turn" ? ": a turn" : ": the view breaks"}
+            {there ? "Node" : <>Previous node, frame <FrameLink map={map} id={node.id} layer={layer} /></>}
+            {node.kind === "turn" ? ": turn" : ": view break"}
           </h2>
           <div class="node">
             {layer.frames.reliable[layer.frames.id.indexOf(node.id)]
               ? <Cells node={node} />
-              : <p class="quiet">Where one can go isn’t known: its rotation isn’t reliable.</p>}
+              : <p class="quiet">Free directions are unknown: the rotation is not reliable.</p>}
             {node.image && (
-              <LinedPicture image={node.image} alt={`what node ${node.id} sees ahead`}
+              <LinedPicture image={node.image} alt={`forward view at node ${node.id}`}
                 path={`${mapPath(map)}/orientation/nodes/${node.id}/lines`} />
             )}
           </div>
@@ -207,24 +200,24 @@ function Lists({ map, layer }: { map: string; layer: Orientation }) {
     <div class="lists">
       <Table
         name="Turns"
-        heads={["Frame", "Direction", "Angle jumped", "Then along"]}
+        heads={["Frame", "Direction", "Angle", "New axis"]}
         rows={layer.turns.map((t) => [
-          link(t.frame), t.confirmed ? t.direction : `${t.direction}, camera alone`,
-          `${(t.angle_rad * kDegrees).toFixed(0)}°`, `the building’s ${t.axis_after}`,
+          link(t.frame), t.confirmed ? t.direction : `${t.direction} (camera only)`,
+          `${Math.round(t.angle_rad * kDegrees) + 0}°`, t.axis_after,
         ])}
-        none="No turn."
+        none="No turns."
       />
       <Table
         name="Corridors"
-        heads={["Corridor", "Along", "Frames"]}
-        rows={layer.corridors.map((c) => [c.id, `the building’s ${c.axis}`, <>{link(c.first)} to {link(c.last)}</>])}
-        none="No corridor."
+        heads={["Corridor", "Axis", "Frames"]}
+        rows={layer.corridors.map((c) => [c.id, c.axis, <>{link(c.first)} to {link(c.last)}</>])}
+        none="No corridors."
       />
       <Table
-        name="Loops"
+        name="Loop closures"
         heads={["Frames", "Verified matches"]}
         rows={loops.map((e) => [<>{link(e.a)} and {link(e.b)}</>, e.matches])}
-        none="No loop: the way doesn’t come back, or wasn’t recognised when it did."
+        none="No loop closures: the trajectory has no loop, or its loops were not detected."
       />
     </div>
   );
@@ -235,36 +228,36 @@ function Steps({ map, layer, id }: { map: string; layer: Orientation; id: number
   const after = layer.nodes.find((n) => n.id > id);
   const link = (node: Node | undefined, text: string) =>
     node ? <a href={href(map, "orientation", node.id)}>{text}</a> : <span class="quiet">{text}</span>;
-  return <p class="steps">{link(before, "← previous node")} {link(after, "next node →")}</p>;
+  return <p class="steps">{link(before, "← Previous node")} {link(after, "Next node →")}</p>;
 }
 
 function Layer({ map, id }: { map: string; id: number | null }) {
   const layer = useGet<Orientation>(`${mapPath(map)}/orientation`);
-  const ways = useMemo(() => (layer.value ? stretches(layer.value) : []), [layer.value]);
+  const sequences = useMemo(() => (layer.value ? stretches(layer.value) : []), [layer.value]);
   if (layer.error) return <Failure error={layer.error} />;
   if (!layer.value) return <Waiting what="the orientation layer" />;
   const { frames, nodes } = layer.value;
-  if (frames.id.length === 0) return <p>The layer has no frame.</p>;
+  if (frames.id.length === 0) return <p>The layer has no frames.</p>;
   const first = nodes[0]?.id ?? frames.id[0];
   const row = Math.max(0, frames.id.indexOf(id ?? first));
-  const stretch = ways.find((w) => w.first <= row && row <= w.last)!;
+  const stretch = sequences.find((s) => s.first <= row && row <= s.last)!;
   const choose = (to: number) => {
     location.hash = href(map, "orientation", frames.id[to]);
   };
   return (
     <>
-      {ways.length > 1 && (
+      {sequences.length > 1 && (
         <p>
-          Way{" "}
-          {ways.map((w, i) => (
-            <a key={w.sequence} class="other-way" href={href(map, "orientation", frames.id[w.first])}
-              aria-current={w === stretch ? "true" : undefined}>{i + 1}</a>
+          Sequence{" "}
+          {sequences.map((s, i) => (
+            <a key={s.sequence} class="other-sequence" href={href(map, "orientation", frames.id[s.first])}
+              aria-current={s === stretch ? "true" : undefined}>{i + 1}</a>
           ))}
         </p>
       )}
       <div class="split">
-        <WayMap layer={layer.value} stretch={stretch} row={row} choose={choose} />
-        <section aria-label="The chosen frame">
+        <TrajectoryMap layer={layer.value} stretch={stretch} row={row} choose={choose} />
+        <section aria-label="Selected frame">
           <Steps map={map} layer={layer.value} id={frames.id[row]} />
           <Frame map={map} layer={layer.value} id={frames.id[row]} />
         </section>
@@ -284,8 +277,8 @@ export function OrientationView({ map, route }: ViewProps) {
       <h1>Turns and corridors</h1>
       {overview.value.layers.includes("orientation") ? <Layer map={map.name} id={route.id} /> : (
         <p class="missing">
-          This map has no orientation layer. A map gets one when it is built from a calibrated
-          camera’s images of a building with walls at right angles.
+          This map has no orientation layer. Build a map with a calibrated camera in a building with
+          walls at right angles to get one.
         </p>
       )}
     </>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small things that several views show.
+// Small components shared by several views.
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { type MapSummary, thumbnailPath } from "./api";
@@ -7,7 +7,7 @@ import { href } from "./route";
 import { usePicture } from "./use";
 
 export function Failure({ error }: { error: string }) {
-  return <p class="failure" role="alert">This didn’t work: {error}</p>;
+  return <p class="failure" role="alert">Error: {error}</p>;
 }
 
 export function Waiting({ what }: { what: string }) {
@@ -22,7 +22,7 @@ export function PlaneLink({ map, id }: { map: string; id: number }) {
   return <a href={href(map, "planes", id)}>{id}</a>;
 }
 
-// A row of planes' ids.
+// Plane ids separated by commas.
 export function PlaneLinks({ map, ids }: { map: string; ids: number[] }) {
   if (ids.length === 0) return <>–</>;
   return (
@@ -42,9 +42,9 @@ export function Thumbnail({ map, id }: { map: MapSummary; id: number }) {
   );
 }
 
-const kViewerWidth = 300; // px; a smaller picture is too blurred to look around in
+const kViewerWidth = 300; // px; smaller panoramas are too blurred for the viewer
 
-// A panorama to look around in, or flat where the map has a small copy of it only.
+// A panorama in a 360-degree viewer, or flat where the map stores only a small copy.
 export function Panorama({ path }: { path: string }) {
   const src = usePicture(path);
   const [large, setLarge] = useState<string | null>(null);
@@ -53,7 +53,7 @@ export function Panorama({ path }: { path: string }) {
   };
   if (!src) return null;
   if (large === src) return <PanoramaViewer src={src} />;
-  return <div class="panoramas"><img class="small" src={src} alt="the panorama" onLoad={sized} /></div>;
+  return <div class="panoramas"><img class="small" src={src} alt="panorama" onLoad={sized} /></div>;
 }
 
 function PanoramaViewer({ src }: { src: string }) {
@@ -76,7 +76,7 @@ export function Swatch({ colour }: { colour: string }) {
   return <span class="swatch" style={{ backgroundColor: colour }} />;
 }
 
-// Pairs of a name and a value.
+// A list of names and values.
 export function Facts({ rows }: { rows: [string, ComponentChildren][] }) {
   return (
     <dl class="facts">

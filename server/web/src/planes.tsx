@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// View: the map as a graph of planes, and one plane with its views, features and neighbours.
+// View: the graph of planes, and one plane with its views, features and neighbours.
 import { useState } from "preact/hooks";
 import { type Keyframe, mapPath, type Overview, type Plane } from "./api";
 import { colourOf } from "./colours";
 import { Overlay } from "./figure";
 import { PlaneGraph } from "./graph";
-import type { ViewProps } from "./main";
+import type { ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, PlaneLink, PlaneLinks, Swatch, Waiting } from "./parts";
 import { href } from "./route";
 import { useGet } from "./use";
@@ -16,7 +16,7 @@ function Legend({ overview }: { overview: Overview }) {
   const stretches = [...new Set(overview.planes.stretch.map((s) => s ?? 0))].sort((a, b) => a - b);
   return (
     <p class="legend">
-      Size: features. Lines: seen together. Colour: stretch of the walk without a break:{" "}
+      Size: number of features. Edges: planes seen together. Colour: stretch of unbroken tracking:{" "}
       {stretches.slice(0, 8).map((s) => (
         <span key={s}><Swatch colour={colourOf(s)} />{s + 1} </span>
       ))}
@@ -56,7 +56,7 @@ function Table({ map, overview, selected }: { map: string; overview: Overview; s
           ))}
         </tbody>
       </table>
-      {rows < order.length && <button onClick={() => setRows(rows + 500)}>More rows</button>}
+      {rows < order.length && <button onClick={() => setRows(rows + 500)}>Show more</button>}
     </div>
   );
 }
@@ -64,7 +64,7 @@ function Table({ map, overview, selected }: { map: string; overview: Overview; s
 function Picture({ map, plane }: { map: string; plane: Plane }) {
   const keyframe = useGet<Keyframe>(`${mapPath(map)}/keyframes/${plane.reference.id}`);
   if (keyframe.error) return <Failure error={keyframe.error} />;
-  if (!keyframe.value) return <Waiting what="its keyframe" />;
+  if (!keyframe.value) return <Waiting what="the reference keyframe" />;
   const { width, height, image } = keyframe.value;
   const dots = plane.features.filter(
     (f) => f.x_px >= 0 && f.y_px >= 0 && f.x_px < width && f.y_px < height,
@@ -77,7 +77,7 @@ function Picture({ map, plane }: { map: string; plane: Plane }) {
         dots={dots.map((f) => [f.x_px, f.y_px])}
       />
       <figcaption>
-        Its reference image, keyframe <KeyframeLink map={map} id={plane.reference.id} />. A dot is a
+        Reference image, keyframe <KeyframeLink map={map} id={plane.reference.id} />. Each dot is a
         feature.
       </figcaption>
     </figure>
@@ -88,8 +88,8 @@ function Views({ map, plane }: { map: string; plane: Plane }) {
   return (
     <div class="scroll" tabIndex={0} role="region" aria-label="Views">
       <table>
-        <caption>Keyframes that saw it</caption>
-        <thead><tr><th>Keyframe</th><th class="number">Features found</th></tr></thead>
+        <caption>Keyframes with this plane in view</caption>
+        <thead><tr><th>Keyframe</th><th class="number">Inliers</th></tr></thead>
         <tbody>
           {plane.views.map((view) => (
             <tr key={view.keyframe}>
@@ -111,11 +111,11 @@ function PlanePanel({ map, id }: { map: string; id: number }) {
   const votes = features.reduce((sum, f) => sum + f.votes, 0) / Math.max(1, features.length);
   return (
     <section class="panel" aria-label={`Plane ${id}`}>
-      <h2>Plane {id} <a class="close" href={href(map, "planes")}>close</a></h2>
+      <h2>Plane {id} <a class="close" href={href(map, "planes")}>Close</a></h2>
       <Picture map={map} plane={plane.value} />
       <Facts
         rows={[
-          ["Features", `${features.length}, found ${votes.toFixed(1)} times each on average`],
+          ["Features", `${features.length}, each matched ${votes.toFixed(1)} times on average`],
           ["Views", views.length],
           ["Neighbours", <PlaneLinks map={map} ids={neighbours} />],
         ]}
@@ -129,12 +129,20 @@ export function PlanesView({ map, route }: ViewProps) {
   const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
   if (overview.error) return <Failure error={overview.error} />;
   if (!overview.value) return <Waiting what="the graph" />;
+  if (map.planes === 0) {
+    return (
+      <>
+        <h1>Plane graph</h1>
+        <p class="missing">This map has no planes.</p>
+      </>
+    );
+  }
   const select = (plane: number) => {
     location.hash = href(map.name, "planes", plane);
   };
   return (
     <>
-      <h1>Planes and what is seen together</h1>
+      <h1>Plane graph</h1>
       <Legend overview={overview.value} />
       <div class="split">
         <PlaneGraph map={map.name} overview={overview.value} selected={route.id} select={select} />

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a keyframe sees in space: its planes' outlines where their homographies put them.
+// The planes of a keyframe in 3D, as reconstructed from their homographies.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { type Keyframe, mapPath, type MapSummary, type Space } from "./api";
 import { colourOf } from "./colours";
@@ -10,16 +10,16 @@ import { counted } from "./words";
 
 const kDegrees = 180 / Math.PI;
 
-const kTroubles: Record<string, string> = {
-  no_parallax: "the camera hardly moved while it saw it",
-  ambiguous: "two shapes explain its views",
-  uncertain: "its views don’t tell precisely enough",
+const kReasons: Record<string, string> = {
+  no_parallax: "too little parallax between its views",
+  ambiguous: "two decompositions fit its views",
+  uncertain: "too uncertain",
 };
 
 const kSides: [Side, string][] = [
-  ["camera", "from behind the camera"],
-  ["side", "from the side"],
-  ["above", "from above"],
+  ["camera", "Behind the camera"],
+  ["side", "Side"],
+  ["above", "Top"],
 ];
 
 function Scene({ space, keyframe, colours }: {
@@ -47,7 +47,7 @@ function Scene({ space, keyframe, colours }: {
   return (
     <>
       <div class="space" ref={box} role="img"
-        aria-label={`The planes of keyframe ${keyframe.id} in space, with its camera`} />
+        aria-label={`Planes of keyframe ${keyframe.id} in 3D, with its camera`} />
       <p class="steps">
         {kSides.map(([side, text]) => (
           <button key={side} onClick={() => view.current?.look(side)}>{text}</button>
@@ -59,16 +59,16 @@ function Scene({ space, keyframe, colours }: {
 
 function Table({ map, space, colours }: { map: string; space: Space; colours: Map<number, string> }) {
   return (
-    <div class="scroll" tabIndex={0} role="region" aria-label="Planes in space">
+    <div class="scroll" tabIndex={0} role="region" aria-label="Planes in 3D">
       <table>
-        <caption>Distances in those of plane {space.unit_plane}</caption>
-        <thead><tr><th>Plane</th><th>Distance</th><th>Normal to within</th></tr></thead>
+        <caption>Distances, in units of the distance to plane {space.unit_plane}</caption>
+        <thead><tr><th>Plane</th><th>Distance</th><th>Normal (1σ)</th></tr></thead>
         <tbody>
           {space.planes.map((p) => (
             <tr key={p.id}>
               <td><Swatch colour={colours.get(p.id)!} /><PlaneLink map={map} id={p.id} /></td>
               {p.trouble !== null
-                ? <td colSpan={2} class="quiet">not known: {kTroubles[p.trouble]}</td>
+                ? <td colSpan={2} class="quiet">unknown: {kReasons[p.trouble]}</td>
                 : (
                   <>
                     <td>{p.distance!.toFixed(2)} ± {p.distance_deviation!.toFixed(2)}</td>
@@ -86,15 +86,15 @@ function Table({ map, space, colours }: { map: string; space: Space; colours: Ma
 function Found({ map, keyframe }: { map: MapSummary; keyframe: Keyframe }) {
   const space = useGet<Space>(`${mapPath(map.name)}/keyframes/${keyframe.id}/space`);
   if (space.error) return <Failure error={space.error} />;
-  if (!space.value) return <Waiting what="the planes in space" />;
+  if (!space.value) return <Waiting what="planes in 3D" />;
   const colours = new Map(keyframe.planes.map((p, i) => [p.id, colourOf(i)]));
   const placed = space.value.planes.filter((p) => p.trouble === null).length;
   return (
     <>
       <p class="quiet">
-        {counted(placed, "plane")} of {space.value.planes.length} placed by the homographies to{" "}
-        {counted(space.value.views, "other keyframe")}. Lengths are relative: nothing says how long a
-        metre is. Drag to turn, scroll to come closer.
+        {counted(placed, "plane")} of {space.value.planes.length} reconstructed from the homographies to{" "}
+        {counted(space.value.views, "other keyframe")}. The scale is unknown, so distances are relative.
+        Drag to rotate, scroll to zoom.
       </p>
       {placed > 0 && <Scene space={space.value} keyframe={keyframe} colours={colours} />}
       {space.value.unit_plane !== null && <Table map={map.name} space={space.value} colours={colours} />}
@@ -102,15 +102,15 @@ function Found({ map, keyframe }: { map: MapSummary; keyframe: Keyframe }) {
   );
 }
 
-// Planes in space, looked for when they are asked for.
+// Planes in 3D, computed on request.
 export function InSpace({ map, keyframe }: { map: MapSummary; keyframe: Keyframe }) {
   const [asked, setAsked] = useState(false);
   return (
     <section>
-      <h2>In space</h2>
+      <h2>Planes in 3D</h2>
       {asked
         ? <Found map={map} keyframe={keyframe} />
-        : <button onClick={() => setAsked(true)}>Show its planes in space</button>}
+        : <button onClick={() => setAsked(true)}>Show planes in 3D</button>}
     </section>
   );
 }

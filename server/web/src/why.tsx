@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// View: what became of each plane that looked like the photo, and which gate stopped it.
+// View: the outcome of each candidate plane, and the gate that rejected it.
 import { useState } from "preact/hooks";
 import type { Candidate, Explanation } from "./api";
 import { colourOf } from "./colours";
 import { MatchFigure } from "./match_figure";
-import type { Query, ViewProps } from "./main";
+import type { Query, ViewProps } from "./types";
 import { Facts, KeyframeLink, PlaneLink, PlaneLinks } from "./parts";
 import { href } from "./route";
-import { counted, decisionInWords, outcomeOf, percent, sure, verdictInWords } from "./words";
+import { confidence, counted, decisionInWords, outcomeOf, percent, verdictInWords } from "./words";
 
-// How many got through each stage, widest first.
+// How many passed each stage, most first.
 function Stages({ why }: { why: Explanation }) {
   const tried = why.candidates.filter((c) => c.stopped_by !== "settled");
   const fitted = tried.filter((c) => c.stopped_by !== "no_homography");
   const passed = why.candidates.filter((c) => c.stopped_by === null);
   const stages: [string, string][] = [
-    [counted(why.image.features, "feature"), "found in the photo"],
-    [counted(why.candidates.length, "plane"), "of the map look alike"],
-    [counted(tried.length, "plane"), "tried"],
+    [counted(why.image.features, "feature"), "in the query image"],
+    [counted(why.candidates.length, "plane"), "shortlisted"],
+    [counted(tried.length, "plane"), "verified"],
     [counted(fitted.length, "plane"), "with a homography"],
-    [counted(passed.length, "plane"), "through the gates"],
-    [counted(why.places.length, "place"), "they agree on"],
+    [counted(passed.length, "plane"), "accepted"],
+    [counted(why.places.length, "place"), "found"],
   ];
   return (
     <ol class="stages">
@@ -37,14 +37,14 @@ function Places({ map, why }: { map: string; why: Explanation }) {
     <div class="scroll" tabIndex={0} role="region" aria-label="Places">
       <table>
         <caption>
-          Places: planes that agree with each other. The best one needs{" "}
-          {percent(why.gates.min_probability)}.
+          Places: groups of planes that agree on one position. The best place requires a confidence
+          of {percent(why.gates.min_probability)}.
         </caption>
         <thead>
           <tr>
             <th class="number">Place</th><th>Keyframe</th><th>Planes</th>
-            <th class="number">Inliers</th><th class="number wide">Best plane’s share</th>
-            <th class="number">Sure</th>
+            <th class="number">Inliers</th><th class="number wide">Best inlier ratio</th>
+            <th class="number">Confidence</th>
           </tr>
         </thead>
         <tbody>
@@ -55,7 +55,7 @@ function Places({ map, why }: { map: string; why: Explanation }) {
               <td><PlaneLinks map={map} ids={place.planes} /></td>
               <td class="number">{place.inliers}</td>
               <td class="number wide">{percent(place.best_share)}</td>
-              <td class="number">{sure(place.probability)}</td>
+              <td class="number">{confidence(place.probability)}</td>
             </tr>
           ))}
         </tbody>
@@ -107,15 +107,15 @@ function Candidates(props: {
     <div class="scroll" tabIndex={0} role="region" aria-label="Candidates">
       <table>
         <caption>
-          Planes that look alike, most votes first: each feature of the photo votes for the planes
-          with the most similar features. Inliers close to each other count once. Choose a plane to
+          Candidate planes, most votes first. Each feature of the query image votes for the planes
+          with the most similar features. Inliers close to each other count once. Select a plane to
           see its inliers.
         </caption>
         <thead>
           <tr>
             <th>Show</th><th>Plane</th><th class="number wide">Votes</th>
             <th class="number wide">Matches</th>
-            <th class="number">Distinct inliers</th><th>What became of it</th>
+            <th class="number">Distinct inliers</th><th>Outcome</th>
           </tr>
         </thead>
         <tbody>
@@ -172,8 +172,8 @@ export function WhyView({ map, query }: ViewProps) {
       <>
         <h1>Why this answer?</h1>
         <p>
-          Ask about a photo first: <a href={href(map.name, "ask")}>choose one</a>. Then this view
-          shows every plane that looked like it, and which gate stopped it.
+          <a href={href(map.name, "ask")}>Localize a photo</a> first. This view then shows every
+          candidate plane and the gate that rejected it.
         </p>
       </>
     );
@@ -184,7 +184,7 @@ export function WhyView({ map, query }: ViewProps) {
       <h1>Why this answer?</h1>
       <div class={`verdict ${answer.verdict}`}>
         <h2>{query.name}: {verdictInWords(answer)}</h2>
-        <p>{decisionInWords(answer)}{answer.message && ` The server says: ${answer.message}.`}</p>
+        <p>{decisionInWords(answer)}{answer.message && ` Message: ${answer.message}.`}</p>
       </div>
       {why && <Explained map={map.name} query={query} why={why} />}
       {answer.verdict !== "localized" && <Advice answer={answer} />}
@@ -194,14 +194,14 @@ export function WhyView({ map, query }: ViewProps) {
 
 function Advice({ answer }: { answer: Query["answer"] }) {
   const general: [string, string][] = [
-    ["The place is in the map", "Show more flat things with texture, sharp and from a distance like the map’s; or add a sequence through this place to the map."],
-    ["It isn’t", "Then this is the right answer."],
+    ["If the place is mapped", "Take a sharp photo of more textured flat surfaces, from a distance similar to the map’s, or add a sequence through this place to the map."],
+    ["If it isn’t", "The answer is correct."],
   ];
   return (
     <section>
-      <h2>What would help</h2>
+      <h2>How to improve it</h2>
       {answer.verdict === "ambiguous"
-        ? <p>Take a photo from a few steps aside, with something in it that only one of the places has.</p>
+        ? <p>Take a photo from a few steps aside that includes something unique to one of the places.</p>
         : <Facts rows={general} />}
     </section>
   );

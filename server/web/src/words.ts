@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers and outcomes as words.
+// Numbers, verdicts and outcomes as text.
 import { type Answer, type Candidate, type Explanation } from "./api";
 
 // Four matches always fit a homography, and a fifth one easily does.
 const kByChance = 5;
 
-// Rounded down, so that 89.9 % doesn't look like the 90 % that are needed.
-export const percent = (share: number): string => `${Math.floor(100 * share)} %`;
+// Rounded down, so that 89.9 % doesn't read as the required 90 %.
+export const percent = (share: number): string => `${Math.floor(100 * share)}%`;
 
-// A probability; nothing is certain.
-export const sure = (probability: number): string =>
-  probability > 0.99 ? "over 99 %" : percent(probability);
+// A probability; never 100%.
+export const confidence = (probability: number): string =>
+  probability > 0.99 ? "over 99%" : percent(probability);
 
 export const counted = (n: number, what: string): string =>
   `${n.toLocaleString("en")} ${what}${n === 1 ? "" : "s"}`;
@@ -19,49 +19,49 @@ export function verdictInWords(answer: Answer): string {
   switch (answer.verdict) {
     case "localized":
       return answer.keyframe
-        ? `This is near keyframe ${answer.keyframe.id}`
-        : `This is near panorama ${answer.panorama?.node?.id}`;
+        ? `Localized near keyframe ${answer.keyframe.id}`
+        : `Localized near panorama ${answer.panorama?.node?.id}`;
     case "ambiguous":
-      return "Several places look like this";
+      return "Ambiguous: several places match";
     case "not_in_map":
-      return "This place isn’t in the map";
+      return "Not in this map";
     case "bad_image":
-      return "This file can’t be read as a photo";
+      return "The file can’t be decoded as an image";
     case "undecided":
-      return "There was no time to decide";
+      return "Undecided: the deadline expired";
   }
 }
 
-// What became of a candidate, and what would help it.
+// The outcome of a candidate, and what would improve it.
 export function outcomeOf(c: Candidate, why: Explanation): { outcome: string; help: string } {
   const { gates } = why;
   const share = c.matches > 0 ? c.inliers / c.matches : 0;
   switch (c.stopped_by) {
     case null:
-      return { outcome: c.place === 0 ? "Fits: the best place" : "Fits: another place", help: "" };
+      return { outcome: c.place === 0 ? "Accepted: best place" : "Accepted: another place", help: "" };
     case "settled":
-      return { outcome: "Not tried: another place had settled it", help: "" };
+      return { outcome: "Not verified: another place was already accepted", help: "" };
     case "no_homography":
       return {
-        outcome: "Looks alike, but no plane fits the matches",
-        help: "If it should fit: get closer, or look at it more squarely.",
+        outcome: "Similar features, but no homography fits the matches",
+        help: "If this plane is in the image: move closer or view it more frontally.",
       };
     case "min_inliers":
       return {
-        outcome: `${c.inliers} inliers of the ${gates.min_inliers} that are needed`,
+        outcome: `${c.inliers} inliers; at least ${gates.min_inliers} are required`,
         help: c.inliers <= kByChance
-          ? "So few fit by chance: no sign of this surface."
-          : "Show more of this surface: step back, or turn towards it.",
+          ? "So few inliers occur by chance: no evidence of this plane."
+          : "Show more of this plane: step back or turn towards it.",
       };
     case "min_inlier_share":
       return {
-        outcome: `${percent(share)} of the matches agree; ${percent(gates.min_inlier_share)} are needed`,
-        help: "Patterns repeat here. Show something that is there only once.",
+        outcome: `Inlier ratio ${percent(share)}; at least ${percent(gates.min_inlier_share)} is required`,
+        help: "Repetitive texture. Include something unique in the image.",
       };
     case "max_scale":
       return {
-        outcome: `It would be seen over ${gates.max_scale} times larger or smaller than in the map`,
-        help: "Take the photo from a distance more like the map’s.",
+        outcome: `Scale differs from the map by more than a factor of ${gates.max_scale}`,
+        help: "Take the image from a distance closer to the map’s.",
       };
     default:
       return { outcome: c.stopped_by, help: "" };
@@ -74,16 +74,27 @@ export function decisionInWords(answer: Answer): string {
   switch (answer.decided_by) {
     case "homography_inliers":
       return answer.verdict === "localized"
-        ? `The best place is ${sure(answer.probability)} sure, and ${need} are needed.`
-        : "No plane of the map fits the photo well enough.";
+        ? `The best place has a confidence of ${confidence(answer.probability)}; at least ${need} is required.`
+        : "No mapped plane fits the image well enough.";
     case "place_probability":
-      return `The best place fits, but is only ${sure(answer.probability)} sure; ${need} are needed.`;
+      return `The best place has a confidence of only ${confidence(answer.probability)}; at least ${need} is required.`;
     case "ambiguous_places":
-      return `A second place has at least ${percent(why?.gates.ambiguous_share ?? 0)} of the best one’s inliers.`;
+      return `A second place has at least ${percent(why?.gates.ambiguous_share ?? 0)} of the best place’s inliers.`;
     case "shortlist_votes":
-      return "Nothing in the map looks like anything in the photo.";
+      return "No mapped plane has similar features.";
     case "features":
-      return "There is too little to see in the photo.";
+      return "The image has too few features.";
+    case "panorama_features":
+      return "Decided by the feature matches with the nearest panorama.";
+    case "panorama_signature":
+      return "Decided by the Fourier signature of the panorama.";
+    case "photo":
+    case "photo_features":
+      return "Decided by matching the photo with the mapped panoramas.";
+    case "series":
+      return "Decided by the sequence of images.";
+    case "deadline":
+      return "The deadline expired before verification.";
     default:
       return answer.message ?? answer.decided_by;
   }

@@ -97,7 +97,7 @@ TEST(BuildAppearanceTest, SkipsAndNamesABlackPanorama) {
 }
 
 TEST(BuildAppearanceTest, RefusesASequenceOfOne) {
-  ExpectRefused(First(1), {"'drive' has 1 usable panorama of 1 frame", "two at least"});
+  ExpectRefused(First(1), {"'drive' has 1 usable panorama of 1 frame", "at least two"});
 }
 
 TEST(BuildAppearanceTest, RefusesASequenceThatIsAllBlack) {
@@ -108,7 +108,7 @@ TEST(BuildAppearanceTest, RefusesASequenceThatIsAllBlack) {
 TEST(BuildAppearanceTest, RefusesASequenceThatIsMostlyUnusable) {
   std::vector<cv::Mat> images = First(6);
   for (int i = 0; i < 4; ++i) images[i] = Black(images[i].size());
-  ExpectRefused(images, {"2 usable panoramas of 6 frames", "show something"});
+  ExpectRefused(images, {"2 usable panoramas of 6 frames", "sufficient texture"});
 }
 
 TEST(BuildAppearanceTest, StopsWhenToldToInTheMiddleOfAStage) {

@@ -73,7 +73,7 @@ TEST(OrientationPass, WithoutACameraThereIsNoLayerAndAskingForItIsRefused) {
       FAIL() << layers;
     } catch (const MapError& error) {
       EXPECT_EQ(error.code(), ErrorCode::kBadCamera);
-      EXPECT_NE(std::string(error.what()).find("give --camera"), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("use --camera"), std::string::npos);
     }
   }
 }

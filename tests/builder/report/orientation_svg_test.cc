@@ -85,10 +85,10 @@ TEST(OrientationReport, HasTheSectionsOfEachSequence) {
   map.orientation = MadeLayer();
   const std::string page = ReportHtml(map, {}, {});
   EXPECT_NE(page.find("12 directions, 1 turns"), std::string::npos);
-  EXPECT_NE(page.find("Way by its turns, sequence 2"), std::string::npos);
+  EXPECT_NE(page.find("Trajectory by turns, sequence 2"), std::string::npos);
   EXPECT_EQ(Count(page, "<svg class=cells"), 3U) << "none of the frame without a rotation";
   EXPECT_EQ(SequencesOf(*map.orientation).size(), 2U);
-  EXPECT_EQ(ReportHtml({}, {}, {}).find("Way by its turns"), std::string::npos);
+  EXPECT_EQ(ReportHtml({}, {}, {}).find("Trajectory by turns"), std::string::npos);
 }
 
 }  // namespace

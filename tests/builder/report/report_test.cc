@@ -111,9 +111,9 @@ TEST(WriteReport, APageOfPanoramasHasNoTablesOfPlanes) {
   report.appearance.emplace();
   report.appearance->panoramas = 2;
   const std::string page = ReportHtml(map, report, {});
-  EXPECT_NE(page.find("Way of the panoramas"), std::string::npos);
+  EXPECT_NE(page.find("Trajectory of the panoramas"), std::string::npos);
   EXPECT_NE(page.find("loop candidates"), std::string::npos);
-  EXPECT_EQ(page.find("planes started"), std::string::npos);
+  EXPECT_EQ(page.find("planes created"), std::string::npos);
   EXPECT_EQ(page.find("Keyframes and their planes"), std::string::npos);
 }
 

@@ -59,9 +59,10 @@ TEST_F(CameraFileTest, NumberOfCoefficientsGivesTheModel) {
   EXPECT_EQ(model_of("[1, 2, 3, 4, 5]"), CameraModel::kFullOpenCv);
   EXPECT_EQ(model_of("[1, 2, 3, 4, 5, 6, 7, 8]"), CameraModel::kFullOpenCv);
   EXPECT_EQ(model_of("[1, 2, 3, 4, 5, 6, 7, 8, 0, 0, 0, 0]"), CameraModel::kFullOpenCv);
-  ExpectRefusal(OpenCvWith("distortion_coefficients: [1, 2, 3]\n"), {"3 distortion", "give 0, 4"});
+  ExpectRefusal(OpenCvWith("distortion_coefficients: [1, 2, 3]\n"),
+                {"3 distortion", "must be 0, 4"});
   ExpectRefusal(OpenCvWith("distortion_coefficients: [1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 0, 0]\n"),
-                {"12 distortion", "thin prisms"});
+                {"12 distortion", "thin-prism"});
   const Camera full = Read(OpenCvWith("dist_coeffs: [1, 2, 3, 4, 5, 6, 7, 8]\n"));
   EXPECT_EQ(std::vector<double>(full.params.begin() + 4, full.params.end()),
             (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}));
@@ -73,7 +74,7 @@ TEST_F(CameraFileTest, OpenCvFisheye) {
   EXPECT_EQ(camera,
             (Camera{CameraModel::kOpenCvFisheye, 64, 48, {50, 51, 31, 23, 0.1, 0.2, 0.3, 0.4}}));
   ExpectRefusal(OpenCvWith("fisheye_model: 1\ndistortion_coefficients: [0, 0, 0, 0, 0]\n"),
-                {"5 distortion", "fisheye has 4"});
+                {"5 distortion", "fisheye model has 4"});
 }
 
 constexpr const char* kRosStart = R"(image_width: 640
@@ -140,13 +141,13 @@ TEST_F(CameraFileTest, OwnKeysThatAreWrong) {
   ExpectRefusal("camera_model: PINHOLE\n" + size + "fx: 515\ncx: 320\ncy: 240\n",
                 {"fy is missing", "add it"});
   ExpectRefusal("camera_model: PINHOLE\nimage_width: 640.5\nfx: 1\n", {"image_width"});
-  ExpectRefusal("camera_model: LENSLESS\n" + size, {"'LENSLESS'", "COLMAP's names"});
+  ExpectRefusal("camera_model: LENSLESS\n" + size, {"'LENSLESS'", "a COLMAP model name"});
   ExpectRefusal("camera_model: PINHOLE\n" + size + "fx: wide\nfy: 1\ncx: 3\ncy: 2\n",
-                {"fx is no number"});
+                {"fx must be a number"});
   ExpectRefusal("camera_model: PINHOLE\n" + size + "fx: 9\nfy: 9\ncx: 3\ncy: 2\nk1: 0.3\n",
-                {"k1 is no parameter of PINHOLE"});
+                {"k1 is not a parameter of PINHOLE"});
   ExpectRefusal("camera_model: PINHOLE\n" + size + "fx: -9\nfy: 9\ncx: 3\ncy: 2\n",
-                {"parameter 1", "above zero"});
+                {"parameter 1", "must be positive"});
   ExpectRefusal(
       "camera_model: PINHOLE\nimage_width: 0\nimage_height: 480\n"
       "fx: 9\nfy: 9\ncx: 3\ncy: 2\n",
@@ -173,22 +174,22 @@ TEST_F(CameraFileTest, ColmapsErrorsNameTheLine) {
 TEST_F(CameraFileTest, OtherFilesAreRefused) {
   ExpectRefusal("", {"no keys"});
   ExpectRefusal("just a sentence", {"no keys"});
-  ExpectRefusal("a: 1\nb: 2\n", {"a b", "no camera file we know"});
-  ExpectRefusal("a: [1\nb: }\n", {"line 2", "no YAML"});
-  ExpectRefusal("%YAML:1.0\n---\na: 1\n- b\n", {"line 4", "no YAML"});
+  ExpectRefusal("a: 1\nb: 2\n", {"a b", "no supported format"});
+  ExpectRefusal("a: [1\nb: }\n", {"line 2", "not valid YAML"});
+  ExpectRefusal("%YAML:1.0\n---\na: 1\n- b\n", {"line 4", "not valid YAML"});
   ExpectRefusal("<?xml version=\"1.0\"?>\n<opencv_storage/>\n", {"XML", "as YAML"});
-  ExpectRefusal(std::string(5000, '['), {"no YAML"});
+  ExpectRefusal(std::string(5000, '['), {"not valid YAML"});
   ExpectRefusal(std::string("\xff\xd8\xff\x00\x01\x02", 6), {});
   ExpectRefusal(OpenCvWith("").replace(10, 11, "image_Girth"), {"image_width is missing"});
   ExpectError([&] { ReadCameraFile(folder_ / "none.yaml"); }, ErrorCode::kBadCamera,
-              {"none.yaml", "isn't there"});
-  ExpectError([&] { ReadCameraFile(folder_); }, ErrorCode::kBadCamera, {"isn't a file"});
+              {"none.yaml", "does not exist"});
+  ExpectError([&] { ReadCameraFile(folder_); }, ErrorCode::kBadCamera, {"is not a regular file"});
 }
 
 TEST_F(CameraFileTest, MatricesThatAreWrong) {
   ExpectRefusal("image_width: 64\nimage_height: 48\ncamera_matrix: [1, 2, 3]\n",
                 {"camera_matrix has 3 numbers, not 9"});
-  ExpectRefusal("image_width: 64\nimage_height: 48\ncamera_matrix: large\n", {"no list"});
+  ExpectRefusal("image_width: 64\nimage_height: 48\ncamera_matrix: large\n", {"must be a list"});
   ExpectRefusal("image_width: 64\nimage_height: 48\ncamera_matrix: [50, 1, 3, 0, 5, 6, 0, 0, 1]\n",
                 {"skew"});
   ExpectRefusal("image_width: 64\nimage_height: 48\ncamera_matrix: [50, x, 3, 0, 5, 6, 0, 0, 1]\n",

@@ -39,7 +39,7 @@ TEST_F(TumTest, AMissingFileIsAFrameWithAnError) {
   Write("rgb.txt", "0 rgb/gone.png\n1 rgb/a.png\n");
   const std::vector<Frame> frames = AllFrames(*Open());
   ASSERT_EQ(frames.size(), 2);
-  EXPECT_NE(frames[0].error.find("isn't there"), std::string::npos);
+  EXPECT_NE(frames[0].error.find("does not exist"), std::string::npos);
   EXPECT_EQ(frames[1].error, "");
 }
 

@@ -79,7 +79,7 @@ TEST_F(FolderTest, EveryFromAndToCountFrames) {
   for (int i = 0; i < 10; ++i) WriteImage(std::to_string(i) + ".png");
   const auto source = Open({.every = 3, .from = 1, .to = 7});
   EXPECT_EQ(source->size(), 3);
-  EXPECT_EQ(source->Announcement(), "Image folder, 10 frames 16x12, 3 of them used");
+  EXPECT_EQ(source->Announcement(), "Image folder, 10 frames 16x12, 3 used");
   const std::vector<Frame> frames = AllFrames(*source);
   EXPECT_EQ(NamesOf(frames), (Strings{"1.png", "4.png", "7.png"}));
   EXPECT_EQ(frames[1].info.number, 4);
@@ -105,8 +105,8 @@ TEST_F(FolderTest, BrokenFramesComeWithTheirError) {
   EXPECT_EQ(source->Announcement(), "Image folder, 6 frames 16x12");  // of the first sound one
   const std::vector<Frame> frames = AllFrames(*source);
   ASSERT_EQ(frames.size(), 6);
-  const Strings parts = {"are text",    "", "it is 8x6, but the first frame is 16x12", "empty",
-                         "isn't there", ""};
+  const Strings parts = {"are text",       "", "it is 8x6, but the first frame is 16x12", "empty",
+                         "does not exist", ""};
   for (int i = 0; i < 6; ++i) {
     EXPECT_EQ(frames[i].grey.empty(), !parts[i].empty()) << i;
     EXPECT_EQ(frames[i].error.empty(), parts[i].empty()) << i;
@@ -125,11 +125,11 @@ TEST_F(FolderTest, ImagesOverTheLimitsAreNotDecoded) {
 }
 
 TEST_F(FolderTest, NothingUsableSaysWhatIsThere) {
-  ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"it is empty", "give a folder"});
+  ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"it is empty", "expected a folder"});
   Write("a.txt", "");
   Write("b.tif", "");
   Write("c.doc", "");
-  ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"3 files", ".jpg .jpeg .png", "give a"});
+  ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"3 files", ".jpg .jpeg .png", "expected a"});
   Write("d.jpg", "text");
   Write("e.jpg", "text");
   ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"none of the 2 frames", "d.jpg"});
@@ -138,16 +138,16 @@ TEST_F(FolderTest, NothingUsableSaysWhatIsThere) {
 TEST_F(FolderTest, FoldersAloneAreNamed) {
   for (const char* name : {"rig/a.png", "panorama/a.png", "x/a.png", "y/a.png"}) WriteImage(name);
   ExpectError([&] { Open(); }, ErrorCode::kBadSource,
-              {"4 folders (panorama, rig, x, ...)", "give one of them"});
+              {"4 folders (panorama, rig, x, ...)", "use one of them"});
 }
 
 TEST_F(FolderTest, WhatIsNotThereOrIsOneImage) {
   ExpectError([&] { OpenSource((folder_ / "no").string(), {}); }, ErrorCode::kBadSource,
-              {"isn't there"});
+              {"does not exist"});
   ExpectError([&] { OpenSource("", {}); }, ErrorCode::kBadSource, {"empty"});
   WriteImage("a.png");
   ExpectError([&] { OpenSource((folder_ / "a.png").string(), {}); }, ErrorCode::kBadSource,
-              {"one image", "give its folder"});
+              {"single image", "use its folder"});
 }
 
 TEST_F(FolderTest, CameraBesideTheImages) {

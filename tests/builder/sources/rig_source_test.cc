@@ -51,10 +51,10 @@ TEST_F(RigSourceTest, ChainsWithGapsAreRefused) {
   ExpectError(read(text), ErrorCode::kBadCamera, {"T_cn_cnm1 is missing"});
   text = Camchain();
   text.replace(text.find("[0, 1, 0, 0]"), 12, "[0, 2, 0, 0]");
-  ExpectError(read(text), ErrorCode::kBadCamera, {"T_cn_cnm1 is no rotation"});
+  ExpectError(read(text), ErrorCode::kBadCamera, {"T_cn_cnm1 must be a rotation"});
   text = Camchain();
   text.replace(text.find("[0, 1, 0, 0]"), 12, "[0, 1, 0]");
-  ExpectError(read(text), ErrorCode::kBadCamera, {"T_cn_cnm1 isn't 4 rows of 4"});
+  ExpectError(read(text), ErrorCode::kBadCamera, {"T_cn_cnm1 must be 4 rows of 4"});
 }
 
 std::string OwnRig(const std::string& second_pose, const std::string& second_name = "side") {
@@ -85,7 +85,7 @@ TEST_F(RigSourceTest, OwnFilesThatAreWrong) {
   ExpectError(read(OwnRig("    rig_from_camera_xyzw: [0, 0, 0, 2]\n")), ErrorCode::kBadCamera,
               {"length 2", "unit quaternion"});
   ExpectError(read(OwnRig(kSidePose, "ahead")), ErrorCode::kBadCamera, {"'ahead' is there twice"});
-  ExpectError(read("cameras: 5\n"), ErrorCode::kBadCamera, {"cameras is no list"});
+  ExpectError(read("cameras: 5\n"), ErrorCode::kBadCamera, {"cameras must be a list"});
   ExpectError(read("cameras: []\n"), ErrorCode::kBadCamera, {"a rig of 0 cameras"});
   ExpectError(read("cameras: [7]\n"), ErrorCode::kBadCamera, {"rig.yaml"});
 }
@@ -115,7 +115,7 @@ TEST_F(RigSourceTest, ACalibratedRigIsASource) {
   const auto source = OpenSource(folder_.string(), {.every = 2});
   EXPECT_EQ(source->kind(), "cameras");
   EXPECT_EQ(source->size(), 2);
-  EXPECT_EQ(source->Announcement(), "Rig of 2 cameras, 3 moments, 2 of them used");
+  EXPECT_EQ(source->Announcement(), "Rig of 2 cameras, 3 moments, 2 used");
   ASSERT_TRUE(source->faces().has_value());
   EXPECT_EQ(source->faces()->cameras[1].name, "side");
   EXPECT_EQ(source->camera()->width, 16);
@@ -137,7 +137,7 @@ TEST_F(RigSourceTest, ASourceWhoseRigLacksImages) {
   SourceOptions options;
   options.camera_file = chain;
   const auto open = [&] { OpenSource(folder_.string(), options); };
-  ExpectError(open, ErrorCode::kBadSource, {"no images of camera 'cam1'", "take the camera out"});
+  ExpectError(open, ErrorCode::kBadSource, {"no images of camera 'cam1'", "remove the camera"});
   WriteImage("cam1/0.png", 1, {64, 48});
   ExpectError(open, ErrorCode::kBadSource, {"'cam1' has 1 images", "'cam0' has 2"});
   WriteImage("cam1/1.png", 1, {32, 48});
@@ -162,7 +162,7 @@ TEST_F(RigSourceTest, FoldersOfDifferentLengths) {
 TEST_F(RigSourceTest, ACameraWithoutImages) {
   Write("rig.yaml", OwnRig(kSidePose));
   WriteImage("ahead/0.png");
-  ExpectRefusal(ErrorCode::kBadSource, {"no images of camera 'side'", "take the camera out"});
+  ExpectRefusal(ErrorCode::kBadSource, {"no images of camera 'side'", "remove the camera"});
 }
 
 TEST_F(RigSourceTest, TimeStampsPairWhatBelongsTogether) {
@@ -178,7 +178,7 @@ TEST_F(RigSourceTest, TimeStampsPairWhatBelongsTogether) {
   EXPECT_NEAR(*sequence.moments[1].time_s, 1700000000.2, 1e-6);
   EXPECT_EQ(ReadMoment(sequence, sequence.moments[1])[1].at<uchar>(0, 0), 13);
   ExpectError([&] { Open({.rig_file = {}, .max_time_gap_s = 0.001}); }, ErrorCode::kBadSource,
-              {"within 0.001", "larger gap"});
+              {"within 0.001", "check the time stamps"});
 }
 
 TEST_F(RigSourceTest, NumberedFoldersOfFacesNeedNoFile) {
@@ -221,12 +221,12 @@ TEST_F(RigSourceTest, OnePinholeIsARigOfOne) {
 
 TEST_F(RigSourceTest, WithoutCalibration) {
   WriteImage("a.png");
-  ExpectRefusal(ErrorCode::kBadSource, {"without a calibration", "--camera"});
+  ExpectRefusal(ErrorCode::kBadSource, {"has no calibration", "--camera"});
   ExpectError([&] { OpenRigSequence(folder_ / "nowhere"); }, ErrorCode::kBadSource,
-              {"isn't there"});
+              {"does not exist"});
 }
 
-TEST_F(RigSourceTest, EmptyFolder) { ExpectRefusal(ErrorCode::kBadSource, {"no image of a rig"}); }
+TEST_F(RigSourceTest, EmptyFolder) { ExpectRefusal(ErrorCode::kBadSource, {"no rig images"}); }
 
 // A panorama whose grey value tells the azimuth: each face shows its own part, the back face also
 // across the seam.

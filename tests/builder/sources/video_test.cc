@@ -53,7 +53,7 @@ TEST_F(VideoTest, FramesKeepTheirPixelsWhenTheNextOneComes) {
 TEST_F(VideoTest, EveryFromAndTo) {
   const auto source = OpenSource(path_, {.every = 4, .from = 2, .to = 10});
   EXPECT_EQ(source->size(), 3);
-  EXPECT_EQ(source->Announcement(), "Video, 12 frames 64x48, 3 of them used");
+  EXPECT_EQ(source->Announcement(), "Video, 12 frames 64x48, 3 used");
   const std::vector<Frame> frames = AllFrames(*source);
   ASSERT_EQ(frames.size(), 3);
   for (int i = 0; i < 3; ++i) {

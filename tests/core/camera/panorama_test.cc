@@ -94,7 +94,7 @@ TEST(ToPanorama, RefusesWithTheNumberAndWhatToDo) {
             std::string::npos);
   EXPECT_NE(RefusalOf(PatternPanorama(32)).find("32x16"), std::string::npos);
   const cv::Mat part = PatternPanorama(512).colRange(0, 300).rowRange(50, 200).clone();
-  EXPECT_NE(RefusalOf(part).find("isn't 360 degrees wide"), std::string::npos);
+  EXPECT_NE(RefusalOf(part).find("does not cover 360 degrees"), std::string::npos);
   cv::Mat noise(200, 300, CV_8UC1);
   Random random(1);
   noise.forEach<uint8_t>([](uint8_t& pixel, const int* at) {

@@ -177,8 +177,8 @@ TEST(DecodeTest, HugeClaimsAreRefusedBeforeDecoding) {
   ExpectRefusal(png, ErrorCode::kImageTooLarge, "the limit of 50000000");
   Bytes bmp = Encoded(".bmp");
   bmp[21] = bmp[25] = 0x7F;
-  ExpectRefusal(bmp, ErrorCode::kBadImage, "cut off");
-  ExpectRefusal(AsBytes("P5 99999999999999 99999999 255 "), ErrorCode::kBadImage, "cut off");
+  ExpectRefusal(bmp, ErrorCode::kBadImage, "truncated");
+  ExpectRefusal(AsBytes("P5 99999999999999 99999999 255 "), ErrorCode::kBadImage, "truncated");
 }
 
 TEST(DecodeTest, TheLimitIsInclusive) {
@@ -231,7 +231,7 @@ TEST(JpegTest, AThumbnailInsideASegmentIsNotTheImage) {
   EXPECT_EQ(ReadImageHeader(jpeg).width, 31);
   EXPECT_EQ(DecodeGrey(jpeg).size(), cv::Size(31, 17));
   // Its end marker doesn't stand in for the image's.
-  ExpectRefusal(Bytes(jpeg.begin(), jpeg.end() - 2), ErrorCode::kBadImage, "cut off");
+  ExpectRefusal(Bytes(jpeg.begin(), jpeg.end() - 2), ErrorCode::kBadImage, "truncated");
 }
 
 TEST(JpegTest, ExifOrientationIsNotApplied) {
@@ -252,12 +252,13 @@ TEST(JpegTest, RestartMarkersAndFillBytesAreSteppedOver) {
 }
 
 TEST(JpegTest, SegmentsThatCouldHideScansAreRefused) {
-  ExpectRefusal(WithSegment(Encoded(".jpg"), 0x02, {0, 0}), ErrorCode::kBadImage, "unknown kind 2");
+  ExpectRefusal(WithSegment(Encoded(".jpg"), 0x02, {0, 0}), ErrorCode::kBadImage,
+                "unknown segment 2");
   ExpectRefusal(WithSegment(Encoded(".jpg"), 0xF3, {0, 0}), ErrorCode::kBadImage,
-                "unknown kind 243");
+                "unknown segment 243");
   Bytes two = Encoded(".jpg");
   two.insert(two.begin() + 2, {0xFF, 0xD8});
-  ExpectRefusal(two, ErrorCode::kBadImage, "second time");
+  ExpectRefusal(two, ErrorCode::kBadImage, "second start marker");
   ExpectRefusal(WithSegment(Encoded(".jpg"), 0xC3, {8, 0, 9, 0, 9, 1}), ErrorCode::kBadImage,
                 "SOF3");
   ExpectRefusal(WithSegment(Encoded(".jpg"), 0xC0, {8, 0, 9, 0, 9, 1}), ErrorCode::kBadImage,
@@ -287,7 +288,7 @@ TEST(PnmTest, CommentsInTheHeader) {
   EXPECT_EQ(ReadImageHeader(pgm).width, 2);
   EXPECT_EQ(DecodeGrey(pgm).at<uint8_t>(0, 1), 'b');
   ExpectRefusal(AsBytes("P5 2 1 70000 abcd"), ErrorCode::kBadImage, "70000");
-  ExpectRefusal(AsBytes("P5 two 1 255 ab"), ErrorCode::kBadImage, "lacks a number");
+  ExpectRefusal(AsBytes("P5 two 1 255 ab"), ErrorCode::kBadImage, "number is missing");
 }
 
 TEST(DecodeLimitsTest, RefusesWhatIsOutOfRange) {

@@ -113,9 +113,9 @@ TEST(ShapeDifference, WhatHasNoShapeIsRefused) {
   const Points2 good = {{0, 0}, {1, 0}, {0, 1}};
   refused({{0, 0}, {1, 1}}, {{0, 0}, {1, 1}}, "at least 3");
   refused(good, {{0, 0}, {1, 1}}, "2 points");
-  refused(good, {{7, 7}, {7, 7}, {7, 7}}, "estimate lie at one place");
-  refused({{0, 0}, {0, 0}, {0, 0}}, good, "truth lie at one place");
-  refused(good, {{0, 0}, {1, 1}, {0, std::numeric_limits<double>::infinity()}}, "isn't finite");
+  refused(good, {{7, 7}, {7, 7}, {7, 7}}, "estimate coincide");
+  refused({{0, 0}, {0, 0}, {0, 0}}, good, "truth coincide");
+  refused(good, {{0, 0}, {1, 1}, {0, std::numeric_limits<double>::infinity()}}, "is not finite");
 }
 
 }  // namespace

@@ -133,7 +133,7 @@ TEST_F(HttpServerTest, EveryPathReachesTheRouter) {
   for (const char* path : {"/%0A", "/a%0D%0Ab", "/%00", "/%FF", "/a//b"}) {
     const auto result = client.Get(path);
     ASSERT_TRUE(result) << path;
-    EXPECT_NE(result->body.find("there is nothing at /"), std::string::npos) << result->body;
+    EXPECT_NE(result->body.find("no resource at /"), std::string::npos) << result->body;
   }
 }
 

@@ -252,7 +252,7 @@ TEST(PoseFormats, G2oIsTheGraph) {
 TEST(PoseFormats, PlyHasNodesAndEdges) {
   const std::string text = Text(MadeLayeredMap(0), "ply");
   EXPECT_TRUE(text.starts_with("ply\nformat ascii 1.0\n"));
-  EXPECT_NE(text.find("own unit"), std::string::npos);
+  EXPECT_NE(text.find("unknown scale"), std::string::npos);
   EXPECT_NE(text.find("element vertex 3\n"), std::string::npos);
   EXPECT_NE(text.find("end_header\n0 0 0 1\n2 0 0 2\n2 2 0 3\n0 1 0\n0 2 1\n1 2 0\n"),
             std::string::npos)

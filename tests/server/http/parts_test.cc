@@ -43,7 +43,7 @@ TEST(Problem, HasTheFieldsOfRfc9457AndTheTablesRow) {
   EXPECT_EQ(response.status, 413);
   EXPECT_EQ(response.content_type, "application/problem+json");
   EXPECT_EQ(response.body,
-            R"({"type":"urn:waystone:problem:payload_too_large","title":"The body is too large",)"
+            R"({"type":"urn:waystone:problem:payload_too_large","title":"Request body too large",)"
             R"("status":413,"detail":"21 MB","code":"payload_too_large"})");
 }
 

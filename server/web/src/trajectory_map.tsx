@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The way of a sequence in the plane as its turns tell it (the paper's fig. 10).
+// The trajectory of a sequence in the plane, reconstructed from its turns (the paper's fig. 10).
 import type { Orientation } from "./api";
-import type { Stretch } from "./orientation";
 import { Swatch } from "./parts";
+import type { Stretch } from "./types";
 
 const kWidth = 600; // of the drawing, in its own units
 const kHeight = 420; // at most
@@ -33,7 +33,7 @@ function frameOf({ frames }: Orientation, { first, last }: Stretch) {
   return { at, height };
 }
 
-export function WayMap(props: {
+export function TrajectoryMap(props: {
   layer: Orientation;
   stretch: Stretch;
   row: number; // chosen, of the layer's columns
@@ -53,14 +53,14 @@ export function WayMap(props: {
   const chosen = at(row);
   return (
     <figure>
-      <svg class="plot way" viewBox={`0 0 ${kWidth} ${height.toFixed(0)}`} role="img"
-        aria-label={`The way by its turns: ${nodes.length} nodes in ${rowOf.size} frames`}>
+      <svg class="plot trajectory-map" viewBox={`0 0 ${kWidth} ${height.toFixed(0)}`} role="img"
+        aria-label={`Trajectory by turns: ${nodes.length} nodes in ${rowOf.size} frames`}>
         {layer.corridors.filter((c) => rowOf.has(c.first)).map((c) => (
           <polyline key={c.id} class="corridor" points={line(rowOf.get(c.first)!, rowOf.get(c.last)!)}>
             <title>corridor {c.id}</title>
           </polyline>
         ))}
-        <polyline class="walked" points={line(stretch.first, stretch.last)} />
+        <polyline class="path" points={line(stretch.first, stretch.last)} />
         {layer.edges.filter((e) => e.kind === "loop" && here(e)).map((e) => {
           const [a, b] = [at(rowOf.get(e.a)!), at(rowOf.get(e.b)!)];
           return <line key={`${e.a} ${e.b}`} class="loop" x1={a.x} y1={a.y} x2={b.x} y2={b.y} />;
@@ -83,17 +83,17 @@ export function WayMap(props: {
           return (
             <circle key={t.frame} class="false-turn" cx={p.x} cy={p.y} r="6"
               onClick={() => choose(rowOf.get(t.frame)!)}>
-              <title>the camera turned alone at frame {frames.frame[rowOf.get(t.frame)!]}</title>
+              <title>camera-only turn at frame {frames.frame[rowOf.get(t.frame)!]}</title>
             </circle>
           );
         })}
         <circle class="chosen" cx={chosen.x} cy={chosen.y} r="11" />
       </svg>
       <figcaption>
-        <Swatch colour="var(--red)" />turn <Swatch colour="var(--green)" />the view breaks{" "}
-        <Swatch colour="var(--blue)" />the camera turned alone <Swatch colour="var(--accent)" />loop{" "}
-        <Swatch colour="var(--weak)" />corridor. By turns alone: a frame is a step, whatever its length,
-        so a loop needn’t close. Strokes show the heading.
+        <Swatch colour="var(--red)" />turn <Swatch colour="var(--green)" />view break{" "}
+        <Swatch colour="var(--blue)" />camera-only turn <Swatch colour="var(--accent)" />loop closure{" "}
+        <Swatch colour="var(--weak)" />corridor. Drawn from headings alone with one step per frame, so
+        loops need not close. Strokes show the heading.
       </figcaption>
     </figure>
   );

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// The types that the page and its views share. It imports types only, so that no view needs main.
+import type { Answer, MapSummary } from "./api";
+import type { Route } from "./route";
+
+// The last query image and its answer; several views show parts of it.
+export interface Query {
+  map: string;
+  photo: string; // object URL
+  name: string;
+  answer: Answer;
+}
+
+export interface ViewProps {
+  map: MapSummary;
+  route: Route;
+  query: Query | null;
+  setQuery: (query: Query | null) => void;
+}
+
+// The frames of one sequence: rows first to last of the orientation layer's columns.
+export interface Stretch {
+  sequence: number;
+  first: number;
+  last: number;
+}
