@@ -16,6 +16,9 @@ namespace waystone {
 namespace {
 
 constexpr double kGapSteps = 5;  // between sequences that nothing ties together
+// A chain of headings is no better than its doubtful ones: with each tenth step in doubt hardly a
+// stretch of twenty has none.
+constexpr double kDoubtfulShare = 0.1;
 
 // The poses of panoramas, by odometry and then by all that ties them together.
 class LayerBuilder {
@@ -44,6 +47,7 @@ class LayerBuilder {
       trajectories_.push_back(
           FollowPanoramas({taken_.signatures.begin() + first, taken_.signatures.begin() + last},
                           taken_.band, options_.odometry, go_on));
+      report_.steps += static_cast<int>(trajectories_.back().steps.size());
       report_.uncertain += trajectories_.back().uncertain;
     }
     report_.odometry_s = SecondsSince(start);
@@ -147,6 +151,8 @@ class LayerBuilder {
 };
 
 }  // namespace
+
+bool AppearanceReport::IsTrajectoryDoubtful() const { return uncertain > kDoubtfulShare * steps; }
 
 void AppearanceOptions::Check() const {
   describe.Check();

@@ -39,7 +39,8 @@ struct AppearanceReport {
   int skipped = 0;                         // frames that are no usable panorama
   std::vector<std::string> skipped_names;  // "012.jpg: cause", the first 20 of them
   int panoramas = 0;
-  int uncertain = 0;        // steps whose heading is uncertain
+  int steps = 0;            // from a panorama to the next
+  int uncertain = 0;        // of them, those whose heading is uncertain
   int loop_candidates = 0;  // that the compass was asked about
   int loops_certain = 0;    // of them, with a certain heading
   int loops_supported = 0;  // of them, that neighbours agree with
@@ -55,6 +56,10 @@ struct AppearanceReport {
   double graph_s = 0;
   double calibrate_s = 0;  // of the verdict, by BuildMap
   double total_s = 0;      // wall clock
+
+  // Whether so many steps are uncertain that the trajectory can't be relied on: rooms are too small
+  // for the steps, or panoramas too dark, too plain or too far apart.
+  bool IsTrajectoryDoubtful() const;
 };
 
 // A panorama as it was read, also where it was left out as redundant.

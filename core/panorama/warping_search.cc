@@ -143,7 +143,7 @@ class Search {
       }
     }
     RowImage costs(columns_, columns_);
-    const float per_unit = 1 / UnitsOfHypothesis();
+    const float per_unit = 1 / (levels_ * static_cast<float>(columns_ * options_.bands));
     for (int motion = 0; motion < columns_; ++motion) {
       for (int turn = 0; turn < columns_; ++turn) {
         costs(motion, turn) = per_unit * static_cast<float>(sums[motion * turns_ + turn]);
@@ -152,25 +152,7 @@ class Search {
     return costs;
   }
 
-  // Mean cost of each turn without motion.
-  Eigen::RowVectorXf StillCosts() const {
-    Eigen::RowVectorXf total = Eigen::RowVectorXf::Zero(columns_);
-    for (int part = 0; part < options_.bands; ++part) {
-      const uint8_t* same_scale = CostsFrom(part, options_.scales / 2, 0);
-      for (int column = 0; column < columns_; ++column) {
-        const uint8_t* row = same_scale + column * (RowBytes() + 1);
-        for (int turn = 0; turn < columns_; ++turn) total[turn] += row[turn];
-      }
-    }
-    return total / UnitsOfHypothesis();
-  }
-
  private:
-  // What a cost of 1 in every band of every column sums up to.
-  float UnitsOfHypothesis() const {
-    return levels_ * static_cast<float>(columns_) * static_cast<float>(options_.bands);
-  }
-
   RowSpan RowsOfPart(int part, int rows) const {
     const double height = static_cast<double>(rows) / options_.bands;
     const double more = options_.band_overlap * height;
@@ -296,8 +278,7 @@ Warping SearchWarping(const FourierSignature& a, const FourierSignature& b,
   Eigen::Index motion = 0;
   Eigen::Index turn = 0;
   Warping warping;
-  warping.cost = costs.minCoeff(&motion, &turn);
-  warping.still_cost = search.StillCosts().minCoeff();
+  costs.minCoeff(&motion, &turn);
   warping.turn_costs = ToVector(costs.colwise().minCoeff());
   warping.motion_costs = ToVector(costs.col(turn).transpose());
   const double step_rad = 2 * kPi / options.columns;

@@ -66,9 +66,8 @@ struct WarpingOptions {
 struct Warping {
   double turn_rad = 0;    // azimuths in b are those in a plus this
   double motion_rad = 0;  // azimuth in a of the direction to b
-  double cost = 0;        // mean over the columns, 0 (the same) to 1 (uncorrelated) and beyond
-  double still_cost = 0;  // the least cost of any turn without motion
-  // The least cost of each turn (columns of them), and of each direction with the best turn.
+  // The least cost of each turn (columns of them), and of each direction with the best turn: means
+  // over the columns, 0 (the same, if all are rich in edges) to 1 (uncorrelated) and beyond.
   std::vector<double> turn_costs;
   std::vector<double> motion_costs;
 };
