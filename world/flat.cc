@@ -20,7 +20,7 @@ constexpr double kThin_m = 0.12;  // walls
 constexpr double kDoorWidth_m = 0.82;
 constexpr double kDoorHeight_m = 2.02;
 constexpr double kDoorFree_m = 0.75;  // kept free around doors
-constexpr int kSteps = 9;
+constexpr int kStairSteps = 9;
 constexpr double kStepRun_m = 0.24;
 constexpr double kStairsWidth_m = 0.85;
 
@@ -222,7 +222,7 @@ class FlatMaker {
     const Eigen::Vector2d size = room.high - room.low;
     const bool along_x = size.x() >= size.y();
     const double length = along_x ? size.x() : size.y();
-    flat_.steps = std::min(kSteps, static_cast<int>((length - 0.9) / kStepRun_m));
+    flat_.steps = std::min(kStairSteps, static_cast<int>((length - 0.9) / kStepRun_m));
     const Eigen::Vector2d along = along_x ? Eigen::Vector2d::UnitX() : Eigen::Vector2d::UnitY();
     const Eigen::Vector2d across = along_x ? Eigen::Vector2d::UnitY() : Eigen::Vector2d::UnitX();
     const Eigen::Vector2d corner = (along_x ? room.low.y() : room.low.x()) * across +

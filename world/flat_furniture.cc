@@ -12,7 +12,7 @@ constexpr int kAttempts = 12;  // of each piece, to find a place
 constexpr double kPi2 = std::numbers::pi / 2;
 
 // A kind of furniture; sizes are drawn between low and high.
-struct Piece {
+struct FurnitureKind {
   double width_low, width_high;  // along the wall
   double depth_low, depth_high;
   double height_low, height_high;
@@ -24,7 +24,7 @@ struct Piece {
   double gloss;
 };
 
-constexpr Piece kPieces[] = {
+constexpr FurnitureKind kFurniture[] = {
     {0.8, 1.8, 0.55, 0.62, 1.9, 2.2, true, false, ScenePattern::kPlain, 0.5, 0, 0.05},   // wardrobe
     {0.6, 1.4, 0.25, 0.35, 1.2, 2.0, true, false, ScenePattern::kBooks, 0.05, 0.8, 0},   // shelf
     {1.2, 2.2, 0.58, 0.62, 0.88, 0.92, true, true, ScenePattern::kPlain, 0.5, 0, 0.1},   // counter
@@ -44,7 +44,8 @@ class Furnisher {
 
   void Furnish(int pieces) {
     for (int i = 0; i < pieces; ++i) {
-      const Piece& piece = kPieces[random_.Below(static_cast<int>(std::size(kPieces)))];
+      const FurnitureKind& piece =
+          kFurniture[random_.Below(static_cast<int>(std::size(kFurniture)))];
       for (int attempt = 0; attempt < kAttempts; ++attempt) {
         if (TryPiece(piece)) break;
       }
@@ -73,7 +74,7 @@ class Furnisher {
     box.sine = vertical ? 1 : 0;
   }
 
-  bool TryPiece(const Piece& piece) {
+  bool TryPiece(const FurnitureKind& piece) {
     SceneBox box;
     box.half_m = 0.5 * Eigen::Vector3d(Draw(piece.width_low, piece.width_high),
                                        Draw(piece.depth_low, piece.depth_high),

@@ -43,7 +43,7 @@ TEST(FlatTest, IsAFunctionOfItsSeed) {
 TEST(FlatTest, RoomsAreSmallAndJoinedByDoors) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     const Flat flat = FlatOf(seed);
-    ASSERT_EQ(flat.scene.rooms.size(), 6);
+    ASSERT_EQ(flat.scene.rooms.size(), size_t{6});
     std::vector<int> group = {0, 1, 2, 3, 4, 5};
     for (const FlatDoor& door : flat.doors) {
       const int from = group[door.rooms[0]];
@@ -67,7 +67,7 @@ TEST(FlatTest, PlacesAreClearAndDoorwaysSeeBothRooms) {
     doorways += place.kind == FlatPlaceKind::kDoorway;
     stairs += place.kind == FlatPlaceKind::kStairs;
   }
-  EXPECT_EQ(doorways, flat.doors.size());
+  EXPECT_EQ(doorways, static_cast<int>(flat.doors.size()));
   EXPECT_GE(stairs, 2);
   const FlatDoor& door = flat.doors.front();
   const SceneRoom& a = flat.scene.rooms[door.rooms[0]];
