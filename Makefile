@@ -56,7 +56,7 @@ check-format: packages  # by .clang-format
 
 tidy: packages  # clang-tidy
 	@scripts/install_packages.sh scripts/lint_packages.txt
-	@scripts/tidy.sh $(JOBS)
+	@scripts/tidy.py $(JOBS)
 
 standalone: packages  # no source leans on those it is compiled together with
 	@scripts/compile_each.py $(JOBS)

@@ -17,7 +17,7 @@ endfunction()
 
 # Templates that several sources of a target use are compiled once for all of them: half the work.
 function(waystone_unity target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${WAYSTONE_UNITY} UNITY_BUILD_BATCH_SIZE ${WAYSTONE_UNITY_BATCH})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${WAYSTONE_UNITY} UNITY_BUILD_BATCH_SIZE 8)
 endfunction()
 
 # waystone_library(NAME SOURCES ... DEPS ... [HEADERS target]): the static library waystone_NAME of the
