@@ -13,6 +13,7 @@
 #include "core/base/random.h"
 #include "core/geometry/angle.h"
 #include "core/image/decode.h"
+#include "world/flat.h"
 #include "world/render.h"
 #include "world/rig.h"
 #include "world/walk.h"
@@ -111,6 +112,28 @@ std::vector<PanoramaPlace> RenderPlaces(int count, uint64_t seed) {
   });
   for (PanoramaPlace& a : places) {
     for (const PanoramaPlace& b : places) a.hidden.push_back(IsHidden(world, a, b));
+  }
+  return places;
+}
+
+std::vector<PanoramaPlace> RenderFlatPlaces(uint64_t seed) {
+  FlatOptions options;
+  options.seed = seed;
+  const Flat flat = MakeFlat(options);
+  FlatTourOptions tour;
+  tour.seed = seed;
+  const std::vector<FlatPanorama> panoramas = PhotographFlat(flat, tour);
+  std::vector<PanoramaPlace> places;
+  for (const FlatPanorama& panorama : panoramas) {
+    PanoramaPlace place;
+    place.name = std::to_string(seed) + "-" + std::to_string(places.size());
+    place.grey = panorama.grey;
+    place.position_m = panorama.place.at.head<2>();
+    place.yaw_rad = YawOf(panorama.world_from_camera.linear());
+    for (const FlatPanorama& other : panoramas) {
+      place.hidden.push_back(!SeesThrough(flat.scene, panorama.place.at, other.place.at));
+    }
+    places.push_back(std::move(place));
   }
   return places;
 }

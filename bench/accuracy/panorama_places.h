@@ -27,6 +27,9 @@ std::vector<PanoramaPlace> ReadPlaces(const std::filesystem::path& folder);
 // tilt of a degree, each picture with noise and an exposure of its own.
 std::vector<PanoramaPlace> RenderPlaces(int count, uint64_t seed);
 
+// The places of a made flat (world/flat.h) on two visits with other lights; walls hide.
+std::vector<PanoramaPlace> RenderFlatPlaces(uint64_t seed);
+
 // Where the front of b points against that of a, and in which direction of a's frame b lies;
 // counter-clockwise, radians.
 double TrueHeading(const PanoramaPlace& a, const PanoramaPlace& b);
