@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "schema/layers/layer_problems.h"
+#include "schema/layers/layers.h"
 
 namespace waystone {
 namespace {
@@ -31,9 +32,7 @@ void FindSequenceProblems(const MapData& map, std::vector<MapProblem>& problems)
 std::vector<MapProblem> FindMapProblems(const MapData& map) {
   std::vector<MapProblem> problems;
   FindSequenceProblems(map, problems);
-  FindPlaneProblems(map, problems);
-  if (map.appearance) FindAppearanceProblems(map, problems);
-  if (map.orientation) FindOrientationProblems(map, problems);
+  for (const StoredLayer& layer : StoredLayers()) layer.find_problems(map, problems);
   return problems;
 }
 

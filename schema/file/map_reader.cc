@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 #include "schema/file/map_tables.h"
-#include "schema/layers/layer_rows.h"
+#include "schema/layers/layers.h"
 #include "schema/tables/blob.h"
 #include "schema/tables/table_rows.h"
 
@@ -75,11 +75,9 @@ Reading ReadDatabase(SQLite::Database& database, const ReadOptions& options) {
   Reading reading;
   ReadInfo(database, reading);
   ReadSequences(database, reading);
-  MapData& map = reading.map;
-  ReadPlaneLayer(database, options.images, map, reading.problems);
-  map.appearance =
-      ReadAppearance(database, map.info.feature_type, options.images, reading.problems);
-  map.orientation = ReadOrientation(database, options.images, reading.problems);
+  for (const StoredLayer& layer : StoredLayers()) {
+    layer.read(database, options.images, reading.map, reading.problems);
+  }
   return reading;
 }
 

@@ -22,6 +22,7 @@
 #include "schema/file/map_writer.h"
 #include "schema/file/migrate.h"
 #include "schema/file/sha256.h"
+#include "schema/layers/layers.h"
 
 namespace waystone {
 namespace {
@@ -69,20 +70,12 @@ std::string Summary(const std::vector<MapProblem>& problems) {
           "; restore it from a backup or rebuild it (`waystone check` lists all problems)");
 }
 
-// The version of a plane's descriptors without rows means nothing, so it may differ.
-bool SamePlane(const Plane& a, const Plane& b) {
-  return a.id == b.id && a.reference == b.reference && a.features == b.features &&
-         a.descriptors.data() == b.descriptors.data() && a.outline == b.outline &&
-         a.views == b.views;
-}
-
 bool SameMap(const MapData& a, const MapData& b) {
   return a.info.name == b.info.name && a.info.program == b.info.program &&
          a.info.feature_type == b.info.feature_type && a.info.options_json == b.info.options_json &&
-         a.sequences == b.sequences && a.keyframes == b.keyframes && a.edges == b.edges &&
-         a.index == b.index && a.verdict == b.verdict && a.appearance == b.appearance &&
-         a.orientation == b.orientation &&
-         std::equal(a.planes.begin(), a.planes.end(), b.planes.begin(), b.planes.end(), SamePlane);
+         a.sequences == b.sequences &&
+         std::ranges::all_of(StoredLayers(),
+                             [&](const StoredLayer& layer) { return layer.equal(a, b); });
 }
 
 void VerifyWritten(const MapData& map, const fs::path& written, const fs::path& target) {

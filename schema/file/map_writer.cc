@@ -8,7 +8,7 @@
 
 #include "schema/file/map_database.h"
 #include "schema/file/map_tables.h"
-#include "schema/layers/layer_rows.h"
+#include "schema/layers/layers.h"
 #include "schema/tables/table_writer.h"
 
 namespace waystone {
@@ -38,9 +38,7 @@ void WriteSequences(const MapData& map, RowSink& sink) {
 void WriteTables(const MapData& map, RowSink& sink) {
   WriteInfo(map.info, sink);
   WriteSequences(map, sink);
-  WritePlaneLayer(map, sink);
-  if (map.appearance) WriteAppearance(*map.appearance, sink);
-  if (map.orientation) WriteOrientation(*map.orientation, sink);
+  for (const StoredLayer& layer : StoredLayers()) layer.write(map, sink);
 }
 
 }  // namespace

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "schema/layers/layers.h"
+
+#include <algorithm>
+
+#include "schema/layers/appearance/appearance_tables.h"
+#include "schema/layers/layer_problems.h"
+#include "schema/layers/layer_rows.h"
+#include "schema/layers/orientation/orientation_tables.h"
+#include "schema/layers/planes/plane_tables.h"
+
+namespace waystone {
+namespace {
+
+// The version of a plane's descriptors without rows means nothing, so it may differ.
+bool SamePlane(const Plane& a, const Plane& b) {
+  return a.id == b.id && a.reference == b.reference && a.features == b.features &&
+         a.descriptors.data() == b.descriptors.data() && a.outline == b.outline &&
+         a.views == b.views;
+}
+
+bool SamePlaneLayer(const MapData& a, const MapData& b) {
+  return a.keyframes == b.keyframes && a.edges == b.edges && a.index == b.index &&
+         a.verdict == b.verdict && std::ranges::equal(a.planes, b.planes, SamePlane);
+}
+
+StoredLayer StoredPlanes() {
+  return {.tables = {kKeyframesTable, kKeyframeImagesTable, kPlanesTable, kPlaneFeaturesTable,
+                     kPlaneViewsTable, kEdgesTable, kSearchIndexTable, kVerdictModelTable},
+          .read = ReadPlaneLayer,
+          .write = WritePlaneLayer,
+          .find_problems = FindPlaneProblems,
+          .equal = SamePlaneLayer};
+}
+
+StoredLayer StoredAppearance() {
+  return {.tables = {kAppearanceLayerTable, kAppearanceNodesTable, kAppearanceSignaturesTable,
+                     kAppearanceFeaturesTable, kAppearanceImagesTable, kAppearanceEdgesTable,
+                     kAppearanceVerdictTable, kAppearanceVerdictTermsTable},
+          .read =
+              [](SQLite::Database& database, bool images, MapData& map,
+                 std::vector<MapProblem>& problems) {
+                map.appearance = ReadAppearance(database, map.info.feature_type, images, problems);
+              },
+          .write =
+              [](const MapData& map, RowSink& sink) {
+                if (map.appearance) WriteAppearance(*map.appearance, sink);
+              },
+          .find_problems =
+              [](const MapData& map, std::vector<MapProblem>& problems) {
+                if (map.appearance) FindAppearanceProblems(map, problems);
+              },
+          .equal = [](const MapData& a, const MapData& b) { return a.appearance == b.appearance; }};
+}
+
+StoredLayer StoredOrientation() {
+  return {
+      .tables = {kOrientationLayerTable, kOrientationFramesTable, kOrientationTurnsTable,
+                 kOrientationNodesTable, kOrientationImagesTable, kOrientationEdgesTable,
+                 kCorridorsTable},
+      .read =
+          [](SQLite::Database& database, bool images, MapData& map,
+             std::vector<MapProblem>& problems) {
+            map.orientation = ReadOrientation(database, images, problems);
+          },
+      .write =
+          [](const MapData& map, RowSink& sink) {
+            if (map.orientation) WriteOrientation(*map.orientation, sink);
+          },
+      .find_problems =
+          [](const MapData& map, std::vector<MapProblem>& problems) {
+            if (map.orientation) FindOrientationProblems(map, problems);
+          },
+      .equal = [](const MapData& a, const MapData& b) { return a.orientation == b.orientation; }};
+}
+
+}  // namespace
+
+const std::vector<StoredLayer>& StoredLayers() {
+  static const std::vector<StoredLayer> layers{StoredPlanes(), StoredAppearance(),
+                                               StoredOrientation()};
+  return layers;
+}
+
+}  // namespace waystone

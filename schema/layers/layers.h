@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <SQLiteCpp/Database.h>
+
+#include <vector>
+
+#include "schema/map_data.h"
+#include "schema/map_problem.h"
+#include "schema/tables/table.h"
+#include "schema/tables/table_writer.h"
+
+namespace waystone {
+
+// A layer as the map file holds it.
+struct StoredLayer {
+  std::vector<TableView> tables;  // in the order of FORMAT.md
+  // Fills what the layer has in `map`, whose info is read already, with pictures where `images`
+  // says so. What is wrong with a row goes to `problems`.
+  void (*read)(SQLite::Database& database, bool images, MapData& map,
+               std::vector<MapProblem>& problems);
+  // Writes the layer where the map has it. Throws SQLite::Exception.
+  void (*write)(const MapData& map, RowSink& sink);
+  // Adds what doesn't fit together, where the map has the layer; FORMAT.md lists the rules.
+  void (*find_problems)(const MapData& map, std::vector<MapProblem>& problems);
+  // Whether the layer is the same in both maps.
+  bool (*equal)(const MapData& a, const MapData& b);
+};
+
+// The layers of this version, in the order in which they are read and written. A new layer is added
+// here and to MapData; docs/extending.md has the rest. Thread-safe.
+const std::vector<StoredLayer>& StoredLayers();
+
+}  // namespace waystone
