@@ -28,7 +28,7 @@ class Series {
   Series(QueriedMap map, LocalizeOptions options, FilterState previous = {});
 
   // The next one, with the motion since the one before, in the layer's units, where it is known. An
-  // image that is no panorama is answered kBadImage and leaves the belief as it was.
+  // image that can't be decoded or described is answered kBadImage and leaves the belief as it was.
   Answer Ask(const QueryImage& image, const std::optional<Pose2>& odometry = {});
 
   const FilterState& belief() const { return belief_; }

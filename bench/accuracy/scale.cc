@@ -190,7 +190,8 @@ Comparison Compare(const Scene& scene, const MapIndex& index, const Timed& timed
     const size_t q = static_cast<size_t>(i) * timed.answers.size() / count;
     const cv::Mat grey = DecodeGrey(scene.queries()[q].bytes, exhaustive.limits);
     const Features features = ExtractFeatures(
-        grey, {FeatureType::kSift, exhaustive.max_features, exhaustive.contrast_threshold});
+        grey,
+        {FeatureType::kSift, exhaustive.planes.max_features, exhaustive.planes.contrast_threshold});
     CompareNearest(index, features, sum);
     const Answer truth = LocalizeFeatures(index, features, exhaustive);
     if (truth.verdict != Verdict::kLocalized) continue;

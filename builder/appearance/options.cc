@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/appearance/options.h"
 
-
 namespace waystone {
 
 void AppearanceOptions::Check() const {

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <cmath>
 
-
 namespace waystone {
 namespace {
 

@@ -265,19 +265,19 @@ TEST_F(PanoramaMap, TheCommandLineAndTheServerAnswerASeriesAlike) {
 }
 
 // An image that can't be used is answered so and leaves the series as it was.
-TEST_F(PanoramaMap, ASeriesPassesOverWhatIsNoPanorama) {
+TEST_F(PanoramaMap, ASeriesPassesOverWhatIsNoImage) {
   ASSERT_EQ(build_.code, 0) << build_.err;
-  const fs::path photo = folder_ / "photo.png";
-  DrawPhoto(photo, 3.5);
+  const fs::path broken = folder_ / "broken.png";
+  WriteFile(broken, "no image");
   const fs::path map = home_ / "hall.db";
   const std::vector<Json> plain = SeriesOnTheCommandLine(map, {Query(2), Query(3)});
-  const std::vector<Json> with = SeriesOnTheCommandLine(map, {Query(2), photo, Query(3)});
+  const std::vector<Json> with = SeriesOnTheCommandLine(map, {Query(2), broken, Query(3)});
   ASSERT_EQ(plain.size(), 2u);
   ASSERT_EQ(with.size(), 3u);
   EXPECT_EQ(with[1]["verdict"], "bad_image");
   EXPECT_EQ(with[2]["probability"], plain[1]["probability"]);
   EXPECT_EQ(with[2]["panorama"], plain[1]["panorama"]);
-  const RunResult run = RunWaystone({"localize", map, Query(2), photo, "--series"});
+  const RunResult run = RunWaystone({"localize", map, Query(2), broken, "--series"});
   EXPECT_EQ(run.code, 3);
 }
 

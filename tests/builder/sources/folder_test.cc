@@ -182,7 +182,8 @@ TEST_F(FolderTest, CameraOptionWinsAndSizesMustAgree) {
   options.camera_file = Write("other/large.yaml",
                               "camera_model: PINHOLE\nimage_width: 640\nimage_height: 480\n"
                               "fx: 1\nfy: 1\ncx: 1\ncy: 1\n");
-  ExpectError([&] { Open(options); }, ErrorCode::kBadCamera, {"640x480", "16x12", "use the calibration"});
+  ExpectError([&] { Open(options); }, ErrorCode::kBadCamera,
+              {"640x480", "16x12", "use the calibration"});
 }
 
 TEST_F(FolderTest, PatternsMatchInNaturalOrder) {

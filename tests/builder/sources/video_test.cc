@@ -92,7 +92,8 @@ TEST_F(VideoTest, AVideoCutInHalfGivesWhatIsLeft) {
 TEST_F(VideoTest, WhatIsNoVideoIsRefused) {
   testing::internal::CaptureStderr();  // FFmpeg comments on it
   const std::string path = Write("walk.mp4", "a letter").string();
-  ExpectError([&] { OpenSource(path, {}); }, ErrorCode::kBadSource, {"walk.mp4", "FFmpeg", "expected"});
+  ExpectError([&] { OpenSource(path, {}); }, ErrorCode::kBadSource,
+              {"walk.mp4", "FFmpeg", "expected"});
   testing::internal::GetCapturedStderr();
 }
 
