@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geometry/angle.h"
+#include "core/geometry/pose2.h"
 #include "core/panorama/visual_compass.h"
 #include "world/flat.h"
 
