@@ -251,7 +251,8 @@ nlohmann::json ScoreMap(const std::string& name, const std::vector<PanoramaPlace
                         const PlaceMap& map, const PlaceMap& foreign) {
   MapData data = DataOf(map.layer);
   const AppearanceCalibrationOptions calibration;
-  CalibrateAppearanceLayer(data, SamplesOf(map, calibration.max_nodes), calibration, {});
+  ProgressReporter silent;
+  CalibrateAppearanceLayer(data, SamplesOf(map, calibration.max_nodes), calibration, silent);
   const AppearanceVerdict models[] = {*data.appearance->verdict,
                                       *data.appearance->verified_verdict};
   const auto index = MapIndex::Build(std::move(data));
@@ -290,7 +291,8 @@ nlohmann::json ScorePhotos(const std::string& name, const std::vector<PanoramaPl
                            const std::filesystem::path& rigs) {
   MapData data = DataOf(map.layer);
   const AppearanceCalibrationOptions calibration;
-  CalibrateAppearanceLayer(data, SamplesOf(map, calibration.max_nodes), calibration, {});
+  ProgressReporter silent;
+  CalibrateAppearanceLayer(data, SamplesOf(map, calibration.max_nodes), calibration, silent);
   const auto index = MapIndex::Build(std::move(data));
   std::vector<Asked> asked(places.size());
   tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
