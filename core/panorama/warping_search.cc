@@ -47,26 +47,20 @@ RowImage SoftenEdges(const RowImage& gradient, double softness) {
   return gradient.array() / (gradient.array().abs() + half);
 }
 
-// Rows of an image, half open.
-struct RowSpan {
-  Eigen::Index first = 0;
-  Eigen::Index last = 0;
-};
-
-// The rows of the image as it looks when everything is `scale` times nearer: what was at elevation
-// e comes to tan(e') = scale tan(e). Rows of what isn't shown are 0.
-RowImage ScaleRows(const RowImage& image, const ElevationBand& band, double scale, RowSpan span) {
+// The image as it looks when everything is `scale` times nearer: what was at elevation e comes to
+// tan(e') = scale tan(e). Rows of what isn't shown are 0.
+RowImage ScaleRows(const RowImage& image, const ElevationBand& band, double scale) {
   const auto rows = image.rows();
   const double step = (band.top_rad - band.bottom_rad) / static_cast<double>(rows);
-  RowImage scaled = RowImage::Zero(span.last - span.first, image.cols());
-  for (Eigen::Index row = span.first; row < span.last; ++row) {
+  RowImage scaled = RowImage::Zero(rows, image.cols());
+  for (Eigen::Index row = 0; row < rows; ++row) {
     const double elevation = band.top_rad - (static_cast<double>(row) + 0.5) * step;
     const double from = (band.top_rad - std::atan(std::tan(elevation) / scale)) / step - 0.5;
     if (from < 0 || from > static_cast<double>(rows - 1)) continue;
     const auto upper = static_cast<Eigen::Index>(from);
     const auto part = static_cast<float>(from - static_cast<double>(upper));
     const Eigen::Index lower = std::min(upper + 1, rows - 1);
-    scaled.row(row - span.first) = (1 - part) * image.row(upper) + part * image.row(lower);
+    scaled.row(row) = (1 - part) * image.row(upper) + part * image.row(lower);
   }
   return scaled;
 }
@@ -98,13 +92,13 @@ Edges FindEdges(const RowImage& image, const WarpingOptions& options) {
           SoftenEdges(AzimuthGradient(image), options.edge_softness)};
 }
 
-// What a column is compared by in some rows at a scale: level edges above upright ones, of length 1
-// together, filled up with empty columns to `filled`.
-RowImage DescribeColumns(const Edges& edges, const ElevationBand& band, double scale, RowSpan span,
-                         int filled, const WarpingOptions& options) {
-  const auto rows = span.last - span.first;
-  RowImage level = ScaleRows(edges.level, band, scale, span);
-  RowImage upright = ScaleRows(edges.upright, band, scale, span);
+// What columns are compared by at a scale: level edges above upright ones, of length 1 together,
+// filled up with empty columns to `filled`.
+RowImage DescribeColumns(const Edges& edges, const ElevationBand& band, double scale, int filled,
+                         const WarpingOptions& options) {
+  const auto rows = edges.level.rows();
+  RowImage level = ScaleRows(edges.level, band, scale);
+  RowImage upright = ScaleRows(edges.upright, band, scale);
   NormaliseColumns(level, options.plain_share);
   NormaliseColumns(upright, options.plain_share);
   const auto share = static_cast<float>(options.upright_share);
@@ -114,66 +108,56 @@ RowImage DescribeColumns(const Edges& edges, const ElevationBand& band, double s
   return columns;
 }
 
-// One search: the costs of all pairs of columns at all scales, then all hypotheses. Costs are
-// bytes, of which many fit a register: each is rounded, and of a mean over the columns nothing is
-// left of that.
+// One search: the costs of all pairs of columns at all scales, then all hypotheses, both ways.
+// Costs are bytes, of which many fit a register: each is rounded, and of a mean over the columns
+// nothing is left of that.
 class Search {
  public:
   Search(const Edges& a, const Edges& b, const ElevationBand& band, const WarpingOptions& options)
       : options_(options),
         columns_(options.columns),
         turns_(FilledUp(columns_, kWarpingBytes)),
-        levels_(static_cast<float>(std::min(
-            kMaxLevels, std::floor(kMaxSum / (kMostPerColumn * options.bands * columns_))))),
+        levels_(static_cast<float>(
+            std::min(kMaxLevels, std::floor(kMaxSum / (kMostPerColumn * columns_))))),
         step_rad_(2 * kPi / columns_) {
-    for (int part = 0; part < options_.bands; ++part) {
-      AddCosts(a, b, band, RowsOfPart(part, static_cast<int>(a.level.rows())));
+    const int middle = options_.scales / 2;
+    const int filled = FilledUp(columns_, kWarpingFloats);
+    std::vector<RowImage> of_a;  // from scale 1 on
+    std::vector<RowImage> of_b;
+    for (int s = middle; s < options_.scales; ++s) {
+      of_a.push_back(DescribeColumns(a, band, ScaleOf(s), columns_, options_));
+      of_b.push_back(DescribeColumns(b, band, ScaleOf(s), filled, options_));
+    }
+    for (int s = 0; s < options_.scales; ++s) {
+      forth_.push_back(
+          CompareColumns(of_a[std::max(0, s - middle)], of_b[std::max(0, middle - s)]));
+    }
+    for (int s = 0; s < options_.scales; ++s) {
+      back_.push_back(Transpose(forth_[options_.scales - 1 - s]));
     }
   }
 
   // Mean cost of each hypothesis: rows are directions of motion, columns turns.
   RowImage Costs() const {
-    std::vector<uint16_t> sums(static_cast<size_t>(columns_) * turns_, 0);
-    for (int part = 0; part < options_.bands; ++part) {
-      for (int angle = 0; angle < columns_; ++angle) {
-        const std::vector<ColumnStep> steps = FindSteps(part, angle);
-        kernels_.add_least(
-            {steps.data(), static_cast<int>(steps.size()), columns_, RowBytes() + 1, angle, turns_},
-            sums.data());
-      }
-    }
+    const std::vector<uint16_t> forth = SumLeast(forth_);
+    const std::vector<uint16_t> back = SumLeast(back_);
     RowImage costs(columns_, columns_);
-    const float per_unit = 1 / (levels_ * static_cast<float>(columns_ * options_.bands));
+    const float per_unit = 1 / (levels_ * static_cast<float>(2 * columns_));
     for (int motion = 0; motion < columns_; ++motion) {
       for (int turn = 0; turn < columns_; ++turn) {
-        costs(motion, turn) = per_unit * static_cast<float>(sums[motion * turns_ + turn]);
+        // Seen from b, a lies behind, and the turn is the other way.
+        const int motion_back = (motion + turn + columns_ / 2) % columns_;
+        const int turn_back = (columns_ - turn) % columns_;
+        const int sum = forth[motion * turns_ + turn] + back[motion_back * turns_ + turn_back];
+        costs(motion, turn) = per_unit * static_cast<float>(sum);
       }
     }
     return costs;
   }
 
  private:
-  RowSpan RowsOfPart(int part, int rows) const {
-    const double height = static_cast<double>(rows) / options_.bands;
-    const double more = options_.band_overlap * height;
-    return {std::max<Eigen::Index>(0, std::lround(part * height - more)),
-            std::min<Eigen::Index>(rows, std::lround((part + 1) * height + more))};
-  }
-
-  void AddCosts(const Edges& a, const Edges& b, const ElevationBand& band, RowSpan span) {
-    const int middle = options_.scales / 2;
-    const int filled = FilledUp(columns_, kWarpingFloats);
-    std::vector<RowImage> of_a;  // from scale 1 on
-    std::vector<RowImage> of_b;
-    for (int s = middle; s < options_.scales; ++s) {
-      of_a.push_back(DescribeColumns(a, band, ScaleOf(s), span, columns_, options_));
-      of_b.push_back(DescribeColumns(b, band, ScaleOf(s), span, filled, options_));
-    }
-    for (int s = 0; s < options_.scales; ++s) {
-      costs_.push_back(
-          CompareColumns(of_a[std::max(0, s - middle)], of_b[std::max(0, middle - s)]));
-    }
-  }
+  // Of one scale: columns x RowBytes().
+  using CostTable = std::vector<uint8_t>;
 
   double ScaleOf(int s) const {
     return std::pow(options_.max_scale, 2.0 * s / (options_.scales - 1) - 1);
@@ -186,44 +170,70 @@ class Search {
     return s < 0 || s >= options_.scales ? -1 : static_cast<int>(s);
   }
 
-  // Half a circle before the columns of b and more than one and a half after them, so that neither
+  // Half a circle before the columns and more than one and a half after them, so that neither
   // shift (a quarter at most) nor turn wraps, and what the last register reads beyond.
   int Lead() const { return columns_ / 2; }
   int64_t RowBytes() const { return 3 * columns_ + kWarpingBytes; }
 
-  // Of column 0 of a and a column of b, -Lead() to Lead(); of the next of both RowBytes() + 1 on.
-  const uint8_t* CostsFrom(int part, int scale, int column_of_b) const {
-    return costs_[part * options_.scales + scale].data() + Lead() + column_of_b;
-  }
-
-  std::vector<uint8_t> CompareColumns(const RowImage& a, const RowImage& b) const {
-    std::vector<uint8_t> costs(columns_ * RowBytes());
+  CostTable CompareColumns(const RowImage& a, const RowImage& b) const {
+    CostTable costs(columns_ * RowBytes());
     kernels_.multiply({static_cast<int>(a.rows()), columns_, a.data(), b.data(), levels_,
                        costs.data() + Lead(), RowBytes()});
+    WrapRows(costs);
+    return costs;
+  }
+
+  CostTable Transpose(const CostTable& costs) const {
+    CostTable transposed(costs.size());
+    for (int column = 0; column < columns_; ++column) {
+      const uint8_t* from = costs.data() + column * RowBytes() + Lead();
+      uint8_t* to = transposed.data() + Lead() + column;
+      for (int other = 0; other < columns_; ++other) to[other * RowBytes()] = from[other];
+    }
+    WrapRows(transposed);
+    return transposed;
+  }
+
+  void WrapRows(CostTable& costs) const {
     for (int column = 0; column < columns_; ++column) {
       uint8_t* row = costs.data() + column * RowBytes();
       for (int64_t k = Lead() + columns_; k < RowBytes(); ++k) row[k] = row[k - columns_];
       for (int64_t k = 0; k < Lead(); ++k) row[k] = row[k + columns_];
     }
-    return costs;
+  }
+
+  // Of each direction of motion and turn, over the columns.
+  std::vector<uint16_t> SumLeast(const std::vector<CostTable>& tables) const {
+    std::vector<uint16_t> sums(static_cast<size_t>(columns_) * turns_, 0);
+    for (int angle = 0; angle < columns_; ++angle) {
+      const std::vector<ColumnStep> steps = FindSteps(tables, angle);
+      kernels_.add_least(
+          {steps.data(), static_cast<int>(steps.size()), columns_, RowBytes() + 1, angle, turns_},
+          sums.data());
+    }
+    return sums;
   }
 
   // For landmarks `angle` columns clockwise of the direction of motion.
-  std::vector<ColumnStep> FindSteps(int part, int angle) const {
+  std::vector<ColumnStep> FindSteps(const std::vector<CostTable>& tables, int angle) const {
     const double x = std::abs(std::remainder(angle * step_rad_, 2 * kPi));
     const int side = 2 * angle <= columns_ ? 1 : -1;
     const int middle = options_.scales / 2;
     std::vector<ColumnStep> steps;
+    // Of column 0 and another, -Lead() to Lead(); those of the next of both are RowBytes() + 1 on.
+    const auto add = [&](int scale, int column, int shift) {
+      steps.push_back({tables[scale].data() + Lead() + column, PenaltyOf(shift)});
+    };
     // Straight ahead and straight behind nothing moves sideways, and any distance goes.
     if (angle == 0) {
-      for (int s = middle; s < options_.scales; ++s) steps.push_back({CostsFrom(part, s, 0), 0});
+      for (int s = middle; s < options_.scales; ++s) add(s, 0, 0);
     } else if (2 * angle == columns_) {
-      for (int s = 0; s <= middle; ++s) steps.push_back({CostsFrom(part, s, 0), 0});
+      for (int s = 0; s <= middle; ++s) add(s, 0, 0);
     } else {
       const int reach = static_cast<int>(options_.max_shift_rad / step_rad_);
       for (int shift = 0; shift <= reach && x + shift * step_rad_ < kPi; ++shift) {
         const int s = ScaleStepOf(std::sin(x + shift * step_rad_) / std::sin(x));
-        if (s >= 0) steps.push_back({CostsFrom(part, s, side * shift), PenaltyOf(shift)});
+        if (s >= 0) add(s, side * shift, shift);
       }
     }
     return steps;
@@ -231,7 +241,8 @@ class Search {
 
   uint8_t PenaltyOf(int shift) const {
     const double most = (kMostPerColumn - 2) * levels_ - 1;  // beside a cost of 2
-    return static_cast<uint8_t>(std::lround(std::min(options_.shift_cost * shift * levels_, most)));
+    const double penalty = options_.shift_cost * shift * step_rad_ * levels_;
+    return static_cast<uint8_t>(std::lround(std::min(penalty, most)));
   }
 
   const WarpingOptions& options_;
@@ -240,7 +251,8 @@ class Search {
   float levels_;
   double step_rad_;
   WarpingKernels kernels_ = FastestWarpingKernels();
-  std::vector<std::vector<uint8_t>> costs_;  // of each part and scale: columns x RowBytes
+  std::vector<CostTable> forth_;  // of each scale: columns of a by those of b
+  std::vector<CostTable> back_;   // the other way round
 };
 
 // Where between its neighbours the least of a circle of values lies, in -0.5 to 0.5: the vertex of
@@ -263,6 +275,10 @@ void WarpingOptions::Check() const {
   if (scales % 2 == 0) {
     throw MapError(ErrorCode::kBadOptions,
                    "scales is " + std::to_string(scales) + "; it must be odd");
+  }
+  if (columns % 2 != 0) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "columns is " + std::to_string(columns) + "; it must be even");
   }
 }
 

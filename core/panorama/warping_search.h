@@ -10,27 +10,25 @@
 namespace waystone {
 
 struct WarpingOptions {
-  int columns = 72;
-  int frequencies = 64;
+  int columns = 120;
+  int frequencies = 60;
   double max_shift_rad = 1.2;
   double max_scale = 4;
   int scales = 11;
-  double shift_cost = 0.01;
-  int bands = 2;
-  double band_overlap = 0.1;
+  double shift_cost = 0.05;
   double upright_share = 0.5;
   double edge_softness = 1;
-  double plain_share = 0.3;
+  double plain_share = 0.15;
 
   static constexpr auto Fields() {
     using O = WarpingOptions;
     return std::tuple{
         OptionField{"columns", &O::columns, Closed(24, 360), "columns",
-                    "Columns that the circle is cut into: the grid of turns and of directions of "
-                    "motion. More are finer; time grows with the cube."},
+                    "Columns that the circle is cut into, even: the grid of turns and of "
+                    "directions of motion. More are finer; time grows with the cube."},
         OptionField{"frequencies", &O::frequencies, Closed(4, 4096), "",
-                    "Frequencies used; those beyond the signature's or the columns' are left out. "
-                    "Fewer bear tilt and change, more are sharper."},
+                    "Frequencies used, as far as the signature has them; those beyond half the "
+                    "columns would fold over. Fewer bear tilt and change, more are sharper."},
         OptionField{"max_shift_rad", &O::max_shift_rad, Closed(0.05, 1.5), "rad",
                     "How far a landmark may move sideways through the motion. More reaches "
                     "farther; also lets what doesn't belong together match."},
@@ -39,15 +37,9 @@ struct WarpingOptions {
         OptionField{"scales", &O::scales, Closed(3, 41), "steps",
                     "Steps from 1 / max_scale to max_scale, odd. More fit better; time grows with "
                     "them."},
-        OptionField{"shift_cost", &O::shift_cost, Closed(0, 0.5), "",
-                    "Cost of a column of sideways shift, of the cost of columns without any "
+        OptionField{"shift_cost", &O::shift_cost, Closed(0, 5), "",
+                    "Cost of a radian of sideways shift, of the cost of columns without any "
                     "correlation: the landmarks of a room are rather far than near."},
-        OptionField{"bands", &O::bands, Closed(1, 4), "bands",
-                    "Bands of elevations whose columns are matched each on their own: furniture "
-                    "below the horizon is nearer than the wall above it. More fit cluttered rooms, "
-                    "and see less of each column."},
-        OptionField{"band_overlap", &O::band_overlap, Closed(0, 1), "",
-                    "How far each band reaches into the next, of its height."},
         OptionField{"upright_share", &O::upright_share, Closed(0, 1), "",
                     "How much upright edges (door frames, corners) count in the comparison of "
                     "columns, against level ones. More tell azimuths, less tell distances."},
@@ -76,10 +68,11 @@ struct Warping {
 // and direction of motion, each column of a is matched to the best of the columns of b that the
 // hypothesis allows it to move to, with the vertical scale that belongs to the shift: a landmark at
 // angle x from the direction of motion comes to x' between x and pi, and its distance shrinks by
-// sin(x') / sin(x). Columns are compared by the correlation of their gradients, up and
-// around, softened so that bright windows don't outweigh the rest, and each of some bands of
-// elevations on its own: brightness and contrast hardly matter. `band` is what the rows span.
-// Both signatures must have the same rows (CheckFailure). Thread-safe.
+// sin(x') / sin(x). Each column of b is matched to a in the same way, and the cost of the
+// hypothesis is the mean of both: what only one of the two sees then finds no cheap way out.
+// Columns are compared by the correlation of their gradients, up and around, softened so that
+// bright windows don't outweigh the rest: brightness and contrast hardly matter. `band` is what the
+// rows span. Both signatures must have the same rows (CheckFailure). Thread-safe.
 Warping SearchWarping(const FourierSignature& a, const FourierSignature& b,
                       const ElevationBand& band, const WarpingOptions& options);
 

@@ -58,18 +58,19 @@ void AskPairs(uint64_t seed, Tally& tally) {
   }
 }
 
-// Columns that were compared whole and by level edges alone had 41 % right in flats like these.
+// 4 flats with about 60 pairs each. Columns matched one way, by level edges alone, had 35 % right
+// of these pairs.
 TEST(CompassFlatsTest, FindsHeadingsInSmallRooms) {
   Tally tally;
-  for (const uint64_t seed : {11, 12}) AskPairs(seed, tally);
+  for (const uint64_t seed : {11, 12, 13, 14}) AskPairs(seed, tally);
   RecordProperty("pairs", tally.pairs);
   RecordProperty("right", tally.right);
   RecordProperty("claims", tally.claims);
-  ASSERT_GT(tally.pairs, 80);
-  EXPECT_GT(tally.right, 0.48 * tally.pairs) << tally.right << " of " << tally.pairs;
+  ASSERT_GT(tally.pairs, 200);
+  EXPECT_GT(tally.right, 0.55 * tally.pairs) << tally.right << " of " << tally.pairs;
   EXPECT_GE(tally.right_claims, 0.95 * tally.claims)
       << tally.right_claims << " of " << tally.claims;
-  EXPECT_GT(tally.claims, 0) << "a compass that claims nothing";
+  EXPECT_GT(tally.claims, 0.05 * tally.pairs) << "a compass that hardly claims anything";
 }
 
 }  // namespace
