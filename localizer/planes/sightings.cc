@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <functional>
+#include <utility>
 
 #include "localizer/verdict/keyframe_verdict.h"
 
@@ -96,8 +98,10 @@ void JoinKeyframes(const MapIndex& index, const std::vector<VerifiedKeyframe>& k
     place.probability =
         JoinProbabilities(place.probability, ComputeProbability(place.keyframe_evidence));
   }
-  std::ranges::stable_sort(
-      places, [](const Place& a, const Place& b) { return CountInliers(a) > CountInliers(b); });
+  const auto rank = [&](const Place& place) {
+    return std::pair(place.probability >= options.gates.min_probability, CountInliers(place));
+  };
+  std::ranges::stable_sort(places, std::greater<>(), rank);
 }
 
 }  // namespace waystone

@@ -26,8 +26,8 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
 bool KeyframesAreNear(const MapIndex& index, int a, int b);
 
 // Gives each place the verified keyframe that shows it best, and makes places of those keyframes
-// that no place is near. Sets the probabilities that follow from both, and sorts: most inliers
-// first.
+// that no place is near. Sets the probabilities that follow from both, and sorts: those that suffice
+// for an answer before the others, most inliers first.
 void JoinKeyframes(const MapIndex& index, const std::vector<VerifiedKeyframe>& keyframes,
                    const PlaneQueryOptions& options, std::vector<Place>& places);
 

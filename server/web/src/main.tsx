@@ -48,7 +48,7 @@ function useView(view: View): ComponentType<ViewProps> | null {
 function viewsOf(map: MapSummary, layers: string[]): View[] {
   const needs: Record<View, boolean> = {
     ask: true,
-    why: map.planes > 0,
+    why: map.keyframes > 0,
     planes: map.planes > 0,
     keyframes: map.keyframes > 0,
     layers: map.planes > 0 || layers.includes("appearance"),
@@ -89,7 +89,7 @@ function Footer({ map }: { map: MapSummary }) {
   return (
     <footer>
       <p>
-        {map.name}{map.planes > 0 && `: ${counts.join(", ")}`}. Built with {map.program}. Version <code title={map.version}>{map.version.slice(0, 15)}</code>.
+        {map.name}{map.keyframes > 0 && `: ${counts.join(", ")}`}. Built with {map.program}. Version <code title={map.version}>{map.version.slice(0, 15)}</code>.
       </p>
       <p>
         <a href={`/v1/maps/${encodeURIComponent(map.name)}`}>JSON</a> ·{" "}
