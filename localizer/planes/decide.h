@@ -36,7 +36,7 @@ std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane>
                                const PlaneQueryOptions& options);
 
 // The places of all planes that were accepted of those that were tried, and of the keyframes that
-// were verified, most inliers first.
+// were verified, in the order of JoinKeyframes.
 std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
                               const std::vector<VerifiedKeyframe>& keyframes,
                               const PlaneQueryOptions& options);

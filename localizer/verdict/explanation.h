@@ -65,7 +65,7 @@ struct Explanation {
   GateOptions gates;                           // that had to be passed
   std::vector<ExplainedCandidate> candidates;  // in the shortlist's order: most votes first
   std::vector<ExplainedKeyframe> keyframes;    // most inliers first; none without landmarks
-  std::vector<ExplainedPlace> places;          // most inliers first
+  std::vector<ExplainedPlace> places;          // as JoinKeyframes sorts them
 };
 
 }  // namespace waystone
