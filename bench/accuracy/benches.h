@@ -39,9 +39,9 @@ int RunRelative(const Args& args);
 // yes|no]: places of real data that exhaustive image search finds, and those that maps find, by
 // their size; photos of look-alike places and of other data that are found wrongly.
 int RunRecall(const Args& args);
-// look-alikes [--buildings N] [--first SEED] [--each yes|no]: rendered buildings asked for their own
-// places, for the same places a storey higher, where much looks alike, and for other buildings; and
-// the weights of the keyframe's verdict fitted to the answers.
+// look-alikes [--buildings N] [--first SEED] [--each yes|no]: rendered buildings asked for their
+// own places, for the same places a storey higher, where much looks alike, and for other buildings;
+// and the weights of the keyframe's verdict fitted to the answers.
 int RunLookAlikes(const Args& args);
 // orientation [--buildings N] [--frames N] [--camera rig|pinhole|both]: the whole orientation layer
 // of made buildings against their truth, and its time beside lines and features alone.

@@ -45,8 +45,8 @@ std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedP
 bool AreNear(const MapIndex& index, const Place& a, const Place& b);
 
 // The keyframe that saw a place most like the query did: the more of the place's inliers lie near
-// where the keyframe saw them, the nearer. The place's verified keyframe where that has more inliers
-// than the planes.
+// where the keyframe saw them, the nearer. The place's verified keyframe where that has more
+// inliers than the planes.
 KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Features& query);
 
 // The verdict for all planes that were tried, accepted or not, of `shortlisted` ones, and for the
