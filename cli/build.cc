@@ -14,6 +14,7 @@
 #include "cli/commands.h"
 #include "cli/map_file.h"
 #include "cli/panorama_file.h"
+#include "cli/printable_output.h"
 #include "cli/progress.h"
 #include "cli/settings.h"
 #include "cli/signals.h"
@@ -85,7 +86,7 @@ BuildOptions OptionsOf(const BuildFlags& flags) {
 
 BuildResult BuildWithProgress(const BuildFlags& flags, const BuildOptions& options) {
   const std::vector<std::unique_ptr<Source>> sources = OpenSources(flags);
-  ProgressMeter meter(std::cerr, ProgressStyleByName(flags.progress, flags.quiet),
+  ProgressMeter meter(RawErrors(), ProgressStyleByName(flags.progress, flags.quiet),
                       ColoursWelcome());
   const auto show = [&meter](const BuildProgress& now) {
     meter.Update({now.stage, now.done, now.total,

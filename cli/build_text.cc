@@ -57,19 +57,19 @@ std::string PlanesText(const PlaneReport& report) {
          " dropped";
 }
 
-// The frame counts, and the skipped frames by name.
-void FramesLines(std::ostream& out, const std::string& label, const std::string& counts,
-                 const std::vector<std::string>& skipped) {
-  Line(out, label, counts);
-  for (const std::string& name : skipped) Line(out, "  skipped", name);
+// "3 of 5 used, 2 skipped" and what the layer adds to that, then the skipped frames by name.
+void FramesLines(std::ostream& out, const std::string& label, const FrameReport& report,
+                 const std::string& more) {
+  Line(out, label,
+       std::to_string(report.frames - report.skipped) + " of " + std::to_string(report.frames) +
+           " used, " + std::to_string(report.skipped) + " skipped" + more);
+  for (const std::string& name : report.skipped_names) Line(out, "  skipped", name);
 }
 
 void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
-  FramesLines(out, "panoramas",
-              std::to_string(report.frames) + " used, " + std::to_string(report.skipped) +
-                  " skipped, " + std::to_string(report.uncertain) + " uncertain steps, " +
-                  std::to_string(report.dropped) + " redundant",
-              report.skipped_names);
+  FramesLines(out, "panoramas", report,
+              ", " + Plural(report.uncertain, "uncertain step") + ", " +
+                  std::to_string(report.dropped) + " redundant");
   Line(out, "loops",
        std::to_string(report.loop_candidates) + " candidates, " +
            std::to_string(report.loops_certain) + " confirmed by the compass, " +
@@ -84,10 +84,8 @@ void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
 
 void OrientationLines(std::ostream& out, const OrientationLayer& layer,
                       const OrientationReport& report) {
-  FramesLines(out, "orientation",
-              std::to_string(report.frames) + " frames, " + std::to_string(report.skipped) +
-                  " unreadable, " + std::to_string(report.unreliable) + " without reliable axes",
-              report.skipped_names);
+  FramesLines(out, "orientation", report,
+              ", " + std::to_string(report.unreliable) + " without reliable axes");
   Line(out, "trajectory",
        Plural(TurnCount(layer), "turn") + " in " + Plural(layer.turns.size(), "heading change") +
            ", " + Plural(layer.nodes.size(), "node") + ", " +
@@ -99,11 +97,9 @@ void OrientationLines(std::ostream& out, const OrientationLayer& layer,
 }
 
 void PlanesLines(std::ostream& out, const PlaneReport& report) {
-  FramesLines(out, "frames",
-              std::to_string(report.frames) + " used, " + std::to_string(report.skipped) +
-                  " skipped, " + std::to_string(report.stretches) + " stretch" +
-                  (report.stretches == 1 ? "" : "es"),
-              report.skipped_names);
+  FramesLines(
+      out, "frames", report,
+      ", " + std::to_string(report.stretches) + " stretch" + (report.stretches == 1 ? "" : "es"));
   Line(out, "planes", PlanesText(report));
   Line(out, "seconds",
        "decoding " + Seconds(report.decode_s) + ", features " + Seconds(report.observe_s) +

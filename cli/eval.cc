@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "cli/eval_text.h"
 #include "cli/map_file.h"
+#include "cli/printable_output.h"
 #include "cli/progress.h"
 #include "cli/query_set.h"
 #include "core/base/error.h"
@@ -53,7 +54,7 @@ ScoredQuery Ask(const OpenMap& map, const LabelledQuery& query,
 // One after the other: the times are those of a query that has the machine to itself.
 std::vector<ScoredQuery> AskAll(const OpenMap& map, const std::vector<LabelledQuery>& queries,
                                 const KeyframePositions& positions, bool quiet) {
-  ProgressMeter meter(std::cerr, ProgressStyleByName("auto", quiet), ColoursWelcome());
+  ProgressMeter meter(RawErrors(), ProgressStyleByName("auto", quiet), ColoursWelcome());
   std::vector<ScoredQuery> scored;
   for (const LabelledQuery& query : queries) {
     scored.push_back(Ask(map, query, positions));

@@ -70,8 +70,9 @@ class FlatPass {
     float sum = 0;
     SceneHit hit;
     for (int k = 0; k < kEdgeRays * kEdgeRays; ++k) {
+      const int row = k / kEdgeRays;
       const double dx = (k % kEdgeRays + 0.5) / kEdgeRays - 0.5;
-      const double dy = (k / kEdgeRays + 0.5) / kEdgeRays - 0.5;
+      const double dy = (row + 0.5) / kEdgeRays - 0.5;
       sum += CastAt(x + dx, y + dy, step_rad_ / kEdgeRays, hit);
     }
     return sum / (kEdgeRays * kEdgeRays);

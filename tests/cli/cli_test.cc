@@ -14,6 +14,7 @@
 #include "cli/csv_file.h"
 #include "cli/eval_text.h"
 #include "cli/map_file.h"
+#include "cli/printable_output.h"
 #include "cli/progress.h"
 #include "cli/trajectory_file.h"
 #include "cli/trajectory_plot.h"
@@ -35,6 +36,30 @@ TEST(BytesText, ReadsAsPeopleSayIt) {
   EXPECT_EQ(BytesText(999), "999 B");
   EXPECT_EQ(BytesText(1'900'000), "1.9 MB");
   EXPECT_EQ(BytesText(12'300'000'000'000), "12300.0 GB");
+}
+
+TEST(PrintableOutput, ShowsControlCharactersAndLeavesTheRest) {
+  std::ostringstream out;
+  {
+    const PrintableOutput printable(out);
+    out << "a\tb\n\x1b[2J\r\x7f" << '\x07' << "Gar\u00e7on \u4f4d" << std::flush;
+    out << '\xC2' << std::flush << '\x9B' << "31m";  // CSI, in two pieces
+    out << "\u00a9";                                 // begins with C2 as well
+  }
+  out << "\x1b";
+  EXPECT_EQ(out.str(),
+            "a\tb\n\\u001b[2J\\u000d\\u007f\\u0007Gar\u00e7on \u4f4d\\u009b31m\u00a9\x1b");
+}
+
+TEST(SummaryText, CountsUsedAndSkippedFramesOfAll) {
+  BuildResult result;
+  result.report.planes.emplace();
+  result.report.planes->frames = 5;
+  result.report.planes->skipped = 2;
+  result.report.planes->skipped_names = {"a.jpg: truncated", "b.jpg: empty"};
+  const std::string text = SummaryText({.path = "m.db", .version = "1", .tables = {}, .result = &result});
+  EXPECT_NE(text.find("3 of 5 used, 2 skipped"), std::string::npos) << text;
+  EXPECT_NE(text.find("a.jpg: truncated"), std::string::npos) << text;
 }
 
 TEST(AnswerLine, SaysWhereInOneLine) {

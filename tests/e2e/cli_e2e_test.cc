@@ -203,6 +203,30 @@ TEST_F(CliTest, UsageErrors) {
   }
 }
 
+TEST_F(CliTest, AMistypedCommandGetsASuggestion) {
+  ExpectFailure(RunWaystone({"localise", "a.db", "b.jpg"}), 2, "did you mean 'localize'?");
+  ExpectFailure(RunWaystone({"buid", "x"}), 2, "did you mean 'build'?");
+  ExpectFailure(RunWaystone({"teleport"}), 2, "unknown command 'teleport'; see waystone --help");
+}
+
+// A file's name gets into the map, and from there to the terminal of whoever looks at it.
+TEST_F(CliTest, NamesCannotDriveTheTerminal) {
+  const fs::path images = folder_ / "red\x1b[31m";
+  fs::copy(TheMap().images, images);
+  const fs::path map = folder_ / "m.db";
+  const RunResult build = RunWaystone({"build", images, "-o", map, "--every", "2"});
+  ASSERT_EQ(build.code, 0) << build.err;
+  const RunResult info = RunWaystone({"info", map});
+  EXPECT_NE(info.out.find("red\\u001b[31m"), std::string::npos) << info.out;
+  const RunResult json = RunWaystone({"info", map, "--json"});
+  EXPECT_NE(json.out.find("red\\u001b[31m"), std::string::npos) << json.out;
+  const RunResult missing = RunWaystone({"info", folder_ / "\x1b]0;title\x07.db"});
+  EXPECT_NE(missing.err.find("\\u001b]0;title\\u0007.db"), std::string::npos) << missing.err;
+  for (const std::string& text : {build.out, build.err, info.out, json.out, missing.err}) {
+    EXPECT_EQ(text.find('\x1b'), std::string::npos) << text;
+  }
+}
+
 TEST_F(CliTest, HelpEndsWithAnExample) {
   for (const char* command :
        {"build", "serve", "localize", "eval", "audit", "info", "check", "migrate", "demo"}) {

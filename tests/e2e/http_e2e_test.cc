@@ -255,9 +255,10 @@ TEST_F(HttpTest, KeepsItsContract) {
   layered.edges.clear();  // whose homologies are made up: a file is checked
   WriteMap(layered, folder / "layered.db", {});
   const Served served({(folder / "layered.db").string(), TheCorner().map.string()});
-  ChildProcess contract({"/usr/bin/python3", WAYSTONE_SOURCE_DIR "/tests/e2e/contract.py",
-                         served.url(), WAYSTONE_SOURCE_DIR "/clients/openapi.yaml", "room",
-                         "layered", "walls", TheMap().inside, TheMap().elsewhere},
+  const std::string root = WAYSTONE_SOURCE_DIR;
+  ChildProcess contract({"/usr/bin/python3", root + "/tests/e2e/contract.py", served.url(),
+                         root + "/clients/openapi.yaml", "room", "layered", "walls",
+                         TheMap().inside, TheMap().elsewhere},
                         false);
   EXPECT_EQ(contract.Wait(), 0);
   std::filesystem::remove_all(folder);
