@@ -70,6 +70,13 @@ void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
   FramesLines(out, "panoramas", report,
               ", " + Plural(report.uncertain, "uncertain step") + ", " +
                   std::to_string(report.dropped) + " redundant");
+  if (report.IsTrajectoryDoubtful()) {
+    Line(out, "warning",
+         std::to_string(report.uncertain) + " of " + std::to_string(report.steps) + " steps (" +
+             std::to_string(100 * report.uncertain / report.steps) +
+             " %) have an uncertain heading: don't rely on the trajectory; record panoramas at "
+             "shorter distances");
+  }
   Line(out, "loops",
        std::to_string(report.loop_candidates) + " candidates, " +
            std::to_string(report.loops_certain) + " confirmed by the compass, " +
@@ -111,6 +118,7 @@ Json AppearanceReportJson(const AppearanceReport& report) {
   return {{"frames", report.frames},
           {"skipped", report.skipped},
           {"skipped_names", report.skipped_names},
+          {"steps", report.steps},
           {"uncertain", report.uncertain},
           {"loop_candidates", report.loop_candidates},
           {"loops_certain", report.loops_certain},
