@@ -481,6 +481,7 @@ export interface OrientationFrameList {
 export interface Turn {
   frame: Id;
   direction: "left" | "right";
+  /** Change of the heading around the turn, positive to the left. */
   angle_rad: number;
   confirmed: boolean;
   axis_after: "x" | "y";

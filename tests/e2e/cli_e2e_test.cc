@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program as a user runs it: what it prints, where, and what it returns.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <thread>
 
@@ -201,6 +207,36 @@ TEST_F(CliTest, UsageErrors) {
            {"demo", "--write", "a", "--keep", "b"}}) {
     ExpectFailure(RunWaystone(arguments), 2, "; ");
   }
+}
+
+// The largest resident size of a run of the program, in MB.
+int64_t PeakMegabytes(const std::vector<std::string>& arguments) {
+  const pid_t child = fork();
+  if (child == 0) {
+    std::vector<char*> argv{const_cast<char*>(WAYSTONE_PROGRAM)};
+    for (const std::string& argument : arguments)
+      argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    execv(WAYSTONE_PROGRAM, argv.data());
+    _exit(127);
+  }
+  int status = 0;
+  rusage usage{};
+  wait4(child, &status, 0, &usage);
+  EXPECT_EQ(status, 0);
+  return usage.ru_maxrss / 1024;
+}
+
+TEST_F(CliTest, APhotoOfAnySizeIsFoundWithinTheMemoryOfAQuery) {
+  const cv::Mat photo = cv::imread(TheMap().inside.string());
+  cv::Mat large;
+  const double scale = std::sqrt(48e6 / static_cast<double>(photo.total()));
+  cv::resize(photo, large, {}, scale, scale, cv::INTER_CUBIC);
+  const std::string path = folder_ / "large.jpg";
+  cv::imwrite(path, large);
+  const RunResult result = RunWaystone({"localize", TheMap().map, path, "--json"});
+  EXPECT_EQ(Json::parse(result.out)["verdict"], "localized") << result.out << result.err;
+  EXPECT_LT(PeakMegabytes({"localize", TheMap().map, path}), 400);
 }
 
 TEST_F(CliTest, AMistypedCommandGetsASuggestion) {
