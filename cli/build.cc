@@ -184,10 +184,7 @@ void AddMapFlags(CLI::App* command, BuildFlags& flags) {
       ->add_option("--threads", flags.build.threads,
                    "Number of threads, 0 for one per core; does not affect the map")
       ->capture_default_str();
-  command
-      ->add_option("--set", flags.settings,
-                   "Set any option: NAME=VALUE, once for each; `waystone options` lists them")
-      ->allow_extra_args(false);
+  AddSetFlag(*command, flags.settings);
   command->add_flag("--force", flags.force, "Overwrite an existing map file");
 }
 

@@ -11,7 +11,6 @@
 #include "builder/sources/rig_layouts.h"
 #include "builder/sources/source.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "core/camera/cube_faces.h"
 
 namespace waystone {
@@ -149,11 +148,7 @@ std::optional<Rig> RigOfFolder(const fs::path& folder, const std::optional<fs::p
   return file ? std::optional(ReadRigFile(*file)) : std::nullopt;
 }
 
-void RigOptions::Check() const {
-  CheckRange("max_time_gap_s", max_time_gap_s, 0, 10);
-  CheckRange("face_share", face_share, 0.05, 1);
-  limits.Check();
-}
+void RigOptions::Check() const { CheckFields("rig", *this); }
 
 RigSequence OpenRigSequence(const fs::path& path, const RigOptions& options) {
   options.Check();

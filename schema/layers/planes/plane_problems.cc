@@ -8,9 +8,9 @@
 #include <unordered_set>
 
 #include "core/geometry/linear_algebra.h"
+#include "schema/layers/layer_blobs.h"
 #include "schema/layers/layer_problems.h"
 #include "schema/layers/planes/index_features.h"
-#include "schema/tables/blob.h"
 
 namespace waystone {
 namespace {
