@@ -30,7 +30,7 @@ struct LocalizeFlags {
   ServerFlags server;
 };
 
-LocalizeOptions MakeOptions(const LocalizeFlags& flags) {
+LocalizeOptions MakeLocalizeOptions(const LocalizeFlags& flags) {
   LocalizeOptions options;
   ApplySettings(flags.settings, options);
   options.Check();
@@ -70,7 +70,7 @@ bool AnswerEach(const LocalizeFlags& flags, const AskPhoto& ask) {
 }
 
 bool AnswerByMap(const QueriedMap& map, const LocalizeFlags& flags) {
-  const LocalizeOptions options = MakeOptions(flags);
+  const LocalizeOptions options = MakeLocalizeOptions(flags);
   return AnswerEach(flags, [&](const std::string& photo) {
     const Session session(MakeRequest(flags, photo), {map}, options);
     return ToJson(OverallAnswer(session.Ask()));
@@ -84,7 +84,7 @@ bool AnswerSeries(const QueriedMap& map, const LocalizeFlags& flags) {
                                           "' has no appearance layer, which --series requires; "
                                           "build it from panoramas or omit --series");
   }
-  Series series(map, MakeOptions(flags));
+  Series series(map, MakeLocalizeOptions(flags));
   return AnswerEach(flags, [&](const std::string& photo) {
     return ToJson(series.Ask(MakeRequest(flags, photo).images.front()));
   });

@@ -43,7 +43,7 @@ std::vector<uint8_t> ReadImageBytes(const fs::path& path, const DecodeLimits& li
   return ReadFile(path, limits.max_pixels * kBytesPerPixel, ErrorCode::kFileUnreadable);
 }
 
-ImageHeader HeaderOf(const fs::path& path, const DecodeLimits& limits) {
+ImageHeader ReadFileHeader(const fs::path& path, const DecodeLimits& limits) {
   try {
     ImageHeader header = ReadImageHeader(ReadImageBytes(path, limits));
     CheckLimits(header, limits);
@@ -80,7 +80,7 @@ bool IsPanorama(const Rig& rig) {
 // Images in a row: panoramas become faces, others need their one camera.
 RigSequence FromImages(const fs::path& path, std::vector<RigMoment> moments,
                        const std::optional<Rig>& given, const RigOptions& options) {
-  const ImageHeader first = HeaderOf(moments.front().images.front(), options.limits);
+  const ImageHeader first = ReadFileHeader(moments.front().images.front(), options.limits);
   RigSequence sequence{.layout = "images", .rig = {}, .moments = std::move(moments)};
   if (given ? IsPanorama(*given) : first.width == 2 * first.height) {
     sequence.layout = "panoramas";
@@ -104,7 +104,7 @@ RigSequence FromCameras(const fs::path& path, const CameraImages& found,
   if (given) {
     sequence.rig = *given;
   } else {
-    const int width = HeaderOf(found.images.front().front().path, options.limits).width;
+    const int width = ReadFileHeader(found.images.front().front().path, options.limits).width;
     auto faces = FacesByName(found.cameras, width);
     if (!faces) RefuseWithoutRig(path);
     sequence.rig = *faces;
