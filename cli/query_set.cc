@@ -124,7 +124,7 @@ struct PlaceColumns {
   std::optional<size_t> frame;
 };
 
-PlaceColumns PlaceColumnsOf(const CsvFile& file) {
+PlaceColumns FindPlaceColumns(const CsvFile& file) {
   const PlaceColumns columns{file.Column("keyframe"), file.Column("frame")};
   if (columns.keyframe.has_value() == columns.frame.has_value()) {
     file.Fail(1, "the header must have either a keyframe or a frame column");
@@ -152,7 +152,7 @@ std::vector<KeyframeId> TruthOf(const CsvFile& file, const CsvFile::Row& row,
 
 using PositionColumns = std::optional<std::array<size_t, 3>>;
 
-PositionColumns PositionColumnsOf(const CsvFile& file) {
+PositionColumns FindPositionColumns(const CsvFile& file) {
   const auto x = file.Column("x");
   const auto y = file.Column("y");
   const auto z = file.Column("z");
@@ -195,8 +195,8 @@ std::vector<LabelledQuery> ReadQuerySet(const fs::path& path, const MapIndex& in
   const CsvFile file(path);
   const std::optional<size_t> image = file.Column("image");
   if (!image) file.Fail(1, "the header has no image column");
-  const PlaceColumns place = PlaceColumnsOf(file);
-  const PositionColumns position = PositionColumnsOf(file);
+  const PlaceColumns place = FindPlaceColumns(file);
+  const PositionColumns position = FindPositionColumns(file);
   const KeyframeNames names(index);
   std::vector<LabelledQuery> queries;
   for (const CsvFile::Row& row : file.rows()) {
@@ -231,8 +231,8 @@ std::vector<LabelledQuery> ReadNegatives(const fs::path& folder) {
 
 KeyframePositions ReadPositions(const fs::path& path, const MapIndex& index) {
   const CsvFile file(path);
-  const PlaceColumns place = PlaceColumnsOf(file);
-  const PositionColumns columns = PositionColumnsOf(file);
+  const PlaceColumns place = FindPlaceColumns(file);
+  const PositionColumns columns = FindPositionColumns(file);
   if (!columns) file.Fail(1, "the header has no columns x, y and z");
   const KeyframeNames names(index);
   KeyframePositions positions;

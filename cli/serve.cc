@@ -9,6 +9,7 @@
 
 #include "cli/commands.h"
 #include "cli/served_files.h"
+#include "cli/settings.h"
 #include "cli/signals.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
@@ -25,6 +26,7 @@ struct ServeFlags {
   HttpOptions http;
   ServiceOptions service;
   std::string token_file;
+  std::vector<std::string> settings;  // of --set
   int64_t max_body_mb = 20;
   int64_t query_log_mb = 2000;
   bool log = false;
@@ -83,12 +85,14 @@ void Complete(ServeFlags& flags) {
       std::clamp(flags.service.query_threads + flags.service.queue_length + kOtherRequests,
                  flags.http.request_threads, kMostThreads);
   flags.http.Check();  // before maps are read, which may take a while
+  ApplySettings(flags.settings, flags.service.localize);
   flags.service.Check();
 }
 
 int RunServe(ServeFlags flags) {
   BlockSignals();  // before there are threads: one that was made earlier would take them
   Complete(flags);
+  BlockSignals();  // before maps are read: one that comes meanwhile is seen to afterwards
   ServedFiles files({flags.maps.begin(), flags.maps.end()});
   const MapCatalog::Indices maps = files.OpenAll();
   Application application(maps, flags.service, {flags.log ? WriteLine : nullptr, WriteError});
@@ -139,6 +143,7 @@ void AddServiceFlags(CLI::App* command, ServeFlags& flags) {
                    "Seconds between checks for changed map files; 0: only on SIGHUP")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 3600.0));
+  AddSetFlag(*command, flags.settings);
   command->add_flag("--log", flags.log, "Log each request to stderr as a line of JSON");
   command->add_option("--query-log", flags.service.query_log,
                       "Store queries with their images in this folder, for waystone replay");

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/base/check.h"
+#include "core/robust/quantile.h"
 
 namespace waystone {
 namespace {
@@ -148,14 +149,6 @@ Outcome ClassifyOutcome(const MapIndex& index, const ScoredQuery& query) {
   if (!positive) return Outcome::kFalseAccept;
   return IsRightPlace(index, query.truth, query.answer.planes.keyframe->id) ? Outcome::kRight
                                                                             : Outcome::kWrong;
-}
-
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto rank = static_cast<int>(std::ceil(share * static_cast<double>(values.size()))) - 1;
-  const int at = std::clamp(rank, 0, static_cast<int>(values.size()) - 1);
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[at];
 }
 
 Evaluation Evaluate(const MapIndex& index, const std::vector<ScoredQuery>& queries) {

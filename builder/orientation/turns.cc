@@ -53,7 +53,7 @@ double MeasureTurn(std::span<const HeadingSample> headings, int frame, const Tur
 
 // The heading tells the direction where it changed clearly, else the features' motion, else the
 // axes alone.
-int DecideDirection(const TestedJump& tested, double angle_rad) {
+int FindTurnDirection(const TestedJump& tested, double angle_rad) {
   if (std::abs(angle_rad) > kQuarterTurn_rad / 2) return angle_rad > 0 ? 1 : -1;
   if (tested.flow_rad != 0) return tested.flow_rad < 0 ? 1 : -1;
   return tested.jump.quarter_turns < 0 ? -1 : 1;
@@ -144,7 +144,7 @@ std::vector<DecidedTurn> DecideTurns(std::span<const TestedJump> jumps,
   for (const TestedJump& tested : jumps) {
     const double angle_rad = MeasureTurn(headings, tested.jump.frame, options);
     turns.push_back({.jump = tested.jump,
-                     .direction = DecideDirection(tested, angle_rad),
+                     .direction = FindTurnDirection(tested, angle_rad),
                      .angle_rad = angle_rad,
                      .confirmed = false,
                      .axis_after = AxisAfter(tested.jump, motions)});
