@@ -92,7 +92,6 @@ void Complete(ServeFlags& flags) {
 int RunServe(ServeFlags flags) {
   BlockSignals();  // before there are threads: one that was made earlier would take them
   Complete(flags);
-  BlockSignals();  // before maps are read: one that comes meanwhile is seen to afterwards
   ServedFiles files({flags.maps.begin(), flags.maps.end()});
   const MapCatalog::Indices maps = files.OpenAll();
   Application application(maps, flags.service, {flags.log ? WriteLine : nullptr, WriteError});
