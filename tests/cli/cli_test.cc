@@ -57,7 +57,8 @@ TEST(SummaryText, CountsUsedAndSkippedFramesOfAll) {
   result.report.planes->frames = 5;
   result.report.planes->skipped = 2;
   result.report.planes->skipped_names = {"a.jpg: truncated", "b.jpg: empty"};
-  const std::string text = SummaryText({.path = "m.db", .version = "1", .tables = {}, .result = &result});
+  const std::string text =
+      SummaryText({.path = "m.db", .version = "1", .tables = {}, .result = &result});
   EXPECT_NE(text.find("3 of 5 used, 2 skipped"), std::string::npos) << text;
   EXPECT_NE(text.find("a.jpg: truncated"), std::string::npos) << text;
 }
