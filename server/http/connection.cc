@@ -18,8 +18,8 @@ Clock::time_point After(Clock::time_point start, int seconds) {
 
 }  // namespace
 
-Connection::Connection(std::string remote, const HttpOptions& options, const Admit& admit,
-                       ByteBudgets& budgets)
+Connection::Connection(std::string remote, const HttpOptions& options,
+                       const HttpServer::Admit& admit, ByteBudgets& budgets)
     : options_(options), admit_(admit), budgets_(budgets), remote_(std::move(remote)) {
   Enter(ConnectionState::kHead);
 }
@@ -103,8 +103,17 @@ void Connection::Advance() {
   if (state_ == ConnectionState::kBody) ReadBody();
 }
 
+// Some clients send one after a body.
+void Connection::SkipEmptyLines() {
+  size_t skipped = 0;
+  while (std::string_view(in_).substr(skipped).starts_with("\r\n")) skipped += 2;
+  if (skipped == 0) return;
+  in_.erase(0, skipped);
+  scanner_ = {};
+}
+
 void Connection::ReadHead() {
-  while (in_.starts_with("\r\n")) in_.erase(0, 2);  // some clients send one after a body
+  SkipEmptyLines();
   try {
     const std::optional<size_t> size = scanner_.Scan(in_);
     if (!size) return;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -47,11 +46,8 @@ struct ByteBudgets {
 // takes their answers, one at a time and in order. For one thread. Inside server/http only.
 class Connection {
  public:
-  // Whether a body is worth reading, by the value of the header Authorization (empty without one).
-  using Admit = std::function<bool(const std::string& authorization)>;
-
   // What it refers to has to outlive it.
-  Connection(std::string remote, const HttpOptions& options, const Admit& admit,
+  Connection(std::string remote, const HttpOptions& options, const HttpServer::Admit& admit,
              ByteBudgets& budgets);
   ~Connection();
   Connection(const Connection&) = delete;
@@ -85,6 +81,7 @@ class Connection {
 
  private:
   void Advance();
+  void SkipEmptyLines();
   void ReadHead();
   void StartBody();
   void ReadBody();
@@ -96,7 +93,7 @@ class Connection {
   void ReturnBody();
 
   const HttpOptions& options_;
-  const Admit& admit_;
+  const HttpServer::Admit& admit_;
   ByteBudgets& budgets_;
   const std::string remote_;
   ConnectionState state_ = ConnectionState::kHead;

@@ -24,8 +24,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/error.h"
 #include "server/http/connection.h"
-#include "server/http/problem.h"
 #include "server/http/request_pool.h"
 
 namespace waystone {
@@ -65,15 +65,18 @@ std::string AddressText(const sockaddr_storage& address, socklen_t size) {
 
 class ConnectionLoop::Impl {
  public:
-  Impl(int listener, const HttpOptions& options, Admit admit, Answer answer)
+  Impl(FileDescriptor listener, const HttpOptions& options, HttpServer::Admit admit, Answer answer)
       : options_(options),
         admit_(std::move(admit)),
         answer_(std::move(answer)),
         budgets_{ByteBudget(options.max_bodies_bytes), ByteBudget(options.max_bodies_bytes)},
-        listener_(listener),
+        listener_(std::move(listener)),
         epoll_(epoll_create1(EPOLL_CLOEXEC)),
         wake_up_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
         max_connections_(RaiseFileLimit(options.max_connections)) {
+    if (!epoll_.is_open() || !wake_up_.is_open()) {
+      throw MapError(ErrorCode::kInternal, "no file descriptor is left for the server");
+    }
     if (!admit_) admit_ = [](const std::string&) { return true; };
     Control(EPOLL_CTL_ADD, wake_up_.get(), EPOLLIN, kWakeUp);
     Listen(true);
@@ -100,25 +103,9 @@ class ConnectionLoop::Impl {
   }
 
  private:
-  // Closes what it holds.
-  class FileDescriptor {
-   public:
-    explicit FileDescriptor(int fd) : fd_(fd) {}
-    FileDescriptor(FileDescriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-    FileDescriptor& operator=(FileDescriptor&&) = delete;
-    ~FileDescriptor() { Close(); }
-    int get() const { return fd_; }
-    void Close() {
-      if (fd_ >= 0) close(std::exchange(fd_, -1));
-    }
-
-   private:
-    int fd_;
-  };
-
   struct Client {
     Client(FileDescriptor taken, std::string remote, const HttpOptions& options,
-           const Connection::Admit& admit, ByteBudgets& budgets)
+           const HttpServer::Admit& admit, ByteBudgets& budgets)
         : socket(std::move(taken)), connection(std::move(remote), options, admit, budgets) {}
 
     FileDescriptor socket;
@@ -219,19 +206,36 @@ class ConnectionLoop::Impl {
   // the one that has been idle longest, else the one that has been sending or taking bytes longest.
   // Whether there was one.
   bool Evict() {
-    const auto rank = [](const Connection& connection) {
-      const bool closing = connection.state() == ConnectionState::kClosing;
-      return std::pair(closing ? 0 : (connection.is_idle() ? 1 : 2), connection.since());
-    };
-    auto worst = clients_.end();
+    return EvictFirst([](const Connection& connection) -> std::optional<int> {
+      if (connection.state() == ConnectionState::kAnswer) return std::nullopt;
+      if (connection.state() == ConnectionState::kClosing) return 0;
+      return connection.is_idle() ? 1 : 2;
+    });
+  }
+
+  // Closes the connection that has been taking its answer longest.
+  bool EvictReader() {
+    return EvictFirst([](const Connection& connection) -> std::optional<int> {
+      if (connection.state() != ConnectionState::kWriting) return std::nullopt;
+      return 0;
+    });
+  }
+
+  // Closes the longest waiting one of the connections of the lowest rank, but none without a rank.
+  template <class Rank>
+  bool EvictFirst(const Rank& rank) {
+    auto first = clients_.end();
+    std::pair<int, Clock::time_point> lowest;
     for (auto it = clients_.begin(); it != clients_.end(); ++it) {
-      if (it->second.connection.state() == ConnectionState::kAnswer) continue;
-      if (worst == clients_.end() || rank(it->second.connection) < rank(worst->second.connection)) {
-        worst = it;
-      }
+      const std::optional<int> own = rank(it->second.connection);
+      if (!own) continue;
+      const std::pair key(*own, it->second.connection.since());
+      if (first != clients_.end() && key >= lowest) continue;
+      first = it;
+      lowest = key;
     }
-    if (worst == clients_.end()) return false;
-    clients_.erase(worst);
+    if (first == clients_.end()) return false;
+    clients_.erase(first);
     return true;
   }
 
@@ -339,20 +343,6 @@ class ConnectionLoop::Impl {
     }
   }
 
-  // Closes the connection that has been taking its answer longest.
-  bool EvictReader() {
-    auto worst = clients_.end();
-    for (auto it = clients_.begin(); it != clients_.end(); ++it) {
-      if (it->second.connection.state() != ConnectionState::kWriting) continue;
-      const bool longer = worst == clients_.end() ||
-                          it->second.connection.since() < worst->second.connection.since();
-      if (longer) worst = it;
-    }
-    if (worst == clients_.end()) return false;
-    clients_.erase(worst);
-    return true;
-  }
-
   void OnTick() {
     last_tick_ = Clock::now();
     for (auto it = clients_.begin(); it != clients_.end();) {
@@ -387,7 +377,7 @@ class ConnectionLoop::Impl {
   }
 
   const HttpOptions options_;
-  Admit admit_;
+  HttpServer::Admit admit_;
   Answer answer_;
   ByteBudgets budgets_;
   FileDescriptor listener_;
@@ -410,8 +400,10 @@ class ConnectionLoop::Impl {
   std::thread thread_;
 };
 
-ConnectionLoop::ConnectionLoop(int listener, const HttpOptions& options, Admit admit, Answer answer)
-    : impl_(std::make_unique<Impl>(listener, options, std::move(admit), std::move(answer))) {}
+ConnectionLoop::ConnectionLoop(FileDescriptor listener, const HttpOptions& options,
+                               HttpServer::Admit admit, Answer answer)
+    : impl_(std::make_unique<Impl>(std::move(listener), options, std::move(admit),
+                                   std::move(answer))) {}
 ConnectionLoop::~ConnectionLoop() = default;
 
 void ConnectionLoop::Start() { impl_->Start(); }

@@ -3,8 +3,8 @@
 
 #include <functional>
 #include <memory>
-#include <string>
 
+#include "server/http/file_descriptor.h"
 #include "server/http/http_engine.h"
 #include "server/http/http_server.h"
 
@@ -17,11 +17,11 @@ namespace waystone {
 class ConnectionLoop {
  public:
   using Answer = std::function<SentResponse(ReceivedRequest)>;
-  // Whether a body is worth reading, by the value of the header Authorization (empty without one).
-  using Admit = std::function<bool(const std::string& authorization)>;
 
-  // Takes over the listening socket. `answer` is called from several threads at once.
-  ConnectionLoop(int listener, const HttpOptions& options, Admit admit, Answer answer);
+  // `answer` is called from several threads at once. Throws MapError(kInternal) when there is no
+  // descriptor left.
+  ConnectionLoop(FileDescriptor listener, const HttpOptions& options, HttpServer::Admit admit,
+                 Answer answer);
   ~ConnectionLoop();  // as Stop
   ConnectionLoop(const ConnectionLoop&) = delete;
   ConnectionLoop& operator=(const ConnectionLoop&) = delete;

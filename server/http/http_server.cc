@@ -5,7 +5,6 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -13,6 +12,7 @@
 
 #include "core/base/error.h"
 #include "server/http/connection_loop.h"
+#include "server/http/file_descriptor.h"
 #include "server/http/http_engine.h"
 
 namespace waystone {
@@ -27,21 +27,20 @@ bool IsLoopback(const std::string& host) {
   return host == "localhost";
 }
 
-int OpenListener(const addrinfo& address, int backlog) {
-  const int fd = socket(address.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (fd < 0) return -1;
+// Holds none where it can't be opened; errno says why.
+FileDescriptor OpenListener(const addrinfo& address, int backlog) {
+  FileDescriptor listener(socket(address.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!listener.is_open()) return listener;
   // Not SO_REUSEPORT, with which a second server would silently share the port.
   const int on = 1;
-  setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
-  if (bind(fd, address.ai_addr, address.ai_addrlen) == 0 && listen(fd, backlog) == 0) return fd;
-  const int cause = errno;
-  close(fd);
-  errno = cause;
-  return -1;
+  setsockopt(listener.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
+  const bool listens = bind(listener.get(), address.ai_addr, address.ai_addrlen) == 0 &&
+                       listen(listener.get(), backlog) == 0;
+  return listens ? std::move(listener) : FileDescriptor(-1);
 }
 
 // The listening socket. Throws MapError(kBadOptions).
-int Bind(const HttpOptions& options) {
+FileDescriptor Bind(const HttpOptions& options) {
   const std::string port = std::to_string(options.port);
   const auto fail = [&](const std::string& cause) {
     throw MapError(ErrorCode::kBadOptions, "can't listen on " + options.host + ":" + port + " (" +
@@ -55,19 +54,20 @@ int Bind(const HttpOptions& options) {
   if (const int error = getaddrinfo(host, port.c_str(), &hints, &found); error != 0) {
     fail(gai_strerror(error));
   }
-  int fd = -1;
-  for (const addrinfo* it = found; it != nullptr && fd < 0; it = it->ai_next) {
-    fd = OpenListener(*it, options.backlog);
+  FileDescriptor listener(-1);
+  for (const addrinfo* it = found; it != nullptr && !listener.is_open(); it = it->ai_next) {
+    listener = OpenListener(*it, options.backlog);
   }
+  const int cause = errno;
   freeaddrinfo(found);
-  if (fd < 0) fail(std::strerror(errno));
-  return fd;
+  if (!listener.is_open()) fail(std::strerror(cause));
+  return listener;
 }
 
-int PortOf(int listener) {
+int PortOf(const FileDescriptor& listener) {
   sockaddr_storage address{};
   socklen_t size = sizeof(address);
-  getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
+  getsockname(listener.get(), reinterpret_cast<sockaddr*>(&address), &size);
   return ntohs(address.ss_family == AF_INET6
                    ? reinterpret_cast<const sockaddr_in6&>(address).sin6_port
                    : reinterpret_cast<const sockaddr_in&>(address).sin_port);
@@ -90,12 +90,11 @@ void HttpOptions::Check() const {
 
 class HttpServer::Impl {
  public:
-  Impl(const HttpOptions& options, Dispatch dispatch, Admit admit)
-      : options_((options.Check(), options)),
+  Impl(const HttpOptions& options, FileDescriptor listener, Dispatch dispatch, Admit admit)
+      : options_(options),
         engine_(std::move(dispatch), options.keep_alive_s),
-        listener_(Bind(options_)),
-        port_(PortOf(listener_)),
-        loop_(listener_, options_, std::move(admit),
+        port_(PortOf(listener)),
+        loop_(std::move(listener), options_, std::move(admit),
               [this](ReceivedRequest request) { return engine_.Answer(std::move(request)); }) {}
 
   const std::string& host() const { return options_.host; }
@@ -105,13 +104,14 @@ class HttpServer::Impl {
  private:
   const HttpOptions options_;
   HttpEngine engine_;
-  const int listener_;
   const int port_;
   ConnectionLoop loop_;
 };
 
-HttpServer::HttpServer(const HttpOptions& options, Dispatch dispatch, Admit admit)
-    : impl_(std::make_unique<Impl>(options, std::move(dispatch), std::move(admit))) {}
+HttpServer::HttpServer(const HttpOptions& options, Dispatch dispatch, Admit admit) {
+  options.Check();
+  impl_ = std::make_unique<Impl>(options, Bind(options), std::move(dispatch), std::move(admit));
+}
 HttpServer::~HttpServer() = default;
 
 int HttpServer::port() const { return impl_->port(); }

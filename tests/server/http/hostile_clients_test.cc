@@ -205,6 +205,22 @@ TEST_F(HostileClients, PipelinedRequestsAreAllAnsweredInOrder) {
   EXPECT_TRUE(text.ends_with("ok")) << text;
 }
 
+TEST_F(HostileClients, EmptyLinesAreSkippedInTheTimeTheyTakeToArrive) {
+  Start();
+  RawClient split(server_->port());
+  split.Send("\r");
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  split.Send("\n" + kHello);
+  EXPECT_NE(split.Receive("hello").find("200 OK"), std::string::npos);
+  std::string flood;
+  for (int i = 0; i < 10'000'000; ++i) flood += "\r\n";
+  RawClient client(server_->port());
+  const auto start = Clock::now();
+  client.Send(flood + kHello);
+  EXPECT_NE(client.Receive("hello").find("200 OK"), std::string::npos);
+  EXPECT_LT(SecondsSince(start), 5) << "20 MB on the loopback";
+}
+
 TEST_F(HostileClients, AHalfClosedClientGetsItsAnswer) {
   Start();
   for (const std::string& request : {kHello, Post("12345")}) {
