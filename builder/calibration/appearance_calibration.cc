@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "builder/calibration/rendered_negatives.h"
 #include "core/base/check.h"
@@ -16,20 +18,48 @@ namespace {
 
 double Apart(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
-// The nodes that a query is asked for without.
-std::vector<bool> Around(const AppearanceLayer& layer, const AppearanceCalibrationQuery& query,
-                         double radius) {
-  std::vector<bool> around;
-  for (const AppearanceNode& node : layer.nodes) {
-    around.push_back(radius > 0 && Apart(node.pose, query.truth) <= radius);
+// Places of the map by how it was driven: nodes that follow each other, or that a loop joins, are
+// neighbours however far the odometry drifted between them.
+class Surroundings {
+ public:
+  explicit Surroundings(const AppearanceLayer& layer) : layer_(layer), joined_(layer.nodes.size()) {
+    std::map<AppearanceNodeId, int> at;
+    for (size_t i = 0; i < layer.nodes.size(); ++i) at[layer.nodes[i].id] = static_cast<int>(i);
+    for (const AppearanceEdge& edge : layer.edges) {
+      joined_[at.at(edge.a)].push_back(at.at(edge.b));
+      joined_[at.at(edge.b)].push_back(at.at(edge.a));
+    }
   }
-  if (query.node >= 0) around[query.node] = true;
-  return around;
-}
 
-// The evidence for the best answer, and whether it is right: nothing where no node is left.
+  // Which nodes are within `radius` of a pose or within `steps` edges of a node; none for -1.
+  std::vector<bool> Within(const Pose2& pose, double radius, int node, int steps) const {
+    std::vector<bool> within;
+    for (const AppearanceNode& other : layer_.nodes) {
+      within.push_back(Apart(other.pose, pose) <= radius);
+    }
+    if (node >= 0) Walk(node, steps, within);
+    return within;
+  }
+
+ private:
+  void Walk(int node, int steps, std::vector<bool>& within) const {
+    std::set<int> reached{node};
+    for (int step = 0; step < steps; ++step) {
+      std::set<int> next = reached;
+      for (const int at : reached) next.insert(joined_[at].begin(), joined_[at].end());
+      reached = std::move(next);
+    }
+    for (const int at : reached) within[at] = true;
+  }
+
+  const AppearanceLayer& layer_;
+  std::vector<std::vector<int>> joined_;
+};
+
+// The evidence for the best answer, and whether it is right, which `right` says of every node:
+// nothing where no node is left.
 std::optional<AppearanceSample> SampleOf(const MapIndex& index, const PanoramaQuery& query,
-                                         const std::optional<Pose2>& truth, double right_radius,
+                                         const std::vector<bool>& right,
                                          const std::vector<bool>& left_out,
                                          const PanoramaQueryOptions& options) {
   const std::vector<ComparedNode> nodes = CompareQuery(index, query, options, left_out);
@@ -37,7 +67,24 @@ std::optional<AppearanceSample> SampleOf(const MapIndex& index, const PanoramaQu
   AppearanceSample sample;
   sample.evidence = CollectEvidence(index, nodes, 0, options);
   sample.evidence.verified = query.features.has_value();
-  sample.right = truth && Apart(PlaceQuery(index, nodes, options).pose, *truth) <= right_radius;
+  sample.right = !right.empty() && right[nodes.front().node];
+  return sample;
+}
+
+// The answer to a panorama of the map: with all nodes the first time, then without those around.
+std::optional<AppearanceSample> AskAround(const MapIndex& index, const Surroundings& surroundings,
+                                          const AppearanceCalibrationQuery& query, size_t time,
+                                          const AppearanceCalibrationOptions& options) {
+  if (time == 0 && query.node < 0) return std::nullopt;  // it isn't among the nodes itself
+  const auto within = [&](double spacings) {
+    return surroundings.Within(query.truth, spacings * index.appearance().spacing(), query.node,
+                               static_cast<int>(spacings));
+  };
+  const std::vector<bool> left_out =
+      time == 0 ? std::vector<bool>() : within(options.blank_spacings[time - 1]);
+  auto sample =
+      SampleOf(index, query.query, within(options.right_spacings), left_out, options.query);
+  if (sample) sample->itself = time == 0;
   return sample;
 }
 
@@ -101,21 +148,15 @@ AppearanceVerdict CalibrateAppearance(const MapIndex& index,
                                       const std::function<void()>& before_each) {
   options.Check();
   WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
-  const AppearanceLayer& layer = *index.map().appearance;
-  const double spacing = index.appearance().spacing();
-  const size_t blanks = options.blank_spacings.size();
-  const size_t asked = queries.size() * blanks;
+  const Surroundings surroundings(*index.map().appearance);
+  // Every query once with the whole map, then without its surroundings.
+  const size_t times = 1 + options.blank_spacings.size();
+  const size_t asked = queries.size() * times;
   std::vector<std::optional<AppearanceSample>> found(asked + outside.size());
   tbb::parallel_for(size_t{0}, found.size(), [&](size_t i) {
     if (before_each) before_each();
-    if (i >= asked) {
-      found[i] = SampleOf(index, outside[i - asked], {}, 0, {}, options.query);
-      return;
-    }
-    const AppearanceCalibrationQuery& query = queries[i / blanks];
-    const double radius = options.blank_spacings[i % blanks] * spacing;
-    found[i] = SampleOf(index, query.query, query.truth, options.right_spacings * spacing,
-                        Around(layer, query, radius), options.query);
+    found[i] = i < asked ? AskAround(index, surroundings, queries[i / times], i % times, options)
+                         : SampleOf(index, outside[i - asked], {}, {}, options.query);
   });
   std::vector<AppearanceSample> samples;
   for (const auto& sample : found) {

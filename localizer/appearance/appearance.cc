@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/check.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "localizer/appearance/panorama_series.h"
+#include "localizer/verdict/logistic_fit.h"
 
 namespace waystone {
 namespace {
@@ -39,34 +41,35 @@ void RefineHeading(const MapIndex& index, const FourierSignature& query, Compare
   best.sigma_rad = heading.sigma_rad;
 }
 
-// The candidates with their probabilities, best first, and the best one elsewhere.
-void AddCandidates(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool verified,
-                   const AppearanceVerdict& model, const PanoramaQueryOptions& options,
-                   PanoramaAnswer& panorama) {
+// Adds the candidates with their probabilities, best first, and the best one elsewhere. Returns the
+// probability of the first: a panorama was taken at one place, so the best one elsewhere takes its
+// share.
+double AddCandidates(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool verified,
+                     const AppearanceVerdict& model, const PanoramaQueryOptions& options,
+                     PanoramaAnswer& panorama) {
   const AppearanceLayer& layer = *index.map().appearance;
-  for (size_t i = 0; i < nodes.size(); ++i) {
-    AppearanceEvidence evidence = CollectEvidence(index, nodes, i, options);
+  const auto log_odds = [&](size_t at) {
+    AppearanceEvidence evidence = CollectEvidence(index, nodes, at, options);
     evidence.verified = verified;
-    panorama.candidates.push_back({RefOf(index, layer.nodes[nodes[i].node]),
-                                   EstimateProbability(evidence, model), nodes[i].cost,
-                                   nodes[i].inliers, nodes[i].query_from_node});
-    const bool elsewhere = AreElsewhere(index, nodes[0].node, nodes[i].node, options);
-    if (elsewhere && !panorama.runner_up) panorama.runner_up = panorama.candidates.back();
+    return EstimateLogOdds(evidence, model);
+  };
+  double rival = -std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    panorama.candidates.push_back({RefOf(index, layer.nodes[nodes[i].node]), Logistic(log_odds(i)),
+                                   nodes[i].cost, nodes[i].inliers, nodes[i].query_from_node});
+    if (!AreElsewhere(index, nodes[0].node, nodes[i].node, options)) continue;
+    if (!panorama.runner_up) panorama.runner_up = panorama.candidates.back();
+    rival = std::max(rival, log_odds(i));
   }
+  return ProbabilityAgainst(log_odds(0), rival);
 }
 
 // The verdict of the candidates.
 void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool verified,
            const PanoramaQueryOptions& options, Answer& answer) {
   const AppearanceVerdict model = VerdictFor(*index.map().appearance, verified);
-  PanoramaAnswer& panorama = answer.panorama.emplace();
-  AddCandidates(index, nodes, verified, model, options, panorama);
-  answer.probability = panorama.candidates.front().probability;
-  // A panorama was taken at one place: what looks as well elsewhere takes its share.
-  if (panorama.runner_up) {
-    answer.probability *=
-        answer.probability / (answer.probability + panorama.runner_up->probability);
-  }
+  answer.probability =
+      AddCandidates(index, nodes, verified, model, options, answer.panorama.emplace());
   answer.decided_by = verified ? DecidedBy::kPanoramaFeatures : DecidedBy::kPanoramaSignature;
   if (answer.probability >= options.min_probability) {
     answer.verdict = Verdict::kLocalized;
@@ -78,7 +81,7 @@ void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool v
   alone.margin = options.max_margin;
   alone.log_inlier_margin = alone.log_inliers;
   const bool alike =
-      panorama.runner_up && EstimateProbability(alone, model) >= options.min_probability;
+      answer.panorama->runner_up && EstimateProbability(alone, model) >= options.min_probability;
   answer.verdict = alike ? Verdict::kAmbiguous : Verdict::kNotInMap;
   answer.message = alike ? "several mapped places match this panorama; move on and send a series"
                          : "no mapped panorama matches closely enough; map the place or send "

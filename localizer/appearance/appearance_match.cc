@@ -12,6 +12,8 @@
 namespace waystone {
 namespace {
 
+constexpr double kLeastDistance = 0.05;  // spacings: a node isn't nearer than this, for stability
+
 const AppearanceNode& NodeAt(const MapIndex& index, int node) {
   return index.map().appearance->nodes[node];
 }
@@ -172,8 +174,25 @@ AppearanceEvidence CollectEvidence(const MapIndex& index, const std::vector<Comp
   return evidence;
 }
 
+namespace {
+
+// How far the query is from a node, in spacings: by the parallax where it was verified.
+double EstimateDistance(const ComparedNode& compared, const ComparedNode& best,
+                        const PanoramaQueryOptions& options) {
+  if (compared.inliers == 0) {
+    return std::exp((compared.cost - best.cost) / options.interpolation_cost);
+  }
+  // A view with fewer inliers is farther away.
+  const double fewer = static_cast<double>(best.inliers) / compared.inliers;
+  return fewer * std::max(compared.parallax_rad / options.spacing_parallax_rad, kLeastDistance);
+}
+
+}  // namespace
+
 // Least squares over the position p: each node that agrees with the best says "near me", and where
 // it has seen a motion also "in this direction": n . (p - node) = 0 with n across the direction.
+// The sigma of "near me" is the estimated distance, that of the direction the distance times the
+// direction's sigma.
 PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& nodes,
                        const PanoramaQueryOptions& options, size_t at) {
   const ComparedNode& best = nodes[at];
@@ -183,16 +202,13 @@ PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& n
   for (const ComparedNode& compared : nodes) {
     if (AreElsewhere(index, best.node, compared.node, options)) continue;
     if ((best.inliers > 0) != (compared.inliers > 0)) continue;
-    // A view with fewer inliers, or of a higher cost, is farther away.
-    const double nearness =
-        best.inliers > 0 ? static_cast<double>(compared.inliers) / best.inliers
-                         : std::exp((best.cost - compared.cost) / options.interpolation_cost);
-    const double near_weight = nearness * nearness / (spacing * spacing);
+    const double distance = spacing * EstimateDistance(compared, best, options);
+    const double near_weight = 1 / (distance * distance);
     Eigen::Matrix2d weights = near_weight * Eigen::Matrix2d::Identity();
     if (compared.inliers > 0) {
-      const double across = options.direction_sigma_rad * spacing;
+      const double across = options.direction_sigma_rad * std::max(distance, spacing);
       const Eigen::Vector2d n(-std::sin(compared.direction_rad), std::cos(compared.direction_rad));
-      weights += n * n.transpose() * nearness / (across * across);
+      weights += n * n.transpose() * compared.inliers / (best.inliers * across * across);
     }
     information += weights;
     pull += weights * PositionOf(NodeAt(index, compared.node));

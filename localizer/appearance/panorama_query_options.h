@@ -36,6 +36,7 @@ struct PanoramaQueryOptions {
   RelativeOptions relative{.max_samples = 200};
   double interpolation_cost = 0.1;
   double direction_sigma_rad = 0.03;
+  double spacing_parallax_rad = 0.3;
   double elsewhere_spacings = 4;
   double max_margin = 0.3;
   double agreement_rad = 0.25;
@@ -95,6 +96,10 @@ struct PanoramaQueryOptions {
         OptionField{"direction_sigma_rad", &Self::direction_sigma_rad, Closed(0.001, 1), "rad",
                     "Standard deviation of a direction between two panoramas. More trusts the "
                     "nodes' positions instead."},
+        OptionField{"spacing_parallax_rad", &Self::spacing_parallax_rad, Closed(0.001, 3), "rad",
+                    "Median parallax of the features of two panoramas a node spacing apart. More "
+                    "places a query nearer to the nodes.",
+                    OptionUse::kInternal},
         OptionField{"elsewhere_spacings", &Self::elsewhere_spacings, Closed(1, 1000), "",
                     "Nodes farther apart than so many spacings are different places."},
         OptionField{"max_margin", &Self::max_margin, Closed(0.001, 10), "",
