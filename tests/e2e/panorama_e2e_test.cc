@@ -141,6 +141,21 @@ TEST_F(PanoramaMap, BuildKeepsFeaturesWithin20KilobytesANode) {
   EXPECT_LT(with, kPanoramas * 20'000 + 250'000);  // and the empty tables and indices
 }
 
+TEST_F(PanoramaMap, AnAnswerHasItsPlace) {
+  ASSERT_EQ(build_.code, 0) << build_.err;
+  const RunResult run =
+      RunWaystone({"localize", home_ / "hall.db", home_ / "walk/3.png", "--json"});
+  const Json answer = Json::parse(run.out);
+  ASSERT_EQ(answer["verdict"], "localized") << answer;
+  const Json& place = answer["place"];
+  EXPECT_EQ(place["layer"], "appearance");
+  EXPECT_TRUE(place["image"].get<std::string>().ends_with("3.png")) << place;
+  EXPECT_EQ(place["id"], answer["panorama"]["node"]["id"]);
+  EXPECT_EQ(place["position"], answer["panorama"]["position"]);
+  EXPECT_EQ(place["heading"], answer["heading"]);
+  EXPECT_TRUE(place["position"]["x"].is_number());
+}
+
 TEST_F(PanoramaMap, LocalizeAnswersASeriesInOrder) {
   ASSERT_EQ(build_.code, 0) << build_.err;
   const RunResult series = RunWaystone(
