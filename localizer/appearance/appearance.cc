@@ -64,6 +64,22 @@ double AddCandidates(const MapIndex& index, const std::vector<ComparedNode>& nod
   return ProbabilityAgainst(log_odds(0), rival);
 }
 
+// Why the best candidate isn't believed.
+std::string DescribeRefusal(const ComparedNode& best, const Answer& answer,
+                            const PanoramaQueryOptions& options) {
+  const bool verified = answer.decided_by == DecidedBy::kPanoramaFeatures;
+  if (verified && best.inliers == 0) {
+    return "the features of no mapped panorama fit this image; map the place or send another one";
+  }
+  const std::string& source = answer.panorama->candidates.front().node.source;
+  const std::string evidence =
+      verified ? std::to_string(best.inliers) + " of its features fit this image"
+               : "its appearance is the most similar";
+  return "the best panorama is " + source + ", " + evidence + ": confidence " +
+         PercentText(answer.probability) + ", required " + PercentText(options.min_probability) +
+         "; map the place or send another image";
+}
+
 // The verdict of the candidates.
 void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool verified,
            const PanoramaQueryOptions& options, Answer& answer) {
@@ -83,9 +99,8 @@ void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool v
   const bool alike =
       answer.panorama->runner_up && EstimateProbability(alone, model) >= options.min_probability;
   answer.verdict = alike ? Verdict::kAmbiguous : Verdict::kNotInMap;
-  answer.message = alike ? "several mapped places match this panorama; move on and send a series"
-                         : "no mapped panorama matches closely enough; map the place or send "
-                           "another panorama";
+  answer.message = alike ? "several mapped places match this image; move on and send a series"
+                         : DescribeRefusal(nodes.front(), answer, options);
 }
 
 PanoramaQuery DescribeAppearance(const MapIndex& index, const cv::Mat& grey) {
