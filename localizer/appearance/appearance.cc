@@ -9,6 +9,7 @@
 #include "core/base/check.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/camera/panorama.h"
 #include "localizer/appearance/panorama_series.h"
 #include "localizer/verdict/logistic_fit.h"
 
@@ -17,6 +18,7 @@ namespace {
 
 constexpr double kPanoramaRatio = 2;
 constexpr double kRatioTolerance = 0.02;  // as ToPanorama's
+constexpr double kBandTolerance_rad = 1e-6;
 
 bool KeepsFeatures(const AppearanceLayer& layer) {
   return std::ranges::any_of(layer.nodes,
@@ -36,7 +38,9 @@ int NearestTo(const MapIndex& index, const std::vector<ComparedNode>& nodes, con
 void RefineHeading(const MapIndex& index, const FourierSignature& query, ComparedNode& best,
                    const PanoramaQueryOptions& options) {
   const AppearanceNode& node = index.map().appearance->nodes[best.node];
-  const CompassHeading heading = RelativeHeading(node.signature, query, options.compass);
+  CompassOptions compass = options.compass;
+  compass.band = index.map().appearance->described.band;
+  const CompassHeading heading = RelativeHeading(node.signature, query, compass);
   best.heading_rad = WrappedAngle(node.pose.theta_rad + heading.heading_rad);
   best.sigma_rad = heading.sigma_rad;
 }
@@ -103,10 +107,44 @@ void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool v
                          : DescribeRefusal(nodes.front(), answer, options);
 }
 
+bool HasShapeOf(const LayerMirror& mirror, const cv::Size& size) {
+  const double ratio = static_cast<double>(size.width) * mirror.height /
+                       (static_cast<double>(std::max(1, size.height)) * mirror.width);
+  return std::abs(ratio - 1) <= kRatioTolerance;
+}
+
+// An image as the layer's own became panoramas.
+Panorama ToLayersPanorama(const AppearanceLayer& layer, const cv::Mat& grey) {
+  PanoramaOptions options;
+  if (layer.mirror && HasShapeOf(*layer.mirror, grey.size())) {
+    const LayerMirror& mirror = *layer.mirror;
+    options.columns = mirror.columns;
+    options.mirror_band = mirror.band;
+    options.mirror_clockwise = mirror.clockwise;
+    options.mirror = mirror.ring;
+    if (mirror.ring) {  // of an image of another size
+      const double scale = static_cast<double>(grey.cols) / mirror.width;
+      options.mirror = {mirror.ring->centre_px * scale, mirror.ring->inner_px * scale,
+                        mirror.ring->outer_px * scale};
+    }
+  }
+  return ToPanorama(grey, options);
+}
+
 PanoramaQuery DescribeAppearance(const MapIndex& index, const cv::Mat& grey) {
   WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
+  const AppearanceLayer& layer = *index.map().appearance;
+  const Panorama panorama = ToLayersPanorama(layer, grey);
+  const ElevationBand used = UsedBand(panorama, layer.described);
+  const ElevationBand& band = layer.described.band;
+  if (std::max(std::abs(used.top_rad - band.top_rad), std::abs(used.bottom_rad - band.bottom_rad)) >
+      kBandTolerance_rad) {
+    throw MapError(ErrorCode::kBadImage,
+                   "the panorama doesn't show all elevations of the map's; send a panorama by a "
+                   "camera with the same or a larger vertical field of view");
+  }
   PanoramaQuery query;
-  query.signature = Signature(ToPanorama(grey), index.map().appearance->described);
+  query.signature = Signature(panorama, layer.described);
   return query;
 }
 
@@ -136,6 +174,12 @@ bool IsSettled(const MapIndex& index, const std::vector<ComparedNode>& nodes,
 bool IsPanoramic(const cv::Size& size) {
   const double ratio = static_cast<double>(size.width) / std::max(1, size.height);
   return std::abs(ratio / kPanoramaRatio - 1) <= kRatioTolerance;
+}
+
+bool IsForPanoramas(const MapIndex& index, const cv::Size& size) {
+  if (!index.HasAppearance()) return false;
+  const auto& mirror = index.map().appearance->mirror;
+  return IsPanoramic(size) || (mirror && HasShapeOf(*mirror, size));
 }
 
 PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,

@@ -12,13 +12,18 @@
 namespace waystone {
 
 // The panorama as the layer describes its own.
-// Throws MapError(kBadImage) for an image that is no panorama or shows other elevations than the
-// layer's (ToPanorama, UsedBand). The map has an appearance layer (WS_CHECK).
+// Images of a mirror are unwrapped as the layer's own. Throws MapError(kBadImage) for an image that
+// is no panorama or doesn't show the layer's elevations (ToPanorama, UsedBand). The map has an
+// appearance layer (WS_CHECK).
 PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,
                             const PanoramaQueryOptions& options);
 
-// Whether an image is for the appearance layer: twice as wide as high, to 2 %.
+// Whether an image is a panorama by its shape: twice as wide as high, to 2 %.
 bool IsPanoramic(const cv::Size& size);
+
+// Whether an image is for the map's appearance layer: a panorama, or, where the layer was made of a
+// mirror's images, of their shape.
+bool IsForPanoramas(const MapIndex& index, const cv::Size& size);
 
 // Where was this panorama taken? The nearest signatures are ranked again by the phases (eq. 1's
 // turn); where the nodes have features, they are verified by relative poses over bearings. The
