@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "builder/calibration/own_images.h"
 #include "builder/frames/frame_pipeline.h"
 #include "builder/options_record.h"
 #include "core/base/clock.h"
@@ -102,6 +103,8 @@ class MapBuilder {
     const Clock::time_point start = Clock::now();
     CalibratePlaneLayer(result_.map, planes_.samples(), options_.features, options_.calibration);
     result_.report.planes = planes_.report();
+    result_.report.planes->own =
+        FindOwnKeyframes(result_.map, planes_.samples(), options_.calibration.localize);
     result_.report.planes->calibrate_s = SecondsSince(start);
   }
 
@@ -110,6 +113,8 @@ class MapBuilder {
     CalibrateAppearanceLayer(result_.map, appearance_.samples(), options_.appearance_calibration,
                              progress_);
     result_.report.appearance = appearance_.report();
+    result_.report.appearance->own =
+        FindOwnPanoramas(result_.map, appearance_.samples(), options_.appearance_calibration.query);
     result_.report.appearance->calibrate_s = SecondsSince(start);
   }
 

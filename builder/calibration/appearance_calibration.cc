@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "builder/calibration/map_parts.h"
 #include "builder/calibration/rendered_negatives.h"
 #include "core/base/check.h"
 #include "core/base/option_range.h"
@@ -56,46 +57,58 @@ class Surroundings {
   std::vector<std::vector<int>> joined_;
 };
 
-// The evidence for the best answer, and whether it is right, which `right` says of every node:
-// nothing where no node is left.
-std::optional<AppearanceSample> SampleOf(const MapIndex& index, const PanoramaQuery& query,
-                                         const std::vector<bool>& right,
-                                         const std::vector<bool>& left_out,
-                                         const PanoramaQueryOptions& options) {
+// The evidence for the best answer; nothing where no node is left.
+struct BestAnswer {
+  AppearanceEvidence evidence;
+  int node = -1;
+};
+
+std::optional<BestAnswer> AskBest(const MapIndex& index, const PanoramaQuery& query,
+                                  const std::vector<bool>& left_out,
+                                  const PanoramaQueryOptions& options) {
   const std::vector<ComparedNode> nodes = CompareQuery(index, query, options, left_out);
   if (nodes.empty()) return std::nullopt;
-  AppearanceSample sample;
-  sample.evidence = CollectEvidence(index, nodes, 0, options);
-  sample.evidence.verified = query.features.has_value();
-  sample.right = !right.empty() && right[nodes.front().node];
-  return sample;
+  BestAnswer best{CollectEvidence(index, nodes, 0, options), nodes.front().node};
+  best.evidence.verified = query.features.has_value();
+  return best;
 }
 
-// The answer to a panorama of the map: with all nodes the first time, then without those around.
-std::optional<AppearanceSample> AskAround(const MapIndex& index, const Surroundings& surroundings,
-                                          const AppearanceCalibrationQuery& query, size_t time,
-                                          const AppearanceCalibrationOptions& options) {
-  if (time == 0 && query.node < 0) return std::nullopt;  // it isn't among the nodes itself
+// The answer to a panorama of the map without the nodes within `blank` spacings: right near where
+// it was taken, wrong elsewhere. Nothing in between, where neither can be said.
+std::optional<AppearanceSample> AskWithout(const MapIndex& index, const Surroundings& surroundings,
+                                           const AppearanceCalibrationQuery& query, double blank,
+                                           const AppearanceCalibrationOptions& options) {
   const auto within = [&](double spacings) {
     return surroundings.Within(query.truth, spacings * index.appearance().spacing(), query.node,
                                static_cast<int>(spacings));
   };
-  const std::vector<bool> left_out =
-      time == 0 ? std::vector<bool>() : within(options.blank_spacings[time - 1]);
-  auto sample =
-      SampleOf(index, query.query, within(options.right_spacings), left_out, options.query);
-  if (sample) sample->itself = time == 0;
-  return sample;
+  const auto best = AskBest(index, query.query, within(blank), options.query);
+  if (!best) return std::nullopt;
+  const bool right = within(options.right_spacings)[best->node];
+  if (!right && within(options.query.elsewhere_spacings)[best->node]) return std::nullopt;
+  return AppearanceSample{best->evidence, right};
 }
 
-// The map as far as its panoramas are asked for.
-MapData PanoramasOf(const MapData& map) {
-  MapData part;
-  part.info = map.info;
-  part.sequences = map.sequences;
-  part.appearance = map.appearance;
-  for (AppearanceNode& node : part.appearance->nodes) node.jpeg.clear();
-  return part;
+std::optional<AppearanceSample> AskOutside(const MapIndex& index, const PanoramaQuery& query,
+                                           const AppearanceCalibrationOptions& options) {
+  const auto best = AskBest(index, query, {}, options.query);
+  if (!best) return std::nullopt;
+  return AppearanceSample{best->evidence, false};
+}
+
+// Whether answers that any map would be sure of are right by this map's poses. Where they aren't,
+// its trajectory is too wrong to tell right answers from wrong ones.
+bool PosesTellWhatIsRight(const std::vector<AppearanceSample>& samples, bool verified,
+                          const AppearanceCalibrationOptions& options) {
+  const AppearanceVerdict model = DefaultVerdict(verified);
+  int sure = 0;
+  int right = 0;
+  for (const AppearanceSample& sample : samples) {
+    if (EstimateProbability(sample.evidence, model) < options.query.min_probability) continue;
+    ++sure;
+    right += sample.right;
+  }
+  return right >= options.min_right_share * sure;
 }
 
 std::vector<PanoramaQuery> DescribeNegatives(const MapIndex& index,
@@ -149,19 +162,20 @@ AppearanceVerdict CalibrateAppearance(const MapIndex& index,
   options.Check();
   WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
   const Surroundings surroundings(*index.map().appearance);
-  // Every query once with the whole map, then without its surroundings.
-  const size_t times = 1 + options.blank_spacings.size();
-  const size_t asked = queries.size() * times;
+  const size_t blanks = options.blank_spacings.size();
+  const size_t asked = queries.size() * blanks;
   std::vector<std::optional<AppearanceSample>> found(asked + outside.size());
   tbb::parallel_for(size_t{0}, found.size(), [&](size_t i) {
     if (before_each) before_each();
-    found[i] = i < asked ? AskAround(index, surroundings, queries[i / times], i % times, options)
-                         : SampleOf(index, outside[i - asked], {}, {}, options.query);
+    found[i] = i < asked ? AskWithout(index, surroundings, queries[i / blanks],
+                                      options.blank_spacings[i % blanks], options)
+                         : AskOutside(index, outside[i - asked], options);
   });
   std::vector<AppearanceSample> samples;
   for (const auto& sample : found) {
     if (sample && sample->evidence.verified == verified) samples.push_back(*sample);
   }
+  if (!PosesTellWhatIsRight(samples, verified, options)) return DefaultVerdict(verified);
   return FitAppearanceVerdict(samples, verified, options.fit);
 }
 
@@ -169,7 +183,7 @@ void CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFr
                               const AppearanceCalibrationOptions& options,
                               ProgressReporter& progress) {
   const auto report = [&] { progress.Report("calibration", 0, 1); };
-  const auto index = MapIndex::Build(PanoramasOf(map));
+  const auto index = MapIndex::Build(CopyPanoramas(map));
   const std::vector<PanoramaQuery> outside = DescribeNegatives(*index, options);
   std::vector<AppearanceCalibrationQuery> verified;
   std::vector<AppearanceCalibrationQuery> alone;

@@ -17,9 +17,10 @@ struct AppearanceCalibrationOptions {
   int max_nodes = 60;
   double right_spacings = 2;
   // Each panorama is asked for as if its surroundings weren't in the map: without the nodes within
-  // so many spacings, 0 (itself alone) to 1000. Just beyond right_spacings answers are wrong by
-  // little: that is what the model has to learn to refuse.
-  std::vector<double> blank_spacings = {0, 2, 3, 6};
+  // so many spacings, 0 (itself alone) to 1000. Just beyond query.elsewhere_spacings answers are
+  // wrong by little: that is what the model has to learn to refuse.
+  std::vector<double> blank_spacings = {0, 4, 6};
+  double min_right_share = 0.95;
   int rendered_negatives = 12;
   PanoramaQueryOptions query;
   AppearanceFitOptions fit;
@@ -33,6 +34,12 @@ struct AppearanceCalibrationOptions {
         OptionField{"right_spacings", &AppearanceCalibrationOptions::right_spacings,
                     Closed(0.1, 100), "node spacings",
                     "An answer within this distance of the truth is right."},
+        OptionField{"min_right_share", &AppearanceCalibrationOptions::min_right_share, Closed(0, 1),
+                    "",
+                    "Share of the answers that the default model is sure of which have to be right "
+                    "by the map's poses. Below, the trajectory is too wrong to learn from, and the "
+                    "default model is used.",
+                    OptionUse::kInternal},
         OptionField{"rendered_negatives", &AppearanceCalibrationOptions::rendered_negatives,
                     Closed(0, 1000), "",
                     "Panoramas of a rendered building that it is queried with, too: what isn't in "
@@ -52,7 +59,8 @@ struct AppearanceCalibrationQuery {
 
 // The model of one kind of answers, verified by features or by appearance alone as the queries ask
 // for, fitted to answers of the map itself: each query is asked for without the nodes around it, by
-// the options' radii, where the answer is right or wrong by its distance. `outside` are panoramas
+// the options' radii, where the answer is right or wrong by its distance (in poses or edges). The
+// default model where sure answers contradict the map's poses. `outside` are panoramas
 // of what the map doesn't show. Samples of the other kind are left out. `before_each`, where given,
 // is called before each query, from any thread and by several at a time; what it throws ends the
 // fit. Throws MapError(kBadOptions); the map has an appearance layer (WS_CHECK). Deterministic on

@@ -8,6 +8,7 @@
 #include <string>
 #include <unordered_set>
 
+#include "builder/calibration/map_parts.h"
 #include "builder/calibration/rendered_negatives.h"
 #include "core/base/random.h"
 #include "localizer/planes/decide.h"
@@ -105,19 +106,6 @@ std::vector<VerdictSample> Ask(const MapIndex& index, const std::unordered_set<D
   Random random(options.seed ^ static_cast<uint64_t>(query.keyframe.value));
   AskWrong(index, Scrambled(query.features, random), options.localize.planes, samples);
   return samples;
-}
-
-// The map as far as its planes are asked for.
-MapData CopyPlanes(const MapData& map) {
-  MapData part;
-  part.info = map.info;
-  part.sequences = map.sequences;
-  part.keyframes = map.keyframes;
-  part.planes = map.planes;
-  part.edges = map.edges;
-  part.index = map.index;
-  for (Keyframe& keyframe : part.keyframes) keyframe.jpeg.clear();
-  return part;
 }
 
 // Gates open as far as they go: the model has to see what they would stop.

@@ -25,15 +25,6 @@ bool KeepsFeatures(const AppearanceLayer& layer) {
                              [](const auto& node) { return !node.features.bearings.empty(); });
 }
 
-// The node nearest to where the query is, among those that were compared.
-int NearestTo(const MapIndex& index, const std::vector<ComparedNode>& nodes, const Pose2& pose) {
-  const auto apart = [&](const ComparedNode& compared) {
-    const Pose2& at = index.map().appearance->nodes[compared.node].pose;
-    return std::hypot(at.x - pose.x, at.y - pose.y);
-  };
-  return std::ranges::min_element(nodes, {}, apart)->node;
-}
-
 // The best node's heading by the warping search, which bears a motion.
 void RefineHeading(const MapIndex& index, const FourierSignature& query, ComparedNode& best,
                    const PanoramaQueryOptions& options) {
@@ -205,7 +196,7 @@ Answer JudgeNodes(const MapIndex& index, const FourierSignature& query,
   Judge(index, nodes, verified, options, answer);
   const PlacedQuery placed = PlaceQuery(index, nodes, options);
   const AppearanceLayer& layer = *index.map().appearance;
-  answer.panorama->node = RefOf(index, layer.nodes[NearestTo(index, nodes, placed.pose)]);
+  answer.panorama->node = RefOf(index, layer.nodes[FindNearest(index, nodes, options)]);
   answer.panorama->pose = placed.pose;
   answer.panorama->sigma = placed.sigma;
   answer.panorama->metres_per_unit = layer.metres_per_unit;
@@ -226,30 +217,55 @@ Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
   return answer;
 }
 
+namespace {
+
+// The answer to a panorama whose features `extract` gives; it is asked where the appearance doesn't
+// settle the place.
+template <typename Extract>
+Answer LocalizeInSteps(const MapIndex& index, PanoramaQuery query, bool may_verify,
+                       const Extract& extract, const PanoramaQueryOptions& options) {
+  PanoramaQueryOptions alone = options;
+  alone.verify = false;
+  std::vector<ComparedNode> nodes = CompareQuery(index, query, alone, {});
+  if (may_verify && !IsSettled(index, nodes, options)) {
+    query.features = extract();
+    nodes = CompareQuery(index, query, options, {});
+  }
+  const bool verified = query.features.has_value();
+  Answer answer = JudgeNodes(index, query.signature, nodes, verified, options);
+  SeriesOptions series;
+  series.query = options;
+  if (answer.verdict != Verdict::kNotInMap) {
+    answer.belief = BeliefAfter(index, nodes, verified, {}, series);
+  }
+  return answer;
+}
+
+}  // namespace
+
+Answer LocalizeDescribed(const MapIndex& index, const PanoramaQuery& query,
+                         const PanoramaQueryOptions& options) {
+  options.Check();
+  return LocalizeInSteps(
+      index, {query.signature, std::nullopt}, query.features.has_value(),
+      [&] { return *query.features; }, options);
+}
+
 Answer LocalizePanorama(const MapIndex& index, const cv::Mat& grey,
                         const PanoramaQueryOptions& options) {
   options.Check();
   const auto start = Clock::now();
   try {
-    PanoramaQuery query = DescribeAppearance(index, grey);
+    const PanoramaQuery query = DescribeAppearance(index, grey);
     double extract_ms = MillisecondsSince(start);
+    const auto extract = [&] {
+      LapTimer timer;
+      BearingFeatures features = ExtractQueryFeatures(index, grey, options);
+      extract_ms += timer.Lap();
+      return features;
+    };
     const bool may_verify = options.verify && KeepsFeatures(*index.map().appearance);
-    PanoramaQueryOptions alone = options;
-    alone.verify = false;
-    std::vector<ComparedNode> nodes = CompareQuery(index, query, alone, {});
-    if (may_verify && !IsSettled(index, nodes, options)) {
-      const auto before = Clock::now();
-      query.features = ExtractQueryFeatures(index, grey, options);
-      extract_ms += MillisecondsSince(before);
-      nodes = CompareQuery(index, query, options, {});
-    }
-    const bool verified = query.features.has_value();
-    Answer answer = JudgeNodes(index, query.signature, nodes, verified, options);
-    SeriesOptions series;
-    series.query = options;
-    if (answer.verdict != Verdict::kNotInMap) {
-      answer.belief = BeliefAfter(index, nodes, verified, {}, series);
-    }
+    Answer answer = LocalizeInSteps(index, query, may_verify, extract, options);
     answer.timing.extract_ms = extract_ms;
     answer.timing.total_ms = MillisecondsSince(start);
     answer.timing.verify_ms = answer.timing.total_ms - extract_ms;

@@ -39,6 +39,11 @@ Answer JudgeNodes(const MapIndex& index, const FourierSignature& query,
                   std::vector<ComparedNode> nodes, bool verified,
                   const PanoramaQueryOptions& options);
 
+// The same in steps, as LocalizePanorama: the query's features, if any, are only looked at where
+// the appearance doesn't settle it.
+Answer LocalizeDescribed(const MapIndex& index, const PanoramaQuery& query,
+                         const PanoramaQueryOptions& options);
+
 // Both steps, with times and the belief that a series begins with; features are taken only where
 // the appearance doesn't settle it. Nothing is thrown for a bad panorama: the verdict is kBadImage.
 Answer LocalizePanorama(const MapIndex& index, const cv::Mat& grey,

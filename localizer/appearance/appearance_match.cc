@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "core/geometry/linear_algebra.h"
@@ -184,10 +185,27 @@ double EstimateDistance(const ComparedNode& compared, const ComparedNode& best,
   }
   // A view with fewer inliers is farther away.
   const double fewer = static_cast<double>(best.inliers) / compared.inliers;
-  return fewer * std::max(compared.parallax_rad / options.spacing_parallax_rad, kLeastDistance);
+  return fewer * compared.parallax_rad / options.spacing_parallax_rad;
+}
+
+// Whether a node is of the same place as the best one, and as well verified.
+bool Agrees(const MapIndex& index, const ComparedNode& best, const ComparedNode& compared,
+            const PanoramaQueryOptions& options) {
+  return !AreElsewhere(index, best.node, compared.node, options) &&
+         (best.inliers > 0) == (compared.inliers > 0);
 }
 
 }  // namespace
+
+int FindNearest(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+                const PanoramaQueryOptions& options) {
+  const ComparedNode& best = nodes.front();
+  const auto distance = [&](const ComparedNode& compared) {
+    return Agrees(index, best, compared, options) ? EstimateDistance(compared, best, options)
+                                                  : std::numeric_limits<double>::infinity();
+  };
+  return std::ranges::min_element(nodes, {}, distance)->node;
+}
 
 // Least squares over the position p: each node that agrees with the best says "near me", and where
 // it has seen a motion also "in this direction": n . (p - node) = 0 with n across the direction.
@@ -200,9 +218,9 @@ PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& n
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   Eigen::Vector2d pull = Eigen::Vector2d::Zero();
   for (const ComparedNode& compared : nodes) {
-    if (AreElsewhere(index, best.node, compared.node, options)) continue;
-    if ((best.inliers > 0) != (compared.inliers > 0)) continue;
-    const double distance = spacing * EstimateDistance(compared, best, options);
+    if (!Agrees(index, best, compared, options)) continue;
+    const double distance =
+        spacing * std::max(EstimateDistance(compared, best, options), kLeastDistance);
     const double near_weight = 1 / (distance * distance);
     Eigen::Matrix2d weights = near_weight * Eigen::Matrix2d::Identity();
     if (compared.inliers > 0) {

@@ -114,9 +114,7 @@ AppearanceVerdict FitAppearanceVerdict(std::span<const AppearanceSample> samples
   options.Check();
   const auto positives = std::ranges::count_if(samples, &AppearanceSample::right);
   const auto negatives = std::ssize(samples) - positives;
-  const auto telling = std::ranges::count_if(
-      samples, [](const AppearanceSample& sample) { return sample.right && !sample.itself; });
-  if (std::min(telling, negatives) < options.min_samples) return DefaultVerdict(verified);
+  if (std::min(positives, negatives) < options.min_samples) return DefaultVerdict(verified);
   std::vector<LogisticSample> cases;
   for (const AppearanceSample& sample : samples) {
     const auto alike = static_cast<double>(sample.right ? positives : negatives);

@@ -47,9 +47,6 @@ double ProbabilityAgainst(double log_odds, double rival_log_odds);
 struct AppearanceSample {
   AppearanceEvidence evidence;
   bool right = false;
-  // Whether the panorama asked for is a node of the map itself: such samples are fitted to, but
-  // don't count as examples, since they don't tell how far other views of a place differ.
-  bool itself = false;
 };
 
 struct AppearanceFitOptions {
