@@ -34,8 +34,13 @@ TEST(VerdictModel, ProbabilityGrowsWithTheEvidence) {
   EXPECT_GT(EstimateProbability({10, 0.9}, model), EstimateProbability({10, 0.2}, model));
 }
 
-TEST(VerdictModel, WithoutSamplesTheGeneralModelHolds) {
+TEST(VerdictModel, WithFewSamplesTheGeneralModelHolds) {
   EXPECT_EQ(FitVerdictModel({}), VerdictModel{});
+  std::vector<VerdictSample> samples(100, {{5, 0.2}, false});
+  samples.insert(samples.end(), 9, {{60, 0.8}, true});
+  EXPECT_EQ(FitVerdictModel(samples), VerdictModel{});
+  samples.push_back({{60, 0.8}, true});
+  EXPECT_NE(FitVerdictModel(samples), VerdictModel{});
 }
 
 // In every tenth of the stated probability, what is stated must be what happens.
