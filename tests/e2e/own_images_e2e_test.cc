@@ -72,11 +72,11 @@ class OwnImages : public testing::Test {
     return world;
   }
 
-  // After so many steps of the walk through the hall and back again beside the way there.
+  // After so many steps of the walk through the corridor and back beside the way there.
   static Eigen::Isometry3d PoseAt(double step) {
     const bool back = step >= kFrames / 2.0;
     const double along = kStep_m * (back ? kFrames - step : step);
-    return WorldFromCamera({3.5 + along, back ? 11.2 : 10.2, 1.5},
+    return WorldFromCamera({2.0 + along, back ? 7.4 : 8.1, 1.5},
                            0.03 * step + (back ? std::numbers::pi : 0));
   }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kNodes = 36;
 
-// Panoramas along both rooms, back and forth, with their true poses.
+// Panoramas through the corridor, twice, with their true poses.
 MapData WalkMap() {
   static const MapData walk = [] {
     const World world(DemoPlan(), TestOptions());
@@ -28,7 +28,7 @@ MapData WalkMap() {
       node.sequence = SequenceId{1};
       node.frame = i;
       node.source = std::to_string(i) + ".jpg";
-      node.pose = {3.5 + 0.3 * (i % 18), i < 18 ? 10.2 : 10.7, WrappedAngle(0.3 * i)};
+      node.pose = {2.0 + 0.3 * (i % 18), i < 18 ? 8.1 : 7.5, WrappedAngle(0.3 * i)};
       const cv::Mat image =
           renderer
               .Render(world, WorldFromCamera({node.pose.x, node.pose.y, 1.4}, node.pose.theta_rad))
