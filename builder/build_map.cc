@@ -110,11 +110,10 @@ class MapBuilder {
 
   void CalibrateAppearance() {
     const Clock::time_point start = Clock::now();
-    CalibrateAppearanceLayer(result_.map, appearance_.samples(), options_.appearance_calibration,
-                             progress_);
+    const OwnImages own = CalibrateAppearanceLayer(result_.map, appearance_.samples(),
+                                                   options_.appearance_calibration, progress_);
     result_.report.appearance = appearance_.report();
-    result_.report.appearance->own =
-        FindOwnPanoramas(result_.map, appearance_.samples(), options_.appearance_calibration.query);
+    result_.report.appearance->own = own;
     result_.report.appearance->calibrate_s = SecondsSince(start);
   }
 

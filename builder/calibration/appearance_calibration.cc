@@ -96,8 +96,9 @@ std::optional<AppearanceSample> AskOutside(const MapIndex& index, const Panorama
   return AppearanceSample{best->evidence, false};
 }
 
-// Whether answers that any map would be sure of are right by this map's poses. Where they aren't,
-// its trajectory is too wrong to tell right answers from wrong ones.
+// Whether answers that any map would be sure of are right by this map's poses, `samples` being
+// those for panoramas whose neighbours are in the map. Where they aren't, its trajectory is too
+// wrong to tell right answers from wrong ones.
 bool PosesTellWhatIsRight(const std::vector<AppearanceSample>& samples, bool verified,
                           const AppearanceCalibrationOptions& options) {
   const AppearanceVerdict model = DefaultVerdict(verified);
@@ -172,16 +173,22 @@ AppearanceVerdict CalibrateAppearance(const MapIndex& index,
                          : AskOutside(index, outside[i - asked], options);
   });
   std::vector<AppearanceSample> samples;
-  for (const auto& sample : found) {
-    if (sample && sample->evidence.verified == verified) samples.push_back(*sample);
+  std::vector<AppearanceSample> beside_neighbours;
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (!found[i] || found[i]->evidence.verified != verified) continue;
+    samples.push_back(*found[i]);
+    const bool has_neighbours = i < asked && options.blank_spacings[i % blanks] == 0;
+    if (has_neighbours) beside_neighbours.push_back(*found[i]);
   }
-  if (!PosesTellWhatIsRight(samples, verified, options)) return DefaultVerdict(verified);
+  if (!PosesTellWhatIsRight(beside_neighbours, verified, options)) return DefaultVerdict(verified);
   return FitAppearanceVerdict(samples, verified, options.fit);
 }
 
-void CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
-                              const AppearanceCalibrationOptions& options,
-                              ProgressReporter& progress) {
+namespace {
+
+void FitAppearanceVerdicts(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
+                           const AppearanceCalibrationOptions& options,
+                           ProgressReporter& progress) {
   const auto report = [&] { progress.Report("calibration", 0, 1); };
   const auto index = MapIndex::Build(CopyPanoramas(map));
   const std::vector<PanoramaQuery> outside = DescribeNegatives(*index, options);
@@ -201,6 +208,19 @@ void CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFr
   if (verified.empty()) return;
   map.appearance->verified_verdict =
       CalibrateAppearance(*index, verified, outside, true, options, report);
+}
+
+}  // namespace
+
+OwnImages CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
+                                   const AppearanceCalibrationOptions& options,
+                                   ProgressReporter& progress) {
+  FitAppearanceVerdicts(map, samples, options, progress);
+  const OwnImages own = FindOwnPanoramas(map, samples, options.query);
+  if (own.AreFound()) return own;
+  map.appearance->verdict = DefaultVerdict(false);
+  if (map.appearance->verified_verdict) map.appearance->verified_verdict = DefaultVerdict(true);
+  return FindOwnPanoramas(map, samples, options.query);
 }
 
 }  // namespace waystone

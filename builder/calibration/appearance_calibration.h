@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "builder/appearance/appearance_layer.h"
+#include "builder/calibration/own_images.h"
 #include "core/base/options.h"
 #include "localizer/appearance/appearance.h"
 
@@ -72,11 +73,12 @@ AppearanceVerdict CalibrateAppearance(const MapIndex& index,
                                       const std::function<void()>& before_each = {});
 
 // Fits the models of the map's appearance layer, of answers by appearance alone and, where the
-// nodes keep features, of verified ones, to `samples` and to rendered negatives. Reports the
-// stage "calibration".
-void CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
-                              const AppearanceCalibrationOptions& options,
-                              ProgressReporter& progress);
+// nodes keep features, of verified ones, to `samples` and to rendered negatives. Returns how many
+// of the samples the map finds; models that lose more than 1 % of them are replaced by the default
+// ones. Reports the stage "calibration".
+OwnImages CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
+                                   const AppearanceCalibrationOptions& options,
+                                   ProgressReporter& progress);
 
 // A node as a query: its own signature, and its features where the options verify.
 PanoramaQuery QueryOfNode(const MapIndex& index, int node, const PanoramaQueryOptions& options);

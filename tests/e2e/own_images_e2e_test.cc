@@ -121,8 +121,8 @@ TEST_F(OwnImages, OfPlanes) {
   EXPECT_EQ(own["found"], own["asked"]);
   std::vector<fs::path> images;
   for (const auto& entry : fs::directory_iterator(TheMap().images)) images.push_back(entry.path());
-  // Not all are keyframes; 10 are a metre.
-  EXPECT_GE(OwnShare(TheMap().map, images, 10), kOwnShare);
+  // Keyframes are up to 30 images apart.
+  EXPECT_GE(OwnShare(TheMap().map, images, 15), kOwnShare);
 }
 
 TEST_F(OwnImages, OfPanoramas) {
