@@ -86,6 +86,13 @@ void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
                   " skipped, " + std::to_string(report.uncertain) + " uncertain steps, " +
                   std::to_string(report.dropped) + " redundant",
               report.skipped_names);
+  if (report.IsTrajectoryDoubtful()) {
+    Line(out, "warning",
+         std::to_string(report.uncertain) + " of " + std::to_string(report.steps) + " steps (" +
+             std::to_string(100 * report.uncertain / report.steps) +
+             " %) have an uncertain heading: don't rely on the trajectory; record panoramas at "
+             "shorter distances");
+  }
   Line(out, "loops",
        std::to_string(report.loop_candidates) + " candidates, " +
            std::to_string(report.loops_certain) + " confirmed by the compass, " +
@@ -133,6 +140,7 @@ Json AppearanceReportJson(const AppearanceReport& report) {
   return {{"frames", report.frames},
           {"skipped", report.skipped},
           {"skipped_names", report.skipped_names},
+          {"steps", report.steps},
           {"uncertain", report.uncertain},
           {"loop_candidates", report.loop_candidates},
           {"loops_certain", report.loops_certain},

@@ -63,7 +63,7 @@ int RunUnwrap(const UnwrapFlags& flags) {
   std::set<std::string> names;
   for (const std::string& image : flags.images) {
     const Panorama panorama = ReadPanorama(image, options);
-    BandOf(panorama, signature);  // refuses what a map would refuse
+    ExtractBand(panorama, signature);  // refuses what a map would refuse
     const fs::path path(image);
     const std::string name = (path.has_filename() ? path : path.parent_path()).stem().string();
     if (!names.insert(name).second) {

@@ -218,15 +218,15 @@ nlohmann::json Times(const PanoramaPlace& a, const PanoramaPlace& b) {
   cv::imencode(".jpg", image, jpeg);
   const SignatureOptions options;
   const Panorama panorama = {image, {}};
-  const cv::Mat band = BandOf(panorama, options);
-  const FourierSignature of_a = SignatureOfBand(band, options);
+  const cv::Mat band = ExtractBand(panorama, options);
+  const FourierSignature of_a = DescribeBand(band, options);
   const FourierSignature of_b = Signature(b.grey, options);
   cv::Mat spectrum;
   nlohmann::json times = {
       {"decode", MedianMicroseconds([&] { DecodeGrey(jpeg); })},
-      {"band", MedianMicroseconds([&] { BandOf(panorama, options); })},
+      {"band", MedianMicroseconds([&] { ExtractBand(panorama, options); })},
       {"dft", MedianMicroseconds([&] { cv::dft(band, spectrum, cv::DFT_ROWS); })},
-      {"signature_of_band", MedianMicroseconds([&] { SignatureOfBand(band, options); })},
+      {"signature_of_band", MedianMicroseconds([&] { DescribeBand(band, options); })},
       {"phase_compass", MedianMicroseconds([&] { TurnByPhases(of_a, of_b); })},
       {"compass", MedianMicroseconds([&] { RelativeHeading(of_a, of_b); })}};
   std::printf("microseconds, 1024x512:");

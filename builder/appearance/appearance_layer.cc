@@ -9,12 +9,17 @@
 namespace waystone {
 namespace {
 
+// A chain of headings is no better than its doubtful ones: with each tenth step in doubt hardly a
+// stretch of twenty has none.
+constexpr double kDoubtfulShare = 0.1;
+
 const AppearanceOptions& Checked(const AppearanceOptions& options) {
   options.Check();
   return options;
 }
 
 void Report(const PanoramaPoses& poses, AppearanceReport& report) {
+  report.steps = poses.steps;
   report.uncertain = poses.uncertain;
   report.loop_candidates = poses.closure.candidates;
   report.loops_certain = poses.closure.certain;
@@ -28,6 +33,8 @@ void Report(const PanoramaPoses& poses, AppearanceReport& report) {
 }
 
 }  // namespace
+
+bool AppearanceReport::IsTrajectoryDoubtful() const { return uncertain > kDoubtfulShare * steps; }
 
 AppearanceLayerBuilder::AppearanceLayerBuilder(const AppearanceOptions& options)
     : options_(Checked(options)), taker_(options_) {}

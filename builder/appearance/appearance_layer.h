@@ -14,7 +14,8 @@ namespace waystone {
 // What the building of the layer did. Skipped frames are no usable panoramas.
 struct AppearanceReport : FrameReport {
   int panoramas = 0;
-  int uncertain = 0;        // steps whose heading is uncertain
+  int steps = 0;            // from a panorama to the next
+  int uncertain = 0;        // of them, those whose heading is uncertain
   int loop_candidates = 0;  // that the compass was asked about
   int loops_certain = 0;    // of them, with a certain heading
   int loops_supported = 0;  // of them, that neighbours agree with
@@ -27,6 +28,10 @@ struct AppearanceReport : FrameReport {
   double loops_s = 0;
   double graph_s = 0;
   double calibrate_s = 0;  // of the verdict, by BuildMap
+
+  // Whether so many steps are uncertain that the trajectory can't be relied on: rooms are too small
+  // for the steps, or panoramas too dark, too plain or too far apart.
+  bool IsTrajectoryDoubtful() const;
 };
 
 // A panorama as it was read, also where it was left out as redundant.

@@ -39,6 +39,7 @@ class PoseEstimator {
       result_.trajectories.push_back(
           FollowPanoramas({taken_.signatures.begin() + first, taken_.signatures.begin() + last},
                           taken_.band, options_.odometry, go_on));
+      result_.steps += static_cast<int>(result_.trajectories.back().steps.size());
       result_.uncertain += result_.trajectories.back().uncertain;
     }
     result_.odometry_s = SecondsSince(start);

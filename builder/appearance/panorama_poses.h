@@ -15,7 +15,8 @@ struct PanoramaPoses {
   LoopClosure closure;                       // with the loops that fit the graph
   std::vector<Pose2> odometry;               // layer_from_panorama, by odometry alone
   std::vector<Pose2> poses;                  // layer_from_panorama, in the end
-  int uncertain = 0;                         // steps
+  int steps = 0;                             // from a panorama to the next
+  int uncertain = 0;                         // of them, those with an uncertain heading
   int loops_rejected = 0;                    // that don't fit the graph
   double odometry_s = 0;
   double loops_s = 0;

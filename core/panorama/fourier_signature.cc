@@ -10,7 +10,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "core/geometry/angle.h"
 
 namespace waystone {
@@ -90,9 +89,7 @@ bool FourierSignature::operator==(const FourierSignature& other) const {
 }
 
 void SignatureOptions::Check() const {
-  CheckRange("rows", rows, 1, 1024);
-  CheckRange("k1", k1, 2, 4096);
-  CheckRange("k2", k2, 2, 4096);
+  CheckFields("signature", *this);
   if (!(band.top_rad <= kPi / 2 && band.bottom_rad >= -kPi / 2 && band.top_rad > band.bottom_rad)) {
     throw MapError(
         ErrorCode::kBadOptions,
@@ -116,7 +113,7 @@ ElevationBand UsedBand(const Panorama& panorama, const SignatureOptions& options
                      std::to_string(options.band.bottom_rad) + "; choose another band");
 }
 
-cv::Mat BandOf(const Panorama& panorama, const SignatureOptions& options) {
+cv::Mat ExtractBand(const Panorama& panorama, const SignatureOptions& options) {
   options.Check();
   WS_CHECK(panorama.grey.type() == CV_8UC1, "a panorama must be grey");
   const int columns = 2 * std::max(options.k1, options.k2);
@@ -139,7 +136,7 @@ cv::Mat BandOf(const Panorama& panorama, const SignatureOptions& options) {
   return band;
 }
 
-FourierSignature SignatureOfBand(const cv::Mat& band, const SignatureOptions& options) {
+FourierSignature DescribeBand(const cv::Mat& band, const SignatureOptions& options) {
   const int frequencies = std::max(options.k1, options.k2);
   WS_CHECK(band.type() == CV_32FC1 && band.cols >= 2 * frequencies, "not a band for the options");
   cv::Mat spectrum;
@@ -161,7 +158,7 @@ FourierSignature SignatureOfBand(const cv::Mat& band, const SignatureOptions& op
 }
 
 FourierSignature Signature(const Panorama& panorama, const SignatureOptions& options) {
-  return SignatureOfBand(BandOf(panorama, options), options);
+  return DescribeBand(ExtractBand(panorama, options), options);
 }
 
 FourierSignature Signature(const cv::Mat& panorama, const SignatureOptions& options) {

@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
+#include <tuple>
 
+#include "core/base/options.h"
 #include "core/camera/panorama.h"
 
 namespace waystone {
@@ -28,22 +30,32 @@ struct FourierSignature {
 };
 
 struct SignatureOptions {
-  // Rows of the signature, 1 to 1024, spread evenly over the band. More tell elevations better and
-  // cost time and map size: a signature takes 2 rows (k1 + k2) bytes.
   int rows = 64;
-  // Magnitudes a row, 2 to 4096: what places are compared by. More tell places apart that are near
-  // each other; few bear changes better.
   int k1 = 64;
-  // Phases a row, 2 to 4096: what headings come from. More give finer headings. The compass uses
-  // the frequencies that have both magnitude and phase.
   int k2 = 64;
   // Elevations that are used, from pi / 2 to -pi / 2; what the panorama doesn't show of them is
   // left out. A narrow band sees what is far away, and less of the camera's carrier and the floor.
   ElevationBand band = {0.6, -0.6};
-  // Photometric normalisation: the band less its mean, over its standard deviation. Bears changes
-  // of exposure; loses the brightness, which may tell places apart.
   bool normalise = true;
 
+  // Without the band, whose two angles Check() compares.
+  static constexpr auto Fields() {
+    using O = SignatureOptions;
+    return std::tuple{
+        OptionField{"rows", &O::rows, Closed(1, 1024), "rows",
+                    "Rows of the signature, spread evenly over the band. More tell elevations "
+                    "better and cost time and map size: a signature takes 2 rows (k1 + k2) bytes."},
+        OptionField{"k1", &O::k1, Closed(2, 4096), "",
+                    "Magnitudes a row: what places are compared by. More tell places apart that "
+                    "are near each other; few bear changes better."},
+        OptionField{"k2", &O::k2, Closed(2, 4096), "",
+                    "Phases a row: what headings come from. More give finer headings. The compass "
+                    "uses the frequencies that have both magnitude and phase."},
+        OptionField{"normalise", &O::normalise, AnyValue(), "",
+                    "Photometric normalisation: the band less its mean, over its standard "
+                    "deviation. Bears changes of exposure; loses the brightness, which may tell "
+                    "places apart."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
   bool operator==(const SignatureOptions&) const = default;
 };
@@ -57,10 +69,10 @@ ElevationBand UsedBand(const Panorama& panorama, const SignatureOptions& options
 // columns turns it by the same columns exactly. Throws MapError(kBadImage) as UsedBand does, when
 // the panorama has too few columns for the frequencies (2 max(k1, k2)),
 // or its band has no texture.
-cv::Mat BandOf(const Panorama& panorama, const SignatureOptions& options);
+cv::Mat ExtractBand(const Panorama& panorama, const SignatureOptions& options);
 
 // The signature of a band, CV_32FC1 of any number of rows, at least 2 max(k1, k2) columns.
-FourierSignature SignatureOfBand(const cv::Mat& band, const SignatureOptions& options);
+FourierSignature DescribeBand(const cv::Mat& band, const SignatureOptions& options);
 
 // Both steps.
 FourierSignature Signature(const Panorama& panorama, const SignatureOptions& options = {});

@@ -36,7 +36,7 @@ int CommonFrequencies(const FourierSignature& signature) {
   return static_cast<int>(std::min(signature.magnitudes.cols(), signature.phases.cols()));
 }
 
-RowSpectra SpectraOf(const FourierSignature& signature, int frequencies) {
+RowSpectra ComputeSpectra(const FourierSignature& signature, int frequencies) {
   WS_CHECK(frequencies >= 1 && frequencies <= CommonFrequencies(signature),
            "frequencies that the signature doesn't have");
   const RowImage magnitudes = signature.magnitudes.leftCols(frequencies).cast<float>();
@@ -44,7 +44,7 @@ RowSpectra SpectraOf(const FourierSignature& signature, int frequencies) {
   return {magnitudes.array() * phases.array().cos(), magnitudes.array() * phases.array().sin()};
 }
 
-RowImage ImageOf(const RowSpectra& spectra, int frequencies, int columns, double turn_rad) {
+RowImage RebuildTurned(const RowSpectra& spectra, int frequencies, int columns, double turn_rad) {
   WS_CHECK(frequencies >= 1 && frequencies <= spectra.frequencies() && columns >= 1,
            "frequencies that the spectra don't have");
   const auto rows = spectra.re.rows();
@@ -69,7 +69,7 @@ RowImage ImageOf(const RowSpectra& spectra, int frequencies, int columns, double
 }
 
 RowImage Rebuild(const FourierSignature& signature, int frequencies, int columns, double turn_rad) {
-  return ImageOf(SpectraOf(signature, frequencies), frequencies, columns, turn_rad);
+  return RebuildTurned(ComputeSpectra(signature, frequencies), frequencies, columns, turn_rad);
 }
 
 }  // namespace waystone

@@ -23,12 +23,13 @@ struct RowSpectra {
 };
 
 // Of the frequencies below `frequencies` (1 to CommonFrequencies).
-RowSpectra SpectraOf(const FourierSignature& signature, int frequencies);
+RowSpectra ComputeSpectra(const FourierSignature& signature, int frequencies);
 
 // The image of the frequencies below `frequencies` (at most those of the spectra), turned so that
 // azimuth `turn_rad` comes to the front: samples at so many columns, frequencies beyond half of
 // them folded over. Row means are in it.
-RowImage ImageOf(const RowSpectra& spectra, int frequencies, int columns, double turn_rad = 0);
+RowImage RebuildTurned(const RowSpectra& spectra, int frequencies, int columns,
+                       double turn_rad = 0);
 
 // Both steps.
 RowImage Rebuild(const FourierSignature& signature, int frequencies, int columns,

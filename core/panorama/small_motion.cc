@@ -11,7 +11,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "core/geometry/angle.h"
 #include "core/geometry/linear_algebra.h"
 #include "core/panorama/motion_kernels.h"
@@ -170,7 +169,7 @@ class Stage {
   }
 
   // Where the columns of a come from in b, at `p`.
-  ColumnMap MapOf(const Parameters& p) {
+  ColumnMap MapColumns(const Parameters& p) {
     ColumnMap map;
     const auto columns_per_rad = static_cast<float>(columns_per_rad_);
     const auto rows_per_rad = static_cast<float>(rows_per_rad_);
@@ -227,7 +226,7 @@ class Stage {
 
   // Residuals and slopes at `p`, their sigma and the moments.
   void Look(const Parameters& p, size_t median_samples) {
-    const ColumnMap map = MapOf(p);
+    const ColumnMap map = MapColumns(p);
     Turn(map);
     for (int i = 0; i < blocks_; ++i) kernels_.sample(BlockOf(i, map, p), PixelsOf(i));
     const double median = MedianMagnitude(residual_, weight_, median_samples);
@@ -267,7 +266,8 @@ class Stage {
 
 // The image of the frequencies below `frequencies` without the rows' means, which don't turn.
 RowImage Ripples(const RowSpectra& spectra, int frequencies, double turn_rad) {
-  RowImage image = ImageOf(spectra, frequencies, kColumnsPerFrequency * frequencies, turn_rad);
+  RowImage image =
+      RebuildTurned(spectra, frequencies, kColumnsPerFrequency * frequencies, turn_rad);
   image.colwise() -= image.rowwise().mean();
   return image;
 }
@@ -286,8 +286,8 @@ class Refinement {
         options_(options),
         frequencies_(
             std::min({options.fine_frequencies, CommonFrequencies(a), CommonFrequencies(b)})),
-        a_(SpectraOf(a, frequencies_)),
-        b_(SpectraOf(b, frequencies_)) {}
+        a_(ComputeSpectra(a, frequencies_)),
+        b_(ComputeSpectra(b, frequencies_)) {}
 
   SmallMotion Run(double turn_rad, std::optional<StillStart> still) const {
     Estimate estimate{turn_rad};
@@ -347,16 +347,6 @@ class Refinement {
 };
 
 }  // namespace
-
-void SmallMotionOptions::Check() const {
-  CheckRange("coarse_frequencies", coarse_frequencies, 2, 64);
-  CheckRange("fine_frequencies", fine_frequencies, 2, 4096);
-  CheckRange("steps", steps, 1, 50);
-  CheckRange("cauchy_deviations", cauchy_sigmas, 1, 10);
-  CheckRange("nearness_deviation", nearness_sigma, 0.01, 10);
-  CheckRange("correlated_pixels", correlated_pixels, 1, 1000);
-  CheckRange("settled_pixels", settled_pixels, 0, 1);
-}
 
 SmallMotion RefineSmallMotion(const FourierSignature& a, const FourierSignature& b,
                               const ElevationBand& band, double turn_rad,

@@ -3,32 +3,47 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <tuple>
 
+#include "core/base/options.h"
 #include "core/panorama/row_images.h"
 
 namespace waystone {
 
 struct SmallMotionOptions {
-  // Frequencies of the coarsest stage, 2 to 64; each stage doubles them. Fewer reach farther.
   int coarse_frequencies = 8;
-  // Frequencies of the finest stage, 2 to 4096; those that the signatures don't have are left out.
-  // More are finer, and most of the time is the finest stage's.
   int fine_frequencies = 64;
-  // Gauss-Newton steps a stage, 1 to 50, and less where the last one was below so many of the
-  // stage's columns, 0 to 1. Fewer are faster and stop short of the best fit.
   int steps = 4;
   double settled_pixels = 0.01;
-  // Residuals beyond so many sigmas count less (Cauchy's weights), 1 to 10: bears what is
-  // covered or has moved.
   double cauchy_sigmas = 2.4;
-  // How much the nearness of landmarks varies around the circle, 0.01 to 10 of its mean: the prior
-  // sigma of each of its four waves. More fits uneven rooms, less bears noise.
   double nearness_sigma = 0.5;
-  // Residuals of neighbouring pixels are alike: how many pixels carry the information of one,
-  // 1 to 1000. Scales the sigmas.
   double correlated_pixels = 20;
 
-  void Check() const;  // throws MapError(kBadOptions)
+  static constexpr auto Fields() {
+    using O = SmallMotionOptions;
+    return std::tuple{
+        OptionField{"coarse_frequencies", &O::coarse_frequencies, Closed(2, 64), "",
+                    "Frequencies of the coarsest stage; each stage doubles them. Fewer reach "
+                    "farther."},
+        OptionField{"fine_frequencies", &O::fine_frequencies, Closed(2, 4096), "",
+                    "Frequencies of the finest stage; those that the signatures don't have are "
+                    "left out. More are finer, and most of the time is the finest stage's."},
+        OptionField{"steps", &O::steps, Closed(1, 50), "steps",
+                    "Gauss-Newton steps a stage. Fewer are faster and stop short of the best fit."},
+        OptionField{"settled_pixels", &O::settled_pixels, Closed(0, 1), "px",
+                    "A stage ends where its last step was below so many of its columns."},
+        OptionField{"cauchy_sigmas", &O::cauchy_sigmas, Closed(1, 10), "sigmas",
+                    "Residuals beyond so many sigmas count less (Cauchy's weights): bears what is "
+                    "covered or has moved."},
+        OptionField{"nearness_sigma", &O::nearness_sigma, Closed(0.01, 10), "",
+                    "How much the nearness of landmarks varies around the circle, of its mean: the "
+                    "prior sigma of each of its four waves. More fits uneven rooms, less bears "
+                    "noise."},
+        OptionField{"correlated_pixels", &O::correlated_pixels, Closed(1, 1000), "px",
+                    "Residuals of neighbouring pixels are alike: how many pixels carry the "
+                    "information of one. Scales the sigmas."}};
+  }
+  void Check() const { CheckFields("small_motion", *this); }  // throws MapError(kBadOptions)
 };
 
 // How the view changed from a to b. Angles are clockwise, as azimuths are.

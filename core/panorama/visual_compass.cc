@@ -11,7 +11,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "core/geometry/angle.h"
 #include "core/geometry/linear_algebra.h"
 
@@ -112,7 +111,7 @@ int LeastBeyond(const std::vector<double>& values, int from, double separation_r
 // The sigma from the angle of the least cost, over a circle of costs, when a hypothesis
 // becomes e times less likely by `cost_per_e` (of all columns together). Angles within `near_rad`
 // count as right.
-double SpreadOf(const std::vector<double>& costs, double cost_per_e, double near_rad) {
+double EstimateSpread(const std::vector<double>& costs, double cost_per_e, double near_rad) {
   const auto least = std::ranges::min_element(costs) - costs.begin();
   const auto n = static_cast<double>(costs.size());
   double weights = 0;
@@ -127,7 +126,7 @@ double SpreadOf(const std::vector<double>& costs, double cost_per_e, double near
   return std::sqrt(squares / weights);
 }
 
-MotionDirection MotionOf(const SmallMotion& small, const CompassOptions& options) {
+MotionDirection EstimateDirection(const SmallMotion& small, const CompassOptions& options) {
   const double length = small.motion.norm();
   const Eigen::Vector2d across(-small.motion.y(), small.motion.x());
   const double sigma =
@@ -136,8 +135,8 @@ MotionDirection MotionOf(const SmallMotion& small, const CompassOptions& options
           std::min(std::hypot(sigma, options.uneven_depth), kUnknown_rad), length};
 }
 
-MotionDirection MotionOf(const Warping& warping, const CompassOptions& options) {
-  const double spread = SpreadOf(warping.motion_costs, options.cost_per_e, 0);
+MotionDirection EstimateDirection(const Warping& warping, const CompassOptions& options) {
+  const double spread = EstimateSpread(warping.motion_costs, options.cost_per_e, 0);
   return {Wrapped(-warping.motion_rad), std::hypot(spread, options.warping_sigma_rad), {}};
 }
 
@@ -148,7 +147,7 @@ double MotionSigmas(const SmallMotion& small) {
   return std::sqrt(small.motion.dot(weighed));
 }
 
-double SigmaOf(const SmallMotion& small, const CompassOptions& options) {
+double EstimateSigma(const SmallMotion& small, const CompassOptions& options) {
   return std::hypot(small.turn_sigma_rad, options.uneven_depth * small.motion.norm());
 }
 
@@ -172,26 +171,9 @@ bool Fits(const SmallMotion& small, const Warping& warping, const CompassOptions
 
 }  // namespace
 
-void PhaseCompassOptions::Check() const {
-  CheckRange("power", power, 0, 1);
-  CheckRange("frequencies", frequencies, 2, 4096);
-  CheckRange("steps", steps, 16, 65536);
-  CheckRange("separation_rad", separation_rad, 0.01, 3);
-}
-
 void CompassOptions::Check() const {
-  phases.Check();
+  CheckFields("compass", *this);
   warping.Check();
-  small_motion.Check();
-  CheckRange("separation_rad", separation_rad, 0.01, 3);
-  CheckRange("cost_per_e", cost_per_e, 0.01, 100);
-  CheckRange("warping_deviation_rad", warping_sigma_rad, 0.001, 0.5);
-  CheckRange("min_correlation", min_correlation, 0, 1);
-  CheckRange("agreement_rad", agreement_rad, 0.001, 1);
-  CheckRange("still_frequencies", still_frequencies, 2, 64);
-  CheckRange("still_deviations", still_sigmas, 0, 100);
-  CheckRange("uneven_depth", uneven_depth, 0, 1);
-  CheckRange("max_motion_deviation_rad", max_motion_sigma_rad, 0.01, 1.8);
 }
 
 PhaseCompass TurnByPhases(const FourierSignature& a, const FourierSignature& b,
@@ -221,7 +203,7 @@ CompassHeading RelativeHeading(const FourierSignature& a, const FourierSignature
   const auto best =
       static_cast<int>(std::ranges::min_element(warping.turn_costs) - warping.turn_costs.begin());
   const int second = LeastBeyond(warping.turn_costs, best, options.separation_rad);
-  const double wrong_rad = SpreadOf(warping.turn_costs, options.cost_per_e, 1.5 * step_rad);
+  const double wrong_rad = EstimateSpread(warping.turn_costs, options.cost_per_e, 1.5 * step_rad);
   CompassHeading heading;
   heading.small_motion = Fits(small, warping, options);
   const bool still =
@@ -231,11 +213,11 @@ CompassHeading RelativeHeading(const FourierSignature& a, const FourierSignature
                         : heading.small_motion ? Wrapped(small.turn_rad)
                                                : Wrapped(warping.turn_rad);
   heading.sigma_rad = std::hypot(
-      wrong_rad, heading.small_motion ? SigmaOf(small, options) : options.warping_sigma_rad);
+      wrong_rad, heading.small_motion ? EstimateSigma(small, options) : options.warping_sigma_rad);
   heading.runner_up_rad = Wrapped(second * step_rad);
   heading.sharpness = warping.turn_costs[second] - warping.turn_costs[best];
-  const MotionDirection motion =
-      heading.small_motion ? MotionOf(small, options) : MotionOf(warping, options);
+  const MotionDirection motion = heading.small_motion ? EstimateDirection(small, options)
+                                                      : EstimateDirection(warping, options);
   if (motion.sigma_rad <= options.max_motion_sigma_rad) heading.motion = motion;
   return heading;
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <optional>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/panorama/fourier_signature.h"
 #include "core/panorama/small_motion.h"
 #include "core/panorama/warping_search.h"
@@ -14,18 +16,27 @@ namespace waystone {
 // world is that of a plus the heading.
 
 struct PhaseCompassOptions {
-  // Weight of a row's frequency: (m_a m_b)^power of its magnitudes, 0 to 1. 0 is the paper's
-  // convolution of the phases alone, in which noise counts like edges; 1 the plain cross-spectrum,
-  // in which few strong waves decide.
   double power = 0.5;
-  // Frequencies used, 2 to 4096, from 1. Fewer see through a larger motion, more are sharper.
   int frequencies = 64;
-  // Headings tried around the circle, 16 to 65536, before the best is refined.
   int steps = 512;
-  // How far a runner-up lies off, radians, 0.01 to 3.
   double separation_rad = 0.35;
 
-  void Check() const;  // throws MapError(kBadOptions)
+  static constexpr auto Fields() {
+    using O = PhaseCompassOptions;
+    return std::tuple{
+        OptionField{"power", &O::power, Closed(0, 1), "",
+                    "Weight of a row's frequency: (m_a m_b)^power of its magnitudes. 0 is the "
+                    "paper's convolution of the phases alone, in which noise counts like edges; 1 "
+                    "the plain cross-spectrum, in which few strong waves decide."},
+        OptionField{"frequencies", &O::frequencies, Closed(2, 4096), "",
+                    "Frequencies used, from 1. Fewer see through a larger motion, more are "
+                    "sharper."},
+        OptionField{"steps", &O::steps, Closed(16, 65536), "steps",
+                    "Headings tried around the circle before the best is refined."},
+        OptionField{"separation_rad", &O::separation_rad, Closed(0.01, 3), "rad",
+                    "How far a runner-up lies off."}};
+  }
+  void Check() const { CheckFields("phases", *this); }  // throws MapError(kBadOptions)
 };
 
 struct CompassPeak {
@@ -51,29 +62,49 @@ struct CompassOptions {
   ElevationBand band = SignatureOptions{}.band;
   WarpingOptions warping{};
   SmallMotionOptions small_motion{};
-  // How far a runner-up of the warping search lies off, radians, 0.01 to 3.
   double separation_rad = 0.35;
-  // Costs of the warping search, summed over the columns, by which a hypothesis becomes e times
-  // less likely, 0.01 to 100. More states larger sigmas.
   double cost_per_e = 0.6;
-  // The warping's own sigma, radians, 0.001 to 0.5: its columns and its model are coarse.
   double warping_sigma_rad = 0.03;
-  // The small motion is believed where it explains this share of a, 0 to 1, and turns within
-  // agreement_rad (0.001 to 1) of the warping search.
   double min_correlation = 0.5;
   double agreement_rad = 0.1;
-  // Frequencies of the coarsest stage from the phases' heading, 2 to 64: that heading is exact for
-  // a pure turn, and what is covered misleads coarse stages.
   int still_frequencies = 32;
-  // A small motion of fewer of its own sigmas is none, 0 to 100: the heading then comes from
-  // the phases alone, which what is covered or noisy disturbs less.
   double still_sigmas = 6;
-  // How unevenly far the landmarks are, 0 to 1: the small motion takes them for equally far, and
-  // errs by this share of step over distance. More states larger sigmas of larger steps.
   double uneven_depth = 0.15;
-  // Directions of motion less certain than this are left out, radians, 0.01 to 1.8.
   double max_motion_sigma_rad = 0.8;
 
+  // Without the band, which is that of the signatures.
+  static constexpr auto Fields() {
+    using O = CompassOptions;
+    return std::tuple{
+        OptionGroup{"phases", &O::phases},
+        OptionGroup{"warping", &O::warping},
+        OptionGroup{"small_motion", &O::small_motion},
+        OptionField{"separation_rad", &O::separation_rad, Closed(0.01, 3), "rad",
+                    "How far a runner-up of the warping search lies off."},
+        OptionField{"cost_per_e", &O::cost_per_e, Closed(0.01, 100), "",
+                    "Costs of the warping search, summed over the columns, by which a hypothesis "
+                    "becomes e times less likely. More states larger sigmas."},
+        OptionField{"warping_sigma_rad", &O::warping_sigma_rad, Closed(0.001, 0.5), "rad",
+                    "The warping's own sigma: its columns and its model are coarse."},
+        OptionField{
+            "min_correlation", &O::min_correlation, Closed(0, 1), "",
+            "The small motion is believed where it explains this share of the first panorama."},
+        OptionField{
+            "agreement_rad", &O::agreement_rad, Closed(0.001, 1), "rad",
+            "The small motion is believed where it turns within this of the warping search."},
+        OptionField{"still_frequencies", &O::still_frequencies, Closed(2, 64), "",
+                    "Frequencies of the coarsest stage from the phases' heading: that heading is "
+                    "exact for a pure turn, and what is covered misleads coarse stages."},
+        OptionField{"still_sigmas", &O::still_sigmas, Closed(0, 100), "sigmas",
+                    "A small motion of fewer of its own sigmas is none: the heading then comes "
+                    "from the phases alone, which what is covered or noisy disturbs less."},
+        OptionField{"uneven_depth", &O::uneven_depth, Closed(0, 1), "",
+                    "How unevenly far the landmarks are: the small motion takes them for equally "
+                    "far, and errs by this share of step over distance. More states larger sigmas "
+                    "of larger steps."},
+        OptionField{"max_motion_sigma_rad", &O::max_motion_sigma_rad, Closed(0.01, 1.8), "rad",
+                    "Directions of motion less certain than this are left out."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -20,7 +20,7 @@ WS_INLINE void Load(const Value* from, Lanes& to) {
   std::memcpy(&to, from, sizeof(Lanes));
 }
 
-constexpr int kTile = 9;  // registers of b's columns at a time
+constexpr int kTile = 5;  // registers of b's columns at a time
 
 // Of `lanes` registers of b's columns from `first` on, for one column of a.
 template <int kCount>

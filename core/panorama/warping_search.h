@@ -1,30 +1,56 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/panorama/row_images.h"
 
 namespace waystone {
 
 struct WarpingOptions {
-  // Columns that the circle is cut into, 24 to 360: the grid of turns and of directions of motion.
-  // More are finer; time grows with the cube.
-  int columns = 72;
-  // Frequencies used, 4 to 4096; those beyond the signature's or the columns' are left out.
-  // Fewer bear tilt and change, more are sharper.
-  int frequencies = 64;
-  // How far a landmark may move sideways through the motion, radians, 0.05 to 1.5. More reaches
-  // farther; also lets what doesn't belong together match.
-  double max_shift_rad = 0.9;
-  // Largest ratio of a landmark's distances before and after the motion, 1.1 to 5.
-  double max_scale = 2.5;
-  // Steps from 1 / max_scale to max_scale, odd, 3 to 41. More fit better; time grows with them.
+  int columns = 120;
+  int frequencies = 60;
+  double max_shift_rad = 1.2;
+  double max_scale = 4;
   int scales = 11;
-  // Cost of a column of sideways shift, 0 to 0.5 of the cost of columns without any correlation:
-  // the landmarks of a room are rather far than near.
-  double shift_cost = 0.01;
+  double shift_cost = 0.05;
+  double upright_share = 0.5;
+  double edge_softness = 1;
+  double plain_share = 0.15;
 
+  static constexpr auto Fields() {
+    using O = WarpingOptions;
+    return std::tuple{
+        OptionField{"columns", &O::columns, Closed(24, 360), "columns",
+                    "Columns that the circle is cut into, even: the grid of turns and of "
+                    "directions of motion. More are finer; time grows with the cube."},
+        OptionField{"frequencies", &O::frequencies, Closed(4, 4096), "",
+                    "Frequencies used, as far as the signature has them; those beyond half the "
+                    "columns would fold over. Fewer bear tilt and change, more are sharper."},
+        OptionField{"max_shift_rad", &O::max_shift_rad, Closed(0.05, 1.5), "rad",
+                    "How far a landmark may move sideways through the motion. More reaches "
+                    "farther; also lets what doesn't belong together match."},
+        OptionField{"max_scale", &O::max_scale, Closed(1.1, 5), "",
+                    "Largest ratio of a landmark's distances before and after the motion."},
+        OptionField{"scales", &O::scales, Closed(3, 41), "steps",
+                    "Steps from 1 / max_scale to max_scale, odd. More fit better; time grows with "
+                    "them."},
+        OptionField{"shift_cost", &O::shift_cost, Closed(0, 5), "",
+                    "Cost of a radian of sideways shift, of the cost of columns without any "
+                    "correlation: the landmarks of a room are rather far than near."},
+        OptionField{"upright_share", &O::upright_share, Closed(0, 1), "",
+                    "How much upright edges (door frames, corners) count in the comparison of "
+                    "columns, against level ones. More tell azimuths, less tell distances."},
+        OptionField{"edge_softness", &O::edge_softness, Closed(0, 100), "",
+                    "Edges this strong, of the mean square, count half as much as the strongest. "
+                    "Less lets faint edges count beside those of bright windows; 0 counts edges as "
+                    "they are."},
+        OptionField{"plain_share", &O::plain_share, Closed(0, 10), "",
+                    "Columns whose edges are this share of the mean square count half as much as "
+                    "the richest: plain walls show nothing but noise."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
@@ -32,9 +58,8 @@ struct WarpingOptions {
 struct Warping {
   double turn_rad = 0;    // azimuths in b are those in a plus this
   double motion_rad = 0;  // azimuth in a of the direction to b
-  double cost = 0;        // mean over the columns, 0 (the same) to 1 (uncorrelated) and beyond
-  double still_cost = 0;  // the least cost of any turn without motion
-  // The least cost of each turn (columns of them), and of each direction with the best turn.
+  // The least cost of each turn (columns of them), and of each direction with the best turn: means
+  // over the columns, 0 (the same, if all are rich in edges) to 1 (uncorrelated) and beyond.
   std::vector<double> turn_costs;
   std::vector<double> motion_costs;
 };
@@ -43,9 +68,11 @@ struct Warping {
 // and direction of motion, each column of a is matched to the best of the columns of b that the
 // hypothesis allows it to move to, with the vertical scale that belongs to the shift: a landmark at
 // angle x from the direction of motion comes to x' between x and pi, and its distance shrinks by
-// sin(x') / sin(x). Columns are compared by the correlation of their vertical gradients, so
-// brightness and contrast of a column don't matter. `band` is what the rows span.
-// Both signatures must have the same rows (CheckFailure). Thread-safe.
+// sin(x') / sin(x). Each column of b is matched to a in the same way, and the cost of the
+// hypothesis is the mean of both: what only one of the two sees then finds no cheap way out.
+// Columns are compared by the correlation of their gradients, up and around, softened so that
+// bright windows don't outweigh the rest: brightness and contrast hardly matter. `band` is what the
+// rows span. Both signatures must have the same rows (CheckFailure). Thread-safe.
 Warping SearchWarping(const FourierSignature& a, const FourierSignature& b,
                       const ElevationBand& band, const WarpingOptions& options);
 

@@ -9,6 +9,7 @@
 #include "localizer/appearance/appearance.h"
 #include "schema/file/map_store.h"
 #include "tests/builder/appearance/drive.h"
+#include "world/flat.h"
 
 namespace waystone {
 namespace {
@@ -55,6 +56,22 @@ TEST(BuildAppearanceTest, LoopsBringTheWayNearerToTheTruth) {
   EXPECT_LT(CompareShapes(truth, PlacesOf(report.poses)).mu, 0.02);
   EXPECT_LE(CompareShapes(truth, PlacesOf(report.poses)).mu,
             CompareShapes(truth, PlacesOf(report.odometry)).mu);
+}
+
+TEST(BuildAppearanceTest, SaysWhereTheTrajectoryIsDoubtful) {
+  EXPECT_FALSE(Build(First(12)).report.IsTrajectoryDoubtful());
+  // Through a flat with a panorama a room and one in each doorway: steps as long as the rooms.
+  FlatTourOptions tour;
+  tour.per_room = 1;
+  tour.camera.width_px = 256;
+  std::vector<cv::Mat> images;
+  for (const FlatPanorama& panorama : PhotographFlat(MakeFlat({}), tour)) {
+    images.push_back(panorama.grey);
+  }
+  const AppearanceReport report = Build(images).report;
+  EXPECT_EQ(report.steps, static_cast<int>(images.size()) - 1);
+  EXPECT_GT(report.uncertain, report.steps / 2);
+  EXPECT_TRUE(report.IsTrajectoryDoubtful());
 }
 
 TEST(BuildAppearanceTest, IsTheSameForAnyNumberOfThreads) {

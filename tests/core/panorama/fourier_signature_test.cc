@@ -28,11 +28,11 @@ cv::Mat Magnitudes(const cv::Mat& band, int frequencies) {
 
 void ExpectTurnInvariant(const cv::Mat& panorama) {
   const SignatureOptions options;
-  const cv::Mat magnitudes = Magnitudes(BandOf({panorama, {}}, options), options.k1);
+  const cv::Mat magnitudes = Magnitudes(ExtractBand({panorama, {}}, options), options.k1);
   const FourierSignature signature = Signature(panorama, options);
   for (const int columns : {1, 17, 255, 511, panorama.cols - 3}) {
     const cv::Mat turned = Rolled(panorama, columns);
-    const cv::Mat other = Magnitudes(BandOf({turned, {}}, options), options.k1);
+    const cv::Mat other = Magnitudes(ExtractBand({turned, {}}, options), options.k1);
     EXPECT_LT(cv::norm(magnitudes, other) / cv::norm(magnitudes), 1e-4 / 10) << columns;
     const FourierSignature half = Signature(turned, options);
     const Eigen::MatrixXf a = signature.magnitudes.cast<float>();
@@ -72,7 +72,7 @@ TEST(FourierSignature, IsWhatItsHeaderSays) {
     const double azimuth = 2 * kPi * (x + 0.5) / wave.cols - kPi;
     wave.col(x).setTo(offset + 2 * amplitude * std::cos(5 * azimuth + phase));
   }
-  const FourierSignature signature = SignatureOfBand(wave, {});
+  const FourierSignature signature = DescribeBand(wave, {});
   EXPECT_NEAR(static_cast<float>(signature.magnitudes(3, 0)), offset, 0.1);
   EXPECT_NEAR(static_cast<float>(signature.magnitudes(3, 5)), amplitude, 0.05);
   EXPECT_NEAR(static_cast<float>(signature.phases(3, 5)), phase, 1e-3);
@@ -92,9 +92,9 @@ TEST(FourierSignature, RebuildsTheBandThatItWasMadeOf) {
   const cv::Mat panorama = RenderedPanorama(RoomCentre(), 0.5);
   SignatureOptions options;
   options.k1 = options.k2 = 256;
-  const cv::Mat band = BandOf({panorama, {}}, options);
+  const cv::Mat band = ExtractBand({panorama, {}}, options);
   const RowImage image =
-      Rebuild(SignatureOfBand(band, options), 256, 512, kPi / 512 - kPi);  // column 0 to the front
+      Rebuild(DescribeBand(band, options), 256, 512, kPi / 512 - kPi);  // column 0 to the front
   double squares = 0;
   for (int y = 0; y < band.rows; ++y) {
     for (int x = 0; x < band.cols; ++x) squares += std::pow(image(y, x) - band.at<float>(y, x), 2);
@@ -105,10 +105,10 @@ TEST(FourierSignature, RebuildsTheBandThatItWasMadeOf) {
 // Sums of cosines at the columns, whether they are enough for the frequencies or not.
 TEST(FourierSignature, ImagesAreSampledAtTheirColumns) {
   const FourierSignature signature = Signature(RenderedPanorama(RoomCentre(), 0.5));
-  const RowSpectra spectra = SpectraOf(signature, 40);
+  const RowSpectra spectra = ComputeSpectra(signature, 40);
   constexpr double kTurn = 0.3;
   for (const int columns : {1, 24, 39, 40, 78, 79, 200}) {
-    const RowImage image = ImageOf(spectra, 40, columns, kTurn);
+    const RowImage image = RebuildTurned(spectra, 40, columns, kTurn);
     for (int j = 0; j < columns; ++j) {
       double value = 0;
       for (int l = 0; l < 40; ++l) {

@@ -157,6 +157,19 @@ TEST(VisualCompass, SameSignaturesSameAnswer) {
   EXPECT_EQ(RelativeHeading(a, b).heading_rad, RelativeHeading(a, b).heading_rad);
 }
 
+// Each panorama's columns are matched in the other.
+TEST(VisualCompass, WarpingCostsTheSameBothWays) {
+  const FourierSignature a = Signature(RenderedPanorama(RoomCentre(), 0));
+  const FourierSignature b = Signature(RenderedPanorama({6.8, 10.4}, 1));
+  const SignatureOptions options;
+  const std::vector<double> forth = SearchWarping(a, b, options.band, {}).turn_costs;
+  const std::vector<double> back = SearchWarping(b, a, options.band, {}).turn_costs;
+  ASSERT_EQ(forth.size(), back.size());
+  for (size_t turn = 0; turn < forth.size(); ++turn) {
+    EXPECT_EQ(forth[turn], back[(back.size() - turn) % back.size()]) << turn;
+  }
+}
+
 TEST(CompassOptions, RefuseWhatIsOutOfRange) {
   CompassOptions options;
   EXPECT_NO_THROW(options.Check());
@@ -164,6 +177,9 @@ TEST(CompassOptions, RefuseWhatIsOutOfRange) {
   EXPECT_THROW(options.Check(), MapError);
   options = {};
   options.warping.scales = 10;
+  EXPECT_THROW(options.Check(), MapError);
+  options = {};
+  options.warping.columns = 71;
   EXPECT_THROW(options.Check(), MapError);
   options = {};
   options.small_motion.steps = 0;
