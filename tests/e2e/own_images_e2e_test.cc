@@ -80,12 +80,15 @@ class OwnImages : public testing::Test {
                            0.03 * step + (back ? std::numbers::pi : 0));
   }
 
-  static cv::Mat PanoramaAt(double step) {
+  // Turned to the left by `turn_rad`.
+  static cv::Mat PanoramaAt(double step, double turn_rad = 0) {
     const Renderer renderer(PanoramaCamera(kPanoramaWidth_px));
     RenderOptions noisy;
     noisy.noise_sigma = 2;
     noisy.noise_seed = static_cast<uint64_t>(100 * step) + 1;
-    return renderer.Render(Building(), PoseAt(step), noisy).grey;
+    Eigen::Isometry3d pose = PoseAt(step);
+    pose.rotate(Eigen::AngleAxisd(-turn_rad, Eigen::Vector3d::UnitY()));
+    return renderer.Render(Building(), pose, noisy).grey;
   }
 
   std::vector<fs::path> WritePanoramas(const std::string& name) const {
@@ -225,11 +228,14 @@ TEST_F(MirrorImages, AreFoundAndAskedForLikeTheMapsOwn) {
     ASSERT_EQ(answer["verdict"], "localized") << answer;
     EXPECT_EQ(NumberOf(answer["place"]["image"].get<std::string>()), 7) << answer;
   }
-  // From between two nodes: a heading between theirs.
-  const std::vector<Json> near = Ask(map, {images[6], Write("between.png", 6.5), images[7]});
-  ASSERT_EQ(near[1]["verdict"], "localized") << near[1];
-  const auto heading = [&](int i) { return near[i]["place"]["heading"]["rad"].get<double>(); };
-  EXPECT_NEAR(heading(1), (heading(0) + heading(2)) / 2, 0.03);
+  // Turned at the place.
+  constexpr double kTurn_rad = 0.7;
+  const fs::path turned = folder_ / "turned.png";
+  cv::imwrite(turned.string(), MirrorImage(PanoramaAt(7, kTurn_rad), kSide_px));
+  const std::vector<Json> both = Ask(map, {images[7], turned});
+  ASSERT_EQ(both[1]["verdict"], "localized") << both[1];
+  const auto heading = [&](int i) { return both[i]["place"]["heading"]["rad"].get<double>(); };
+  EXPECT_NEAR(std::remainder(heading(1) - heading(0), 2 * std::numbers::pi), kTurn_rad, 0.03);
 
   ChildProcess server({WAYSTONE_PROGRAM, "serve", map, "--port", "0"}, true);
   const std::string line = server.ReadLine();
