@@ -143,8 +143,8 @@ Json ToJson(const Answer& answer) {
   if (answer.panorama) json["panorama"] = PanoramaJson(*answer.panorama, place);
   if (answer.verdict == Verdict::kAmbiguous) {
     json["places"] = Json::array();
-    for (const PlaceCandidate& place : answer.planes.places)
-      json["places"].push_back(ToJson(place));
+    for (const PlaceCandidate& alike : answer.planes.places)
+      json["places"].push_back(ToJson(alike));
   }
   json["runner_up"] =
       answer.planes.runner_up ? RunnerUpJson(*answer.planes.runner_up) : Json(nullptr);
