@@ -152,7 +152,7 @@ struct PlaceColumns {
   std::optional<size_t> frame;
 };
 
-PlaceColumns PlaceColumnsOf(const CsvFile& file) {
+PlaceColumns FindPlaceColumns(const CsvFile& file) {
   const PlaceColumns columns{file.Column("keyframe"), file.Column("frame")};
   if (columns.keyframe.has_value() == columns.frame.has_value()) {
     file.Fail(1, "the header must have either a keyframe or a frame column");
@@ -184,7 +184,7 @@ struct PoseColumns {
   std::optional<std::array<size_t, 4>> rotation;  // qw, qx, qy, qz
 };
 
-std::optional<PoseColumns> PoseColumnsOf(const CsvFile& file) {
+std::optional<PoseColumns> FindPoseColumns(const CsvFile& file) {
   const auto x = file.Column("x");
   const auto y = file.Column("y");
   const auto z = file.Column("z");
@@ -243,8 +243,8 @@ std::vector<LabelledQuery> ReadQuerySet(const fs::path& path, const MapIndex& in
   const CsvFile file(path);
   const std::optional<size_t> image = file.Column("image");
   if (!image) file.Fail(1, "the header has no image column");
-  const PlaceColumns place = PlaceColumnsOf(file);
-  const std::optional<PoseColumns> pose = PoseColumnsOf(file);
+  const PlaceColumns place = FindPlaceColumns(file);
+  const std::optional<PoseColumns> pose = FindPoseColumns(file);
   const ImageNames names(index);
   std::vector<LabelledQuery> queries;
   for (const CsvFile::Row& row : file.rows()) {

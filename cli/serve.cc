@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "cli/served_files.h"
+#include "cli/settings.h"
 #include "cli/signals.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
@@ -22,6 +23,7 @@ struct ServeFlags {
   HttpOptions http;
   ServiceOptions service;
   std::string token_file;
+  std::vector<std::string> settings;  // of --set
   int64_t max_body_mb = 20;
   int64_t query_log_mb = 2000;
   bool log = false;
@@ -73,14 +75,15 @@ void Complete(ServeFlags& flags) {
   if (!flags.token_file.empty()) flags.service.tokens = Tokens::FromFile(flags.token_file);
   flags.http.has_tokens = !flags.service.tokens.empty();
   flags.http.Check();  // before maps are read, which may take a while
+  ApplySettings(flags.settings, flags.service.localize);
   flags.service.Check();
 }
 
 int RunServe(ServeFlags flags) {
   Complete(flags);
+  BlockSignals();  // before maps are read: one that comes meanwhile is seen to afterwards
   ServedFiles files({flags.maps.begin(), flags.maps.end()});
   const MapCatalog::Indices maps = files.OpenAll();
-  BlockSignals();
   Application application(maps, flags.service, {flags.log ? WriteLine : nullptr, WriteError});
   HttpServer server(flags.http,
                     [&application](const HttpRequest& in) { return application.Answer(in); });
@@ -119,6 +122,7 @@ void AddServiceFlags(CLI::App* command, ServeFlags& flags) {
                    "Seconds between checks for changed map files; 0: only on SIGHUP")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 3600.0));
+  AddSetFlag(*command, flags.settings);
   command->add_flag("--log", flags.log, "Log each request to stderr as a line of JSON");
   command->add_option("--query-log", flags.service.query_log,
                       "Store queries with their images in this folder, for waystone replay");

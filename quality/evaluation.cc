@@ -7,6 +7,7 @@
 
 #include "core/base/check.h"
 #include "core/geometry/angle.h"
+#include "core/robust/quantile.h"
 
 namespace waystone {
 namespace {
@@ -181,14 +182,6 @@ Outcome ClassifyOutcome(const MapIndex& index, const ScoredQuery& query) {
   WS_CHECK(place.has_value(), "localized without a place");
   if (!positive) return Outcome::kFalseAccept;
   return IsRightPlace(index, query.truth, *place) ? Outcome::kRight : Outcome::kWrong;
-}
-
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto rank = static_cast<int>(std::ceil(share * static_cast<double>(values.size()))) - 1;
-  const int at = std::clamp(rank, 0, static_cast<int>(values.size()) - 1);
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[at];
 }
 
 Evaluation Evaluate(const MapIndex& index, const std::vector<ScoredQuery>& queries) {

@@ -110,9 +110,6 @@ struct Evaluation {
 // The bins of the reliability tables, of equal width.
 inline constexpr int kReliabilityBins = 10;
 
-// The value below which a share of the values lies, the nearest rank; 0 for none.
-double Quantile(std::vector<double> values, double share);
-
 // Pure; thread-safe.
 Evaluation Evaluate(const MapIndex& index, const std::vector<ScoredQuery>& queries);
 

@@ -77,13 +77,6 @@ std::vector<uint8_t> ReadBytes(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const size_t rank = std::min(values.size() - 1, static_cast<size_t>(share * values.size()));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[rank];
-}
-
 int64_t FeatureCount(const MapData& map) {
   int64_t count = 0;
   for (const Plane& plane : map.planes) count += static_cast<int64_t>(plane.features.size());

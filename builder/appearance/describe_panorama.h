@@ -34,6 +34,7 @@ struct DescribeOptions {
         OptionField{"trajectory_rows", &DescribeOptions::trajectory_rows, Closed(1, 1024), "",
                     "Rows of the signatures that odometry and loops are estimated with; the map "
                     "doesn't keep them. More estimate headings and steps more accurately."},
+        OptionGroup{"signature", &DescribeOptions::signature},
         OptionGroup{"panorama", &DescribeOptions::panorama},
         OptionGroup{"features", &DescribeOptions::features},
         OptionField{"image_width", &DescribeOptions::image_width, Closed(0, 4096), "px",

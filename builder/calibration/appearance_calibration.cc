@@ -11,7 +11,6 @@
 #include "builder/calibration/map_parts.h"
 #include "builder/calibration/rendered_negatives.h"
 #include "core/base/check.h"
-#include "core/base/option_range.h"
 #include "localizer/appearance/appearance_match.h"
 
 namespace waystone {
@@ -128,7 +127,12 @@ std::vector<PanoramaQuery> DescribeNegatives(const MapIndex& index,
 
 void AppearanceCalibrationOptions::Check() const {
   CheckFields("appearance_calibration", *this);
-  for (const double blank : blank_spacings) CheckRange("blank_spacings", blank, 0, 1000);
+  for (const double blank : blank_spacings) {
+    if (blank >= 0 && blank <= 1000) continue;
+    throw MapError(ErrorCode::kBadOptions, "appearance_calibration.blank_spacings has " +
+                                               std::to_string(blank) +
+                                               "; each must be between 0 and 1000");
+  }
   query.Check();
   fit.Check();
 }

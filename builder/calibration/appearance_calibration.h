@@ -17,16 +17,12 @@ namespace waystone {
 struct AppearanceCalibrationOptions {
   int max_nodes = 60;
   double right_spacings = 2;
-  // Each panorama is asked for as if its surroundings weren't in the map: without the nodes within
-  // so many spacings, 0 (itself alone) to 1000. Just beyond query.elsewhere_spacings answers are
-  // wrong by little: that is what the model has to learn to refuse.
   std::vector<double> blank_spacings = {0, 4, 6};
   double min_right_share = 0.95;
   int rendered_negatives = 12;
   PanoramaQueryOptions query;
   AppearanceFitOptions fit;
 
-  static constexpr int kUnlistedMembers = 1;  // blank_spacings, a list
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"max_nodes", &AppearanceCalibrationOptions::max_nodes, Closed(1, 100'000), "",
@@ -35,6 +31,12 @@ struct AppearanceCalibrationOptions {
         OptionField{"right_spacings", &AppearanceCalibrationOptions::right_spacings,
                     Closed(0.1, 100), "node spacings",
                     "An answer within this distance of the truth is right."},
+        OptionField{"blank_spacings", &AppearanceCalibrationOptions::blank_spacings,
+                    Closed(0, 1000), "node spacings",
+                    "Each panorama is asked for as if its surroundings weren't in the map: without "
+                    "the nodes within so many spacings, 0 for itself alone. Just beyond "
+                    "query.elsewhere_spacings answers are wrong by little: the model learns to "
+                    "refuse them."},
         OptionField{"min_right_share", &AppearanceCalibrationOptions::min_right_share, Closed(0, 1),
                     "",
                     "Share of the answers that the default model is sure of which have to be right "

@@ -26,7 +26,7 @@ int QuarterTurns(int from, int to) {
 }
 
 // The features' motion tells the direction; the heading does where none were matched.
-int DirectionOf(const TestedJump& tested) {
+int FindTurnDirection(const TestedJump& tested) {
   if (tested.flow_rad != 0) return tested.flow_rad < 0 ? 1 : -1;
   return tested.jump.quarter_turns < 0 ? -1 : 1;
 }
@@ -117,7 +117,7 @@ std::vector<DecidedTurn> DecideTurns(std::span<const TestedJump> jumps,
   std::vector<DecidedTurn> turns;
   for (const TestedJump& tested : jumps) {
     turns.push_back({.jump = tested.jump,
-                     .direction = DirectionOf(tested),
+                     .direction = FindTurnDirection(tested),
                      .confirmed = false,
                      .axis_after = AxisAfter(tested.jump, motions)});
   }

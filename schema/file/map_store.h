@@ -7,7 +7,7 @@
 
 #include "core/base/error.h"
 #include "schema/map_data.h"
-#include "schema/map_problem.h"
+#include "schema/tables/map_problem.h"
 
 namespace waystone {
 

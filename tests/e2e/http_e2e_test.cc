@@ -303,6 +303,37 @@ TEST(HttpLifetime, SignalsEndTheServerInOrder) {
   }
 }
 
+bool HasMapOpen(pid_t pid) {
+  std::error_code ignored;
+  for (const auto& file :
+       std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/fd", ignored)) {
+    if (std::filesystem::read_symlink(file, ignored).extension() == ".db") return true;
+  }
+  return false;
+}
+
+// A server that reads many maps is told to reload and to end before it is ready.
+TEST(HttpLifetime, SignalsWaitUntilTheMapsAreRead) {
+  namespace fs = std::filesystem;
+  const fs::path folder = FreshFolder();
+  for (int i = 0; i < 40; ++i) {
+    fs::copy_file(TheMap().map, folder / ("room" + std::to_string(i) + ".db"));
+  }
+  for (const int signal : {SIGHUP, SIGTERM}) {
+    ChildProcess server({WAYSTONE_PROGRAM, "serve", folder, "--port", "0"}, true);
+    for (int i = 0; i < 1000 * kPatienceS && !HasMapOpen(server.pid()); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ASSERT_TRUE(HasMapOpen(server.pid()));
+    server.Send(signal);
+    EXPECT_NE(server.ReadLine().find("Serving 40 maps"), std::string::npos);
+    if (signal == SIGHUP) server.Send(SIGTERM);
+    while (!server.ReadLine().empty()) {
+    }
+    EXPECT_EQ(server.Wait(), 0);
+  }
+}
+
 // Answers about the map in a folder while its file is replaced again and again: none fails, and
 // each comes from one whole version.
 TEST(HttpLifetime, MapsAreExchangedWithoutLosingARequest) {

@@ -353,7 +353,8 @@ TEST_F(PanoramaMap, TheCommandLineAndTheServerAnswerASeriesAlike) {
     const Json served = Json::parse(result->body);
     if (i == 0) continue;  // a panorama alone is no series
     for (const auto& [key, value] : local[i].items()) {
-      if (key != "timing_ms") EXPECT_EQ(served.value(key, Json()), value) << i << ": " << key;
+      if (key == "timing_ms") continue;
+      EXPECT_EQ(served.value(key, Json()), value) << i << ": " << key;
     }
     EXPECT_EQ(served.contains("building"), local[i].contains("building"));
   }

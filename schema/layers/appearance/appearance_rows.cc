@@ -5,6 +5,7 @@
 
 #include "core/features/descriptor_codes.h"
 #include "schema/layers/appearance/appearance_tables.h"
+#include "schema/layers/layer_blobs.h"
 #include "schema/layers/layer_rows.h"
 #include "schema/tables/blob.h"
 #include "schema/tables/table_rows.h"

@@ -3,6 +3,7 @@
 #include <unordered_map>
 
 #include "core/base/error.h"
+#include "schema/layers/layer_blobs.h"
 #include "schema/layers/layer_rows.h"
 #include "schema/layers/planes/plane_tables.h"
 #include "schema/tables/blob.h"
