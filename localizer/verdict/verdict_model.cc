@@ -35,7 +35,7 @@ VerdictModel FitVerdictModel(std::span<const VerdictSample> samples, const FitOp
   options.Check();
   VerdictModel model;
   for (const VerdictSample& sample : samples) ++(sample.right ? model.positives : model.negatives);
-  if (std::min(model.positives, model.negatives) < options.min_samples) return VerdictModel{};
+  if (std::min(model.positives, model.negatives) < options.min_samples) return model;
   // More inliers, and a larger share of them, never speak against a place.
   constexpr double kAny = std::numeric_limits<double>::infinity();
   const LogisticPrior prior{

@@ -50,7 +50,7 @@ struct FitOptions {
 // The model's most probable coefficients (a logistic regression with a normal prior), so that
 // samples which are told apart without an error don't drive them to infinity. The two classes weigh
 // the same, however many samples each has. More inliers and a larger share never count against a
-// place. Too few samples give the model that holds for any map. Deterministic.
+// place. Too few samples give the coefficients of the model that holds for any map. Deterministic.
 VerdictModel FitVerdictModel(std::span<const VerdictSample> samples,
                              const FitOptions& options = {});
 
