@@ -32,7 +32,7 @@ struct PoseGraph {
   }
 };
 
-PoseGraph GraphOf(const MapData& map) {
+PoseGraph CollectPoseGraph(const MapData& map) {
   if (!map.appearance) {
     CannotGive(
         "this map has homographies between images but no poses, which require an appearance layer "
@@ -226,7 +226,8 @@ std::vector<std::string> PoseFormatNames() {
 
 std::optional<GraphText> FormatPoses(const MapData& map, const std::string& format) {
   for (const PoseFormat& known : kFormats) {
-    if (format == known.name) return GraphText{known.write(GraphOf(map)), known.media_type};
+    if (format == known.name)
+      return GraphText{known.write(CollectPoseGraph(map)), known.media_type};
   }
   return std::nullopt;
 }

@@ -4,48 +4,16 @@
 #include <tbb/task_arena.h>
 
 #include <array>
-#include <string>
 #include <utility>
 
+#include "builder/calibration/own_images.h"
 #include "builder/frames/frame_pipeline.h"
-#include "builder/options_record.h"
+#include "builder/layer_options.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "core/base/version.h"
 
 namespace waystone {
 namespace {
-
-MapInfo MakeMapInfo(const BuildOptions& options) {
-  MapInfo info;
-  info.name = options.map_name;
-  info.program = std::string("waystone ") + kVersion;
-  info.feature_type = options.features.type;
-  info.options_json = RecordOptions(options);
-  return info;
-}
-
-PlaneBuildOptions PlaneOptions(const BuildOptions& options) {
-  return {.features = options.features,
-          .keyframes = options.keyframes,
-          .planes = options.planes,
-          .image_width = options.images ? options.image_width : 0,
-          .max_samples = options.calibration.max_keyframes};
-}
-
-AppearanceOptions PanoramaLayerOptions(const BuildOptions& options) {
-  AppearanceOptions appearance = options.appearance;
-  if (!options.images) appearance.describe.image_width = 0;
-  appearance.max_samples = options.appearance_calibration.max_nodes;
-  appearance.describe.features.extract.bearings.features.type = options.features.type;
-  return appearance;
-}
-
-OrientationOptions DirectionOptions(const BuildOptions& options) {
-  OrientationOptions orientation = options.orientation;
-  if (!options.images) orientation.image_width = 0;
-  return orientation;
-}
 
 // The layers of a map, in the order of LayerKind.
 class MapBuilder {
@@ -53,9 +21,9 @@ class MapBuilder {
   MapBuilder(const BuildOptions& options, const ProgressCallback& progress)
       : options_(options),
         progress_(progress),
-        planes_(PlaneOptions(options)),
-        appearance_(PanoramaLayerOptions(options)),
-        orientation_(DirectionOptions(options)) {
+        planes_(MakePlaneOptions(options)),
+        appearance_(MakeAppearanceOptions(options)),
+        orientation_(MakeOrientationOptions(options)) {
     result_.map.info = MakeMapInfo(options);
   }
 
@@ -102,14 +70,17 @@ class MapBuilder {
     const Clock::time_point start = Clock::now();
     CalibratePlaneLayer(result_.map, planes_.samples(), options_.features, options_.calibration);
     result_.report.planes = planes_.report();
+    result_.report.planes->own =
+        FindOwnKeyframes(result_.map, planes_.samples(), options_.calibration.localize);
     result_.report.planes->calibrate_s = SecondsSince(start);
   }
 
   void CalibrateAppearance() {
     const Clock::time_point start = Clock::now();
-    CalibrateAppearanceLayer(result_.map, appearance_.samples(), options_.appearance_calibration,
-                             progress_);
+    const OwnImages own = CalibrateAppearanceLayer(result_.map, appearance_.samples(),
+                                                   options_.appearance_calibration, progress_);
     result_.report.appearance = appearance_.report();
+    result_.report.appearance->own = own;
     result_.report.appearance->calibrate_s = SecondsSince(start);
   }
 

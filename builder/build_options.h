@@ -11,7 +11,7 @@
 #include "builder/orientation/options.h"
 #include "builder/planes/keyframe_selector.h"
 #include "builder/planes/options.h"
-#include "core/base/option_members.h"
+#include "core/base/options.h"
 #include "core/features/features.h"
 
 namespace waystone {
@@ -35,21 +35,20 @@ struct BuildOptions {
   // A map has its name in another place and doesn't depend on the threads.
   static constexpr int kUnlistedMembers = 2;
   static constexpr auto Fields() {
-    return std::tuple_cat(
-        ListedGroup("features", &BuildOptions::features),
-        ListedGroup("keyframes", &BuildOptions::keyframes),
-        ListedGroup("planes", &BuildOptions::planes),
-        ListedGroup("appearance", &BuildOptions::appearance),
-        ListedGroup("orientation", &BuildOptions::orientation),
-        ListedGroup("layers", &BuildOptions::layers),
-        ListedGroup("calibration", &BuildOptions::calibration),
-        ListedGroup("appearance_calibration", &BuildOptions::appearance_calibration),
-        std::tuple{OptionField{"images", &BuildOptions::images, AnyValue(), "",
-                               "Keep a smaller JPEG of each keyframe and node in the map, for "
-                               "people."},
-                   OptionField{"image_width", &BuildOptions::image_width, Closed(16, 4096), "px",
-                               "Width of those JPEGs. Larger ones show more and take most of a "
-                               "map's bytes."}});
+    return std::tuple{OptionGroup{"features", &BuildOptions::features},
+                      OptionGroup{"keyframes", &BuildOptions::keyframes},
+                      OptionGroup{"planes", &BuildOptions::planes},
+                      OptionGroup{"appearance", &BuildOptions::appearance},
+                      OptionGroup{"orientation", &BuildOptions::orientation},
+                      OptionGroup{"layers", &BuildOptions::layers},
+                      OptionGroup{"calibration", &BuildOptions::calibration},
+                      OptionGroup{"appearance_calibration", &BuildOptions::appearance_calibration},
+                      OptionField{"images", &BuildOptions::images, AnyValue(), "",
+                                  "Keep a smaller JPEG of each keyframe and node in the map, for "
+                                  "people."},
+                      OptionField{"image_width", &BuildOptions::image_width, Closed(16, 4096), "px",
+                                  "Width of those JPEGs. Larger ones show more and take most of a "
+                                  "map's bytes."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -15,6 +15,7 @@
 #include "cli/commands.h"
 #include "cli/map_file.h"
 #include "cli/panorama_file.h"
+#include "cli/printable_output.h"
 #include "cli/progress.h"
 #include "cli/settings.h"
 #include "cli/signals.h"
@@ -71,7 +72,7 @@ std::vector<std::unique_ptr<Source>> OpenSources(const BuildFlags& flags) {
   return sources;
 }
 
-BuildOptions OptionsOf(const BuildFlags& flags) {
+BuildOptions MakeBuildOptions(const BuildFlags& flags) {
   BuildOptions options = flags.build;
   options.map_name = MapNameOf(flags.output);
   options.features.type = FeatureTypeByName(flags.features);
@@ -86,7 +87,7 @@ BuildOptions OptionsOf(const BuildFlags& flags) {
 
 BuildResult BuildWithProgress(const BuildFlags& flags, const BuildOptions& options) {
   const std::vector<std::unique_ptr<Source>> sources = OpenSources(flags);
-  ProgressMeter meter(std::cerr, ProgressStyleByName(flags.progress, flags.quiet),
+  ProgressMeter meter(RawErrors(), ProgressStyleByName(flags.progress, flags.quiet),
                       ColoursWelcome());
   const auto show = [&meter](const BuildProgress& now) {
     meter.Update({now.stage, now.done, now.total,
@@ -126,7 +127,7 @@ void PrintSummary(const BuildFlags& flags, const BuildResult& result) {
 
 int RunBuild(const BuildFlags& flags) {
   const WriteOptions write{.overwrite = flags.force};
-  const BuildOptions options = OptionsOf(flags);
+  const BuildOptions options = MakeBuildOptions(flags);
   CheckWritable(flags.output, write);
   NoteInterrupts();
   const BuildResult result = BuildWithProgress(flags, options);
@@ -195,10 +196,7 @@ void AddMapFlags(CLI::App* command, BuildFlags& flags) {
       ->add_option("--threads", flags.build.threads,
                    "Number of threads, 0 for one per core; does not affect the map")
       ->capture_default_str();
-  command
-      ->add_option("--set", flags.settings,
-                   "Set any option: NAME=VALUE, once for each; `waystone options` lists them")
-      ->allow_extra_args(false);
+  AddSetFlag(*command, flags.settings);
   command->add_flag("--force", flags.force, "Overwrite an existing map file");
 }
 

@@ -23,6 +23,7 @@ class ChildProcess {
   // Waits for its end and returns its exit code, or 128 + the signal that ended it.
   int Wait();
   void Send(int signal);
+  pid_t pid() const { return pid_; }
 
  private:
   pid_t pid_ = -1;

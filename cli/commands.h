@@ -3,11 +3,16 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace waystone {
 
 // What the parsed command line asks for: returns the program's exit code, throws MapError.
 using Run = std::function<int()>;
+
+// Adds --set, whose values ApplySettings takes (cli/settings.h).
+void AddSetFlag(CLI::App& command, std::vector<std::string>& settings);
 
 // Each adds its subcommand to the program and, when that is the one that was given, puts what it
 // does into `run`, which must outlive the parsing.

@@ -13,6 +13,7 @@
 #include "cli/commands.h"
 #include "cli/demo_world.h"
 #include "cli/map_file.h"
+#include "cli/printable_output.h"
 #include "cli/progress.h"
 #include "core/base/error.h"
 
@@ -70,7 +71,7 @@ class DemoFolder {
 };
 
 void WriteWalkWithProgress(const fs::path& dir) {
-  ProgressMeter meter(std::cerr, ProgressStyleByName("auto", false), ColoursWelcome());
+  ProgressMeter meter(RawErrors(), ProgressStyleByName("auto", false), ColoursWelcome());
   WriteDemoWalk(dir, [&meter](int done, int total) { meter.Update({"images", done, total, ""}); });
 }
 
@@ -136,7 +137,7 @@ int AskAll(const std::string& url, const DemoPhotos& photos) {
 }
 
 int RunWriteSetting(const DemoFlags& flags) {
-  ProgressMeter meter(std::cerr, ProgressStyleByName("auto", false), ColoursWelcome());
+  ProgressMeter meter(RawErrors(), ProgressStyleByName("auto", false), ColoursWelcome());
   WriteSetting(flags.setting, flags.write_folder, [&meter](int done, int total) {
     meter.Update({"panoramas", done, total, ""});
   });

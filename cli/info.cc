@@ -38,7 +38,8 @@ void PrintInfo(const OpenMap& map, const std::vector<TableSize>& sizes, uint64_t
             << " features\n";
   for (const Sequence& sequence : data.sequences) {
     std::cout << "  sequence  " << sequence.name << " (" << sequence.kind
-              << "): " << sequence.frames << " frames, " << sequence.skipped << " skipped\n";
+              << "): " << sequence.frames << " frames, " << sequence.skipped
+              << " of them skipped\n";
   }
   std::cout << TablesText(sizes);
 }

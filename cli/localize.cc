@@ -11,6 +11,7 @@
 #include "cli/asked_server.h"
 #include "cli/commands.h"
 #include "cli/map_file.h"
+#include "cli/settings.h"
 #include "core/base/error.h"
 #include "core/geometry/angle.h"
 #include "core/image/decode.h"
@@ -25,8 +26,16 @@ struct LocalizeFlags {
   bool json = false;
   bool series = false;
   std::optional<double> fov_deg;
+  std::vector<std::string> settings;  // of --set
   ServerFlags server;
 };
+
+LocalizeOptions MakeLocalizeOptions(const LocalizeFlags& flags) {
+  LocalizeOptions options;
+  ApplySettings(flags.settings, options);
+  options.Check();
+  return options;
+}
 
 // What the flags say about a photo, for a map file and for a server alike.
 QueryRequest MakeRequest(const LocalizeFlags& flags, const std::string& photo) {
@@ -61,8 +70,9 @@ bool AnswerEach(const LocalizeFlags& flags, const AskPhoto& ask) {
 }
 
 bool AnswerByMap(const QueriedMap& map, const LocalizeFlags& flags) {
+  const LocalizeOptions options = MakeLocalizeOptions(flags);
   return AnswerEach(flags, [&](const std::string& photo) {
-    const Session session(MakeRequest(flags, photo), {map}, {});
+    const Session session(MakeRequest(flags, photo), {map}, options);
     return ToJson(OverallAnswer(session.Ask()));
   });
 }
@@ -74,7 +84,7 @@ bool AnswerSeries(const QueriedMap& map, const LocalizeFlags& flags) {
                                           "' has no appearance layer, which --series requires; "
                                           "build it from panoramas or omit --series");
   }
-  Series series(map, {});
+  Series series(map, MakeLocalizeOptions(flags));
   return AnswerEach(flags, [&](const std::string& photo) {
     return ToJson(series.Ask(MakeRequest(flags, photo).images.front()));
   });
@@ -92,6 +102,10 @@ int RunLocalize(const LocalizeFlags& flags) {
   const bool by_server = !flags.server.url.empty();
   if (by_server && flags.series) {
     throw MapError(ErrorCode::kUsage, "--series requires a map file; omit --series or --server");
+  }
+  if (by_server && !flags.settings.empty()) {
+    throw MapError(ErrorCode::kUsage,
+                   "--set requires a map file; a server has the options it was started with");
   }
   bool all_read = true;
   if (by_server) {
@@ -123,6 +137,7 @@ void AddLocalize(CLI::App& app, Run& run) {
                    "default: EXIF data")
       ->check(CLI::Range(1.0, 179.0))
       ->excludes("--series");
+  AddSetFlag(*command, flags->settings);
   AddServerFlags(command, flags->server);
   command->footer(
       "Exits with status 3 if any image can't be read, after processing the others.\n"

@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <iostream>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "cli/commands.h"
 #include "cli/settings.h"
 
 namespace waystone {
+
+void AddSetFlag(CLI::App& command, std::vector<std::string>& settings) {
+  command
+      .add_option("--set", settings,
+                  "Set any option: NAME=VALUE, once for each; `waystone options` lists them")
+      ->allow_extra_args(false);
+}
 
 void AddOptions(CLI::App& app, Run& run) {
   auto markdown = std::make_shared<bool>(false);

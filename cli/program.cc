@@ -2,12 +2,16 @@
 #include "cli/program.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <iostream>
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include "cli/commands.h"
+#include "cli/printable_output.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
 
@@ -40,6 +44,39 @@ std::string UsageMessage(const CLI::App* app, const CLI::Error& error) {
   return "waystone: " + cause + "; see " + command + " --help\n";
 }
 
+// Number of insertions, deletions and replacements that make one word of the other.
+size_t EditDistance(const std::string& a, const std::string& b) {
+  std::vector<size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = row[0]++;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+// CLI11 would only say that a command is required. Throws MapError (kUsage) when the first argument
+// is neither an option nor a command.
+void CheckCommand(const CLI::App& app, int argc, char** argv) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  if (word.empty() || word[0] == '-') return;
+  std::string nearest;
+  size_t least = std::max<size_t>(1, word.size() / 3) + 1;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    const size_t distance = EditDistance(word, command->get_name());
+    if (distance == 0) return;
+    if (distance < least) nearest = command->get_name();
+    least = std::min(least, distance);
+  }
+  throw MapError(ErrorCode::kUsage, "unknown command '" + word + "'" +
+                                        (nearest.empty() ? "; see waystone --help"
+                                                         : "; did you mean '" + nearest + "'?"));
+}
+
 int ExitOfParse(CLI::App& app, const CLI::ParseError& error) {
   return app.exit(error) == 0 ? 0 : InfoOf(ErrorCode::kUsage).exit_code;
 }
@@ -49,6 +86,7 @@ int ExitOfParse(CLI::App& app, const CLI::ParseError& error) {
 int RunProgram(int argc, char** argv) {
   // A file that may not grow is an error of the write then, which says what is wrong.
   std::signal(SIGXFSZ, SIG_IGN);
+  const PrintableOutput output(std::cout), errors(std::cerr);
   CLI::App app(kDescription, "waystone");
   app.set_version_flag("--version", std::string("waystone ") + kVersion);
   app.require_subcommand(1);
@@ -72,6 +110,7 @@ int RunProgram(int argc, char** argv) {
   AddReplay(app, run);
   AddDemo(app, run);
   try {
+    CheckCommand(app, argc, argv);
     app.parse(argc, argv);
     return run();
   } catch (const CLI::ParseError& error) {

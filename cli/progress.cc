@@ -22,7 +22,7 @@ constexpr int kBarCells = 24;
 // A share of the work below which its rate says nothing about the rest.
 constexpr double kLeastShareForEta = 0.01;
 
-double ShareOf(const ProgressMeter::State& state) {
+double ComputeShare(const ProgressMeter::State& state) {
   if (state.total <= 0) return 0;
   return std::clamp(static_cast<double>(state.done) / state.total, 0.0, 1.0);
 }
@@ -105,13 +105,13 @@ void ProgressMeter::Finish() {
 }
 
 std::string ProgressMeter::Bar(const State& state) const {
-  const int full = static_cast<int>(ShareOf(state) * kBarCells);
+  const int full = static_cast<int>(ComputeShare(state) * kBarCells);
   const std::string cells = std::string(full, '#') + std::string(kBarCells - full, '.');
   return colour_ ? "\x1b[36m[" + cells + "]\x1b[0m" : "[" + cells + "]";
 }
 
 std::string ProgressMeter::TimeLeft(const State& state) const {
-  const double share = ShareOf(state);
+  const double share = ComputeShare(state);
   if (share < kLeastShareForEta || share >= 1) return "";
   return Duration((clock_() - stage_start_s_) / share * (1 - share));
 }

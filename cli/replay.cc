@@ -31,7 +31,7 @@ struct Outcome {
   bool operator==(const Outcome&) const = default;
 };
 
-Outcome OutcomeOf(const Json& answer) {
+Outcome ReadOutcome(const Json& answer) {
   Outcome outcome{answer.value("verdict", ""), ""};
   const Json panorama = answer.value("panorama", Json::object());
   for (const Json& place : {answer.value("keyframe", Json()), panorama.value("node", Json())}) {
@@ -85,8 +85,8 @@ Replayed Replay(LoggedQuery query, const QueriedMap& map, Beliefs& beliefs) {
   const RequestAnswer answer = session.Ask();
   const std::string key = KeyOf(query.answer.value("belief", Json()));
   if (!key.empty()) beliefs[key].belief = answer.belief.value_or(std::vector<NodeBelief>{});
-  return {query.id, session.request().images.front().name, OutcomeOf(query.answer),
-          OutcomeOf(ToJson(session, answer, false))};
+  return {query.id, session.request().images.front().name, ReadOutcome(query.answer),
+          ReadOutcome(ToJson(session, answer, false))};
 }
 
 Json ReplayJson(const std::vector<Replayed>& queries, size_t changed) {

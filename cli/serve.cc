@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <chrono>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "cli/commands.h"
 #include "cli/served_files.h"
+#include "cli/settings.h"
 #include "cli/signals.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
@@ -22,10 +26,12 @@ struct ServeFlags {
   HttpOptions http;
   ServiceOptions service;
   std::string token_file;
+  std::vector<std::string> settings;  // of --set
   int64_t max_body_mb = 20;
   int64_t query_log_mb = 2000;
   bool log = false;
-  double watch_s = 1;  // between looks at the files; 0 looks only at SIGHUP
+  double drain_s = 0.5;  // between /readyz saying so and the end
+  double watch_s = 1;    // between looks at the files; 0 looks only at SIGHUP
 };
 
 void WriteLine(const std::string& line) { std::cerr << line + "\n" << std::flush; }
@@ -72,23 +78,35 @@ void Complete(ServeFlags& flags) {
   flags.service.query_log_bytes = flags.query_log_mb * kBytesPerMegabyte;
   if (!flags.token_file.empty()) flags.service.tokens = Tokens::FromFile(flags.token_file);
   flags.http.has_tokens = !flags.service.tokens.empty();
+  // Queries that compute or wait must leave threads for other requests.
+  constexpr int kOtherRequests = 16;
+  constexpr int kMostThreads = 4096;
+  flags.http.request_threads =
+      std::clamp(flags.service.query_threads + flags.service.queue_length + kOtherRequests,
+                 flags.http.request_threads, kMostThreads);
   flags.http.Check();  // before maps are read, which may take a while
+  ApplySettings(flags.settings, flags.service.localize);
   flags.service.Check();
 }
 
 int RunServe(ServeFlags flags) {
+  BlockSignals();  // before there are threads: one that was made earlier would take them
   Complete(flags);
   ServedFiles files({flags.maps.begin(), flags.maps.end()});
   const MapCatalog::Indices maps = files.OpenAll();
-  BlockSignals();
   Application application(maps, flags.service, {flags.log ? WriteLine : nullptr, WriteError});
-  HttpServer server(flags.http,
-                    [&application](const HttpRequest& in) { return application.Answer(in); });
+  HttpServer server(
+      flags.http, [&application](const HttpRequest& in) { return application.Answer(in); },
+      [&application](const std::string& authorization) {
+        return application.Admit(authorization);
+      });
   server.Start();
   Announce(server, *application.catalog().Now(), flags.http.has_tokens);
   Watch(flags, files, application);
   application.BeginStop();
-  server.Stop();
+  server.Drain();
+  std::this_thread::sleep_for(std::chrono::duration<double>(flags.drain_s));
+  server.Stop([&application] { application.EndQueue(); });
   return 0;
 }
 
@@ -111,14 +129,20 @@ void AddServiceFlags(CLI::App* command, ServeFlags& flags) {
                    "Maximum pixels of an image")
       ->capture_default_str();
   command
-      ->add_option("--connections", flags.http.connection_threads,
-                   "Maximum concurrent connections, one thread each")
+      ->add_option("--connections", flags.http.max_connections,
+                   "Maximum concurrent connections; idle and slow ones make room for new ones")
       ->capture_default_str();
+  command
+      ->add_option("--drain", flags.drain_s,
+                   "Seconds between the end of readiness (/readyz) and the end of the server")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 600.0));
   command
       ->add_option("--watch", flags.watch_s,
                    "Seconds between checks for changed map files; 0: only on SIGHUP")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 3600.0));
+  AddSetFlag(*command, flags.settings);
   command->add_flag("--log", flags.log, "Log each request to stderr as a line of JSON");
   command->add_option("--query-log", flags.service.query_log,
                       "Store queries with their images in this folder, for waystone replay");

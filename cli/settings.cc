@@ -78,7 +78,7 @@ void SetOptions(const std::vector<std::string>& settings, Options& options) {
     const size_t equals = setting.find('=');
     if (equals == std::string::npos) {
       throw MapError(ErrorCode::kUsage,
-                     "--set " + setting + ": write NAME=VALUE, as features.max_features=2000");
+                     "--set " + setting + ": write NAME=VALUE; `waystone options` lists the names");
     }
     const std::string name = setting.substr(0, equals);
     if (SetByName(name, setting.substr(equals + 1), options)) continue;
@@ -143,19 +143,24 @@ void ApplySettings(const std::vector<std::string>& settings, BuildOptions& optio
   SetOptions(settings, options);
 }
 
+void ApplySettings(const std::vector<std::string>& settings, LocalizeOptions& options) {
+  SetOptions(settings, options);
+}
+
 std::string OptionsMarkdown() {
   std::ostringstream out;
   out << "# Options\n\n"
-         "`waystone build --set NAME=VALUE` changes these, as often as needed; a map records all "
-         "that it was\nbuilt with (`waystone info --json`). Written by `waystone options "
-         "--markdown`.\n";
+         "`--set NAME=VALUE` changes these, as often as needed. A map records all that it was "
+         "built with\n(`waystone info --json`). Written by `waystone options --markdown`.\n";
   WriteProgram<BuildOptions>("waystone build", out);
+  WriteProgram<LocalizeOptions>("waystone localize, waystone serve", out);
   return out.str();
 }
 
 std::string OptionsText() {
   std::ostringstream out;
   WriteLines<BuildOptions>("waystone build --set", out);
+  WriteLines<LocalizeOptions>("waystone localize --set, waystone serve --set", out);
   return out.str();
 }
 

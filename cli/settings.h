@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "builder/build_map.h"
+#include "localizer/options.h"
 
 // Options by their full names: what --set changes, and their documentation.
 namespace waystone {
@@ -13,9 +14,10 @@ namespace waystone {
 // left to Check(). Throws MapError(kUsage) for a name that no option has, with the nearest one, and
 // kBadOptions for what is no value of its type.
 void ApplySettings(const std::vector<std::string>& settings, BuildOptions& options);
+void ApplySettings(const std::vector<std::string>& settings, LocalizeOptions& options);
 
-// docs/options.md: every option of `waystone build --set` with its default, range and meaning,
-// those that nobody should have to touch at the end.
+// docs/options.md: every option that --set of `build`, `localize` and `serve` changes with its
+// default, range and meaning, those that nobody should have to touch at the end.
 std::string OptionsMarkdown();
 // The same as plain lines: "planes.fusion.min_votes = 5 (at least 1): ...".
 std::string OptionsText();

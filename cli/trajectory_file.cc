@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
                  path.string() + ", line " + std::to_string(line) + ": " + cause);
 }
 
-double HeadingOf(double qx, double qy, double qz, double qw) {
+double ComputeHeading(double qx, double qy, double qz, double qw) {
   const Eigen::Vector3d gaze =
       Eigen::Quaterniond(qw, qx, qy, qz).normalized() * Eigen::Vector3d::UnitZ();
   return std::atan2(gaze.y(), gaze.x());
@@ -50,7 +50,7 @@ class CsvColumns {
   double Heading(const CsvFile::Row& row) const {
     if (HasTheta()) return WrappedAngle(Number(row, 3));
     if (!HasQuaternion()) return 0;
-    return HeadingOf(Number(row, 4), Number(row, 5), Number(row, 6), Number(row, 7));
+    return ComputeHeading(Number(row, 4), Number(row, 5), Number(row, 6), Number(row, 7));
   }
 
  private:
@@ -91,7 +91,7 @@ Trajectory ReadTum(const fs::path& path) {
       if (!(numbers >> number)) Fail(path, line, "expected eight numbers: time x y z qx qy qz qw");
     }
     AddTime(path, line, n[0], trajectory);
-    trajectory.poses.push_back({n[1], n[2], HeadingOf(n[4], n[5], n[6], n[7])});
+    trajectory.poses.push_back({n[1], n[2], ComputeHeading(n[4], n[5], n[6], n[7])});
   }
   return trajectory;
 }

@@ -43,11 +43,31 @@ endfunction()
 add_custom_target(short_tests)
 add_custom_target(threaded_tests)
 
-# waystone_test(NAME SOURCES ... DEPS ... [SECONDS n] [LONG] [THREADED]): the test program test_NAME, one
-# ctest entry with the labels `program`, and `long` and `threaded` where it says so. Property tests take
+# The ctest entries NAME_1 to NAME_n, each a share of the program's tests, into the variable `tests`.
+# Each runs by a link of its own name, which names its report, and has a folder for its files.
+function(waystone_test_shards target name count tests)
+  set(made "")
+  foreach(shard RANGE 1 ${count})
+    set(link ${CMAKE_CURRENT_BINARY_DIR}/${target}_${shard})
+    set(folder ${CMAKE_CURRENT_BINARY_DIR}/tmp_${shard})
+    file(MAKE_DIRECTORY ${folder})
+    add_custom_command(TARGET ${target} POST_BUILD
+                       COMMAND ${CMAKE_COMMAND} -E create_symlink ${target} ${link})
+    add_test(NAME ${name}_${shard} COMMAND ${link})
+    math(EXPR index "${shard} - 1")
+    set_property(TEST ${name}_${shard} PROPERTY ENVIRONMENT GTEST_TOTAL_SHARDS=${count}
+                 GTEST_SHARD_INDEX=${index} TMPDIR=${folder} TEST_TMPDIR=${folder})
+    list(APPEND made ${name}_${shard})
+  endforeach()
+  set(${tests} ${made} PARENT_SCOPE)
+endfunction()
+
+# waystone_test(NAME SOURCES ... DEPS ... [SECONDS n] [SHARDS n] [LONG] [THREADED]): the test program
+# test_NAME, one ctest entry (or one a shard, NAME_1 and so on, so that they run in parallel) with the
+# labels `program`, and `long` and `threaded` where it says so. Property tests take
 # `rapidcheck` among their DEPS.
 function(waystone_test name)
-  cmake_parse_arguments(ARG "LONG;THREADED" "SECONDS" "SOURCES;DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "LONG;THREADED" "SECONDS;SHARDS" "SOURCES;DEPS" ${ARGN})
   set(target test_${name})
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ${ARG_DEPS} GTest::gtest_main waystone_warnings)
@@ -58,7 +78,6 @@ function(waystone_test name)
     target_precompile_headers(${target} REUSE_FROM waystone_test_pch)
   endif()
   waystone_unity(${target})
-  add_test(NAME ${name} COMMAND ${target})
   set(labels program)
   if(ARG_LONG)
     list(APPEND labels long)
@@ -75,5 +94,11 @@ function(waystone_test name)
   if(WAYSTONE_SANITIZE)
     math(EXPR ARG_SECONDS "${ARG_SECONDS} * 5")
   endif()
-  set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_SECONDS} LABELS "${labels}")
+  set(tests ${name})
+  if(ARG_SHARDS)
+    waystone_test_shards(${target} ${name} ${ARG_SHARDS} tests)
+  else()
+    add_test(NAME ${name} COMMAND ${target})
+  endif()
+  set_tests_properties(${tests} PROPERTIES TIMEOUT ${ARG_SECONDS} LABELS "${labels}")
 endfunction()

@@ -16,7 +16,7 @@ struct Visit {
   std::set<PlaneId> others;  // planes that they saw besides
 };
 
-int IndexOf(const std::vector<KeyframeView>& views, KeyframeId keyframe) {
+int FindIndex(const std::vector<KeyframeView>& views, KeyframeId keyframe) {
   const auto found =
       std::lower_bound(views.begin(), views.end(), keyframe,
                        [](const KeyframeView& view, KeyframeId id) { return view.keyframe < id; });
@@ -28,7 +28,7 @@ std::vector<Visit> FindVisits(const MapIndex& index, const Plane& plane,
   const std::vector<Keyframe>& keyframes = index.map().keyframes;
   std::vector<Visit> visits;
   for (const PlaneView& view : plane.views) {
-    const int k = IndexOf(views, view.keyframe);
+    const int k = FindIndex(views, view.keyframe);
     const bool goes_on = !visits.empty() && visits.back().last + 1 == k &&
                          keyframes[k].sequence == keyframes[k - 1].sequence &&
                          keyframes[k].stretch == keyframes[k - 1].stretch;

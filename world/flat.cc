@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/base/option_range.h"
+#include "core/base/error.h"
 #include "core/base/random.h"
 #include "world/flat_furniture.h"
 #include "world/texture.h"
@@ -271,12 +271,12 @@ class FlatMaker {
 }  // namespace
 
 void FlatOptions::Check() const {
-  CheckRange("flat columns", columns, 1, 6);
-  CheckRange("flat rows", rows, 1, 6);
-  CheckRange("min_side_m", min_side_m, 1.5, 10);
-  CheckRange("max_side_m", max_side_m, min_side_m, 10);
-  CheckRange("furniture", furniture, 0, 30);
-  CheckRange("wall_contrast", wall_contrast, 0, 1);
+  CheckFields("flat", *this);
+  if (max_side_m < min_side_m) {
+    throw MapError(ErrorCode::kBadOptions, "flat.max_side_m is " + std::to_string(max_side_m) +
+                                               "; it must be at least flat.min_side_m, " +
+                                               std::to_string(min_side_m));
+  }
 }
 
 Flat MakeFlat(const FlatOptions& options) {

@@ -5,8 +5,10 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "world/room_scene.h"
 
 // Made flats: what makes homes hard for cameras that see all around. Small rooms with white walls,
@@ -15,19 +17,30 @@
 namespace waystone {
 
 struct FlatOptions {
-  // Rooms, furniture and looks all follow from it.
   uint64_t seed = 1;
-  // Rooms from west to east and from south to north, 1 to 6. One of them holds the stairs.
   int columns = 3;
   int rows = 2;
-  // A room's sides are between these, metres, 1.5 to 10.
   double min_side_m = 2.0;
   double max_side_m = 4.0;
-  // Furniture that is tried for in each room, 0 to 30.
   int furniture = 9;
-  // Contrast of the patterns on walls, 0 to 1: plain paint has hardly any.
   double wall_contrast = 0.02;
 
+  static constexpr auto Fields() {
+    using O = FlatOptions;
+    return std::tuple{
+        OptionField{"seed", &O::seed, AnyValue(), "",
+                    "Rooms, furniture and looks all follow from it."},
+        OptionField{"columns", &O::columns, Closed(1, 6), "rooms",
+                    "Rooms from west to east. One of all holds the stairs."},
+        OptionField{"rows", &O::rows, Closed(1, 6), "rooms", "Rooms from south to north."},
+        OptionField{"min_side_m", &O::min_side_m, Closed(1.5, 10), "m", "Shortest side of a room."},
+        OptionField{"max_side_m", &O::max_side_m, Closed(1.5, 10), "m",
+                    "Longest side of a room, at least min_side_m."},
+        OptionField{"furniture", &O::furniture, Closed(0, 30), "",
+                    "Pieces of furniture that are tried for in each room."},
+        OptionField{"wall_contrast", &O::wall_contrast, Closed(0, 1), "",
+                    "Contrast of the patterns on walls: plain paint has hardly any."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
@@ -68,15 +81,26 @@ std::vector<FlatPlace> DrawFlatPlaces(const Flat& flat, int per_room, double hei
 SceneLighting DrawFlatLighting(const Flat& flat, uint64_t seed);
 
 struct FlatCamera {
-  int width_px = 512;  // of the panorama, twice its height
-  // Grey level that half of the picture's light is exposed to, 20 to 200: what is ten times as
-  // bright (windows) is cut off.
+  int width_px = 512;
   double middle_grey = 110;
-  // Share of the light beyond white that spreads around its source, 0 to 1.
   double glare = 0.1;
-  double noise_sigma = 3;  // grey levels
+  double noise_sigma = 3;
   uint64_t noise_seed = 0;
 
+  static constexpr auto Fields() {
+    using O = FlatCamera;
+    return std::tuple{
+        OptionField{"width_px", &O::width_px, Closed(32, 8192), "px",
+                    "Width of the panorama, twice its height."},
+        OptionField{"middle_grey", &O::middle_grey, Closed(20, 200), "grey levels",
+                    "What half of the picture's light is exposed to: what is ten times as bright "
+                    "(windows) is cut off."},
+        OptionField{"glare", &O::glare, Closed(0, 1), "",
+                    "Share of the light beyond white that spreads around its source."},
+        OptionField{"noise_sigma", &O::noise_sigma, Closed(0, 100), "grey levels",
+                    "Standard deviation of the noise of a pixel."},
+        OptionField{"noise_seed", &O::noise_seed, AnyValue(), "", "Of that noise."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
@@ -87,14 +111,28 @@ cv::Mat RenderFlat(const Flat& flat, const SceneLighting& lighting,
 
 // Two visits to a flat, each under a light of its own, with a camera that is held by hand.
 struct FlatTourOptions {
-  int per_room = 5;           // places in each room, 1 to 100
-  double height_m = 1.5;      // of the camera
-  double clearance_m = 0.3;   // from furniture and walls
-  double tilt_rad = 0.03;     // sigma of pitch and roll
-  double later_share = 0.35;  // of the places that the second visit sees, 0 to 1
+  int per_room = 5;
+  double height_m = 1.5;
+  double clearance_m = 0.3;
+  double tilt_rad = 0.03;
+  double later_share = 0.35;
   FlatCamera camera;
-  uint64_t seed = 1;  // of places, headings, light and noise
+  uint64_t seed = 1;
 
+  static constexpr auto Fields() {
+    using O = FlatTourOptions;
+    return std::tuple{
+        OptionField{"per_room", &O::per_room, Closed(1, 100), "", "Places in each room."},
+        OptionField{"height_m", &O::height_m, Closed(0.2, 2), "m", "Height of the camera."},
+        OptionField{"clearance_m", &O::clearance_m, Closed(0, 1), "m",
+                    "Distance of the camera from furniture and walls."},
+        OptionField{"tilt_rad", &O::tilt_rad, Closed(0, 0.5), "rad",
+                    "Standard deviation of pitch and roll."},
+        OptionField{"later_share", &O::later_share, Closed(0, 1), "",
+                    "Share of the places that the second visit sees."},
+        OptionGroup{"camera", &O::camera},
+        OptionField{"seed", &O::seed, AnyValue(), "", "Of places, headings, light and noise."}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

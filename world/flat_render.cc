@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/base/check.h"
-#include "core/base/option_range.h"
 #include "world/flat.h"
 #include "world/texture.h"
 
@@ -70,8 +69,9 @@ class FlatPass {
     float sum = 0;
     SceneHit hit;
     for (int k = 0; k < kEdgeRays * kEdgeRays; ++k) {
+      const int row = k / kEdgeRays;
       const double dx = (k % kEdgeRays + 0.5) / kEdgeRays - 0.5;
-      const double dy = (k / kEdgeRays + 0.5) / kEdgeRays - 0.5;
+      const double dy = (row + 0.5) / kEdgeRays - 0.5;
       sum += CastAt(x + dx, y + dy, step_rad_ / kEdgeRays, hit);
     }
     return sum / (kEdgeRays * kEdgeRays);
@@ -118,12 +118,7 @@ float NoiseAt(uint64_t seed, uint64_t pixel) {
 
 }  // namespace
 
-void FlatCamera::Check() const {
-  CheckRange("flat width_px", width_px, 32, 8192);
-  CheckRange("middle_grey", middle_grey, 20, 200);
-  CheckRange("glare", glare, 0, 1);
-  CheckRange("noise_sigma", noise_sigma, 0, 100);
-}
+void FlatCamera::Check() const { CheckFields("flat_camera", *this); }
 
 cv::Mat RenderFlat(const Flat& flat, const SceneLighting& lighting,
                    const Eigen::Isometry3d& world_from_camera, const FlatCamera& camera) {

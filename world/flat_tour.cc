@@ -3,7 +3,6 @@
 
 #include <numbers>
 
-#include "core/base/option_range.h"
 #include "core/base/random.h"
 #include "world/flat.h"
 #include "world/walk.h"
@@ -15,14 +14,7 @@ constexpr double kWholeTurn_rad = 2 * std::numbers::pi;
 
 }  // namespace
 
-void FlatTourOptions::Check() const {
-  CheckRange("per_room", per_room, 1, 100);
-  CheckRange("flat height_m", height_m, 0.2, 2);
-  CheckRange("flat clearance_m", clearance_m, 0, 1);
-  CheckRange("tilt_rad", tilt_rad, 0, 0.5);
-  CheckRange("later_share", later_share, 0, 1);
-  camera.Check();
-}
+void FlatTourOptions::Check() const { CheckFields("flat_tour", *this); }
 
 std::vector<FlatPanorama> PhotographFlat(const Flat& flat, const FlatTourOptions& options) {
   options.Check();

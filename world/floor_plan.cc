@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 
 namespace waystone {
 namespace {
@@ -88,7 +87,11 @@ std::vector<Eigen::Vector2i> FindStops(const std::vector<std::string>& lines, si
 
 void PlanOptions::Check() const {
   CheckFields("plan", *this);
-  CheckRange("plan.door_height_m", door_height_m, 0.5, wall_height_m);
+  if (door_height_m > wall_height_m) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "plan.door_height_m is " + std::to_string(door_height_m) +
+                       "; it must be at most plan.wall_height_m, " + std::to_string(wall_height_m));
+  }
 }
 
 bool FloorPlan::IsOpen(int column, int row) const {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/base/option_range.h"
+#include "core/base/options.h"
 
 namespace waystone {
 namespace {
@@ -17,10 +17,16 @@ Eigen::Matrix3d Axes(const Eigen::Vector3d& right, const Eigen::Vector3d& down) 
   return axes;
 }
 
+void RequireWithin(const OptionRange& range, const std::string& name, double value) {
+  if (range.Contains(value)) return;
+  throw MapError(ErrorCode::kBadOptions,
+                 name + " is " + std::to_string(value) + "; it must be " + ToText(range));
+}
+
 }  // namespace
 
 std::array<RigFace, 6> SixFaceRig(int width_px) {
-  CheckRange("width of the rig's faces", width_px, 1, 8192);
+  RequireWithin(Closed(1, 8192), "width of the rig's faces", width_px);
   const Camera camera = PinholeCamera(width_px, width_px, 0.5 * std::numbers::pi);
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
   const Eigen::Vector3d y = Eigen::Vector3d::UnitY();
@@ -34,7 +40,7 @@ std::array<RigFace, 6> SixFaceRig(int width_px) {
 }
 
 Camera PanoramaCamera(int width_px) {
-  CheckRange("width of the panorama", width_px, 2, 16384);
+  RequireWithin(Closed(2, 16384), "width of the panorama", width_px);
   if (width_px % 2 != 0) {
     throw MapError(ErrorCode::kBadOptions,
                    "width of the panorama is " + std::to_string(width_px) + "; it must be even");
@@ -43,9 +49,9 @@ Camera PanoramaCamera(int width_px) {
 }
 
 Camera PinholeCamera(int width_px, int height_px, double field_of_view_rad) {
-  CheckRange("image width", width_px, 1, 16384);
-  CheckRange("image height", height_px, 1, 16384);
-  CheckRange("field_of_view_rad", field_of_view_rad, 0.02, 3.1);
+  RequireWithin(Closed(1, 16384), "image width", width_px);
+  RequireWithin(Closed(1, 16384), "image height", height_px);
+  RequireWithin(Closed(0.02, 3.1), "field_of_view_rad", field_of_view_rad);
   const double focal_px = 0.5 * width_px / std::tan(0.5 * field_of_view_rad);
   return {CameraModel::kPinhole,
           width_px,

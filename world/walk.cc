@@ -7,7 +7,6 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "core/base/random.h"
 #include "core/geometry/angle.h"
 #include "world/path.h"
@@ -15,6 +14,8 @@
 namespace waystone {
 namespace {
 
+constexpr double kSway_m = 0.02;      // of the height, by a steady hand
+constexpr double kMinHeight_m = 0.1;  // of the camera above the floor
 constexpr double kSampleM = 0.02;  // spacing at which ways are worked out, finer than any frame's
 
 // Where the camera is and looks at some length of the trajectory.
@@ -107,12 +108,11 @@ class Hand {
     Random random(options.seed);
     for (double& phase : phases_) phase = random.Uniform(0.0, 2.0 * kPi);
   }
-  double Height(double trajectory_m) const { return factor_ * kHeightM * Wave(0, trajectory_m); }
+  double Height(double trajectory_m) const { return factor_ * kSway_m * Wave(0, trajectory_m); }
   double Pitch(double trajectory_m) const { return factor_ * kPitchRad * Wave(2, trajectory_m); }
   double Roll(double trajectory_m) const { return factor_ * kRollRad * Wave(4, trajectory_m); }
 
  private:
-  static constexpr double kHeightM = 0.02;
   static constexpr double kPitchRad = 2.0 * kPi / 180.0;
   static constexpr double kRollRad = 1.0 * kPi / 180.0;
 
@@ -180,15 +180,22 @@ void AddLoop(const FloorPlan& plan, const Eigen::Vector2d& stop, const Eigen::Ve
 
 // What a wave of the hand can add to the height, metres, so that no frame is above a lintel.
 void CheckHeight(const FloorPlan& plan, const WalkOptions& options) {
-  CheckRange("height_m (with its sway, below the lintels)", options.height_m + 0.02 * options.sway,
-             0.0, plan.size.door_height_m);
+  const double highest_m = options.height_m + kSway_m * options.sway;
+  if (highest_m <= plan.size.door_height_m) return;
+  throw MapError(ErrorCode::kBadOptions, "walk.height_m with its sway reaches " +
+                                             std::to_string(highest_m) +
+                                             " m; it must be below the lintels at " +
+                                             std::to_string(plan.size.door_height_m) + " m");
 }
 
 }  // namespace
 
 void WalkOptions::Check() const {
   CheckFields("walk", *this);
-  CheckRange("walk.height_m", height_m, 0.1 + 0.02 * sway, 20.0);
+  if (height_m >= kMinHeight_m + kSway_m * sway) return;
+  throw MapError(ErrorCode::kBadOptions, "walk.height_m is " + std::to_string(height_m) +
+                                             "; with its sway it must stay " +
+                                             std::to_string(kMinHeight_m) + " m above the floor");
 }
 
 Eigen::Isometry3d WorldFromCamera(const Eigen::Vector3d& centre, double yaw_rad, double pitch_rad,

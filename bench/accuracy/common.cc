@@ -93,13 +93,6 @@ std::vector<std::vector<std::string>> ReadCsv(const std::filesystem::path& path)
   return rows;
 }
 
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const size_t rank = std::min(values.size() - 1, static_cast<size_t>(share * values.size()));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[rank];
-}
-
 int64_t FeatureCount(const MapData& map) {
   int64_t count = 0;
   for (const Plane& plane : map.planes) count += static_cast<int64_t>(plane.features.size());

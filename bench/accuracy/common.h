@@ -11,6 +11,7 @@
 
 #include "bench/accuracy/benches.h"
 #include "builder/build_map.h"
+#include "core/robust/quantile.h"
 #include "localizer/localizer.h"
 
 namespace waystone::bench {
@@ -41,9 +42,6 @@ std::vector<uint8_t> ReadBytes(const std::filesystem::path& path);
 
 // The cells of each line of a CSV file below its heading.
 std::vector<std::vector<std::string>> ReadCsv(const std::filesystem::path& path);
-
-// The value below which a share of the values lies; 0 for none.
-double Quantile(std::vector<double> values, double share);
 
 // Features of all planes.
 int64_t FeatureCount(const MapData& map);

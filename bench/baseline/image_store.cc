@@ -6,7 +6,7 @@
 #include <SQLiteCpp/Transaction.h>
 
 #include "core/base/error.h"
-#include "schema/tables/blob.h"
+#include "schema/layers/layer_blobs.h"
 
 namespace waystone::bench {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "core/base/options.h"
 #include "core/camera/panorama.h"
 #include "core/panorama/fourier_signature.h"
+#include "schema/layers/appearance/appearance_layer.h"
 
 namespace waystone {
 
@@ -32,6 +34,7 @@ struct DescribeOptions {
         OptionField{"trajectory_rows", &DescribeOptions::trajectory_rows, Closed(1, 1024), "",
                     "Rows of the signatures that odometry and loops are estimated with; the map "
                     "doesn't keep them. More estimate headings and steps more accurately."},
+        OptionGroup{"signature", &DescribeOptions::signature},
         OptionGroup{"panorama", &DescribeOptions::panorama},
         OptionGroup{"features", &DescribeOptions::features},
         OptionField{"image_width", &DescribeOptions::image_width, Closed(0, 4096), "px",
@@ -48,6 +51,7 @@ struct DescribedPanorama : Observation {
   FourierSignature signature;
   FourierSignature trajectory_signature;  // the same with trajectory_rows
   ElevationBand band;                     // that the signature's rows span
+  std::optional<LayerMirror> mirror;      // that the image was unwrapped by
   BearingFeatures features;
   std::vector<uint8_t> jpeg;
 };

@@ -14,7 +14,7 @@ namespace {
 constexpr int kSectors = 16;  // of the horizon, above and below it
 constexpr double kCrowd = 2;  // times its even share that a sector takes before the others
 
-int SectorOf(const Eigen::Vector3d& ray) {
+int FindSector(const Eigen::Vector3d& ray) {
   const double turns = std::atan2(ray.x(), ray.z()) / (2 * std::numbers::pi) + 0.5;
   const int around = std::clamp(static_cast<int>(turns * kSectors), 0, kSectors - 1);
   return ray.y() < 0 ? around : kSectors + around;
@@ -41,7 +41,7 @@ std::vector<int> Spread(const BearingFeatures& features, const std::vector<int>&
   std::vector<int> kept;
   std::vector<int> rest;
   for (const int row : ranked) {
-    (filled[SectorOf(features.rays[row])]++ < share ? kept : rest).push_back(row);
+    (filled[FindSector(features.rays[row])]++ < share ? kept : rest).push_back(row);
   }
   kept.insert(kept.end(), rest.begin(), rest.end());
   kept.resize(std::min(kept.size(), static_cast<size_t>(max_kept)));

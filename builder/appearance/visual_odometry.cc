@@ -17,17 +17,17 @@ constexpr double kLeastSigma_rad = 1e-6;
 
 bool StoodStill(const CompassHeading& heading) { return heading.small_motion && !heading.motion; }
 
-double DirectionOf(const CompassHeading& heading) {
+double ChooseDirection(const CompassHeading& heading) {
   return heading.motion ? heading.motion->direction_rad : heading.heading_rad / 2;
 }
 
 Pose2 Step(double length, const CompassHeading& heading) {
-  const double direction = DirectionOf(heading);
+  const double direction = ChooseDirection(heading);
   return {length * std::cos(direction), length * std::sin(direction), heading.heading_rad};
 }
 
-PoseEdge EdgeOf(int a, int b, const Pose2& a_from_b, double position_sigma,
-                const CompassHeading& heading) {
+PoseEdge MakeSpanEdge(int a, int b, const Pose2& a_from_b, double position_sigma,
+                      const CompassHeading& heading) {
   PoseEdge edge;
   edge.a = a;
   edge.b = b;
@@ -80,7 +80,7 @@ class Follower {
       const Pose2 a_from_b = Step(StoodStill(heading) ? 0 : distance, heading);
       trajectory_.steps.push_back({a, a + 1, distance, heading, a_from_b});
       trajectory_.edges.push_back(
-          EdgeOf(a, a + 1, a_from_b, options_.length_sigma * distance, heading));
+          MakeSpanEdge(a, a + 1, a_from_b, options_.length_sigma * distance, heading));
       trajectory_.poses.push_back(trajectory_.poses.back() * a_from_b);
       trajectory_.uncertain += heading.sigma_rad > options_.max_sigma_rad;
       trajectory += std::hypot(a_from_b.x, a_from_b.y);
@@ -95,7 +95,7 @@ class Follower {
       const double length = std::hypot(by_steps.x, by_steps.y);
       const double sigma = options_.span_sigma * std::max(length, trajectory_.mean_step);
       trajectory_.edges.push_back(
-          EdgeOf(a, a + span, Step(length, headings[a]), sigma, headings[a]));
+          MakeSpanEdge(a, a + span, Step(length, headings[a]), sigma, headings[a]));
     }
   }
 

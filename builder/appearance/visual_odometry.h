@@ -33,6 +33,7 @@ struct VisualOdometryOptions {
                     "Each panorama is compared with those 1, 2, 4, ... before it up to this: "
                     "headings over several steps don't accumulate the errors of single ones. Each "
                     "costs one compass estimate."},
+        OptionGroup{"compass", &VisualOdometryOptions::compass},
         OptionField{"length_sigma", &VisualOdometryOptions::length_sigma, Closed(0.01, 10), "",
                     "Standard deviation of a step's position, relative to its length. Errors of "
                     "neighbouring steps are correlated: more than a single step is off by. Higher "

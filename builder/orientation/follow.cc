@@ -25,8 +25,8 @@ Eigen::Matrix3d LookingAlongX() {
   return axes;
 }
 
-BuildingRotation RotationOf(const Eigen::Matrix3d& rig_from_building,
-                            const Eigen::Matrix3d& rig_covariance) {
+BuildingRotation MakeBuildingRotation(const Eigen::Matrix3d& rig_from_building,
+                                      const Eigen::Matrix3d& rig_covariance) {
   BuildingRotation rotation;
   Eigen::Quaterniond q(Eigen::Matrix3d(rig_from_building.transpose()));
   q.normalize();
@@ -56,7 +56,7 @@ Eigen::Matrix3d RotationBy(const Eigen::Vector3d& vector) {
 }
 
 // Standard sigma about the worst-known direction.
-double SigmaOf(const Eigen::Matrix3d& covariance) {
+double EstimateFrameSigma(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
 }
@@ -121,7 +121,8 @@ std::optional<ManhattanFrame> AxesFollower::AxesNear(const OrientationViewPtr& v
     if (drift(own) <= options_.max_drift_rad) return own;
   }
   // A doubtful prediction would find lines near it anyway.
-  if (SigmaOf(predicted.covariance) > kClearly * options_.max_rival_drift_rad) return std::nullopt;
+  if (EstimateFrameSigma(predicted.covariance) > kClearly * options_.max_rival_drift_rad)
+    return std::nullopt;
   ManhattanFrame near =
       FindManhattanFrameNear(view->lines, predicted.rig_from_building, manhattan_);
   if (!near.reliable() || drift(near) > options_.max_rival_drift_rad) return std::nullopt;
@@ -131,7 +132,7 @@ std::optional<ManhattanFrame> AxesFollower::AxesNear(const OrientationViewPtr& v
 FollowedFrame AxesFollower::Know(Known known, ManhattanFrame axes, bool reliable) {
   constexpr size_t kMostAnchors = 24;
   FollowedFrame followed;
-  followed.rotation = RotationOf(known.rig_from_building, known.covariance);
+  followed.rotation = MakeBuildingRotation(known.rig_from_building, known.covariance);
   followed.anchored = anchored_;
   followed.reliable = reliable && anchored_;
   followed.axes = std::move(axes);
@@ -231,7 +232,8 @@ FollowedFrame AxesFollower::Follow(const OrientationViewPtr& view) {
   ++frame_;
   if (!last_) return Settle(view);
   const bool clear = view->frame.reliable() && view->frame.rival <= options_.max_clear_rival;
-  const bool doubtful = SigmaOf(last_->covariance) > kClearly * options_.max_rival_drift_rad;
+  const bool doubtful =
+      EstimateFrameSigma(last_->covariance) > kClearly * options_.max_rival_drift_rad;
   if ((!anchored_ || doubtful) && frame_ % options_.retry_frames == 0) {
     if (auto known = Anchored(view)) {
       anchored_ = true;

@@ -14,7 +14,7 @@ namespace waystone {
 namespace {
 
 // The strongest features, as many of each camera; each camera's are the strongest first.
-Descriptors SampleOf(const BearingFeatures& features, int wanted) {
+Descriptors SampleDescriptors(const BearingFeatures& features, int wanted) {
   Descriptors sample(DescriptorBytes(features.type));
   const int cameras = features.size() == 0 ? 1 : features.camera.back() + 1;
   const int share = (wanted + cameras - 1) / cameras;
@@ -52,7 +52,7 @@ class LoopFinder {
              const TraversabilityOptions& traversability)
       : nodes_(nodes), options_(options), traversability_(traversability) {
     for (const LoopNode& node : nodes) {
-      samples_.push_back(SampleOf(*node.features.features, options.sample));
+      samples_.push_back(SampleDescriptors(*node.features.features, options.sample));
     }
   }
 

@@ -90,7 +90,7 @@ void AddSequence(const MappedSequence& mapped, const OrientationOptions& options
   for (const DecidedTurn& turn : mapped.turns) {
     layer.turns.push_back({.frame = mapped.frames[turn.jump.frame].id,
                            .direction = turn.direction,
-                           .angle_rad = turn.jump.angle_rad,
+                           .angle_rad = turn.angle_rad,
                            .confirmed = turn.confirmed,
                            .axis_after = turn.axis_after});
   }

@@ -8,6 +8,18 @@
 #include "builder/orientation/corridors.h"
 
 namespace waystone {
+namespace {
+
+std::vector<HeadingSample> CameraHeadings(const std::vector<OrientationFrame>& frames) {
+  std::vector<HeadingSample> headings;
+  for (int i = 0; i < std::ssize(frames); ++i) {
+    headings.push_back(
+        {.frame = i, .heading_rad = frames[i].reliable ? HeadingOf(frames[i]) : std::nullopt});
+  }
+  return headings;
+}
+
+}  // namespace
 
 SequenceMapper::SequenceMapper(SequenceId id, int64_t first_frame_id,
                                const OrientationOptions& options)
@@ -144,7 +156,8 @@ MappedSequence SequenceMapper::Finish() {
   if (seen && mapped_.nodes.back().frame != last)
     AddNode(last, OrientationNodeKind::kTraversable, 0);
   mapped_.motions = SettledMotions(motion_samples_, options_.turns);
-  mapped_.turns = DecideTurns(jumps_, mapped_.motions, options_.turns);
+  mapped_.turns =
+      DecideTurns(jumps_, mapped_.motions, CameraHeadings(mapped_.frames), options_.turns);
   AddTurnNodes(mapped_.nodes);
   std::vector<int> confirmed;
   for (const DecidedTurn& turn : mapped_.turns) {

@@ -69,7 +69,7 @@ class SequenceMapper {
   std::deque<Recent> recent_;
   int last_looked_ = 0;   // last frame that was tested against the last node, or that node
   int first_recent_ = 0;  // frame of recent_.front()
-  std::vector<MotionSample> motion_samples_;
+  std::vector<HeadingSample> motion_samples_;
   std::deque<HeadingJump> untested_;
   std::vector<TestedJump> jumps_;
   std::vector<NodeInWork> jump_nodes_;  // beside jumps_: nodes, should they be turns

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "core/geometry/angle.h"
+#include "core/robust/median.h"
 
 namespace waystone {
 namespace {
@@ -25,8 +26,35 @@ int QuarterTurns(int from, int to) {
   return turns == 3 ? -1 : turns;
 }
 
-// The features' motion tells the direction; the heading does where none were matched.
-int DirectionOf(const TestedJump& tested) {
+bool IsAlongAxis(double heading_rad, const TurnOptions& options) {
+  return std::abs(FromAxis(heading_rad, Sector(heading_rad))) <= options.settled_rad;
+}
+
+// Between the median heading of the frames along an axis before the jump and of those after it.
+// Where a side has none, its heading farthest from the jump.
+double MeasureTurn(std::span<const HeadingSample> headings, int frame, const TurnOptions& options) {
+  const int window = 4 * options.reach;
+  std::vector<double> along[2], any[2];  // before, after
+  std::optional<double> unwrapped_rad;
+  for (const HeadingSample& sample : headings) {
+    if (!sample.heading_rad || sample.frame < frame - window) continue;
+    if (sample.frame >= frame + window) break;
+    const double last_rad = unwrapped_rad.value_or(*sample.heading_rad);
+    unwrapped_rad = last_rad + std::remainder(*sample.heading_rad - last_rad, 4 * kQuarterTurn_rad);
+    const int side = sample.frame < frame ? 0 : 1;
+    any[side].push_back(*unwrapped_rad);
+    if (IsAlongAxis(*sample.heading_rad, options)) along[side].push_back(*unwrapped_rad);
+  }
+  if (any[0].empty() || any[1].empty()) return 0;
+  const double before_rad = along[0].empty() ? any[0].front() : Median(along[0]);
+  const double after_rad = along[1].empty() ? any[1].back() : Median(along[1]);
+  return std::clamp(after_rad - before_rad, -kPi, kPi);
+}
+
+// The heading tells the direction where it changed clearly, else the features' motion, else the
+// axes alone.
+int FindTurnDirection(const TestedJump& tested, double angle_rad) {
+  if (std::abs(angle_rad) > kQuarterTurn_rad / 2) return angle_rad > 0 ? 1 : -1;
   if (tested.flow_rad != 0) return tested.flow_rad < 0 ? 1 : -1;
   return tested.jump.quarter_turns < 0 ? -1 : 1;
 }
@@ -49,6 +77,7 @@ void ConfirmAround(const SettledMotion& before, const SettledMotion& after,
   for (DecidedTurn* turn : near) {
     if (left <= 0 || turn->direction != direction) continue;
     turn->confirmed = true;
+    turn->axis_after = after.quarter_turns % 2;
     left -= std::max(1, std::abs(turn->jump.quarter_turns));
   }
 }
@@ -59,14 +88,12 @@ int AxisAfter(const HeadingJump& jump, std::span<const SettledMotion> motions) {
   for (const SettledMotion& motion : motions) {
     if (motion.last > jump.frame) return motion.quarter_turns % 2;
   }
-  return motions.empty() ? 0 : motions.back().quarter_turns % 2;
+  return (motions.empty() ? jump.sector_after : motions.back().quarter_turns) % 2;
 }
 
 }  // namespace
 
 std::optional<HeadingJump> JumpWatch::Next(int frame, double heading_rad) {
-  const double last_rad = last_rad_;
-  last_rad_ = heading_rad;
   if (!sector_) {
     sector_ = Sector(heading_rad);
     return std::nullopt;
@@ -75,13 +102,11 @@ std::optional<HeadingJump> JumpWatch::Next(int frame, double heading_rad) {
   if (std::abs(off) <= kQuarterTurn_rad / 2 + options_.hysteresis_rad) return std::nullopt;
   const int before = *sector_;
   sector_ = Sector(heading_rad);
-  const double angle = FromAxis(heading_rad, *sector_) - FromAxis(last_rad, before);
-  return HeadingJump{.frame = frame,
-                     .quarter_turns = QuarterTurns(before, *sector_),
-                     .angle_rad = std::remainder(angle, 4 * kQuarterTurn_rad)};
+  return HeadingJump{
+      .frame = frame, .quarter_turns = QuarterTurns(before, *sector_), .sector_after = *sector_};
 }
 
-std::vector<SettledMotion> SettledMotions(std::span<const MotionSample> samples,
+std::vector<SettledMotion> SettledMotions(std::span<const HeadingSample> samples,
                                           const TurnOptions& options) {
   std::vector<SettledMotion> settled;
   SettledMotion run;
@@ -94,7 +119,7 @@ std::vector<SettledMotion> SettledMotions(std::span<const MotionSample> samples,
       settled.push_back(run);
     }
   };
-  for (const MotionSample& sample : samples) {
+  for (const HeadingSample& sample : samples) {
     if (!sample.heading_rad) continue;
     const int sector = Sector(*sample.heading_rad);
     const bool along = std::abs(FromAxis(*sample.heading_rad, sector)) <= options.settled_rad;
@@ -113,11 +138,14 @@ std::vector<SettledMotion> SettledMotions(std::span<const MotionSample> samples,
 
 std::vector<DecidedTurn> DecideTurns(std::span<const TestedJump> jumps,
                                      std::span<const SettledMotion> motions,
+                                     std::span<const HeadingSample> headings,
                                      const TurnOptions& options) {
   std::vector<DecidedTurn> turns;
   for (const TestedJump& tested : jumps) {
+    const double angle_rad = MeasureTurn(headings, tested.jump.frame, options);
     turns.push_back({.jump = tested.jump,
-                     .direction = DirectionOf(tested),
+                     .direction = FindTurnDirection(tested, angle_rad),
+                     .angle_rad = angle_rad,
                      .confirmed = false,
                      .axis_after = AxisAfter(tested.jump, motions)});
   }

@@ -14,7 +14,7 @@ namespace waystone {
 struct HeadingJump {
   int frame = 0;          // index in the sequence: the one after the jump
   int quarter_turns = 0;  // 1 to the left, -1 to the right, 2 about; by the heading
-  double angle_rad = 0;   // change of the angle to the nearest axis
+  int sector_after = 0;   // quarter turns from x to the main horizontal axis after it, 0 to 3
 };
 
 // Watches the heading of frame after frame.
@@ -27,7 +27,6 @@ class JumpWatch {
  private:
   TurnOptions options_;
   std::optional<int> sector_;  // quarter turns from x to the main horizontal axis, 0 to 3
-  double last_rad_ = 0;
 };
 
 // A jump and what the test between the frames `reach` before and after it said.
@@ -37,8 +36,9 @@ struct TestedJump {
   double flow_rad = 0;  // mean motion of the features, above 0 to the left
 };
 
-// The motion's heading in the building around a frame; nothing where it hardly moved.
-struct MotionSample {
+// A heading in the building at a frame. The motion's is unknown where it hardly moved, the camera's
+// where no axes were found.
+struct HeadingSample {
   int frame = 0;
   std::optional<double> heading_rad;
 };
@@ -51,22 +51,25 @@ struct SettledMotion {
 };
 
 // Neighbours differ in their axis or sense. Samples in order of frames.
-std::vector<SettledMotion> SettledMotions(std::span<const MotionSample> samples,
+std::vector<SettledMotion> SettledMotions(std::span<const HeadingSample> samples,
                                           const TurnOptions& options);
 
 struct DecidedTurn {
   HeadingJump jump;
-  int direction = 1;  // 1 left, -1 right
+  int direction = 1;     // 1 left, -1 right
+  double angle_rad = 0;  // by which the camera's heading changed, [-pi, pi], above 0 to the left
   bool confirmed = false;
-  int axis_after = 0;  // 0 x, 1 y
+  int axis_after = 0;  // that the motion follows, the camera's where none is known: 0 x, 1 y
 };
 
 // Which jumps are turns (sec. II-B.1): a jump is one where the motion settles along another axis
 // around it, in the sense in which the rig turned. The paper's test alone, not connected means
 // turned, decides where the motion isn't known before or after it: cameras that see all around stay
-// connected through a turn. Pure.
+// connected through a turn. `headings` are the camera's, in order of frames; a turn's angle is the
+// change of their median over the frames along an axis within 4 reaches before and after it. Pure.
 std::vector<DecidedTurn> DecideTurns(std::span<const TestedJump> jumps,
                                      std::span<const SettledMotion> motions,
+                                     std::span<const HeadingSample> headings,
                                      const TurnOptions& options);
 
 }  // namespace waystone

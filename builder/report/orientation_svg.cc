@@ -39,7 +39,7 @@ struct Rows {
   size_t last = 0;
 };
 
-Rows RowsOf(const OrientationLayer& layer, SequenceId sequence) {
+Rows CollectRows(const OrientationLayer& layer, SequenceId sequence) {
   const auto begin = std::ranges::find(layer.frames, sequence, &OrientationFrame::sequence);
   const auto frames = std::ranges::count(layer.frames, sequence, &OrientationFrame::sequence);
   const auto first = static_cast<size_t>(begin - layer.frames.begin());
@@ -221,7 +221,7 @@ std::vector<SequenceId> SequencesOf(const OrientationLayer& layer) {
 }
 
 std::string OrientationMapSvg(const OrientationLayer& layer, SequenceId sequence) {
-  const Rows rows = RowsOf(layer, sequence);
+  const Rows rows = CollectRows(layer, sequence);
   const DrawnTrajectory trajectory(layer, rows);
   std::ostringstream svg = Svg(trajectory.height(), "Trajectory by turns");
   for (const Corridor& corridor : layer.corridors) {
@@ -248,7 +248,7 @@ std::string OrientationMapSvg(const OrientationLayer& layer, SequenceId sequence
 }
 
 std::string OrientationPlotSvg(const OrientationLayer& layer, SequenceId sequence) {
-  const Rows rows = RowsOf(layer, sequence);
+  const Rows rows = CollectRows(layer, sequence);
   const DrawnTrajectory trajectory(layer, rows);
   const double first = layer.frames[rows.first].frame;
   const double last = layer.frames[rows.last].frame;

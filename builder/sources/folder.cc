@@ -41,7 +41,7 @@ void Sort(Contents& contents) {
                     [](const ListedImage& image) { return image.path.generic_string(); });
 }
 
-Contents ContentsOf(const fs::path& folder) {
+Contents ListContents(const fs::path& folder) {
   Contents contents;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     Add(contents, folder, entry.path().filename());
@@ -112,14 +112,14 @@ std::function<Camera()> CameraFileIfThere(const fs::path& path) {
 }
 
 ImageList ListFolder(const fs::path& folder) {
-  Contents contents = ContentsOf(folder);
+  Contents contents = ListContents(folder);
   const fs::path inner = folder / kImagesFolder;
   std::error_code ignored;
   // A folder with a camera and images/ is a walk with its truth: pictures beside it are no frames.
   const bool use_inner = fs::is_directory(inner, ignored) &&
                          (contents.images.empty() || fs::exists(folder / kCameraFile, ignored));
   if (use_inner) {
-    Contents inside = ContentsOf(inner);
+    Contents inside = ListContents(inner);
     for (ListedImage& image : inside.images) image.path = kImagesFolder / image.path;
     if (!inside.images.empty()) contents.images = std::move(inside.images);
   }

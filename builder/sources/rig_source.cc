@@ -11,7 +11,6 @@
 #include "builder/sources/rig_layouts.h"
 #include "builder/sources/source.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "core/camera/cube_faces.h"
 
 namespace waystone {
@@ -44,7 +43,7 @@ std::vector<uint8_t> ReadImageBytes(const fs::path& path, const DecodeLimits& li
   return ReadFile(path, limits.max_pixels * kBytesPerPixel, ErrorCode::kFileUnreadable);
 }
 
-ImageHeader HeaderOf(const fs::path& path, const DecodeLimits& limits) {
+ImageHeader ReadFileHeader(const fs::path& path, const DecodeLimits& limits) {
   try {
     ImageHeader header = ReadImageHeader(ReadImageBytes(path, limits));
     CheckLimits(header, limits);
@@ -81,7 +80,7 @@ bool IsPanorama(const Rig& rig) {
 // Images in a row: panoramas become faces, others need their one camera.
 RigSequence FromImages(const fs::path& path, std::vector<RigMoment> moments,
                        const std::optional<Rig>& given, const RigOptions& options) {
-  const ImageHeader first = HeaderOf(moments.front().images.front(), options.limits);
+  const ImageHeader first = ReadFileHeader(moments.front().images.front(), options.limits);
   RigSequence sequence{.layout = "images", .rig = {}, .moments = std::move(moments)};
   if (given ? IsPanorama(*given) : first.width == 2 * first.height) {
     sequence.layout = "panoramas";
@@ -105,7 +104,7 @@ RigSequence FromCameras(const fs::path& path, const CameraImages& found,
   if (given) {
     sequence.rig = *given;
   } else {
-    const int width = HeaderOf(found.images.front().front().path, options.limits).width;
+    const int width = ReadFileHeader(found.images.front().front().path, options.limits).width;
     auto faces = FacesByName(found.cameras, width);
     if (!faces) RefuseWithoutRig(path);
     sequence.rig = *faces;
@@ -149,11 +148,7 @@ std::optional<Rig> RigOfFolder(const fs::path& folder, const std::optional<fs::p
   return file ? std::optional(ReadRigFile(*file)) : std::nullopt;
 }
 
-void RigOptions::Check() const {
-  CheckRange("max_time_gap_s", max_time_gap_s, 0, 10);
-  CheckRange("face_share", face_share, 0.05, 1);
-  limits.Check();
-}
+void RigOptions::Check() const { CheckFields("rig", *this); }
 
 RigSequence OpenRigSequence(const fs::path& path, const RigOptions& options) {
   options.Check();

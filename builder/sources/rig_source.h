@@ -5,8 +5,10 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/camera/rig.h"
 #include "core/image/decode.h"
 
@@ -47,14 +49,22 @@ struct RigSequence {
 struct RigOptions {
   // A rig or camera file; wins over rig.yaml and camera.yaml in or beside the folder.
   std::optional<std::filesystem::path> rig_file;
-  // Parallel folders whose files are named by time stamps: images up to this far apart belong to
-  // one moment, 0 to 10. Higher pairs images of cameras that aren't triggered together. s
   double max_time_gap_s = 0.02;
-  // Width of the faces that a panorama becomes, as a share of its width, 0.05 to 1. A quarter is as
-  // sharp as the panorama at the horizon.
   double face_share = 0.25;
   DecodeLimits limits = {};
 
+  static constexpr int kUnlistedMembers = 1;  // rig_file, which is there or not
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"max_time_gap_s", &RigOptions::max_time_gap_s, Closed(0, 10), "s",
+                    "Parallel folders whose files are named by time stamps: images up to this far "
+                    "apart belong to one moment. Higher pairs images of cameras that aren't "
+                    "triggered together."},
+        OptionField{"face_share", &RigOptions::face_share, Closed(0.05, 1), "",
+                    "Width of the faces that a panorama becomes, as a share of its width. A "
+                    "quarter is as sharp as the panorama at the horizon."},
+        OptionGroup{"limits", &RigOptions::limits}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -69,9 +69,7 @@ std::optional<Frame> Source::Next() {
 }
 
 void SourceOptions::Check() const {
-  limits.Check();
-  if (every < 1) RefuseOption("--every is " + std::to_string(every) + "; it must be at least 1");
-  if (from < 0) RefuseOption("--from is " + std::to_string(from) + "; it must be at least 0");
+  CheckFields("source", *this);
   if (to && *to < from) {
     RefuseOption("--to is " + std::to_string(*to) + ", before --from " + std::to_string(from) +
                  "; it must be at least " + std::to_string(from));

@@ -7,9 +7,11 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/camera/camera.h"
 #include "core/camera/rig.h"
 #include "core/image/decode.h"
@@ -64,8 +66,8 @@ class EncodedFrame {
 
 // Which part of a source is used, and how.
 struct SourceOptions {
-  int every = 1;  // take every n-th frame, counted from `from`; 1 or more
-  int from = 0;   // first frame number; 0 or more
+  int every = 1;
+  int from = 0;
   // Last frame number, inclusive, `from` or more; the end when absent.
   std::optional<int> to = std::nullopt;
   // OpenCV, ROS, Kalibr, COLMAP or our own (ReadCameraFile), or a rig's (ReadRigFile); wins over
@@ -73,6 +75,14 @@ struct SourceOptions {
   std::optional<std::filesystem::path> camera_file = std::nullopt;
   DecodeLimits limits = {};  // of each frame
 
+  static constexpr int kUnlistedMembers = 2;  // to and camera_file, which are there or not
+  static constexpr auto Fields() {
+    return std::tuple{
+        OptionField{"every", &SourceOptions::every, AtLeast(1), "frames",
+                    "Take every n-th frame, counted from `from`."},
+        OptionField{"from", &SourceOptions::from, AtLeast(0), "", "Number of the first frame."},
+        OptionGroup{"limits", &SourceOptions::limits}};
+  }
   void Check() const;  // throws MapError(kBadOptions)
 };
 

@@ -20,6 +20,7 @@ const ErrorInfo& InfoOf(ErrorCode code) {
   static constexpr ErrorInfo kNoLayer{"no_layer", "Layer not in this map", 3, 404};
   static constexpr ErrorInfo kBadRequest{"bad_request", "Invalid request", 3, 400};
   static constexpr ErrorInfo kPayload{"payload_too_large", "Request body too large", 3, 413};
+  static constexpr ErrorInfo kHead{"head_too_large", "Request headers too large", 3, 431};
   static constexpr ErrorInfo kMedia{"unsupported_media_type", "Unsupported media type", 3, 415};
   static constexpr ErrorInfo kMethod{"method_not_allowed", "Method not allowed", 3, 405};
   static constexpr ErrorInfo kBusy{"busy", "Too many concurrent queries", 3, 429};
@@ -62,6 +63,8 @@ const ErrorInfo& InfoOf(ErrorCode code) {
       return kBadRequest;
     case ErrorCode::kPayloadTooLarge:
       return kPayload;
+    case ErrorCode::kHeadTooLarge:
+      return kHead;
     case ErrorCode::kUnsupportedMedia:
       return kMedia;
     case ErrorCode::kMethodNotAllowed:

@@ -26,6 +26,7 @@ enum class ErrorCode {
   kNoLayer,           // a layer that this map was built without
   kBadRequest,        // an HTTP request that can't be understood
   kPayloadTooLarge,   // a body over the limit
+  kHeadTooLarge,      // an HTTP request whose request line or headers are over the limits
   kUnsupportedMedia,  // a body of a kind that is not taken
   kMethodNotAllowed,  // a known path asked with another method
   kBusy,              // the queue of queries is full

@@ -43,16 +43,6 @@ constexpr size_t CountUnlisted() {
 
 }  // namespace options_internal
 
-// An OptionGroup for Fields() in a tuple, or nothing as long as the group's struct has no Fields().
-template <class Options, class Group>
-constexpr auto ListedGroup(std::string_view name, Group Options::*member) {
-  if constexpr (requires { Group::Fields(); }) {
-    return std::tuple{OptionGroup{name, member}};
-  } else {
-    return std::tuple{};
-  }
-}
-
 // Which of the structs of options, `Options` itself and the groups in it, have members that their
 // Fields() don't name: "planes.fusion lists 12 of its 13 members", a line each; empty when all are
 // complete. They are aggregates without arrays and bases. A struct with members that aren't options

@@ -10,7 +10,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/option_range.h"
 #include "core/geometry/angle.h"
 
 namespace waystone {
@@ -18,6 +17,7 @@ namespace {
 
 constexpr int kMinColumns = 64;
 constexpr int kMinRows = 8;
+constexpr double kMinBand_rad = 0.01;      // of a mirror: rows must be apart
 constexpr double kMinSigma = 1;            // grey levels: less is an image of nothing
 constexpr double kAspectTolerance = 0.02;  // of twice as wide as high
 constexpr double kUsualColumns = 0.98;     // share of the columns whose differences are usual
@@ -176,8 +176,11 @@ void CheckSeam(const cv::Mat& grey, double max_seam) {
 
 void PanoramaOptions::Check() const {
   CheckFields("panorama", *this);
-  CheckRange("mirror_band's top", mirror_band.top_rad, -kPi / 2, kPi / 2);
-  CheckRange("mirror_band's bottom", mirror_band.bottom_rad, -kPi / 2, mirror_band.top_rad - 0.01);
+  if (mirror_band.bottom_rad > mirror_band.top_rad - kMinBand_rad) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "panorama.mirror_band.bottom_rad is " + std::to_string(mirror_band.bottom_rad) +
+                       "; it must be below top_rad, " + std::to_string(mirror_band.top_rad));
+  }
   if (mirror && !(mirror->inner_px >= 0 && mirror->outer_px >= mirror->inner_px + 1)) {
     throw MapError(ErrorCode::kBadOptions, "the mirror's radii are " + Rounded(mirror->inner_px) +
                                                " and " + Rounded(mirror->outer_px) +

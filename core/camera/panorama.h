@@ -15,6 +15,13 @@ struct ElevationBand {
   double top_rad = std::numbers::pi / 2;
   double bottom_rad = -std::numbers::pi / 2;
 
+  static constexpr auto Fields() {
+    constexpr double kUp = std::numbers::pi / 2;
+    return std::tuple{OptionField{"top_rad", &ElevationBand::top_rad, Closed(-kUp, kUp), "rad",
+                                  "Upper end, above the lower one."},
+                      OptionField{"bottom_rad", &ElevationBand::bottom_rad, Closed(-kUp, kUp),
+                                  "rad", "Lower end."}};
+  }
   bool operator==(const ElevationBand&) const = default;
 };
 
@@ -32,6 +39,8 @@ struct MirrorRing {
   cv::Point2d centre_px;
   double inner_px = 0;  // radii
   double outer_px = 0;
+
+  bool operator==(const MirrorRing&) const = default;
 };
 
 struct PanoramaOptions {
@@ -45,13 +54,14 @@ struct PanoramaOptions {
   double max_seam = 3;
   double min_mirror_contrast = 12;
 
-  // Where a mirror is and what it shows belongs to the camera: the file of the camera has it.
+  static constexpr int kUnlistedMembers = 1;  // where the mirror is: what is known of one camera
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"columns", &PanoramaOptions::columns, Closed(16, 16'384), "",
                     "Columns of a panorama that is made from a mirror's image or from faces. More "
                     "keep more detail; those of a mirror's image are seldom worth more than 2 pi "
                     "times its outer radius."},
+        OptionGroup{"mirror_band", &PanoramaOptions::mirror_band},
         OptionField{"mirror_clockwise", &PanoramaOptions::mirror_clockwise, AnyValue(), "",
                     "Whether azimuth grows clockwise in the mirror's image (a camera that looks up "
                     "into it sees it counter-clockwise). The front is the image's upper side."},

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <numeric>
 #include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "core/base/error.h"
 #include "core/features/features.h"
@@ -82,9 +83,24 @@ void AppendRootSift(const float* sift, Descriptors& out) {
   out.Append(bytes.data());
 }
 
-Keypoint ToKeypoint(const cv::KeyPoint& k) {
+// The image at the size at which features are detected.
+cv::Mat Reduced(const cv::Mat& grey, int working_pixels) {
+  const double scale = std::sqrt(working_pixels / static_cast<double>(grey.total()));
+  if (scale >= 1) return grey;
+  const cv::Size size(std::max(1, cvRound(scale * grey.cols)),
+                      std::max(1, cvRound(scale * grey.rows)));
+  cv::Mat reduced;
+  cv::resize(grey, reduced, size, 0, 0, cv::INTER_AREA);
+  return reduced;
+}
+
+// `enlarge`: width and height of an image over those of the one that the keypoint was found in.
+// The centre of the top left pixel is (0, 0) in both.
+Keypoint ToKeypoint(const cv::KeyPoint& k, const cv::Size2f& enlarge) {
   const float angle = k.angle < 0 ? 0.0f : k.angle * std::numbers::pi_v<float> / 180.0f;
-  return {k.pt.x, k.pt.y, k.size, angle};
+  return {k.pt.x * enlarge.width + 0.5f * (enlarge.width - 1),
+          k.pt.y * enlarge.height + 0.5f * (enlarge.height - 1), k.size * std::sqrt(enlarge.area()),
+          angle};
 }
 
 }  // namespace
@@ -143,12 +159,15 @@ Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options) {
   features.descriptors = Descriptors(DescriptorBytes(options.type));
   if (std::min(grey.cols, grey.rows) < kMinSide_px) return features;
 
-  Detected found = Detect(grey, options);
+  const cv::Mat working = Reduced(grey, options.working_pixels);
+  const cv::Size2f enlarge(static_cast<float>(grey.cols) / static_cast<float>(working.cols),
+                           static_cast<float>(grey.rows) / static_cast<float>(working.rows));
+  Detected found = Detect(working, options);
   const std::vector<int> order = StrongestFirst(found.keypoints, options.max_features);
   features.keypoints.reserve(order.size());
   features.descriptors.Reserve(static_cast<int>(order.size()));
   for (int i : order) {
-    features.keypoints.push_back(ToKeypoint(found.keypoints[i]));
+    features.keypoints.push_back(ToKeypoint(found.keypoints[i], enlarge));
     if (options.type == FeatureType::kSift) {
       AppendRootSift(found.descriptors.ptr<float>(i), features.descriptors);
     } else {

@@ -97,6 +97,7 @@ struct FeatureOptions {
   FeatureType type = FeatureType::kSift;
   int max_features = 1000;
   double contrast_threshold = 0.02;
+  int working_pixels = 1'000'000;
 
   static constexpr auto Fields() {
     return std::tuple{
@@ -108,13 +109,18 @@ struct FeatureOptions {
         OptionField{
             "contrast_threshold", &FeatureOptions::contrast_threshold, Open(0, 1), "",
             "SIFT: the least contrast of a keypoint, in OpenCV's scale. Lower finds more on "
-            "plain walls."}};
+            "plain walls."},
+        OptionField{"working_pixels", &FeatureOptions::working_pixels, Closed(10'000, 50'000'000),
+                    "",
+                    "Larger images are reduced to so many pixels before detection, which bounds "
+                    "its time and memory: SIFT takes about 240 bytes per pixel."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Features of an 8-bit grey image. Deterministic; thread-safe. An image too small or too plain for
-// features gives none, not an error.
+// Features of an 8-bit grey image, in its pixels, whatever size they were detected at.
+// Deterministic; thread-safe. An image too small or too plain for features gives none, not an
+// error.
 Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options);
 
 }  // namespace waystone

@@ -82,12 +82,7 @@ class Update {
       answer.state.push_back(Posterior(i, best));
       sum += answer.state.back().probability;
     }
-    double entropy = 0;
-    for (Belief& belief : answer.state) {
-      const double p = belief.probability /= sum;
-      if (p > 0) entropy -= p * std::log(p);
-    }
-    answer.effective_nodes = std::exp(entropy);
+    for (Belief& belief : answer.state) belief.probability /= sum;
     KeepLikeliest(answer.state);
     return answer;
   }

@@ -68,9 +68,7 @@ struct Belief {
 using FilterState = std::vector<Belief>;
 
 struct FilterAnswer {
-  FilterState state;           // the first is the answer; never empty
-  double effective_nodes = 1;  // e to the entropy of the whole belief: 1 is certain, the number of
-                               // nodes is not knowing
+  FilterState state;  // the first is the answer; never empty
 };
 
 // The belief after an image. `poses` are graph_from_node, `evidence[i]` is of node i. `previous` is

@@ -38,7 +38,6 @@ struct SignatureOptions {
   ElevationBand band = {0.6, -0.6};
   bool normalise = true;
 
-  // Without the band, whose two angles Check() compares.
   static constexpr auto Fields() {
     using O = SignatureOptions;
     return std::tuple{
@@ -51,6 +50,7 @@ struct SignatureOptions {
         OptionField{"k2", &O::k2, Closed(2, 4096), "",
                     "Phases a row: what headings come from. More give finer headings. The compass "
                     "uses the frequencies that have both magnitude and phase."},
+        OptionGroup{"band", &O::band},
         OptionField{"normalise", &O::normalise, AnyValue(), "",
                     "Photometric normalisation: the band less its mean, over its standard "
                     "deviation. Bears changes of exposure; loses the brightness, which may tell "

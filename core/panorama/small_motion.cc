@@ -332,7 +332,6 @@ class Refinement {
     SmallMotion result;
     result.turn_rad = estimate.turn_rad;
     result.motion = estimate.rest.segment<2>(1);
-    result.tilt_rad = estimate.rest.segment<2>(3);
     result.turn_sigma_rad = std::sqrt(covariance(0, 0));
     result.motion_covariance = covariance.block<2, 2>(1, 1);
     result.correlation = images.Correlation();

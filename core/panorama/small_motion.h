@@ -51,7 +51,6 @@ struct SmallMotion {
   double turn_rad = 0;           // azimuths in b are those in a plus this
   Eigen::Vector2d motion{0, 0};  // step over the mean distance of landmarks, towards the front and
                                  // towards the right of a
-  Eigen::Vector2d tilt_rad{0, 0};  // what is in front, what is on the right goes up by this
   double turn_sigma_rad = 0;
   Eigen::Matrix2d motion_covariance = Eigen::Matrix2d::Zero();
   double correlation = 0;  // of b brought back to a, with a: 1 is a perfect fit

@@ -72,7 +72,7 @@ struct CompassOptions {
   double uneven_depth = 0.15;
   double max_motion_sigma_rad = 0.8;
 
-  // Without the band, which is that of the signatures.
+  static constexpr int kUnlistedMembers = 1;  // the band, which is that of the signatures
   static constexpr auto Fields() {
     using O = CompassOptions;
     return std::tuple{
@@ -123,7 +123,7 @@ struct CompassHeading {
                               // uncorrelated columns
   double runner_up_rad = 0;   // the best heading that lies off by separation_rad at least
   bool small_motion = false;  // refined by the small motion; else by the warping search alone
-  std::optional<MotionDirection> motion;  // when it is determined to max_motion_deviation_rad
+  std::optional<MotionDirection> motion;  // when it is determined to max_motion_sigma_rad
 };
 
 // The heading of b against a when b may have moved, by up to about half the distance to the walls:

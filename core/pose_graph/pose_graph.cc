@@ -93,17 +93,9 @@ class Optimiser {
   PoseGraphResult Run() {
     const bool has_loops =
         std::any_of(edges_.begin(), edges_.end(), [](const PoseEdge& edge) { return edge.loop; });
-    const double start_cost = Cost();
-    result_.initial_cost = start_cost;
     if (has_loops) {
-      const std::vector<Block> start = blocks_;
       SolveRobustly();
       RejectLoops();
-      // What the start costs with the edges that stayed.
-      const std::vector<Block> robust = blocks_;
-      blocks_ = start;
-      result_.initial_cost = Cost();
-      blocks_ = robust;
     }
     Solve({});
     return Finish();
@@ -190,19 +182,12 @@ class Optimiser {
     }
   }
 
-  double Cost() const {
-    double cost = 0;
-    for (const PoseEdge& edge : KeptEdges()) cost += 0.5 * std::pow(Residual(edge), 2);
-    return cost;
-  }
-
   PoseGraphResult Finish() {
     for (const Block& block : blocks_) {
       result_.poses.push_back({block[0], block[1], WrappedAngle(block[2])});
     }
     for (const double log_scale : log_scales_) result_.scales.push_back(std::exp(log_scale));
     for (const PoseEdge& edge : edges_) result_.residuals.push_back(Residual(edge));
-    result_.final_cost = Cost();
     return std::move(result_);
   }
 

@@ -52,9 +52,7 @@ struct PoseGraphResult {
   std::vector<double> scales;     // by group; the first is 1
   std::vector<bool> rejected;     // by edge: loop edges that were taken out
   std::vector<double> residuals;  // by edge: how far off it is in the end, in sigmas
-  double initial_cost = 0;        // half the sum of the squared residuals without rejected edges
-  double final_cost = 0;
-  int iterations = 0;  // of all optimisations
+  int iterations = 0;             // of all optimisations
   bool converged = false;
 };
 

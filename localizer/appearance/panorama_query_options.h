@@ -54,9 +54,11 @@ struct PanoramaQueryOptions {
             "phase_weight", &Self::phase_weight, Closed(0, 10), "",
             "Weight of the phases' disagreement (0 to 1) beside the signatures' distance. "
             "More trusts what is seen at the same height and angle; less tolerates motion."},
+        OptionGroup{"phases", &Self::phases},
         OptionField{"fine_heading", &Self::fine_heading, AnyValue(), "",
-                    "Refine the heading by the warping search, which takes about 0.5 ms. Without "
+                    "Refine the heading by the warping search, which takes a few ms. Without "
                     "it, the phases give it, exactly for a pure turn alone."},
+        OptionGroup{"compass", &Self::compass},
         OptionField{"phase_sigma_rad", &Self::phase_sigma_rad, Closed(0.001, 3), "rad",
                     "Standard deviation of the phases' heading where it isn't refined."},
         OptionField{"verify", &Self::verify, AnyValue(), "",

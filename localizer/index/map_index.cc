@@ -9,6 +9,7 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/features/descriptor_codes.h"
+#include "localizer/index/spacing_parallax.h"
 #include "schema/layers/planes/index_features.h"
 
 namespace waystone {
@@ -38,7 +39,7 @@ MapIndex::MapIndex(MapData map) : map_(std::move(map)) {
   CheckReferences();
   TakeDescriptors();
   CollectViews();
-  if (map_.appearance) appearance_ = AppearanceIndex(*map_.appearance);
+  if (map_.appearance) TakeAppearance();
   for (const Edge& edge : map_.edges) {
     neighbours_[edge.a].push_back(edge.b);
     neighbours_[edge.b].push_back(edge.a);
@@ -70,6 +71,13 @@ void MapIndex::CollectViews() {
       seen_[keyframe_index_.at(views[v].keyframe)].push_back({p, v});
     }
   }
+}
+
+void MapIndex::TakeAppearance() {
+  appearance_ = AppearanceIndex(*map_.appearance);
+  const double measured =
+      MeasureSpacingParallax(*map_.appearance, map_.info.feature_type, appearance_.spacing());
+  if (measured > 0) spacing_parallax_rad_ = measured;
 }
 
 // Moves the descriptors plane by plane, so that they are never in memory twice.

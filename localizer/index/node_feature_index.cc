@@ -21,7 +21,8 @@ Descriptors DescriptorsOf(const AppearanceLayer& layer, FeatureType type) {
   return all;
 }
 
-SearchIndex IndexOf(const Descriptors& rows, FeatureType type, const InvertedFileOptions& options) {
+SearchIndex BuildNodeIndex(const Descriptors& rows, FeatureType type,
+                           const InvertedFileOptions& options) {
   const InvertedFile file = BuildInvertedFile(rows, type, options);
   SearchIndex search =
       file.list_of_row.empty() ? SearchIndex(type, rows.rows()) : SearchIndex(type, file);
@@ -37,7 +38,7 @@ NodeFeatureIndex::NodeFeatureIndex(const AppearanceLayer& layer, FeatureType typ
                                    const NodeFeatureIndexOptions& options)
     : nodes_(static_cast<int>(layer.nodes.size())) {
   options.Check();
-  search_ = IndexOf(DescriptorsOf(layer, type), type, options.file);
+  search_ = BuildNodeIndex(DescriptorsOf(layer, type), type, options.file);
   for (int node = 0; node < nodes_; ++node) {
     node_of_row_.insert(node_of_row_.end(), layer.nodes[node].features.bearings.size(), node);
   }

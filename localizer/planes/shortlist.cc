@@ -31,16 +31,21 @@ void KeepMostVoted(double min_votes, int max_kept, std::vector<Candidate>& candi
   if (std::ssize(candidates) > max_kept) candidates.resize(max_kept);
 }
 
-double CountPlaneVotes(const MapIndex& index, int keyframe, const Ballot& planes) {
-  double votes = 0;
+// Votes for a keyframe beyond those that as many features get by chance, one feature of the index
+// getting `per_feature`: keyframes that saw more planes aren't likelier to be seen.
+double CountExcessVotes(const MapIndex& index, int keyframe, const Ballot& planes,
+                        const Ballot& keyframes, double per_feature) {
+  double votes = keyframes.votes(keyframe);
+  double features = index.map().keyframes[keyframe].landmarks.size();
   for (const MapIndex::SeenPlane& seen : index.PlanesSeenBy(keyframe)) {
     const Plane& plane = index.map().planes[seen.plane];
     if (plane.features.empty()) continue;
-    const double share =
-        plane.views[seen.view].inliers / static_cast<double>(plane.features.size());
-    votes += std::min(1.0, share) * planes.votes(seen.plane);
+    const auto all = static_cast<double>(plane.features.size());
+    const double share = std::min(1.0, plane.views[seen.view].inliers / all);
+    votes += share * planes.votes(seen.plane);
+    features += share * all;
   }
-  return votes;
+  return votes - per_feature * features;
 }
 
 }  // namespace
@@ -52,10 +57,12 @@ Shortlist VoteForPlaces(const MapIndex& index, const Features& query,
       index.search().Nearest(query.descriptors, k, options.probes);
   Ballot planes(index.map().planes.size());
   Ballot keyframes(index.map().keyframes.size());
+  int votes = 0;
   for (int q = 0; q < query.size(); ++q) {
     for (int i = 0; i < k; ++i) {
       const int row = nearest[static_cast<size_t>(q) * k + i].row;
       if (row < 0) continue;
+      ++votes;
       const int plane = index.PlaneOfRow(row);
       plane >= 0 ? planes.Vote(q, plane) : keyframes.Vote(q, index.KeyframeOfRow(row));
     }
@@ -64,8 +71,9 @@ Shortlist VoteForPlaces(const MapIndex& index, const Features& query,
   for (int p = 0; p < static_cast<int>(index.map().planes.size()); ++p) {
     shortlist.planes.push_back({p, planes.votes(p)});
   }
+  const double per_feature = votes / std::max(1.0, static_cast<double>(index.search().rows()));
   for (int f = 0; f < static_cast<int>(index.map().keyframes.size()); ++f) {
-    shortlist.keyframes.push_back({f, keyframes.votes(f) + CountPlaneVotes(index, f, planes)});
+    shortlist.keyframes.push_back({f, CountExcessVotes(index, f, planes, keyframes, per_feature)});
   }
   KeepMostVoted(options.min_votes, options.max_candidates, shortlist.planes);
   KeepMostVoted(options.min_votes, options.max_keyframes, shortlist.keyframes);

@@ -17,7 +17,7 @@ struct ShortlistedPlane {
 // A keyframe that the query may be near.
 struct ShortlistedKeyframe {
   int keyframe = 0;  // index in the map's keyframes
-  double votes = 0;
+  double votes = 0;  // beyond those by chance
 };
 
 struct Shortlist {
@@ -27,7 +27,8 @@ struct Shortlist {
 
 // Planes and keyframes by descriptor votes. Every query feature votes once for each plane among its
 // nearest descriptors, and once for each keyframe that has a landmark among them. A keyframe has
-// the votes of the planes that it saw too, each by the share of the plane's features that it saw.
+// the votes of the planes that it saw too, each by the share of the plane's features that it saw,
+// less the votes that as many features get by chance.
 Shortlist VoteForPlaces(const MapIndex& index, const Features& query,
                         const PlaneQueryOptions& options);
 

@@ -22,12 +22,13 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
                                               const Deadline& deadline = {});
 
 // Whether two keyframes show one surrounding: a plane was seen by both, or they follow each other
-// with at most three between them, one where a stretch ends between them. Indices in the map's keyframes.
+// with at most three between them, one where a stretch ends between them. Indices in the map's
+// keyframes.
 bool KeyframesAreNear(const MapIndex& index, int a, int b);
 
 // Gives each place the verified keyframe that shows it best, and makes places of those keyframes
-// that no place is near. Sets the probabilities that follow from both, and sorts: those that suffice
-// for an answer before the others, most inliers first.
+// that no place is near. Sets the probabilities that follow from both, and sorts: those that
+// suffice for an answer before the others, most inliers first.
 void JoinKeyframes(const MapIndex& index, const std::vector<VerifiedKeyframe>& keyframes,
                    const PlaneQueryOptions& options, std::vector<Place>& places);
 

@@ -35,20 +35,29 @@ double ScaleAt(const Matrix3d& h, const Vector2d& x) {
   return std::copysign(std::sqrt(std::abs(area)), area);
 }
 
-bool ScalesSensibly(const VerifiedPlane& verified, const Features& query, double max_scale) {
+// Lengths of an image over those of another one that shows the same field of view.
+double SizeRatio(const Features& query, const Keyframe& reference) {
+  return std::sqrt((static_cast<double>(query.width) * query.height) /
+                   (static_cast<double>(reference.width) * reference.height));
+}
+
+// By fields of view, not by pixels: a photo of 48 megapixels isn't taken from closer by.
+bool ScalesSensibly(const VerifiedPlane& verified, const Features& query, const Keyframe& reference,
+                    double max_scale) {
+  const double size_ratio = SizeRatio(query, reference);
   for (const Match& match : verified.inliers) {
-    const double scale =
-        ScaleAt(verified.reference_from_query.b_from_a, PositionOf(query.keypoints[match.a]));
+    const double scale = size_ratio * ScaleAt(verified.reference_from_query.b_from_a,
+                                              PositionOf(query.keypoints[match.a]));
     if (!(scale > 1 / max_scale && scale < max_scale)) return false;
   }
   return true;
 }
 
 Gate FirstFailedGate(const VerifiedPlane& verified, const Features& query,
-                     const GateOptions& gates) {
+                     const Keyframe& reference, const GateOptions& gates) {
   if (verified.distinct < gates.min_inliers) return Gate::kMinInliers;
   if (verified.distinct < gates.min_inlier_share * verified.matches) return Gate::kMinInlierShare;
-  if (!ScalesSensibly(verified, query, gates.max_scale)) return Gate::kMaxScale;
+  if (!ScalesSensibly(verified, query, reference, gates.max_scale)) return Gate::kMaxScale;
   return Gate::kPassed;
 }
 
@@ -74,7 +83,8 @@ std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeat
   for (const int row : estimate->inliers) verified.inliers.push_back(matches[row]);
   verified.matches = static_cast<int>(matches.size());
   verified.distinct = CountDistinct(query, verified.inliers, options.gates.distinct_px);
-  verified.stopped_by = FirstFailedGate(verified, query, options.gates);
+  verified.stopped_by =
+      FirstFailedGate(verified, query, *index.FindKeyframe(target.reference), options.gates);
   verified.accepted = verified.stopped_by == Gate::kPassed;
   return verified;
 }

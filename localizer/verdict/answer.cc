@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localizer/verdict/answer.h"
 
+#include <cmath>
+
 #include "core/base/check.h"
 
 namespace waystone {
@@ -33,6 +35,10 @@ const char* NameOf(DecidedBy gate) {
       return "homography_inliers";
     case DecidedBy::kEpipolarInliers:
       return "epipolar_inliers";
+    case DecidedBy::kInlierShare:
+      return "inlier_share";
+    case DecidedBy::kHomographyScale:
+      return "homography_scale";
     case DecidedBy::kPlaceProbability:
       return "place_probability";
     case DecidedBy::kAmbiguousPlaces:
@@ -112,6 +118,10 @@ const char* NameOf(Gate gate) {
 int CountBestInliers(const PlaneAnswer& answer) {
   if (!answer.recognised.empty()) return answer.recognised.front().inliers;
   return answer.epipolar ? answer.epipolar->inliers : 0;
+}
+
+std::string PercentText(double share) {
+  return std::to_string(static_cast<int>(std::floor(100 * share))) + "%";
 }
 
 Answer Undecided(Stage last) {

@@ -29,6 +29,8 @@ enum class DecidedBy {
   kShortlistVotes,     // no plane got enough votes
   kHomographyInliers,  // planes that fit, or none that does
   kEpipolarInliers,    // a keyframe that fits by its landmarks
+  kInlierShare,        // too few of the best plane's matches fit its homography
+  kHomographyScale,    // the best plane's homography scales beyond belief
   kPlaceProbability,   // the best place isn't probable enough
   kAmbiguousPlaces,    // two places of a map look alike
   kAmbiguousMaps,      // several maps recognise the image
@@ -189,6 +191,9 @@ struct Answer {
   std::optional<Stage> last_stage;
   StageTimes timing;
 };
+
+// "89%", rounded down, so that no share reads as a threshold that it misses.
+std::string PercentText(double share);
 
 // The answer once the deadline has passed, `last` being the last stage that was finished.
 Answer Undecided(Stage last);

@@ -32,7 +32,8 @@ struct GateOptions {
                     "features."},
         OptionField{"max_scale", &GateOptions::max_scale, Above(1), "",
                     "Largest factor by which a homography may enlarge or shrink between query and "
-                    "reference. A larger one is a fit through noise."},
+                    "reference, relative to the sizes of both images. A larger one is a fit "
+                    "through noise."},
         OptionField{"ambiguous_share", &GateOptions::ambiguous_share, OpenLow(0, 1), "",
                     "A second place with this share of the first one's inliers makes the answer "
                     "ambiguous. Lower calls more answers ambiguous."}};

@@ -66,7 +66,7 @@ void AddValue(ValueChecksum& checksum, const SQLite::Column& column) {
   }
 }
 
-TableContents ContentsOf(SQLite::Database& database, const std::string& table) {
+TableContents SummariseTable(SQLite::Database& database, const std::string& table) {
   SQLite::Statement rows(database, PlainColumnsQuery(database, table));
   TableContents contents;
   ValueChecksum checksum;
@@ -87,7 +87,7 @@ TableContents StoredContents(SQLite::Database& database, const std::string& tabl
 
 void CompareContents(SQLite::Database& database, const std::string& table,
                      std::vector<MapProblem>& problems) {
-  const TableContents found = ContentsOf(database, table);
+  const TableContents found = SummariseTable(database, table);
   const TableContents stored = StoredContents(database, table);
   if (stored.rows < 0) {
     problems.push_back({table, "has no row in contents"});
@@ -172,7 +172,7 @@ void WriteContents(SQLite::Database& database, const std::vector<SchemaObject>& 
   TableWriter<kContentsTable> writer(sink);
   for (const SchemaObject& object : objects) {
     if (!HasContents(object)) continue;
-    const TableContents contents = ContentsOf(database, object.name);
+    const TableContents contents = SummariseTable(database, object.name);
     writer.Row(object.name, contents.rows, contents.crc);
   }
 }

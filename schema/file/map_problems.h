@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "schema/map_data.h"
-#include "schema/map_problem.h"
+#include "schema/tables/map_problem.h"
 
 namespace waystone {
 

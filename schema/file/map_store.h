@@ -7,12 +7,12 @@
 
 #include "core/base/error.h"
 #include "schema/map_data.h"
-#include "schema/map_problem.h"
+#include "schema/tables/map_problem.h"
 
 namespace waystone {
 
 // Version of the schema that this program writes: SQLite's user_version.
-inline constexpr int kSchemaVersion = 4;
+inline constexpr int kSchemaVersion = 5;
 // SQLite's application_id of a map file: "WAYS".
 inline constexpr int kApplicationId = 0x57415953;
 

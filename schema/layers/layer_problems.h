@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "schema/map_data.h"
-#include "schema/map_problem.h"
+#include "schema/tables/map_problem.h"
 
 // What FindMapProblems says of each layer; FORMAT.md lists the rules.
 namespace waystone {

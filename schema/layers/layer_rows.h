@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "schema/map_data.h"
-#include "schema/map_problem.h"
+#include "schema/tables/map_problem.h"
 #include "schema/tables/table_writer.h"
 
 // The tables of the layers. Reading adds what is wrong to `problems`, row by row, and takes

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "schema/map_data.h"
-#include "schema/map_problem.h"
+#include "schema/tables/map_problem.h"
 #include "schema/tables/table.h"
 #include "schema/tables/table_writer.h"
 

@@ -98,30 +98,6 @@ void ValueChecksum::AddSized(uint8_t kind, const std::string& value) {
   bytes_.insert(bytes_.end(), value.begin(), value.end());
 }
 
-Bytes EncodeKeypoints(const std::vector<PlaneFeature>& features) {
-  Bytes out;
-  out.reserve(features.size() * kKeypointBytes);
-  for (const PlaneFeature& feature : features) {
-    AppendFloat(out, feature.reference.x_px);
-    AppendFloat(out, feature.reference.y_px);
-    AppendFloat(out, feature.reference.scale_px);
-    AppendFloat(out, feature.reference.angle_rad);
-  }
-  return out;
-}
-
-Bytes EncodeVotes(const std::vector<PlaneFeature>& features) {
-  Bytes out;
-  out.reserve(features.size() * kVotesBytes);
-  for (const PlaneFeature& feature : features) {
-    for (const int count : {feature.votes, feature.visible}) {
-      WS_CHECK(count >= 0 && count <= kMaxVotes, std::to_string(count) + " votes");
-      Append(out, static_cast<uint16_t>(count));
-    }
-  }
-  return out;
-}
-
 Bytes EncodeOutline(const std::vector<Eigen::Vector2d>& outline) {
   Bytes out;
   out.reserve(outline.size() * kVertexBytes);
@@ -163,38 +139,11 @@ Bytes EncodeHalves(const HalfMatrix& matrix) {
   return out;
 }
 
-Bytes EncodeBearings(const std::vector<Bearing>& bearings) {
+Bytes EncodeFloats(const std::vector<float>& values) {
   Bytes out;
-  out.reserve(bearings.size() * kBearingBytes);
-  for (const Bearing& bearing : bearings) {
-    Append(out, static_cast<uint16_t>(bearing.azimuth));
-    Append(out, static_cast<uint16_t>(bearing.elevation));
-  }
+  out.reserve(values.size() * kFloatBytes);
+  for (const float value : values) AppendFloat(out, value);
   return out;
-}
-
-Bytes EncodePositions(const std::vector<ImagePosition>& positions) {
-  Bytes out;
-  out.reserve(positions.size() * kPositionBytes);
-  for (const ImagePosition& position : positions) {
-    Append(out, position.x);
-    Append(out, position.y);
-  }
-  return out;
-}
-
-std::vector<PlaneFeature> DecodeFeatures(BytesView keypoints, BytesView votes) {
-  CheckWhole(keypoints, kKeypointBytes);
-  const size_t count = keypoints.size() / kKeypointBytes;
-  WS_CHECK(votes.size() == count * kVotesBytes, "as many votes as keypoints");
-  std::vector<PlaneFeature> features(count);
-  for (size_t i = 0; i < count; ++i) {
-    features[i].reference = {FloatAt(keypoints, 4 * i), FloatAt(keypoints, 4 * i + 1),
-                             FloatAt(keypoints, 4 * i + 2), FloatAt(keypoints, 4 * i + 3)};
-    features[i].votes = At<uint16_t>(votes, 2 * i);
-    features[i].visible = At<uint16_t>(votes, 2 * i + 1);
-  }
-  return features;
 }
 
 std::vector<Eigen::Vector2d> DecodeOutline(BytesView blob) {
@@ -229,23 +178,11 @@ HalfMatrix DecodeHalves(BytesView blob, int rows, int columns) {
   return matrix;
 }
 
-std::vector<Bearing> DecodeBearings(BytesView blob) {
-  CheckWhole(blob, kBearingBytes);
-  std::vector<Bearing> bearings(blob.size() / kBearingBytes);
-  for (size_t i = 0; i < bearings.size(); ++i) {
-    bearings[i] = {static_cast<int16_t>(At<uint16_t>(blob, 2 * i)),
-                   static_cast<int16_t>(At<uint16_t>(blob, 2 * i + 1))};
-  }
-  return bearings;
-}
-
-std::vector<ImagePosition> DecodePositions(BytesView blob) {
-  CheckWhole(blob, kPositionBytes);
-  std::vector<ImagePosition> positions(blob.size() / kPositionBytes);
-  for (size_t i = 0; i < positions.size(); ++i) {
-    positions[i] = {At<uint16_t>(blob, 2 * i), At<uint16_t>(blob, 2 * i + 1)};
-  }
-  return positions;
+std::vector<float> DecodeFloats(BytesView blob) {
+  CheckWhole(blob, kFloatBytes);
+  std::vector<float> values(blob.size() / kFloatBytes);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = FloatAt(blob, i);
+  return values;
 }
 
 std::vector<uint16_t> DecodeLists(BytesView blob) {

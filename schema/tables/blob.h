@@ -7,9 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/features/features.h"
-#include "schema/layers/appearance/appearance_layer.h"
-#include "schema/layers/planes/plane_layer.h"
+#include "core/panorama/fourier_signature.h"
 
 // The blobs of a map file: rows of numbers, little-endian whatever the machine, without padding.
 // How many rows and columns a blob has is said beside it; FORMAT.md lists them. The decoders take
@@ -20,17 +18,12 @@ using Bytes = std::vector<uint8_t>;
 using BytesView = std::span<const uint8_t>;
 
 // Bytes of one row of each kind of blob.
-inline constexpr int kKeypointBytes = 16;  // float32 x, y, scale, angle
-inline constexpr int kVotesBytes = 4;      // uint16 votes, visible
 inline constexpr int kVertexBytes = 16;    // float64 x, y
 inline constexpr int kParameterBytes = 8;  // float64
 inline constexpr int kMatrixBytes = 72;    // nine float64, row after row
 inline constexpr int kListBytes = 2;       // uint16
 inline constexpr int kHalfBytes = 2;       // float16
-inline constexpr int kBearingBytes = 4;    // int16 azimuth, elevation
-inline constexpr int kPositionBytes = 4;   // uint16 x, y
-// The largest value that a count of votes is stored with.
-inline constexpr int kMaxVotes = 0xffff;
+inline constexpr int kFloatBytes = 4;      // float32
 
 // CRC-32C (Castagnoli): polynomial 0x1EDC6F41, reflected, starting and ending with all ones.
 uint32_t Crc32c(BytesView bytes);
@@ -55,24 +48,19 @@ class ValueChecksum {
   Bytes bytes_;
 };
 
-Bytes EncodeKeypoints(const std::vector<PlaneFeature>& features);
-Bytes EncodeVotes(const std::vector<PlaneFeature>& features);
 Bytes EncodeOutline(const std::vector<Eigen::Vector2d>& outline);
 Bytes EncodeParameters(const std::vector<double>& parameters);
 Bytes EncodeMatrix(const Eigen::Matrix3d& matrix);
 Bytes EncodeHalves(const HalfMatrix& matrix);
-Bytes EncodeBearings(const std::vector<Bearing>& bearings);
-Bytes EncodePositions(const std::vector<ImagePosition>& positions);
+Bytes EncodeFloats(const std::vector<float>& values);
 Bytes EncodeLists(const std::vector<uint16_t>& list_of_row);
 
-std::vector<PlaneFeature> DecodeFeatures(BytesView keypoints, BytesView votes);
 std::vector<Eigen::Vector2d> DecodeOutline(BytesView blob);
 std::vector<double> DecodeParameters(BytesView blob);
 Eigen::Matrix3d DecodeMatrix(BytesView blob);
 // A blob of rows * columns values.
 HalfMatrix DecodeHalves(BytesView blob, int rows, int columns);
-std::vector<Bearing> DecodeBearings(BytesView blob);
-std::vector<ImagePosition> DecodePositions(BytesView blob);
+std::vector<float> DecodeFloats(BytesView blob);
 std::vector<uint16_t> DecodeLists(BytesView blob);
 
 }  // namespace waystone

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "schema/map_problem.h"
+#include "schema/tables/map_problem.h"
 #include "schema/tables/row.h"
 
 namespace waystone {

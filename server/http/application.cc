@@ -24,7 +24,7 @@ constexpr size_t kMaxIdBytes = 64;
 // For answers that are no page: nothing in them may be run or framed.
 constexpr const char* kStrictPolicy = "default-src 'none'; frame-ancestors 'none'";
 
-int ThreadsOf(const ServiceOptions& options) {
+int CountThreads(const ServiceOptions& options) {
   if (options.query_threads > 0) return options.query_threads;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
@@ -81,7 +81,7 @@ Application::Application(const MapCatalog::Indices& maps, const ServiceOptions& 
     : options_((options.Check(), options)),
       sinks_(Complete(std::move(sinks))),
       catalog_(maps),
-      gate_(ThreadsOf(options), options.queue_length),
+      gate_(CountThreads(options), options.queue_length),
       log_(OpenLog(options, sinks_.error)),
       inspection_(catalog_, gate_),
       queries_(catalog_, gate_, metrics_, log_.get(), options.localize, options.limits),

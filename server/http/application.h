@@ -59,6 +59,12 @@ class Application {
   Metrics& metrics() { return metrics_; }
   // From now on /readyz says that the server ends, so that a load balancer sends nothing more.
   void BeginStop() { stopping_ = true; }
+  // Queries that wait for their turn are turned away from now on.
+  void EndQueue() { gate_.Close(); }
+  // Whether a request with this header Authorization may send a body. Thread-safe.
+  bool Admit(const std::string& authorization) const {
+    return options_.tokens.Admit(authorization);
+  }
 
  private:
   void AddOperations();

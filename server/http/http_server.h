@@ -22,12 +22,16 @@ struct HttpOptions {
   bool has_tokens = false;
   int64_t max_body_bytes = 20'000'000;
   int64_t max_bodies_bytes = 400'000'000;
-  int connection_threads = 64;
+  int max_connections = 1024;
+  int request_threads = 64;
   int backlog = 511;
-  int keep_alive_s = 2;
+  int keep_alive_s = 30;
+  int head_timeout_s = 10;
   int read_timeout_s = 5;
   int body_timeout_s = 30;
   int write_timeout_s = 5;
+  int answer_timeout_s = 60;
+  int stop_timeout_s = 4;
 
   static constexpr auto Fields() {
     using Self = HttpOptions;
@@ -41,36 +45,49 @@ struct HttpOptions {
         OptionField{"max_bodies_bytes", &Self::max_bodies_bytes, AtLeast(1), "bytes",
                     "Of all bodies that are held at once, at least max_body_bytes; the next one "
                     "gets 429."},
-        OptionField{"connection_threads", &Self::connection_threads, Closed(1, 10'000), "",
-                    "Connections that are held at once, each by a thread, also while it is idle."},
+        OptionField{"max_connections", &Self::max_connections, Closed(1, 100'000), "",
+                    "Connections that are held at once. For the next one the connection that has "
+                    "been idle longest is closed, else the slowest one."},
+        OptionField{"request_threads", &Self::request_threads, Closed(1, 10'000), "",
+                    "Requests that are answered or wait for their turn at once, each by a thread. "
+                    "More than queries compute and wait, or nothing else is answered meanwhile."},
         OptionField{"backlog", &Self::backlog, AtLeast(1), "",
-                    "Connections that the kernel keeps ready while all threads are held; it "
-                    "refuses more."},
+                    "Connections that the kernel keeps ready; it refuses more."},
         OptionField{"keep_alive_s", &Self::keep_alive_s, AtLeast(1), "s",
-                    "How long an idle connection is kept. Longer saves handshakes and lets slow "
-                    "clients hold threads."},
+                    "How long an idle connection is kept."},
+        OptionField{"head_timeout_s", &Self::head_timeout_s, AtLeast(1), "s",
+                    "Time in which a request line and its headers must arrive."},
         OptionField{"read_timeout_s", &Self::read_timeout_s, AtLeast(1), "s",
-                    "Time without a byte from the client."},
+                    "Time without a byte of a body."},
         OptionField{"body_timeout_s", &Self::body_timeout_s, AtLeast(1), "s",
                     "Time in which a whole body must arrive. Longer accepts larger photos over "
-                    "slow links and lets slow clients hold threads."},
+                    "slow links."},
         OptionField{"write_timeout_s", &Self::write_timeout_s, AtLeast(1), "s",
-                    "Time in which the client accepts none of our bytes."}};
+                    "Time in which the client accepts none of our bytes."},
+        OptionField{"answer_timeout_s", &Self::answer_timeout_s, AtLeast(1), "s",
+                    "Time in which the client must accept a whole answer."},
+        OptionField{"stop_timeout_s", &Self::stop_timeout_s, AtLeast(1), "s",
+                    "Time that the answers at hand are given when the server stops."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
 // The HTTP/1.1 transport: sockets, limits and bodies. Knows nothing of maps. Refuses what could be
-// read in two ways (bad, repeated or contradicting lengths) and what could cost more than the
-// limits say: encoded bodies and bodies over the limit. Ranges and compression are left undone.
-// Everything else goes to `dispatch`, from several threads at once; it must not throw.
+// read in two ways (bad, repeated or contradicting lengths, continued lines) and what could cost
+// more than the limits say: long heads, encoded bodies and bodies over the limit. Ranges and
+// compression are left undone. A client holds memory within bounds, never a thread. Requests that
+// have arrived go to `dispatch`, from several threads at once; it must not throw. GET /healthz and
+// /readyz don't wait behind others.
 class HttpServer {
  public:
   using Dispatch = std::function<HttpResponse(const HttpRequest&)>;
+  // Whether a body is worth reading, by the value of the header Authorization (empty without one);
+  // `dispatch` is asked without one where it isn't. Thread-safe.
+  using Admit = std::function<bool(const std::string& authorization)>;
 
   // Binds and listens, without answering yet. Throws MapError(kBadOptions) for an address that
   // isn't ours, is taken or needs --insecure.
-  HttpServer(const HttpOptions& options, Dispatch dispatch);
+  HttpServer(const HttpOptions& options, Dispatch dispatch, Admit admit = nullptr);
   ~HttpServer();  // stops
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
@@ -80,8 +97,12 @@ class HttpServer {
 
   // Answers, in threads of its own, from the return on.
   void Start();
-  // Takes no more connections, finishes the requests at hand, and returns when all threads ended.
-  void Stop();
+  // From now on each answer closes its connection, so that clients go elsewhere.
+  void Drain();
+  // Takes no more connections, closes those whose request hasn't arrived completely, and finishes
+  // the others; clients get options.stop_timeout_s to read their answers. `on_late` is called when
+  // answers are still being computed then. Returns when all threads ended.
+  void Stop(const std::function<void()>& on_late = nullptr);
 
  private:
   class Impl;

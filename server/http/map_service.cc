@@ -92,7 +92,7 @@ HttpResponse ImageResponse(const Pictured& of, int width) {
 
 // The node of a layer that the path names.
 template <class Layer>
-const auto& NodeOf(const Layer& layer, const Router::Captures& captures) {
+const auto& FindNode(const Layer& layer, const Router::Captures& captures) {
   const int64_t id = IdIn(captures, "node");
   const auto it = std::find_if(layer.nodes.begin(), layer.nodes.end(),
                                [id](const auto& node) { return IdOf(node).value == id; });
@@ -219,15 +219,15 @@ void MapService::AddAppearance(Router& router) {
   AddShow(router, "/appearance/nodes/{id}",
           [](const auto&, const ServedMap& map, const Captures& in) {
             const NodeRows rows(map.name(), map.index().map());
-            return JsonResponse(rows.Row(NodeOf(AppearanceOf(map.index()), in)));
+            return JsonResponse(rows.Row(FindNode(AppearanceOf(map.index()), in)));
           });
   AddShow(router, "/appearance/nodes/{id}/signature",
           [](const auto&, const ServedMap& map, const Captures& in) {
-            return JsonResponse(SignatureJson(NodeOf(AppearanceOf(map.index()), in)));
+            return JsonResponse(SignatureJson(FindNode(AppearanceOf(map.index()), in)));
           });
   AddShow(router, "/appearance/nodes/{id}/image",
           [](const auto& request, const ServedMap& map, const Captures& in) {
-            return ImageResponse(NodeOf(AppearanceOf(map.index()), in), WidthIn(request));
+            return ImageResponse(FindNode(AppearanceOf(map.index()), in), WidthIn(request));
           });
 }
 
@@ -263,11 +263,11 @@ void MapService::AddOrientation(Router& router) {
           });
   AddShow(router, "/orientation/nodes/{id}/image",
           [](const auto& request, const ServedMap& map, const Captures& in) {
-            return ImageResponse(NodeOf(OrientationOf(map.index()), in), WidthIn(request));
+            return ImageResponse(FindNode(OrientationOf(map.index()), in), WidthIn(request));
           });
   AddShow(router, "/orientation/nodes/{id}/lines",
           [this](const auto&, const ServedMap& map, const Captures& in) {
-            const OrientationNode& node = NodeOf(OrientationOf(map.index()), in);
+            const OrientationNode& node = FindNode(OrientationOf(map.index()), in);
             const QueryGate::Turn turn = gate_.Enter();  // it computes
             return JsonResponse(LinesJson(map.index(), node));
           });

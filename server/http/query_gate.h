@@ -3,15 +3,15 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <list>
 #include <mutex>
 #include <optional>
 #include <utility>
 
 namespace waystone {
 
-// Lets `running` queries compute at once and `waiting` more wait for their turn; the next one is
-// turned away at once. Connections hold threads of their own, so that a slow client costs no
-// query its core. Thread-safe.
+// Lets `running` queries compute at once and `waiting` more wait for their turn, first come, first
+// served; the next one is turned away at once. Thread-safe.
 class QueryGate {
  public:
   using Clock = std::chrono::steady_clock;
@@ -43,6 +43,9 @@ class QueryGate {
   // The same, but nothing when the deadline passes first.
   [[nodiscard]] std::optional<Turn> Enter(const Deadline& deadline);
 
+  // Turns away whoever waits, and all who come from now on, with MapError(kNotReady).
+  void Close();
+
   // How many compute and how many wait, now.
   struct Load {
     int running = 0;
@@ -51,15 +54,22 @@ class QueryGate {
   Load load() const;
 
  private:
+  // Of one who waits.
+  struct Place {
+    std::condition_variable changed;
+    bool called = false;  // has a turn
+  };
+
+  [[noreturn]] static void FailClosed();
   void Leave(Clock::duration took);
   int RetryAfterS() const;  // with the lock held
 
   const int running_;
   mutable std::mutex mutex_;
-  std::condition_variable freed_;
   int free_;
   int seats_;
-  int waiting_ = 0;
+  std::list<Place> waiting_;  // in the order of their coming
+  bool closed_ = false;
   double turn_s_ = 0;  // how long turns took of late, the last ones more; 0 before the first
 };
 

@@ -14,6 +14,7 @@
 #include "cli/csv_file.h"
 #include "cli/eval_text.h"
 #include "cli/map_file.h"
+#include "cli/printable_output.h"
 #include "cli/progress.h"
 #include "cli/trajectory_file.h"
 #include "cli/trajectory_plot.h"
@@ -37,20 +38,44 @@ TEST(BytesText, ReadsAsPeopleSayIt) {
   EXPECT_EQ(BytesText(12'300'000'000'000), "12300.0 GB");
 }
 
+TEST(PrintableOutput, ShowsControlCharactersAndLeavesTheRest) {
+  std::ostringstream out;
+  {
+    const PrintableOutput printable(out);
+    out << "a\tb\n\x1b[2J\r\x7f" << '\x07' << "Gar\u00e7on \u4f4d" << std::flush;
+    out << '\xC2' << std::flush << '\x9B' << "31m";  // CSI, in two pieces
+    out << "\u00a9";                                 // begins with C2 as well
+  }
+  out << "\x1b";
+  EXPECT_EQ(out.str(),
+            "a\tb\n\\u001b[2J\\u000d\\u007f\\u0007Gar\u00e7on \u4f4d\\u009b31m\u00a9\x1b");
+}
+
+TEST(SummaryText, CountsUsedAndSkippedFramesOfAll) {
+  BuildResult result;
+  result.report.planes.emplace();
+  result.report.planes->frames = 5;
+  result.report.planes->skipped = 2;
+  result.report.planes->skipped_names = {"a.jpg: truncated", "b.jpg: empty"};
+  const std::string text =
+      SummaryText({.path = "m.db", .version = "1", .tables = {}, .result = &result});
+  EXPECT_NE(text.find("3 of 5 used, 2 skipped"), std::string::npos) << text;
+  EXPECT_NE(text.find("a.jpg: truncated"), std::string::npos) << text;
+}
+
 TEST(AnswerLine, SaysWhereInOneLine) {
   EXPECT_EQ(AnswerLine(Json::parse(R"({"image":"q.jpg","verdict":"localized","planes":
-      [{"id":3,"inliers":143}],"keyframe":{"source":"rgb/1.jpg"},"timing_ms":{"total":69.4}})")),
+      [{"id":3,"inliers":143}],"place":{"image":"rgb/1.jpg","position":null},"timing_ms":{"total":69.4}})")),
             "q.jpg: localized near rgb/1.jpg (plane 3, 143 inliers, 69 ms)");
   EXPECT_EQ(AnswerLine(Json::parse(R"({"image":"p","verdict":"localized","planes":[],
-      "keyframe":null,"heading":{"rad":0.5},"panorama":{"node":{"source":"7.jpg"},
-      "position":{"x":1.2,"y":-3.45}},"timing_ms":{"total":12}})")),
+      "place":{"image":"7.jpg","position":{"x":1.2,"y":-3.45},"heading":{"rad":0.5}},"timing_ms":{"total":12}})")),
             "p: localized near 7.jpg at (1.20, -3.45), heading 29 deg (12 ms)");
   EXPECT_EQ(AnswerLine(Json::parse(R"({"image":"q","verdict":"not_in_map","message":"go on",
       "timing_ms":{"total":5}})")),
             "q: not_in_map: go on (5 ms)");
   // Of a server that is not of our version, or not ours.
-  EXPECT_EQ(AnswerLine(Json::parse(R"({"verdict":"localized","planes":[1],"keyframe":2,
-      "panorama":{"position":[]},"timing_ms":"soon"})")),
+  EXPECT_EQ(AnswerLine(Json::parse(R"({"verdict":"localized","planes":[1],
+      "place":{"position":[]},"timing_ms":"soon"})")),
             ": localized (plane 0, 0 inliers, 0 ms)");
   EXPECT_EQ(AnswerLine(Json::parse("[1]")), ":  (0 ms)");
 }

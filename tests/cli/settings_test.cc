@@ -29,6 +29,14 @@ TEST(ApplySettings, SetsFieldsByTheirFullNames) {
   EXPECT_FALSE(options.images);
 }
 
+TEST(ApplySettings, SetsOptionsOfQueries) {
+  LocalizeOptions options;
+  ApplySettings({"panorama.candidates=3", "planes.max_features=700"}, options);
+  EXPECT_EQ(options.panorama.candidates, 3);
+  EXPECT_EQ(options.planes.max_features, 700);
+  EXPECT_THROW(ApplySettings({"image_width=200"}, options), MapError);
+}
+
 TEST(ApplySettings, NamesTheNearestOption) {
   EXPECT_NE(ErrorOfSetting("image_widht=200").find("did you mean 'image_width'"),
             std::string::npos);

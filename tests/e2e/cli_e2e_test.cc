@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program as a user runs it: what it prints, where, and what it returns.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <thread>
 
@@ -94,6 +100,18 @@ TEST_F(CliTest, LocalizeSaysWhere) {
   EXPECT_EQ(result.code, 0) << result.err;
   EXPECT_NE(result.out.find("inside.jpg: localized near "), std::string::npos) << result.out;
   EXPECT_NE(result.out.find(" inliers, "), std::string::npos) << result.out;
+}
+
+TEST_F(CliTest, LocalizeTakesOptionsOfQueries) {
+  const auto ask = [](const std::string& setting) {
+    return RunWaystone({"localize", TheMap().map, TheMap().inside, "--set", setting});
+  };
+  EXPECT_NE(ask("planes.max_features=800").out.find(": localized near "), std::string::npos);
+  EXPECT_EQ(ask("planes.min_votes=100000").out.find(": localized near "), std::string::npos);
+  ExpectFailure(ask("planes.min_votes=0"), 2, "planes.min_votes is 0");
+  ExpectFailure(ask("planes.min_vote=5"), 2, "did you mean 'planes.min_votes'");
+  ExpectFailure(RunWaystone({"serve", TheMap().map, "--set", "planes.min_vote=5"}), 2,
+                "did you mean 'planes.min_votes'");
 }
 
 TEST_F(CliTest, LocalizeAnswersAllPhotosAndSaysWhichCouldNotBeRead) {
@@ -200,6 +218,60 @@ TEST_F(CliTest, UsageErrors) {
            {"serve", "x.db", "--host", "0.0.0.0"},
            {"demo", "--write", "a", "--keep", "b"}}) {
     ExpectFailure(RunWaystone(arguments), 2, "; ");
+  }
+}
+
+// The largest resident size of a run of the program, in MB.
+int64_t PeakMegabytes(const std::vector<std::string>& arguments) {
+  const pid_t child = fork();
+  if (child == 0) {
+    std::vector<char*> argv{const_cast<char*>(WAYSTONE_PROGRAM)};
+    for (const std::string& argument : arguments)
+      argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    execv(WAYSTONE_PROGRAM, argv.data());
+    _exit(127);
+  }
+  int status = 0;
+  rusage usage{};
+  wait4(child, &status, 0, &usage);
+  EXPECT_EQ(status, 0);
+  return usage.ru_maxrss / 1024;
+}
+
+TEST_F(CliTest, APhotoOfAnySizeIsFoundWithinTheMemoryOfAQuery) {
+  const cv::Mat photo = cv::imread(TheMap().inside.string());
+  cv::Mat large;
+  const double scale = std::sqrt(48e6 / static_cast<double>(photo.total()));
+  cv::resize(photo, large, {}, scale, scale, cv::INTER_CUBIC);
+  const std::string path = folder_ / "large.jpg";
+  cv::imwrite(path, large);
+  const RunResult result = RunWaystone({"localize", TheMap().map, path, "--json"});
+  EXPECT_EQ(Json::parse(result.out)["verdict"], "localized") << result.out << result.err;
+  EXPECT_LT(PeakMegabytes({"localize", TheMap().map, path}), 400);
+}
+
+TEST_F(CliTest, AMistypedCommandGetsASuggestion) {
+  ExpectFailure(RunWaystone({"localise", "a.db", "b.jpg"}), 2, "did you mean 'localize'?");
+  ExpectFailure(RunWaystone({"buid", "x"}), 2, "did you mean 'build'?");
+  ExpectFailure(RunWaystone({"teleport"}), 2, "unknown command 'teleport'; see waystone --help");
+}
+
+// A file's name gets into the map, and from there to the terminal of whoever looks at it.
+TEST_F(CliTest, NamesCannotDriveTheTerminal) {
+  const fs::path images = folder_ / "red\x1b[31m";
+  fs::copy(TheMap().images, images);
+  const fs::path map = folder_ / "m.db";
+  const RunResult build = RunWaystone({"build", images, "-o", map, "--every", "2"});
+  ASSERT_EQ(build.code, 0) << build.err;
+  const RunResult info = RunWaystone({"info", map});
+  EXPECT_NE(info.out.find("red\\u001b[31m"), std::string::npos) << info.out;
+  const RunResult json = RunWaystone({"info", map, "--json"});
+  EXPECT_NE(json.out.find("red\\u001b[31m"), std::string::npos) << json.out;
+  const RunResult missing = RunWaystone({"info", folder_ / "\x1b]0;title\x07.db"});
+  EXPECT_NE(missing.err.find("\\u001b]0;title\\u0007.db"), std::string::npos) << missing.err;
+  for (const std::string& text : {build.out, build.err, info.out, json.out, missing.err}) {
+    EXPECT_EQ(text.find('\x1b'), std::string::npos) << text;
   }
 }
 

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """docs.py PROGRAM MAP IMAGES INSIDE ELSEWHERE: what README.md and docs/*.md say, tried out.
 
-Runs every ```sh block, file by file and in order, in a folder that has what the documents speak of: a
-walk with labelled queries, maps, photos and a server. A block that can't run here has the comment
+Runs every ```sh block, file by file and in order: README.md and the tutorial from an empty folder, the
+other documents in a folder that has what they speak of: a walk with labelled queries, maps, photos and
+a server. A block that can't run here has the comment
 <!-- not run: the reason --> on the line before it. Checks that links lead somewhere, that the messages
 of troubleshooting.md are in the source with their codes, and that how-it-works.md names functions that
 there are.
@@ -19,9 +20,10 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM, MAP, IMAGES, INSIDE, ELSEWHERE = (pathlib.Path(one) for one in sys.argv[1:6])
+FROM_NOTHING = [ROOT / "README.md", ROOT / "docs/tutorial.md"]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 ADDRESS = "http://127.0.0.1:8080"
-PATIENCE_S = 120
+PATIENCE_S = 300
 # Of the walk through the room, one picture each 10 cm: those around the photo, which is near the 20th.
 WALKED = range(11, 41, 3)
 PHOTO_FRAME = WALKED.index(20)
@@ -54,8 +56,6 @@ def blocks(text):
 
 def prepare(folder, built):
     """What the documents speak of, but for the maps that they build themselves."""
-    (folder / "bin").mkdir()
-    (folder / "bin/waystone").symlink_to(PROGRAM)
     (folder / "walk").mkdir()
     for i in WALKED:
         shutil.copy(IMAGES / f"{i}.jpg", folder / "walk")
@@ -84,9 +84,12 @@ class Commands(unittest.TestCase):
     def setUpClass(cls):
         cls.home = pathlib.Path(tempfile.mkdtemp(prefix="waystone-docs-"))
         cls.addClassCleanup(shutil.rmtree, cls.home)
+        (cls.home / "bin").mkdir()
+        (cls.home / "bin/waystone").symlink_to(PROGRAM)
+        (cls.home / "maps").mkdir()
         for name in ("office.db", "lab.db"):
-            shutil.copy(MAP, cls.home / name)
-        server = subprocess.Popen([PROGRAM, "serve", cls.home, "--port", "0"], stdout=subprocess.PIPE, text=True)
+            shutil.copy(MAP, cls.home / "maps" / name)
+        server = subprocess.Popen([PROGRAM, "serve", cls.home / "maps", "--port", "0"], stdout=subprocess.PIPE, text=True)
         cls.addClassCleanup(server.stdout.close)
         cls.addClassCleanup(server.wait, PATIENCE_S)
         cls.addClassCleanup(server.terminate)
@@ -96,7 +99,8 @@ class Commands(unittest.TestCase):
         text = document.read_text(encoding="utf-8")
         found = list(blocks(text))
         folder = pathlib.Path(tempfile.mkdtemp(dir=self.home))
-        prepare(folder, set(re.findall(r"-o (\S+\.db)(?!.*--force)", "\n".join(block for _, block, _ in found))))
+        if document not in FROM_NOTHING:
+            prepare(folder, set(re.findall(r"-o (\S+\.db)(?!.*--force)", "\n".join(block for _, block, _ in found))))
         ran = 0
         for line, block, reason in found:
             if reason:
@@ -104,7 +108,7 @@ class Commands(unittest.TestCase):
             script = PRELUDE + script_of(block, self.url)
             start = time.monotonic()
             done = subprocess.run(["bash", "-c", script], cwd=folder, capture_output=True, text=True, timeout=PATIENCE_S,
-                                  env={"PATH": f"{folder}/bin:/usr/bin:/bin", "HOME": str(folder)})  # fmt: skip
+                                  env={"PATH": f"{self.home}/bin:/usr/bin:/bin", "HOME": str(folder)})  # fmt: skip
             where = f"{document.relative_to(ROOT)}, line {line}"
             print(f"{where}: {time.monotonic() - start:.1f} s", flush=True)
             self.assertEqual(done.returncode, 0, f"{where}:\n{block}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")

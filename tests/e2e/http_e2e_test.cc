@@ -99,10 +99,13 @@ TEST_F(HttpTest, AnswerHasTheDocumentedFields) {
   const Json answer = Localize(ReadFile(TheMap().inside));
   ASSERT_EQ(answer["verdict"], "localized") << answer.dump();
   EXPECT_EQ(KeysOf(answer),
-            (Keys{"verdict", "probability", "image", "map", "map_version", "keyframe", "heading",
-                  "planes", "runner_up", "decided_by", "timing_ms"}));
+            (Keys{"verdict", "probability", "image", "map", "map_version", "place", "keyframe",
+                  "heading", "planes", "runner_up", "decided_by", "timing_ms"}));
   EXPECT_EQ(answer["image"], "q.jpg");
   EXPECT_EQ(answer["map"], "room");
+  EXPECT_EQ(KeysOf(answer["place"]),
+            (Keys{"layer", "id", "image", "sequence", "time_s", "position", "heading"}));
+  EXPECT_EQ(answer["place"]["id"], answer["keyframe"]["id"]);
   EXPECT_EQ(KeysOf(answer["keyframe"]), (Keys{"id", "sequence", "source", "time_s"}));
   EXPECT_EQ(KeysOf(answer["timing_ms"]),
             (Keys{"decode", "extract", "shortlist", "verify", "total"}));
@@ -116,6 +119,7 @@ TEST_F(HttpTest, AnswerHasTheDocumentedFields) {
 TEST_F(HttpTest, OtherBuildingIsNotInTheMap) {
   const Json answer = Localize(ReadFile(TheMap().elsewhere));
   EXPECT_EQ(answer["verdict"], "not_in_map");
+  EXPECT_TRUE(answer["place"].is_null());
   EXPECT_TRUE(answer["keyframe"].is_null());
   EXPECT_NE(answer["message"], "");
 }
@@ -255,9 +259,10 @@ TEST_F(HttpTest, KeepsItsContract) {
   layered.edges.clear();  // whose homologies are made up: a file is checked
   WriteMap(layered, folder / "layered.db", {});
   const Served served({(folder / "layered.db").string(), TheCorner().map.string()});
-  ChildProcess contract({"/usr/bin/python3", WAYSTONE_SOURCE_DIR "/tests/e2e/contract.py",
-                         served.url(), WAYSTONE_SOURCE_DIR "/clients/openapi.yaml", "room",
-                         "layered", "walls", TheMap().inside, TheMap().elsewhere},
+  const std::string root = WAYSTONE_SOURCE_DIR;
+  ChildProcess contract({"/usr/bin/python3", root + "/tests/e2e/contract.py", served.url(),
+                         root + "/clients/openapi.yaml", "room", "layered", "walls",
+                         TheMap().inside, TheMap().elsewhere},
                         false);
   EXPECT_EQ(contract.Wait(), 0);
   std::filesystem::remove_all(folder);
@@ -296,6 +301,37 @@ TEST(HttpLifetime, SignalsEndTheServerInOrder) {
     served.process().Send(signal);
     EXPECT_EQ(served.process().Wait(), 0);
     EXPECT_FALSE(served.NewClient().Get("/healthz"));
+  }
+}
+
+bool HasMapOpen(pid_t pid) {
+  std::error_code ignored;
+  for (const auto& file :
+       std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/fd", ignored)) {
+    if (std::filesystem::read_symlink(file, ignored).extension() == ".db") return true;
+  }
+  return false;
+}
+
+// A server that reads many maps is told to reload and to end before it is ready.
+TEST(HttpLifetime, SignalsWaitUntilTheMapsAreRead) {
+  namespace fs = std::filesystem;
+  const fs::path folder = FreshFolder();
+  for (int i = 0; i < 40; ++i) {
+    fs::copy_file(TheMap().map, folder / ("room" + std::to_string(i) + ".db"));
+  }
+  for (const int signal : {SIGHUP, SIGTERM}) {
+    ChildProcess server({WAYSTONE_PROGRAM, "serve", folder, "--port", "0"}, true);
+    for (int i = 0; i < 1000 * kPatienceS && !HasMapOpen(server.pid()); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ASSERT_TRUE(HasMapOpen(server.pid()));
+    server.Send(signal);
+    EXPECT_NE(server.ReadLine().find("Serving 40 maps"), std::string::npos);
+    if (signal == SIGHUP) server.Send(SIGTERM);
+    while (!server.ReadLine().empty()) {
+    }
+    EXPECT_EQ(server.Wait(), 0);
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/base/check.h"
 #include "schema/file/sha256.h"
+#include "schema/layers/layer_blobs.h"
 #include "tests/schema/made_map.h"
 
 namespace waystone {

@@ -122,13 +122,28 @@ TEST_F(MigrateTest, AMapOfVersionTwoKeepsEverythingButHasNoFurtherLayers) {
   EXPECT_EQ(WithoutVersion(ReadMap(path_)), expected);
 }
 
-TEST_F(MigrateTest, AMapOfVersionThreeKeepsEverythingButHasNoLandmarks) {
-  MakeVersion(3);
+TEST_F(MigrateTest, AMapOfVersionFourKeepsEverythingButHasNoLandmarks) {
+  MakeVersion(4);
   EXPECT_EQ(Number("SELECT count(*) FROM sqlite_schema WHERE name LIKE '%landmark%'"), 0);
   EXPECT_EQ(ErrorOf([&] { ReadMap(path_); }).code(), ErrorCode::kMapVersion);
-  EXPECT_EQ(MigrateMap(path_), 3);
+  EXPECT_EQ(MigrateMap(path_), 4);
   EXPECT_TRUE(CheckMap(path_).empty());
   EXPECT_EQ(WithoutVersion(ReadMap(path_)), MadeMap(31, kWithoutLandmarks));
+}
+
+TEST_F(MigrateTest, AMapOfVersionThreeKeepsEverythingButHasNoMirror) {
+  MapData expected = MadeMap(31, kWithoutLandmarks);
+  for (uint64_t seed = 32; !expected.appearance->mirror; ++seed) {
+    ASSERT_LT(seed, 64u);
+    fs::remove(path_);
+    expected = MadeMap(seed, kWithoutLandmarks);
+    WriteMap(expected, path_, {});
+  }
+  MakeVersion(3);
+  EXPECT_EQ(MigrateMap(path_), 3);
+  EXPECT_TRUE(CheckMap(path_).empty());
+  expected.appearance->mirror.reset();
+  EXPECT_EQ(WithoutVersion(ReadMap(path_)), expected);
 }
 
 // Written anew, a migrated map has the bytes that the same data have without a migration.

@@ -155,6 +155,7 @@ async function testOrientation(page) {
   await page.locator(".trajectory-map .turn circle").first().waitFor();
   assert.equal(await page.locator(".trajectory-map g circle").count(), layer.nodes.length);
   assert.equal(await page.locator(".trajectory-map .corridor").count(), layer.corridors.length);
+  await page.locator(".series canvas").nth(1).waitFor();
   assert.equal(await page.locator(".series canvas").count(), 2, "heading and lines");
   await page.locator(".trajectory-map .turn circle").first().click();
   await page.waitForURL(new RegExp(`orientation/${turn.frame}$`));

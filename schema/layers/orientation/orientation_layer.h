@@ -49,7 +49,7 @@ struct OrientationFrame {
 struct OrientationTurn {
   OrientationFrameId frame;
   int direction = 1;       // +1 left, -1 right, by the motion of the features
-  double angle_rad = 0;    // the observed change of the angle of the main horizontal axis
+  double angle_rad = 0;    // by which the rig's heading changed, above 0 to the left
   bool confirmed = false;  // no: the camera turned, the motion didn't (the paper's frame 1645)
   int axis_after = 0;      // the building's axis that the motion follows after it: 0 x, 1 y
 

@@ -50,7 +50,7 @@ Eigen::Vector2d MeanGaze(const OrientationLayer& layer, const Straight& straight
 }
 
 // The axis of a straight: what its turn says, before the first turn the other one than after it.
-int AxisOf(const Straight& straight, const Straight* next, const Eigen::Vector2d& gaze) {
+int FindAxis(const Straight& straight, const Straight* next, const Eigen::Vector2d& gaze) {
   if (straight.turn) return straight.turn->axis_after;
   if (next && next->turn) return 1 - next->turn->axis_after;
   return std::abs(gaze.x()) >= std::abs(gaze.y()) ? 0 : 1;
@@ -84,7 +84,7 @@ std::vector<Eigen::Vector2d> ComputeTrajectory(const OrientationLayer& layer) {
   for (size_t s = 0; s < straights.size(); ++s) {
     const Straight* next = s + 1 < straights.size() ? &straights[s + 1] : nullptr;
     const Eigen::Vector2d gaze = MeanGaze(layer, straights[s]);
-    step = StepOf(AxisOf(straights[s], next, gaze), straights[s], gaze, step);
+    step = StepOf(FindAxis(straights[s], next, gaze), straights[s], gaze, step);
     for (size_t i = straights[s].first; i <= straights[s].last; ++i) {
       const bool begins = i == 0 || layer.frames[i].sequence != layer.frames[i - 1].sequence;
       const int frames = begins ? 0 : layer.frames[i].frame - layer.frames[i - 1].frame;

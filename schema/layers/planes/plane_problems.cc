@@ -9,9 +9,9 @@
 
 #include "core/features/descriptor_codes.h"
 #include "core/geometry/linear_algebra.h"
+#include "schema/layers/layer_blobs.h"
 #include "schema/layers/layer_problems.h"
 #include "schema/layers/planes/index_features.h"
-#include "schema/tables/blob.h"
 
 namespace waystone {
 namespace {
@@ -40,7 +40,7 @@ bool IsFinite(const Keypoint& keypoint) {
 
 // Condition number (in the Frobenius norm) where pixels of both images are about one. Infinite or
 // NaN for a singular matrix.
-double ConditionOf(const Matrix3d& to_from, double to_px, double from_px) {
+double ComputeCondition(const Matrix3d& to_from, double to_px, double from_px) {
   const Matrix3d scaled = Eigen::Vector3d(1 / to_px, 1 / to_px, 1).asDiagonal() * to_from *
                           Eigen::Vector3d(from_px, from_px, 1).asDiagonal();
   return scaled.norm() * scaled.inverse().norm();
@@ -180,7 +180,7 @@ class PlaneProblemFinder {
                        const std::string& where) {
     Require(to_from.allFinite(), where, "its matrix is not finite");
     if (!to_from.allFinite()) return false;
-    const double condition = ConditionOf(to_from, ImageSide(to), ImageSide(from));
+    const double condition = ComputeCondition(to_from, ImageSide(to), ImageSide(from));
     const bool invertible = condition <= kMaxCondition;  // not for NaN
     Require(invertible, where,
             "its matrix is singular: condition number " + std::to_string(condition));

@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/features/descriptor_codes.h"
+#include "schema/layers/layer_blobs.h"
 #include "schema/layers/layer_rows.h"
 #include "schema/layers/planes/plane_tables.h"
 #include "schema/tables/blob.h"

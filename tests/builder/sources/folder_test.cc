@@ -89,8 +89,8 @@ TEST_F(FolderTest, EveryFromAndToCountFrames) {
 }
 
 TEST_F(FolderTest, BadOptionsAreRefused) {
-  ExpectError([&] { Open({.every = 0}); }, ErrorCode::kBadOptions, {"--every is 0"});
-  ExpectError([&] { Open({.from = -1}); }, ErrorCode::kBadOptions, {"--from is -1"});
+  ExpectError([&] { Open({.every = 0}); }, ErrorCode::kBadOptions, {"source.every is 0"});
+  ExpectError([&] { Open({.from = -1}); }, ErrorCode::kBadOptions, {"source.from is -1"});
   ExpectError([&] { Open({.from = 5, .to = 4}); }, ErrorCode::kBadOptions, {"--to is 4"});
 }
 

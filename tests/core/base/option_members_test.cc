@@ -71,22 +71,6 @@ TEST(OptionMembers, AMemberThatFieldsForgetsIsFound) {
   EXPECT_EQ(FindUnlistedMembers<Declared>("declared"), "");
 }
 
-struct Unlisted {
-  int count = 3;
-};
-
-struct Mixed {
-  Declared declared;
-  Unlisted unlisted;
-};
-
-TEST(OptionMembers, AGroupWithoutFieldsIsLeftOut) {
-  const auto listed = ListedGroup("declared", &Mixed::declared);
-  EXPECT_EQ(std::tuple_size_v<decltype(listed)>, 1u);
-  EXPECT_EQ(std::get<0>(listed).name, "declared");
-  EXPECT_EQ(std::tuple_size_v<decltype(ListedGroup("unlisted", &Mixed::unlisted))>, 0u);
-}
-
 TEST(OptionMembers, GroupsAreLookedInto) {
   EXPECT_EQ(FindUnlistedMembers<Nesting<Whole>>("a"), "");
   EXPECT_EQ(FindUnlistedMembers<Nesting<Declared>>("a"), "");

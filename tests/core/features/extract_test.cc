@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -94,6 +95,28 @@ TEST_P(Extraction, APartOfALargerImageGivesWhatACopyOfItGives) {
   const cv::Mat part = large(cv::Rect(33, 21, 301, 233));
   ExpectSame(ExtractFeatures(part, OptionsOf(GetParam())),
              ExtractFeatures(part.clone(), OptionsOf(GetParam())));
+}
+
+TEST_P(Extraction, LargeImagesAreReducedAndTheirFeaturesAreInTheirOwnPixels) {
+  const cv::Mat small = MadeImage(320, 240, 5);
+  cv::Mat large;
+  cv::resize(small, large, {1280, 960}, 0, 0, cv::INTER_CUBIC);
+  FeatureOptions options = OptionsOf(GetParam());
+  const Features expected = ExtractFeatures(small, options);
+  options.working_pixels = 320 * 240;
+  const Features found = ExtractFeatures(large, options);
+  EXPECT_EQ(found.width, 1280);
+  // Most features of the small image are where they should be in the large one.
+  int same = 0;
+  for (const Keypoint& keypoint : expected.keypoints) {
+    same += std::any_of(found.keypoints.begin(), found.keypoints.end(), [&](const Keypoint& k) {
+      return std::hypot(k.x_px - 4 * keypoint.x_px - 1.5, k.y_px - 4 * keypoint.y_px - 1.5) < 2 &&
+             std::abs(k.scale_px / (4 * keypoint.scale_px) - 1) < 0.1;
+    });
+  }
+  EXPECT_GT(same, 0.6 * expected.size());
+  options.working_pixels = 50'000'000;
+  ExpectSame(ExtractFeatures(small, options), expected);
 }
 
 TEST_P(Extraction, AtMostMaxFeatures) {

@@ -71,7 +71,6 @@ TEST(PoseGraph, ALoopWithDriftCloses) {
   EXPECT_EQ(result.poses[0], truth[0]);
   EXPECT_LT(Distance(result.poses.back(), truth.back()), 0.05);
   EXPECT_LT(WorstError(truth, result.poses), 0.3);
-  EXPECT_LT(result.final_cost, result.initial_cost / 10);
 }
 
 // Edges without errors give the truth from any start nearby.

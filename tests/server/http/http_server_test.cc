@@ -194,8 +194,7 @@ TEST_F(HttpServerTest, BodiesHaveABudgetTogether) {
 TEST_F(HttpServerTest, ConnectionsBeyondTheThreadsWait) {
   HttpOptions options;
   options.port = 0;
-  options.connection_threads = 2;
-  options.keep_alive_s = 1;
+  options.request_threads = 2;
   HttpServer server(options, [this](const HttpRequest& in) { return router_.Dispatch(in); });
   server.Start();
   std::vector<std::thread> threads;
@@ -245,9 +244,12 @@ TEST_F(HttpServerTest, LengthsThatAreNoneAreRefusedAndTheConnectionCloses) {
 }
 
 TEST_F(HttpServerTest, BodyThatEndsEarlyIsABadRequest) {
-  const std::string text =
-      Exchange("POST /length HTTP/1.1\r\nHost: x\r\nContent-Length: 10\r\n\r\nabc");
+  RawClient client(server_->port());
+  client.Send("POST /length HTTP/1.1\r\nHost: x\r\nContent-Length: 10\r\n\r\nabc");
+  client.EndSending();
+  const std::string text = client.Receive();
   EXPECT_NE(text.find(" 400 "), std::string::npos) << text;
+  EXPECT_NE(text.find("shorter than its Content-Length"), std::string::npos) << text;
 }
 
 TEST_F(HttpServerTest, WhatIsNoHttpIsAProblemToo) {
@@ -334,7 +336,8 @@ TEST(HttpServer, TakenPortIsSaid) {
 TEST(HttpServer, OtherMachinesAreLetInOnlyOnPurpose) {
   HttpOptions options;
   options.port = 0;
-  for (const char* host : {"0.0.0.0", "::", "192.168.1.5", "example.org", ""}) {
+  for (const char* host : {"0.0.0.0", "::", "192.168.1.5", "example.org", "", "127.example.org",
+                           "127.0.0.1.example.org", "::ffff:1.2.3.4"}) {
     options.host = host;
     options.insecure = false;
     EXPECT_THROW(options.Check(), MapError) << host;
@@ -342,7 +345,7 @@ TEST(HttpServer, OtherMachinesAreLetInOnlyOnPurpose) {
     EXPECT_NO_THROW(options.Check()) << host;
   }
   options.insecure = false;
-  for (const char* host : {"127.0.0.1", "127.0.0.2", "localhost", "::1"}) {
+  for (const char* host : {"127.0.0.1", "127.0.0.2", "127.255.0.9", "localhost", "::1"}) {
     options.host = host;
     EXPECT_NO_THROW(options.Check()) << host;
   }

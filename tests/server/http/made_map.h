@@ -19,9 +19,17 @@ inline MapData MadeMap(int planes) {
   MapData map;
   map.info = {"made", "waystone test", FeatureType::kSift, "{}", "sha256:abc123"};
   map.sequences.push_back({SequenceId{1}, "kit\"chen", "folder", 10, 1, std::nullopt});
-  map.keyframes.push_back(
-      {KeyframeId{1}, SequenceId{1}, 0, 0, "rgb/0.jpg", 0.5, 640, 480, {0xFF, 0xD8, 0xFF, 0xD9}});
-  map.keyframes.push_back({KeyframeId{2}, SequenceId{1}, 0, 7, "rgb/7.jpg", {}, 640, 480, {}});
+  map.keyframes.push_back({KeyframeId{1},
+                           SequenceId{1},
+                           0,
+                           0,
+                           "rgb/0.jpg",
+                           0.5,
+                           640,
+                           480,
+                           {0xFF, 0xD8, 0xFF, 0xD9},
+                           {}});
+  map.keyframes.push_back({KeyframeId{2}, SequenceId{1}, 0, 7, "rgb/7.jpg", {}, 640, 480, {}, {}});
   for (int i = 1; i <= planes; ++i) {
     Plane plane;
     plane.id = PlaneId{i};

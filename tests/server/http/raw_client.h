@@ -39,6 +39,9 @@ class RawClient {
     return true;
   }
 
+  // The other side reads an end of file, and may still answer.
+  void EndSending() { shutdown(socket_, SHUT_WR); }
+
   // All that comes until the server closes, or until `until` has come.
   std::string Receive(const std::string& until = "\n never \n") {
     std::string text;

@@ -1,4 +1,4 @@
--- Schema version 4: what keyframes keep beside the planes.
+-- Schema version 5: what keyframes keep beside the planes.
 
 CREATE TABLE keyframe_landmarks (
   keyframe INTEGER PRIMARY KEY REFERENCES keyframes,

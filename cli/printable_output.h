@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <ostream>
+#include <streambuf>
+#include <string>
+
+namespace waystone {
+
+// Writes to another buffer with control characters made visible, so that a name in a map or a file
+// name can't drive the user's terminal: all of C0 but newline and tab, DEL, and C1 in UTF-8 become
+// `\u001b` and the like, which a string of JSON may contain as well. Not thread-safe for one
+// stream, as any stream buffer.
+class PrintableBuffer : public std::streambuf {
+ public:
+  explicit PrintableBuffer(std::streambuf& target) : target_(target) {}
+
+ protected:
+  int_type overflow(int_type byte) override;
+  std::streamsize xsputn(const char* bytes, std::streamsize count) override;
+  int sync() override;
+
+ private:
+  bool Write(const std::string& text);
+  std::string Printable(unsigned char byte);
+
+  std::streambuf& target_;
+  bool lead_ = false;  // the last byte was 0xC2, which C1 characters begin with, and isn't written
+};
+
+// Makes a stream printable while it exists. What writes control characters on purpose writes to
+// raw().
+class PrintableOutput {
+ public:
+  explicit PrintableOutput(std::ostream& stream);
+  ~PrintableOutput();
+  PrintableOutput(const PrintableOutput&) = delete;
+  PrintableOutput& operator=(const PrintableOutput&) = delete;
+
+ private:
+  std::ostream& stream_;
+  std::streambuf* raw_;
+  PrintableBuffer buffer_;
+};
+
+// The terminal behind std::cerr, for what draws on it.
+std::ostream& RawErrors();
+
+}  // namespace waystone

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/connection.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace waystone {
+namespace {
+
+// How much of a body that nobody wants is read, as a multiple of the limit, so that the connection
+// can be used again.
+constexpr int kDrainFactor = 2;
+constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
+
+Clock::time_point After(Clock::time_point start, int seconds) {
+  return start + std::chrono::seconds(seconds);
+}
+
+}  // namespace
+
+Connection::Connection(std::string remote, const HttpOptions& options,
+                       const HttpServer::Admit& admit, ByteBudgets& budgets)
+    : options_(options), admit_(admit), budgets_(budgets), remote_(std::move(remote)) {
+  Enter(ConnectionState::kHead);
+}
+
+Connection::~Connection() {
+  ReturnBody();
+  budgets_.answers.Return(answer_bytes_);
+}
+
+void Connection::ReturnBody() { budgets_.bodies.Return(std::exchange(held_, 0)); }
+
+void Connection::Enter(ConnectionState state) {
+  state_ = state;
+  since_ = Clock::now();
+  switch (state) {
+    case ConnectionState::kHead:
+      deadline_ = After(since_, options_.keep_alive_s);
+      break;
+    case ConnectionState::kBody:
+      deadline_ = After(since_, std::min(options_.read_timeout_s, options_.body_timeout_s));
+      break;
+    case ConnectionState::kAnswer:
+      deadline_ = Clock::time_point::max();
+      break;
+    case ConnectionState::kWriting:
+      deadline_ = After(since_, options_.write_timeout_s);
+      break;
+    case ConnectionState::kClosing:
+      deadline_ = After(since_, options_.read_timeout_s);
+      break;
+  }
+}
+
+void Connection::OnTimeout() {
+  if (state_ == ConnectionState::kHead && !in_.empty()) {
+    Refuse(MapError(ErrorCode::kTooSlow, "the request was not received in time"));
+  } else if (state_ == ConnectionState::kBody) {
+    FailBody(ErrorCode::kTooSlow,
+             "the request body was not received in time; send a smaller image or use a faster "
+             "connection");
+  } else {
+    finished_ = true;
+  }
+}
+
+bool Connection::wants_input() const {
+  return !input_ended_ && !ready_ && state_ != ConnectionState::kAnswer &&
+         state_ != ConnectionState::kWriting;
+}
+
+void Connection::Receive(std::string_view bytes) {
+  if (state_ == ConnectionState::kClosing) {
+    discarded_ += static_cast<int64_t>(bytes.size());
+    finished_ |= discarded_ > kDrainFactor * options_.max_body_bytes;
+    return;
+  }
+  if (is_idle()) {
+    since_ = Clock::now();
+    deadline_ = After(since_, options_.head_timeout_s);
+  }
+  in_ += bytes;
+  if (state_ == ConnectionState::kBody) {
+    deadline_ = std::min(After(Clock::now(), options_.read_timeout_s),
+                         After(since_, options_.body_timeout_s));
+  }
+  Advance();
+}
+
+void Connection::ReceiveEnd() {
+  input_ended_ = true;
+  const bool waits_for_client =
+      state_ == ConnectionState::kHead || state_ == ConnectionState::kClosing;
+  if (waits_for_client && !ready_) finished_ = true;
+  if (state_ == ConnectionState::kBody) {
+    FailBody(ErrorCode::kBadRequest, "the request body is shorter than its Content-Length");
+  }
+}
+
+void Connection::Advance() {
+  if (state_ == ConnectionState::kHead) ReadHead();
+  if (state_ == ConnectionState::kBody) ReadBody();
+}
+
+// Some clients send one after a body.
+void Connection::SkipEmptyLines() {
+  size_t skipped = 0;
+  while (std::string_view(in_).substr(skipped).starts_with("\r\n")) skipped += 2;
+  if (skipped == 0) return;
+  in_.erase(0, skipped);
+  scanner_ = {};
+}
+
+void Connection::ReadHead() {
+  SkipEmptyLines();
+  try {
+    const std::optional<size_t> size = scanner_.Scan(in_);
+    if (!size) return;
+    head_ = ParseRequestHead(std::string_view(in_).substr(0, *size));
+    in_.erase(0, *size);
+    scanner_ = {};
+  } catch (const MapError& error) {
+    return Refuse(error);
+  }
+  if (head_.refusal) return Refuse(MapError(*head_.refusal));
+  Enter(ConnectionState::kBody);
+  StartBody();
+}
+
+void Connection::StartBody() {
+  if (!head_.has_body()) return Settle();
+  if (!admit_(head_.authorization)) {
+    return FailBody(ErrorCode::kUnauthorized, "the request body was not read");
+  }
+  if (head_.body_bytes > kDrainFactor * options_.max_body_bytes) {
+    received_ = head_.body_bytes;
+    return HoldBody(0);
+  }
+  if (head_.expects_continue) out_ += kContinue;
+}
+
+void Connection::ReadBody() {
+  const size_t before = body_.size();
+  bool complete = false;
+  if (head_.chunked) {
+    try {
+      in_.erase(0, chunks_.Take(in_, body_));
+    } catch (const MapError& error) {
+      return FailBody(error.code(), error.what());
+    }
+    complete = chunks_.complete();
+    received_ += static_cast<int64_t>(body_.size() - before);
+  } else {
+    const auto left = static_cast<size_t>(head_.body_bytes - received_);
+    const size_t taken = std::min(in_.size(), left);
+    body_.append(in_, 0, taken);
+    in_.erase(0, taken);
+    received_ += static_cast<int64_t>(taken);
+    complete = received_ == head_.body_bytes;
+  }
+  HoldBody(before);
+  if (complete && !ready_) Settle();
+}
+
+// Takes the body's new bytes into account, and drops them where they are too many.
+void Connection::HoldBody(size_t before) {
+  const auto grown = static_cast<int64_t>(body_.size() - before);
+  if (received_ > options_.max_body_bytes) {
+    body_ = {};
+    ReturnBody();
+    body_error_.emplace(ErrorCode::kPayloadTooLarge, "the request body exceeds " +
+                                                         std::to_string(options_.max_body_bytes) +
+                                                         " bytes; send a smaller image");
+    if (received_ > kDrainFactor * options_.max_body_bytes) {
+      close_ = true;
+      Settle();
+    }
+    return;
+  }
+  held_ += grown;
+  if (!budgets_.bodies.Take(grown)) {
+    FailBody(ErrorCode::kBusy, "too many request bodies in progress; try again");
+  }
+}
+
+void Connection::FailBody(ErrorCode code, const std::string& message) {
+  body_ = {};
+  ReturnBody();
+  body_error_.emplace(code, message);
+  close_ = true;
+  Settle();
+}
+
+// Nobody knows where the next request begins, so there is none.
+void Connection::Refuse(const MapError& error) {
+  head_.refusal = error;
+  close_ = true;
+  Settle();
+}
+
+void Connection::Settle() {
+  ready_ = true;
+  Enter(ConnectionState::kAnswer);
+}
+
+ReceivedRequest Connection::TakeRequest() {
+  constexpr const char* kAnyHead = "GET / HTTP/1.1\r\n\r\n";  // of an answer that is fixed
+  ready_ = false;
+  return {.head = head_.refusal ? kAnyHead : std::exchange(head_.text, {}),
+          .body = std::exchange(body_, {}),
+          .remote = remote_,
+          .close = close_ || input_ended_,
+          .refusal = head_.refusal,
+          .body_error = std::exchange(body_error_, {})};
+}
+
+void Connection::TakeAnswer(SentResponse answer) {
+  ReturnBody();
+  close_ |= answer.close;
+  out_ += answer.bytes;
+  answer_bytes_ = static_cast<int64_t>(answer.bytes.size());
+  budgets_.answers.Take(answer_bytes_);
+  Enter(ConnectionState::kWriting);
+  Sent(0);
+}
+
+void Connection::Sent(size_t bytes) {
+  sent_ += bytes;
+  if (state_ == ConnectionState::kWriting && bytes > 0) {
+    deadline_ = std::min(After(Clock::now(), options_.write_timeout_s),
+                         After(since_, options_.answer_timeout_s));
+  }
+  if (sent_ < out_.size()) return;
+  out_ = {};
+  sent_ = 0;
+  if (state_ != ConnectionState::kWriting) return;
+  budgets_.answers.Return(std::exchange(answer_bytes_, 0));
+  if (close_) return Enter(ConnectionState::kClosing);
+  head_ = {};
+  chunks_ = {};
+  received_ = 0;
+  Enter(ConnectionState::kHead);
+  if (!in_.empty()) deadline_ = After(since_, options_.head_timeout_s);
+  Advance();
+  if (input_ended_ && !ready_) finished_ = true;
+}
+
+}  // namespace waystone

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/http_engine.h"
+
+#include <httplib.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "server/http/problem.h"
+
+namespace waystone {
+namespace {
+
+// Requests on one connection. The library's default of 5 would close good connections.
+constexpr int kRequestsPerConnection = 1'000'000;
+
+// The request that this thread answers; the library has no place of its own for it.
+thread_local ReceivedRequest* current_request = nullptr;
+
+// What the library reads a head from and writes an answer to.
+class MemoryStream : public httplib::Stream {
+ public:
+  MemoryStream(const std::string& in, const std::string& remote) : in_(in), remote_(remote) {}
+
+  // What later versions of the library declare isn't in earlier ones, and the other way round.
+  // NOLINTBEGIN(modernize-use-override)
+  virtual bool is_readable() const { return true; }
+  virtual bool wait_readable() const { return true; }
+  virtual bool is_writable() const { return true; }
+  virtual bool wait_writable() const { return true; }
+  virtual time_t duration() const { return 0; }
+  // NOLINTEND(modernize-use-override)
+
+  using Stream::write;
+  ssize_t read(char* data, size_t size) override {
+    const size_t count = std::min(size, in_.size() - at_);
+    std::memcpy(data, in_.data() + at_, count);
+    at_ += count;
+    return static_cast<ssize_t>(count);
+  }
+  ssize_t write(const char* data, size_t size) override {
+    out_.append(data, size);
+    return static_cast<ssize_t>(size);
+  }
+  void get_remote_ip_and_port(std::string& ip, int& port) const override {
+    ip = remote_;
+    port = 0;
+  }
+  void get_local_ip_and_port(std::string& ip, int& port) const override {
+    ip.clear();
+    port = 0;
+  }
+  socket_t socket() const override { return INVALID_SOCKET; }
+
+  std::string& out() { return out_; }
+
+ private:
+  const std::string& in_;
+  const std::string& remote_;
+  size_t at_ = 0;
+  std::string out_;
+};
+
+HttpRequest ToRequest(const httplib::Request& in, ReceivedRequest& received) {
+  HttpRequest request;
+  request.method = in.method;
+  request.path = in.path;
+  request.remote = received.remote;
+  for (const auto& [name, value] : in.params) request.query.emplace(name, value);
+  request.header = [&in](const std::string& name) -> std::optional<std::string> {
+    if (!in.has_header(name)) return std::nullopt;
+    return in.get_header_value(name);
+  };
+  request.read_body = [&received] {
+    if (received.body_error) throw *received.body_error;
+    return std::move(received.body);
+  };
+  return request;
+}
+
+void Fill(const HttpResponse& from, httplib::Response& to) {
+  to.status = from.status;
+  for (const auto& [name, value] : from.headers) to.set_header(name, value);
+  if (from.status != 304) to.set_content(from.body, from.content_type);
+}
+
+// The request is the library's own variable, not a constant.
+void LeaveUndone(const httplib::Request& request) {
+  auto& own = const_cast<httplib::Request&>(request);
+  own.ranges.clear();
+  own.headers.erase("Accept-Encoding");
+}
+
+}  // namespace
+
+class HttpEngine::Library : public httplib::Server {
+ public:
+  Library(Dispatch dispatch, int keep_alive_s) : dispatch_(std::move(dispatch)) {
+    set_keep_alive_max_count(kRequestsPerConnection);
+    set_keep_alive_timeout(keep_alive_s);
+    set_default_headers({{"X-Content-Type-Options", "nosniff"}});
+    set_pre_routing_handler([this](const httplib::Request& in, httplib::Response& out) {
+      LeaveUndone(in);
+      ReceivedRequest& received = *current_request;
+      Fill(received.refusal ? ProblemResponse(*received.refusal)
+                            : dispatch_(ToRequest(in, received)),
+           out);
+      return HandlerResponse::Handled;
+    });
+    // Heads that the library can't read.
+    set_error_handler(HandlerWithResponse([](const httplib::Request&, httplib::Response& out) {
+      if (!out.body.empty() || out.content_length_ > 0) return HandlerResponse::Unhandled;
+      Fill(ProblemResponseForStatus(out.status), out);
+      return HandlerResponse::Handled;
+    }));
+    // Without it the library would send the exception's text as a header.
+    set_exception_handler(
+        [](const httplib::Request&, httplib::Response& out, const std::exception_ptr&) {
+          Fill(ProblemResponse(ErrorCode::kInternal, "internal server error"), out);
+        });
+  }
+
+  // A template, because versions of the library differ in what they want to be told.
+  template <class Stream>
+  bool Process(Stream& stream, const std::string& remote, bool close, bool& closed) {
+    if constexpr (requires { this->process_request(stream, close, closed, nullptr); }) {
+      return this->process_request(stream, close, closed, nullptr);
+    } else {
+      return this->process_request(stream, remote, 0, "", 0, close, closed, nullptr);
+    }
+  }
+
+ private:
+  Dispatch dispatch_;
+};
+
+HttpEngine::HttpEngine(Dispatch dispatch, int keep_alive_s)
+    : library_(std::make_unique<Library>(std::move(dispatch), keep_alive_s)) {}
+HttpEngine::~HttpEngine() = default;
+
+SentResponse HttpEngine::Answer(ReceivedRequest request) {
+  MemoryStream stream(request.head, request.remote);
+  current_request = &request;
+  bool closed = request.close;
+  const bool kept = library_->Process(stream, request.remote, request.close, closed);
+  current_request = nullptr;
+  return {.bytes = std::move(stream.out()), .close = closed || !kept};
+}
+
+}  // namespace waystone

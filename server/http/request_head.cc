@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/request_head.h"
+
+#include <strings.h>
+
+#include <algorithm>
+#include <charconv>
+
+namespace waystone {
+namespace {
+
+constexpr std::string_view kLineEnd = "\r\n";
+
+bool EqualsIgnoringCase(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
+}
+
+std::string_view Trimmed(std::string_view text) {
+  const auto is_space = [](char c) { return c == ' ' || c == '\t'; };
+  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+// Digits alone, and few enough for no overflow.
+std::optional<int64_t> ParseLength(std::string_view text) {
+  int64_t length = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
+  const bool digits =
+      std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+  if (text.empty() || !digits || error != std::errc() || end != text.data() + text.size())
+    return {};
+  return length;
+}
+
+// Collects what the headers say of the body.
+class HeadParser {
+ public:
+  void RequestLine(std::string_view line) {
+    const std::string_view method = line.substr(0, line.find(' '));
+    std::string_view target = line.substr(std::min(line.size(), method.size() + 1));
+    target = target.substr(0, target.find_first_of(" ?"));
+    head_.is_post = method == "POST";
+    head_.is_urgent = target == "/healthz" || target == "/readyz";
+    Keep(line);
+    const bool sound = !method.empty() && !target.empty() &&
+                       (line.ends_with(" HTTP/1.1") || line.ends_with(" HTTP/1.0"));
+    if (!sound) Refuse(ErrorCode::kBadRequest, "malformed HTTP request");
+    with_body_ = head_.is_post ? "" : std::string(method) + " requests must not have a body";
+  }
+
+  void Header(std::string_view line) {
+    const size_t colon = line.find(':');
+    const std::string_view name = line.substr(0, colon);
+    if (colon == std::string_view::npos || name.empty() || name != Trimmed(name)) {
+      return Refuse(ErrorCode::kBadRequest, "malformed header in the HTTP request");
+    }
+    const std::string_view value = Trimmed(line.substr(colon + 1));
+    if (EqualsIgnoringCase(name, "Content-Length")) return ContentLength(value);
+    if (EqualsIgnoringCase(name, "Transfer-Encoding")) return TransferEncoding(value);
+    if (EqualsIgnoringCase(name, "Expect")) return Expect(value);
+    if (EqualsIgnoringCase(name, "Content-Encoding")) {
+      Refuse(ErrorCode::kUnsupportedMedia,
+             "encoded bodies are not supported; send the image without Content-Encoding");
+    }
+    if (EqualsIgnoringCase(name, "Authorization")) head_.authorization = value;
+    Keep(line);
+  }
+
+  RequestHead Finish() {
+    if (lengths_ > 1 || (lengths_ == 1 && head_.chunked)) {
+      Refuse(ErrorCode::kBadRequest, "the length of the body is given twice");
+    }
+    if (head_.has_body() && !head_.is_post) Refuse(ErrorCode::kBadRequest, with_body_);
+    head_.text += kLineEnd;
+    return std::move(head_);
+  }
+
+ private:
+  void Keep(std::string_view line) {
+    head_.text += line;
+    head_.text += kLineEnd;
+  }
+
+  // The first reason counts.
+  void Refuse(ErrorCode code, const std::string& detail) {
+    if (!head_.refusal) head_.refusal.emplace(code, detail);
+  }
+
+  void ContentLength(std::string_view value) {
+    ++lengths_;
+    const std::optional<int64_t> length = ParseLength(value);
+    if (!length) Refuse(ErrorCode::kBadRequest, "Content-Length is not a number");
+    head_.body_bytes = length.value_or(0);
+  }
+
+  void TransferEncoding(std::string_view value) {
+    if (head_.chunked || !EqualsIgnoringCase(value, "chunked")) {
+      Refuse(ErrorCode::kBadRequest, "the only supported Transfer-Encoding is chunked");
+    }
+    head_.chunked = true;
+  }
+
+  void Expect(std::string_view value) {
+    head_.expects_continue = EqualsIgnoringCase(value, "100-continue");
+    if (!head_.expects_continue) {
+      Refuse(ErrorCode::kBadRequest, "the only supported expectation is 100-continue");
+    }
+  }
+
+  RequestHead head_;
+  int lengths_ = 0;
+  std::string with_body_;
+};
+
+}  // namespace
+
+void HeadScanner::CheckLine(std::string_view line, size_t bound) const {
+  if (line.size() > bound) {
+    throw MapError(ErrorCode::kHeadTooLarge,
+                   "a line of the request's head exceeds " + std::to_string(bound) + " bytes");
+  }
+}
+
+std::optional<size_t> HeadScanner::Scan(std::string_view bytes) {
+  const auto bound = [this] { return lines_ == 0 ? kMaxRequestLineBytes : kMaxHeaderLineBytes; };
+  for (; scanned_ < bytes.size(); ++scanned_) {
+    if (scanned_ >= kMaxHeadBytes) {
+      throw MapError(ErrorCode::kHeadTooLarge,
+                     "the request's headers exceed " + std::to_string(kMaxHeadBytes) + " bytes");
+    }
+    const char c = bytes[scanned_];
+    if (c == '\0') throw MapError(ErrorCode::kBadRequest, "malformed HTTP request");
+    if (c != '\n') continue;
+    const std::string_view line = bytes.substr(line_start_, scanned_ + 1 - line_start_);
+    if (!line.ends_with(kLineEnd)) {
+      throw MapError(ErrorCode::kBadRequest, "malformed HTTP request: a line ends without CR LF");
+    }
+    CheckLine(line, bound());
+    line_start_ = scanned_ + 1;
+    if (line == kLineEnd) return ++scanned_;
+    if (++lines_ > kMaxHeaders + 1) {
+      throw MapError(ErrorCode::kHeadTooLarge,
+                     "the request has more than " + std::to_string(kMaxHeaders) + " headers");
+    }
+  }
+  CheckLine(bytes.substr(line_start_), bound());
+  return std::nullopt;
+}
+
+RequestHead ParseRequestHead(std::string_view bytes) {
+  HeadParser parser;
+  bool first = true;
+  while (!bytes.empty()) {
+    const std::string_view line = bytes.substr(0, bytes.find(kLineEnd));
+    bytes.remove_prefix(std::min(bytes.size(), line.size() + kLineEnd.size()));
+    if (line.empty()) break;
+    if (first) {
+      parser.RequestLine(line);
+    } else {
+      parser.Header(line);
+    }
+    first = false;
+  }
+  return parser.Finish();
+}
+
+}  // namespace waystone
