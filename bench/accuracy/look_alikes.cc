@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <limits>
 #include <numbers>
 
 #include "bench/accuracy/common.h"
@@ -180,8 +181,8 @@ class BuildingAsked {
   std::shared_ptr<const MapIndex> index_;
 };
 
-// The logistic regression over all samples with a verified keyframe; factors whose weight would
-// be negative are left out. Right and wrong samples weigh the same in sum.
+// The logistic regression over all samples with a verified keyframe; no
+// factor's weight is negative. Right and wrong samples weigh the same in sum.
 Eigen::VectorXd FitSigned(const std::vector<LookAlikeSample>& samples) {
   std::vector<LogisticSample> cases;
   double right = 0;
@@ -193,14 +194,12 @@ Eigen::VectorXd FitSigned(const std::vector<LookAlikeSample>& samples) {
   const double wrong = static_cast<double>(cases.size()) - right;
   for (LogisticSample& one : cases) one.weight = 0.5 / (one.right ? right : wrong) * cases.size();
   const Eigen::Index n = KeyframeFactors({}).size();
-  Eigen::VectorXd sigma = Eigen::VectorXd::Constant(n, 10);
-  sigma(0) = 30;
-  while (true) {
-    const Eigen::VectorXd fit = FitLogistic(cases, Eigen::VectorXd::Zero(n), sigma);
-    Eigen::Index least = 0;
-    if (fit.tail(n - 1).minCoeff(&least) >= -1e-6) return fit;
-    sigma(least + 1) = 1e-9;
-  }
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  LogisticPrior prior{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Constant(n, 10),
+                      Eigen::VectorXd::Zero(n), Eigen::VectorXd::Constant(n, kAny)};
+  prior.sigma(0) = 30;
+  prior.lower(0) = -kAny;
+  return FitLogistic(cases, prior);
 }
 
 void PrintCounts(const std::vector<LookAlikeSample>& samples, const char* model,
