@@ -54,8 +54,16 @@ MapData WalkLikeMap(int planes) {
   map.sequences.push_back({SequenceId{1}, "walk", "folder", planes, 0, std::nullopt});
   const std::vector<uint8_t> jpeg = Picture(random);
   for (int i = 1; i <= planes; ++i) {
-    map.keyframes.push_back({KeyframeId{i}, SequenceId{1}, (i - 1) * 8 / planes, i,
-                             std::to_string(i) + ".jpg", std::nullopt, 640, 480, jpeg, {}});
+    map.keyframes.push_back({KeyframeId{i},
+                             SequenceId{1},
+                             (i - 1) * 8 / planes,
+                             i,
+                             std::to_string(i) + ".jpg",
+                             std::nullopt,
+                             640,
+                             480,
+                             jpeg,
+                             {}});
     map.planes.push_back(MakePlane(i, random));
     const auto join = [&](int a, int b) {
       map.edges.push_back({PlaneId{a}, PlaneId{b}, KeyframeId{b - 1}, KeyframeId{b},

@@ -2,6 +2,7 @@
 #include "localizer/planes/shortlist.h"
 
 #include <algorithm>
+#include <functional>
 
 namespace waystone {
 namespace {
@@ -23,18 +24,17 @@ class Ballot {
   std::vector<int> last_voter_;
 };
 
-template <class Candidate>
-void KeepMostVoted(double min_votes, int max_kept, std::vector<Candidate>& candidates) {
+template <class Candidate, class Rank>
+void KeepBest(double min_votes, int max_kept, Rank Candidate::*rank,
+              std::vector<Candidate>& candidates) {
   std::erase_if(candidates, [&](const auto& one) { return one.votes < min_votes; });
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& a, const auto& b) { return a.votes > b.votes; });
+  std::ranges::stable_sort(candidates, std::ranges::greater{}, rank);
   if (std::ssize(candidates) > max_kept) candidates.resize(max_kept);
 }
 
-// Votes for a keyframe beyond those that as many features get by chance, one feature of the index
-// getting `per_feature`: keyframes that saw more planes aren't likelier to be seen.
-double CountExcessVotes(const MapIndex& index, int keyframe, const Ballot& planes,
-                        const Ballot& keyframes, double per_feature) {
+// `per_feature` votes are what each feature of the index gets on average.
+ShortlistedKeyframe CountVotes(const MapIndex& index, int keyframe, const Ballot& planes,
+                               const Ballot& keyframes, double per_feature) {
   double votes = keyframes.votes(keyframe);
   double features = index.map().keyframes[keyframe].landmarks.size();
   for (const MapIndex::SeenPlane& seen : index.PlanesSeenBy(keyframe)) {
@@ -45,7 +45,7 @@ double CountExcessVotes(const MapIndex& index, int keyframe, const Ballot& plane
     votes += share * planes.votes(seen.plane);
     features += share * all;
   }
-  return votes - per_feature * features;
+  return {keyframe, votes, votes - per_feature * features};
 }
 
 }  // namespace
@@ -75,8 +75,9 @@ Shortlist VoteForPlaces(const MapIndex& index, const Features& query,
   for (int f = 0; f < static_cast<int>(index.map().keyframes.size()); ++f) {
     shortlist.keyframes.push_back({f, CountExcessVotes(index, f, planes, keyframes, per_feature)});
   }
-  KeepMostVoted(options.min_votes, options.max_candidates, shortlist.planes);
-  KeepMostVoted(options.min_votes, options.max_keyframes, shortlist.keyframes);
+  KeepBest(options.min_votes, options.max_candidates, &ShortlistedPlane::votes, shortlist.planes);
+  KeepBest(options.min_votes, options.max_keyframes, &ShortlistedKeyframe::excess,
+           shortlist.keyframes);
   return shortlist;
 }
 

@@ -17,18 +17,20 @@ struct ShortlistedPlane {
 // A keyframe that the query may be near.
 struct ShortlistedKeyframe {
   int keyframe = 0;  // index in the map's keyframes
-  double votes = 0;  // beyond those by chance
+  double votes = 0;
+  double excess = 0;  // votes beyond those by chance
 };
 
 struct Shortlist {
   std::vector<ShortlistedPlane> planes;        // most votes first, at most max_candidates
-  std::vector<ShortlistedKeyframe> keyframes;  // most votes first, at most max_keyframes
+  std::vector<ShortlistedKeyframe> keyframes;  // most excess first, at most max_keyframes
 };
 
 // Planes and keyframes by descriptor votes. Every query feature votes once for each plane among its
 // nearest descriptors, and once for each keyframe that has a landmark among them. A keyframe has
-// the votes of the planes that it saw too, each by the share of the plane's features that it saw,
-// less the votes that as many features get by chance.
+// the votes of the planes that it saw too, each by the share of the plane's features that it saw.
+// Keyframes are ranked by what they have beyond the votes that as many features get by chance: one
+// that saw more isn't likelier to be seen again.
 Shortlist VoteForPlaces(const MapIndex& index, const Features& query,
                         const PlaneQueryOptions& options);
 

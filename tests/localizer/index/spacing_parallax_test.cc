@@ -12,7 +12,7 @@
 namespace waystone {
 namespace {
 
-constexpr int kPoints = 150;
+constexpr int kBallPoints = 150;
 
 // Nodes 0.5 apart on a line through a ball of points of this radius, each point with a descriptor
 // of its own.
@@ -21,7 +21,7 @@ AppearanceLayer LineThroughABall(int nodes, double radius) {
   constexpr int kBytes = 128;  // of a SIFT descriptor
   std::vector<Eigen::Vector3d> points;
   Descriptors descriptors(kBytes);
-  while (std::ssize(points) < kPoints) {
+  while (std::ssize(points) < kBallPoints) {
     const Eigen::Vector3d point(random.Uniform(-1, 1), random.Uniform(-1, 1),
                                 random.Uniform(-1, 1));
     if (point.norm() < 0.7 || point.norm() > 1) continue;
