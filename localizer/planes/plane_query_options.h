@@ -68,7 +68,8 @@ struct PlaneQueryOptions {
         OptionGroup{"homology", &Self::homology},
         OptionGroup{"gates", &Self::gates},
         OptionField{"max_keyframes", &Self::max_keyframes, AtLeast(1), "",
-                    "Keyframes that are verified by all their matches, most votes first. More find "
+                    "Keyframes that are verified by all their matches, most votes beyond chance "
+                    "first. More find "
                     "more and cost about 2 ms each."},
         OptionGroup{"keyframe_match", &Self::keyframe_match},
         OptionGroup{"epipolar", &Self::epipolar},

@@ -73,7 +73,7 @@ Shortlist VoteForPlaces(const MapIndex& index, const Features& query,
   }
   const double per_feature = votes / std::max(1.0, static_cast<double>(index.search().rows()));
   for (int f = 0; f < static_cast<int>(index.map().keyframes.size()); ++f) {
-    shortlist.keyframes.push_back({f, CountExcessVotes(index, f, planes, keyframes, per_feature)});
+    shortlist.keyframes.push_back(CountVotes(index, f, planes, keyframes, per_feature));
   }
   KeepBest(options.min_votes, options.max_candidates, &ShortlistedPlane::votes, shortlist.planes);
   KeepBest(options.min_votes, options.max_keyframes, &ShortlistedKeyframe::excess,

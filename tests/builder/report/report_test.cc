@@ -22,7 +22,7 @@ namespace {
 MapData Chain(int planes, int chained) {
   MapData map;
   map.info.name = "<lab>";
-  map.keyframes.push_back({KeyframeId{1}, SequenceId{1}, 0, 0, "a&b.jpg", {}, 320, 240, {}});
+  map.keyframes.push_back({KeyframeId{1}, SequenceId{1}, 0, 0, "a&b.jpg", {}, 320, 240, {}, {}});
   for (int i = 1; i <= planes; ++i) {
     Plane plane;
     plane.id = PlaneId{i};
