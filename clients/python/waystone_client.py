@@ -108,6 +108,14 @@ class Plane(TypedDict):
     expect_next: list[int]
 
 
+class EpipolarMatches(TypedDict):
+    """The photo's matches with one keyframe that fit one epipolar geometry."""
+
+    keyframe: PlaneReference
+    inliers: int
+    matches: int
+
+
 class Place(TypedDict):
     """A keyframe that the photo may be near."""
 
@@ -145,6 +153,7 @@ class Answer(TypedDict):
     timing_ms: dict[str, float]
     message: NotRequired[str]
     building: NotRequired[dict[str, Any]]
+    epipolar: NotRequired[EpipolarMatches]
     panorama: NotRequired[dict[str, Any]]
     belief: NotRequired[list[dict[str, Any]]]
     places: NotRequired[list[Place]]

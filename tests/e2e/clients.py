@@ -187,6 +187,7 @@ class LiveTest(Case):
     def test_answers_are_typed_as_the_contract_says(self):
         schemas = self.client.get("/openapi.json")["components"]["schemas"]
         for ours, theirs in (("Answer", "Answer"), ("Plane", "RecognisedPlane"),
+                             ("EpipolarMatches", "EpipolarMatches"),
                              ("Place", "Place"), ("ShortAnswer", "ShortAnswer"),
                              ("AnsweredPlace", "AnsweredPlace"), ("Position", "PlacePosition"),
                              ("Heading", "Heading"), ("Keyframe", "KeyframeRef")):  # fmt: skip

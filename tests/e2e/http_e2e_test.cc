@@ -100,7 +100,7 @@ TEST_F(HttpTest, AnswerHasTheDocumentedFields) {
   ASSERT_EQ(answer["verdict"], "localized") << answer.dump();
   EXPECT_EQ(KeysOf(answer),
             (Keys{"verdict", "probability", "image", "map", "map_version", "place", "keyframe",
-                  "heading", "planes", "runner_up", "decided_by", "timing_ms"}));
+                  "heading", "planes", "epipolar", "runner_up", "decided_by", "timing_ms"}));
   EXPECT_EQ(answer["image"], "q.jpg");
   EXPECT_EQ(answer["map"], "room");
   EXPECT_EQ(KeysOf(answer["place"]),
