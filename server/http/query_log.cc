@@ -33,7 +33,8 @@ double SecondsSinceEpoch() {
 int64_t BytesIn(const fs::path& folder) {
   int64_t bytes = 0;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file()) bytes += static_cast<int64_t>(entry.file_size());
+    std::error_code ignored;  // of a link that leads nowhere
+    if (entry.is_regular_file(ignored)) bytes += static_cast<int64_t>(entry.file_size(ignored));
   }
   return bytes;
 }
