@@ -70,20 +70,20 @@ Json CandidateJson(const NodeCandidate& candidate) {
   return json;
 }
 
-Json PositionJson(const PanoramaAnswer& panorama) {
+Json PositionJson(const PlacePosition& position) {
   Json json;
-  json["x"] = Rounded(panorama.pose.x, 4);
-  json["y"] = Rounded(panorama.pose.y, 4);
-  json["deviation"] = Rounded(panorama.sigma, 4);
-  json["metres_per_unit"] = OrNull(panorama.metres_per_unit);
+  json["x"] = Rounded(position.x, 4);
+  json["y"] = Rounded(position.y, 4);
+  json["deviation"] = Rounded(position.sigma, 4);
+  json["metres_per_unit"] = OrNull(position.metres_per_unit);
   return json;
 }
 
 // Where it isn't localized, there are candidates and no place.
-Json PanoramaJson(const PanoramaAnswer& panorama, bool localized) {
+Json PanoramaJson(const PanoramaAnswer& panorama, const std::optional<AnsweredPlace>& place) {
   Json json;
-  json["node"] = localized ? NodeJson(panorama.node) : Json(nullptr);
-  json["position"] = localized ? PositionJson(panorama) : Json(nullptr);
+  json["node"] = place ? NodeJson(panorama.node) : Json(nullptr);
+  json["position"] = place ? PositionJson(*place->position) : Json(nullptr);
   json["candidates"] = Json::array();
   for (const NodeCandidate& node : panorama.candidates) {
     json["candidates"].push_back(CandidateJson(node));
@@ -112,13 +112,27 @@ Json ToJson(const PlaceCandidate& place) {
   return json;
 }
 
+Json ToJson(const AnsweredPlace& place) {
+  Json json;
+  json["layer"] = NameOf(place.layer);
+  json["id"] = place.id;
+  json["image"] = place.image;
+  json["sequence"] = place.sequence;
+  json["time_s"] = OrNull(place.time_s);
+  json["position"] = place.position ? PositionJson(*place.position) : Json(nullptr);
+  json["heading"] = place.heading ? HeadingJson(*place.heading) : Json(nullptr);
+  return json;
+}
+
 Json ToJson(const Answer& answer) {
+  const std::optional<AnsweredPlace> place = PlaceOf(answer);
   Json json;
   json["verdict"] = NameOf(answer.verdict);
   json["probability"] = Rounded(answer.probability, 4);
   json["image"] = answer.image;
   json["map"] = answer.map;
   json["map_version"] = answer.map_version;
+  json["place"] = place ? ToJson(*place) : Json(nullptr);
   json["keyframe"] = answer.planes.keyframe ? KeyframeJson(*answer.planes.keyframe) : Json(nullptr);
   json["heading"] = answer.heading ? HeadingJson(*answer.heading) : Json(nullptr);
   if (answer.building) json["building"] = BuildingJson(*answer.building);
@@ -126,14 +140,11 @@ Json ToJson(const Answer& answer) {
   for (const RecognisedPlane& plane : answer.planes.recognised) {
     json["planes"].push_back(PlaneJson(plane));
   }
-  if (answer.panorama) {
-    const bool localized = answer.verdict == Verdict::kLocalized;
-    json["panorama"] = PanoramaJson(*answer.panorama, localized);
-  }
+  if (answer.panorama) json["panorama"] = PanoramaJson(*answer.panorama, place);
   if (answer.verdict == Verdict::kAmbiguous) {
     json["places"] = Json::array();
-    for (const PlaceCandidate& place : answer.planes.places)
-      json["places"].push_back(ToJson(place));
+    for (const PlaceCandidate& alike : answer.planes.places)
+      json["places"].push_back(ToJson(alike));
   }
   json["runner_up"] =
       answer.planes.runner_up ? RunnerUpJson(*answer.planes.runner_up) : Json(nullptr);

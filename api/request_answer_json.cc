@@ -21,6 +21,8 @@ Json ShortJson(const Answer& answer, const char* key, const std::string& name) {
   json[key] = name;
   json["verdict"] = NameOf(answer.verdict);
   json["probability"] = Rounded(answer.probability, 4);
+  const std::optional<AnsweredPlace> place = PlaceOf(answer);
+  json["place"] = place ? ToJson(*place) : Json(nullptr);
   json["keyframe"] = KeyframeShortJson(answer);
   json["inliers"] = answer.planes.recognised.empty() ? 0 : answer.planes.recognised.front().inliers;
   return json;

@@ -6,6 +6,7 @@
 #include <array>
 #include <utility>
 
+#include "builder/calibration/own_images.h"
 #include "builder/frames/frame_pipeline.h"
 #include "builder/layer_options.h"
 #include "core/base/clock.h"
@@ -70,14 +71,17 @@ class MapBuilder {
     const Clock::time_point start = Clock::now();
     CalibratePlaneLayer(result_.map, planes_.samples(), options_.features, options_.calibration);
     result_.report.planes = planes_.report();
+    result_.report.planes->own =
+        FindOwnKeyframes(result_.map, planes_.samples(), options_.calibration.localize);
     result_.report.planes->calibrate_s = SecondsSince(start);
   }
 
   void CalibrateAppearance() {
     const Clock::time_point start = Clock::now();
-    CalibrateAppearanceLayer(result_.map, appearance_.samples(), options_.appearance_calibration,
-                             progress_);
+    const OwnImages own = CalibrateAppearanceLayer(result_.map, appearance_.samples(),
+                                                   options_.appearance_calibration, progress_);
     result_.report.appearance = appearance_.report();
+    result_.report.appearance->own = own;
     result_.report.appearance->calibrate_s = SecondsSince(start);
   }
 

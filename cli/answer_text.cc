@@ -29,28 +29,21 @@ double NumberAt(const Json& json, std::initializer_list<const char*> path) {
   return value.is_number() ? value.get<double>() : 0;
 }
 
-// " at (1.20, -3.45), heading 31 deg"
-std::string PlaceText(const Json& answer) {
-  const Json position = At(answer, {"panorama", "position"});
-  if (!position.is_object()) return "";
+// " near 7.jpg at (1.20, -3.45), heading 31 deg"; the heading with a position alone.
+std::string Where(const Json& answer) {
+  const std::string image = TextAt(answer, {"place", "image"});
+  std::string line = image.empty() ? "" : " near " + image;
+  if (!At(answer, {"place", "position"}).is_object()) return line;
   char text[100];
-  (void)std::snprintf(text, sizeof text, " at (%.2f, %.2f)", NumberAt(position, {"x"}),
-                      NumberAt(position, {"y"}));
-  std::string line = text;
-  if (At(answer, {"heading"}).is_object()) {
+  (void)std::snprintf(text, sizeof text, " at (%.2f, %.2f)",
+                      NumberAt(answer, {"place", "position", "x"}),
+                      NumberAt(answer, {"place", "position", "y"}));
+  line += text;
+  if (At(answer, {"place", "heading"}).is_object()) {
     (void)std::snprintf(text, sizeof text, ", heading %.0f deg",
-                        NumberAt(answer, {"heading", "rad"}) * kDegreesPerRadian);
+                        NumberAt(answer, {"place", "heading", "rad"}) * kDegreesPerRadian);
     line += text;
   }
-  return line;
-}
-
-std::string Where(const Json& answer) {
-  const std::string keyframe = TextAt(answer, {"keyframe", "source"});
-  const std::string node = TextAt(answer, {"panorama", "node", "source"});
-  std::string line;
-  if (!keyframe.empty()) line += " near " + keyframe;
-  if (!node.empty()) line += " near " + node + PlaceText(answer);
   return line;
 }
 

@@ -66,6 +66,22 @@ void FramesLines(std::ostream& out, const std::string& label, const FrameReport&
   for (const std::string& name : report.skipped_names) Line(out, "  skipped", name);
 }
 
+std::string OwnImagesText(const OwnImages& own) {
+  return std::to_string(own.found) + " of " + std::to_string(own.asked) + " found";
+}
+
+// Whether the map finds its own images, and a warning where it doesn't.
+void OwnImagesLines(std::ostream& out, const OwnImages& own) {
+  Line(out, "own images", OwnImagesText(own));
+  if (own.AreFound()) return;
+  Line(out, "warning",
+       std::to_string(100 * (own.asked - own.found) / own.asked) +
+           "% of the map's own images are not localized at their place: it has little texture, or "
+           "places that look alike; add images or record it more densely");
+}
+
+Json OwnImagesJson(const OwnImages& own) { return {{"asked", own.asked}, {"found", own.found}}; }
+
 void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
   FramesLines(out, "panoramas", report,
               ", " + Plural(report.uncertain, "uncertain step") + ", " +
@@ -82,6 +98,7 @@ void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
            std::to_string(report.loops_certain) + " confirmed by the compass, " +
            std::to_string(report.loops_supported) + " by neighbouring matches, " +
            std::to_string(report.loops_rejected) + " rejected by the pose graph");
+  OwnImagesLines(out, report.own);
   Line(out, "seconds",
        "decoding " + Seconds(report.decode_s) + ", signatures " + Seconds(report.observe_s) +
            ", odometry " + Seconds(report.odometry_s) + ", loop closure " +
@@ -108,6 +125,7 @@ void PlanesLines(std::ostream& out, const PlaneReport& report) {
       out, "frames", report,
       ", " + std::to_string(report.stretches) + " stretch" + (report.stretches == 1 ? "" : "es"));
   Line(out, "planes", PlanesText(report));
+  OwnImagesLines(out, report.own);
   Line(out, "seconds",
        "decoding " + Seconds(report.decode_s) + ", features " + Seconds(report.observe_s) +
            ", tracking " + Seconds(report.add_s) + ", fusion " + Seconds(report.fusion_s) +
@@ -125,6 +143,7 @@ Json AppearanceReportJson(const AppearanceReport& report) {
           {"loops_supported", report.loops_supported},
           {"loops_rejected", report.loops_rejected},
           {"dropped", report.dropped},
+          {"own_images", OwnImagesJson(report.own)},
           {"seconds",
            {{"decode", Rounded(report.decode_s, 3)},
             {"describe", Rounded(report.observe_s, 3)},
@@ -261,6 +280,7 @@ Json SummaryJson(const BuildSummary& summary) {
   json["planes_fused"] = planes.planes_fused;
   json["planes_dropped"] = planes.planes_dropped;
   json["features_dropped"] = planes.features_dropped;
+  json["own_images"] = OwnImagesJson(planes.own);
   json["seconds"] = {
       {"decode", Rounded(planes.decode_s, 3)},       {"extract", Rounded(planes.observe_s, 3)},
       {"track", Rounded(planes.add_s, 3)},           {"fusion", Rounded(planes.fusion_s, 3)},

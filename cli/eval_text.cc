@@ -73,9 +73,29 @@ std::string LatencyLines(const Latency& latency) {
 
 std::string PositionLines(const PositionErrors& p) {
   return Format(
-      "\n  distance to the returned keyframe (m), %d answers\n"
+      "\n  distance to the returned place (m), %d answers\n"
       "  rmse %.2f  mean %.2f  median %.2f  p90 %.2f  max %.2f\n",
       p.count, p.rmse_m, p.mean_m, p.median_m, p.p90_m, p.max_m);
+}
+
+std::string ToleranceLines(const std::vector<WithinTolerance>& within) {
+  std::string text = "\n  of those in the map, localized within\n";
+  for (const WithinTolerance& share : within) {
+    text += Format("  %4.2f m %6.1f%%, and %4.0f degrees %6.1f%%\n", share.metres,
+                   100 * share.position, share.degrees, 100 * share.pose);
+  }
+  return text;
+}
+
+Json TolerancesJson(const std::vector<WithinTolerance>& within) {
+  Json list = Json::array();
+  for (const WithinTolerance& share : within) {
+    list.push_back({{"metres", share.metres},
+                    {"degrees", share.degrees},
+                    {"position", Rounded(share.position, 4)},
+                    {"pose", Rounded(share.pose, 4)}});
+  }
+  return list;
 }
 
 Json BinsJson(const std::vector<ReliabilityBin>& bins) {
@@ -115,7 +135,9 @@ Json PositionJson(const PositionErrors& p) {
 std::string EvaluationText(const Evaluation& evaluation) {
   std::string text =
       CountsLines(evaluation) + ReliabilityLines(evaluation) + LatencyLines(evaluation.latency);
-  if (evaluation.position) text += PositionLines(*evaluation.position);
+  if (evaluation.position) {
+    text += PositionLines(*evaluation.position) + ToleranceLines(evaluation.within);
+  }
   return text;
 }
 
@@ -137,6 +159,7 @@ Json EvaluationJson(const Evaluation& e) {
   json["reliability_localized"] = BinsJson(e.reliability_localized);
   json["latency_ms"] = LatencyJson(e.latency);
   json["position_m"] = e.position ? PositionJson(*e.position) : Json(nullptr);
+  json["within"] = TolerancesJson(e.within);
   return json;
 }
 
@@ -145,11 +168,10 @@ std::string MistakesText(const MapIndex& index, const std::vector<ScoredQuery>& 
   for (const ScoredQuery& query : queries) {
     const Outcome outcome = ClassifyOutcome(index, query);
     if (outcome != Outcome::kWrong && outcome != Outcome::kFalseAccept) continue;
-    text += "  " + query.answer.image + ": localized near " + query.answer.planes.keyframe->source +
+    text += "  " + query.answer.image + ": localized near " + PlaceOf(query.answer)->image +
             Format(" with probability %.4f, ", query.answer.probability);
-    text += query.truth.empty()
-                ? "not in the map"
-                : "true place: near " + index.FindKeyframe(query.truth.front())->source;
+    text += query.truth.empty() ? "not in the map"
+                                : "true place: near " + SourceOf(index, query.truth.front());
     text += "\n";
   }
   return text.empty() ? text : "\nfalse answers\n" + text;
@@ -160,14 +182,14 @@ Json FailuresJson(const MapIndex& index, const std::vector<ScoredQuery>& queries
   for (const ScoredQuery& query : queries) {
     const Outcome outcome = ClassifyOutcome(index, query);
     if (outcome == Outcome::kRight || outcome == Outcome::kRightlyRefused) continue;
-    const std::optional<KeyframeId> place = BestPlace(query.answer);
+    const std::optional<PlaceId> place = BestPlace(query.answer);
     Json truth = Json::array();
-    for (const KeyframeId id : query.truth) truth.push_back(index.FindKeyframe(id)->source);
+    for (const PlaceId& id : query.truth) truth.push_back(SourceOf(index, id));
     list.push_back({{"image", query.answer.image},
                     {"outcome", NameOf(outcome)},
                     {"verdict", NameOf(query.answer.verdict)},
                     {"probability", Rounded(query.answer.probability, 6)},
-                    {"best", place ? Json(index.FindKeyframe(*place)->source) : Json(nullptr)},
+                    {"best", place ? Json(SourceOf(index, *place)) : Json(nullptr)},
                     {"truth", std::move(truth)}});
   }
   return list;

@@ -5,8 +5,10 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <sstream>
 #include <string>
+#include <unordered_map>
 
 #include "cli/csv_file.h"
 #include "core/base/error.h"
@@ -16,20 +18,41 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The keyframes of a map by the names that people give them.
-class KeyframeNames {
+// An image of the map.
+struct MappedImage {
+  PlaceId place;
+  SequenceId sequence;
+  int frame = 0;
+  std::string source;
+  std::optional<double> time_s;
+};
+
+std::vector<MappedImage> ImagesOf(const MapData& map) {
+  std::vector<MappedImage> images;
+  for (const Keyframe& k : map.keyframes) {
+    images.push_back({PlaceIdOf(k.id), k.sequence, k.frame, k.source, k.time_s});
+  }
+  if (!map.appearance) return images;
+  for (const AppearanceNode& n : map.appearance->nodes) {
+    images.push_back({PlaceIdOf(n.id), n.sequence, n.frame, n.source, n.time_s});
+  }
+  return images;
+}
+
+// The images of a map by the names that people give them.
+class ImageNames {
  public:
-  explicit KeyframeNames(const MapIndex& index) : index_(index) {
-    for (const Keyframe& keyframe : index.map().keyframes) {
-      const std::string& sequence = index.FindSequence(keyframe.sequence)->name;
-      by_name_[keyframe.source].push_back(keyframe.id);
-      by_name_[sequence + ":" + keyframe.source].push_back(keyframe.id);
+  explicit ImageNames(const MapIndex& index) : index_(index), images_(ImagesOf(index.map())) {
+    for (const MappedImage& image : images_) {
+      const std::string& sequence = index.FindSequence(image.sequence)->name;
+      by_name_[image.source].push_back(image.place);
+      by_name_[sequence + ":" + image.source].push_back(image.place);
     }
   }
 
   // By source, or by "sequence:source".
-  const std::vector<KeyframeId>& Find(const std::string& name) const {
-    static const std::vector<KeyframeId> kNone;
+  const std::vector<PlaceId>& Find(const std::string& name) const {
+    static const std::vector<PlaceId> kNone;
     const auto found = by_name_.find(name);
     return found == by_name_.end() ? kNone : found->second;
   }
@@ -43,25 +66,27 @@ class KeyframeNames {
     return found == all.end() ? nullptr : &*found;
   }
 
-  // The last keyframe at or before a frame and the first one at or after it.
-  std::vector<KeyframeId> Around(SequenceId sequence, int frame) const {
-    const Keyframe* before = nullptr;
-    const Keyframe* after = nullptr;
-    for (const Keyframe& keyframe : index_.map().keyframes) {
-      if (keyframe.sequence != sequence) continue;
-      if (keyframe.frame <= frame && (!before || keyframe.frame > before->frame))
-        before = &keyframe;
-      if (keyframe.frame >= frame && (!after || keyframe.frame < after->frame)) after = &keyframe;
+  // Of each layer, the last image at or before a frame and the first one at or after it.
+  std::vector<PlaceId> Around(SequenceId sequence, int frame) const {
+    std::vector<PlaceId> ids;
+    for (const PlaceLayer layer : {PlaceLayer::kPlanes, PlaceLayer::kAppearance}) {
+      const MappedImage* before = nullptr;
+      const MappedImage* after = nullptr;
+      for (const MappedImage& image : images_) {
+        if (image.sequence != sequence || image.place.layer != layer) continue;
+        if (image.frame <= frame && (!before || image.frame > before->frame)) before = &image;
+        if (image.frame >= frame && (!after || image.frame < after->frame)) after = &image;
+      }
+      if (before) ids.push_back(before->place);
+      if (after && after != before) ids.push_back(after->place);
     }
-    std::vector<KeyframeId> ids;
-    if (before) ids.push_back(before->id);
-    if (after && (!before || after->id != before->id)) ids.push_back(after->id);
     return ids;
   }
 
  private:
   const MapIndex& index_;
-  std::unordered_map<std::string, std::vector<KeyframeId>> by_name_;
+  std::vector<MappedImage> images_;
+  std::unordered_map<std::string, std::vector<PlaceId>> by_name_;
 };
 
 std::vector<std::string> SplitNames(const std::string& cell) {
@@ -78,19 +103,22 @@ std::vector<std::string> SplitNames(const std::string& cell) {
                  file.path().string() + ", line " + std::to_string(line) + ": " + cause);
 }
 
-KeyframeId KeyframeNamed(const CsvFile& file, int line, const std::string& name,
-                         const KeyframeNames& names) {
-  const std::vector<KeyframeId>& found = names.Find(name);
+// One image, which both layers may have.
+std::vector<PlaceId> ImageNamed(const CsvFile& file, int line, const std::string& name,
+                                const ImageNames& names) {
+  const std::vector<PlaceId>& found = names.Find(name);
   if (found.empty()) {
     FailName(file, line,
-             "the map has no keyframe \"" + name + "\"; see GET /v1/maps/{map}/keyframes");
+             "the map has no image \"" + name +
+                 "\"; GET /v1/maps/{map}/keyframes and /panoramas list them");
   }
-  if (found.size() > 1) {
+  const auto of_layer = std::ranges::count(found, found.front().layer, &PlaceId::layer);
+  if (of_layer > 1) {
     FailName(file, line,
-             "the map has " + std::to_string(found.size()) + " keyframes \"" + name +
+             "the map has " + std::to_string(of_layer) + " images \"" + name +
                  "\"; specify it as sequence:source");
   }
-  return found.front();
+  return found;
 }
 
 // "120" or "kitchen:120".
@@ -100,7 +128,7 @@ struct FrameName {
 };
 
 FrameName ParseFrame(const CsvFile& file, int line, const std::string& cell,
-                     const KeyframeNames& names) {
+                     const ImageNames& names) {
   const size_t colon = cell.rfind(':');
   const std::string sequence_name = colon == std::string::npos ? "" : cell.substr(0, colon);
   const std::string number = colon == std::string::npos ? cell : cell.substr(colon + 1);
@@ -132,43 +160,63 @@ PlaceColumns FindPlaceColumns(const CsvFile& file) {
   return columns;
 }
 
-std::vector<KeyframeId> TruthOf(const CsvFile& file, const CsvFile::Row& row,
-                                const PlaceColumns& columns, const KeyframeNames& names) {
+std::vector<PlaceId> TruthOf(const CsvFile& file, const CsvFile::Row& row,
+                             const PlaceColumns& columns, const ImageNames& names) {
   const std::string& cell = row.cells[columns.keyframe ? *columns.keyframe : *columns.frame];
-  std::vector<KeyframeId> truth;
+  std::vector<PlaceId> truth;
   for (const std::string& name : SplitNames(cell)) {
     if (columns.keyframe) {
-      truth.push_back(KeyframeNamed(file, row.line, name, names));
+      const std::vector<PlaceId> named = ImageNamed(file, row.line, name, names);
+      truth.insert(truth.end(), named.begin(), named.end());
       continue;
     }
     const FrameName frame = ParseFrame(file, row.line, name, names);
-    const std::vector<KeyframeId> around = names.Around(frame.sequence, frame.frame);
+    const std::vector<PlaceId> around = names.Around(frame.sequence, frame.frame);
     if (around.empty())
-      FailName(file, row.line, "the sequence of frame " + name + " has no keyframes");
+      FailName(file, row.line, "the sequence of frame " + name + " has no images in the map");
     truth.insert(truth.end(), around.begin(), around.end());
   }
   return truth;
 }
 
-using PositionColumns = std::optional<std::array<size_t, 3>>;
+struct PoseColumns {
+  std::array<size_t, 3> position{};
+  std::optional<std::array<size_t, 4>> rotation;  // qw, qx, qy, qz
+};
 
-PositionColumns FindPositionColumns(const CsvFile& file) {
+std::optional<PoseColumns> FindPoseColumns(const CsvFile& file) {
   const auto x = file.Column("x");
   const auto y = file.Column("y");
   const auto z = file.Column("z");
   if (!x && !y && !z) return std::nullopt;
   if (!x || !y || !z) file.Fail(1, "the header must have all of the columns x, y and z, or none");
-  return std::array<size_t, 3>{*x, *y, *z};
+  PoseColumns columns{{*x, *y, *z}, {}};
+  const auto qw = file.Column("qw");
+  const auto qx = file.Column("qx");
+  const auto qy = file.Column("qy");
+  const auto qz = file.Column("qz");
+  if (qw && qx && qy && qz) columns.rotation = {*qw, *qx, *qy, *qz};
+  return columns;
 }
 
-std::optional<Eigen::Vector3d> PositionIn(const CsvFile& file, const CsvFile::Row& row,
-                                          const PositionColumns& columns) {
+std::optional<TruePose> PoseIn(const CsvFile& file, const CsvFile::Row& row,
+                               const std::optional<PoseColumns>& columns) {
   if (!columns) return std::nullopt;
-  const bool none = std::all_of(columns->begin(), columns->end(),
-                                [&](size_t column) { return row.cells[column].empty(); });
+  const bool none = std::ranges::all_of(columns->position,
+                                        [&](size_t column) { return row.cells[column].empty(); });
   if (none) return std::nullopt;
-  return Eigen::Vector3d(file.Number(row, (*columns)[0]), file.Number(row, (*columns)[1]),
-                         file.Number(row, (*columns)[2]));
+  const auto number = [&](size_t column) { return file.Number(row, column); };
+  TruePose pose;
+  const auto& [x, y, z] = columns->position;
+  pose.world_from_camera.translation() = Eigen::Vector3d(number(x), number(y), number(z));
+  if (!columns->rotation) return pose;
+  const auto& [qw, qx, qy, qz] = *columns->rotation;
+  pose.has_rotation = true;
+  pose.world_from_camera.linear() =
+      Eigen::Quaterniond(number(qw), number(qx), number(qy), number(qz))
+          .normalized()
+          .toRotationMatrix();
+  return pose;
 }
 
 fs::path ImageIn(const CsvFile& file, const CsvFile::Row& row, size_t column) {
@@ -196,12 +244,12 @@ std::vector<LabelledQuery> ReadQuerySet(const fs::path& path, const MapIndex& in
   const std::optional<size_t> image = file.Column("image");
   if (!image) file.Fail(1, "the header has no image column");
   const PlaceColumns place = FindPlaceColumns(file);
-  const PositionColumns position = FindPositionColumns(file);
-  const KeyframeNames names(index);
+  const std::optional<PoseColumns> pose = FindPoseColumns(file);
+  const ImageNames names(index);
   std::vector<LabelledQuery> queries;
   for (const CsvFile::Row& row : file.rows()) {
-    queries.push_back({ImageIn(file, row, *image), TruthOf(file, row, place, names),
-                       PositionIn(file, row, position)});
+    queries.push_back(
+        {ImageIn(file, row, *image), TruthOf(file, row, place, names), PoseIn(file, row, pose)});
   }
   if (queries.empty()) file.Fail(1, "no queries; add one line per image after the header");
   return queries;
@@ -229,28 +277,42 @@ std::vector<LabelledQuery> ReadNegatives(const fs::path& folder) {
   return queries;
 }
 
-KeyframePositions ReadPositions(const fs::path& path, const MapIndex& index) {
-  const CsvFile file(path);
-  const PlaceColumns place = FindPlaceColumns(file);
-  const PositionColumns columns = FindPositionColumns(file);
-  if (!columns) file.Fail(1, "the header has no columns x, y and z");
-  const KeyframeNames names(index);
-  KeyframePositions positions;
-  for (const CsvFile::Row& row : file.rows()) {
-    const std::optional<Eigen::Vector3d> position = PositionIn(file, row, columns);
-    if (!position) continue;
-    const std::string& cell = row.cells[place.keyframe ? *place.keyframe : *place.frame];
-    if (place.keyframe) {
-      for (const KeyframeId id : names.Find(cell)) positions[id] = *position;
-      continue;
+std::vector<LabelledQuery> ReadPosedImages(const fs::path& folder, const ImagePoses& truth,
+                                           const PlacePoses& places, double near_m) {
+  std::vector<LabelledQuery> queries = ReadNegatives(folder);
+  for (size_t i = 0; i < queries.size(); ++i) {
+    const std::string stem = queries[i].image.stem().string();
+    char* end = nullptr;
+    const double number = std::strtod(stem.c_str(), &end);
+    const bool is_number = !stem.empty() && *end == '\0';
+    const auto time_s = is_number ? std::optional(number) : std::nullopt;
+    const int order = is_number ? static_cast<int>(number) : static_cast<int>(i);
+    const TruePose* pose = truth.Find(queries[i].image.string(), time_s, order);
+    if (pose == nullptr) {
+      throw MapError(ErrorCode::kNotFound, queries[i].image.string() +
+                                               " has no pose in the file of --truth; add it or "
+                                               "remove the image");
     }
-    const FrameName frame = ParseFrame(file, row.line, cell, names);
-    const std::vector<KeyframeId> around = names.Around(frame.sequence, frame.frame);
-    if (around.size() == 1 && index.FindKeyframe(around.front())->frame == frame.frame) {
-      positions[around.front()] = *position;
+    queries[i].pose = *pose;
+    for (const auto& [place, of_place] : places) {
+      const double apart =
+          (of_place.world_from_camera.translation() - pose->world_from_camera.translation()).norm();
+      if (apart <= near_m) queries[i].truth.push_back(place);
     }
   }
-  return positions;
+  return queries;
+}
+
+PlacePoses PosesOfPlaces(const ImagePoses& poses, const MapIndex& index) {
+  PlacePoses of_places;
+  for (const MappedImage& image : ImagesOf(index.map())) {
+    const TruePose* pose = poses.Find(image.source, image.time_s, image.frame);
+    if (pose != nullptr) of_places.emplace(image.place, *pose);
+  }
+  if (!of_places.empty()) return of_places;
+  throw MapError(ErrorCode::kNotFound,
+                 "the file of --poses has no pose of an image of the map; poses are associated by "
+                 "image name, time stamp or frame number");
 }
 
 }  // namespace waystone

@@ -21,7 +21,7 @@ void Sign(const MapIndex& index, Answer& answer) {
 
 // Whether the map's panoramas are asked rather than its planes.
 bool AsksPanoramas(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
-  const bool panoramic = options.series || IsPanoramic(grey.size());
+  const bool panoramic = options.series || IsForPanoramas(index, grey.size());
   return index.HasAppearance() && (panoramic || index.map().planes.empty());
 }
 
@@ -31,7 +31,7 @@ Answer AskPanoramas(const MapIndex& index, const cv::Mat& grey, const LocalizeOp
     series.query = options.panorama;
     return LocalizeInSeries(index, grey, *options.series, series);
   }
-  if (IsPanoramic(grey.size())) return LocalizePanorama(index, grey, options.panorama);
+  if (IsForPanoramas(index, grey.size())) return LocalizePanorama(index, grey, options.panorama);
   return LocalizePhoto(index, grey, options.camera, options.panorama, options.deadline);
 }
 
@@ -41,9 +41,13 @@ void AddTimedBuilding(const MapIndex& index, const cv::Mat& grey, const Localize
   LapTimer timer;
   BuildingQuery query;
   // Panoramas need no camera. A wide photo that planes answered has one.
-  if (!answer.panorama || !IsPanoramic(grey.size())) query.camera = options.camera;
-  // Lines cost as much as features: a place that the appearance settled goes without.
-  query.with_lines = answer.decided_by != DecidedBy::kPanoramaSignature && !options.TooLate();
+  const bool of_panorama = answer.panorama && IsForPanoramas(index, grey.size());
+  if (!of_panorama) query.camera = options.camera;
+  // Lines cost as much as features: a place that the appearance settled goes without. A mirror's
+  // image has no straight ones.
+  const bool straight = !of_panorama || IsPanoramic(grey.size());
+  query.with_lines =
+      straight && answer.decided_by != DecidedBy::kPanoramaSignature && !options.TooLate();
   query.min_probability =
       answer.panorama ? options.panorama.min_probability : options.planes.gates.min_probability;
   AddBuilding(index, grey, query, options.building, answer);

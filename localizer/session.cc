@@ -56,11 +56,11 @@ std::vector<Answer> AskIndices(const std::vector<const MapIndex*>& indices, cons
 }
 
 // By its header: what isn't an image fits either way.
-bool LooksLikePhoto(const QueryImage& image) {
-  if (!image.grey.empty()) return !IsPanoramic(image.grey.size());
+bool LooksLikePhoto(const MapIndex& index, const QueryImage& image) {
+  if (!image.grey.empty()) return !IsForPanoramas(index, image.grey.size());
   try {
     const ImageHeader header = ReadImageHeader(EncodedBytes(image));
-    return !IsPanoramic(cv::Size(header.width, header.height));
+    return !IsForPanoramas(index, cv::Size(header.width, header.height));
   } catch (const MapError& error) {
     if (error.code() != ErrorCode::kBadImage) throw;
     return false;
@@ -111,10 +111,11 @@ Series::Series(QueriedMap map, LocalizeOptions options, FilterState previous)
 }
 
 Answer Series::Ask(const QueryImage& image, const std::optional<Pose2>& odometry) {
-  if (LooksLikePhoto(image)) {
+  if (LooksLikePhoto(*map_.index, image)) {
     Answer refused = RefuseImage(
         MapError(ErrorCode::kBadImage,
-                 "not a panorama, which is twice as wide as high; a series takes panoramas only"));
+                 "not a panorama, which is twice as wide as high or as the map's mirror images; a "
+                 "series takes panoramas only"));
     refused.map_version = map_.index->map().info.version;
     refused.image = image.name;
     refused.map = map_.name;
@@ -150,8 +151,14 @@ bool Session::AsksOnePanoramaMap() const {
   return maps_.size() == 1 && maps_.front().index->HasAppearance();
 }
 
+bool Session::HasPhotos() const {
+  return std::ranges::any_of(request_.images, [&](const QueryImage& image) {
+    return LooksLikePhoto(*maps_.front().index, image);
+  });
+}
+
 RequestAnswer Session::Ask() const {
-  if (AsksOnePanoramaMap() && std::ranges::none_of(request_.images, LooksLikePhoto)) {
+  if (AsksOnePanoramaMap() && !HasPhotos()) {
     auto previous = TakeBelief(request_.previous, maps_.front().index->map());
     if (previous || request_.images.size() > 1) return AskSeries(std::move(previous));
   }
@@ -187,7 +194,7 @@ std::vector<Answer> Session::AskMaps(const QueryImage& image) const {
 
 RequestAnswer Session::AskEach() const {
   RequestAnswer result;
-  const bool photos = AsksOnePanoramaMap() && std::ranges::any_of(request_.images, LooksLikePhoto);
+  const bool photos = AsksOnePanoramaMap() && HasPhotos();
   result.used_camera = std::ranges::any_of(maps_, [&](const QueriedMap& map) {
     const MapData& data = map.index->map();
     return data.orientation || (photos && data.planes.empty());

@@ -80,6 +80,7 @@ class Session {
 
  private:
   bool AsksOnePanoramaMap() const;
+  bool HasPhotos() const;  // of one panorama map
   std::vector<Answer> AskMaps(const QueryImage& image) const;
   RequestAnswer AskSeries(std::optional<FilterState> previous) const;
   RequestAnswer AskEach() const;

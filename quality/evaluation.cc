@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/base/check.h"
+#include "core/geometry/angle.h"
 #include "core/robust/quantile.h"
 
 namespace waystone {
@@ -14,6 +15,17 @@ namespace {
 bool Saw(const Plane& plane, KeyframeId keyframe) {
   return std::any_of(plane.views.begin(), plane.views.end(),
                      [&](const PlaneView& view) { return view.keyframe == keyframe; });
+}
+
+bool ShareSomePlane(const MapIndex& index, KeyframeId a, KeyframeId b) {
+  return std::ranges::any_of(index.map().planes,
+                             [&](const Plane& plane) { return Saw(plane, a) && Saw(plane, b); });
+}
+
+bool AreJoined(const MapIndex& index, AppearanceNodeId a, AppearanceNodeId b) {
+  return std::ranges::any_of(index.map().appearance->edges, [&](const AppearanceEdge& edge) {
+    return edge.a == std::min(a, b) && edge.b == std::max(a, b);
+  });
 }
 
 struct StatedAnswer {
@@ -47,7 +59,7 @@ void MeasureReliability(const MapIndex& index, const std::vector<ScoredQuery>& q
   std::vector<StatedAnswer> localized;
   for (const ScoredQuery& query : queries) {
     if (query.answer.verdict == Verdict::kBadImage) continue;
-    const std::optional<KeyframeId> place = BestPlace(query.answer);
+    const std::optional<PlaceId> place = BestPlace(query.answer);
     all.push_back({query.answer.probability, place && IsRightPlace(index, query.truth, *place)});
     if (query.answer.verdict == Verdict::kLocalized) localized.push_back(all.back());
   }
@@ -75,7 +87,7 @@ std::optional<PositionErrors> PositionsOf(const std::vector<ScoredQuery>& querie
   std::vector<double> errors;
   for (const ScoredQuery& query : queries) {
     const bool counts = query.answer.verdict == Verdict::kLocalized && !query.truth.empty();
-    if (counts && query.error_m) errors.push_back(*query.error_m);
+    if (counts && query.error) errors.push_back(query.error->metres);
   }
   if (errors.empty()) return std::nullopt;
   const auto count = static_cast<double>(errors.size());
@@ -88,6 +100,24 @@ std::optional<PositionErrors> PositionsOf(const std::vector<ScoredQuery>& querie
   position.p90_m = Quantile(errors, 0.9);
   position.max_m = Quantile(errors, 1.0);
   return position;
+}
+
+std::vector<WithinTolerance> MeasureTolerances(const std::vector<ScoredQuery>& queries) {
+  const auto positives =
+      std::ranges::count_if(queries, [](const ScoredQuery& query) { return !query.truth.empty(); });
+  std::vector<WithinTolerance> within;
+  for (const auto& [metres, degrees] : kTolerances) {
+    int position = 0;
+    int pose = 0;
+    for (const ScoredQuery& query : queries) {
+      if (query.truth.empty() || !query.error || query.error->metres > metres) continue;
+      ++position;
+      pose += query.error->rad && *query.error->rad <= degrees * kDegree;
+    }
+    const auto all = static_cast<double>(std::max<std::ptrdiff_t>(1, positives));
+    within.push_back({metres, degrees, position / all, pose / all});
+  }
+  return within;
 }
 
 void Count(Outcome outcome, const ScoredQuery& query, Evaluation& evaluation) {
@@ -104,20 +134,23 @@ void Count(Outcome outcome, const ScoredQuery& query, Evaluation& evaluation) {
 
 }  // namespace
 
-bool IsRightPlace(const MapIndex& index, const std::vector<KeyframeId>& truth,
-                  KeyframeId answered) {
+bool IsRightPlace(const MapIndex& index, const std::vector<PlaceId>& truth,
+                  const PlaceId& answered) {
   if (std::find(truth.begin(), truth.end(), answered) != truth.end()) return true;
-  const std::vector<Plane>& planes = index.map().planes;
-  return std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
-    return Saw(plane, answered) &&
-           std::any_of(truth.begin(), truth.end(), [&](KeyframeId id) { return Saw(plane, id); });
+  return std::ranges::any_of(truth, [&](const PlaceId& place) {
+    if (place.layer != answered.layer) return false;
+    return place.layer == PlaceLayer::kPlanes ? ShareSomePlane(index, {place.id}, {answered.id})
+                                              : AreJoined(index, {place.id}, {answered.id});
   });
 }
 
-std::optional<KeyframeId> BestPlace(const Answer& answer) {
-  if (answer.planes.keyframe) return answer.planes.keyframe->id;
-  if (!answer.planes.places.empty()) return answer.planes.places.front().keyframe.id;
-  if (answer.planes.runner_up) return answer.planes.runner_up->keyframe.id;
+std::optional<PlaceId> BestPlace(const Answer& answer) {
+  if (const auto place = PlaceOf(answer)) return PlaceId{place->layer, place->id};
+  if (answer.panorama && !answer.panorama->candidates.empty()) {
+    return PlaceIdOf(answer.panorama->candidates.front().node.id);
+  }
+  if (!answer.planes.places.empty()) return PlaceIdOf(answer.planes.places.front().keyframe.id);
+  if (answer.planes.runner_up) return PlaceIdOf(answer.planes.runner_up->keyframe.id);
   return std::nullopt;
 }
 
@@ -145,10 +178,10 @@ Outcome ClassifyOutcome(const MapIndex& index, const ScoredQuery& query) {
   if (query.answer.verdict != Verdict::kLocalized) {
     return positive ? Outcome::kMissed : Outcome::kRightlyRefused;
   }
-  WS_CHECK(query.answer.planes.keyframe.has_value(), "localized without a keyframe");
+  const std::optional<PlaceId> place = BestPlace(query.answer);
+  WS_CHECK(place.has_value(), "localized without a place");
   if (!positive) return Outcome::kFalseAccept;
-  return IsRightPlace(index, query.truth, query.answer.planes.keyframe->id) ? Outcome::kRight
-                                                                            : Outcome::kWrong;
+  return IsRightPlace(index, query.truth, *place) ? Outcome::kRight : Outcome::kWrong;
 }
 
 Evaluation Evaluate(const MapIndex& index, const std::vector<ScoredQuery>& queries) {
@@ -174,6 +207,7 @@ Evaluation Evaluate(const MapIndex& index, const std::vector<ScoredQuery>& queri
   MeasureReliability(index, queries, evaluation);
   evaluation.latency = SummarizeLatency(queries);
   evaluation.position = PositionsOf(queries);
+  if (evaluation.position) evaluation.within = MeasureTolerances(queries);
   return evaluation;
 }
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/base/ids.h"
 #include "localizer/index/map_index.h"
 #include "localizer/verdict/answer.h"
+#include "quality/pose_error.h"
 
 // How good answers are, measured on queries whose place is known. docs/evaluation.md defines the
 // figures.
@@ -15,18 +16,19 @@ namespace waystone {
 
 // One query after it was answered. `truth` is empty for a query that isn't in the map.
 struct ScoredQuery {
-  std::vector<KeyframeId> truth;
+  std::vector<PlaceId> truth;
   Answer answer;
-  // Distance between where the query was taken and the answered keyframe, metres, where known.
-  std::optional<double> error_m;
+  std::optional<PoseError> error;  // of a localized answer, where the true poses are known
 };
 
-// Whether a keyframe is one of the true ones or saw a plane that a true one saw as well.
-bool IsRightPlace(const MapIndex& index, const std::vector<KeyframeId>& truth, KeyframeId answered);
+// Whether a place is one of the true ones or beside one: a keyframe that saw a plane which a true
+// one saw as well, a panorama that an edge joins to a true one.
+bool IsRightPlace(const MapIndex& index, const std::vector<PlaceId>& truth,
+                  const PlaceId& answered);
 
-// The best place of an answer, whatever its verdict: the keyframe when localized, the first of the
-// places when ambiguous, the refused candidate when not in the map. Nothing where there is none.
-std::optional<KeyframeId> BestPlace(const Answer& answer);
+// The best place of an answer, whatever its verdict: the answered one when localized, else the
+// first of those that were considered. Nothing where there is none.
+std::optional<PlaceId> BestPlace(const Answer& answer);
 
 // What became of a query.
 enum class Outcome {
@@ -60,7 +62,7 @@ struct Latency {
   Percentiles decode_ms, extract_ms, shortlist_ms, verify_ms, total_ms;
 };
 
-// Distances between queries and the keyframes that answered them, metres.
+// Distances between the true poses of queries and those of their answers, metres.
 struct PositionErrors {
   int count = 0;
   double mean_m = 0;
@@ -69,6 +71,18 @@ struct PositionErrors {
   double p90_m = 0;
   double max_m = 0;
 };
+
+// Shares of the positives that are localized within a distance and an angle.
+struct WithinTolerance {
+  double metres = 0;
+  double degrees = 0;
+  double position = 0;  // within the distance, whatever the angle
+  double pose = 0;      // within both; an answer without a heading isn't
+};
+
+// The tolerances of Sattler et al. (2018).
+inline constexpr std::array<std::array<double, 2>, 3> kTolerances = {
+    {{0.25, 2}, {0.5, 5}, {5, 10}}};
 
 struct Evaluation {
   int queries = 0;
@@ -90,6 +104,7 @@ struct Evaluation {
   std::vector<ReliabilityBin> reliability_localized;  // of the localized ones
   Latency latency;                                    // of readable images
   std::optional<PositionErrors> position;             // of localized positives whose error is known
+  std::vector<WithinTolerance> within;                // kTolerances; empty where none is known
 };
 
 // The bins of the reliability tables, of equal width.

@@ -23,6 +23,7 @@ class GraphMaker {
     HandOutSamples();
     graph_.layer.described = options_.describe.signature;
     graph_.layer.described.band = taken_.band;
+    graph_.layer.mirror = taken_.mirror;
     return std::move(graph_);
   }
 

@@ -23,6 +23,11 @@ bool IsWholeSphere(const Panorama& panorama) {
   return panorama.band == ElevationBand{} && panorama.grey.cols == 2 * panorama.grey.rows;
 }
 
+LayerMirror MirrorOf(const cv::Mat& image, const PanoramaOptions& options) {
+  return {image.cols,    image.rows, options.columns, options.mirror_band, options.mirror_clockwise,
+          options.mirror};
+}
+
 void Describe(const Panorama& panorama, const DescribeOptions& options,
               DescribedPanorama& described) {
   described.signature = Signature(panorama, options.signature);
@@ -59,6 +64,9 @@ std::unique_ptr<DescribedPanorama> DescribePanorama(const Frame& frame,
   if (frame.grey.empty()) return described;
   try {
     Describe(ToPanorama(frame.grey, options.panorama), options, *described);
+    if (KindOf(frame.grey, options.panorama) == PanoramaKind::kMirror) {
+      described->mirror = MirrorOf(frame.grey, options.panorama);
+    }
   } catch (const MapError& error) {
     described->error = error.what();
   }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "core/base/options.h"
 #include "core/camera/panorama.h"
 #include "core/panorama/fourier_signature.h"
+#include "schema/layers/appearance/appearance_layer.h"
 
 namespace waystone {
 
@@ -49,6 +51,7 @@ struct DescribedPanorama : Observation {
   FourierSignature signature;
   FourierSignature trajectory_signature;  // the same with trajectory_rows
   ElevationBand band;                     // that the signature's rows span
+  std::optional<LayerMirror> mirror;      // that the image was unwrapped by
   BearingFeatures features;
   std::vector<uint8_t> jpeg;
 };

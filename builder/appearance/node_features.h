@@ -6,6 +6,7 @@
 
 #include "core/base/options.h"
 #include "localizer/appearance/panorama_features.h"
+#include "localizer/index/node_bearings.h"
 
 namespace waystone {
 

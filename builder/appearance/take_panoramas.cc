@@ -29,6 +29,7 @@ void PanoramaTaker::StartSequence(SequenceId id, const std::string& name) {
 void PanoramaTaker::Take(DescribedPanorama panorama) {
   if (taken_.signatures.empty()) taken_.band = panorama.band;
   CheckBand(panorama);
+  if (!taken_.mirror) taken_.mirror = panorama.mirror;
   TakeFeatures(std::move(panorama.features));
   taken_.signatures.push_back(std::move(panorama.trajectory_signature));
   taken_.frames.push_back(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,8 @@ struct TakenPanoramas {
   std::vector<PanoramaStretch> stretches;  // of each sequence
   std::vector<SequenceId> sequences;
   std::vector<TakenSample> samples;
-  ElevationBand band;  // of all signatures
+  ElevationBand band;                 // of all signatures
+  std::optional<LayerMirror> mirror;  // of the first image that is a mirror's
 
   int size() const { return static_cast<int>(signatures.size()); }
   // Which stretch a panorama is of.

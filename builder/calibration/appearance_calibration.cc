@@ -5,49 +5,111 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
+#include "builder/calibration/map_parts.h"
 #include "builder/calibration/rendered_negatives.h"
 #include "core/base/check.h"
 #include "localizer/appearance/appearance_match.h"
+#include "localizer/index/node_bearings.h"
 
 namespace waystone {
 namespace {
 
 double Apart(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
-// The nodes that a query is asked for without.
-std::vector<bool> Around(const AppearanceLayer& layer, const AppearanceCalibrationQuery& query,
-                         double radius) {
-  std::vector<bool> around;
-  for (const AppearanceNode& node : layer.nodes) {
-    around.push_back(radius > 0 && Apart(node.pose, query.truth) <= radius);
+// Places of the map by how it was driven: nodes that follow each other, or that a loop joins, are
+// neighbours however far the odometry drifted between them.
+class Surroundings {
+ public:
+  explicit Surroundings(const AppearanceLayer& layer) : layer_(layer), joined_(layer.nodes.size()) {
+    std::map<AppearanceNodeId, int> at;
+    for (size_t i = 0; i < layer.nodes.size(); ++i) at[layer.nodes[i].id] = static_cast<int>(i);
+    for (const AppearanceEdge& edge : layer.edges) {
+      joined_[at.at(edge.a)].push_back(at.at(edge.b));
+      joined_[at.at(edge.b)].push_back(at.at(edge.a));
+    }
   }
-  if (query.node >= 0) around[query.node] = true;
-  return around;
-}
 
-// The evidence for the best answer, and whether it is right: nothing where no node is left.
-std::optional<AppearanceSample> SampleOf(const MapIndex& index, const PanoramaQuery& query,
-                                         const std::optional<Pose2>& truth, double right_radius,
-                                         const std::vector<bool>& left_out,
-                                         const PanoramaQueryOptions& options) {
+  // Which nodes are within `radius` of a pose or within `steps` edges of a node; none for -1.
+  std::vector<bool> Within(const Pose2& pose, double radius, int node, int steps) const {
+    std::vector<bool> within;
+    for (const AppearanceNode& other : layer_.nodes) {
+      within.push_back(Apart(other.pose, pose) <= radius);
+    }
+    if (node >= 0) Walk(node, steps, within);
+    return within;
+  }
+
+ private:
+  void Walk(int node, int steps, std::vector<bool>& within) const {
+    std::set<int> reached{node};
+    for (int step = 0; step < steps; ++step) {
+      std::set<int> next = reached;
+      for (const int at : reached) next.insert(joined_[at].begin(), joined_[at].end());
+      reached = std::move(next);
+    }
+    for (const int at : reached) within[at] = true;
+  }
+
+  const AppearanceLayer& layer_;
+  std::vector<std::vector<int>> joined_;
+};
+
+// The evidence for the best answer; nothing where no node is left.
+struct BestAnswer {
+  AppearanceEvidence evidence;
+  int node = -1;
+};
+
+std::optional<BestAnswer> AskBest(const MapIndex& index, const PanoramaQuery& query,
+                                  const std::vector<bool>& left_out,
+                                  const PanoramaQueryOptions& options) {
   const std::vector<ComparedNode> nodes = CompareQuery(index, query, options, left_out);
   if (nodes.empty()) return std::nullopt;
-  AppearanceSample sample;
-  sample.evidence = CollectEvidence(index, nodes, 0, options);
-  sample.evidence.verified = query.features.has_value();
-  sample.right = truth && Apart(PlaceQuery(index, nodes, options).pose, *truth) <= right_radius;
-  return sample;
+  BestAnswer best{CollectEvidence(index, nodes, 0, options), nodes.front().node};
+  best.evidence.verified = query.features.has_value();
+  return best;
 }
 
-// The map as far as its panoramas are asked for.
-MapData PanoramasOf(const MapData& map) {
-  MapData part;
-  part.info = map.info;
-  part.sequences = map.sequences;
-  part.appearance = map.appearance;
-  for (AppearanceNode& node : part.appearance->nodes) node.jpeg.clear();
-  return part;
+// The answer to a panorama of the map without the nodes within `blank` spacings: right near where
+// it was taken, wrong elsewhere. Nothing in between, where neither can be said.
+std::optional<AppearanceSample> AskWithout(const MapIndex& index, const Surroundings& surroundings,
+                                           const AppearanceCalibrationQuery& query, double blank,
+                                           const AppearanceCalibrationOptions& options) {
+  const auto within = [&](double spacings) {
+    return surroundings.Within(query.truth, spacings * index.appearance().spacing(), query.node,
+                               static_cast<int>(spacings));
+  };
+  const auto best = AskBest(index, query.query, within(blank), options.query);
+  if (!best) return std::nullopt;
+  const bool right = within(options.right_spacings)[best->node];
+  if (!right && within(options.query.elsewhere_spacings)[best->node]) return std::nullopt;
+  return AppearanceSample{best->evidence, right};
+}
+
+std::optional<AppearanceSample> AskOutside(const MapIndex& index, const PanoramaQuery& query,
+                                           const AppearanceCalibrationOptions& options) {
+  const auto best = AskBest(index, query, {}, options.query);
+  if (!best) return std::nullopt;
+  return AppearanceSample{best->evidence, false};
+}
+
+// Whether answers that any map would be sure of are right by this map's poses, `samples` being
+// those for panoramas whose neighbours are in the map. Where they aren't, its trajectory is too
+// wrong to tell right answers from wrong ones.
+bool PosesTellWhatIsRight(const std::vector<AppearanceSample>& samples, bool verified,
+                          const AppearanceCalibrationOptions& options) {
+  const AppearanceVerdict model = DefaultVerdict(verified);
+  int sure = 0;
+  int right = 0;
+  for (const AppearanceSample& sample : samples) {
+    if (EstimateProbability(sample.evidence, model) < options.query.min_probability) continue;
+    ++sure;
+    right += sample.right;
+  }
+  return right >= options.min_right_share * sure;
 }
 
 std::vector<PanoramaQuery> DescribeNegatives(const MapIndex& index,
@@ -105,34 +167,35 @@ AppearanceVerdict CalibrateAppearance(const MapIndex& index,
                                       const std::function<void()>& before_each) {
   options.Check();
   WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
-  const AppearanceLayer& layer = *index.map().appearance;
-  const double spacing = index.appearance().spacing();
+  const Surroundings surroundings(*index.map().appearance);
   const size_t blanks = options.blank_spacings.size();
   const size_t asked = queries.size() * blanks;
   std::vector<std::optional<AppearanceSample>> found(asked + outside.size());
   tbb::parallel_for(size_t{0}, found.size(), [&](size_t i) {
     if (before_each) before_each();
-    if (i >= asked) {
-      found[i] = SampleOf(index, outside[i - asked], {}, 0, {}, options.query);
-      return;
-    }
-    const AppearanceCalibrationQuery& query = queries[i / blanks];
-    const double radius = options.blank_spacings[i % blanks] * spacing;
-    found[i] = SampleOf(index, query.query, query.truth, options.right_spacings * spacing,
-                        Around(layer, query, radius), options.query);
+    found[i] = i < asked ? AskWithout(index, surroundings, queries[i / blanks],
+                                      options.blank_spacings[i % blanks], options)
+                         : AskOutside(index, outside[i - asked], options);
   });
   std::vector<AppearanceSample> samples;
-  for (const auto& sample : found) {
-    if (sample && sample->evidence.verified == verified) samples.push_back(*sample);
+  std::vector<AppearanceSample> beside_neighbours;
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (!found[i] || found[i]->evidence.verified != verified) continue;
+    samples.push_back(*found[i]);
+    const bool has_neighbours = i < asked && options.blank_spacings[i % blanks] == 0;
+    if (has_neighbours) beside_neighbours.push_back(*found[i]);
   }
+  if (!PosesTellWhatIsRight(beside_neighbours, verified, options)) return DefaultVerdict(verified);
   return FitAppearanceVerdict(samples, verified, options.fit);
 }
 
-void CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
-                              const AppearanceCalibrationOptions& options,
-                              ProgressReporter& progress) {
+namespace {
+
+void FitAppearanceVerdicts(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
+                           const AppearanceCalibrationOptions& options,
+                           ProgressReporter& progress) {
   const auto report = [&] { progress.Report("calibration", 0, 1); };
-  const auto index = MapIndex::Build(PanoramasOf(map));
+  const auto index = MapIndex::Build(CopyPanoramas(map));
   const std::vector<PanoramaQuery> outside = DescribeNegatives(*index, options);
   std::vector<AppearanceCalibrationQuery> verified;
   std::vector<AppearanceCalibrationQuery> alone;
@@ -150,6 +213,19 @@ void CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFr
   if (verified.empty()) return;
   map.appearance->verified_verdict =
       CalibrateAppearance(*index, verified, outside, true, options, report);
+}
+
+}  // namespace
+
+OwnImages CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
+                                   const AppearanceCalibrationOptions& options,
+                                   ProgressReporter& progress) {
+  FitAppearanceVerdicts(map, samples, options, progress);
+  const OwnImages own = FindOwnPanoramas(map, samples, options.query);
+  if (own.AreFound()) return own;
+  map.appearance->verdict = DefaultVerdict(false);
+  if (map.appearance->verified_verdict) map.appearance->verified_verdict = DefaultVerdict(true);
+  return FindOwnPanoramas(map, samples, options.query);
 }
 
 }  // namespace waystone

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "builder/appearance/appearance_layer.h"
+#include "builder/calibration/own_images.h"
 #include "core/base/options.h"
 #include "localizer/appearance/appearance.h"
 
@@ -16,7 +17,8 @@ namespace waystone {
 struct AppearanceCalibrationOptions {
   int max_nodes = 60;
   double right_spacings = 2;
-  std::vector<double> blank_spacings = {0, 2, 3, 6};
+  std::vector<double> blank_spacings = {0, 4, 6};
+  double min_right_share = 0.95;
   int rendered_negatives = 12;
   PanoramaQueryOptions query;
   AppearanceFitOptions fit;
@@ -33,7 +35,14 @@ struct AppearanceCalibrationOptions {
                     Closed(0, 1000), "node spacings",
                     "Each panorama is asked for as if its surroundings weren't in the map: without "
                     "the nodes within so many spacings, 0 for itself alone. Just beyond "
-                    "right_spacings answers are wrong by little: the model learns to refuse them."},
+                    "query.elsewhere_spacings answers are wrong by little: the model learns to "
+                    "refuse them."},
+        OptionField{"min_right_share", &AppearanceCalibrationOptions::min_right_share, Closed(0, 1),
+                    "",
+                    "Share of the answers that the default model is sure of which have to be right "
+                    "by the map's poses. Below, the trajectory is too wrong to learn from, and the "
+                    "default model is used.",
+                    OptionUse::kInternal},
         OptionField{"rendered_negatives", &AppearanceCalibrationOptions::rendered_negatives,
                     Closed(0, 1000), "",
                     "Panoramas of a rendered building that it is queried with, too: what isn't in "
@@ -53,7 +62,8 @@ struct AppearanceCalibrationQuery {
 
 // The model of one kind of answers, verified by features or by appearance alone as the queries ask
 // for, fitted to answers of the map itself: each query is asked for without the nodes around it, by
-// the options' radii, where the answer is right or wrong by its distance. `outside` are panoramas
+// the options' radii, where the answer is right or wrong by its distance (in poses or edges). The
+// default model where sure answers contradict the map's poses. `outside` are panoramas
 // of what the map doesn't show. Samples of the other kind are left out. `before_each`, where given,
 // is called before each query, from any thread and by several at a time; what it throws ends the
 // fit. Throws MapError(kBadOptions); the map has an appearance layer (WS_CHECK). Deterministic on
@@ -65,11 +75,12 @@ AppearanceVerdict CalibrateAppearance(const MapIndex& index,
                                       const std::function<void()>& before_each = {});
 
 // Fits the models of the map's appearance layer, of answers by appearance alone and, where the
-// nodes keep features, of verified ones, to `samples` and to rendered negatives. Reports the
-// stage "calibration".
-void CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
-                              const AppearanceCalibrationOptions& options,
-                              ProgressReporter& progress);
+// nodes keep features, of verified ones, to `samples` and to rendered negatives. Returns how many
+// of the samples the map finds; models that lose more than 1 % of them are replaced by the default
+// ones. Reports the stage "calibration".
+OwnImages CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
+                                   const AppearanceCalibrationOptions& options,
+                                   ProgressReporter& progress);
 
 // A node as a query: its own signature, and its features where the options verify.
 PanoramaQuery QueryOfNode(const MapIndex& index, int node, const PanoramaQueryOptions& options);

@@ -8,6 +8,7 @@
 #include <string>
 #include <unordered_set>
 
+#include "builder/calibration/map_parts.h"
 #include "builder/calibration/rendered_negatives.h"
 #include "core/base/random.h"
 #include "localizer/planes/decide.h"
@@ -107,19 +108,6 @@ std::vector<VerdictSample> Ask(const MapIndex& index, const std::unordered_set<D
   return samples;
 }
 
-// The map as far as its planes are asked for.
-MapData CopyPlanes(const MapData& map) {
-  MapData part;
-  part.info = map.info;
-  part.sequences = map.sequences;
-  part.keyframes = map.keyframes;
-  part.planes = map.planes;
-  part.edges = map.edges;
-  part.index = map.index;
-  for (Keyframe& keyframe : part.keyframes) keyframe.jpeg.clear();
-  return part;
-}
-
 // Gates open as far as they go: the model has to see what they would stop.
 CalibrationOptions WithOpenGates(CalibrationOptions options) {
   constexpr int kFewest = 5;  // four fit any homography
@@ -134,6 +122,7 @@ CalibrationOptions WithOpenGates(CalibrationOptions options) {
 void CalibrationOptions::Check() const {
   CheckFields("calibration", *this);
   localize.Check();
+  fit.Check();
 }
 
 VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<SampledKeyframe>& queries,
@@ -153,7 +142,7 @@ VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<SampledKe
   std::vector<VerdictSample> samples;
   for (const auto& of_query : asked)
     samples.insert(samples.end(), of_query.begin(), of_query.end());
-  return FitVerdictModel(samples);
+  return FitVerdictModel(samples, options.fit);
 }
 
 void CalibratePlaneLayer(MapData& map, const std::vector<SampledKeyframe>& samples,

@@ -9,6 +9,7 @@
 #include "core/base/options.h"
 #include "core/features/features.h"
 #include "localizer/localizer.h"
+#include "localizer/verdict/verdict_model.h"
 #include "schema/map_data.h"
 
 namespace waystone {
@@ -18,6 +19,7 @@ struct CalibrationOptions {
   int max_keyframes = 40;
   int rendered_negatives = 8;
   LocalizeOptions localize;
+  FitOptions fit;
   uint64_t seed = 1;
 
   static constexpr auto Fields() {
@@ -29,6 +31,7 @@ struct CalibrationOptions {
                     "Images of a rendered building that it is queried with, too: what isn't in "
                     "the map. They cost about 100 ms each."},
         OptionGroup{"localize", &CalibrationOptions::localize},
+        OptionGroup{"fit", &CalibrationOptions::fit},
         OptionField{"seed", &CalibrationOptions::seed, AnyValue(), "",
                     "Seed of the scrambled negatives."}};
   }

@@ -8,6 +8,15 @@
 
 namespace waystone {
 
+// How many of a map's own images it finds again.
+struct OwnImages {
+  int asked = 0;
+  int found = 0;
+
+  // 99 % of them.
+  bool AreFound() const { return 100 * found >= 99 * asked; }
+};
+
 // What became of the frames that a layer observed.
 struct FrameReport {
   int frames = 0;
@@ -16,6 +25,7 @@ struct FrameReport {
   double decode_s = 0;                     // summed over threads
   double observe_s = 0;                    // summed over threads
   double add_s = 0;                        // the part in order
+  OwnImages own;                           // a sample, by BuildMap
 
   // One more frame; `error` is empty for one that can be used.
   void Count(const FrameInfo& info, const std::string& error);

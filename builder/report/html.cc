@@ -99,6 +99,11 @@ std::string GraphSvg(const MapData& map) {
   return svg.str();
 }
 
+std::string OwnImagesCell(const OwnImages& own) {
+  const std::string text = std::to_string(own.found) + " of " + std::to_string(own.asked);
+  return own.AreFound() ? text : "<b>" + text + "</b>";
+}
+
 std::string CountsTable(const AppearanceReport& report) {
   return "<table><tr><th>Item<th>Count\n" + Row("frames", report.frames) +
          Row("skipped frames", report.skipped) + Row("uncertain steps", report.uncertain) +
@@ -107,6 +112,7 @@ std::string CountsTable(const AppearanceReport& report) {
          Row("confirmed by neighbouring matches", report.loops_supported) +
          Row("rejected by the pose graph", report.loops_rejected) +
          Row("redundant panoramas", report.dropped) +
+         Row("own images found", OwnImagesCell(report.own)) +
          Row("<b>panoramas</b>", report.panoramas - report.dropped) + "</table>\n";
 }
 
@@ -131,7 +137,7 @@ std::string CountsTable(const MapData& map, const PlaneReport& report) {
          Row("planes fused", report.planes_fused) + Row("planes dropped", report.planes_dropped) +
          Row("<b>planes</b>", map.planes.size()) + Row("<b>edges</b>", map.edges.size()) +
          Row("<b>features</b>", features) + Row("features dropped", report.features_dropped) +
-         "</table>\n";
+         Row("own images found", OwnImagesCell(report.own)) + "</table>\n";
 }
 
 std::string SecondsTable(const PlaneReport& report, double total_s) {

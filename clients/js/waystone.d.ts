@@ -168,6 +168,32 @@ export interface KeyframeRef {
   time_s?: number | null;
 }
 
+/** The place of a localized image, whatever the layer: the nearest keyframe (planes) or panorama (appearance) with its source image, and position and heading of the query where known. */
+export interface AnsweredPlace {
+  layer: "planes" | "appearance";
+  id: Id;
+  image: string;
+  sequence: string;
+  time_s: number | null;
+  position: null | PlacePosition;
+  heading: null | Heading;
+}
+
+/** In the frame and units of the appearance layer; `deviation` along the worst direction. `metres_per_unit` is null where the scale is unknown. */
+export interface PlacePosition {
+  x: number;
+  y: number;
+  deviation: number;
+  metres_per_unit: number | null;
+}
+
+/** Counter-clockwise from the x axis of the frame that `of` names, seen from above. */
+export interface Heading {
+  rad: number;
+  deviation_rad: number;
+  of: "keyframe" | "building" | "layer";
+}
+
 export interface Place {
   keyframe: KeyframeRef;
   probability: Probability;
@@ -200,6 +226,7 @@ export interface ShortAnswer {
   image?: string;
   verdict: Verdict;
   probability: Probability;
+  place: null | AnsweredPlace;
   keyframe: null | KeyframeRef;
   inliers: Count;
 }
@@ -224,8 +251,10 @@ export interface Answer {
   image: string;
   map: string;
   map_version: string;
+  place: null | AnsweredPlace;
+  /** The place where the plane layer answered, else null. */
   keyframe: null | KeyframeRef;
-  heading: null | Record<string, unknown>;
+  heading: null | Heading;
   building?: BuildingView;
   planes: RecognisedPlane[];
   panorama?: PanoramaPlace;
@@ -249,7 +278,7 @@ export interface Answer {
 
 /** Rotation of the query relative to the Manhattan axes, if the map has an orientation layer and the camera is known or the query is a panorama. disagreement_rad is the angle between the axes estimated from the query's lines and those of the place, null if not reliable. */
 export interface BuildingView {
-  heading: null | Record<string, unknown>;
+  heading: null | Heading;
   building_from_query: null | Matrix;
   lines: [number, number, number];
   disagreement_rad: number | null;
@@ -258,7 +287,7 @@ export interface BuildingView {
 /** Result of the appearance layer: the nearest node and the position if localized, else null, and the candidates. */
 export interface PanoramaPlace {
   node: null | NodeRef;
-  position: null | { x: number; y: number; deviation: number; metres_per_unit: number | null };
+  position: null | PlacePosition;
   candidates: NodeCandidate[];
   runner_up: null | NodeCandidate;
 }

@@ -68,6 +68,28 @@ class Heading(TypedDict):
     of: str
 
 
+class Position(TypedDict):
+    """In the frame and units of the map's panoramas; `deviation` along the worst direction."""
+
+    x: float
+    y: float
+    deviation: float
+    metres_per_unit: float | None
+
+
+class AnsweredPlace(TypedDict):
+    """Where a localized photo was taken, whatever the layer: the nearest keyframe ("planes") or
+    panorama ("appearance"), and the photo's position and heading where they are known."""
+
+    layer: Literal["planes", "appearance"]
+    id: int
+    image: str
+    sequence: str
+    time_s: float | None
+    position: Position | None
+    heading: Heading | None
+
+
 class PlaneReference(TypedDict):
     """The keyframe in whose picture a plane is kept."""
 
@@ -101,6 +123,7 @@ class ShortAnswer(TypedDict):
     image: NotRequired[str]
     verdict: Verdict
     probability: float
+    place: AnsweredPlace | None
     keyframe: Keyframe | None
     inliers: int
 
@@ -113,6 +136,7 @@ class Answer(TypedDict):
     image: str
     map: str
     map_version: str
+    place: AnsweredPlace | None
     keyframe: Keyframe | None
     heading: Heading | None
     planes: list[Plane]
@@ -482,8 +506,8 @@ def _line(answer: Answer) -> str:
     facts = [f"{answer['timing_ms']['total']:.0f} ms"]
     if answer["verdict"] == "localized":
         line += f" in {answer['map']}"
-        if keyframe := answer["keyframe"]:
-            line += f" near {keyframe['source']}"
+        if place := answer["place"]:
+            line += f" near {place['image']}"
         if planes := answer["planes"]:
             facts = [f"plane {planes[0]['id']}", f"{planes[0]['inliers']} inliers"] + facts
     elif message := answer.get("message"):

@@ -39,6 +39,8 @@ struct MirrorRing {
   cv::Point2d centre_px;
   double inner_px = 0;  // radii
   double outer_px = 0;
+
+  bool operator==(const MirrorRing&) const = default;
 };
 
 struct PanoramaOptions {

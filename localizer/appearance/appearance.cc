@@ -3,70 +3,84 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/check.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/camera/panorama.h"
 #include "localizer/appearance/panorama_series.h"
+#include "localizer/verdict/logistic_fit.h"
 
 namespace waystone {
 namespace {
 
 constexpr double kPanoramaRatio = 2;
 constexpr double kRatioTolerance = 0.02;  // as ToPanorama's
+constexpr double kBandTolerance_rad = 1e-6;
 
 bool KeepsFeatures(const AppearanceLayer& layer) {
   return std::ranges::any_of(layer.nodes,
                              [](const auto& node) { return !node.features.bearings.empty(); });
 }
 
-// The node nearest to where the query is, among those that were compared.
-int NearestTo(const MapIndex& index, const std::vector<ComparedNode>& nodes, const Pose2& pose) {
-  const auto apart = [&](const ComparedNode& compared) {
-    const Pose2& at = index.map().appearance->nodes[compared.node].pose;
-    return std::hypot(at.x - pose.x, at.y - pose.y);
-  };
-  return std::ranges::min_element(nodes, {}, apart)->node;
-}
-
 // The best node's heading by the warping search, which bears a motion.
 void RefineHeading(const MapIndex& index, const FourierSignature& query, ComparedNode& best,
                    const PanoramaQueryOptions& options) {
   const AppearanceNode& node = index.map().appearance->nodes[best.node];
-  const CompassHeading heading = RelativeHeading(node.signature, query, options.compass);
+  CompassOptions compass = options.compass;
+  compass.band = index.map().appearance->described.band;
+  const CompassHeading heading = RelativeHeading(node.signature, query, compass);
   best.heading_rad = WrappedAngle(node.pose.theta_rad + heading.heading_rad);
   best.sigma_rad = heading.sigma_rad;
 }
 
-// The candidates with their probabilities, best first, and the best one elsewhere.
-void AddCandidates(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool verified,
-                   const AppearanceVerdict& model, const PanoramaQueryOptions& options,
-                   PanoramaAnswer& panorama) {
+// Adds the candidates with their probabilities, best first, and the best one elsewhere. Returns the
+// probability of the first: a panorama was taken at one place, so the best one elsewhere takes its
+// share.
+double AddCandidates(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool verified,
+                     const AppearanceVerdict& model, const PanoramaQueryOptions& options,
+                     PanoramaAnswer& panorama) {
   const AppearanceLayer& layer = *index.map().appearance;
-  for (size_t i = 0; i < nodes.size(); ++i) {
-    AppearanceEvidence evidence = CollectEvidence(index, nodes, i, options);
+  const auto log_odds = [&](size_t at) {
+    AppearanceEvidence evidence = CollectEvidence(index, nodes, at, options);
     evidence.verified = verified;
-    panorama.candidates.push_back({RefOf(index, layer.nodes[nodes[i].node]),
-                                   EstimateProbability(evidence, model), nodes[i].cost,
-                                   nodes[i].inliers, nodes[i].query_from_node});
-    const bool elsewhere = AreElsewhere(index, nodes[0].node, nodes[i].node, options);
-    if (elsewhere && !panorama.runner_up) panorama.runner_up = panorama.candidates.back();
+    return EstimateLogOdds(evidence, model);
+  };
+  double rival = -std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    panorama.candidates.push_back({RefOf(index, layer.nodes[nodes[i].node]), Logistic(log_odds(i)),
+                                   nodes[i].cost, nodes[i].inliers, nodes[i].query_from_node});
+    if (!AreElsewhere(index, nodes[0].node, nodes[i].node, options)) continue;
+    if (!panorama.runner_up) panorama.runner_up = panorama.candidates.back();
+    rival = std::max(rival, log_odds(i));
   }
+  return ProbabilityAgainst(log_odds(0), rival);
+}
+
+// Why the best candidate isn't believed.
+std::string DescribeRefusal(const ComparedNode& best, const Answer& answer,
+                            const PanoramaQueryOptions& options) {
+  const bool verified = answer.decided_by == DecidedBy::kPanoramaFeatures;
+  if (verified && best.inliers == 0) {
+    return "the features of no mapped panorama fit this image; map the place or send another one";
+  }
+  const std::string& source = answer.panorama->candidates.front().node.source;
+  const std::string evidence =
+      verified ? std::to_string(best.inliers) + " of its features fit this image"
+               : "its appearance is the most similar";
+  return "the best panorama is " + source + ", " + evidence + ": confidence " +
+         PercentText(answer.probability) + ", required " + PercentText(options.min_probability) +
+         "; map the place or send another image";
 }
 
 // The verdict of the candidates.
 void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool verified,
            const PanoramaQueryOptions& options, Answer& answer) {
   const AppearanceVerdict model = VerdictFor(*index.map().appearance, verified);
-  PanoramaAnswer& panorama = answer.panorama.emplace();
-  AddCandidates(index, nodes, verified, model, options, panorama);
-  answer.probability = panorama.candidates.front().probability;
-  // A panorama was taken at one place: what looks as well elsewhere takes its share.
-  if (panorama.runner_up) {
-    answer.probability *=
-        answer.probability / (answer.probability + panorama.runner_up->probability);
-  }
+  answer.probability =
+      AddCandidates(index, nodes, verified, model, options, answer.panorama.emplace());
   answer.decided_by = verified ? DecidedBy::kPanoramaFeatures : DecidedBy::kPanoramaSignature;
   if (answer.probability >= options.min_probability) {
     answer.verdict = Verdict::kLocalized;
@@ -78,17 +92,50 @@ void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool v
   alone.margin = options.max_margin;
   alone.log_inlier_margin = alone.log_inliers;
   const bool alike =
-      panorama.runner_up && EstimateProbability(alone, model) >= options.min_probability;
+      answer.panorama->runner_up && EstimateProbability(alone, model) >= options.min_probability;
   answer.verdict = alike ? Verdict::kAmbiguous : Verdict::kNotInMap;
-  answer.message = alike ? "several mapped places match this panorama; move on and send a series"
-                         : "no mapped panorama matches closely enough; map the place or send "
-                           "another panorama";
+  answer.message = alike ? "several mapped places match this image; move on and send a series"
+                         : DescribeRefusal(nodes.front(), answer, options);
+}
+
+bool HasShapeOf(const LayerMirror& mirror, const cv::Size& size) {
+  const double ratio = static_cast<double>(size.width) * mirror.height /
+                       (static_cast<double>(std::max(1, size.height)) * mirror.width);
+  return std::abs(ratio - 1) <= kRatioTolerance;
+}
+
+// An image as the layer's own became panoramas.
+Panorama ToLayersPanorama(const AppearanceLayer& layer, const cv::Mat& grey) {
+  PanoramaOptions options;
+  if (layer.mirror && HasShapeOf(*layer.mirror, grey.size())) {
+    const LayerMirror& mirror = *layer.mirror;
+    options.columns = mirror.columns;
+    options.mirror_band = mirror.band;
+    options.mirror_clockwise = mirror.clockwise;
+    options.mirror = mirror.ring;
+    if (mirror.ring) {  // of an image of another size
+      const double scale = static_cast<double>(grey.cols) / mirror.width;
+      options.mirror = {mirror.ring->centre_px * scale, mirror.ring->inner_px * scale,
+                        mirror.ring->outer_px * scale};
+    }
+  }
+  return ToPanorama(grey, options);
 }
 
 PanoramaQuery DescribeAppearance(const MapIndex& index, const cv::Mat& grey) {
   WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
+  const AppearanceLayer& layer = *index.map().appearance;
+  const Panorama panorama = ToLayersPanorama(layer, grey);
+  const ElevationBand used = UsedBand(panorama, layer.described);
+  const ElevationBand& band = layer.described.band;
+  if (std::max(std::abs(used.top_rad - band.top_rad), std::abs(used.bottom_rad - band.bottom_rad)) >
+      kBandTolerance_rad) {
+    throw MapError(ErrorCode::kBadImage,
+                   "the panorama doesn't show all elevations of the map's; send a panorama by a "
+                   "camera with the same or a larger vertical field of view");
+  }
   PanoramaQuery query;
-  query.signature = Signature(ToPanorama(grey), index.map().appearance->described);
+  query.signature = Signature(panorama, layer.described);
   return query;
 }
 
@@ -120,6 +167,12 @@ bool IsPanoramic(const cv::Size& size) {
   return std::abs(ratio / kPanoramaRatio - 1) <= kRatioTolerance;
 }
 
+bool IsForPanoramas(const MapIndex& index, const cv::Size& size) {
+  if (!index.HasAppearance()) return false;
+  const auto& mirror = index.map().appearance->mirror;
+  return IsPanoramic(size) || (mirror && HasShapeOf(*mirror, size));
+}
+
 PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,
                             const PanoramaQueryOptions& options) {
   PanoramaQuery query = DescribeAppearance(index, grey);
@@ -143,7 +196,7 @@ Answer JudgeNodes(const MapIndex& index, const FourierSignature& query,
   Judge(index, nodes, verified, options, answer);
   const PlacedQuery placed = PlaceQuery(index, nodes, options);
   const AppearanceLayer& layer = *index.map().appearance;
-  answer.panorama->node = RefOf(index, layer.nodes[NearestTo(index, nodes, placed.pose)]);
+  answer.panorama->node = RefOf(index, layer.nodes[FindNearest(index, nodes, options)]);
   answer.panorama->pose = placed.pose;
   answer.panorama->sigma = placed.sigma;
   answer.panorama->metres_per_unit = layer.metres_per_unit;
@@ -164,30 +217,55 @@ Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
   return answer;
 }
 
+namespace {
+
+// The answer to a panorama whose features `extract` gives; it is asked where the appearance doesn't
+// settle the place.
+template <typename Extract>
+Answer LocalizeInSteps(const MapIndex& index, PanoramaQuery query, bool may_verify,
+                       const Extract& extract, const PanoramaQueryOptions& options) {
+  PanoramaQueryOptions alone = options;
+  alone.verify = false;
+  std::vector<ComparedNode> nodes = CompareQuery(index, query, alone, {});
+  if (may_verify && !IsSettled(index, nodes, options)) {
+    query.features = extract();
+    nodes = CompareQuery(index, query, options, {});
+  }
+  const bool verified = query.features.has_value();
+  Answer answer = JudgeNodes(index, query.signature, nodes, verified, options);
+  SeriesOptions series;
+  series.query = options;
+  if (answer.verdict != Verdict::kNotInMap) {
+    answer.belief = BeliefAfter(index, nodes, verified, {}, series);
+  }
+  return answer;
+}
+
+}  // namespace
+
+Answer LocalizeDescribed(const MapIndex& index, const PanoramaQuery& query,
+                         const PanoramaQueryOptions& options) {
+  options.Check();
+  return LocalizeInSteps(
+      index, {query.signature, std::nullopt}, query.features.has_value(),
+      [&] { return *query.features; }, options);
+}
+
 Answer LocalizePanorama(const MapIndex& index, const cv::Mat& grey,
                         const PanoramaQueryOptions& options) {
   options.Check();
   const auto start = Clock::now();
   try {
-    PanoramaQuery query = DescribeAppearance(index, grey);
+    const PanoramaQuery query = DescribeAppearance(index, grey);
     double extract_ms = MillisecondsSince(start);
+    const auto extract = [&] {
+      LapTimer timer;
+      BearingFeatures features = ExtractQueryFeatures(index, grey, options);
+      extract_ms += timer.Lap();
+      return features;
+    };
     const bool may_verify = options.verify && KeepsFeatures(*index.map().appearance);
-    PanoramaQueryOptions alone = options;
-    alone.verify = false;
-    std::vector<ComparedNode> nodes = CompareQuery(index, query, alone, {});
-    if (may_verify && !IsSettled(index, nodes, options)) {
-      const auto before = Clock::now();
-      query.features = ExtractQueryFeatures(index, grey, options);
-      extract_ms += MillisecondsSince(before);
-      nodes = CompareQuery(index, query, options, {});
-    }
-    const bool verified = query.features.has_value();
-    Answer answer = JudgeNodes(index, query.signature, nodes, verified, options);
-    SeriesOptions series;
-    series.query = options;
-    if (answer.verdict != Verdict::kNotInMap) {
-      answer.belief = BeliefAfter(index, nodes, verified, {}, series);
-    }
+    Answer answer = LocalizeInSteps(index, query, may_verify, extract, options);
     answer.timing.extract_ms = extract_ms;
     answer.timing.total_ms = MillisecondsSince(start);
     answer.timing.verify_ms = answer.timing.total_ms - extract_ms;

@@ -12,13 +12,18 @@
 namespace waystone {
 
 // The panorama as the layer describes its own.
-// Throws MapError(kBadImage) for an image that is no panorama or shows other elevations than the
-// layer's (ToPanorama, UsedBand). The map has an appearance layer (WS_CHECK).
+// Images of a mirror are unwrapped as the layer's own. Throws MapError(kBadImage) for an image that
+// is no panorama or doesn't show the layer's elevations (ToPanorama, UsedBand). The map has an
+// appearance layer (WS_CHECK).
 PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,
                             const PanoramaQueryOptions& options);
 
-// Whether an image is for the appearance layer: twice as wide as high, to 2 %.
+// Whether an image is a panorama by its shape: twice as wide as high, to 2 %.
 bool IsPanoramic(const cv::Size& size);
+
+// Whether an image is for the map's appearance layer: a panorama, or, where the layer was made of a
+// mirror's images, of their shape.
+bool IsForPanoramas(const MapIndex& index, const cv::Size& size);
 
 // Where was this panorama taken? The nearest signatures are ranked again by the phases (eq. 1's
 // turn); where the nodes have features, they are verified by relative poses over bearings. The
@@ -33,6 +38,11 @@ Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
 Answer JudgeNodes(const MapIndex& index, const FourierSignature& query,
                   std::vector<ComparedNode> nodes, bool verified,
                   const PanoramaQueryOptions& options);
+
+// The same in steps, as LocalizePanorama: the query's features, if any, are only looked at where
+// the appearance doesn't settle it.
+Answer LocalizeDescribed(const MapIndex& index, const PanoramaQuery& query,
+                         const PanoramaQueryOptions& options);
 
 // Both steps, with times and the belief that a series begins with; features are taken only where
 // the appearance doesn't settle it. Nothing is thrown for a bad panorama: the verdict is kBadImage.

@@ -4,13 +4,17 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "core/geometry/linear_algebra.h"
-#include "core/robust/median.h"
+#include "localizer/index/node_bearings.h"
+#include "localizer/index/spacing_parallax.h"
 
 namespace waystone {
 namespace {
+
+constexpr double kLeastDistance = 0.05;  // spacings: a node isn't nearer than this, for stability
 
 const AppearanceNode& NodeAt(const MapIndex& index, int node) {
   return index.map().appearance->nodes[node];
@@ -27,15 +31,6 @@ void RankByCost(std::vector<ComparedNode>& nodes) {
 // Ties, among them all that weren't accepted, stay in the order of appearance.
 void RankByInliers(std::vector<ComparedNode>& nodes) {
   std::ranges::stable_sort(nodes, std::ranges::greater{}, &ComparedNode::inliers);
-}
-
-double MedianParallax(const MatchedRays& rays, const RelativePose& pose) {
-  std::vector<double> angles;
-  for (const int i : pose.inliers) {
-    const double cosine = (pose.b_from_a * rays.a[i]).dot(rays.b[i]);
-    angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
-  }
-  return Median(std::move(angles));
 }
 
 // Heading and direction of the query from the motion x_query = R x_node + t. Azimuths are clockwise
@@ -172,8 +167,42 @@ AppearanceEvidence CollectEvidence(const MapIndex& index, const std::vector<Comp
   return evidence;
 }
 
+namespace {
+
+// How far the query is from a node, in spacings: by the parallax where it was verified.
+double EstimateDistance(const MapIndex& index, const ComparedNode& compared,
+                        const ComparedNode& best, const PanoramaQueryOptions& options) {
+  if (compared.inliers == 0) {
+    return std::exp((compared.cost - best.cost) / options.interpolation_cost);
+  }
+  // A view with fewer inliers is farther away.
+  const double fewer = static_cast<double>(best.inliers) / compared.inliers;
+  return fewer * compared.parallax_rad / index.spacing_parallax_rad();
+}
+
+// Whether a node is of the same place as the best one, and as well verified.
+bool Agrees(const MapIndex& index, const ComparedNode& best, const ComparedNode& compared,
+            const PanoramaQueryOptions& options) {
+  return !AreElsewhere(index, best.node, compared.node, options) &&
+         (best.inliers > 0) == (compared.inliers > 0);
+}
+
+}  // namespace
+
+int FindNearest(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+                const PanoramaQueryOptions& options) {
+  const ComparedNode& best = nodes.front();
+  const auto distance = [&](const ComparedNode& compared) {
+    return Agrees(index, best, compared, options) ? EstimateDistance(index, compared, best, options)
+                                                  : std::numeric_limits<double>::infinity();
+  };
+  return std::ranges::min_element(nodes, {}, distance)->node;
+}
+
 // Least squares over the position p: each node that agrees with the best says "near me", and where
 // it has seen a motion also "in this direction": n . (p - node) = 0 with n across the direction.
+// The sigma of "near me" is the estimated distance, that of the direction the distance times the
+// direction's sigma.
 PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& nodes,
                        const PanoramaQueryOptions& options, size_t at) {
   const ComparedNode& best = nodes[at];
@@ -181,18 +210,15 @@ PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& n
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   Eigen::Vector2d pull = Eigen::Vector2d::Zero();
   for (const ComparedNode& compared : nodes) {
-    if (AreElsewhere(index, best.node, compared.node, options)) continue;
-    if ((best.inliers > 0) != (compared.inliers > 0)) continue;
-    // A view with fewer inliers, or of a higher cost, is farther away.
-    const double nearness =
-        best.inliers > 0 ? static_cast<double>(compared.inliers) / best.inliers
-                         : std::exp((best.cost - compared.cost) / options.interpolation_cost);
-    const double near_weight = nearness * nearness / (spacing * spacing);
+    if (!Agrees(index, best, compared, options)) continue;
+    const double distance =
+        spacing * std::max(EstimateDistance(index, compared, best, options), kLeastDistance);
+    const double near_weight = 1 / (distance * distance);
     Eigen::Matrix2d weights = near_weight * Eigen::Matrix2d::Identity();
     if (compared.inliers > 0) {
-      const double across = options.direction_sigma_rad * spacing;
+      const double across = options.direction_sigma_rad * std::max(distance, spacing);
       const Eigen::Vector2d n(-std::sin(compared.direction_rad), std::cos(compared.direction_rad));
-      weights += n * n.transpose() * nearness / (across * across);
+      weights += n * n.transpose() * compared.inliers / (best.inliers * across * across);
     }
     information += weights;
     pull += weights * PositionOf(NodeAt(index, compared.node));

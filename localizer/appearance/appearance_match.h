@@ -69,6 +69,11 @@ struct PlacedQuery {
 PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& nodes,
                        const PanoramaQueryOptions& options, size_t at = 0);
 
+// The node that the query is nearest to, by index in the layer: among those that agree with the
+// best one, the one that it differs least from.
+int FindNearest(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+                const PanoramaQueryOptions& options);
+
 // What speaks for nodes[at] as the place.
 AppearanceEvidence CollectEvidence(const MapIndex& index, const std::vector<ComparedNode>& nodes,
                                    size_t at, const PanoramaQueryOptions& options);

@@ -6,7 +6,6 @@
 
 #include "core/base/options.h"
 #include "core/two_view/bearings.h"
-#include "schema/layers/appearance/appearance_layer.h"
 
 namespace waystone {
 
@@ -33,9 +32,5 @@ struct PanoramaFeatureOptions {
 // thread-safe. Throws MapError(kBadImage) for a panorama of another shape.
 BearingFeatures ExtractPanoramaFeatures(const cv::Mat& equirectangular,
                                         const PanoramaFeatureOptions& options = {});
-
-// The same as a map keeps them, and back.
-NodeFeatures ToNodeFeatures(const BearingFeatures& features);
-BearingFeatures ToBearingFeatures(const NodeFeatures& features, FeatureType type);
 
 }  // namespace waystone

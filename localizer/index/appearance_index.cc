@@ -24,8 +24,6 @@ float LargestRoot(const AppearanceLayer& layer, int columns) {
   return std::sqrt(largest);
 }
 
-constexpr int kReachSamples = 200;  // nodes from which the reach of views is taken
-
 double MedianSpacing(const std::vector<AppearanceNode>& nodes) {
   std::vector<double> nearest;
   for (const AppearanceNode& a : nodes) {

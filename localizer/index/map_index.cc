@@ -8,6 +8,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "localizer/index/spacing_parallax.h"
 #include "schema/layers/planes/index_features.h"
 
 namespace waystone {
@@ -36,12 +37,19 @@ MapIndex::MapIndex(MapData map) : map_(std::move(map)) {
   }
   CheckReferences();
   TakeDescriptors();
-  if (map_.appearance) appearance_ = AppearanceIndex(*map_.appearance);
+  if (map_.appearance) TakeAppearance();
   for (const Edge& edge : map_.edges) {
     neighbours_[edge.a].push_back(edge.b);
     neighbours_[edge.b].push_back(edge.a);
   }
   for (auto& [id, ids] : neighbours_) std::sort(ids.begin(), ids.end());
+}
+
+void MapIndex::TakeAppearance() {
+  appearance_ = AppearanceIndex(*map_.appearance);
+  const double measured =
+      MeasureSpacingParallax(*map_.appearance, map_.info.feature_type, appearance_.spacing());
+  if (measured > 0) spacing_parallax_rad_ = measured;
 }
 
 // Moves the descriptors plane by plane, so that they are never in memory twice.

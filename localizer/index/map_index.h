@@ -44,20 +44,28 @@ class MapIndex {
   // The appearance layer's signatures, node by node as in map().appearance; empty without one.
   const AppearanceIndex& appearance() const { return appearance_; }
   bool HasAppearance() const { return appearance_.size() > 0; }
+  // The median parallax of two panoramas appearance().spacing() apart: measured on the layer's own
+  // nodes, or the typical one where they keep no features.
+  double spacing_parallax_rad() const { return spacing_parallax_rad_; }
   // What the layer's nodes keep of features, for photos. Made when it is first asked for, which
   // takes about a second for a million features: who asks panoramas alone has no use for it. The
   // map has an appearance layer (WS_CHECK).
   const NodeFeatureIndex& node_features() const;
 
  private:
+  // A spacing is about a third of the distance to what is seen: nearer nodes are alike.
+  static constexpr double kTypicalParallax_rad = 0.3;
+
   explicit MapIndex(MapData map);
   void CheckReferences() const;
   void CheckSignatures() const;
   void TakeDescriptors();
+  void TakeAppearance();
 
   MapData map_;
   SearchIndex search_;
   AppearanceIndex appearance_;
+  double spacing_parallax_rad_ = kTypicalParallax_rad;
   mutable std::once_flag node_features_made_;
   mutable std::unique_ptr<const NodeFeatureIndex> node_features_;
   std::vector<int> plane_of_row_;

@@ -104,15 +104,40 @@ PlaceCandidate Candidate(const MapIndex& index, const Place& place, const Featur
           place.evidence.inliers};
 }
 
-std::string Percent(double share) {
-  return std::to_string(static_cast<int>(std::floor(100 * share))) + "%";
+// "plane 12 fits 8 of its 40 matches"
+std::string PlaneText(const MapIndex& index, const VerifiedPlane& plane) {
+  return "plane " + std::to_string(PlaneOf(index, plane).id.value) + " fits " +
+         std::to_string(plane.distinct) + " of its " + std::to_string(plane.matches) + " matches";
 }
 
-// Not in the map: names the gate that stopped the best plane and what would have passed it.
-Answer Refuse(const MapIndex& index, const Features& query, int shortlisted,
-              const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options) {
+// The gate that stopped the best plane and what would have passed it.
+void RefusePlane(const MapIndex& index, const VerifiedPlane& best, const GateOptions& gates,
+                 Answer& answer) {
+  const std::string plane = "the best " + PlaneText(index, best);
+  switch (best.stopped_by) {
+    case Gate::kMinInlierShare:
+      answer.decided_by = DecidedBy::kInlierShare;
+      answer.message = plane + ", which is less than the required " +
+                       PercentText(gates.min_inlier_share) +
+                       "; send a sharper image or one with fewer repeated patterns";
+      return;
+    case Gate::kMaxScale:
+      answer.decided_by = DecidedBy::kHomographyScale;
+      answer.message = plane + " at a scale that differs from the map's by more than a factor of " +
+                       std::to_string(std::lround(gates.max_scale)) +
+                       "; send an image from a distance closer to the map's";
+      return;
+    default:
+      answer.decided_by = DecidedBy::kHomographyInliers;
+      answer.message = plane + ", required are " + std::to_string(gates.min_inliers) +
+                       "; show more of the place";
+  }
+}
+
+// No place: names the gate that stopped the best plane.
+Answer RefusePlanes(const MapIndex& index, const Features& query, int shortlisted,
+                    const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options) {
   Answer answer;
-  answer.verdict = Verdict::kNotInMap;
   if (query.size() < options.gates.min_inliers) {
     answer.decided_by = DecidedBy::kFeatures;
     answer.message = "the image has " + std::to_string(query.size()) +
@@ -134,11 +159,20 @@ Answer Refuse(const MapIndex& index, const Features& query, int shortlisted,
   AddTo(index, place, best);
   answer.planes.runner_up = Candidate(index, place, query);
   answer.probability = place.probability;
-  answer.decided_by = best.accepted ? DecidedBy::kPlaceProbability : DecidedBy::kHomographyInliers;
-  answer.message = "the best plane, " + std::to_string(PlaneOf(index, best).id.value) + ", has " +
-                   std::to_string(best.distinct) + " inliers of " + std::to_string(best.matches) +
-                   " matches: confidence " + Percent(place.probability) + ", required " +
-                   Percent(options.gates.min_probability) + "; show more of the place";
+  RefusePlane(index, best, options.gates, answer);
+  return answer;
+}
+
+// A place that isn't probable enough.
+Answer RefusePlace(const MapIndex& index, const Features& query, const Place& best,
+                   const PlaneQueryOptions& options) {
+  Answer answer;
+  answer.planes.runner_up = Candidate(index, best, query);
+  answer.probability = best.probability;
+  answer.decided_by = DecidedBy::kPlaceProbability;
+  answer.message = "the best " + PlaneText(index, best.planes.front()) + ": confidence " +
+                   PercentText(best.probability) + ", required " +
+                   PercentText(options.gates.min_probability) + "; show more of the place";
   return answer;
 }
 
@@ -215,8 +249,9 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
     if (plane.accepted) accepted.push_back(plane);
   }
   const std::vector<Place> places = GroupPlaces(index, std::move(accepted), options);
-  if (places.empty() || places.front().probability < options.gates.min_probability) {
-    Answer answer = Refuse(index, query, shortlisted, tried, options);
+  if (places.empty()) return RefusePlanes(index, query, shortlisted, tried, options);
+  if (places.front().probability < options.gates.min_probability) {
+    Answer answer = RefusePlace(index, query, places.front(), options);
     Account(index, query, places, answer);
     return answer;
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localizer/verdict/answer.h"
 
+#include <cmath>
+
 #include "core/base/check.h"
 
 namespace waystone {
@@ -31,6 +33,10 @@ const char* NameOf(DecidedBy gate) {
       return "shortlist_votes";
     case DecidedBy::kHomographyInliers:
       return "homography_inliers";
+    case DecidedBy::kInlierShare:
+      return "inlier_share";
+    case DecidedBy::kHomographyScale:
+      return "homography_scale";
     case DecidedBy::kPlaceProbability:
       return "place_probability";
     case DecidedBy::kAmbiguousPlaces:
@@ -105,6 +111,10 @@ const char* NameOf(Gate gate) {
       return "max_scale";
   }
   WS_CHECK(false, "unknown gate");
+}
+
+std::string PercentText(double share) {
+  return std::to_string(static_cast<int>(std::floor(100 * share))) + "%";
 }
 
 Answer Undecided(Stage last) {

@@ -28,6 +28,8 @@ enum class DecidedBy {
   kFeatures,           // the image has too few features
   kShortlistVotes,     // no plane got enough votes
   kHomographyInliers,  // planes that fit, or none that does
+  kInlierShare,        // too few of the best plane's matches fit its homography
+  kHomographyScale,    // the best plane's homography scales beyond belief
   kPlaceProbability,   // the best place isn't probable enough
   kAmbiguousPlaces,    // two places of a map look alike
   kAmbiguousMaps,      // several maps recognise the image
@@ -173,6 +175,9 @@ struct Answer {
   std::optional<Stage> last_stage;
   StageTimes timing;
 };
+
+// "89%", rounded down, so that no share reads as a threshold that it misses.
+std::string PercentText(double share);
 
 // The answer once the deadline has passed, `last` being the last stage that was finished.
 Answer Undecided(Stage last);

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -12,20 +14,22 @@
 namespace waystone {
 namespace {
 
-// A kind of evidence: the name by which a map keeps its weight, and where it is found.
+// A kind of evidence: the name by which a map keeps its weight, where it is found, and whether it
+// speaks for a place (1) or against it (-1).
 struct Term {
   const char* name;
   double AppearanceEvidence::*of;
+  int sign;
 };
 
 // By kind, names ascending, as the map keeps them.
-constexpr Term kAlone[] = {{"agreement", &AppearanceEvidence::agreement},
-                           {"cost", &AppearanceEvidence::cost},
-                           {"margin", &AppearanceEvidence::margin}};
-constexpr Term kVerified[] = {{"deviation_spacings", &AppearanceEvidence::sigma_spacings},
-                              {"log_inlier_margin", &AppearanceEvidence::log_inlier_margin},
-                              {"log_inliers", &AppearanceEvidence::log_inliers},
-                              {"parallax_rad", &AppearanceEvidence::parallax_rad}};
+constexpr Term kAlone[] = {{"agreement", &AppearanceEvidence::agreement, 1},
+                           {"cost", &AppearanceEvidence::cost, -1},
+                           {"margin", &AppearanceEvidence::margin, 1}};
+constexpr Term kVerified[] = {{"deviation_spacings", &AppearanceEvidence::sigma_spacings, -1},
+                              {"log_inlier_margin", &AppearanceEvidence::log_inlier_margin, 1},
+                              {"log_inliers", &AppearanceEvidence::log_inliers, 1},
+                              {"parallax_rad", &AppearanceEvidence::parallax_rad, -1}};
 
 std::span<const Term> TermsOf(bool verified) {
   return verified ? std::span<const Term>(kVerified) : std::span<const Term>(kAlone);
@@ -61,6 +65,21 @@ AppearanceVerdict ModelOf(const Eigen::VectorXd& coefficients, bool verified) {
   return model;
 }
 
+LogisticPrior PriorOf(bool verified, const AppearanceFitOptions& options) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  LogisticPrior prior;
+  prior.mean = CoefficientsOf(DefaultVerdict(verified));
+  prior.sigma = Eigen::VectorXd::Constant(prior.mean.size(), options.weight_sigma);
+  prior.sigma(0) = options.intercept_sigma;
+  prior.lower = Eigen::VectorXd::Constant(prior.mean.size(), -kAny);
+  prior.upper = Eigen::VectorXd::Constant(prior.mean.size(), kAny);
+  const std::span<const Term> terms = TermsOf(verified);
+  for (size_t i = 0; i < terms.size(); ++i) {
+    (terms[i].sign > 0 ? prior.lower : prior.upper)(1 + i) = 0;
+  }
+  return prior;
+}
+
 }  // namespace
 
 AppearanceVerdict DefaultVerdict(bool verified) {
@@ -76,9 +95,18 @@ AppearanceVerdict VerdictFor(const AppearanceLayer& layer, bool verified) {
   return kept && IsOfKind(*kept, verified) ? *kept : DefaultVerdict(verified);
 }
 
-double EstimateProbability(const AppearanceEvidence& evidence, const AppearanceVerdict& model) {
+double EstimateLogOdds(const AppearanceEvidence& evidence, const AppearanceVerdict& model) {
   WS_CHECK(IsOfKind(model, evidence.verified), "a model for evidence of another kind");
-  return Logistic(CoefficientsOf(model).dot(FactorsOf(evidence, evidence.verified)));
+  return CoefficientsOf(model).dot(FactorsOf(evidence, evidence.verified));
+}
+
+double EstimateProbability(const AppearanceEvidence& evidence, const AppearanceVerdict& model) {
+  return Logistic(EstimateLogOdds(evidence, model));
+}
+
+double ProbabilityAgainst(double log_odds, double rival_log_odds) {
+  // e^a / (1 + e^a + e^b) without overflow.
+  return 1 / (1 + std::exp(-log_odds) + std::exp(rival_log_odds - log_odds));
 }
 
 AppearanceVerdict FitAppearanceVerdict(std::span<const AppearanceSample> samples, bool verified,
@@ -86,6 +114,14 @@ AppearanceVerdict FitAppearanceVerdict(std::span<const AppearanceSample> samples
   options.Check();
   const auto positives = std::ranges::count_if(samples, &AppearanceSample::right);
   const auto negatives = std::ssize(samples) - positives;
+  const auto counted = [&](AppearanceVerdict model) {
+    model.positives = static_cast<int>(positives);
+    model.negatives = static_cast<int>(negatives);
+    return model;
+  };
+  if (std::min(positives, negatives) < options.min_samples) {
+    return counted(DefaultVerdict(verified));
+  }
   std::vector<LogisticSample> cases;
   for (const AppearanceSample& sample : samples) {
     const auto alike = static_cast<double>(sample.right ? positives : negatives);
@@ -93,13 +129,7 @@ AppearanceVerdict FitAppearanceVerdict(std::span<const AppearanceSample> samples
     cases.push_back({FactorsOf(sample.evidence, verified), sample.right,
                      sample.right ? balance : balance * options.wrong_weight});
   }
-  const Eigen::VectorXd mean = CoefficientsOf(DefaultVerdict(verified));
-  Eigen::VectorXd sigma = Eigen::VectorXd::Constant(mean.size(), options.weight_sigma);
-  sigma(0) = options.intercept_sigma;
-  AppearanceVerdict model = ModelOf(FitLogistic(cases, mean, sigma), verified);
-  model.positives = static_cast<int>(positives);
-  model.negatives = static_cast<int>(negatives);
-  return model;
+  return counted(ModelOf(FitLogistic(cases, PriorOf(verified, options)), verified));
 }
 
 }  // namespace waystone

@@ -37,6 +37,13 @@ AppearanceVerdict VerdictFor(const AppearanceLayer& layer, bool verified);
 // The probability that a place with this evidence is right, in (0, 1), by a model for its kind.
 double EstimateProbability(const AppearanceEvidence& evidence, const AppearanceVerdict& model);
 
+// Its logarithm of odds: sums of it compare places that exclude each other.
+double EstimateLogOdds(const AppearanceEvidence& evidence, const AppearanceVerdict& model);
+
+// The probability that a panorama was taken at the first of two places that exclude each other or
+// nowhere in the map, by the places' own log odds.
+double ProbabilityAgainst(double log_odds, double rival_log_odds);
+
 struct AppearanceSample {
   AppearanceEvidence evidence;
   bool right = false;
@@ -46,6 +53,7 @@ struct AppearanceFitOptions {
   double intercept_sigma = 5;
   double weight_sigma = 5;
   double wrong_weight = 3;
+  int min_samples = 20;
 
   static constexpr auto Fields() {
     using Self = AppearanceFitOptions;
@@ -58,13 +66,18 @@ struct AppearanceFitOptions {
         OptionField{"wrong_weight", &Self::wrong_weight, Closed(0.1, 100), "",
                     "What a wrong sample counts, besides that both classes weigh the same: a wrong "
                     "place that is believed costs a robot more than a right one that isn't. More "
-                    "refuses more."}};
+                    "refuses more."},
+        OptionField{"min_samples", &Self::min_samples, Closed(1, 10'000), "",
+                    "With fewer right or fewer wrong samples than this the default model holds. "
+                    "Fewer adapt to smaller maps, and to chance."}};
   }
   void Check() const { CheckFields("appearance_verdict", *this); }  // throws MapError(kBadOptions)
 };
 
 // The most probable model (logistic regression with a normal prior around the default), fitted to
-// samples of one kind. Deterministic. No samples give the default.
+// samples of one kind. Each weight keeps the sign that its evidence means: inliers and margins
+// speak for a place, cost, parallax and the position's sigma against it. Deterministic. Too few
+// samples give the default's weights.
 AppearanceVerdict FitAppearanceVerdict(std::span<const AppearanceSample> samples, bool verified,
                                        const AppearanceFitOptions& options = {});
 

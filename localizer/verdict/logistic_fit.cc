@@ -17,40 +17,74 @@ constexpr double kConverged = 1e-9;
 // log(1 + e^x) without overflow.
 double SoftPlus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }
 
+// Minus the logarithm of the posterior but for a constant, with its slopes.
+struct Posterior {
+  double cost = 0;
+  Eigen::VectorXd gradient;  // of the logarithm of the posterior: uphill
+  Eigen::MatrixXd curvature;
+};
+
+Posterior PosteriorAt(const Eigen::VectorXd& at, std::span<const LogisticSample> samples,
+                      const LogisticPrior& prior) {
+  const Eigen::VectorXd precision = prior.sigma.cwiseAbs2().cwiseInverse();
+  Posterior posterior{0.5 * precision.dot((at - prior.mean).cwiseAbs2()),
+                      precision.cwiseProduct(prior.mean - at), precision.asDiagonal()};
+  for (const LogisticSample& sample : samples) {
+    const Eigen::VectorXd& x = sample.factors;
+    WS_CHECK(x.size() == at.size(), "a sample of other factors");
+    const double log_odds = at.dot(x);
+    const double p = Logistic(log_odds);
+    posterior.cost += sample.weight * SoftPlus(sample.right ? -log_odds : log_odds);
+    posterior.gradient += sample.weight * ((sample.right ? 1 : 0) - p) * x;
+    posterior.curvature += sample.weight * p * (1 - p) * x * x.transpose();
+  }
+  return posterior;
+}
+
+// Newton's step of the coefficients that no bound holds; those that one holds stay.
+Eigen::VectorXd FreeStep(const Eigen::VectorXd& at, const Posterior& posterior,
+                         const LogisticPrior& prior) {
+  Eigen::VectorXd gradient = posterior.gradient;
+  Eigen::MatrixXd curvature = posterior.curvature;
+  for (Eigen::Index i = 0; i < at.size(); ++i) {
+    const bool held = (at(i) <= prior.lower(i) && gradient(i) < 0) ||
+                      (at(i) >= prior.upper(i) && gradient(i) > 0);
+    if (!held) continue;
+    gradient(i) = 0;
+    curvature.row(i).setZero();
+    curvature.col(i).setZero();
+    curvature(i, i) = 1;
+  }
+  return SolveSymmetric(curvature, gradient);
+}
+
 }  // namespace
 
 double Logistic(double log_odds) { return 1 / (1 + std::exp(-log_odds)); }
 
-Eigen::VectorXd FitLogistic(std::span<const LogisticSample> samples, const Eigen::VectorXd& mean,
-                            const Eigen::VectorXd& sigma) {
-  WS_CHECK(sigma.size() == mean.size() && (sigma.array() > 0).all(), "a prior without a width");
-  const Eigen::VectorXd precision = sigma.cwiseAbs2().cwiseInverse();
-  // Minus the logarithm of the posterior, but for a constant.
-  const auto cost_of = [&](const Eigen::VectorXd& at) {
-    double cost = 0.5 * precision.dot((at - mean).cwiseAbs2());
-    for (const LogisticSample& sample : samples) {
-      const double log_odds = at.dot(sample.factors);
-      cost += sample.weight * SoftPlus(sample.right ? -log_odds : log_odds);
-    }
-    return cost;
-  };
-  Eigen::VectorXd at = mean;
-  double cost = cost_of(at);
+Eigen::VectorXd FitLogistic(std::span<const LogisticSample> samples, const LogisticPrior& prior) {
+  const Eigen::Index size = prior.mean.size();
+  WS_CHECK(prior.sigma.size() == size && (prior.sigma.array() > 0).all(),
+           "a prior without a width");
+  WS_CHECK(prior.lower.size() == size && prior.upper.size() == size &&
+               (prior.lower.array() <= prior.mean.array()).all() &&
+               (prior.mean.array() <= prior.upper.array()).all(),
+           "a prior beyond its bounds");
+  Eigen::VectorXd at = prior.mean;
+  Posterior posterior = PosteriorAt(at, samples, prior);
   for (int step = 0; step < kMaxSteps; ++step) {
-    Eigen::VectorXd gradient = precision.cwiseProduct(mean - at);
-    Eigen::MatrixXd curvature = precision.asDiagonal();
-    for (const LogisticSample& sample : samples) {
-      const Eigen::VectorXd& x = sample.factors;
-      WS_CHECK(x.size() == mean.size(), "a sample of other factors");
-      const double p = Logistic(at.dot(x));
-      gradient += sample.weight * ((sample.right ? 1 : 0) - p) * x;
-      curvature += sample.weight * p * (1 - p) * x * x.transpose();
+    Eigen::VectorXd change = FreeStep(at, posterior, prior);
+    const auto moved = [&]() -> Eigen::VectorXd {
+      return (at + change).cwiseMax(prior.lower).cwiseMin(prior.upper);
+    };
+    while (change.norm() > kConverged &&
+           PosteriorAt(moved(), samples, prior).cost > posterior.cost) {
+      change /= 2;
     }
-    Eigen::VectorXd change = SolveSymmetric(curvature, gradient);
-    while (change.norm() > kConverged && cost_of(at + change) > cost) change /= 2;
-    if (change.norm() <= kConverged) break;
-    at += change;
-    cost = cost_of(at);
+    const Eigen::VectorXd next = moved();
+    if ((next - at).norm() <= kConverged) break;
+    at = next;
+    posterior = PosteriorAt(at, samples, prior);
   }
   return at;
 }

@@ -28,6 +28,7 @@ struct FitOptions {
   double intercept_sigma = 5;
   double log_inliers_sigma = 2;
   double inlier_share_sigma = 2;
+  int min_samples = 10;
 
   static constexpr auto Fields() {
     using Self = FitOptions;
@@ -38,14 +39,18 @@ struct FitOptions {
         OptionField{"log_inliers_sigma", &Self::log_inliers_sigma, Above(0), "",
                     "The same of the coefficient of the inliers' logarithm."},
         OptionField{"inlier_share_sigma", &Self::inlier_share_sigma, Above(0), "",
-                    "The same of the coefficient of the inlier ratio."}};
+                    "The same of the coefficient of the inlier ratio."},
+        OptionField{"min_samples", &Self::min_samples, Closed(1, 10'000), "",
+                    "With fewer right or fewer wrong samples than this the model that holds for "
+                    "any map is kept."}};
   }
   void Check() const { CheckFields("verdict", *this); }  // throws MapError(kBadOptions)
 };
 
 // The model's most probable coefficients (a logistic regression with a normal prior), so that
 // samples which are told apart without an error don't drive them to infinity. The two classes weigh
-// the same, however many samples each has. Deterministic.
+// the same, however many samples each has. More inliers and a larger share never count against a
+// place. Too few samples give the coefficients of the model that holds for any map. Deterministic.
 VerdictModel FitVerdictModel(std::span<const VerdictSample> samples,
                              const FitOptions& options = {});
 

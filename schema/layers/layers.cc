@@ -34,9 +34,9 @@ StoredLayer StoredPlanes() {
 }
 
 StoredLayer StoredAppearance() {
-  return {.tables = {kAppearanceLayerTable, kAppearanceNodesTable, kAppearanceSignaturesTable,
-                     kAppearanceFeaturesTable, kAppearanceImagesTable, kAppearanceEdgesTable,
-                     kAppearanceVerdictTable, kAppearanceVerdictTermsTable},
+  return {.tables = {kAppearanceLayerTable, kAppearanceMirrorTable, kAppearanceNodesTable,
+                     kAppearanceSignaturesTable, kAppearanceFeaturesTable, kAppearanceImagesTable,
+                     kAppearanceEdgesTable, kAppearanceVerdictTable, kAppearanceVerdictTermsTable},
           .read =
               [](SQLite::Database& database, bool images, MapData& map,
                  std::vector<MapProblem>& problems) {

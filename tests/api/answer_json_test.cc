@@ -38,6 +38,8 @@ TEST(AnswerJson, LocalizedIsAsDocumented) {
       Dump(ToJson(Localized())),
       R"({"verdict":"localized","probability":0.98,"image":"q.jpg","map":"lab",)"
       R"("map_version":"sha256:00",)"
+      R"("place":{"layer":"planes","id":17,"image":"rgb/000120.jpg","sequence":"kitchen",)"
+      R"("time_s":4.0,"position":null,"heading":{"rad":0.31,"deviation_rad":0.02,"of":"keyframe"}},)"
       R"("keyframe":{"id":17,"sequence":"kitchen","source":"rgb/000120.jpg","time_s":4.0},)"
       R"("heading":{"rad":0.31,"deviation_rad":0.02,"of":"keyframe"},)"
       R"("planes":[{"id":3,"inliers":143,"reference":{"id":12,"source":"rgb/000080.jpg"},)"
@@ -68,9 +70,18 @@ TEST(AnswerJson, APanoramaHasItsPlace) {
             R"("probability":0.97,"cost":0.4,"inliers":120}],"runner_up":null})");
 }
 
+TEST(AnswerJson, EveryLayerHasOnePlace) {
+  EXPECT_EQ(Dump(ToJson(LocalizedPanorama())["place"]),
+            R"({"layer":"appearance","id":7,"image":"7.jpg","sequence":"walk","time_s":null,)"
+            R"("position":{"x":1.5,"y":-2.0,"deviation":0.25,"metres_per_unit":0.5},)"
+            R"("heading":{"rad":0.31,"deviation_rad":0.02,"of":"layer"}})");
+  EXPECT_EQ(ToJson(Localized())["place"]["layer"], "planes");
+}
+
 TEST(AnswerJson, ARefusedPanoramaHasNoPlace) {
   Answer answer = LocalizedPanorama();
   answer.verdict = Verdict::kNotInMap;
+  EXPECT_TRUE(ToJson(answer)["place"].is_null());
   const Json panorama = ToJson(answer)["panorama"];
   EXPECT_TRUE(panorama["node"].is_null());
   EXPECT_TRUE(panorama["position"].is_null());
@@ -80,11 +91,12 @@ TEST(AnswerJson, ARefusedPanoramaHasNoPlace) {
 TEST(AnswerJson, WhatIsAbsentIsNull) {
   Answer answer;
   answer.message = "nothing here";
-  EXPECT_EQ(Dump(ToJson(answer)),
-            R"({"verdict":"not_in_map","probability":0.0,"image":"","map":"","map_version":"",)"
-            R"("keyframe":null,"heading":null,"planes":[],"runner_up":null,"decided_by":"",)"
-            R"("message":"nothing here","timing_ms":{"decode":0.0,"extract":0.0,"shortlist":0.0,)"
-            R"("verify":0.0,"total":0.0}})");
+  EXPECT_EQ(
+      Dump(ToJson(answer)),
+      R"({"verdict":"not_in_map","probability":0.0,"image":"","map":"","map_version":"",)"
+      R"("place":null,"keyframe":null,"heading":null,"planes":[],"runner_up":null,"decided_by":"",)"
+      R"("message":"nothing here","timing_ms":{"decode":0.0,"extract":0.0,"shortlist":0.0,)"
+      R"("verify":0.0,"total":0.0}})");
 }
 
 TEST(AnswerJson, PlacesOnlyWhenAmbiguous) {

@@ -65,18 +65,17 @@ TEST(SummaryText, CountsUsedAndSkippedFramesOfAll) {
 
 TEST(AnswerLine, SaysWhereInOneLine) {
   EXPECT_EQ(AnswerLine(Json::parse(R"({"image":"q.jpg","verdict":"localized","planes":
-      [{"id":3,"inliers":143}],"keyframe":{"source":"rgb/1.jpg"},"timing_ms":{"total":69.4}})")),
+      [{"id":3,"inliers":143}],"place":{"image":"rgb/1.jpg","position":null},"timing_ms":{"total":69.4}})")),
             "q.jpg: localized near rgb/1.jpg (plane 3, 143 inliers, 69 ms)");
   EXPECT_EQ(AnswerLine(Json::parse(R"({"image":"p","verdict":"localized","planes":[],
-      "keyframe":null,"heading":{"rad":0.5},"panorama":{"node":{"source":"7.jpg"},
-      "position":{"x":1.2,"y":-3.45}},"timing_ms":{"total":12}})")),
+      "place":{"image":"7.jpg","position":{"x":1.2,"y":-3.45},"heading":{"rad":0.5}},"timing_ms":{"total":12}})")),
             "p: localized near 7.jpg at (1.20, -3.45), heading 29 deg (12 ms)");
   EXPECT_EQ(AnswerLine(Json::parse(R"({"image":"q","verdict":"not_in_map","message":"go on",
       "timing_ms":{"total":5}})")),
             "q: not_in_map: go on (5 ms)");
   // Of a server that is not of our version, or not ours.
-  EXPECT_EQ(AnswerLine(Json::parse(R"({"verdict":"localized","planes":[1],"keyframe":2,
-      "panorama":{"position":[]},"timing_ms":"soon"})")),
+  EXPECT_EQ(AnswerLine(Json::parse(R"({"verdict":"localized","planes":[1],
+      "place":{"position":[]},"timing_ms":"soon"})")),
             ": localized (plane 0, 0 inliers, 0 ms)");
   EXPECT_EQ(AnswerLine(Json::parse("[1]")), ":  (0 ms)");
 }

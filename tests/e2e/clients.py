@@ -188,7 +188,8 @@ class LiveTest(Case):
         schemas = self.client.get("/openapi.json")["components"]["schemas"]
         for ours, theirs in (("Answer", "Answer"), ("Plane", "RecognisedPlane"),
                              ("Place", "Place"), ("ShortAnswer", "ShortAnswer"),
-                             ("Keyframe", "KeyframeRef")):  # fmt: skip
+                             ("AnsweredPlace", "AnsweredPlace"), ("Position", "PlacePosition"),
+                             ("Heading", "Heading"), ("Keyframe", "KeyframeRef")):  # fmt: skip
             typed = getattr(waystone_client, ours)
             self.assertEqual(set(typed.__annotations__), set(schemas[theirs]["properties"]), ours)
             self.assertEqual(typed.__required_keys__, set(schemas[theirs]["required"]), ours)
@@ -449,7 +450,8 @@ class ReadmeTest(unittest.TestCase):
         done = subprocess.run([os.environ["WAYSTONE_CPP_EXAMPLE"]], cwd=folder, capture_output=True,
                               text=True, timeout=PATIENCE_S,
                               env={**os.environ, "WAYSTONE_URL": url})  # fmt: skip
-        self.assertEqual((done.returncode, done.stdout), (0, '"localized"\n'))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r'^"localized" \{"layer":"planes",.*"image":"\d+\.jpg"')
 
     def test_ros2(self):
         self.assertRegex(self.example(ROS2 / "README.md"), rf"^{NAME}/keyframe_\d+ \(")
@@ -535,6 +537,21 @@ class NodeTest(unittest.TestCase):
         self.assertEqual(pose.pose.covariance[0], 4)
         self.assertEqual(pose.pose.pose.orientation.w, 1)
         self.assertEqual(node.warnings, [])
+
+    def test_a_position_for_a_panorama(self):
+        place = {"layer": "appearance", "id": 7, "image": "7.jpg", "sequence": "s", "time_s": None,
+                 "position": {"x": 3, "y": -1, "deviation": 0.2, "metres_per_unit": 0.5},
+                 "heading": {"rad": 0.5, "deviation_rad": 0.1, "of": "layer"}}  # fmt: skip
+        known = {"verdict": "localized", "map": "hall", "keyframe": None, "place": place}
+        with scripted((200, {}, json.dumps(known).encode())) as (address, _):
+            node = self.node(server=address, map="hall")
+            node.subscriptions_made["image/compressed"](self.photo(INSIDE))
+        self.assertEqual(node.warnings, [])
+        (pose,) = node.published["~/pose"]
+        self.assertEqual(pose.header.frame_id, "hall/appearance")
+        self.assertEqual((pose.pose.pose.position.x, pose.pose.pose.position.y), (1.5, -0.5))
+        for at, variance in ((0, 0.01), (7, 0.01), (14, 1e6), (35, 0.01)):
+            self.assertAlmostEqual(pose.pose.covariance[at], variance)
 
     def test_silence_for_an_unknown_one(self):
         node = self.node()

@@ -79,6 +79,7 @@ TEST_F(EvalTest, CountsWhatIsInTheMapAndWhatIsNot) {
   EXPECT_GT(json["latency_ms"]["total"]["p50"].get<double>(),
             json["latency_ms"]["extract"]["p50"].get<double>());
   EXPECT_TRUE(json["position_m"].is_null());
+  EXPECT_TRUE(json["within"].empty());
   EXPECT_TRUE(json["failures"].empty());
 }
 
@@ -112,6 +113,7 @@ TEST_F(EvalTest, PositionsGiveTheTrajectorysError) {
   EXPECT_EQ(position["count"], 1);
   EXPECT_GE(position["rmse"].get<double>(), 3.0);
   EXPECT_LE(position["rmse"].get<double>(), 15.0);
+  EXPECT_EQ(Json::parse(run.out)["within"].size(), 3u);
 }
 
 TEST_F(EvalTest, KeyframesByName) {

@@ -99,10 +99,13 @@ TEST_F(HttpTest, AnswerHasTheDocumentedFields) {
   const Json answer = Localize(ReadFile(TheMap().inside));
   ASSERT_EQ(answer["verdict"], "localized") << answer.dump();
   EXPECT_EQ(KeysOf(answer),
-            (Keys{"verdict", "probability", "image", "map", "map_version", "keyframe", "heading",
-                  "planes", "runner_up", "decided_by", "timing_ms"}));
+            (Keys{"verdict", "probability", "image", "map", "map_version", "place", "keyframe",
+                  "heading", "planes", "runner_up", "decided_by", "timing_ms"}));
   EXPECT_EQ(answer["image"], "q.jpg");
   EXPECT_EQ(answer["map"], "room");
+  EXPECT_EQ(KeysOf(answer["place"]),
+            (Keys{"layer", "id", "image", "sequence", "time_s", "position", "heading"}));
+  EXPECT_EQ(answer["place"]["id"], answer["keyframe"]["id"]);
   EXPECT_EQ(KeysOf(answer["keyframe"]), (Keys{"id", "sequence", "source", "time_s"}));
   EXPECT_EQ(KeysOf(answer["timing_ms"]),
             (Keys{"decode", "extract", "shortlist", "verify", "total"}));
@@ -116,6 +119,7 @@ TEST_F(HttpTest, AnswerHasTheDocumentedFields) {
 TEST_F(HttpTest, OtherBuildingIsNotInTheMap) {
   const Json answer = Localize(ReadFile(TheMap().elsewhere));
   EXPECT_EQ(answer["verdict"], "not_in_map");
+  EXPECT_TRUE(answer["place"].is_null());
   EXPECT_TRUE(answer["keyframe"].is_null());
   EXPECT_NE(answer["message"], "");
 }

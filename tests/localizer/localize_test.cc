@@ -198,6 +198,46 @@ TEST(LocalizeFeatures, TooFewFeaturesAreNotInTheMap) {
   EXPECT_EQ(LocalizeFeatures(*index, FirstFeatures(whole, 25), {}).verdict, Verdict::kLocalized);
 }
 
+// The message speaks of the gate that refused, whatever the others would have said.
+TEST(LocalizeFeatures, ARefusalNamesItsGate) {
+  const MapData map = MadeMap();
+  const auto index = MapIndex::Build(map);
+  const auto ask = [&](const Features& query, const GateOptions& gates) {
+    LocalizeOptions options;
+    options.planes.gates = gates;
+    Answer answer = LocalizeFeatures(*index, query, options);
+    EXPECT_EQ(answer.verdict, Verdict::kNotInMap);
+    return answer;
+  };
+  const auto says = [](const Answer& answer, const std::string& words) {
+    return answer.message.find(words) != std::string::npos;
+  };
+  Features query = QueryOf(map, {1}, PoseOf(1), 0, 5);
+  for (int i = 0; i < query.size() / 4; ++i) query.keypoints[4 * i].x_px = 10;  // outliers
+  const Answer share = ask(query, {.min_inlier_share = 0.99});
+  EXPECT_EQ(share.decided_by, DecidedBy::kInlierShare);
+  EXPECT_TRUE(says(share, "99%")) << share.message;
+  EXPECT_FALSE(says(share, "confidence")) << share.message;
+
+  query = QueryOf(map, {1}, PoseOf(1), 0, 5);
+  for (Keypoint& keypoint : query.keypoints) {  // the wall, three times as large
+    keypoint.x_px *= 3;
+    keypoint.y_px *= 3;
+  }
+  const Answer scale = ask(query, {.max_scale = 2});
+  EXPECT_EQ(scale.decided_by, DecidedBy::kHomographyScale);
+  EXPECT_TRUE(says(scale, "factor of 2;")) << scale.message;
+  EXPECT_FALSE(says(scale, "confidence")) << scale.message;
+
+  const Answer few = ask(QueryOf(map, {1}, PoseOf(1), 60, 5), {.min_inliers = 100});
+  EXPECT_EQ(few.decided_by, DecidedBy::kHomographyInliers);
+  EXPECT_TRUE(says(few, "required are 100")) << few.message;
+
+  const Answer place = ask(FirstFeatures(QueryOf(map, {1}, PoseOf(2), 0, 7), 8), {});
+  EXPECT_EQ(place.decided_by, DecidedBy::kPlaceProbability);
+  EXPECT_TRUE(says(place, "confidence")) << place.message;
+}
+
 TEST(LocalizeFeatures, AMapWithoutPlanesKnowsNoPlace) {
   MapData empty = MadeMap();
   empty.planes.clear();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/localizer/made_map.h"
+#include "world/walk.h"
 
 namespace waystone {
 namespace {
@@ -14,7 +15,7 @@ class EvaluationTest : public testing::Test {
   static ScoredQuery Query(const std::vector<int>& truth, Verdict verdict, int place,
                            double probability) {
     ScoredQuery query;
-    for (const int id : truth) query.truth.push_back(KeyframeId{id});
+    for (const int id : truth) query.truth.push_back(PlaceIdOf(KeyframeId{id}));
     query.answer.verdict = verdict;
     query.answer.probability = probability;
     const KeyframeRef ref{KeyframeId{place}, "walk", "", std::nullopt};
@@ -37,11 +38,13 @@ class EvaluationTest : public testing::Test {
 };
 
 TEST_F(EvaluationTest, RightIsTrueOrCovisible) {
-  EXPECT_TRUE(IsRightPlace(*index_, {KeyframeId{1}}, KeyframeId{1}));
-  EXPECT_TRUE(IsRightPlace(*index_, {KeyframeId{1}}, KeyframeId{4})) << "both saw plane 2";
-  EXPECT_TRUE(IsRightPlace(*index_, {KeyframeId{5}, KeyframeId{1}}, KeyframeId{2}));
-  EXPECT_FALSE(IsRightPlace(*index_, {KeyframeId{1}}, KeyframeId{5}));
-  EXPECT_FALSE(IsRightPlace(*index_, {}, KeyframeId{5}));
+  EXPECT_TRUE(IsRightPlace(*index_, {PlaceIdOf(KeyframeId{1})}, PlaceIdOf(KeyframeId{1})));
+  EXPECT_TRUE(IsRightPlace(*index_, {PlaceIdOf(KeyframeId{1})}, PlaceIdOf(KeyframeId{4})))
+      << "both saw plane 2";
+  EXPECT_TRUE(IsRightPlace(*index_, {PlaceIdOf(KeyframeId{5}), PlaceIdOf(KeyframeId{1})},
+                           PlaceIdOf(KeyframeId{2})));
+  EXPECT_FALSE(IsRightPlace(*index_, {PlaceIdOf(KeyframeId{1})}, PlaceIdOf(KeyframeId{5})));
+  EXPECT_FALSE(IsRightPlace(*index_, {}, PlaceIdOf(KeyframeId{5})));
 }
 
 TEST_F(EvaluationTest, OutcomesAreCounted) {
@@ -112,9 +115,9 @@ TEST_F(EvaluationTest, PositionsOfLocalizedPositivesAlone) {
   std::vector<ScoredQuery> queries = {Localized({1}, 1, 1), Localized({1}, 2, 1),
                                       Localized({1}, 3, 1), Localized({}, 3, 1)};
   EXPECT_FALSE(Measure(queries).position.has_value());
-  queries[0].error_m = 3;
-  queries[1].error_m = 4;
-  queries[3].error_m = 100;
+  queries[0].error = PoseError{3, {}};
+  queries[1].error = PoseError{4, {}};
+  queries[3].error = PoseError{100, {}};
   const auto position = Measure(queries).position;
   ASSERT_TRUE(position.has_value());
   EXPECT_EQ(position->count, 2);
@@ -122,6 +125,52 @@ TEST_F(EvaluationTest, PositionsOfLocalizedPositivesAlone) {
   EXPECT_DOUBLE_EQ(position->rmse_m, std::sqrt(12.5));
   EXPECT_DOUBLE_EQ(position->median_m, 3);
   EXPECT_DOUBLE_EQ(position->max_m, 4);
+}
+
+TEST_F(EvaluationTest, TolerancesAreSharesOfAllPositives) {
+  std::vector<ScoredQuery> queries = {Localized({1}, 1, 1), Localized({1}, 2, 1),
+                                      Localized({1}, 3, 1), Query({1}, Verdict::kNotInMap, 0, 0)};
+  queries[0].error = PoseError{0.1, 0.01};
+  queries[1].error = PoseError{0.4, 0.5};
+  queries[2].error = PoseError{0.2, {}};
+  const auto within = Measure(queries).within;
+  ASSERT_EQ(within.size(), 3u);
+  EXPECT_DOUBLE_EQ(within[0].position, 0.5);
+  EXPECT_DOUBLE_EQ(within[0].pose, 0.25);
+  EXPECT_DOUBLE_EQ(within[1].position, 0.75);
+  EXPECT_DOUBLE_EQ(within[2].pose, 0.25);
+}
+
+// Where a query is relative to a panorama, in the layer's frame, and in the world.
+TEST(ComparePose, MovesTheTruePoseAsTheAnswerSays) {
+  constexpr double kScale = 0.5;
+  constexpr double kNodeYaw = 1.1;  // in the world
+  Answer answer;
+  answer.verdict = Verdict::kLocalized;
+  answer.heading = Heading{0.5, 0.01, HeadingFrame::kLayer};
+  answer.panorama.emplace();
+  answer.panorama->node.id = {4};
+  answer.panorama->node.pose = {1, 2, 0.3};
+  // 2 ahead of the node, 1 to its left, turned by 0.2 to the left.
+  answer.panorama->pose = {1 + 2 * std::cos(0.3) - 1 * std::sin(0.3),
+                           2 + 2 * std::sin(0.3) + 1 * std::cos(0.3), 0.5};
+  const Eigen::Vector3d at(7, -3, 1.5);
+  const PlacePoses poses = {
+      {PlaceIdOf(AppearanceNodeId{4}), {WorldFromCamera(at, kNodeYaw), true}}};
+  const Eigen::Vector3d ahead(std::cos(kNodeYaw), std::sin(kNodeYaw), 0);
+  const Eigen::Vector3d left(-std::sin(kNodeYaw), std::cos(kNodeYaw), 0);
+  const TruePose truth{WorldFromCamera(at + kScale * (2 * ahead + left), kNodeYaw + 0.2), true};
+  const auto right = ComparePose(answer, poses, kScale, truth);
+  ASSERT_TRUE(right.has_value());
+  EXPECT_NEAR(right->metres, 0, 1e-9);
+  EXPECT_NEAR(right->rad.value(), 0, 1e-7);
+  const TruePose off{WorldFromCamera(at, kNodeYaw - 0.1), true};
+  const auto wrong = ComparePose(answer, poses, kScale, off);
+  EXPECT_NEAR(wrong->metres, kScale * std::sqrt(5.0), 1e-9);
+  EXPECT_NEAR(wrong->rad.value(), 0.3, 1e-7);
+  EXPECT_FALSE(ComparePose(answer, {}, kScale, truth).has_value());
+  answer.verdict = Verdict::kNotInMap;
+  EXPECT_FALSE(ComparePose(answer, poses, kScale, truth).has_value());
 }
 
 TEST_F(EvaluationTest, NothingAtAll) {

@@ -150,6 +150,10 @@ AppearanceLayer MadeAppearance(Random& random, const MapData& map, const MapShap
   }
   layer.verdict = AppearanceVerdict{-3.5, {{"distance", -2.0}, {"sharpness", 0.5}}, 12, 30};
   if (random.Below(2) == 0) layer.verified_verdict = AppearanceVerdict{1.5, {{"x", 2.0}}, 1, 0};
+  if (random.Below(2) == 0) {
+    layer.mirror = LayerMirror{640, 480, 720, {0.5, -0.25}, false, {}};
+    if (random.Below(2) == 0) layer.mirror->ring = MirrorRing{{320.5, 239}, 40, 200.25};
+  }
   return layer;
 }
 

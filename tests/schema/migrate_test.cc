@@ -119,6 +119,21 @@ TEST_F(MigrateTest, AMapOfVersionTwoKeepsEverythingButHasNoFurtherLayers) {
   EXPECT_EQ(WithoutVersion(ReadMap(path_)), expected);
 }
 
+TEST_F(MigrateTest, AMapOfVersionThreeKeepsEverythingButHasNoMirror) {
+  MapData expected = MadeMap(31);
+  for (uint64_t seed = 32; !expected.appearance->mirror; ++seed) {
+    ASSERT_LT(seed, 64u);
+    fs::remove(path_);
+    expected = MadeMap(seed);
+    WriteMap(expected, path_, {});
+  }
+  MakeVersion(3);
+  EXPECT_EQ(MigrateMap(path_), 3);
+  EXPECT_TRUE(CheckMap(path_).empty());
+  expected.appearance->mirror.reset();
+  EXPECT_EQ(WithoutVersion(ReadMap(path_)), expected);
+}
+
 // Written anew, a migrated map has the bytes that the same data have without a migration.
 TEST_F(MigrateTest, AMigratedMapIsLikeOneWrittenToday) {
   MakeVersion(2);

@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """From ROS images to what the server reads, and from its answer to a pose. Plain Python, no ROS.
 
-What a map of planes gives, and what it can't give:
+What the two kinds of maps give, and what they can't give:
 
-- The place: the keyframe near which the photo was taken. The pose is that of the camera in a frame
-  of this keyframe's, "MAP/keyframe_ID", at its origin. Whoever has poses of the keyframes publishes
-  them as static transforms.
-- No distance from the keyframe: homographies between uncalibrated images have no scale. The
-  position's covariance is what the options say, and unknown unless they do.
+- A map of panoramas: the position, in the frame "MAP/appearance" of its panoramas, with the
+  covariance that the answer states. Where the map's scale isn't known the position has no metres:
+  it is the origin, and unknown.
+- A map of planes: the keyframe near which the photo was taken. The pose is that of the camera in a
+  frame of this keyframe's, "MAP/keyframe_ID", at its origin. Whoever has poses of the keyframes
+  publishes them as static transforms. The distance from the keyframe isn't known: homographies
+  between uncalibrated images have no scale. The position's covariance is what the options say, and
+  unknown unless they do.
 - A heading only where the answer has one. Without it, and always for roll and pitch, the angle is
-  unknown: its variance is that of an angle which is equally likely everywhere, pi^2 / 3.
+  unknown: its variance is that of an angle which is equally likely everywhere, pi^2 / 3. Neither
+  kind of map knows the height.
 """
 import dataclasses
 import math
@@ -25,11 +29,11 @@ class ConversionError(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class PoseOptions:
-    """How sure a position is. Smaller deviations pull a filter harder towards the keyframe."""
+    """How sure a position is. Smaller deviations pull a filter harder towards the place."""
 
-    # Standard deviation of the camera's distance from the keyframe along each axis, m, above 0.
-    # It is a property of the place (how far away its walls are recognised), so only its operator
-    # can say; None says unknown.
+    # For maps of planes: standard deviation of the camera's distance from the keyframe along each
+    # axis, m, above 0. It is a property of the place (how far away its walls are recognised), so
+    # only its operator can say; None says unknown.
     position_deviation_m: float | None = None
     # Standard deviation that stands for "unknown", m, above 0: larger than the map, small enough
     # that filters can invert the covariance.
@@ -50,34 +54,60 @@ class Pose:
     position: tuple[float, float, float]  # x, y, z, m
     orientation: tuple[float, float, float, float]  # quaternion x, y, z, w: the heading about z
     covariance: tuple[float, ...]  # 6 x 6 by rows: x, y, z, and rotations about x, y, z
-    position_known: bool  # whether the covariance's first half is more than "unknown"
+    position_known: bool  # whether the variances of x and y are more than "unknown"
     heading_known: bool  # whether the answer had a heading
 
 
 def pose_of(answer: Mapping[str, Any], options: PoseOptions = PoseOptions()) -> Pose | None:
-    """The pose of a server's answer; None unless its verdict is "localized" and names a keyframe.
+    """The pose of a server's answer; None unless its verdict is "localized".
 
     A heading turns counter-clockwise seen from above (REP 103). One "of" the building is in the
     frame "MAP/building", where nothing is known of the position.
     """
-    keyframe = answer["keyframe"]
-    if answer["verdict"] != "localized" or keyframe is None:
+    place = answer["place"]
+    if answer["verdict"] != "localized" or place is None:
         return None
-    heading = answer["heading"]
-    in_building = heading is not None and heading["of"] == "building"
-    frame = "building" if in_building else f"keyframe_{keyframe['id']}"
-    known_m = None if in_building else options.position_deviation_m
-    deviation_m = options.unknown_deviation_m if known_m is None else known_m
+    heading = place["heading"]
+    x, y, across_m, up_m = _position_of(place, options)
     yaw_rad = heading["rad"] if heading else 0.0
+    variances = [deviation_m**2 for deviation_m in (across_m, across_m, up_m)]
     return Pose(
-        frame_id=f"{answer['map']}/{frame}",
-        position=(0.0, 0.0, 0.0),
+        frame_id=f"{answer['map']}/{_frame_of(place)}",
+        position=(x, y, 0.0),
         orientation=(0.0, 0.0, math.sin(yaw_rad / 2), math.cos(yaw_rad / 2)),
-        covariance=_diagonal([deviation_m**2] * 3 + [UNKNOWN_ANGLE_VARIANCE] * 2
-                             + [_yaw_variance(heading)]),  # fmt: skip
-        position_known=known_m is not None,
+        covariance=_diagonal(variances + [UNKNOWN_ANGLE_VARIANCE] * 2 + [_yaw_variance(heading)]),
+        position_known=across_m < options.unknown_deviation_m,
         heading_known=heading is not None,
     )
+
+
+def _is_of_building(place: Mapping[str, Any]) -> bool:
+    return place["heading"] is not None and place["heading"]["of"] == "building"
+
+
+def _frame_of(place: Mapping[str, Any]) -> str:
+    if _is_of_building(place):
+        return "building"
+    return "appearance" if place["layer"] == "appearance" else f"keyframe_{place['id']}"
+
+
+def _position_of(
+    place: Mapping[str, Any], options: PoseOptions
+) -> tuple[float, float, float, float]:
+    """x, y, and the deviations of both and of z, m."""
+    unknown_m = options.unknown_deviation_m
+    position = place["position"]
+    if _is_of_building(place):
+        return 0.0, 0.0, unknown_m, unknown_m
+    if position is None:
+        known_m = options.position_deviation_m
+        near_m = unknown_m if known_m is None or place["layer"] != "planes" else known_m
+        return 0.0, 0.0, near_m, near_m
+    scale = position["metres_per_unit"]
+    if scale is None:
+        return 0.0, 0.0, unknown_m, unknown_m
+    deviation_m = min(scale * position["deviation"], unknown_m)
+    return scale * position["x"], scale * position["y"], deviation_m, unknown_m
 
 
 def _yaw_variance(heading: Mapping[str, Any] | None) -> float:

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/ids.h"
+#include "core/camera/panorama.h"
 #include "core/features/features.h"
 #include "core/geometry/pose2.h"
 #include "core/panorama/fourier_signature.h"
@@ -92,8 +93,21 @@ struct AppearanceVerdict {
   bool operator==(const AppearanceVerdict&) const = default;
 };
 
+// How the images of a catadioptric camera are unwrapped (core/camera/panorama.h).
+struct LayerMirror {
+  int width = 0;  // of the images, px
+  int height = 0;
+  int columns = 0;                 // of their panoramas
+  ElevationBand band;              // that the mirror shows, from its outer to its inner radius
+  bool clockwise = true;           // azimuth in the image
+  std::optional<MirrorRing> ring;  // px; nothing where it is searched for in each image
+
+  bool operator==(const LayerMirror&) const = default;
+};
+
 struct AppearanceLayer {
-  SignatureOptions described;  // how every panorama of the layer was described
+  SignatureOptions described;         // how every panorama of the layer was described
+  std::optional<LayerMirror> mirror;  // nothing unless a mirror's images were mapped
   // What one of the layer's units of length is; nothing when the scale isn't known (the paper's
   // distances are proportional to metres, no more).
   std::optional<double> metres_per_unit;

@@ -63,10 +63,26 @@ class AppearanceProblemFinder {
     } catch (const MapError& error) {
       problems_.push_back({where, error.what()});
     }
+    if (layer_.mirror) CheckMirror(*layer_.mirror);
     const double scale = layer_.metres_per_unit.value_or(1);
     Require(scale > 0 && std::isfinite(scale), where,
             "a unit is " + std::to_string(scale) + " metres");
     Require(layer_.dropped >= 0, where, std::to_string(layer_.dropped) + " nodes dropped");
+  }
+
+  void CheckMirror(const LayerMirror& mirror) {
+    const std::string where = "appearance_mirror 1";
+    Require(mirror.width > 0 && mirror.height > 0, where,
+            "images of " + std::to_string(mirror.width) + "x" + std::to_string(mirror.height));
+    PanoramaOptions options;
+    options.columns = mirror.columns;
+    options.mirror_band = mirror.band;
+    options.mirror = mirror.ring;
+    try {
+      options.Check();
+    } catch (const MapError& error) {
+      problems_.push_back({where, error.what()});
+    }
   }
 
   void CheckNode(const AppearanceNode& node) {

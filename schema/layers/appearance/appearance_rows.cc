@@ -33,6 +33,7 @@ class AppearanceReader {
 
   std::optional<AppearanceLayer> Read(bool images) {
     ReadSettings();
+    ReadMirror();
     ReadNodes();
     ReadSignatures();
     ReadFeatures();
@@ -74,6 +75,25 @@ class AppearanceReader {
       layer_.metres_per_unit = row.OptionalReal();
       layer_.dropped = row.Int();
       found_ = true;
+    });
+  }
+
+  void ReadMirror() {
+    ForEach(kAppearanceMirrorTable, [&](Row& row) {
+      RequireLayer();
+      row.Int64(1, 1);
+      LayerMirror& mirror = layer_.mirror.emplace();
+      mirror.width = row.Int(1);
+      mirror.height = row.Int(1);
+      mirror.columns = row.Int(1);
+      mirror.band.top_rad = row.Real();
+      mirror.band.bottom_rad = row.Real();
+      mirror.clockwise = row.Int(0, 1) == 1;
+      const auto x = row.OptionalReal();
+      const auto y = row.OptionalReal();
+      const auto inner = row.OptionalReal();
+      const auto outer = row.OptionalReal();
+      if (x && y && inner && outer) mirror.ring = {{*x, *y}, *inner, *outer};
     });
   }
 
@@ -173,6 +193,19 @@ class AppearanceReader {
   std::unordered_map<int64_t, size_t> nodes_;  // index by id
 };
 
+void WriteMirror(const AppearanceLayer& layer, RowSink& sink) {
+  TableWriter<kAppearanceMirrorTable> writer(sink);
+  if (!layer.mirror) return;
+  const LayerMirror& mirror = *layer.mirror;
+  const auto of_ring = [&](double value) {
+    return mirror.ring ? std::optional(value) : std::nullopt;
+  };
+  const MirrorRing ring = mirror.ring.value_or(MirrorRing{});
+  writer.Row(1, mirror.width, mirror.height, mirror.columns, mirror.band.top_rad,
+             mirror.band.bottom_rad, mirror.clockwise, of_ring(ring.centre_px.x),
+             of_ring(ring.centre_px.y), of_ring(ring.inner_px), of_ring(ring.outer_px));
+}
+
 void WriteNodes(const AppearanceLayer& layer, RowSink& sink) {
   TableWriter<kAppearanceNodesTable> nodes(sink);
   TableWriter<kAppearanceSignaturesTable> signatures(sink);
@@ -229,6 +262,7 @@ void WriteAppearance(const AppearanceLayer& layer, RowSink& sink) {
   TableWriter<kAppearanceLayerTable>(sink).Row(1, d.rows, d.k1, d.k2, d.band.top_rad,
                                                d.band.bottom_rad, d.normalise,
                                                layer.metres_per_unit, layer.dropped);
+  WriteMirror(layer, sink);
   WriteNodes(layer, sink);
   WriteFeatures(layer, sink);
   WriteEdges(layer, sink);

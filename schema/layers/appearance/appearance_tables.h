@@ -13,6 +13,14 @@ inline constexpr TableDescriptor kAppearanceLayerTable{
                IntegerColumn("normalised"), OrNull(RealColumn("metres_per_unit")),
                IntegerColumn("dropped")}};
 
+inline constexpr TableDescriptor kAppearanceMirrorTable{
+    "appearance_mirror", 1,
+    std::array{IntegerColumn("id"), IntegerColumn("width"), IntegerColumn("height"),
+               IntegerColumn("columns"), RealColumn("top_rad"), RealColumn("bottom_rad"),
+               IntegerColumn("clockwise"), OrNull(RealColumn("centre_x")),
+               OrNull(RealColumn("centre_y")), OrNull(RealColumn("inner_px")),
+               OrNull(RealColumn("outer_px"))}};
+
 inline constexpr TableDescriptor kAppearanceNodesTable{
     "appearance_nodes", 1,
     std::array{IntegerColumn("id"), IntegerColumn("sequence"), IntegerColumn("frame"),

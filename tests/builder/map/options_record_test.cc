@@ -65,7 +65,7 @@ TEST(RecordOptions, DependsOnWhatAMapDependsOn) {
   EXPECT_EQ(json["features"]["type"], "sift");
   EXPECT_EQ(json["appearance"]["describe"]["signature"]["band"]["top_rad"], 0.6);
   EXPECT_EQ(json["appearance"]["odometry"]["compass"]["warping"]["columns"], 120);
-  EXPECT_EQ(json["appearance_calibration"]["blank_spacings"].size(), 4u);
+  EXPECT_EQ(json["appearance_calibration"]["blank_spacings"].size(), 3u);
 }
 
 }  // namespace

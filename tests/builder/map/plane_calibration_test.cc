@@ -73,11 +73,13 @@ TEST(CalibrateVerdict, LearnsThatAnotherBuildingIsNotInTheMap) {
   // The map's own photos, taken for photos of another building, are negatives that fit well.
   std::vector<Features> own;
   for (const SampledKeyframe& query : queries) own.push_back(query.features);
-  const VerdictModel plain = CalibrateVerdict(*index, queries, {}, {});
-  const VerdictModel with = CalibrateVerdict(*index, queries, outside, {});
+  CalibrationOptions options;
+  options.fit.min_samples = 1;  // the stage is small
+  const VerdictModel plain = CalibrateVerdict(*index, queries, {}, options);
+  const VerdictModel with = CalibrateVerdict(*index, queries, outside, options);
   EXPECT_GE(with.negatives, plain.negatives);
   EXPECT_LT(EstimateProbability({5, 0.1}, with), 0.3);
-  EXPECT_LT(EstimateProbability({60, 0.7}, CalibrateVerdict(*index, queries, own, {})),
+  EXPECT_LT(EstimateProbability({60, 0.7}, CalibrateVerdict(*index, queries, own, options)),
             EstimateProbability({60, 0.7}, with));
 }
 

@@ -23,8 +23,16 @@ VERDICTS = ["localized", "ambiguous", "not_in_map", "bad_image", "undecided"]
 
 
 def answer(verdict="localized", heading=None, keyframe=17):
-    return {"verdict": verdict, "map": "lab", "heading": heading,
-            "keyframe": keyframe and {"id": keyframe, "sequence": "s", "source": "17.jpg"}}
+    place = {"layer": "planes", "id": keyframe, "image": "17.jpg", "sequence": "s", "time_s": None,
+             "position": None, "heading": heading}  # fmt: skip
+    return {"verdict": verdict, "map": "lab", "place": place if keyframe else None}
+
+
+def panorama(heading=None, metres_per_unit=0.5, deviation=0.2):
+    position = {"x": 3.0, "y": -1.0, "deviation": deviation, "metres_per_unit": metres_per_unit}
+    place = {"layer": "appearance", "id": 7, "image": "7.jpg", "sequence": "s", "time_s": 1.0,
+             "position": position, "heading": heading}  # fmt: skip
+    return {"verdict": "localized", "map": "lab", "place": place}
 
 
 def heading(rad, deviation_rad=0.02, of="keyframe"):
@@ -99,6 +107,24 @@ class PoseTest(unittest.TestCase):
             self.assertEqual(len(pose.covariance), 36)
             self.assertGreater(min(variances(pose)), 0)
             self.assertEqual(sum(map(bool, pose.covariance)), 6)
+
+    def test_panoramas_give_a_position_in_metres(self):
+        pose = pose_of(panorama(heading(0.5, 0.02, "layer")), PoseOptions(9.0))
+        self.assertEqual(pose.frame_id, "lab/appearance")
+        self.assertEqual(pose.position, (1.5, -0.5, 0))
+        self.assertTrue(pose.position_known)
+        for variance, wanted in zip(variances(pose), [0.01, 0.01, 1e6]):
+            self.assertAlmostEqual(variance, wanted)
+        self.assertAlmostEqual(variances(pose)[5], 0.0004)
+        self.assertAlmostEqual(rotated(pose.orientation, (1, 0, 0))[1], math.sin(0.5))
+
+    def test_panoramas_without_a_scale_give_no_metres(self):
+        pose = pose_of(panorama(metres_per_unit=None), PoseOptions(9.0))
+        self.assertEqual(pose.frame_id, "lab/appearance")
+        self.assertEqual(pose.position, (0, 0, 0))
+        self.assertFalse(pose.position_known)
+        self.assertEqual(variances(pose)[:3], [1e6] * 3)
+        self.assertEqual(variances(pose_of(panorama(deviation=1e9)))[0], 1e6)
 
     def test_lengths_are_above_zero(self):
         for bad in (0, -1, math.inf, math.nan):

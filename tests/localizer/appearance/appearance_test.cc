@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "localizer/appearance/panorama_series.h"
 #include "localizer/appearance/photo.h"
+#include "localizer/index/node_bearings.h"
 #include "localizer/localizer.h"
 #include "tests/world/test_worlds.h"
 
@@ -84,6 +85,35 @@ TEST(Appearance, FeaturesIntersectDirections) {
     ASSERT_TRUE(answer.heading);
     EXPECT_LT(answer.heading->sigma_rad, 0.05);
     EXPECT_GT(answer.panorama->candidates.front().inliers, 20);
+  }
+}
+
+// The least that a map has to know, with and without features.
+TEST(Appearance, ANodesOwnPanoramaIsFoundAtTheNode) {
+  for (const bool features : {false, true}) {
+    const MapIndex& index = Grid(features);
+    for (const AppearanceNode& node : index.map().appearance->nodes) {
+      const Answer answer = LocalizePanorama(index, Panorama(Rooms(), node.pose), {});
+      EXPECT_EQ(answer.verdict, Verdict::kLocalized) << answer.message;
+      EXPECT_EQ(answer.panorama->node.id, node.id) << features;
+      EXPECT_LT(Apart(answer.panorama->pose, node.pose), 0.1) << features;
+    }
+  }
+}
+
+// The warping search takes rows for elevations: with the wrong ones its headings are off.
+TEST(Appearance, HeadingsAreRefinedWithTheLayersBand) {
+  MapData map = GridMap(false);
+  map.appearance->described.band = {0.2, -1.2};
+  for (AppearanceNode& node : map.appearance->nodes) {
+    node.signature = Signature(Panorama(Rooms(), node.pose), map.appearance->described);
+  }
+  const auto index = MapIndex::Build(std::move(map));
+  PanoramaQueryOptions default_band;
+  for (const Pose2& truth : kQueries) {
+    const Answer answer = LocalizePanorama(*index, Panorama(Rooms(), truth), default_band);
+    ASSERT_TRUE(answer.panorama);
+    EXPECT_LT(std::abs(WrappedAngle(answer.panorama->pose.theta_rad - truth.theta_rad)), 0.05);
   }
 }
 

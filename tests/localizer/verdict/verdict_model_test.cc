@@ -34,8 +34,16 @@ TEST(VerdictModel, ProbabilityGrowsWithTheEvidence) {
   EXPECT_GT(EstimateProbability({10, 0.9}, model), EstimateProbability({10, 0.2}, model));
 }
 
-TEST(VerdictModel, WithoutSamplesTheGeneralModelHolds) {
+TEST(VerdictModel, WithFewSamplesTheGeneralModelHolds) {
   EXPECT_EQ(FitVerdictModel({}), VerdictModel{});
+  std::vector<VerdictSample> samples(100, {{5, 0.2}, false});
+  samples.insert(samples.end(), 9, {{60, 0.8}, true});
+  VerdictModel general;
+  general.positives = 9;
+  general.negatives = 100;
+  EXPECT_EQ(FitVerdictModel(samples), general);
+  samples.push_back({{60, 0.8}, true});
+  EXPECT_NE(FitVerdictModel(samples).intercept, general.intercept);
 }
 
 // In every tenth of the stated probability, what is stated must be what happens.

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/calibration/map_parts.h"
+
+namespace waystone {
+
+MapData CopyPlanes(const MapData& map) {
+  MapData part;
+  part.info = map.info;
+  part.sequences = map.sequences;
+  part.keyframes = map.keyframes;
+  part.planes = map.planes;
+  part.edges = map.edges;
+  part.index = map.index;
+  part.verdict = map.verdict;
+  for (Keyframe& keyframe : part.keyframes) keyframe.jpeg.clear();
+  return part;
+}
+
+MapData CopyPanoramas(const MapData& map) {
+  MapData part;
+  part.info = map.info;
+  part.sequences = map.sequences;
+  part.appearance = map.appearance;
+  for (AppearanceNode& node : part.appearance->nodes) node.jpeg.clear();
+  return part;
+}
+
+}  // namespace waystone

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/calibration/own_images.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include "builder/calibration/map_parts.h"
+#include "core/base/check.h"
+#include "localizer/appearance/appearance.h"
+#include "localizer/localizer.h"
+
+namespace waystone {
+namespace {
+
+// Whether some plane was seen in both.
+bool ShareAPlane(const MapData& map, KeyframeId a, KeyframeId b) {
+  return std::ranges::any_of(map.planes, [&](const Plane& plane) {
+    const auto saw = [&](KeyframeId keyframe) {
+      return std::ranges::find(plane.views, keyframe, &PlaneView::keyframe) != plane.views.end();
+    };
+    return saw(a) && saw(b);
+  });
+}
+
+// `is_found` of each number below `count`, several at a time.
+template <typename IsFound>
+OwnImages CountFound(size_t count, const IsFound& is_found) {
+  std::atomic<int> found = 0;
+  tbb::parallel_for(size_t{0}, count, [&](size_t i) { found += is_found(i) ? 1 : 0; });
+  return {static_cast<int>(count), found};
+}
+
+}  // namespace
+
+OwnImages FindOwnKeyframes(const MapData& map, const std::vector<SampledKeyframe>& samples,
+                           const LocalizeOptions& options) {
+  const auto index = MapIndex::Build(CopyPlanes(map));
+  return CountFound(samples.size(), [&](size_t i) {
+    const Answer answer = LocalizeFeatures(*index, samples[i].features, options);
+    if (answer.verdict != Verdict::kLocalized) return false;
+    const KeyframeId at = answer.planes.keyframe->id;
+    return at == samples[i].keyframe || ShareAPlane(map, at, samples[i].keyframe);
+  });
+}
+
+OwnImages FindOwnPanoramas(const MapData& map, const std::vector<AppearanceSampleFrame>& samples,
+                           const PanoramaQueryOptions& options) {
+  WS_CHECK(map.appearance.has_value(), "the map has no appearance layer");
+  const auto index = MapIndex::Build(CopyPanoramas(map));
+  std::vector<const AppearanceSampleFrame*> nodes;
+  for (const AppearanceSampleFrame& sample : samples) {
+    if (sample.node >= 0) nodes.push_back(&sample);
+  }
+  return CountFound(nodes.size(), [&](size_t i) {
+    PanoramaQuery query{nodes[i]->signature, std::nullopt};
+    if (nodes[i]->features.size() > 0) query.features = nodes[i]->features;
+    const Answer answer = LocalizeDescribed(*index, query, options);
+    return answer.verdict == Verdict::kLocalized &&
+           answer.panorama->node.id == map.appearance->nodes[nodes[i]->node].id;
+  });
+}
+
+}  // namespace waystone

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <tuple>
+
+#include "core/base/options.h"
+#include "core/two_view/bearings.h"
+#include "core/two_view/relative_rotation.h"
+#include "schema/layers/appearance/appearance_layer.h"
+
+namespace waystone {
+
+struct SpacingParallaxOptions {
+  int pairs = 16;
+  int max_apart = 30;
+  MatchOptions match{0.8, true};
+  RelativeOptions relative{.max_samples = 200};
+
+  static constexpr auto Fields() {
+    using Self = SpacingParallaxOptions;
+    return std::tuple{
+        OptionField{"pairs", &Self::pairs, Closed(1, 1000), "",
+                    "Pairs of nodes that are matched, spread evenly over the layer.",
+                    OptionUse::kInternal},
+        OptionField{"max_apart", &Self::max_apart, Closed(1, 10'000), "nodes",
+                    "A pair's nodes follow each other within so many, where odometry hardly "
+                    "drifts.",
+                    OptionUse::kInternal},
+        OptionGroup{"match", &Self::match}, OptionGroup{"relative", &Self::relative}};
+  }
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Median angle between what the nodes and the query see of one point, without their turn; 0 for a
+// pose without inliers.
+double MedianParallax(const MatchedRays& rays, const RelativePose& pose);
+
+// The median parallax (rad) of two panoramas a `spacing` (layer's units) apart, measured on the
+// layer's own nodes: how large the rooms are in spacings, which a position estimated from a query's
+// parallax depends on. 0 where no pair has an accepted motion, for instance without features.
+// Deterministic; takes a few ms a pair.
+double MeasureSpacingParallax(const AppearanceLayer& layer, FeatureType type, double spacing,
+                              const SpacingParallaxOptions& options = {});
+
+}  // namespace waystone

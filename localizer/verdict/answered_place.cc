@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localizer/verdict/answered_place.h"
+
+#include "core/base/check.h"
+
+namespace waystone {
+namespace {
+
+// A keyframe or a node.
+template <typename Ref>
+AnsweredPlace PlaceAt(PlaceLayer layer, const Ref& ref, const std::optional<Heading>& heading) {
+  return {layer, ref.id.value, ref.source, ref.sequence, ref.time_s, std::nullopt, heading};
+}
+
+}  // namespace
+
+const char* NameOf(PlaceLayer layer) {
+  switch (layer) {
+    case PlaceLayer::kPlanes:
+      return "planes";
+    case PlaceLayer::kAppearance:
+      return "appearance";
+  }
+  WS_CHECK(false, "unknown layer of a place");
+}
+
+std::optional<AnsweredPlace> PlaceOf(const Answer& answer) {
+  if (answer.verdict != Verdict::kLocalized) return std::nullopt;
+  if (answer.planes.keyframe) {
+    return PlaceAt(PlaceLayer::kPlanes, *answer.planes.keyframe, answer.heading);
+  }
+  if (!answer.panorama) return std::nullopt;
+  const PanoramaAnswer& panorama = *answer.panorama;
+  AnsweredPlace place = PlaceAt(PlaceLayer::kAppearance, panorama.node, answer.heading);
+  place.position =
+      PlacePosition{panorama.pose.x, panorama.pose.y, panorama.sigma, panorama.metres_per_unit};
+  return place;
+}
+
+}  // namespace waystone
