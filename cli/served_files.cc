@@ -32,6 +32,13 @@ std::vector<fs::path> FilesOf(const fs::path& path) {
   return files;
 }
 
+// Ready for queries of every kind: none has to wait, in its turn, for an index that another makes.
+std::shared_ptr<const MapIndex> OpenServed(const fs::path& file) {
+  std::shared_ptr<const MapIndex> index = OpenMapFile(file, true).index;
+  if (index->map().appearance) index->node_features();
+  return index;
+}
+
 }  // namespace
 
 std::map<std::string, ServedFiles::Stamp> ServedFiles::Scan() const {
@@ -66,7 +73,7 @@ ServedFiles::Opened ServedFiles::OpenAll() {
   std::exception_ptr first;
   for (const auto& [name, stamp] : known_) {
     try {
-      opened.maps[name] = OpenMapFile(stamp.path, true).index;
+      opened.maps.emplace(name, OpenServed(stamp.path));
     } catch (const std::exception& error) {
       if (IsGiven(stamp.path)) throw;
       if (!first) first = std::current_exception();
@@ -84,7 +91,7 @@ ServedFiles::Opened ServedFiles::OpenAll() {
 ServedFiles::Change ServedFiles::Reload(MapCatalog& catalog, const std::string& name,
                                         const fs::path& file) {
   try {
-    std::shared_ptr<const MapIndex> index = OpenMapFile(file, true).index;
+    std::shared_ptr<const MapIndex> index = OpenServed(file);
     const std::string version = index->map().info.version;
     catalog.Put(name, std::move(index));
     return {name, "now serving " + version, true};

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <chrono>
 #include <cstdio>
+#include <opencv2/core/utility.hpp>
 #include <random>
 #include <thread>
 #include <utility>
@@ -88,6 +89,7 @@ Application::Application(const MapCatalog::Indices& maps, const ServiceOptions& 
       inspection_(catalog_, gate_),
       queries_(catalog_, gate_, metrics_, log_.get(), options.localize, options.limits),
       id_prefix_(Hex(std::random_device()())) {
+  cv::setNumThreads(1);  // queries are what runs in parallel
   inspection_.AddTo(router_);
   queries_.AddTo(router_);
   AddOperations();
