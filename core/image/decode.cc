@@ -60,6 +60,12 @@ void CheckLimits(const ImageHeader& header, const DecodeLimits& limits) {
                std::to_string(limits.max_decode_bytes / 1'000'000) +
                "; save it again as a baseline JPEG");
   }
+  if (header.inflated_bytes > limits.max_inflated_bytes) {
+    RefuseSize("the PNG has " + std::to_string(header.inflated_bytes / 1'000'000) +
+               " MB of pixels, more than the limit of " +
+               std::to_string(limits.max_inflated_bytes / 1'000'000) +
+               "; save it with 8 bits a colour and without alpha");
+  }
   if (header.scans > 1 && header.scans * pixels > limits.max_scan_pixels) {
     RefuseSize("the JPEG has " + std::to_string(header.scans) + " scans of " +
                std::to_string(pixels) + " pixels, together more than the limit of " +

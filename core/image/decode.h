@@ -20,6 +20,7 @@ struct ImageHeader {
   // JPEG in several scans: what the decoder keeps until the last one. 0 for the others, which are
   // decoded row by row.
   int64_t decode_bytes = 0;
+  int64_t inflated_bytes = 0;  // PNG: what its image data inflate to
 };
 
 struct DecodeLimits {
@@ -27,6 +28,7 @@ struct DecodeLimits {
   int max_scans = 100;
   int64_t max_scan_pixels = 1'000'000'000;
   int64_t max_decode_bytes = 250'000'000;
+  int64_t max_inflated_bytes = 160'000'000;
 
   static constexpr auto Fields() {
     return std::tuple{
@@ -42,7 +44,10 @@ struct DecodeLimits {
                     "a second for a billion."},
         OptionField{"max_decode_bytes", &DecodeLimits::max_decode_bytes, AtLeast(1), "bytes",
                     "Memory of a progressive JPEG while it is decoded: two bytes for each "
-                    "coefficient, so 192 MB for 48 megapixels of halved chroma, and the image."}};
+                    "coefficient, so 192 MB for 48 megapixels of halved chroma, and the image."},
+        OptionField{"max_inflated_bytes", &DecodeLimits::max_inflated_bytes, AtLeast(1), "bytes",
+                    "Pixels of a PNG as they are stored, which its time grows with: about 10 ns "
+                    "each. 50 megapixels of 24 bits have 150 MB."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

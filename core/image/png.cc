@@ -151,7 +151,10 @@ ImageHeader ReadPngHeader(Bytes bytes) {
   }
   if (!has_data) RefuseImage("the PNG has no image data; it is damaged");
   CheckDataBytes(data_bytes, size);
-  return {.format = "png", .width = size.width, .height = size.height};
+  return {.format = "png",
+          .width = size.width,
+          .height = size.height,
+          .inflated_bytes = size.pixel_bytes};
 }
 
 std::vector<uint8_t> WithoutPngTexts(Bytes bytes) {

@@ -332,6 +332,17 @@ bool HasMapOpen(pid_t pid) {
   return false;
 }
 
+// A server is told to reload before its main() has begun. That it goes on shows in its own error.
+TEST(HttpLifetime, SighupWaitsFromTheFirstMomentOn) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers can't be preloaded to";
+#endif
+  const std::string early = "LD_PRELOAD='" + std::string(WAYSTONE_EARLY_HANGUP) + "'";
+  const RunResult result = RunWaystone({"serve", "/nowhere/x.db", "--port", "0"}, early);
+  EXPECT_EQ(result.code, 3) << result.err;
+  EXPECT_EQ(RunWaystone({"--version"}, early).code, 128 + SIGHUP) << "is a test at all";
+}
+
 // A server that reads many maps is told to reload and to end before it is ready.
 TEST(HttpLifetime, SignalsWaitUntilTheMapsAreRead) {
   namespace fs = std::filesystem;

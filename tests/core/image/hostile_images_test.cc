@@ -110,6 +110,19 @@ TEST(HostilePng, HeadersThatMakeNoSenseAreRefused) {
   }
 }
 
+TEST(HostilePng, PixelsOfManyBytesAreFewer) {
+  Bytes png = GreyPng(4, 4, BlackRows(4, 4, 0));
+  const int64_t bytes = ReadImageHeader(png).inflated_bytes;
+  EXPECT_EQ(RefusalText(png, {.max_inflated_bytes = bytes}), "");
+  EXPECT_NE(RefusalText(png, {.max_inflated_bytes = bytes - 1}).find("MB of pixels"),
+            std::string::npos);
+  png = GreyPng(8000, 6000, {});
+  png[25] = 2;  // red, green and blue
+  EXPECT_NO_THROW(CheckLimits(ReadImageHeader(png), {}));
+  png[25] = 6;  // and alpha
+  EXPECT_NE(RefusalText(png).find("192 MB of pixels"), std::string::npos) << RefusalText(png);
+}
+
 // What is left out has no part in the pixels.
 TEST(HostilePng, PixelsStayAsTheyAre) {
   cv::Mat image(40, 50, CV_8UC4);
