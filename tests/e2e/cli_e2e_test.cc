@@ -223,9 +223,11 @@ TEST_F(CliTest, NothingIsOverwrittenUnasked) {
   WriteFile(folder_ / "there.db", "precious");
   ExpectFailure(RunWaystone({"build", TheMap().images, "-o", folder_ / "there.db"}), 3, "--force");
   EXPECT_EQ(ReadFile(folder_ / "there.db"), "precious");
+  fs::copy_file(TheMap().map, folder_ / "there.db", fs::copy_options::overwrite_existing);
   const RunResult forced = RunWaystone(
       {"build", TheMap().images, "-o", folder_ / "there.db", "--force", "--every", "3"});
   EXPECT_EQ(forced.code, 0) << forced.err;
+  EXPECT_FALSE(ReadFile(folder_ / "there.db") == ReadFile(TheMap().map));
   EXPECT_EQ(FilesIn(folder_), 1u);
 }
 
