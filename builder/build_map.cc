@@ -51,7 +51,8 @@ class MapBuilder {
     for (const LayerKind kind : assigned.layers) layers.push_back(BuilderOf(kind));
     std::vector<Sequence>& sequences = result_.map.sequences;
     const SequenceId id{std::ssize(sequences) + 1};
-    sequences.push_back(ObserveSequence(*assigned.source, id, layers, progress_));
+    sequences.push_back(
+        ObserveSequence(*assigned.source, id, layers, progress_, options_.max_skipped_share));
   }
 
   void Finish(LayerKind kind) {

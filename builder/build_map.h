@@ -32,8 +32,9 @@ struct BuildResult {
 // (ChooseLayers); sequences of planes come first in the map, then those of panoramas, then those of
 // the orientation layer alone. When `progress` returns false, the build stops with
 // MapError(kInterrupted).
-// Throws MapError(kBadSource) when no source has a usable frame, or none fits a layer chosen;
-// kBadCamera when the orientation layer is chosen and no source is calibrated; kBadOptions.
+// Throws MapError(kBadSource) when a source has no usable frame, or none fits a layer chosen;
+// kUnreadableFrames when too few are usable (max_skipped_share); kBadCamera when the orientation
+// layer is chosen and no source is calibrated; kBadOptions.
 BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
                      const BuildOptions& options, const ProgressCallback& progress);
 

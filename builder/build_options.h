@@ -26,6 +26,7 @@ struct BuildOptions {
   LayerChoice layers;
   CalibrationOptions calibration;
   AppearanceCalibrationOptions appearance_calibration;
+  double max_skipped_share = 0.5;
   bool images = true;
   int image_width = 320;
   // Threads for reading and features; 0 takes as many as there are cores. The map doesn't depend
@@ -35,20 +36,25 @@ struct BuildOptions {
   // A map has its name in another place and doesn't depend on the threads.
   static constexpr int kUnlistedMembers = 2;
   static constexpr auto Fields() {
-    return std::tuple{OptionGroup{"features", &BuildOptions::features},
-                      OptionGroup{"keyframes", &BuildOptions::keyframes},
-                      OptionGroup{"planes", &BuildOptions::planes},
-                      OptionGroup{"appearance", &BuildOptions::appearance},
-                      OptionGroup{"orientation", &BuildOptions::orientation},
-                      OptionGroup{"layers", &BuildOptions::layers},
-                      OptionGroup{"calibration", &BuildOptions::calibration},
-                      OptionGroup{"appearance_calibration", &BuildOptions::appearance_calibration},
-                      OptionField{"images", &BuildOptions::images, AnyValue(), "",
-                                  "Keep a smaller JPEG of each keyframe and node in the map, for "
-                                  "people."},
-                      OptionField{"image_width", &BuildOptions::image_width, Closed(16, 4096), "px",
-                                  "Width of those JPEGs. Larger ones show more and take most of a "
-                                  "map's bytes."}};
+    return std::tuple{
+        OptionGroup{"features", &BuildOptions::features},
+        OptionGroup{"keyframes", &BuildOptions::keyframes},
+        OptionGroup{"planes", &BuildOptions::planes},
+        OptionGroup{"appearance", &BuildOptions::appearance},
+        OptionGroup{"orientation", &BuildOptions::orientation},
+        OptionGroup{"layers", &BuildOptions::layers},
+        OptionGroup{"calibration", &BuildOptions::calibration},
+        OptionGroup{"appearance_calibration", &BuildOptions::appearance_calibration},
+        OptionField{"max_skipped_share", &BuildOptions::max_skipped_share, Closed(0, 1), "",
+                    "Largest share of a sequence's frames that may be unusable to a "
+                    "layer. Beyond, nothing is built: a map of the rest would have "
+                    "gaps where nobody expects them."},
+        OptionField{"images", &BuildOptions::images, AnyValue(), "",
+                    "Keep a smaller JPEG of each keyframe and node in the map, for "
+                    "people."},
+        OptionField{"image_width", &BuildOptions::image_width, Closed(16, 4096), "px",
+                    "Width of those JPEGs. Larger ones show more and take most of a "
+                    "map's bytes."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -129,6 +129,7 @@ int RunBuild(const BuildFlags& flags) {
   const WriteOptions write{.overwrite = flags.force};
   const BuildOptions options = MakeBuildOptions(flags);
   CheckWritable(flags.output, write);
+  if (!flags.report_folder.empty()) CheckReportFolder(flags.report_folder);
   NoteInterrupts();
   const BuildResult result = BuildWithProgress(flags, options);
   const bool directions_alone = result.map.orientation && !result.report.planes;
@@ -197,7 +198,8 @@ void AddMapFlags(CLI::App* command, BuildFlags& flags) {
                    "Number of threads, 0 for one per core; does not affect the map")
       ->capture_default_str();
   AddSetFlag(*command, flags.settings);
-  command->add_flag("--force", flags.force, "Overwrite an existing map file");
+  command->add_flag("--force", flags.force,
+                    "Overwrite an existing map file; no other file is overwritten");
 }
 
 void AddOutputFlags(CLI::App* command, BuildFlags& flags) {

@@ -99,10 +99,10 @@ Looked LookAt(const RigSequence& sequence, const RigMoment& moment, const Segmen
   return looked;
 }
 
-// "rgb/000012.jpg" becomes "rgb_000012.png".
-std::filesystem::path PictureName(std::string source) {
+// "rgb/000012.jpg" becomes "rgb_000012_lines.png": no photo of the same folder is overwritten.
+std::string PictureName(std::string source) {
   std::ranges::replace(source, '/', '_');
-  return std::filesystem::path(source).replace_extension(".png");
+  return std::filesystem::path(source).stem().string() + "_lines.png";
 }
 
 void SavePicture(const std::filesystem::path& folder, const std::string& source,
@@ -166,8 +166,8 @@ void AddDirections(CLI::App& app, Run& run) {
   command->add_option("--detector", flags->detector, "Line detector: edge_drawing, canny or lsd")
       ->capture_default_str();
   command->add_option("--draw", flags->draw,
-                      "Write a copy of each photo to this folder with its lines coloured by axis: "
-                      "1 red, 2 green, 3 blue");
+                      "Write NAME_lines.png to this folder for each photo: a copy with its lines "
+                      "coloured by axis, 1 red, 2 green, 3 blue");
   command->add_flag("--json", flags->json, "Print one JSON object per photo");
   command->footer(
       "Axes are unit vectors in the camera or rig frame (x right, y down, z forward). Their order\n"

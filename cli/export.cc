@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -8,7 +11,7 @@
 #include "cli/commands.h"
 #include "cli/map_file.h"
 #include "core/base/error.h"
-#include "schema/file/map_store.h"
+#include "schema/file/file_replacer.h"
 
 namespace waystone {
 namespace {
@@ -27,12 +30,15 @@ int RunExport(const ExportFlags& flags) {
     std::cout << text.text << std::flush;
     return 0;
   }
-  CheckWritable(flags.output, {flags.force});
-  std::ofstream out(flags.output, std::ios::binary);
-  if (!(out << text.text).flush()) {
-    throw MapError(ErrorCode::kFileUnwritable,
-                   flags.output + " can't be written; choose another path");
+  std::error_code ignored;
+  if (std::filesystem::equivalent(flags.output, flags.map, ignored)) {
+    throw MapError(ErrorCode::kFileExists,
+                   flags.output + " is the map that is exported; choose another name");
   }
+  FileReplacer file(flags.output, flags.force);
+  std::ofstream out(file.temporary(), std::ios::binary);
+  if (!(out << text.text).flush()) throw UnwritableError(flags.output, std::strerror(errno), 0);
+  file.Commit();
   return 0;
 }
 

@@ -25,6 +25,7 @@ struct ServeFlags {
   std::vector<std::string> maps;
   HttpOptions http;
   ServiceOptions service;
+  std::vector<std::string> public_names;
   std::string token_file;
   std::vector<std::string> settings;  // of --set
   int64_t max_body_mb = 20;
@@ -49,10 +50,14 @@ void Announce(const HttpServer& server, const MapCatalog::Maps& maps, bool token
   std::cout << std::flush;
 }
 
+void Report(const ServedFiles::Change& change) {
+  WriteError("map " + change.name + ": " + change.message);
+}
+
 void Refresh(ServedFiles& files, Application& application, bool all) {
   for (const ServedFiles::Change& change : files.Refresh(application.catalog(), all)) {
     application.metrics().CountReload(change.good);
-    WriteError("map " + change.name + ": " + change.message);
+    Report(change);
   }
 }
 
@@ -78,6 +83,7 @@ void Complete(ServeFlags& flags) {
   flags.service.query_log_bytes = flags.query_log_mb * kBytesPerMegabyte;
   if (!flags.token_file.empty()) flags.service.tokens = Tokens::FromFile(flags.token_file);
   flags.http.has_tokens = !flags.service.tokens.empty();
+  flags.service.names = ServerNames(flags.http.host, flags.public_names);
   // Queries that compute or wait must leave threads for other requests.
   constexpr int kOtherRequests = 16;
   constexpr int kMostThreads = 4096;
@@ -93,8 +99,10 @@ int RunServe(ServeFlags flags) {
   BlockSignals();  // before there are threads: one that was made earlier would take them
   Complete(flags);
   ServedFiles files({flags.maps.begin(), flags.maps.end()});
-  const MapCatalog::Indices maps = files.OpenAll();
-  Application application(maps, flags.service, {flags.log ? WriteLine : nullptr, WriteError});
+  const ServedFiles::Opened opened = files.OpenAll();
+  for (const ServedFiles::Change& refused : opened.refused) Report(refused);
+  Application application(opened.maps, flags.service,
+                          {flags.log ? WriteLine : nullptr, WriteError});
   HttpServer server(
       flags.http, [&application](const HttpRequest& in) { return application.Answer(in); },
       [&application](const std::string& authorization) {
@@ -160,9 +168,19 @@ void AddServe(CLI::App& app, Run& run) {
       ->add_option("maps", flags->maps,
                    "Map files, or folders of *.db files; a map is named after its file")
       ->required();
-  command->add_option("--host", flags->http.host, "Address to listen on")->capture_default_str();
+  command
+      ->add_option("--host", flags->http.host,
+                   "Address to listen on; requests to 0.0.0.0 may use any IP address, but names "
+                   "only with --public-name")
+      ->capture_default_str();
   command->add_option("--port", flags->http.port, "Port to listen on; 0 chooses a free port")
       ->capture_default_str();
+  command
+      ->add_option("--public-name", flags->public_names,
+                   "Another name of the server, NAME or NAME:PORT, once for each: behind a proxy, "
+                   "a port mapping or DNS. Requests for other host names get status 421, requests "
+                   "by web pages of other sites 403")
+      ->allow_extra_args(false);
   command->add_option("--token-file", flags->token_file,
                       "File of accepted bearer tokens, one per line");
   command->add_flag("--insecure", flags->http.insecure,

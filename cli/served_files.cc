@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "cli/map_file.h"
@@ -16,17 +17,26 @@ namespace fs = std::filesystem;
 
 constexpr const char* kExtension = ".db";
 
+// Nothing is thrown for an entry that can't be looked at: opening it says what is wrong.
 std::vector<fs::path> FilesOf(const fs::path& path) {
-  if (!fs::is_directory(path)) return {path};
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return {path};
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(path)) {
     const bool hidden = entry.path().filename().string().starts_with('.');
-    if (entry.is_regular_file() && entry.path().extension() == kExtension && !hidden) {
+    if (entry.path().extension() == kExtension && !hidden && !entry.is_directory(ignored)) {
       files.push_back(entry.path());
     }
   }
   std::sort(files.begin(), files.end());
   return files;
+}
+
+// Ready for queries of every kind: none has to wait, in its turn, for an index that another makes.
+std::shared_ptr<const MapIndex> OpenServed(const fs::path& file) {
+  std::shared_ptr<const MapIndex> index = OpenMapFile(file, true).index;
+  if (index->map().appearance) index->node_features();
+  return index;
 }
 
 }  // namespace
@@ -53,15 +63,45 @@ std::map<std::string, ServedFiles::Stamp> ServedFiles::Scan() const {
   return found;
 }
 
-MapCatalog::Indices ServedFiles::OpenAll() {
-  MapCatalog::Indices maps;
+bool ServedFiles::IsGiven(const fs::path& file) const {
+  return std::find(paths_.begin(), paths_.end(), file) != paths_.end();
+}
+
+ServedFiles::Opened ServedFiles::OpenAll() {
+  Opened opened;
   known_ = Scan();
-  for (const auto& [name, stamp] : known_) maps[name] = OpenMapFile(stamp.path, true).index;
-  if (maps.empty()) {
+  std::exception_ptr first;
+  for (const auto& [name, stamp] : known_) {
+    try {
+      opened.maps.emplace(name, OpenServed(stamp.path));
+    } catch (const std::exception& error) {
+      if (IsGiven(stamp.path)) throw;
+      if (!first) first = std::current_exception();
+      opened.refused.push_back({name, std::string(error.what()) + "; not served", false});
+    }
+  }
+  if (opened.maps.empty() && first) std::rethrow_exception(first);
+  if (opened.maps.empty()) {
     throw MapError(ErrorCode::kUsage, "no map (*.db) in " + paths_.front().string() +
                                           "; create one with waystone build");
   }
-  return maps;
+  return opened;
+}
+
+ServedFiles::Change ServedFiles::Reload(MapCatalog& catalog, const std::string& name,
+                                        const fs::path& file) {
+  try {
+    std::shared_ptr<const MapIndex> index = OpenServed(file);
+    const std::string version = index->map().info.version;
+    catalog.Put(name, std::move(index));
+    return {name, "now serving " + version, true};
+  } catch (const std::exception& error) {  // also a file that is too large for the memory
+    const bool served = catalog.Now()->contains(name);
+    return {name,
+            std::string(error.what()) +
+                (served ? "; still serving the previous version" : "; not served"),
+            false};
+  }
 }
 
 std::vector<ServedFiles::Change> ServedFiles::Refresh(MapCatalog& catalog, bool all) {
@@ -75,20 +115,11 @@ std::vector<ServedFiles::Change> ServedFiles::Refresh(MapCatalog& catalog, bool 
   for (const auto& [name, stamp] : found) {
     const auto before = known_.find(name);
     if (!all && before != known_.end() && before->second == stamp) continue;
-    try {
-      std::shared_ptr<const MapIndex> index = OpenMapFile(stamp.path, true).index;
-      const std::string version = index->map().info.version;
-      catalog.Put(name, std::move(index));
-      changes.push_back({name, "now serving " + version, true});
-    } catch (const MapError& error) {
-      changes.push_back(
-          {name, std::string(error.what()) + "; still serving the previous version", false});
-    }
+    changes.push_back(Reload(catalog, name, stamp.path));
   }
   // A file that was given by its name and is away for a moment is being replaced.
   for (const auto& [name, stamp] : known_) {
-    const bool given = std::find(paths_.begin(), paths_.end(), stamp.path) != paths_.end();
-    if (found.contains(name) || given) continue;
+    if (found.contains(name) || IsGiven(stamp.path)) continue;
     catalog.Remove(name);
     changes.push_back({name, "file removed; no longer served", true});
   }

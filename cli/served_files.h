@@ -18,15 +18,20 @@ class ServedFiles {
  public:
   explicit ServedFiles(std::vector<std::filesystem::path> paths) : paths_(std::move(paths)) {}
 
-  // Reads all maps. Throws as ReadMap does, and MapError(kUsage) for two of one name and for none.
-  MapCatalog::Indices OpenAll();
-
   // What became of one file.
   struct Change {
     std::string name;
     std::string message;  // for people; with the cause when the map was refused
     bool good = true;     // the map was swapped, added or taken away
   };
+  struct Opened {
+    MapCatalog::Indices maps;
+    std::vector<Change> refused;  // files of folders that can't be read; the others are served
+  };
+  // Reads all maps. Throws as ReadMap does for a file that was given by its name, and where no file
+  // can be read; MapError(kUsage) for two of one name and for none.
+  Opened OpenAll();
+
   // Looks which files are new, gone or changed (all that are there with `all`), and puts each new
   // map into the catalog once it is whole. One that can't be read is refused: the map before it is
   // served on, and the file is looked at again when it changes once more.
@@ -41,7 +46,10 @@ class ServedFiles {
     uint64_t inode = 0;
     bool operator==(const Stamp&) const = default;
   };
-  std::map<std::string, Stamp> Scan() const;  // by the maps' names
+  std::map<std::string, Stamp> Scan() const;              // by the maps' names
+  bool IsGiven(const std::filesystem::path& file) const;  // by its own name
+  static Change Reload(MapCatalog& catalog, const std::string& name,
+                       const std::filesystem::path& file);
 
   std::vector<std::filesystem::path> paths_;
   std::map<std::string, Stamp> known_;

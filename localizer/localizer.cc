@@ -89,6 +89,7 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, FeatureCache& cache
     if (options.deadline && !answer.last_stage) answer.last_stage = Stage::kDecide;
   } else {
     const auto& [features, extract_ms] = cache.Extract(index.map().info.feature_type, options);
+    options.Finish(Stage::kExtract);
     answer =
         options.TooLate() ? Undecided(Stage::kExtract) : LocalizeFeatures(index, features, options);
     answer.timing.extract_ms = extract_ms;
@@ -109,9 +110,16 @@ struct Decoded {
 Decoded Decode(std::span<const uint8_t> bytes, const LocalizeOptions& options) {
   LapTimer timer;
   Decoded decoded;
+  options.Finish(Stage::kQueue);
   try {
-    decoded.grey = DecodeGrey(bytes, options.limits);
-    if (options.TooLate()) decoded.refusal = Undecided(Stage::kDecode);
+    CheckLimits(ReadImageHeader(bytes), options.limits);
+    if (options.TooLate()) {
+      decoded.refusal = Undecided(Stage::kQueue);
+    } else {
+      decoded.grey = DecodeGrey(bytes, options.limits);
+      options.Finish(Stage::kDecode);
+      if (options.TooLate()) decoded.refusal = Undecided(Stage::kDecode);
+    }
   } catch (const MapError& error) {
     if (error.code() != ErrorCode::kBadImage && error.code() != ErrorCode::kImageTooLarge) throw;
     decoded.refusal = RefuseImage(error);

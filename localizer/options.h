@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
+#include <memory>
 #include <optional>
 #include <tuple>
 
@@ -11,6 +13,7 @@
 #include "localizer/appearance/panorama_series.h"
 #include "localizer/orientation/building_options.h"
 #include "localizer/planes/plane_query_options.h"
+#include "localizer/verdict/answer.h"
 #include "localizer/verdict/deadline.h"
 
 namespace waystone {
@@ -33,9 +36,12 @@ struct LocalizeOptions {
   // It is looked at between stages, between planes and between panoramas; the verdict is kUndecided
   // from then on. An answer depends on the machine's speed with it, and not without.
   Deadline deadline;
+  // Is told each stage that was finished, for whoever stops waiting at the deadline; of several
+  // images the one at hand. May be null.
+  std::shared_ptr<std::atomic<Stage>> finished;
 
   // Limits of decoding, and what is known of one query: a map doesn't depend on them.
-  static constexpr int kUnlistedMembers = 5;
+  static constexpr int kUnlistedMembers = 6;
   static constexpr auto Fields() {
     return std::tuple{OptionGroup{"planes", &LocalizeOptions::planes},
                       OptionGroup{"panorama", &LocalizeOptions::panorama},
@@ -45,6 +51,9 @@ struct LocalizeOptions {
 
   // Whether there is a deadline and it has passed.
   bool TooLate() const { return HasPassed(deadline); }
+  void Finish(Stage stage) const {
+    if (finished) *finished = stage;
+  }
 };
 
 }  // namespace waystone

@@ -142,6 +142,7 @@ Session::Session(QueryRequest request, std::vector<QueriedMap> maps, const Local
   camera_ = ResolveCamera(request_, first.map(), request_.images.front());
   if (camera_) options_.camera = camera_->camera;
   options_.explain = request_.debug;
+  options_.finished = std::make_shared<std::atomic<Stage>>(Stage::kQueue);
   if (request_.deadline_ms) {
     options_.deadline = Clock::now() + std::chrono::milliseconds(*request_.deadline_ms);
   }
@@ -208,12 +209,12 @@ RequestAnswer Session::AskEach() const {
   return result;
 }
 
-RequestAnswer Session::TimeOutInQueue() const {
+RequestAnswer Session::TimeOut() const {
   RequestAnswer result;
   for (const QueryImage& image : request_.images) {
     std::vector<Answer>& answers = result.images.emplace_back();
     for (const QueriedMap& map : maps_) {
-      Answer& answer = answers.emplace_back(Undecided(Stage::kQueue));
+      Answer& answer = answers.emplace_back(Undecided(*options_.finished));
       answer.image = image.name;
       answer.map = map.name;
       answer.map_version = map.index->map().info.version;

@@ -57,7 +57,7 @@ struct RequestAnswer {
 // verdict ambiguous and the maps' places.
 Answer OverallAnswer(const RequestAnswer& answer);
 
-// One request while it is answered. Immutable, so any number of threads may use it.
+// One request while it is answered. Immutable but for how far it is; one thread asks.
 class Session {
  public:
   // Resolves what the request says about the maps. Its deadline counts from here. Throws MapError:
@@ -75,8 +75,10 @@ class Session {
   // MapError(kBadRequest) for a belief that the map can't have given.
   RequestAnswer Ask() const;
 
-  // What is answered when the deadline passes while the request waits for its turn.
-  RequestAnswer TimeOutInQueue() const;
+  // What is answered when the deadline passes while the request waits for its turn, or while Ask()
+  // is in a stage that can't be interrupted: undecided, with the last stage that was finished. Any
+  // thread, also while another one asks.
+  RequestAnswer TimeOut() const;
 
  private:
   bool AsksOnePanoramaMap() const;

@@ -58,8 +58,7 @@ class AppearanceLayerBuilder : public LayerBuilder {
   std::unique_ptr<Observation> Observe(const Frame& frame) const override;
   // Throws MapError(kBadSource) for a panorama that shows other elevations than those before it.
   void Add(std::unique_ptr<Observation> observation, ProgressReporter& progress) override;
-  // Throws MapError(kBadSource) for fewer than 2 usable panoramas, and for more than
-  // max_skipped_share unusable ones.
+  // Throws MapError(kBadSource) for fewer than 2 usable panoramas.
   void FinishSequence(const FrameReport& sequence) override;
   // Stages "odometry", "loops" and "poses".
   void Finish(MapData& map, ProgressReporter& progress) override;

@@ -20,7 +20,6 @@ struct AppearanceOptions {
   PoseGraphOptions graph;
   RedundancyOptions redundancy;
   bool close_loops = true;
-  double max_skipped_share = 0.5;
   int max_samples = 60;
 
   static constexpr auto Fields() {
@@ -32,9 +31,6 @@ struct AppearanceOptions {
         OptionGroup{"redundancy", &AppearanceOptions::redundancy},
         OptionField{"close_loops", &AppearanceOptions::close_loops, AnyValue(), "",
                     "Whether loops are closed; without them the poses are those of the odometry."},
-        OptionField{"max_skipped_share", &AppearanceOptions::max_skipped_share, Closed(0, 1), "",
-                    "Largest share of a sequence's frames that may be unusable. Beyond, the "
-                    "sequence is refused: its steps would be of very different lengths."},
         OptionField{"max_samples", &AppearanceOptions::max_samples, Closed(0, 100'000), "",
                     "Panoramas whose features are handed out whole for calibration, spread evenly "
                     "over all. They take about 0.2 MB each while the map is built. BuildMap sets "

@@ -86,10 +86,6 @@ void PanoramaTaker::CheckSequence(const FrameReport& sequence) const {
     throw MapError(ErrorCode::kBadSource,
                    counts + first + "; a sequence requires at least two consecutive ones");
   }
-  if (sequence.skipped > options_.max_skipped_share * sequence.frames) {
-    throw MapError(ErrorCode::kBadSource,
-                   counts + first + "; use panoramas of one size with sufficient texture");
-  }
 }
 
 }  // namespace waystone

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <sstream>
 #include <utility>
 
 #include "core/base/check.h"
@@ -116,15 +117,30 @@ class SequencePipeline {
   int done_ = 0;
 };
 
+// Throws for a sequence of which the layer can't use too much.
+void CheckSkipped(const std::string& name, const FrameReport& report, double max_share) {
+  if (report.skipped <= max_share * report.frames) return;
+  const bool none = report.skipped == report.frames;
+  std::ostringstream message;
+  message << (none ? "none" : std::to_string(report.frames - report.skipped)) << " of the "
+          << report.frames << " frames of '" << name
+          << "' can be used (first: " << report.skipped_names.front()
+          << "); check that the images open in a viewer";
+  if (!none) message << ", or raise the option max_skipped_share from " << max_share;
+  throw MapError(none ? ErrorCode::kBadSource : ErrorCode::kUnreadableFrames, message.str());
+}
+
 }  // namespace
 
 Sequence ObserveSequence(Source& source, SequenceId id, std::span<LayerBuilder* const> layers,
-                         ProgressReporter& progress) {
+                         ProgressReporter& progress, double max_skipped_share) {
   WS_CHECK(!layers.empty(), "no layer observes the sequence");
   for (LayerBuilder* layer : layers) layer->StartSequence(id, source);
   SequencePipeline pipeline(source, layers, progress);
   pipeline.Run();
-  const FrameReport first = pipeline.Finish().front();
+  const std::vector<FrameReport> reports = pipeline.Finish();
+  for (const FrameReport& report : reports) CheckSkipped(source.name(), report, max_skipped_share);
+  const FrameReport& first = reports.front();
   Sequence sequence;
   sequence.id = id;
   sequence.name = source.name();

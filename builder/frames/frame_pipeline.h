@@ -12,10 +12,11 @@ namespace waystone {
 // frames at a time on the threads of the calling task arena, and adds the observations to each
 // layer in the order of the frames. At most two frames per thread are in memory. What the layers
 // get doesn't depend on the number of threads. Returns the sequence, with the frames that the first
-// layer skipped. `layers` has one at least. Throws what the layers throw, and
-// MapError(kInterrupted).
+// layer skipped. `layers` has one at least. Throws what the layers throw, and MapError:
+// kUnreadableFrames when a layer skipped more than `max_skipped_share` of the frames, kBadSource
+// when it skipped all; kInterrupted.
 Sequence ObserveSequence(Source& source, SequenceId id, std::span<LayerBuilder* const> layers,
-                         ProgressReporter& progress);
+                         ProgressReporter& progress, double max_skipped_share = 1);
 
 // A map of these sources with this layer alone. Throws MapError(kBadSource) for no source, and what
 // ObserveSequence and the layer throw.

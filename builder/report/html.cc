@@ -301,9 +301,9 @@ std::string ImageName(KeyframeId id) { return "images/" + std::to_string(id.valu
 std::string ReportHtml(const MapData& map, const BuildReport& report,
                        const std::vector<TableSize>& tables) {
   const std::string name = EscapeHtml(map.info.name);
-  return "<!doctype html>\n<html lang=en><meta charset=utf-8>\n"
-         "<meta name=viewport content=\"width=device-width\">\n<title>" +
-         name + " - Waystone map</title>\n<style>" + kStyle + "</style>\n<h1>" + name +
+  return std::string(kReportStart) +
+         "<meta name=viewport content=\"width=device-width\">\n<title>" + name +
+         " - Waystone map</title>\n<style>" + kStyle + "</style>\n<h1>" + name +
          "</h1>\n<p class=sub>" + Subtitle(map) + "built by " + EscapeHtml(map.info.program) +
          "</p>\n" + AppearanceSection(map) + OrientationSection(map) + PlanesSection(map) +
          TablesSection(map, report, tables) + KeyframesSection(map) + "</html>\n";

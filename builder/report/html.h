@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "builder/build_map.h"
@@ -9,6 +10,10 @@
 #include "schema/map_data.h"
 
 namespace waystone {
+
+// What every report begins with, so that one is known as ours before it is replaced.
+inline constexpr std::string_view kReportStart =
+    "<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=generator content=waystone>\n";
 
 // The whole page. Pictures are looked for at ImageName() beside it.
 std::string ReportHtml(const MapData& map, const BuildReport& report,

@@ -36,17 +36,37 @@ void MakeFolder(const std::filesystem::path& dir) {
   }
 }
 
+bool IsReport(const std::filesystem::path& page) {
+  std::ifstream in(page, std::ios::binary);
+  std::string start(kReportStart.size(), ' ');
+  return in.read(start.data(), std::ssize(start)) && start == kReportStart;
+}
+
 }  // namespace
+
+void CheckReportFolder(const std::filesystem::path& dir) {
+  std::error_code ignored;
+  const std::filesystem::path page = dir / "index.html";
+  const bool used =
+      std::filesystem::exists(page, ignored) || std::filesystem::exists(dir / "images", ignored);
+  if (!used || IsReport(page)) return;
+  throw MapError(ErrorCode::kFileExists,
+                 dir.string() +
+                     " has an index.html or images/ that are not a Waystone report; "
+                     "choose another folder for the report");
+}
 
 void WriteReport(const MapData& map, const BuildReport& report,
                  const std::vector<TableSize>& tables, const std::filesystem::path& dir) {
+  CheckReportFolder(dir);
   MakeFolder(dir / "images");
+  Save(dir / "index.html",
+       ReportHtml(map, report, tables));  // first: the folder is ours from now on
   for (const Keyframe& keyframe : map.keyframes) {
     std::vector<uint8_t> jpeg;
     cv::imencode(".jpg", DrawPlanes(map, keyframe), jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
     Save(dir / ImageName(keyframe.id), {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
   }
-  Save(dir / "index.html", ReportHtml(map, report, tables));
 }
 
 }  // namespace waystone

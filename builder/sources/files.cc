@@ -88,7 +88,12 @@ std::string ImageExtensions() {
 std::vector<uint8_t> ReadFile(const fs::path& path, int64_t max_bytes, ErrorCode code) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) throw MapError(code, Quoted(path) + " does not exist; check the path");
+  if (status.type() == fs::file_type::not_found) {
+    throw MapError(code, Quoted(path) + " does not exist; check the path");
+  }
+  if (!fs::status_known(status)) {  // a link to itself
+    throw MapError(code, Quoted(path) + " can't be read: " + error.message());
+  }
   // A pipe or a device might never end.
   if (!fs::is_regular_file(status)) throw MapError(code, Quoted(path) + " is not a regular file");
   const auto size = static_cast<int64_t>(fs::file_size(path, error));

@@ -19,16 +19,17 @@ constexpr const char* kOneMoment = "one moment";
 
 bool IsHidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 
-// The entries of a folder that are folders, or images, by name.
+// The entries of a folder that are folders, or images, by name. An image that can't be looked at (a
+// link that leads nowhere) is one that can't be read later on.
 std::vector<fs::path> Entries(const fs::path& folder, bool folders) {
   std::vector<fs::path> paths;
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) return paths;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (IsHidden(entry.path())) continue;
-    const bool fits =
-        folders ? entry.is_directory() : entry.is_regular_file() && HasImageExtension(entry.path());
-    if (fits) paths.push_back(entry.path());
+    const bool is_folder = entry.is_directory(ignored);
+    if (folders ? is_folder : !is_folder && HasImageExtension(entry.path()))
+      paths.push_back(entry.path());
   }
   std::ranges::sort(paths, NaturalLess, [](const fs::path& p) { return p.filename().string(); });
   return paths;

@@ -7,6 +7,7 @@ const ErrorInfo& InfoOf(ErrorCode code) {
   static constexpr ErrorInfo kUsage{"usage", "Invalid command line", 2, 400};
   static constexpr ErrorInfo kBadOptions{"bad_options", "Option out of range", 2, 400};
   static constexpr ErrorInfo kBadSource{"bad_source", "No usable image in the source", 3, 422};
+  static constexpr ErrorInfo kFrames{"unreadable_frames", "Too many unreadable frames", 4, 422};
   static constexpr ErrorInfo kBadCamera{"bad_camera", "Invalid camera", 3, 422};
   static constexpr ErrorInfo kBadImage{"bad_image", "Image can't be decoded", 3, 422};
   static constexpr ErrorInfo kImageTooLarge{"image_too_large", "Image too large", 3, 413};
@@ -25,6 +26,8 @@ const ErrorInfo& InfoOf(ErrorCode code) {
   static constexpr ErrorInfo kMethod{"method_not_allowed", "Method not allowed", 3, 405};
   static constexpr ErrorInfo kBusy{"busy", "Too many concurrent queries", 3, 429};
   static constexpr ErrorInfo kUnauthorized{"unauthorized", "Authentication required", 3, 401};
+  static constexpr ErrorInfo kForeignPage{"foreign_page", "Request from another site", 3, 403};
+  static constexpr ErrorInfo kMisdirected{"misdirected", "Unknown host name", 3, 421};
   static constexpr ErrorInfo kTooSlow{"too_slow", "Request timed out", 3, 408};
   static constexpr ErrorInfo kNotAvailable{"not_available", "Not available in this map", 3, 422};
   static constexpr ErrorInfo kNotReady{"not_ready", "Server not ready", 3, 503};
@@ -37,6 +40,8 @@ const ErrorInfo& InfoOf(ErrorCode code) {
       return kBadOptions;
     case ErrorCode::kBadSource:
       return kBadSource;
+    case ErrorCode::kUnreadableFrames:
+      return kFrames;
     case ErrorCode::kBadCamera:
       return kBadCamera;
     case ErrorCode::kBadImage:
@@ -73,6 +78,10 @@ const ErrorInfo& InfoOf(ErrorCode code) {
       return kBusy;
     case ErrorCode::kUnauthorized:
       return kUnauthorized;
+    case ErrorCode::kForeignPage:
+      return kForeignPage;
+    case ErrorCode::kMisdirected:
+      return kMisdirected;
     case ErrorCode::kTooSlow:
       return kTooSlow;
     case ErrorCode::kNotAvailable:

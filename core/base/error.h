@@ -13,6 +13,7 @@ enum class ErrorCode {
   kUsage,             // a flag or argument that makes no sense
   kBadOptions,        // an option out of its range
   kBadSource,         // an image sequence with no usable frame, or of no known kind
+  kUnreadableFrames,  // an image sequence of which too many frames can't be read
   kBadCamera,         // a camera file that can't be read, or a model we don't know
   kBadImage,          // bytes that are not an image, or a damaged one
   kImageTooLarge,     // an image whose header claims more pixels than we decode
@@ -31,6 +32,8 @@ enum class ErrorCode {
   kMethodNotAllowed,  // a known path asked with another method
   kBusy,              // the queue of queries is full
   kUnauthorized,      // no token, or not one of ours
+  kForeignPage,       // a request that a web page of another site makes
+  kMisdirected,       // an HTTP request with a host name that isn't the server's
   kTooSlow,           // a body that takes longer than the server waits
   kNotAvailable,      // what this map's layers can't give
   kNotReady,          // a server that has no map yet, or ends
@@ -41,7 +44,7 @@ enum class ErrorCode {
 struct ErrorInfo {
   std::string_view name;   // stable, snake_case
   std::string_view title;  // a short sentence for people
-  int exit_code;           // of the program: 2 usage, 3 input or output unusable, 5 internal
+  int exit_code;  // of the program: 2 usage, 3 input or output, 4 no usable result, 5 internal
   int http_status;
 };
 

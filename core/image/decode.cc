@@ -5,6 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/base/error.h"
+#include "core/image/formats.h"
 
 namespace waystone {
 namespace {
@@ -21,6 +22,8 @@ cv::Mat Decode(std::span<const uint8_t> bytes, const DecodeLimits& limits, int f
   }
   const ImageHeader header = ReadImageHeader(bytes);
   CheckLimits(header, limits);
+  std::vector<uint8_t> png;
+  if (header.format == "png") bytes = png = WithoutPngTexts(bytes);
   cv::Mat image;
   std::string cause = "its pixels can't be decoded";
   try {
@@ -50,6 +53,23 @@ void CheckLimits(const ImageHeader& header, const DecodeLimits& limits) {
                std::to_string(header.height) + " = " + std::to_string(pixels) +
                " pixels, more than the limit of " + std::to_string(limits.max_pixels) +
                "; downscale it");
+  }
+  if (header.decode_bytes > limits.max_decode_bytes) {
+    RefuseSize("the progressive JPEG takes " + std::to_string(header.decode_bytes / 1'000'000) +
+               " MB to decode, more than the limit of " +
+               std::to_string(limits.max_decode_bytes / 1'000'000) +
+               "; save it again as a baseline JPEG");
+  }
+  if (header.inflated_bytes > limits.max_inflated_bytes) {
+    RefuseSize("the PNG has " + std::to_string(header.inflated_bytes / 1'000'000) +
+               " MB of pixels, more than the limit of " +
+               std::to_string(limits.max_inflated_bytes / 1'000'000) +
+               "; save it with 8 bits a colour and without alpha");
+  }
+  if (header.scans > 1 && header.scans * pixels > limits.max_scan_pixels) {
+    RefuseSize("the JPEG has " + std::to_string(header.scans) + " scans of " +
+               std::to_string(pixels) + " pixels, together more than the limit of " +
+               std::to_string(limits.max_scan_pixels) + "; save it again as a baseline JPEG");
   }
   if (header.scans > limits.max_scans) {
     RefuseSize("the JPEG has " + std::to_string(header.scans) + " scans, more than the limit of " +

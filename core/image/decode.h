@@ -17,11 +17,18 @@ struct ImageHeader {
   int width = 0;       // px
   int height = 0;      // px
   int scans = 1;       // JPEG: how many scans (a progressive one has several)
+  // JPEG in several scans: what the decoder keeps until the last one. 0 for the others, which are
+  // decoded row by row.
+  int64_t decode_bytes = 0;
+  int64_t inflated_bytes = 0;  // PNG: what its image data inflate to
 };
 
 struct DecodeLimits {
   int64_t max_pixels = 50'000'000;
   int max_scans = 100;
+  int64_t max_scan_pixels = 1'000'000'000;
+  int64_t max_decode_bytes = 250'000'000;
+  int64_t max_inflated_bytes = 160'000'000;
 
   static constexpr auto Fields() {
     return std::tuple{
@@ -31,7 +38,16 @@ struct DecodeLimits {
                     "second."},
         OptionField{"max_scans", &DecodeLimits::max_scans, Closed(1, 10'000), "",
                     "Scans of a progressive JPEG: each costs a pass over the whole image. Encoders "
-                    "write about 10."}};
+                    "write about 10."},
+        OptionField{"max_scan_pixels", &DecodeLimits::max_scan_pixels, AtLeast(1), "",
+                    "Scans times pixels of a progressive JPEG, which its time grows with: about "
+                    "a second for a billion."},
+        OptionField{"max_decode_bytes", &DecodeLimits::max_decode_bytes, AtLeast(1), "bytes",
+                    "Memory of a progressive JPEG while it is decoded: two bytes for each "
+                    "coefficient, so 192 MB for 48 megapixels of halved chroma, and the image."},
+        OptionField{"max_inflated_bytes", &DecodeLimits::max_inflated_bytes, AtLeast(1), "bytes",
+                    "Pixels of a PNG as they are stored, which its time grows with: about 10 ns "
+                    "each. 50 megapixels of 24 bits have 150 MB."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -39,16 +55,19 @@ struct DecodeLimits {
 // Parses the header, and walks over the rest as far as needed to know that its end is there; bytes
 // behind the end are allowed. Linear in the bytes, no allocation. Throws MapError(kBadImage) for
 // bytes that are not a JPEG, PNG, BMP or PNM or are cut off (a JPEG without its end marker, a PNG
-// without IEND), naming what they look like. Never reads outside `bytes`. Thread-safe.
+// without IEND), naming what they look like; for arithmetic-coded JPEGs, which take ten times as
+// long; and for a PNG with more image data than its pixels can need. Never reads outside `bytes`.
+// Thread-safe.
 ImageHeader ReadImageHeader(std::span<const uint8_t> bytes);
 
 // Throws MapError(kImageTooLarge), with the claim and the limit, for a header over the limits.
 void CheckLimits(const ImageHeader& header, const DecodeLimits& limits);
 
 // Decodes to 8-bit grey (CV_8UC1), refusing by the header what is over the limits
-// (kImageTooLarge). EXIF orientation is not applied: pixels are where the camera put them, which
-// is what calibrations and answers refer to. 16-bit images become 8-bit ones, by their upper bytes.
-// Throws MapError(kBadImage) when it can't be decoded, and nothing else. Thread-safe.
+// (kImageTooLarge): with the default limits nothing takes more than 2 s and 300 MB. EXIF
+// orientation is not applied: pixels are where the camera put them, which is what calibrations and
+// answers refer to. 16-bit images become 8-bit ones, by their upper bytes. Throws
+// MapError(kBadImage) when it can't be decoded, and nothing else. Thread-safe.
 cv::Mat DecodeGrey(std::span<const uint8_t> bytes, const DecodeLimits& limits = {});
 
 // The same in colour (CV_8UC3, BGR).

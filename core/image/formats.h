@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/image/decode.h"
 
@@ -16,6 +17,9 @@ using Bytes = std::span<const uint8_t>;
 
 ImageHeader ReadJpegHeader(Bytes bytes);
 ImageHeader ReadPngHeader(Bytes bytes);
+// A PNG whose header was read, up to its end and without texts: the decoder would inflate them,
+// each to several megabytes. Refuses image data that were made to take long to inflate.
+std::vector<uint8_t> WithoutPngTexts(Bytes bytes);
 ImageHeader ReadBmpHeader(Bytes bytes);
 ImageHeader ReadPnmHeader(Bytes bytes);
 

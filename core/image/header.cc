@@ -22,11 +22,6 @@ bool StartsWith(Bytes bytes, std::string_view signature, size_t offset = 0) {
 }
 
 // The bytes are there: callers have looked at the size.
-uint32_t Big32(Bytes bytes, size_t at) {
-  return static_cast<uint32_t>(bytes[at]) << 24 | bytes[at + 1] << 16 | bytes[at + 2] << 8 |
-         bytes[at + 3];
-}
-
 uint32_t Little16(Bytes bytes, size_t at) { return bytes[at] | bytes[at + 1] << 8; }
 
 uint32_t Little32(Bytes bytes, size_t at) {
@@ -68,34 +63,6 @@ void RefuseImage(const std::string& message) { throw MapError(ErrorCode::kBadIma
 void RefuseCutOff(const std::string& format, Bytes bytes, const std::string& missing) {
   RefuseImage("the " + format + " is truncated after " + std::to_string(bytes.size()) +
               " bytes, before " + missing + "; copy or send the whole file again");
-}
-
-ImageHeader ReadPngHeader(Bytes bytes) {
-  constexpr size_t kFrame = 12;  // of a chunk: length, name, checksum
-  constexpr size_t kIhdr = 13;
-  size_t position = kPngSignature.size();
-  ImageHeader header{.format = "png"};
-  bool has_data = false;
-  for (;;) {
-    if (bytes.size() - position < kFrame) RefuseCutOff("PNG", bytes, "its end chunk");
-    const uint32_t length = Big32(bytes, position);
-    const Bytes rest = bytes.subspan(position + 4);
-    const bool first = position == kPngSignature.size();
-    if (first && (length != kIhdr || !StartsWith(rest, "IHDR"))) {
-      RefuseImage("the PNG does not start with a header chunk; it is damaged");
-    }
-    if (bytes.size() - position - kFrame < length) RefuseCutOff("PNG", bytes, "its end chunk");
-    if (first) {
-      constexpr uint32_t kMaxSide = std::numeric_limits<int>::max();
-      header.width = static_cast<int>(std::min(Big32(rest, 4), kMaxSide));
-      header.height = static_cast<int>(std::min(Big32(rest, 8), kMaxSide));
-    }
-    has_data |= StartsWith(rest, "IDAT");
-    if (StartsWith(rest, "IEND")) break;
-    position += kFrame + length;
-  }
-  if (!has_data) RefuseImage("the PNG has no image data; it is damaged");
-  return header;
 }
 
 ImageHeader ReadBmpHeader(Bytes bytes) {

@@ -65,9 +65,11 @@ class MapIndex {
   // nodes, or the typical one where they keep no features.
   double spacing_parallax_rad() const { return spacing_parallax_rad_; }
   // What the layer's nodes keep of features, for photos. Made when it is first asked for, which
-  // takes about a second for a million features: who asks panoramas alone has no use for it. The
-  // map has an appearance layer (WS_CHECK).
+  // takes about a second for a million features: who asks panoramas alone has no use for it, and a
+  // server makes it before it takes queries. The map has an appearance layer (WS_CHECK).
   const NodeFeatureIndex& node_features() const;
+  // Whether node_features() answers at once.
+  bool has_node_features() const { return node_features_ != nullptr; }
 
  private:
   // A spacing is about a third of the distance to what is seen: nearer nodes are alike.

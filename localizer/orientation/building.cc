@@ -7,6 +7,8 @@
 #include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
+#include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/camera/cube_faces.h"
@@ -181,14 +183,35 @@ BuildingView ViewBuilding(const std::vector<BuildingGuess>& guesses, const Manha
   return view;
 }
 
+// The photo at the size at which its lines are detected, and its camera.
+std::pair<cv::Mat, Camera> Reduced(const cv::Mat& grey, const Camera& camera, int working_pixels) {
+  const double scale = std::sqrt(working_pixels / static_cast<double>(grey.total()));
+  if (scale >= 1) return {grey, camera};
+  const Camera scaled = ScaledCamera(camera, std::max(1, cvRound(scale * grey.cols)));
+  cv::Mat reduced;
+  cv::resize(grey, reduced, {scaled.width, scaled.height}, 0, 0, cv::INTER_AREA);
+  return {reduced, scaled};
+}
+
+ManhattanFrame DetectPhotoLines(const cv::Mat& grey, const Camera& camera,
+                                const BuildingOptions& options) {
+  const auto [image, scaled] = Reduced(grey, camera, options.working_pixels);
+  return FindManhattanFrame(
+      FindGreatCircles(RigOfOne(scaled), 0, DetectSegments(image, options.segments),
+                       options.circles),
+      options.manhattan);
+}
+
 ManhattanFrame DetectLines(const cv::Mat& grey, const std::optional<Camera>& camera,
                            const BuildingOptions& options) {
+  if (camera) return DetectPhotoLines(grey, *camera, options);
   constexpr int kFaceShare = 4;
-  const int face_px = std::max(1, grey.cols / kFaceShare);
-  const Rig rig = camera ? RigOfOne(*camera) : CubeRig(face_px);
+  const auto largest = static_cast<int>(std::sqrt(options.working_pixels / kCubeFaces));
+  const int face_px = std::clamp(grey.cols / kFaceShare, 1, std::max(1, largest));
+  const Rig rig = CubeRig(face_px);
   std::vector<GreatCircle> lines;
   for (int c = 0; c < std::ssize(rig.cameras); ++c) {
-    const cv::Mat image = camera ? grey : FaceOf(grey, static_cast<CubeFace>(c), face_px);
+    const cv::Mat image = FaceOf(grey, static_cast<CubeFace>(c), face_px);
     CheckImageSize(rig.cameras[c], image.cols, image.rows);
     const auto found =
         FindGreatCircles(rig, c, DetectSegments(image, options.segments), options.circles);

@@ -17,6 +17,7 @@ struct BuildingOptions {
   double max_clear_rival = 0.6;
   double max_disagreement_rad = 0.17;
   double true_disagreeing = 0.02;
+  int working_pixels = 4'000'000;
 
   static constexpr auto Fields() {
     using Self = BuildingOptions;
@@ -35,7 +36,11 @@ struct BuildingOptions {
             "lets more wrong places pass."},
         OptionField{"true_disagreeing", &Self::true_disagreeing, Open(0, 1), "",
                     "Share of true places whose lines are believed and disagree all the same. "
-                    "Higher refuses fewer answers."}};
+                    "Higher refuses fewer answers."},
+        OptionField{"working_pixels", &Self::working_pixels, Closed(10'000, 50'000'000), "",
+                    "Larger photos, and larger faces of a panorama together, are reduced to so "
+                    "many pixels before their lines are detected, which bounds time and memory.",
+                    OptionUse::kInternal}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

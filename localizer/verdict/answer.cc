@@ -129,11 +129,12 @@ Answer Undecided(Stage last) {
   answer.verdict = Verdict::kUndecided;
   answer.decided_by = DecidedBy::kDeadline;
   answer.last_stage = last;
-  answer.message =
-      last == Stage::kQueue
-          ? "the deadline expired in the queue; use a longer deadline or send fewer queries"
-          : "the deadline expired after stage '" + std::string(NameOf(last)) +
-                "'; use a longer deadline";
+  answer.message = last == Stage::kQueue
+                       ? "the deadline expired before the image was decoded; use a longer deadline "
+                         "or send fewer "
+                         "queries"
+                       : "the deadline expired after stage '" + std::string(NameOf(last)) +
+                             "'; use a longer deadline";
   return answer;
 }
 

@@ -135,10 +135,24 @@ std::vector<TableSize> SizesOf(SQLite::Database& database) {
   return sizes;
 }
 
+// Throws kFileExists for a file that isn't a map.
+void CheckReplacesMap(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return;
+  try {
+    ReadMapHeader(path);
+  } catch (const MapError& error) {
+    throw MapError(ErrorCode::kFileExists, std::string(error.what()) +
+                                               "; only maps are overwritten, so choose another "
+                                               "name or remove the file");
+  }
+}
+
 }  // namespace
 
 void CheckWritable(const fs::path& path, const WriteOptions& options) {
   const FileReplacer probe(path, options.overwrite);  // is removed again
+  CheckReplacesMap(path);
 }
 
 void WriteMap(const MapData& map, const fs::path& path, const WriteOptions& options) {
@@ -150,6 +164,7 @@ void WriteMap(const MapData& map, const fs::path& path, const WriteOptions& opti
   }
   try {
     FileReplacer file(path, options.overwrite);
+    CheckReplacesMap(path);
     WriteDatabase(map, file.temporary());
     VerifyWritten(map, file.temporary(), path);
     file.Commit();

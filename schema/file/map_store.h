@@ -17,7 +17,9 @@ inline constexpr int kSchemaVersion = 5;
 inline constexpr int kApplicationId = 0x57415953;
 
 struct WriteOptions {
-  bool overwrite = false;  // replace a file that is there (only ever as a whole, by rename)
+  // Replace a map that is there (only ever as a whole, by rename). What isn't a Waystone map by its
+  // header is never replaced: a mistyped name must not cost a photo.
+  bool overwrite = false;
 };
 
 // Throws what WriteMap would throw for the path alone: kFileExists, or kFileUnwritable when the

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <chrono>
 #include <cstdio>
+#include <opencv2/core/utility.hpp>
 #include <random>
 #include <thread>
 #include <utility>
@@ -48,10 +49,12 @@ bool HasHeader(const HttpResponse& response, const std::string& name) {
                      [&](const auto& header) { return header.first == name; });
 }
 
-// Load balancers ask the first two, and have no token; the page is the same for all and asks its
-// reader for one.
-bool IsOpenToAll(const std::string& path) {
-  return path == "/healthz" || path == "/readyz" || path == "/" || path.starts_with("/page/");
+// Load balancers ask these, without a token and by whatever name.
+bool IsHealthCheck(const std::string& path) { return path == "/healthz" || path == "/readyz"; }
+
+// The page is the same for all, and asks its reader for a token.
+bool NeedsNoToken(const std::string& path) {
+  return IsHealthCheck(path) || path == "/" || path.starts_with("/page/");
 }
 
 std::unique_ptr<QueryLog> OpenLog(const ServiceOptions& options,
@@ -86,6 +89,7 @@ Application::Application(const MapCatalog::Indices& maps, const ServiceOptions& 
       inspection_(catalog_, gate_),
       queries_(catalog_, gate_, metrics_, log_.get(), options.localize, options.limits),
       id_prefix_(Hex(std::random_device()())) {
+  cv::setNumThreads(1);  // queries are what runs in parallel
   inspection_.AddTo(router_);
   queries_.AddTo(router_);
   AddOperations();
@@ -130,7 +134,12 @@ HttpResponse Application::Answer(const HttpRequest& incoming) {
 }
 
 HttpResponse Application::Admitted(const HttpRequest& request) const {
-  const bool admitted = IsOpenToAll(request.path) ||
+  try {
+    if (!IsHealthCheck(request.path)) options_.names.Check(request);
+  } catch (const MapError& error) {
+    return ProblemResponse(error);
+  }
+  const bool admitted = NeedsNoToken(request.path) ||
                         options_.tokens.Admit(request.header("Authorization").value_or(""));
   if (admitted) return router_.Dispatch(request);
   return ProblemResponse(ErrorCode::kUnauthorized,

@@ -10,6 +10,7 @@
 #include "core/base/options.h"
 #include "server/http/localize_service.h"
 #include "server/http/map_service.h"
+#include "server/http/server_names.h"
 #include "server/http/tokens.h"
 
 namespace waystone {
@@ -21,6 +22,8 @@ struct ServiceOptions {
   int queue_length = 32;
   // Who may ask. Empty: everybody.
   Tokens tokens;
+  // By which names.
+  ServerNames names;
   // Folder of the query log; empty for none.
   std::string query_log;
   int64_t query_log_bytes = 2'000'000'000;

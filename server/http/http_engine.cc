@@ -62,11 +62,12 @@ class MemoryStream : public httplib::Stream {
   std::string out_;
 };
 
-HttpRequest ToRequest(const httplib::Request& in, ReceivedRequest& received) {
+HttpRequest ToRequest(const httplib::Request& in, int port, ReceivedRequest& received) {
   HttpRequest request;
   request.method = in.method;
   request.path = in.path;
   request.remote = received.remote;
+  request.port = port;
   for (const auto& [name, value] : in.params) request.query.emplace(name, value);
   request.header = [&in](const std::string& name) -> std::optional<std::string> {
     if (!in.has_header(name)) return std::nullopt;
@@ -96,7 +97,8 @@ void LeaveUndone(const httplib::Request& request) {
 
 class HttpEngine::Library : public httplib::Server {
  public:
-  Library(Dispatch dispatch, int keep_alive_s) : dispatch_(std::move(dispatch)) {
+  Library(Dispatch dispatch, int port, int keep_alive_s)
+      : dispatch_(std::move(dispatch)), port_(port) {
     set_keep_alive_max_count(kRequestsPerConnection);
     set_keep_alive_timeout(keep_alive_s);
     set_default_headers({{"X-Content-Type-Options", "nosniff"}});
@@ -104,7 +106,7 @@ class HttpEngine::Library : public httplib::Server {
       LeaveUndone(in);
       ReceivedRequest& received = *current_request;
       Fill(received.refusal ? ProblemResponse(*received.refusal)
-                            : dispatch_(ToRequest(in, received)),
+                            : dispatch_(ToRequest(in, port_, received)),
            out);
       return HandlerResponse::Handled;
     });
@@ -133,10 +135,11 @@ class HttpEngine::Library : public httplib::Server {
 
  private:
   Dispatch dispatch_;
+  int port_;
 };
 
-HttpEngine::HttpEngine(Dispatch dispatch, int keep_alive_s)
-    : library_(std::make_unique<Library>(std::move(dispatch), keep_alive_s)) {}
+HttpEngine::HttpEngine(Dispatch dispatch, int port, int keep_alive_s)
+    : library_(std::make_unique<Library>(std::move(dispatch), port, keep_alive_s)) {}
 HttpEngine::~HttpEngine() = default;
 
 SentResponse HttpEngine::Answer(ReceivedRequest request) {

@@ -34,8 +34,8 @@ class HttpEngine {
  public:
   using Dispatch = std::function<HttpResponse(const HttpRequest&)>;
 
-  // `keep_alive_s` is told to clients.
-  HttpEngine(Dispatch dispatch, int keep_alive_s);
+  // Of a server that listens on `port`; `keep_alive_s` is told to clients.
+  HttpEngine(Dispatch dispatch, int port, int keep_alive_s);
   ~HttpEngine();
   HttpEngine(const HttpEngine&) = delete;
   HttpEngine& operator=(const HttpEngine&) = delete;

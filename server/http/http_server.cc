@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/http_server.h"
 
-#include <arpa/inet.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -14,18 +13,10 @@
 #include "server/http/connection_loop.h"
 #include "server/http/file_descriptor.h"
 #include "server/http/http_engine.h"
+#include "server/http/server_names.h"
 
 namespace waystone {
 namespace {
-
-// "localhost" or an address of this machine alone; "127.example.org" is neither.
-bool IsLoopback(const std::string& host) {
-  in_addr v4{};
-  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24) == 127;
-  in6_addr v6{};
-  if (inet_pton(AF_INET6, host.c_str(), &v6) == 1) return IN6_IS_ADDR_LOOPBACK(&v6);
-  return host == "localhost";
-}
 
 // Holds none where it can't be opened; errno says why.
 FileDescriptor OpenListener(const addrinfo& address, int backlog) {
@@ -92,8 +83,8 @@ class HttpServer::Impl {
  public:
   Impl(const HttpOptions& options, FileDescriptor listener, Dispatch dispatch, Admit admit)
       : options_(options),
-        engine_(std::move(dispatch), options.keep_alive_s),
         port_(PortOf(listener)),
+        engine_(std::move(dispatch), port_, options.keep_alive_s),
         loop_(std::move(listener), options_, std::move(admit),
               [this](ReceivedRequest request) { return engine_.Answer(std::move(request)); }) {}
 
@@ -103,8 +94,8 @@ class HttpServer::Impl {
 
  private:
   const HttpOptions options_;
-  HttpEngine engine_;
   const int port_;
+  HttpEngine engine_;
   ConnectionLoop loop_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/localize_service.h"
 
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -43,16 +44,15 @@ HttpResponse LocalizeService::Answer(const HttpRequest& http, const ServedMaps& 
   if (across) RefuseMapsOwn(request);
   std::vector<QueriedMap> queried;
   for (const auto& map : maps) queried.push_back({map->name(), map->shared_index()});
-  const Session session(std::move(request), std::move(queried), options_);
-  RequestAnswer answer;
-  {
-    const std::optional<QueryGate::Turn> turn = gate_.Enter(session.deadline());
-    answer = turn ? session.Ask() : session.TimeOutInQueue();
-  }
+  const auto session =
+      std::make_shared<const Session>(std::move(request), std::move(queried), options_);
+  std::optional<QueryGate::Turn> turn = gate_.Enter(session->deadline());
+  const RequestAnswer answer =
+      turn ? computing_.Ask(session, std::move(*turn)) : session->TimeOut();
   metrics_.CountAnswer(OverallAnswer(answer));
-  const Json json = ToJson(session, answer, across);
+  const Json json = ToJson(*session, answer, across);
   if (log_) {
-    log_->Add(http.id, across ? Json(nullptr) : Json(maps.front()->name()), session.request(),
+    log_->Add(http.id, across ? Json(nullptr) : Json(maps.front()->name()), session->request(),
               json);
   }
   return JsonResponse(json);

@@ -11,6 +11,7 @@
 #include "server/http/query_gate.h"
 #include "server/http/query_log.h"
 #include "server/http/router.h"
+#include "server/http/timed_queries.h"
 
 namespace waystone {
 
@@ -43,6 +44,7 @@ class LocalizeService {
   QueryLog* log_;
   LocalizeOptions options_;
   RequestLimits limits_;
+  TimedQueries computing_;
 };
 
 }  // namespace waystone

@@ -8,9 +8,11 @@
 
 namespace waystone {
 
-const AuditReport& ServedMap::Audit() const {
-  std::call_once(audited_,
-                 [this] { audit_ = std::make_shared<const AuditReport>(AuditMap(*index_)); });
+const AuditReport& ServedMap::Audit(QueryGate& gate) const {
+  std::call_once(audited_, [&] {
+    const QueryGate::Turn turn = gate.Enter();
+    audit_ = std::make_shared<const AuditReport>(AuditMap(*index_));
+  });
   return *audit_;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "localizer/index/map_index.h"
+#include "server/http/query_gate.h"
 
 namespace waystone {
 
@@ -23,8 +24,9 @@ class ServedMap {
   const MapIndex& index() const { return *index_; }
   const std::shared_ptr<const MapIndex>& shared_index() const { return index_; }
   const std::string& version() const { return index_->map().info.version; }
-  // Takes seconds the first time, on all cores.
-  const AuditReport& Audit() const;
+  // The first one who asks computes it, for seconds and on all cores, in a query's turn; who asks
+  // meanwhile waits without one. Throws what QueryGate::Enter throws.
+  const AuditReport& Audit(QueryGate& gate) const;
 
  private:
   std::string name_;

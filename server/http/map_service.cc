@@ -172,9 +172,7 @@ void MapService::AddSingles(Router& router) {
     return JsonResponse(OverviewJson(map.index()));
   });
   AddShow(router, "/audit", [this](const auto&, const ServedMap& map, const auto&) {
-    // The first one computes as a query does; the others find it done.
-    const QueryGate::Turn turn = gate_.Enter();
-    return JsonResponse(AuditJson(map.index(), map.Audit()));
+    return JsonResponse(AuditJson(map.index(), map.Audit(gate_)));
   });
   AddShow(router, "/keyframes/{id}", [](const auto&, const ServedMap& map, const Captures& in) {
     return JsonResponse(KeyframeJson(map.name(), map.index(), KeyframeOf(map.index(), in)));

@@ -17,6 +17,7 @@ struct HttpRequest {
   std::map<std::string, std::string> query;  // percent-decoded; the first of a repeated name
   std::string id;      // names the request in logs: the client's X-Request-Id, or one of ours
   std::string remote;  // the client's address; empty when it isn't known
+  int port = 0;        // ours, that the request came to
   // A header's value by its name in any case; nothing when it isn't there.
   std::function<std::optional<std::string>(const std::string&)> header;
   // Reads the whole body. To be called once at most. Throws MapError(kPayloadTooLarge) when it is

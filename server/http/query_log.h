@@ -13,7 +13,8 @@
 namespace waystone {
 
 // Writes what was asked, for asking it again (api/logged_query.h has the format). Thread-safe. The
-// folder holds photos of people's rooms: it is made for its owner alone.
+// folder holds photos of people's rooms: it and its files are made for their owner alone, whatever
+// the umask, and files that are there become so.
 class QueryLog {
  public:
   // Makes the folder. Writes nothing more once it holds `max_bytes`; `on_error` hears of that and

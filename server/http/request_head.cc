@@ -43,6 +43,7 @@ class HeadParser {
     head_.is_post = method == "POST";
     head_.is_urgent = target == "/healthz" || target == "/readyz";
     Keep(line);
+    needs_host_ = line.ends_with(" HTTP/1.1");
     const bool sound = !method.empty() && !target.empty() &&
                        (line.ends_with(" HTTP/1.1") || line.ends_with(" HTTP/1.0"));
     if (!sound) Refuse(ErrorCode::kBadRequest, "malformed HTTP request");
@@ -63,6 +64,7 @@ class HeadParser {
       Refuse(ErrorCode::kUnsupportedMedia,
              "encoded bodies are not supported; send the image without Content-Encoding");
     }
+    if (EqualsIgnoringCase(name, "Host")) ++hosts_;
     if (EqualsIgnoringCase(name, "Authorization")) head_.authorization = value;
     Keep(line);
   }
@@ -70,6 +72,9 @@ class HeadParser {
   RequestHead Finish() {
     if (lengths_ > 1 || (lengths_ == 1 && head_.chunked)) {
       Refuse(ErrorCode::kBadRequest, "the length of the body is given twice");
+    }
+    if (hosts_ > 1 || (hosts_ == 0 && needs_host_)) {
+      Refuse(ErrorCode::kBadRequest, "an HTTP/1.1 request needs one header Host");
     }
     if (head_.has_body() && !head_.is_post) Refuse(ErrorCode::kBadRequest, with_body_);
     head_.text += kLineEnd;
@@ -110,6 +115,8 @@ class HeadParser {
 
   RequestHead head_;
   int lengths_ = 0;
+  int hosts_ = 0;
+  bool needs_host_ = false;  // RFC 9112, section 3.2
   std::string with_body_;
 };
 

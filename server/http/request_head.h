@@ -50,8 +50,8 @@ struct RequestHead {
 };
 
 // Reads a complete head. What could be read in two ways (repeated, contradicting or malformed
-// lengths, continued lines, a space before a colon, codings but "chunked") is refused, and so are
-// encoded bodies and bodies of other methods than POST. Pure.
+// lengths, continued lines, a space before a colon, codings but "chunked", two headers Host, none
+// in HTTP/1.1) is refused, and so are encoded bodies and bodies of other methods than POST. Pure.
 RequestHead ParseRequestHead(std::string_view bytes);
 
 }  // namespace waystone

@@ -84,6 +84,50 @@ TEST_F(CliTest, AFileSizeLimitIsAnErrorLikeAFullDisk) {
   EXPECT_EQ(FilesIn(folder_ / "maps"), 0u) << "a part of a map was left behind";
 }
 
+TEST_F(CliTest, InputsAreNeverOverwritten) {
+  const fs::path walk = folder_ / "walk";
+  fs::copy(TheMap().images, walk, fs::copy_options::recursive);
+  const fs::path photo = fs::directory_iterator(walk)->path();
+  const std::string before = ReadFile(photo);
+  ExpectFailure(RunWaystone({"build", walk, "-o", photo, "--force"}), 3,
+                "only maps are overwritten");
+  EXPECT_TRUE(ReadFile(photo) == before);
+  fs::create_directory(folder_ / "images");
+  ExpectFailure(RunWaystone({"build", walk, "-o", folder_ / "m.db", "--report", folder_}), 3,
+                "choose another folder");
+  const fs::path map = folder_ / "copy.db";
+  fs::copy_file(TheMap().map, map);
+  ExpectFailure(RunWaystone({"export", map, "-o", map, "--force"}), 3, "choose another name");
+  EXPECT_TRUE(ReadFile(map) == ReadFile(TheMap().map));
+}
+
+// Three quarters of the photos were lost on their way.
+TEST_F(CliTest, AMostlyUnreadableSequenceIsNoMapAndTheOldOneStays) {
+  const fs::path walk = folder_ / "walk";
+  fs::copy(TheMap().images, walk, fs::copy_options::recursive);
+  std::vector<fs::path> photos(fs::directory_iterator(walk), {});
+  std::ranges::sort(photos);
+  for (size_t i = 0; i < photos.size(); ++i) {
+    if (i % 4 != 0) WriteFile(photos[i], "lost");
+  }
+  const fs::path map = folder_ / "room.db";
+  fs::copy_file(TheMap().map, map);
+  const RunResult result = RunWaystone({"build", walk, "-o", map, "--force", "--quiet"});
+  ExpectFailure(result, 4, "max_skipped_share");
+  EXPECT_TRUE(ReadFile(map) == ReadFile(TheMap().map));
+}
+
+TEST_F(CliTest, LinksToThemselvesAreSkippedAndNamed) {
+  const fs::path walk = folder_ / "walk";
+  fs::copy(TheMap().images, walk, fs::copy_options::recursive);
+  fs::create_symlink("loop", walk / "loop");
+  fs::create_symlink("a_loop.jpg", walk / "a_loop.jpg");
+  const RunResult result =
+      RunWaystone({"build", walk, "-o", folder_ / "m.db", "--from", "40", "--progress", "none"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.out.find("a_loop.jpg"), std::string::npos) << result.out;
+}
+
 TEST_F(CliTest, ReportIsWritten) {
   const RunResult result = RunWaystone({"build", TheMap().images, "-o", folder_ / "r.db", "--every",
                                         "2", "--report", folder_ / "report"});
@@ -179,9 +223,11 @@ TEST_F(CliTest, NothingIsOverwrittenUnasked) {
   WriteFile(folder_ / "there.db", "precious");
   ExpectFailure(RunWaystone({"build", TheMap().images, "-o", folder_ / "there.db"}), 3, "--force");
   EXPECT_EQ(ReadFile(folder_ / "there.db"), "precious");
+  fs::copy_file(TheMap().map, folder_ / "there.db", fs::copy_options::overwrite_existing);
   const RunResult forced = RunWaystone(
       {"build", TheMap().images, "-o", folder_ / "there.db", "--force", "--every", "3"});
   EXPECT_EQ(forced.code, 0) << forced.err;
+  EXPECT_FALSE(ReadFile(folder_ / "there.db") == ReadFile(TheMap().map));
   EXPECT_EQ(FilesIn(folder_), 1u);
 }
 

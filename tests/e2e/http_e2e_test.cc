@@ -124,6 +124,25 @@ TEST_F(HttpTest, OtherBuildingIsNotInTheMap) {
   EXPECT_NE(answer["message"], "");
 }
 
+TEST_F(HttpTest, PagesOfOthersReachNothing) {
+  const std::string port = served_->url().substr(served_->url().rfind(':') + 1);
+  const auto get = [&](const std::string& host) {
+    return client_.Get("/v1/maps", {{"Host", host}});
+  };
+  ExpectProblem(get("evil.example:" + port), 421, "misdirected");
+  ExpectProblem(get("localhost:1"), 421, "misdirected");
+  EXPECT_EQ(get("localhost:" + port)->status, 200);
+  const auto post = [&](const std::string& name, const std::string& value) {
+    return client_.Post("/v1/maps/room/localize", {{name, value}}, ReadFile(TheMap().inside),
+                        "image/jpeg");
+  };
+  ExpectProblem(post("Origin", "http://evil.example"), 403, "foreign_page");
+  ExpectProblem(post("Sec-Fetch-Site", "cross-site"), 403, "foreign_page");
+  EXPECT_EQ(post("Origin", "http://localhost:" + port)->status, 200);
+  const Served named({"--public-name", "maps.example"});
+  EXPECT_EQ(named.NewClient().Get("/v1/maps", {{"Host", "maps.example"}})->status, 200);
+}
+
 TEST_F(HttpTest, BadImagesAreAnswersAndCheap) {
   const std::string good = ReadFile(TheMap().inside);
   const std::map<std::string, std::string> bad = {
@@ -311,6 +330,17 @@ bool HasMapOpen(pid_t pid) {
     if (std::filesystem::read_symlink(file, ignored).extension() == ".db") return true;
   }
   return false;
+}
+
+// A server is told to reload before its main() has begun. That it goes on shows in its own error.
+TEST(HttpLifetime, SighupWaitsFromTheFirstMomentOn) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers can't be preloaded to";
+#endif
+  const std::string early = "LD_PRELOAD='" + std::string(WAYSTONE_EARLY_HANGUP) + "'";
+  const RunResult result = RunWaystone({"serve", "/nowhere/x.db", "--port", "0"}, early);
+  EXPECT_EQ(result.code, 3) << result.err;
+  EXPECT_EQ(RunWaystone({"--version"}, early).code, 128 + SIGHUP) << "is a test at all";
 }
 
 // A server that reads many maps is told to reload and to end before it is ready.

@@ -83,7 +83,7 @@ TEST(OrientationCommands, DirectionsDrawsLinesInTheColoursOfTheirAxes) {
   const fs::path folder = FreshFolder();
   const RunResult result = RunWaystone({"directions", RigFolder(), "--draw", folder / "drawn"});
   ASSERT_EQ(result.code, 0) << result.err;
-  const cv::Mat picture = cv::imread((folder / "drawn" / "000.png").string());
+  const cv::Mat picture = cv::imread((folder / "drawn" / "000_lines.png").string());
   ASSERT_EQ(picture.size(), cv::Size(3 * 480, 2 * 480)) << "six cameras in two rows";
   for (const int channel : {0, 1, 2}) EXPECT_GT(Coloured(picture, channel), 500) << channel;
   fs::remove_all(folder);

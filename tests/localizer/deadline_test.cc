@@ -31,7 +31,7 @@ TEST(Deadline, ThatPassedLeavesAQueryUndecided) {
   EXPECT_EQ(answer.last_stage, Stage::kShortlist);
   EXPECT_EQ(answer.decided_by, DecidedBy::kDeadline);
   EXPECT_EQ(answer.map, "made");
-  EXPECT_EQ(Localize(*index, FlatImage(), "q", late).last_stage, Stage::kDecode);
+  EXPECT_EQ(Localize(*index, FlatImage(), "q", late).last_stage, Stage::kQueue) << "not decoded";
   EXPECT_EQ(Localize(*index, {}, "q", late).verdict, Verdict::kBadImage);
 }
 

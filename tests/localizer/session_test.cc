@@ -85,7 +85,7 @@ TEST(Session, ADeadlineCountsFromItsBeginning) {
   const Session session(request, {{"lab", MadeIndex()}}, {});
   ASSERT_TRUE(session.deadline());
   EXPECT_FALSE(HasPassed(session.deadline()));
-  const Answer late = OverallAnswer(session.TimeOutInQueue());
+  const Answer late = OverallAnswer(session.TimeOut());
   EXPECT_EQ(late.verdict, Verdict::kUndecided);
   EXPECT_EQ(late.last_stage, Stage::kQueue);
   EXPECT_EQ(late.map, "lab");

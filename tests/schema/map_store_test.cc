@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <map>
 #include <thread>
 
 #include "schema/file/map_database.h"
@@ -95,11 +96,32 @@ TEST(MapStore, RefusesToOverwriteUnlessAsked) {
   EXPECT_EQ(ErrorOf([&] { CheckWritable(folder / "m.db", {}); }).code(), ErrorCode::kFileExists);
   EXPECT_EQ(ReadFile(folder / "m.db"), "precious");
 
+  WriteMap(MadeMap(7), folder / "old.db", {});
+  fs::rename(folder / "old.db", folder / "m.db");
   CheckWritable(folder / "m.db", {.overwrite = true});
-  EXPECT_EQ(ReadFile(folder / "m.db"), "precious");
+  EXPECT_EQ(WithoutVersion(ReadMap(folder / "m.db")), MadeMap(7));
   WriteMap(MadeMap(8), folder / "m.db", {.overwrite = true});
   EXPECT_EQ(WithoutVersion(ReadMap(folder / "m.db")), MadeMap(8));
   EXPECT_EQ(folder.Names(), std::vector<std::string>{"m.db"});
+}
+
+TEST(MapStore, OverwritesNothingButMaps) {
+  const TemporaryFolder folder;
+  const std::string photo = "\xff\xd8\xff\xe0 a photo";
+  const std::string database = "SQLite format 3" + std::string(200, '\0');  // of another program
+  WriteFile(folder / "real.jpg", photo);
+  fs::create_symlink("real.jpg", folder / "link.db");
+  for (const auto& [name, content] : std::map<std::string, std::string>{
+           {"000000.jpg", photo}, {"other.db", database}, {"empty.db", ""}, {"link.db", photo}}) {
+    if (name != "link.db") WriteFile(folder / name, content);
+    for (const auto& write : {+[](const fs::path& path) { CheckWritable(path, {true}); },
+                              +[](const fs::path& path) { WriteMap(MadeMap(8), path, {true}); }}) {
+      const MapError error = ErrorOf([&] { write(folder / name); });
+      EXPECT_EQ(error.code(), ErrorCode::kFileExists) << name;
+      EXPECT_NE(std::string(error.what()).find("only maps are overwritten"), std::string::npos);
+    }
+    EXPECT_EQ(ReadFile(folder / name), content) << name;
+  }
 }
 
 TEST(MapStore, AnUnsoundMapIsNotWritten) {
@@ -130,7 +152,7 @@ TEST(MapStore, OddPathsWork) {
 TEST(MapStore, ASymbolicLinkIsFollowed) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "store");
-  WriteFile(folder / "store/real.db", "old");
+  WriteMap(MadeMap(7), folder / "store/real.db", {});
   fs::create_symlink("store/real.db", folder / "link.db");
   WriteMap(MadeMap(11), folder / "link.db", {.overwrite = true});
   EXPECT_TRUE(fs::is_symlink(folder / "link.db"));
@@ -139,7 +161,7 @@ TEST(MapStore, ASymbolicLinkIsFollowed) {
 
 TEST(MapStore, AReplacedFileKeepsItsPermissions) {
   const TemporaryFolder folder;
-  WriteFile(folder / "m.db", "old");
+  WriteMap(MadeMap(7), folder / "m.db", {});
   fs::permissions(folder / "m.db", fs::perms::owner_read | fs::perms::owner_write);
   WriteMap(MadeMap(12), folder / "m.db", {.overwrite = true});
   EXPECT_EQ(fs::status(folder / "m.db").permissions(),

@@ -122,12 +122,6 @@ TEST(BuildAppearanceTest, RefusesASequenceThatIsAllBlack) {
                 {"0 usable panoramas of 3 frames", "first: image 0"});
 }
 
-TEST(BuildAppearanceTest, RefusesASequenceThatIsMostlyUnusable) {
-  std::vector<cv::Mat> images = First(6);
-  for (int i = 0; i < 4; ++i) images[i] = Black(images[i].size());
-  ExpectRefused(images, {"2 usable panoramas of 6 frames", "sufficient texture"});
-}
-
 TEST(BuildAppearanceTest, StopsWhenToldToInTheMiddleOfAStage) {
   for (const std::string at : {"panoramas", "odometry", "loops", "poses"}) {
     int calls = 0;  // of that stage; the first one is before it begins

@@ -128,6 +128,36 @@ TEST(FramePipeline, CountsAndNamesWhatALayerSkips) {
   EXPECT_EQ(layer.added.size(), 5U);  // unusable frames are added too, with their error
 }
 
+TEST(FramePipeline, RefusesASequenceThatIsMostlyUnusable) {
+  const auto code_of = [](int broken, double max_share) {
+    std::vector<EncodedFrame> frames;
+    for (int i = 0; i < 10; ++i) {
+      frames.emplace_back(FrameInfo{i, std::to_string(i), {}}, [bad = i < broken] {
+        if (bad) throw MapError(ErrorCode::kBadImage, "no image");
+        return cv::Mat(4, 4, CV_8UC1, cv::Scalar(1));
+      });
+    }
+    MemorySource source({.name = "walk", .frames = frames});
+    BrightnessLayer layer;
+    LayerBuilder* const layers[] = {&layer};
+    ProgressReporter progress;
+    try {
+      ObserveSequence(source, SequenceId{1}, layers, progress, max_share);
+    } catch (const MapError& error) {
+      EXPECT_NE(std::string(error.what()).find("'walk'"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("first: 0: no image"), std::string::npos);
+      return error.code();
+    }
+    return ErrorCode::kInternal;
+  };
+  EXPECT_EQ(code_of(5, 0.5), ErrorCode::kInternal);
+  EXPECT_EQ(code_of(6, 0.5), ErrorCode::kUnreadableFrames);
+  EXPECT_EQ(code_of(6, 0.6), ErrorCode::kInternal);
+  EXPECT_EQ(code_of(1, 0), ErrorCode::kUnreadableFrames);
+  EXPECT_EQ(code_of(10, 0.5), ErrorCode::kBadSource);
+  EXPECT_EQ(InfoOf(ErrorCode::kUnreadableFrames).exit_code, 4);
+}
+
 TEST(FramePipeline, JoinsARigsImagesOnlyForALayerThatWantsIt) {
   const CountedFrames frames(2);
   for (const bool wanted : {true, false}) {

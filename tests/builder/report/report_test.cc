@@ -117,6 +117,22 @@ TEST(WriteReport, APageOfPanoramasHasNoTablesOfPlanes) {
   EXPECT_EQ(page.find("Keyframes and their planes"), std::string::npos);
 }
 
+TEST(WriteReport, ReplacesItsOwnFilesAlone) {
+  const auto dir = std::filesystem::path(testing::TempDir()) / "waystone-report-walk";
+  std::filesystem::remove_all(dir);
+  std::filesystem::create_directories(dir / "images");
+  std::ofstream(dir / "images" / "1.jpg") << "a photo";
+  EXPECT_THROW(CheckReportFolder(dir), MapError);
+  EXPECT_THROW(WriteReport(Chain(1, 0), {}, {}, dir), MapError);
+  EXPECT_EQ(std::filesystem::file_size(dir / "images" / "1.jpg"), 7U);
+  std::filesystem::remove_all(dir);
+  WriteReport(Chain(1, 0), {}, {}, dir);
+  WriteReport(Chain(1, 0), {}, {}, dir);
+  std::ofstream(dir / "index.html") << "a page";
+  EXPECT_THROW(WriteReport(Chain(1, 0), {}, {}, dir), MapError);
+  std::filesystem::remove_all(dir);
+}
+
 TEST(WriteReport, FolderThatCannotBeMade) {
   EXPECT_THROW(WriteReport(Chain(1, 0), {}, {}, "/proc/waystone-report"), MapError);
 }

@@ -3,11 +3,16 @@
 #include "server/http/application.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "api/logged_query.h"
@@ -196,6 +201,93 @@ TEST_F(ApplicationTest, QueriesAreLoggedAndReadAgain) {
   EXPECT_EQ(queries[2].answer["verdict"], "bad_image");
   // Two images, the lines, and nothing else anywhere.
   EXPECT_EQ(std::distance(fs::directory_iterator(options.query_log), {}), 3);
+}
+
+// The queries of a server run in parallel, each in one thread.
+TEST_F(ApplicationTest, ImagesAreComputedInOneThread) {
+  cv::setNumThreads(2);
+  Start();
+  EXPECT_EQ(cv::getNumThreads(), 1);
+}
+
+// Who waits for another's audit takes no query's turn meanwhile.
+TEST_F(ApplicationTest, OneAuditTakesOneTurn) {
+  const ServedMap map("lab", MapIndex::Build(MadeMap(3)));
+  QueryGate gate(1, 10);
+  std::vector<std::thread> askers;
+  {
+    const QueryGate::Turn busy = gate.Enter();
+    for (int i = 0; i < 3; ++i) askers.emplace_back([&] { map.Audit(gate); });
+    while (gate.load().waiting == 0) std::this_thread::yield();
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_EQ(gate.load().waiting, 1);
+  }
+  for (std::thread& asker : askers) asker.join();
+  EXPECT_EQ(gate.load().running, 0);
+}
+
+// A photo of 48 megapixels takes half a second to decode, and nothing interrupts that.
+TEST_F(ApplicationTest, DeadlinesAreKeptWhileAnImageIsDecoded) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<uint8_t> jpeg;
+  cv::Mat photo(6000, 8000, CV_8UC3);
+  cv::randu(photo, 0, 60);
+  cv::imencode(".jpg", photo, jpeg, {cv::IMWRITE_JPEG_QUALITY, 60});
+  ServiceOptions options;
+  options.query_threads = 1;
+  Start(options);
+  const std::string body(jpeg.begin(), jpeg.end());
+  for (const int deadline_ms : {1, 100}) {
+    HttpRequest request;
+    request.method = "POST";
+    request.path = "/v1/maps/lab/localize";
+    request.query = {{"deadline_ms", std::to_string(deadline_ms)}};
+    request.header = [](const std::string&) { return std::nullopt; };
+    request.read_body = [&] { return body; };
+    const Clock::time_point start = Clock::now();
+    const Json answer = Json::parse(app_->Answer(request).body);
+    const std::chrono::duration<double, std::milli> took = Clock::now() - start;
+    EXPECT_LT(took.count(), deadline_ms + 100);
+    EXPECT_EQ(answer["verdict"], "undecided") << answer.dump();
+    EXPECT_EQ(answer["stage"], "queue");
+  }
+}
+
+// Photos of people's rooms, in a folder that everybody may read, of a program without a umask.
+TEST_F(ApplicationTest, QueryLogIsPrivate) {
+  const auto rights = [](const fs::path& path) { return fs::status(path).permissions(); };
+  const fs::perms file = fs::perms::owner_read | fs::perms::owner_write;
+  ServiceOptions options;
+  for (const mode_t mask : {0, 0777}) {
+    const fs::path open = folder_ / std::to_string(mask);
+    fs::create_directory(open);
+    std::ofstream(open / kQueryLogLines) << "";  // of an earlier version
+    fs::permissions(open, fs::perms::all);
+    fs::permissions(open / kQueryLogLines, fs::perms::all);
+    for (const fs::path& log : {open, open / "new"}) {
+      const mode_t before = umask(mask);
+      options.query_log = log;
+      Start(options);
+      Ask("POST", "/v1/localize", {}, "x");
+      umask(before);
+      EXPECT_EQ(ReadQueryLog(log).size(), 1U);
+      for (const auto& entry : fs::directory_iterator(log)) {
+        if (entry.is_regular_file()) EXPECT_EQ(rights(entry), file) << entry.path();
+      }
+    }
+    EXPECT_EQ(rights(open / "new"), fs::perms::owner_all);
+  }
+}
+
+// Who may write to the folder leads the log to no other file.
+TEST_F(ApplicationTest, QueryLogFollowsNoLinks) {
+  std::ofstream(folder_ / "precious") << "mine";
+  fs::create_directory(folder_ / "log");
+  fs::create_symlink(folder_ / "precious", folder_ / "log" / kQueryLogLines);
+  ServiceOptions options;
+  options.query_log = folder_ / "log";
+  EXPECT_THROW(Start(options), MapError);
+  EXPECT_EQ(fs::file_size(folder_ / "precious"), 4U);
 }
 
 TEST_F(ApplicationTest, FullQueryLogSaysSoOnce) {

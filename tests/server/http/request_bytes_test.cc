@@ -61,12 +61,12 @@ TEST(RequestHead, TakesTheFramingOut) {
   EXPECT_EQ(head.body_bytes, 7);
   EXPECT_EQ(head.text, "POST /a?b=c HTTP/1.1\r\nHost: x\r\n\r\n");
   const RequestHead chunked = ParseRequestHead(
-      "POST / HTTP/1.1\r\ntransfer-encoding: Chunked\r\nEXPECT: 100-continue\r\n"
+      "POST / HTTP/1.1\r\nhost: x\r\ntransfer-encoding: Chunked\r\nEXPECT: 100-continue\r\n"
       "Authorization:  Bearer t \r\n\r\n");
   EXPECT_FALSE(chunked.refusal);
   EXPECT_TRUE(chunked.chunked && chunked.expects_continue && chunked.has_body());
   EXPECT_EQ(chunked.authorization, "Bearer t");
-  EXPECT_EQ(chunked.text, "POST / HTTP/1.1\r\nAuthorization:  Bearer t \r\n\r\n");
+  EXPECT_EQ(chunked.text, "POST / HTTP/1.1\r\nhost: x\r\nAuthorization:  Bearer t \r\n\r\n");
   EXPECT_TRUE(ParseRequestHead("GET /healthz?x HTTP/1.1\r\n\r\n").is_urgent);
   EXPECT_FALSE(ParseRequestHead("GET /healthzz HTTP/1.1\r\n\r\n").is_urgent);
 }
@@ -78,15 +78,22 @@ TEST(RequestHead, RefusesWhatCanBeReadInTwoWays) {
         "Transfer-Encoding: gzip, chunked",
         "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked", "Transfer-Encoding : chunked",
         "A: b\r\n folded: c", "no colon", ": no name", "Expect: the unexpected",
-        "Content-Length: 5\r\nContent-Encoding: gzip"}) {
+        "Content-Length: 5\r\nContent-Encoding: gzip", "Host: x", "hOST: y"}) {
     const RequestHead head =
-        ParseRequestHead("POST / HTTP/1.1\r\n" + std::string(headers) + "\r\n\r\n");
+        ParseRequestHead("POST / HTTP/1.1\r\nHost: x\r\n" + std::string(headers) + "\r\n\r\n");
     EXPECT_TRUE(head.refusal) << headers;
   }
   for (const char* line : {"GET  HTTP/1.1", "GET /", " / HTTP/1.1", "GET / HTTP/2.0", "nonsense"}) {
-    EXPECT_TRUE(ParseRequestHead(std::string(line) + "\r\n\r\n").refusal) << line;
+    EXPECT_TRUE(ParseRequestHead(std::string(line) + "\r\nHost: x\r\n\r\n").refusal) << line;
   }
-  EXPECT_TRUE(ParseRequestHead("GET / HTTP/1.1\r\nContent-Length: 1\r\n\r\n").refusal);
+  EXPECT_TRUE(ParseRequestHead("GET / HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\n\r\n").refusal);
+}
+
+TEST(RequestHead, OneHostIsRequiredSinceHttp11) {
+  EXPECT_TRUE(ParseRequestHead("GET / HTTP/1.1\r\n\r\n").refusal);
+  EXPECT_FALSE(ParseRequestHead("GET / HTTP/1.1\r\nHost: x\r\n\r\n").refusal);
+  EXPECT_FALSE(ParseRequestHead("GET / HTTP/1.0\r\n\r\n").refusal);
+  EXPECT_TRUE(ParseRequestHead("GET / HTTP/1.0\r\nHost: x\r\nHost: x\r\n\r\n").refusal);
 }
 
 TEST(ChunkedBody, IsTheSameWhereverItIsCut) {

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files that can't be served, beside others that can.
+#include "cli/served_files.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "core/base/error.h"
+#include "schema/file/map_store.h"
+#include "tests/server/http/made_map.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ServedFilesTest : public testing::Test {
+ protected:
+  ServedFilesTest() {
+    std::string name = (fs::temp_directory_path() / "waystone-served-XXXXXX").string();
+    EXPECT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  ~ServedFilesTest() override { fs::remove_all(folder_); }
+
+  void WriteGood(const std::string& name) {
+    MapData map = MadeMap(3);
+    map.edges.clear();  // their homologies are made up
+    WriteMap(map, folder_ / name, {.overwrite = true});
+  }
+  void WriteDamaged(const std::string& name) { std::ofstream(folder_ / name) << "no map"; }
+  void WriteLoop(const std::string& name) { fs::create_symlink(name, folder_ / name); }
+
+  fs::path folder_;
+};
+
+TEST_F(ServedFilesTest, BadFilesOfAFolderDontKeepTheOthersFromBeingServed) {
+  WriteGood("good.db");
+  WriteDamaged("bad.db");
+  WriteLoop("loop.db");
+  fs::create_directory(folder_ / "folder.db");
+  ServedFiles files({folder_});
+  const ServedFiles::Opened opened = files.OpenAll();
+  ASSERT_EQ(opened.maps.size(), 1U);
+  EXPECT_TRUE(opened.maps.contains("good"));
+  ASSERT_EQ(opened.refused.size(), 2U);
+  EXPECT_EQ(opened.refused[0].name, "bad");
+  EXPECT_NE(opened.refused[0].message.find("not a Waystone map"), std::string::npos);
+  EXPECT_EQ(opened.refused[1].name, "loop");
+  EXPECT_FALSE(opened.refused[1].good);
+}
+
+TEST_F(ServedFilesTest, BadFilesAreNamedOnReloadAndTheOthersExchanged) {
+  WriteGood("good.db");
+  ServedFiles files({folder_});
+  MapCatalog catalog(files.OpenAll().maps);
+  WriteLoop("a_loop.db");
+  WriteDamaged("bad.db");
+  WriteGood("later.db");
+  std::vector<ServedFiles::Change> changes = files.Refresh(catalog, false);
+  ASSERT_EQ(changes.size(), 3U);
+  EXPECT_NE(changes[0].message.find("; not served"), std::string::npos) << changes[0].message;
+  EXPECT_NE(changes[1].message.find("; not served"), std::string::npos) << changes[1].message;
+  EXPECT_TRUE(changes[2].good);
+  EXPECT_TRUE(catalog.Now()->contains("later"));
+  EXPECT_TRUE(files.Refresh(catalog, false).empty()) << "said once";
+  fs::remove(folder_ / "good.db");
+  WriteDamaged("good.db");
+  changes = files.Refresh(catalog, false);
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_NE(changes[0].message.find("still serving"), std::string::npos) << changes[0].message;
+  EXPECT_TRUE(catalog.Now()->contains("good"));
+}
+
+// A query that made the index for photos would hold its turn meanwhile, and so would all others.
+TEST_F(ServedFilesTest, TheIndexForPhotosIsMadeBeforehand) {
+  MapData map = MadeLayeredMap(3);
+  map.edges.clear();
+  WriteMap(map, folder_ / "layered.db", {});
+  const ServedFiles::Opened opened = ServedFiles({folder_}).OpenAll();
+  EXPECT_TRUE(opened.maps.at("layered")->has_node_features());
+}
+
+TEST_F(ServedFilesTest, AFileThatWasNamedMustBeGood) {
+  WriteGood("good.db");
+  WriteDamaged("bad.db");
+  WriteLoop("loop.db");
+  for (const char* name : {"bad.db", "loop.db", "missing.db"}) {
+    EXPECT_THROW(ServedFiles({folder_ / "good.db", folder_ / name}).OpenAll(), MapError) << name;
+  }
+  fs::remove(folder_ / "good.db");
+  EXPECT_THROW(ServedFiles({folder_}).OpenAll(), MapError) << "none is left";
+}
+
+}  // namespace
+}  // namespace waystone
