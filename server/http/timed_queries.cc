@@ -10,7 +10,7 @@ namespace waystone {
 namespace {
 
 // For a query that notices its deadline itself: its answer says more.
-constexpr std::chrono::milliseconds kGrace{50};
+constexpr std::chrono::milliseconds kGrace{25};
 
 }  // namespace
 
@@ -30,7 +30,8 @@ void TimedQueries::Leave() {
   changed_.notify_all();  // with the lock held: the destructor ends what is notified
 }
 
-RequestAnswer TimedQueries::Ask(std::shared_ptr<const Session> session, QueryGate::Turn turn) {
+RequestAnswer TimedQueries::Ask(const std::shared_ptr<const Session>& session,
+                                QueryGate::Turn turn) {
   if (!session->deadline()) return session->Ask();
   std::promise<RequestAnswer> promise;
   std::future<RequestAnswer> answer = promise.get_future();

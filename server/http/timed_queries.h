@@ -21,9 +21,9 @@ class TimedQueries {
   TimedQueries(const TimedQueries&) = delete;
   TimedQueries& operator=(const TimedQueries&) = delete;
 
-  // The session's answer, at most a twentieth of a second after its deadline: from then on that of
-  // a query that ran out of time. Throws what Session::Ask throws.
-  RequestAnswer Ask(std::shared_ptr<const Session> session, QueryGate::Turn turn);
+  // The session's answer, at most 25 ms after its deadline: from then on that of a query that ran
+  // out of time. Throws what Session::Ask throws.
+  RequestAnswer Ask(const std::shared_ptr<const Session>& session, QueryGate::Turn turn);
 
  private:
   void Enter();

@@ -6,8 +6,11 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
+#include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/camera/image_plane.h"
 #include "core/geometry/angle.h"
 #include "core/manhattan/cube_rotations.h"
 #include "localizer/localizer.h"
@@ -189,6 +192,28 @@ TEST(Building, LinesOfRenderedImages) {
   EXPECT_LT(CubeAngle(of_photo.rig_from_axes, truth), 1 * kDegree);
   const ManhattanFrame of_panorama = DetectLines(panorama, std::nullopt, {});
   EXPECT_LT(CubeAngle(of_panorama.rig_from_axes, truth), 1 * kDegree);
+}
+
+// Of 44 megapixels, which took seconds and a gigabyte.
+TEST(Building, LinesOfLargePhotosAreDetectedInSmallerOnes) {
+  WorldOptions look = TestOptions();
+  look.trim = true;
+  const World world(TwoRooms(), look);
+  const Eigen::Isometry3d pose = WorldFromCamera({1.5, 2.0, 1.4}, 0.5, 0.1, 0.02);
+  const Camera camera = PinholeCamera(480, 360, 1.2);
+  const Camera large = ScaledCamera(camera, 7680);
+  cv::Mat photo;
+  cv::resize(Render(world, camera, pose).grey, photo, {large.width, large.height}, 0, 0,
+             cv::INTER_CUBIC);
+  BuildingOptions whole;
+  whole.working_pixels = 50'000'000;
+  Clock::time_point start = Clock::now();
+  DetectLines(photo, large, whole);
+  const double whole_s = SecondsSince(start);
+  start = Clock::now();
+  const ManhattanFrame lines = DetectLines(photo, large, {});
+  EXPECT_LT(SecondsSince(start), 0.5 * whole_s);
+  EXPECT_LT(CubeAngle(lines.rig_from_axes, pose.linear().transpose()), 1 * kDegree);
 }
 
 TEST(Building, OptionsOutOfRangeAreRefused) {
