@@ -48,6 +48,7 @@ TEST(ErrorTable, TitlesAreUniqueShortSentences) {
 TEST(ErrorTable, ExitCodesAreThoseOfTheProgram) {
   const std::map<ErrorCode, int> others = {{ErrorCode::kUsage, 2},
                                            {ErrorCode::kBadOptions, 2},
+                                           {ErrorCode::kUnreadableFrames, 4},
                                            {ErrorCode::kInterrupted, 130},
                                            {ErrorCode::kInternal, 5}};
   for (ErrorCode code : AllCodes()) {
