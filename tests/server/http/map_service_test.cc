@@ -18,7 +18,7 @@ class MapServiceTest : public testing::Test {
  protected:
   MapServiceTest()
       : app_({{"lab", MapIndex::Build(MadeMap(7))}, {"a b", MapIndex::Build(MadeMap(1))}}, {},
-             ServerNames()) {}
+             ServiceOptions()) {}
 
   HttpResponse Get(const std::string& path, const std::map<std::string, std::string>& query = {},
                    const std::string& if_none_match = "") {
