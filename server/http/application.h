@@ -23,7 +23,7 @@ struct ServiceOptions {
   // Who may ask. Empty: everybody.
   Tokens tokens;
   // By which names.
-  ServerNames names;
+  ServerNames names = ServerNames();
   // Folder of the query log; empty for none.
   std::string query_log;
   int64_t query_log_bytes = 2'000'000'000;

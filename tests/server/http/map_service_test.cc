@@ -17,8 +17,8 @@ namespace {
 class MapServiceTest : public testing::Test {
  protected:
   MapServiceTest()
-      : app_({{"lab", MapIndex::Build(MadeMap(7))}, {"a b", MapIndex::Build(MadeMap(1))}}, {},
-             ServiceOptions()) {}
+      : app_({{"lab", MapIndex::Build(MadeMap(7))}, {"a b", MapIndex::Build(MadeMap(1))}}, {}, {}) {
+  }
 
   HttpResponse Get(const std::string& path, const std::map<std::string, std::string>& query = {},
                    const std::string& if_none_match = "") {
