@@ -41,6 +41,8 @@ int RunAll(const Args& args) {
   RunServe({});
   Announce("orientation: turns, corridors, loops and nodes of made buildings");
   RunOrientation({});
+  Announce("look-alikes: storeys that share posters and doors, and other buildings");
+  RunLookAlikes({"--buildings", "8", "--first", "3"});
   const fs::path data = DataFolder();
   Announce("compass: headings between panoramas, by distance");
   const fs::path dealership = data / "dealership";
@@ -73,6 +75,8 @@ int RunAll(const Args& args) {
   RunRelative({data / "dealership"});
   Announce("verdicts: photos of one place against maps of others");
   RunVerdicts({data});
+  Announce("recall: places found by image search and by maps with and without landmarks");
+  RunRecall({data});
   Announce("kitchen: frames 0-499 mapped, 50 queries against depth and poses");
   RunRgbd({kitchen});
   if (fs::exists(dealership)) {

@@ -24,9 +24,8 @@ int RunNegatives(const Args& raw) {
       if (answer.planes.runner_up)
         most_inliers = std::max(most_inliers, answer.planes.runner_up->inliers);
       if (answer.verdict != Verdict::kNotInMap) {
-        std::printf(
-            "%s: %s, %d inliers\n", path.c_str(), NameOf(answer.verdict),
-            answer.planes.recognised.empty() ? 0 : answer.planes.recognised.front().inliers);
+        std::printf("%s: %s, %d inliers\n", path.c_str(), NameOf(answer.verdict),
+                    CountBestInliers(answer.planes));
       }
     }
   }

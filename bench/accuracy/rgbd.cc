@@ -7,6 +7,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/rgbd_truth.h"
+#include "bench/baseline/scenes.h"
 #include "core/base/error.h"
 #include "core/features/features.h"
 #include "core/features/match.h"
@@ -14,20 +15,6 @@
 
 namespace waystone::bench {
 namespace {
-
-// Median error of a plane's inlier pixels, transferred to the plane's reference image, against the
-// truth; nothing where no inlier has a depth.
-std::optional<double> TransferError(const RgbdTruth& truth, int query, int reference,
-                                    const RecognisedPlane& plane) {
-  std::vector<double> errors;
-  for (const Eigen::Vector2d& x : plane.query_points) {
-    const auto expected = truth.Transfer(query, x, reference);
-    if (!expected) continue;
-    errors.push_back((Apply(plane.reference_from_query, x) - *expected).norm());
-  }
-  if (errors.size() < 5) return std::nullopt;
-  return Quantile(errors, 0.5);
-}
 
 // What images themselves say of the truth: the median error of plain matches of the query and the
 // plane's reference image that fit one epipolar geometry. No plane or homography is in it, so what
@@ -100,17 +87,17 @@ void Ask(const RgbdTruth& truth, const std::filesystem::path& folder, const MapI
     return;
   }
   ++queries.localized;
-  const RecognisedPlane& best = answer.planes.recognised.front();
-  const int reference = index.FindKeyframe(best.reference.id)->frame;
-  const auto error_px = TransferError(truth, query, reference, best);
+  const SceneAnswer place = SceneAnswerOf(index, answer);
+  const int reference = place.reference_frame;
+  const auto error_px =
+      truth.MedianError(query, place.query_points, reference, place.reference_points);
   const auto truth_px =
       TruthError(truth, features_of(query), features_of(reference), query, reference);
   if (error_px) queries.errors_px.push_back(*error_px);
   if (truth_px) queries.truth_errors_px.push_back(*truth_px);
-  std::printf("%4d %-11s %6.1f px  plane %lld, %d inliers, %zu planes; plain matches %.1f px\n",
-              query, NameOf(answer.verdict), error_px.value_or(-1),
-              static_cast<long long>(best.id.value), best.inliers, answer.planes.recognised.size(),
-              truth_px.value_or(-1));
+  std::printf("%4d %-11s %6.1f px  %d inliers, %zu planes; plain matches %.1f px\n", query,
+              NameOf(answer.verdict), error_px.value_or(-1), CountBestInliers(answer.planes),
+              answer.planes.recognised.size(), truth_px.value_or(-1));
 }
 
 int CountWithin(const std::vector<double>& errors, double limit) {

@@ -5,8 +5,10 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
+#include <utility>
 
 #include "core/base/error.h"
+#include "core/robust/quantile.h"
 
 namespace waystone::bench {
 namespace {
@@ -92,6 +94,18 @@ std::optional<Eigen::Vector2d> RgbdTruth::Transfer(int a, const Eigen::Vector2d&
   if (seen.z() <= 0.05) return std::nullopt;
   return Eigen::Vector2d(kColourFocal_px * seen.x() / seen.z() + kCentreX_px,
                          kColourFocal_px * seen.y() / seen.z() + kCentreY_px);
+}
+
+std::optional<double> RgbdTruth::MedianError(int a, const std::vector<Eigen::Vector2d>& x_a, int b,
+                                             const std::vector<Eigen::Vector2d>& x_b) const {
+  constexpr size_t kFewest = 5;
+  std::vector<double> errors;
+  for (size_t i = 0; i < x_a.size(); ++i) {
+    const auto expected = Transfer(a, x_a[i], b);
+    if (expected) errors.push_back((x_b[i] - *expected).norm());
+  }
+  if (errors.size() < kFewest) return std::nullopt;
+  return Quantile(std::move(errors), 0.5);
 }
 
 }  // namespace waystone::bench

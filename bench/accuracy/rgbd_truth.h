@@ -25,6 +25,10 @@ class RgbdTruth {
   const Eigen::Isometry3d& world_from_camera(int frame) const { return world_from_camera_[frame]; }
   // Pixel of frame b that shows what pixel x of frame a shows; nothing without depth there.
   std::optional<Eigen::Vector2d> Transfer(int a, const Eigen::Vector2d& x, int b) const;
+  // Median distance, px, of points of frame b from where the truth sees those of frame a, row by
+  // row; nothing with fewer than five that have a depth.
+  std::optional<double> MedianError(int a, const std::vector<Eigen::Vector2d>& x_a, int b,
+                                    const std::vector<Eigen::Vector2d>& x_b) const;
 
  private:
   std::filesystem::path folder_;

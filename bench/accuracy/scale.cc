@@ -7,10 +7,12 @@
 #include <iostream>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/scale_map.h"
 #include "bench/accuracy/world_source.h"
+#include "bench/baseline/scenes.h"
 #include "cli/child_process.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
@@ -61,9 +63,9 @@ struct Query {
 };
 
 // A made building, a walk through it that is mapped, and photos from another walk on the same way.
-class Scene {
+class MappedWorld {
  public:
-  Scene()
+  MappedWorld()
       : world_(DemoPlan()),
         renderer_(PinholeCamera(640, 480, 1.2)),
         walk_(MakeWalk(WalkOptions{})) {
@@ -78,19 +80,18 @@ class Scene {
   const MapData& map() const { return map_; }
   const std::vector<Query>& queries() const { return queries_; }
 
-  // Whether the answer's best plane is where it says, by the world's truth.
+  // Whether the answer's inliers are where it says, by the world's truth.
   bool IsRight(const MapIndex& index, const Query& query, const Answer& answer) const {
-    const RecognisedPlane& plane = answer.planes.recognised.front();
-    const int reference = index.FindKeyframe(plane.reference.id)->frame;
+    const SceneAnswer place = SceneAnswerOf(index, answer);
     std::vector<double> errors;
-    for (const Eigen::Vector2d& x : plane.query_points) {
+    for (size_t i = 0; i < place.query_points.size(); ++i) {
+      const Eigen::Vector2d& x = place.query_points[i];
       const int id = query.plane_ids.at<uint16_t>(cvRound(x.y()), cvRound(x.x()));
       if (id == 0) continue;
       const Eigen::Matrix3d reference_from_query =
           PlaneHomography(world_.PlaneById(id), renderer_.camera(), query.world_from_camera,
-                          walk_.frames[reference].world_from_camera);
-      errors.push_back(
-          (Apply(reference_from_query, x) - Apply(plane.reference_from_query, x)).norm());
+                          walk_.frames[place.reference_frame].world_from_camera);
+      errors.push_back((Apply(reference_from_query, x) - place.reference_points[i]).norm());
     }
     return !errors.empty() && Quantile(errors, 0.5) <= kRight_px;
   }
@@ -133,7 +134,7 @@ struct Timed {
   int right = 0;
 };
 
-Timed AskAll(const Scene& scene, const MapIndex& index) {
+Timed AskAll(const MappedWorld& scene, const MapIndex& index) {
   Timed timed;
   for (const Query& query : scene.queries()) {
     const Answer answer = Localize(index, query.bytes, "", LocalizeOptions{});
@@ -181,7 +182,13 @@ void CompareNearest(const MapIndex& index, const Features& query, Comparison& su
   }
 }
 
-Comparison Compare(const Scene& scene, const MapIndex& index, const Timed& timed) {
+// Of a localized answer; nothing for a place without planes.
+std::optional<PlaneId> BestPlane(const Answer& answer) {
+  if (answer.planes.recognised.empty()) return std::nullopt;
+  return answer.planes.recognised.front().id;
+}
+
+Comparison Compare(const MappedWorld& scene, const MapIndex& index, const Timed& timed) {
   Comparison sum;
   LocalizeOptions exhaustive;
   exhaustive.planes.probes = std::numeric_limits<int>::max();
@@ -199,7 +206,7 @@ Comparison Compare(const Scene& scene, const MapIndex& index, const Timed& timed
     const Answer& answer = timed.answers[q];
     sum.found += answer.verdict == Verdict::kLocalized &&
                  answer.planes.keyframe->id == truth.planes.keyframe->id &&
-                 answer.planes.recognised.front().id == truth.planes.recognised.front().id;
+                 BestPlane(answer) == BestPlane(truth);
   }
   sum.exhaustive_ms /= std::max(1, count);
   return sum;
@@ -210,7 +217,7 @@ bool SameOnOneThread(const MapData& map) {
   return one.execute([&] { return IndexFeatures(map); }) == map.index;
 }
 
-nlohmann::ordered_json Measure(const Scene& scene, int64_t features, const fs::path& file) {
+nlohmann::ordered_json Measure(const MappedWorld& scene, int64_t features, const fs::path& file) {
   Clock::time_point start = Clock::now();
   MapData map = Enlarged(scene.map(), features, 1);
   nlohmann::ordered_json json = {{"features", CountFeatures(map)}, {"planes", map.planes.size()}};
@@ -278,7 +285,7 @@ int RunScale(const Args& raw) {
   if (const std::string map = TakeOption(args, "open", ""); !map.empty()) return OpenOnly(map);
   if (args.empty()) args = {"100000", "1000000"};
   cv::setNumThreads(1);
-  const Scene scene;
+  const MappedWorld scene;
   const fs::path file =
       fs::temp_directory_path() / ("waystone-scale-" + std::to_string(getpid()) + ".db");
   nlohmann::ordered_json json = {{"bench", "scale"}, {"runs", nlohmann::ordered_json::array()}};

@@ -114,7 +114,7 @@ void AskOutside(const Photos& photos, const MapIndex& index, Verdicts& verdicts)
     verdicts.false_ambiguous += answer.verdict == Verdict::kAmbiguous;
     if (answer.verdict == Verdict::kLocalized) {
       std::printf("false: %s %zu, %.2f sure, %d inliers\n", photos.name.c_str(), i,
-                  answer.probability, answer.planes.recognised.front().inliers);
+                  answer.probability, CountBestInliers(answer.planes));
     }
   }
 }

@@ -65,7 +65,7 @@ BuildOptions KeyframesAsTold(const std::string& text) {
 
 SceneAnswer AnswerOf(const Graphs& graphs, const ImageAnswer& answer) {
   const int frame = graphs.image_graph.nodes[answer.node].frame;
-  return {frame, frame, answer.node_from_query, answer.query_points};
+  return {frame, frame, answer.query_points, MoveAll(answer.node_from_query, answer.query_points)};
 }
 
 struct Table3 {

@@ -93,12 +93,8 @@ class PhotoScene : public Scene {
     const PosedCamera& named = PoseOf(map_.at(answer.image_frame));
     const double cosine = asked.world_from_camera.col(2).dot(named.world_from_camera.col(2));
     if (cosine < std::cos(limits_.church_angle_rad)) return false;
-    std::vector<Vector2d> moved;
-    for (const Vector2d& x : answer.query_points) {
-      moved.push_back(Apply(answer.reference_from_query, x));
-    }
     return EpipolarError(asked, PoseOf(map_.at(answer.reference_frame)), answer.query_points,
-                         moved) <= limits_.church_px;
+                         answer.reference_points) <= limits_.church_px;
   }
   std::string Criterion() const override {
     return "looks within 30 degrees of the named photo's direction, and the median epipolar error "

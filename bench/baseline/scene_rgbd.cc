@@ -24,13 +24,9 @@ class RgbdScene : public Scene {
     return DecodeGrey(ReadBytes(std::filesystem::path(folder_) / truth_.image(FrameOf(query))));
   }
   bool IsRight(int query, const SceneAnswer& answer) const override {
-    std::vector<double> errors;
-    for (const Eigen::Vector2d& x : answer.query_points) {
-      const auto expected = truth_.Transfer(FrameOf(query), x, answer.reference_frame);
-      if (!expected) continue;
-      errors.push_back((Apply(answer.reference_from_query, x) - *expected).norm());
-    }
-    return errors.size() >= kMinJudged && Quantile(errors, 0.5) <= limits_.kitchen_px;
+    const auto error_px = truth_.MedianError(FrameOf(query), answer.query_points,
+                                             answer.reference_frame, answer.reference_points);
+    return error_px && *error_px <= limits_.kitchen_px;
   }
   std::string Criterion() const override {
     return "median transfer error by depth and poses <= " +

@@ -56,14 +56,15 @@ class WorldScene : public Scene {
   bool IsRight(int query, const SceneAnswer& answer) const override {
     std::vector<double> errors;
     const cv::Mat& ids = frames_[query].plane_ids;
-    for (const Eigen::Vector2d& x : answer.query_points) {
+    for (size_t i = 0; i < answer.query_points.size(); ++i) {
+      const Eigen::Vector2d& x = answer.query_points[i];
       const int plane = ids.at<uint16_t>(static_cast<int>(std::lround(x.y())),
                                          static_cast<int>(std::lround(x.x())));
       if (plane == 0) continue;
       const Eigen::Matrix3d truth = PlaneHomography(
           world_.PlaneById(plane), renderer_.camera(), query_walk_.frames[query].world_from_camera,
           walk_.frames[answer.reference_frame].world_from_camera);
-      errors.push_back((Apply(answer.reference_from_query, x) - Apply(truth, x)).norm());
+      errors.push_back((answer.reference_points[i] - Apply(truth, x)).norm());
     }
     return errors.size() >= kMinJudged && Quantile(errors, 0.5) <= limits_.world_px;
   }

@@ -2,15 +2,28 @@
 #include "bench/baseline/scenes.h"
 
 #include "core/base/check.h"
+#include "core/homography/homography.h"
 
 namespace waystone::bench {
 
+std::vector<Eigen::Vector2d> MoveAll(const Eigen::Matrix3d& b_from_a,
+                                     const std::vector<Eigen::Vector2d>& points) {
+  std::vector<Eigen::Vector2d> moved;
+  for (const Eigen::Vector2d& x : points) moved.push_back(Apply(b_from_a, x));
+  return moved;
+}
+
 SceneAnswer SceneAnswerOf(const MapIndex& index, const Answer& answer) {
   WS_CHECK(answer.verdict == Verdict::kLocalized, "only a localized answer names a place");
+  const int image = index.FindKeyframe(answer.planes.keyframe->id)->frame;
+  if (answer.planes.recognised.empty()) {
+    const EpipolarMatches& matches = answer.planes.epipolar.value();
+    return {image, index.FindKeyframe(matches.keyframe.id)->frame, matches.query_points,
+            matches.keyframe_points};
+  }
   const RecognisedPlane& best = answer.planes.recognised.front();
-  return {index.FindKeyframe(answer.planes.keyframe->id)->frame,
-          index.FindKeyframe(best.reference.id)->frame, best.reference_from_query,
-          best.query_points};
+  return {image, index.FindKeyframe(best.reference.id)->frame, best.query_points,
+          MoveAll(best.reference_from_query, best.query_points)};
 }
 
 }  // namespace waystone::bench

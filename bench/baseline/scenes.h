@@ -16,12 +16,18 @@ namespace waystone::bench {
 // What a graph answered to a query, as far as the truth wants to know it.
 struct SceneAnswer {
   int image_frame = 0;      // number of the map's frame that was named as the place
-  int reference_frame = 0;  // of the one that the homography leads to
-  Eigen::Matrix3d reference_from_query = Eigen::Matrix3d::Identity();
-  std::vector<Eigen::Vector2d> query_points;  // inliers of the homography
+  int reference_frame = 0;  // of the one that the matches lead to
+  // Inliers in the query, and where the answer puts each in the reference frame, px.
+  std::vector<Eigen::Vector2d> query_points;
+  std::vector<Eigen::Vector2d> reference_points;
 };
 
-// What a map answered, when it says `localized`: its best plane, and the keyframe it named.
+// The points moved by a homography.
+std::vector<Eigen::Vector2d> MoveAll(const Eigen::Matrix3d& b_from_a,
+                                     const std::vector<Eigen::Vector2d>& points);
+
+// What a map answered, when it says `localized`: the keyframe it named, and its best plane's
+// inliers moved by the homography; for a place without planes its keyframe's matches.
 SceneAnswer SceneAnswerOf(const MapIndex& index, const Answer& answer);
 
 // A sequence to map with queries whose truth is known.

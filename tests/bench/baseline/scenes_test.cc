@@ -79,10 +79,30 @@ TEST(WorldScene, JudgesByTheRenderedPlanes) {
   SceneAnswer answer;
   answer.image_frame = answer.reference_frame = 0;
   for (int i = 0; i < 10; ++i) answer.query_points.emplace_back(300 + 4 * i, 200 + 3 * i);
-  answer.reference_from_query(0, 2) = 400;  // far off
+  for (const Eigen::Vector2d& x : answer.query_points) {
+    answer.reference_points.emplace_back(x.x() + 400, x.y());  // far off
+  }
   EXPECT_FALSE(scene->IsRight(0, answer));
   answer.query_points.resize(2);  // too few to tell
+  answer.reference_points.resize(2);
   EXPECT_FALSE(scene->IsRight(0, answer));
+}
+
+// A place without planes is judged by its keyframe's matches.
+TEST(SceneAnswerOf, TakesTheMatchesOfAPlaceWithoutPlanes) {
+  MapData map;
+  map.sequences.push_back({SequenceId{1}, "walk", "folder", 9, 0, {}});
+  map.keyframes.push_back({KeyframeId{4}, SequenceId{1}, 0, 7, "7.jpg", {}, 640, 480, {}, {}});
+  Answer answer;
+  answer.verdict = Verdict::kLocalized;
+  answer.planes.keyframe = KeyframeRef{KeyframeId{4}, "walk", "7.jpg", {}};
+  answer.planes.epipolar = EpipolarMatches{*answer.planes.keyframe, 1, 1, {{10, 20}}, {{30, 40}}};
+  const SceneAnswer place = SceneAnswerOf(*MapIndex::Build(std::move(map)), answer);
+  EXPECT_EQ(place.image_frame, 7);
+  EXPECT_EQ(place.reference_frame, 7);
+  ASSERT_EQ(place.query_points.size(), 1u);
+  EXPECT_EQ(place.query_points[0], Eigen::Vector2d(10, 20));
+  EXPECT_EQ(place.reference_points.at(0), Eigen::Vector2d(30, 40));
 }
 
 }  // namespace
