@@ -112,8 +112,8 @@ Decoded Decode(std::span<const uint8_t> bytes, const LocalizeOptions& options) {
   Decoded decoded;
   options.Finish(Stage::kQueue);
   try {
-    CheckLimits(ReadImageHeader(bytes), options.limits);
     if (options.TooLate()) {
+      CheckLimits(ReadImageHeader(bytes), options.limits);  // what can't be decoded is said first
       decoded.refusal = Undecided(Stage::kQueue);
     } else {
       decoded.grey = DecodeGrey(bytes, options.limits);

@@ -23,7 +23,10 @@ cv::Mat Decode(std::span<const uint8_t> bytes, const DecodeLimits& limits, int f
   const ImageHeader header = ReadImageHeader(bytes);
   CheckLimits(header, limits);
   std::vector<uint8_t> png;
-  if (header.format == "png") bytes = png = WithoutPngTexts(bytes);
+  if (header.format == "png") {
+    CheckPngBlocks(bytes);
+    if (HasPngTexts(bytes)) bytes = png = WithoutPngTexts(bytes);
+  }
   cv::Mat image;
   std::string cause = "its pixels can't be decoded";
   try {

@@ -17,8 +17,13 @@ using Bytes = std::span<const uint8_t>;
 
 ImageHeader ReadJpegHeader(Bytes bytes);
 ImageHeader ReadPngHeader(Bytes bytes);
-// A PNG whose header was read, up to its end and without texts: the decoder would inflate them,
-// each to several megabytes. Refuses image data that were made to take long to inflate.
+// Refuses a PNG, whose header was read, with image data made to take long to inflate: each block of
+// deflate brings its own code tables, and many small ones cost a hundred times what their bytes
+// cost otherwise. Encoders write blocks of thousands of symbols, or a few a row.
+void CheckPngBlocks(Bytes bytes);
+// Whether a PNG has texts, which the decoder would inflate, each to several megabytes; and a copy
+// up to its end without them.
+bool HasPngTexts(Bytes bytes);
 std::vector<uint8_t> WithoutPngTexts(Bytes bytes);
 ImageHeader ReadBmpHeader(Bytes bytes);
 ImageHeader ReadPnmHeader(Bytes bytes);

@@ -95,17 +95,24 @@ std::string MegabytesText(int64_t bytes) {
   return text.data();
 }
 
-// Blocks of a deflate stream as far as its pixels go, counted up to `most`. Damage is left to the
-// decoder.
-int64_t CountBlocks(Bytes deflated, int64_t pixel_bytes, int64_t most) {
+// Blocks of a PNG's deflate stream as far as its pixels go, counted up to `most`. Damage is left to
+// the decoder.
+int64_t CountBlocks(Bytes bytes, int64_t pixel_bytes, int64_t most) {
   constexpr int kBehindBlock = 128;
   std::vector<Bytef> inflated(1 << 16);
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) return 0;
-  stream.next_in = const_cast<Bytef*>(deflated.data());  // zlib doesn't change it
-  stream.avail_in = static_cast<uInt>(deflated.size());
+  PngChunks chunks(bytes);
   int64_t blocks = 0;
   while (blocks < most && static_cast<int64_t>(stream.total_out) < pixel_bytes) {
+    if (stream.avail_in == 0) {
+      const std::optional<PngChunk> chunk = chunks.Next();
+      if (!chunk) break;
+      if (chunk->name != "IDAT") continue;
+      stream.next_in = const_cast<Bytef*>(chunk->data.data());  // zlib doesn't change it
+      stream.avail_in = static_cast<uInt>(chunk->data.size());
+      continue;
+    }
     stream.next_out = inflated.data();
     stream.avail_out = static_cast<uInt>(inflated.size());
     if (inflate(&stream, Z_BLOCK) != Z_OK) break;
@@ -113,19 +120,6 @@ int64_t CountBlocks(Bytes deflated, int64_t pixel_bytes, int64_t most) {
   }
   inflateEnd(&stream);
   return blocks;
-}
-
-// Each block of deflate brings its own code tables: many small ones cost a hundred times what their
-// bytes cost otherwise. Encoders write blocks of thousands of symbols, or a few a row.
-void CheckBlocks(const std::vector<uint8_t>& deflated, const PngSize& size) {
-  constexpr size_t kFewBytes = 4'000'000;  // half a second at worst
-  constexpr int64_t kBytesOfBlock = 256;
-  if (deflated.size() <= kFewBytes) return;
-  const int64_t most = 1000 + int64_t{2} * size.height + std::ssize(deflated) / kBytesOfBlock;
-  if (CountBlocks(deflated, size.pixel_bytes, most + 1) <= most) return;
-  RefuseImage("the PNG has more than " + std::to_string(most) +
-              " blocks of compressed data, far more than its " + std::to_string(size.height) +
-              " rows need; save it again");
 }
 
 void CheckDataBytes(int64_t bytes, const PngSize& size) {
@@ -137,40 +131,66 @@ void CheckDataBytes(int64_t bytes, const PngSize& size) {
               " pixels need at most " + MegabytesText(most) + "; save it again");
 }
 
+bool IsText(const PngChunk& chunk) {
+  return chunk.name == "tEXt" || chunk.name == "zTXt" || chunk.name == "iTXt";
+}
+
+struct PngData {
+  PngSize size;
+  bool found = false;  // a chunk of image data
+  int64_t bytes = 0;   // of all of them
+};
+
+PngData MeasureData(Bytes bytes) {
+  PngChunks chunks(bytes);
+  PngData data{.size = ReadSize(chunks.Next()->data)};
+  while (const std::optional<PngChunk> chunk = chunks.Next()) {
+    if (chunk->name != "IDAT") continue;
+    data.found = true;
+    data.bytes += std::ssize(chunk->data);
+  }
+  return data;
+}
+
 }  // namespace
 
 ImageHeader ReadPngHeader(Bytes bytes) {
-  PngChunks chunks(bytes);
-  const PngSize size = ReadSize(chunks.Next()->data);
-  int64_t data_bytes = 0;
-  bool has_data = false;
-  while (const std::optional<PngChunk> chunk = chunks.Next()) {
-    if (chunk->name != "IDAT") continue;
-    has_data = true;
-    data_bytes += std::ssize(chunk->data);
-  }
-  if (!has_data) RefuseImage("the PNG has no image data; it is damaged");
-  CheckDataBytes(data_bytes, size);
+  const PngData data = MeasureData(bytes);
+  if (!data.found) RefuseImage("the PNG has no image data; it is damaged");
+  CheckDataBytes(data.bytes, data.size);
   return {.format = "png",
-          .width = size.width,
-          .height = size.height,
-          .inflated_bytes = size.pixel_bytes};
+          .width = data.size.width,
+          .height = data.size.height,
+          .inflated_bytes = data.size.pixel_bytes};
+}
+
+void CheckPngBlocks(Bytes bytes) {
+  constexpr int64_t kFewBytes = 4'000'000;  // half a second at worst
+  constexpr int64_t kBytesOfBlock = 256;
+  const PngData data = MeasureData(bytes);
+  if (data.bytes <= kFewBytes) return;
+  const int64_t most = 1000 + int64_t{2} * data.size.height + data.bytes / kBytesOfBlock;
+  if (CountBlocks(bytes, data.size.pixel_bytes, most + 1) <= most) return;
+  RefuseImage("the PNG has more than " + std::to_string(most) +
+              " blocks of compressed data, far more than its " + std::to_string(data.size.height) +
+              " rows need; save it again");
+}
+
+bool HasPngTexts(Bytes bytes) {
+  PngChunks chunks(bytes);
+  while (const std::optional<PngChunk> chunk = chunks.Next()) {
+    if (IsText(*chunk)) return true;
+  }
+  return false;
 }
 
 std::vector<uint8_t> WithoutPngTexts(Bytes bytes) {
   std::vector<uint8_t> taken(bytes.begin(), bytes.begin() + kSignatureBytes);
-  std::vector<uint8_t> deflated;
-  PngSize size;
   PngChunks chunks(bytes);
   while (const std::optional<PngChunk> chunk = chunks.Next()) {
-    if (chunk->name == "tEXt" || chunk->name == "zTXt" || chunk->name == "iTXt") continue;
-    if (chunk->name == "IHDR") size = ReadSize(chunk->data);
-    if (chunk->name == "IDAT") {
-      deflated.insert(deflated.end(), chunk->data.begin(), chunk->data.end());
-    }
+    if (IsText(*chunk)) continue;
     taken.insert(taken.end(), chunk->whole.begin(), chunk->whole.end());
   }
-  CheckBlocks(deflated, size);
   return taken;
 }
 
