@@ -17,6 +17,12 @@ size_t FeatureCount(const MapData& map) {
   return count;
 }
 
+size_t LandmarkCount(const MapData& map) {
+  size_t count = 0;
+  for (const Keyframe& keyframe : map.keyframes) count += keyframe.landmarks.positions.size();
+  return count;
+}
+
 size_t LoopCount(const AppearanceLayer& layer) {
   return static_cast<size_t>(
       std::ranges::count(layer.edges, AppearanceEdgeKind::kLoop, &AppearanceEdge::kind));
@@ -204,10 +210,12 @@ std::string BytesText(uint64_t bytes) {
 
 std::string CountsText(const MapData& map) {
   std::vector<std::string> parts;
-  if (!map.planes.empty() || (!map.appearance && !map.orientation)) {
+  const size_t landmarks = LandmarkCount(map);
+  if (!map.planes.empty() || landmarks > 0 || (!map.appearance && !map.orientation)) {
     parts = {Plural(map.keyframes.size(), "keyframe"), Plural(map.planes.size(), "plane"),
              Plural(map.edges.size(), "edge"), Plural(FeatureCount(map), "feature")};
   }
+  if (landmarks > 0) parts.push_back(Plural(landmarks, "landmark"));
   if (map.appearance) {
     parts.push_back(Plural(map.appearance->nodes.size(), "panorama") + " with " +
                     Plural(LoopCount(*map.appearance), "loop"));
@@ -269,6 +277,7 @@ Json SummaryJson(const BuildSummary& summary) {
   json["planes"] = map.planes.size();
   json["edges"] = map.edges.size();
   json["features"] = FeatureCount(map);
+  json["landmarks"] = LandmarkCount(map);
   json["frames"] = planes.frames;
   json["skipped"] = planes.skipped;
   json["skipped_names"] = planes.skipped_names;

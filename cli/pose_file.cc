@@ -35,42 +35,23 @@ std::optional<size_t> FirstColumn(const CsvFile& file, std::initializer_list<con
   return std::nullopt;
 }
 
-// The columns of a name; nothing unless all are there.
-template <size_t kCount>
-std::optional<std::array<size_t, kCount>> Columns(const CsvFile& file,
-                                                  const std::array<const char*, kCount>& names) {
-  std::array<size_t, kCount> columns{};
-  for (size_t i = 0; i < kCount; ++i) {
-    const auto column = file.Column(names[i]);
-    if (!column) return std::nullopt;
-    columns[i] = *column;
-  }
-  return columns;
-}
-
 std::vector<FilePose> ReadCsvPoses(const fs::path& path) {
   const CsvFile file(path);
-  const auto at = Columns<3>(file, {"x", "y", "z"});
-  if (!at) file.Fail(1, "the header has no columns x, y and z");
-  const auto quaternion = Columns<4>(file, {"qw", "qx", "qy", "qz"});
+  const auto columns = PoseColumns::Find(file);
+  if (!columns) file.Fail(1, "the header has no columns x, y and z");
   const auto name = FirstColumn(file, {"image", "keyframe", "id"});
   const auto frame = file.Column("frame");
   const auto time = file.Column("time_s");
   std::vector<FilePose> poses;
   for (const CsvFile::Row& row : file.rows()) {
-    if (row.cells[(*at)[0]].empty()) continue;
-    const auto number = [&](size_t column) { return file.Number(row, column); };
+    const std::optional<TruePose> read = columns->Read(file, row);
+    if (!read) continue;
     FilePose pose;
     if (name) pose.name = row.cells[*name];
-    if (time && !name && !frame) pose.time_s = number(*time);
-    pose.number = frame ? static_cast<int>(number(*frame)) : static_cast<int>(poses.size());
-    pose.pose.has_rotation = quaternion.has_value();
-    const Eigen::Quaterniond rotation =
-        quaternion ? Eigen::Quaterniond(number((*quaternion)[0]), number((*quaternion)[1]),
-                                        number((*quaternion)[2]), number((*quaternion)[3]))
-                   : Eigen::Quaterniond::Identity();
-    pose.pose.world_from_camera =
-        PoseOf({number((*at)[0]), number((*at)[1]), number((*at)[2])}, rotation);
+    if (time && !name && !frame) pose.time_s = file.Number(row, *time);
+    pose.number =
+        frame ? static_cast<int>(file.Number(row, *frame)) : static_cast<int>(poses.size());
+    pose.pose = *read;
     poses.push_back(std::move(pose));
   }
   return poses;
@@ -160,6 +141,34 @@ class TextPoses {
 };
 
 }  // namespace
+
+std::optional<PoseColumns> PoseColumns::Find(const CsvFile& file) {
+  const std::array x{file.Column("x"), file.Column("y"), file.Column("z")};
+  const std::array q{file.Column("qw"), file.Column("qx"), file.Column("qy"), file.Column("qz")};
+  const auto is_there = [](const std::optional<size_t>& column) { return column.has_value(); };
+  if (std::ranges::none_of(x, is_there)) return std::nullopt;
+  if (!std::ranges::all_of(x, is_there)) {
+    file.Fail(1, "the header must have all of the columns x, y and z, or none");
+  }
+  PoseColumns columns;
+  columns.position_ = {*x[0], *x[1], *x[2]};
+  if (std::ranges::all_of(q, is_there)) columns.rotation_ = {*q[0], *q[1], *q[2], *q[3]};
+  return columns;
+}
+
+std::optional<TruePose> PoseColumns::Read(const CsvFile& file, const CsvFile::Row& row) const {
+  if (std::ranges::all_of(position_, [&](size_t column) { return row.cells[column].empty(); })) {
+    return std::nullopt;
+  }
+  const auto number = [&](size_t column) { return file.Number(row, column); };
+  const auto& [x, y, z] = position_;
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  if (rotation_) {
+    const auto& [qw, qx, qy, qz] = *rotation_;
+    rotation = {number(qw), number(qx), number(qy), number(qz)};
+  }
+  return TruePose{PoseOf({number(x), number(y), number(z)}, rotation), rotation_.has_value()};
+}
 
 std::vector<FilePose> ReadPoseFile(const fs::path& path) {
   std::vector<FilePose> poses =

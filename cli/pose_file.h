@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "cli/csv_file.h"
 #include "quality/pose_error.h"
 
 namespace waystone {
@@ -18,6 +20,19 @@ struct FilePose {
   std::optional<double> time_s;
   int number = 0;
   TruePose pose;
+};
+
+// The columns x, y, z of a CSV file and, where all four are there, qw, qx, qy, qz.
+class PoseColumns {
+ public:
+  // Nothing where the header has none of the first three; fails where it has a part of them.
+  static std::optional<PoseColumns> Find(const CsvFile& file);
+  // Nothing for a row without a position. Fails for what isn't a number.
+  std::optional<TruePose> Read(const CsvFile& file, const CsvFile::Row& row) const;
+
+ private:
+  std::array<size_t, 3> position_{};
+  std::optional<std::array<size_t, 4>> rotation_;
 };
 
 // Reads poses of images: a CSV file (by its extension) with the columns x, y, z, optionally qx, qy,

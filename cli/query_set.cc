@@ -179,46 +179,6 @@ std::vector<PlaceId> TruthOf(const CsvFile& file, const CsvFile::Row& row,
   return truth;
 }
 
-struct PoseColumns {
-  std::array<size_t, 3> position{};
-  std::optional<std::array<size_t, 4>> rotation;  // qw, qx, qy, qz
-};
-
-std::optional<PoseColumns> FindPoseColumns(const CsvFile& file) {
-  const auto x = file.Column("x");
-  const auto y = file.Column("y");
-  const auto z = file.Column("z");
-  if (!x && !y && !z) return std::nullopt;
-  if (!x || !y || !z) file.Fail(1, "the header must have all of the columns x, y and z, or none");
-  PoseColumns columns{{*x, *y, *z}, {}};
-  const auto qw = file.Column("qw");
-  const auto qx = file.Column("qx");
-  const auto qy = file.Column("qy");
-  const auto qz = file.Column("qz");
-  if (qw && qx && qy && qz) columns.rotation = {*qw, *qx, *qy, *qz};
-  return columns;
-}
-
-std::optional<TruePose> PoseIn(const CsvFile& file, const CsvFile::Row& row,
-                               const std::optional<PoseColumns>& columns) {
-  if (!columns) return std::nullopt;
-  const bool none = std::ranges::all_of(columns->position,
-                                        [&](size_t column) { return row.cells[column].empty(); });
-  if (none) return std::nullopt;
-  const auto number = [&](size_t column) { return file.Number(row, column); };
-  TruePose pose;
-  const auto& [x, y, z] = columns->position;
-  pose.world_from_camera.translation() = Eigen::Vector3d(number(x), number(y), number(z));
-  if (!columns->rotation) return pose;
-  const auto& [qw, qx, qy, qz] = *columns->rotation;
-  pose.has_rotation = true;
-  pose.world_from_camera.linear() =
-      Eigen::Quaterniond(number(qw), number(qx), number(qy), number(qz))
-          .normalized()
-          .toRotationMatrix();
-  return pose;
-}
-
 fs::path ImageIn(const CsvFile& file, const CsvFile::Row& row, size_t column) {
   if (row.cells[column].empty()) file.Fail(row.line, "the image field is empty");
   fs::path image = file.path().parent_path() / row.cells[column];
@@ -244,12 +204,12 @@ std::vector<LabelledQuery> ReadQuerySet(const fs::path& path, const MapIndex& in
   const std::optional<size_t> image = file.Column("image");
   if (!image) file.Fail(1, "the header has no image column");
   const PlaceColumns place = FindPlaceColumns(file);
-  const std::optional<PoseColumns> pose = FindPoseColumns(file);
+  const std::optional<PoseColumns> pose = PoseColumns::Find(file);
   const ImageNames names(index);
   std::vector<LabelledQuery> queries;
   for (const CsvFile::Row& row : file.rows()) {
-    queries.push_back(
-        {ImageIn(file, row, *image), TruthOf(file, row, place, names), PoseIn(file, row, pose)});
+    queries.push_back({ImageIn(file, row, *image), TruthOf(file, row, place, names),
+                       pose ? pose->Read(file, row) : std::nullopt});
   }
   if (queries.empty()) file.Fail(1, "no queries; add one line per image after the header");
   return queries;
