@@ -2,15 +2,16 @@
 #include "schema/file/map_database.h"
 
 #include <SQLiteCpp/Statement.h>
+#include <fcntl.h>
 #include <sqlite3.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <string_view>
-#include <system_error>
 
 #include "core/base/error.h"
 
@@ -23,6 +24,8 @@ constexpr int kHeaderBytes = 100;
 constexpr std::string_view kMagic("SQLite format 3\0", 16);
 // Small pages keep small maps small; a blob lies across as many as it needs at 4 bytes a page.
 constexpr int kPageBytes = 1024;
+// The format version in the header of a database whose newest rows may lie in another file.
+constexpr unsigned char kWal = 2;
 
 [[noreturn]] void ThrowUnreadable(const fs::path& path, const std::string& cause) {
   throw MapError(ErrorCode::kFileUnreadable,
@@ -34,37 +37,57 @@ constexpr int kPageBytes = 1024;
                                           "; expected a file written by `waystone build`");
 }
 
-void CheckRegular(const fs::path& path) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) ThrowUnreadable(path, error ? error.message() : "no such file");
-  if (fs::is_directory(status)) ThrowUnreadable(path, "is a folder");
-  if (!fs::is_regular_file(status)) ThrowUnreadable(path, "is not a regular file");
+// A file that is open for reading.
+class File {
+ public:
+  explicit File(const fs::path& path) : path_(path) {
+    // A pipe would wait for its other end.
+    descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor_ < 0) ThrowUnreadable(path, std::strerror(errno));
+    const mode_t mode = Status().st_mode;
+    if (S_ISREG(mode)) return;
+    close(descriptor_);
+    ThrowUnreadable(path, S_ISDIR(mode) ? "is a folder" : "is not a regular file");
+  }
+  ~File() { close(descriptor_); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  struct stat Status() const {
+    struct stat status {};
+    if (fstat(descriptor_, &status) != 0) ThrowUnreadable(path_, std::strerror(errno));
+    return status;
+  }
+
+  // Returns how many of the file's first bytes there were.
+  size_t Read(std::span<unsigned char> bytes) const {
+    size_t count = 0;
+    while (count < bytes.size()) {
+      const ssize_t read =
+          pread(descriptor_, bytes.data() + count, bytes.size() - count, static_cast<off_t>(count));
+      if (read < 0 && errno == EINTR) continue;
+      if (read < 0) ThrowUnreadable(path_, std::strerror(errno));
+      if (read == 0) break;
+      count += static_cast<size_t>(read);
+    }
+    return count;
+  }
+
+ private:
+  const fs::path& path_;
+  int descriptor_ = -1;
+};
+
+bool SameState(const struct stat& a, const struct stat& b) {
+  return a.st_size == b.st_size && a.st_mtim.tv_sec == b.st_mtim.tv_sec &&
+         a.st_mtim.tv_nsec == b.st_mtim.tv_nsec;
 }
 
 // SQLite's own header is big-endian.
-uint32_t BigEndian(const char* bytes, int count) {
+uint32_t BigEndian(const unsigned char* bytes, int count) {
   uint32_t value = 0;
-  for (int i = 0; i < count; ++i) value = (value << 8) | static_cast<unsigned char>(bytes[i]);
+  for (int i = 0; i < count; ++i) value = (value << 8) | bytes[i];
   return value;
-}
-
-// A path as SQLite's file: URI takes it: everything that could mean something else is escaped.
-std::string UriOf(const fs::path& path) {
-  static constexpr char kDigits[] = "0123456789ABCDEF";
-  static constexpr std::string_view kPlain =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.~/";
-  std::string uri = "file:";
-  for (const char c : fs::absolute(path).string()) {
-    if (kPlain.find(c) != std::string_view::npos) {
-      uri += c;
-    } else {
-      uri += '%';
-      uri += kDigits[static_cast<unsigned char>(c) >> 4];
-      uri += kDigits[static_cast<unsigned char>(c) & 15];
-    }
-  }
-  return uri + "?mode=ro&immutable=1";
 }
 
 void SetUp(SQLite::Database& database) {
@@ -73,17 +96,11 @@ void SetUp(SQLite::Database& database) {
       "PRAGMA cell_size_check = ON;");
 }
 
-}  // namespace
-
-MapHeader ReadMapHeader(const fs::path& path) {
-  CheckRegular(path);
-  std::ifstream in(path, std::ios::binary);
-  if (!in) ThrowUnreadable(path, std::strerror(errno));
-  std::array<char, kHeaderBytes> bytes{};
-  in.read(bytes.data(), bytes.size());
-  const std::streamsize count = in.gcount();
+MapHeader ReadHeader(const fs::path& path, const File& file) {
+  std::array<unsigned char, kHeaderBytes> bytes{};
+  const size_t count = file.Read(bytes);
   if (count == 0) ThrowNotAMap(path, "it is empty");
-  if (std::string_view(bytes.data(), std::min<size_t>(count, kMagic.size())) != kMagic) {
+  if (!std::ranges::equal(std::span(bytes).first(std::min(count, kMagic.size())), kMagic)) {
     ThrowNotAMap(path, "it is not an SQLite database");
   }
   const uint32_t page_bytes = BigEndian(&bytes[16], 2);
@@ -92,14 +109,17 @@ MapHeader ReadMapHeader(const fs::path& path) {
   header.application_id = static_cast<int32_t>(BigEndian(&bytes[68], 4));
   header.claimed_bytes =
       static_cast<int64_t>(page_bytes == 1 ? 65536 : page_bytes) * BigEndian(&bytes[28], 4);
-  in.clear();
-  header.file_bytes = in.seekg(0, std::ios::end).tellg();
+  header.file_bytes = file.Status().st_size;
   if (count == kHeaderBytes && header.application_id != kApplicationId) {
     ThrowNotAMap(path, "it is an SQLite database of another program (application_id " +
                            std::to_string(header.application_id) + ")");
   }
   return header;
 }
+
+}  // namespace
+
+MapHeader ReadMapHeader(const fs::path& path) { return ReadHeader(path, File(path)); }
 
 void CheckVersion(const fs::path& path, int file_version, int program_version) {
   if (file_version == program_version) return;
@@ -117,17 +137,29 @@ std::optional<MapProblem> FindCut(const MapHeader& header) {
                                 std::to_string(header.claimed_bytes)};
 }
 
-SQLite::Database OpenReadOnly(const fs::path& path) {
-  CheckRegular(path);
-  try {
-    SQLite::Database database(UriOf(path), SQLite::OPEN_READONLY | SQLite::OPEN_URI);
-    // A file that was made to harm gets no function and no write through its schema.
-    sqlite3_db_config(database.getHandle(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-    SetUp(database);
-    return database;
-  } catch (const SQLite::Exception& error) {
-    ThrowUnreadable(path, error.what());
+OpenedMap OpenReadOnly(const fs::path& path) {
+  const File file(path);
+  const struct stat before = file.Status();
+  OpenedMap map{ReadHeader(path, file),
+                std::vector<unsigned char>(static_cast<size_t>(before.st_size)),
+                SQLite::Database(":memory:", SQLite::OPEN_READWRITE)};
+  if (file.Read(map.bytes) != map.bytes.size() || !SameState(before, file.Status())) {
+    ThrowUnreadable(path, "is being written to");
   }
+  if (map.bytes.size() >= kHeaderBytes && (map.bytes[18] == kWal || map.bytes[19] == kWal)) {
+    throw MapError(ErrorCode::kMapDamaged,
+                   path.string() + " was switched to a write-ahead log by another program; run " +
+                       "`sqlite3 FILE 'PRAGMA journal_mode = DELETE'` on it");
+  }
+  const auto size = static_cast<sqlite3_int64>(map.bytes.size());
+  if (sqlite3_deserialize(map.database.getHandle(), "main", map.bytes.data(), size, size,
+                          SQLITE_DESERIALIZE_READONLY) != SQLITE_OK) {
+    ThrowUnreadable(path, map.database.getErrorMsg());
+  }
+  // A file that was made to harm gets no function and no write through its schema.
+  sqlite3_db_config(map.database.getHandle(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  SetUp(map.database);
+  return map;
 }
 
 SQLite::Database OpenForWriting(const fs::path& path) {

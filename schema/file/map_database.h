@@ -36,9 +36,18 @@ void CheckVersion(const std::filesystem::path& path, int file_version, int progr
 // A problem when the file is shorter or longer than its header says.
 std::optional<MapProblem> FindCut(const MapHeader& header);
 
-// Opens read-only and immutable: nothing is locked, written or created, and a folder or medium that
-// can't be written to is fine. Throws MapError(kFileUnreadable).
-SQLite::Database OpenReadOnly(const std::filesystem::path& path);
+// A map file that was read into memory through one descriptor: header, bytes and tables are those
+// of one file, whatever is renamed onto its path meanwhile.
+struct OpenedMap {
+  MapHeader header;
+  std::vector<unsigned char> bytes;  // the whole file; the database reads from them
+  SQLite::Database database;         // read-only
+};
+
+// Nothing is locked, written or created, and a folder or medium that can't be written to is fine.
+// Throws MapError as ReadMapHeader does, and kFileUnreadable for a file that is written to while it
+// is read.
+OpenedMap OpenReadOnly(const std::filesystem::path& path);
 
 // Opens an empty file, or a copy of a map, that nobody else knows of, for writing in one go: no
 // journal, no flushing; whoever calls this flushes the file and removes it after an error.

@@ -4,11 +4,8 @@
 #include <SQLiteCpp/Column.h>
 #include <SQLiteCpp/Database.h>
 #include <SQLiteCpp/Statement.h>
-#include <sys/stat.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <iterator>
 #include <map>
 #include <string>
@@ -42,11 +39,10 @@ void Append(std::vector<MapProblem>& to, std::vector<MapProblem> from) {
 // Reads a file that may be damaged and says everything that is wrong with it: the one way in, for
 // reading and checking alike. Throws MapError when it can't be opened as a map of this version.
 Reading Inspect(const fs::path& path, const ReadOptions& options, bool integrity) {
-  const MapHeader header = ReadMapHeader(path);
+  auto [header, bytes, database] = OpenReadOnly(path);
   CheckVersion(path, header.schema_version, kSchemaVersion);
   std::vector<MapProblem> problems;
   if (const auto cut = FindCut(header)) problems.push_back(*cut);
-  SQLite::Database database = OpenReadOnly(path);
   Append(problems, FindAlteredObjects(database, CurrentObjects()));
   if (integrity) Append(problems, FindDatabaseProblems(database));
   Reading reading = ReadDatabase(database, options);
@@ -54,6 +50,7 @@ Reading Inspect(const fs::path& path, const ReadOptions& options, bool integrity
   Append(problems, FindAlteredContents(database, CurrentObjects()));
   Append(problems, FindMapProblems(reading.map));
   reading.problems = std::move(problems);
+  if (reading.problems.empty()) reading.map.info.version = Sha256(bytes);
   return reading;
 }
 
@@ -85,14 +82,6 @@ void VerifyWritten(const MapData& map, const fs::path& written, const fs::path& 
                  target.string() + ": the written file reads back " +
                      (reading.problems.empty() ? "differently" : Summary(reading.problems)) +
                      "; the target was not replaced; check the disk and try again");
-}
-
-// Which file a path names and when it last changed.
-std::vector<int64_t> Identity(const fs::path& path) {
-  struct stat status {};
-  if (stat(path.c_str(), &status) != 0) return {};
-  return {static_cast<int64_t>(status.st_dev), static_cast<int64_t>(status.st_ino), status.st_size,
-          status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
 }
 
 std::map<std::string, int64_t> BytesByTable(SQLite::Database& database) {
@@ -175,28 +164,18 @@ void WriteMap(const MapData& map, const fs::path& path, const WriteOptions& opti
 }
 
 MapData ReadMap(const fs::path& path, const ReadOptions& options) {
-  constexpr int kAttempts = 5;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const std::vector<int64_t> before = Identity(path);
-    Reading reading = Inspect(path, options, false);
-    if (reading.problems.empty()) reading.map.info.version = Sha256OfFile(path);
-    // A map that is replaced meanwhile must not be mixed from two, nor named after the other.
-    if (Identity(path) != before) continue;
-    if (!reading.problems.empty()) ThrowDamaged(path, reading.problems);
-    return std::move(reading.map);
-  }
-  throw MapError(ErrorCode::kFileUnreadable, path.string() + " changed while being read, " +
-                                                 std::to_string(kAttempts) +
-                                                 " times; retry when it is complete");
+  Reading reading = Inspect(path, options, false);
+  if (!reading.problems.empty()) ThrowDamaged(path, reading.problems);
+  return std::move(reading.map);
 }
 
 std::vector<MapProblem> CheckMap(const fs::path& path) { return Inspect(path, {}, true).problems; }
 
 std::vector<TableSize> TableSizes(const fs::path& path) {
-  CheckVersion(path, ReadMapHeader(path).schema_version, kSchemaVersion);
-  SQLite::Database database = OpenReadOnly(path);
+  OpenedMap map = OpenReadOnly(path);
+  CheckVersion(path, map.header.schema_version, kSchemaVersion);
   try {
-    return SizesOf(database);
+    return SizesOf(map.database);
   } catch (const SQLite::Exception& error) {
     ThrowDamaged(path, {{"file", error.what()}});
   }

@@ -35,8 +35,8 @@ struct ReadOptions {
   bool images = true;  // read the keyframes' JPEGs too
 };
 
-// Reads a whole map, checking every blob's length and CRC and every reference. Opens the file
-// read-only and immutable; never writes, also not beside it.
+// Reads a whole map, checking every blob's length and CRC and every reference. The file's bytes are
+// in memory meanwhile, so a map that is renamed onto it doesn't matter; nothing is ever written.
 // Throws MapError: kFileUnreadable, kNotAMap, kMapDamaged, kMapVersion.
 MapData ReadMap(const std::filesystem::path& path, const ReadOptions& options = {});
 

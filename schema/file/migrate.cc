@@ -18,8 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // What was damaged before must not come out of a migration looking sound.
-void CheckBefore(const fs::path& path, const MapHeader& header, std::span<const Migration> steps) {
-  SQLite::Database database = OpenReadOnly(path);
+void CheckBefore(const fs::path& path, std::span<const Migration> steps) {
+  auto [header, bytes, database] = OpenReadOnly(path);
   std::vector<MapProblem> problems = FindDatabaseProblems(database);
   if (const auto cut = FindCut(header)) problems.insert(problems.begin(), *cut);
   if (problems.empty()) {
@@ -53,7 +53,7 @@ int MigrateFile(const fs::path& path, std::span<const Migration> steps,
   if (header.schema_version > newest || header.schema_version < 0) {
     CheckVersion(path, header.schema_version, newest);
   }
-  CheckBefore(path, header, steps);
+  CheckBefore(path, steps);
   FileReplacer file(path, true);
   try {
     fs::copy_file(path, file.temporary(), fs::copy_options::overwrite_existing);

@@ -4,20 +4,12 @@
 #include <openssl/evp.h>
 
 #include <array>
-#include <cerrno>
-#include <cstdint>
-#include <cstring>
-#include <fstream>
-#include <memory>
-#include <vector>
+#include <cstddef>
 
 #include "core/base/check.h"
-#include "core/base/error.h"
 
 namespace waystone {
 namespace {
-
-constexpr size_t kChunkBytes = 1 << 18;
 
 std::string Hex(const unsigned char* digest, size_t bytes) {
   static constexpr char kDigits[] = "0123456789abcdef";
@@ -31,25 +23,13 @@ std::string Hex(const unsigned char* digest, size_t bytes) {
 
 }  // namespace
 
-std::string Sha256OfFile(const std::filesystem::path& path) {
-  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(),
-                                                                        &EVP_MD_CTX_free);
-  WS_CHECK(context && EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1,
-           "OpenSSL has no SHA-256");
-  std::ifstream in(path, std::ios::binary);
-  std::vector<char> chunk(kChunkBytes);
-  while (in) {
-    in.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
-    EVP_DigestUpdate(context.get(), chunk.data(), static_cast<size_t>(in.gcount()));
-  }
-  if (!in.eof() || in.bad()) {
-    throw MapError(ErrorCode::kFileUnreadable, path.string() + ": " + std::strerror(errno) +
-                                                   "; check the path and its permissions");
-  }
+std::string Sha256(std::span<const unsigned char> bytes) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned int bytes = 0;
-  EVP_DigestFinal_ex(context.get(), digest.data(), &bytes);
-  return "sha256:" + Hex(digest.data(), bytes);
+  unsigned int length = 0;
+  WS_CHECK(
+      EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) == 1,
+      "OpenSSL has no SHA-256");
+  return "sha256:" + Hex(digest.data(), length);
 }
 
 }  // namespace waystone

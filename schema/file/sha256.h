@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
+#include <span>
 #include <string>
 
 namespace waystone {
 
-// "sha256:<64 hex digits>" of a file's bytes. Throws MapError(kFileUnreadable). Thread-safe.
-std::string Sha256OfFile(const std::filesystem::path& path);
+// "sha256:<64 hex digits>" of the bytes. Thread-safe.
+std::string Sha256(std::span<const unsigned char> bytes);
 
 }  // namespace waystone

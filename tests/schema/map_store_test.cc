@@ -81,7 +81,9 @@ TEST(MapStore, TheVersionIsTheFilesHash) {
   const TemporaryFolder folder;
   WriteMap(MadeMap(7), folder / "m.db", {});
   const MapData read = ReadMap(folder / "m.db");
-  EXPECT_EQ(read.info.version, Sha256OfFile(folder / "m.db"));
+  const std::string file = ReadFile(folder / "m.db");
+  EXPECT_EQ(read.info.version,
+            Sha256({reinterpret_cast<const unsigned char*>(file.data()), file.size()}));
   // What was read can be written again, and is the same map.
   WriteMap(read, folder / "again.db", {});
   EXPECT_EQ(ReadMap(folder / "again.db").info.version, read.info.version);
@@ -285,27 +287,45 @@ TEST(MapStore, ManyReadersAtOnce) {
   EXPECT_EQ(same, 40);
 }
 
-// Whoever opens the map while it is replaced sees one of the two, with the hash of that one.
+// Whoever opens the map while it is replaced sees one of the two, with the hash of that one. Here
+// it is replaced many times during every read.
 TEST(MapStore, ReadersSeeTheOldOrTheNewMap) {
   const TemporaryFolder folder;
   const MapData maps[2] = {MadeMap(17), MadeMap(18)};
   std::string versions[2];
   for (int i = 0; i < 2; ++i) {
-    WriteMap(maps[i], folder / "m.db", {.overwrite = true});
-    versions[i] = ReadMap(folder / "m.db").info.version;
+    WriteMap(maps[i], folder / std::to_string(i), {});
+    versions[i] = ReadMap(folder / std::to_string(i)).info.version;
   }
-  std::atomic<bool> done = false;
-  std::thread writer([&] {
-    for (int i = 0; i < 20; ++i) WriteMap(maps[i % 2], folder / "m.db", {.overwrite = true});
-    done = true;
+  WriteMap(maps[0], folder / "m.db", {});
+  std::atomic<int64_t> replaced = 0;
+  const std::jthread writer([&](const std::stop_token& stop) {
+    for (; !stop.stop_requested(); ++replaced) {
+      fs::create_hard_link(folder / std::to_string(replaced % 2), folder / "new");
+      fs::rename(folder / "new", folder / "m.db");
+      fs::remove(folder / "new");  // the two names of one file are left as they are by a rename
+    }
   });
-  while (!done) {
+  while (replaced < 2) std::this_thread::yield();
+  for (int i = 0; i < 50; ++i) {
     const MapData read = ReadMap(folder / "m.db");
     const int which = read.info.version == versions[0] ? 0 : 1;
     EXPECT_EQ(read.info.version, versions[which]);
     EXPECT_EQ(WithoutVersion(read), maps[which]);
   }
-  writer.join();
+  EXPECT_GT(replaced, 50);
+}
+
+// Its newest rows may be in a log that wasn't copied with it.
+TEST(MapStore, AMapWithAWriteAheadLogIsRefused) {
+  const TemporaryFolder folder;
+  WriteMap(MadeMap(17), folder / "m.db", {});
+  RunSql(folder / "m.db", "PRAGMA journal_mode = WAL");
+  const MapError error = ErrorOf([&] { ReadMap(folder / "m.db"); });
+  EXPECT_EQ(error.code(), ErrorCode::kMapDamaged);
+  EXPECT_NE(std::string(error.what()).find("PRAGMA journal_mode = DELETE"), std::string::npos);
+  RunSql(folder / "m.db", "PRAGMA journal_mode = DELETE");
+  EXPECT_EQ(WithoutVersion(ReadMap(folder / "m.db")), MadeMap(17));
 }
 
 TEST(MapStore, ViewsForPeopleShowCountsAndNames) {

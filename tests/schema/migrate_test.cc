@@ -81,7 +81,8 @@ TEST_F(MigrateTest, StepsAreAppliedInOrder) {
   EXPECT_EQ(Number("SELECT count(*) FROM turns"),
             std::ssize(MadeMap(31, kWithoutLandmarks).keyframes));
   EXPECT_GT(Number("SELECT min(exposure_s) FROM keyframes"), 0);
-  SQLite::Database database = OpenReadOnly(path_);
+  OpenedMap opened = OpenReadOnly(path_);
+  SQLite::Database& database = opened.database;
   EXPECT_TRUE(FindDatabaseProblems(database).empty());
   EXPECT_TRUE(FindAlteredObjects(database, ExpectedObjects(steps)).empty());
   EXPECT_TRUE(FindAlteredContents(database, ExpectedObjects(steps)).empty());
