@@ -15,8 +15,7 @@
 namespace waystone {
 namespace {
 
-constexpr int kUsualSamples = 64;             // panoramas whose distances tell what is usual
-constexpr double kTrajectoryShare = 1.0 / 3;  // what odometry may be off by between two loops
+constexpr int kUsualSamples = 64;  // panoramas whose distances tell what is usual
 constexpr double kLeastSigma = 1e-6;
 
 using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -208,7 +207,7 @@ class Closer {
                               std::hypot(other_b_from_b.x, other_b_from_b.y);
     return std::abs(difference.theta_rad) <= options_.agreement_rad &&
            std::hypot(difference.x, difference.y) <=
-               options_.agreement_steps * StepOf(r.a) + kTrajectoryShare * trajectory;
+               options_.agreement_steps * StepOf(r.a) + options_.trajectory_share * trajectory;
   }
 
   PoseEdge EdgeOf(const PanoramaRelation& r) const {

@@ -21,6 +21,7 @@ struct LoopOptions {
   int neighbourhood = 5;
   double agreement_rad = 0.1;
   double agreement_steps = 2;
+  double trajectory_share = 1.0 / 3;
   double length_sigma = 0.3;
   double steps_sigma = 0.5;
 
@@ -51,6 +52,10 @@ struct LoopOptions {
         OptionField{"agreement_steps", &LoopOptions::agreement_steps, Closed(0.1, 100), "steps",
                     "Largest distance of positions that agree, plus a third of the trajectory "
                     "between them."},
+        OptionField{"trajectory_share", &LoopOptions::trajectory_share, Closed(0, 1), "",
+                    "Share of the trajectory between two loops by which the odometry may be off "
+                    "besides.",
+                    OptionUse::kInternal},
         OptionField{"length_sigma", &LoopOptions::length_sigma, Closed(0.01, 10), "",
                     "Standard deviation of a loop's position, relative to its length ..."},
         OptionField{"steps_sigma", &LoopOptions::steps_sigma, Closed(0.01, 100), "steps",

@@ -11,13 +11,10 @@
 namespace waystone {
 namespace {
 
-constexpr int kSectors = 16;  // of the horizon, above and below it
-constexpr double kCrowd = 2;  // times its even share that a sector takes before the others
-
-int FindSector(const Eigen::Vector3d& ray) {
+int FindSector(const Eigen::Vector3d& ray, int sectors) {
   const double turns = std::atan2(ray.x(), ray.z()) / (2 * std::numbers::pi) + 0.5;
-  const int around = std::clamp(static_cast<int>(turns * kSectors), 0, kSectors - 1);
-  return ray.y() < 0 ? around : kSectors + around;
+  const int around = std::clamp(static_cast<int>(turns * sectors), 0, sectors - 1);
+  return ray.y() < 0 ? around : sectors + around;
 }
 
 // Rows by how much they are worth: found again most often first, then the strongest of each camera.
@@ -35,16 +32,18 @@ std::vector<int> Ranked(const BearingFeatures& features, const std::vector<int>&
 
 // The best rows, of no sector more than its share before the others had theirs; ascending.
 std::vector<int> Spread(const BearingFeatures& features, const std::vector<int>& ranked,
-                        int max_kept) {
-  const int share = static_cast<int>(std::ceil(kCrowd * max_kept / (2 * kSectors)));
-  std::vector<int> filled(2 * kSectors, 0);
+                        const NodeFeatureOptions& options) {
+  const int share =
+      static_cast<int>(std::ceil(options.max_crowd * options.max_kept / (2 * options.sectors)));
+  std::vector<int> filled(2 * options.sectors, 0);
   std::vector<int> kept;
   std::vector<int> rest;
   for (const int row : ranked) {
-    (filled[FindSector(features.rays[row])]++ < share ? kept : rest).push_back(row);
+    (filled[FindSector(features.rays[row], options.sectors)]++ < share ? kept : rest)
+        .push_back(row);
   }
   kept.insert(kept.end(), rest.begin(), rest.end());
-  kept.resize(std::min(kept.size(), static_cast<size_t>(max_kept)));
+  kept.resize(std::min(kept.size(), static_cast<size_t>(options.max_kept)));
   std::ranges::sort(kept);
   return kept;
 }
@@ -82,7 +81,7 @@ NodeFeatures NodeFeatureChooser::Chosen() const {
   BearingFeatures kept;
   kept.type = features_.type;
   kept.descriptors = Descriptors(features_.descriptors.bytes());
-  for (const int row : Spread(features_, Ranked(features_, found_), options_.max_kept)) {
+  for (const int row : Spread(features_, Ranked(features_, found_), options_)) {
     kept.rays.push_back(features_.rays[row]);
     kept.descriptors.Append(features_.descriptors.row(row));
   }

@@ -13,6 +13,8 @@ namespace waystone {
 // What of a panorama is kept to verify answers with.
 struct NodeFeatureOptions {
   int max_kept = 255;
+  int sectors = 16;
+  double max_crowd = 2;
   PanoramaFeatureOptions extract;
   // Of a panorama's features with those of the one before it.
   MatchOptions match{0.8, true};
@@ -23,6 +25,12 @@ struct NodeFeatureOptions {
                     "Features kept of each panorama; 0 keeps none, and answers rest on the "
                     "appearance alone. More verify from farther away and add 36 bytes each to the "
                     "map."},
+        OptionField{"sectors", &NodeFeatureOptions::sectors, Closed(1, 360), "",
+                    "Sectors of the horizon, above and below it, over which features are spread.",
+                    OptionUse::kInternal},
+        OptionField{"max_crowd", &NodeFeatureOptions::max_crowd, AtLeast(1), "",
+                    "Times its even share that a sector takes before the others are filled.",
+                    OptionUse::kInternal},
         OptionGroup{"extract", &NodeFeatureOptions::extract},
         OptionGroup{"match", &NodeFeatureOptions::match}};
   }

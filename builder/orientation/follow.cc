@@ -39,9 +39,6 @@ BuildingRotation MakeBuildingRotation(const Eigen::Matrix3d& rig_from_building,
 }
 
 constexpr double kEighth = 0.25 * std::numbers::pi;  // half a quarter turn
-constexpr double kClearly = 0.5;     // one of two is meant when its misfit is this share at most
-constexpr double kDoubt = 0.15;      // of their difference: sigma of a choice between two
-constexpr int kSteadyFrames = 10;    // for which a camera may be taken to turn on as before
 constexpr size_t kMostGuesses = 12;  // frames that are carried on before the axes are settled
 
 Eigen::Vector3d RotationVector(const Eigen::Matrix3d& rotation) {
@@ -91,16 +88,16 @@ std::optional<AxesFollower::Known> AxesFollower::Predict(const Known& from,
   Eigen::Matrix3d turn = pose.b_from_a;
   double sigma = options_.step_sigma_rad;
   if (pose.one_of_two()) {
-    if (frames > kSteadyFrames) return std::nullopt;
+    if (frames > options_.steady_frames) return std::nullopt;
     const Eigen::Matrix3d expected = RotationBy(from.rate * frames);
     const double off = RotationAngle(pose.b_from_a, expected);
     const double rival_off = RotationAngle(pose.rival->b_from_a, expected);
     if (rival_off < off) turn = pose.rival->b_from_a;
     const double apart = RotationAngle(pose.b_from_a, pose.rival->b_from_a);
-    const bool clear = std::min(off, rival_off) <= kClearly * std::max(off, rival_off);
+    const bool clear = std::min(off, rival_off) <= options_.clear_share * std::max(off, rival_off);
     // Where either may be meant it does no harm if they hardly differ.
     if (!clear && apart > options_.max_rival_drift_rad) return std::nullopt;
-    sigma = std::max(sigma, (clear ? kDoubt : kClearly) * apart);
+    sigma = std::max(sigma, (clear ? options_.doubt_share : options_.clear_share) * apart);
   }
   return Known{.view = view,
                .frame = frame_,
@@ -121,7 +118,8 @@ std::optional<ManhattanFrame> AxesFollower::AxesNear(const OrientationViewPtr& v
     if (drift(own) <= options_.max_drift_rad) return own;
   }
   // A doubtful prediction would find lines near it anyway.
-  if (EstimateFrameSigma(predicted.covariance) > kClearly * options_.max_rival_drift_rad)
+  if (EstimateFrameSigma(predicted.covariance) >
+      options_.clear_share * options_.max_rival_drift_rad)
     return std::nullopt;
   ManhattanFrame near =
       FindManhattanFrameNear(view->lines, predicted.rig_from_building, manhattan_);
@@ -194,7 +192,8 @@ FollowedFrame AxesFollower::Settle(const OrientationViewPtr& view) {
                 followed.axes, true);
   }
   if (guesses_.empty() || guesses_.front().votes < options_.min_votes) return followed;
-  if (guesses_.size() > 1 && guesses_[1].votes > kClearly * guesses_.front().votes) return followed;
+  if (guesses_.size() > 1 && guesses_[1].votes > options_.clear_share * guesses_.front().votes)
+    return followed;
   Known best = guesses_.front();
   best.rig_from_building = NearestOfCube(best.rig_from_building, LookingAlongX());
   return Carry(std::move(best));
@@ -233,7 +232,7 @@ FollowedFrame AxesFollower::Follow(const OrientationViewPtr& view) {
   if (!last_) return Settle(view);
   const bool clear = view->frame.reliable() && view->frame.rival <= options_.max_clear_rival;
   const bool doubtful =
-      EstimateFrameSigma(last_->covariance) > kClearly * options_.max_rival_drift_rad;
+      EstimateFrameSigma(last_->covariance) > options_.clear_share * options_.max_rival_drift_rad;
   if ((!anchored_ || doubtful) && frame_ % options_.retry_frames == 0) {
     if (auto known = Anchored(view)) {
       anchored_ = true;

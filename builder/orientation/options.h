@@ -20,6 +20,9 @@ struct FollowOptions {
   double step_sigma_rad = 0.001;
   int anchor_frames = 20;
   int retry_frames = 5;
+  double clear_share = 0.5;
+  double doubt_share = 0.15;
+  int steady_frames = 10;
 
   static constexpr auto Fields() {
     return std::tuple{
@@ -48,7 +51,18 @@ struct FollowOptions {
                     "A frame is kept every so many to find the quarter turn by after the axes "
                     "were lost. Fewer cost time."},
         OptionField{"retry_frames", &FollowOptions::retry_frames, Closed(1, 100), "frames",
-                    "Lost frames are compared with those every so many frames. Fewer cost time."}};
+                    "Lost frames are compared with those every so many frames. Fewer cost time."},
+        OptionField{"clear_share", &FollowOptions::clear_share, Open(0, 1), "",
+                    "One of two choices is meant when its misfit is this share of the other's at "
+                    "most.",
+                    OptionUse::kInternal},
+        OptionField{"doubt_share", &FollowOptions::doubt_share, Closed(0, 1), "",
+                    "Standard deviation of a clear choice, as a share of the angle between the "
+                    "two.",
+                    OptionUse::kInternal},
+        OptionField{"steady_frames", &FollowOptions::steady_frames, Closed(1, 1000), "frames",
+                    "For how long a camera may be taken to turn on as before.",
+                    OptionUse::kInternal}};
   }
   void Check() const { CheckFields("follow", *this); }  // throws MapError(kBadOptions)
 };

@@ -17,10 +17,6 @@ using Eigen::Vector2d;
 
 // Candidates held a keyframe, in budgets: planes will claim some of them.
 constexpr int kHeldBudgets = 6;
-// The image is divided into so many cells a side to spread landmarks, each of which takes at most
-// this many times its even share before the others had theirs.
-constexpr int kSpreadCells = 6;
-constexpr double kSpreadCrowd = 2;
 
 // Positions at which the planes of a map have features in one keyframe.
 class PlanePositions {
@@ -45,12 +41,12 @@ class PlanePositions {
   std::vector<Vector2d> positions_;
 };
 
-int SpreadCell(const Keypoint& keypoint, const Keyframe& keyframe) {
+// Of the cells into which the image is divided, this many along each side.
+int SpreadCell(const Keypoint& keypoint, const Keyframe& keyframe, int cells) {
   const auto cell = [](float at, int size) {
-    return std::clamp(static_cast<int>(kSpreadCells * at / static_cast<float>(size)), 0,
-                      kSpreadCells - 1);
+    return std::clamp(static_cast<int>(cells * at / static_cast<float>(size)), 0, cells - 1);
   };
-  return cell(keypoint.y_px, keyframe.height) * kSpreadCells + cell(keypoint.x_px, keyframe.width);
+  return cell(keypoint.y_px, keyframe.height) * cells + cell(keypoint.x_px, keyframe.width);
 }
 
 }  // namespace
@@ -116,20 +112,20 @@ void LandmarkChooser::Finish(MapData& map) {
       claimed.try_emplace(view.keyframe, options_.on_plane_px).first->second.Add(plane, view);
     }
   }
-  const int share =
-      static_cast<int>(std::ceil(kSpreadCrowd * options_.max_kept / (kSpreadCells * kSpreadCells)));
+  const int cells = options_.cells * options_.cells;
+  const int share = static_cast<int>(std::ceil(options_.max_crowd * options_.max_kept / cells));
   const auto lone = static_cast<size_t>(options_.lone_share * options_.max_kept);
   for (Keyframe& keyframe : map.keyframes) {
     const auto found = std::ranges::lower_bound(candidates_, keyframe.id, {}, &Candidates::id);
     if (found == candidates_.end() || found->id != keyframe.id) continue;
     const auto planes = claimed.find(keyframe.id);
-    std::vector<int> filled(kSpreadCells * kSpreadCells, 0);
+    std::vector<int> filled(cells, 0);
     std::vector<const Candidate*> kept;
     std::vector<const Candidate*> rest;
     for (const Candidate& candidate : found->ranked) {
       if (planes != claimed.end() && planes->second.Near(PositionOf(candidate.keypoint))) continue;
       if (candidate.found == 0 && kept.size() + rest.size() >= lone) break;
-      (filled[SpreadCell(candidate.keypoint, keyframe)]++ < share ? kept : rest)
+      (filled[SpreadCell(candidate.keypoint, keyframe, options_.cells)]++ < share ? kept : rest)
           .push_back(&candidate);
     }
     kept.insert(kept.end(), rest.begin(), rest.end());

@@ -17,6 +17,8 @@ struct LandmarkOptions {
   int neighbours = 2;
   double on_plane_px = 3.0;
   double lone_share = 0.5;
+  int cells = 6;
+  double max_crowd = 2;
   MatchOptions match;
   EpipolarOptions epipolar{.max_error_px = 1.5};
 
@@ -36,6 +38,12 @@ struct LandmarkOptions {
         OptionField{"lone_share", &Self::lone_share, Closed(0, 1), "",
                     "Share of max_kept up to which features that were not found again fill up what "
                     "is found again: of photos without neighbours nothing else is known."},
+        OptionField{"cells", &Self::cells, Closed(1, 100), "",
+                    "Cells along each side of the image over which landmarks are spread.",
+                    OptionUse::kInternal},
+        OptionField{"max_crowd", &Self::max_crowd, AtLeast(1), "",
+                    "Times its even share that a cell takes before the others are filled.",
+                    OptionUse::kInternal},
         OptionGroup{"match", &Self::match},
         OptionGroup{"epipolar", &Self::epipolar}};
   }

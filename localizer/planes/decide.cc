@@ -66,15 +66,15 @@ KeyframeRef RefTo(const MapIndex& index, KeyframeId id) {
 }
 
 // Weight of a plane's inliers for a keyframe: how many there are, discounted by how far they moved
-// in the image, as a share of its width.
+// in the image, as a share of its width. It ranks a place's keyframes, not places.
 double Closeness(const VerifiedPlane& plane, const Matrix3d& keyframe_from_query,
                  const Features& query) {
-  constexpr double kHalfShare = 0.25;  // of the width: where the discount reaches 1/e
+  constexpr double kMotionShare = 0.25;  // of the width: where the discount reaches 1/e
   double sum = 0;
   for (const Match& match : plane.inliers) {
     const Vector2d x = PositionOf(query.keypoints[match.a]);
     const double moved = (Apply(keyframe_from_query, x) - x).norm();
-    if (std::isfinite(moved)) sum += std::exp(-moved / (kHalfShare * query.width));
+    if (std::isfinite(moved)) sum += std::exp(-moved / (kMotionShare * query.width));
   }
   return sum;
 }
@@ -210,8 +210,7 @@ Answer Describe(const MapIndex& index, const Features& query, const Place& place
 // Whether a place has enough of the best one's inliers to be it as well. An epipolar geometry fits
 // some matches of any two images, so that a keyframe alone must be somewhat likely too.
 bool LooksAsWell(const Place& place, const Place& best, const PlaneQueryOptions& options) {
-  constexpr double kLeastProbability = 0.2;
-  if (place.planes.empty() && place.probability < kLeastProbability) return false;
+  if (place.planes.empty() && place.probability < options.gates.min_rival_probability) return false;
   return CountInliers(place) >= options.gates.ambiguous_share * CountInliers(best);
 }
 

@@ -15,6 +15,7 @@ struct GateOptions {
   double distinct_px = 4.0;
   double max_scale = 8.0;
   double ambiguous_share = 0.7;
+  double min_rival_probability = 0.2;
 
   static constexpr auto Fields() {
     return std::tuple{
@@ -36,7 +37,11 @@ struct GateOptions {
                     "through noise."},
         OptionField{"ambiguous_share", &GateOptions::ambiguous_share, OpenLow(0, 1), "",
                     "A second place with this share of the first one's inliers makes the answer "
-                    "ambiguous. Lower calls more answers ambiguous."}};
+                    "ambiguous. Lower calls more answers ambiguous."},
+        OptionField{"min_rival_probability", &GateOptions::min_rival_probability, Closed(0, 1), "",
+                    "A second place that is known by a keyframe alone must have this probability "
+                    "as well: an epipolar geometry fits some matches of any two images.",
+                    OptionUse::kInternal}};
   }
   void Check() const { CheckFields("gates", *this); }  // throws MapError(kBadOptions)
 };

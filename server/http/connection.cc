@@ -215,7 +215,7 @@ ReceivedRequest Connection::TakeRequest() {
           .body_error = std::exchange(body_error_, {})};
 }
 
-void Connection::TakeAnswer(SentResponse answer) {
+void Connection::TakeAnswer(const SentResponse& answer) {
   ReturnBody();
   close_ |= answer.close;
   out_ += answer.bytes;

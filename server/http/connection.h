@@ -73,7 +73,7 @@ class Connection {
   bool has_request() const { return ready_; }
   bool is_urgent() const { return head_.is_urgent; }
   ReceivedRequest TakeRequest();
-  void TakeAnswer(SentResponse answer);
+  void TakeAnswer(const SentResponse& answer);
 
   // What is to be written now, and how much of it was.
   std::string_view out() const { return std::string_view(out_).substr(sent_); }

@@ -74,7 +74,7 @@ HttpRequest ToRequest(const httplib::Request& in, int port, ReceivedRequest& rec
     return in.get_header_value(name);
   };
   request.read_body = [&received] {
-    if (received.body_error) throw *received.body_error;
+    if (const auto& error = received.body_error) throw MapError(error->code(), error->what());
     return std::move(received.body);
   };
   return request;
