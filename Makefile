@@ -14,7 +14,7 @@ BROWSER ?= yes
 export BROWSER
 
 .NOTPARALLEL:
-.PHONY: help demo test bench check lint check-format tidy standalone format release build asan tsan \
+.PHONY: help demo test bench check lint check-format tidy standalone format release build asan tsan fuzz soak \
   packages browser web package package-test clean
 
 help:  ## list the targets
@@ -71,6 +71,22 @@ tsan: packages  ## the server's tests with ThreadSanitizer
 	@scripts/build.sh tsan $(JOBS) threaded_tests
 	@TSAN_OPTIONS=suppressions=$(CURDIR)/scripts/tsan.supp:print_suppressions=0 \
 	 scripts/run_tests.py build/tsan --parallel $(JOBS) -L threaded
+
+# What breaks a reader goes to build/fuzz/crashes, with a line how to try it again.
+SECONDS ?= 3600
+fuzz: packages  ## libFuzzer on every reader of what strangers send; SECONDS=3600 for each
+	@scripts/install_packages.sh scripts/fuzz_packages.txt
+	@scripts/build.sh fuzz $(JOBS) fuzz
+	@scripts/fuzz.py build/fuzz $(SECONDS) $(JOBS)
+
+# PRESET=tsan runs the server that is built with ThreadSanitizer.
+MINUTES ?= 30
+PRESET ?= release
+soak: packages  ## honest and hostile clients on a server with changing maps; MINUTES=30
+	@scripts/build.sh $(PRESET) $(JOBS) waystone
+	@TSAN_OPTIONS=suppressions=$(CURDIR)/scripts/tsan.supp:print_suppressions=0 \
+	 tests/soak/soak.py --program build/$(PRESET)/cli/waystone --seconds $$(($(MINUTES) * 60)) \
+	 --folder build/$(PRESET)/soak
 
 format: packages  ## lay out every source file by .clang-format
 	@scripts/install_packages.sh scripts/lint_packages.txt

@@ -13,17 +13,20 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string ReadWhole(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw MapError(ErrorCode::kFileUnreadable, path.string() + " can't be read");
+  std::error_code ignored;
+  std::ifstream in;
+  if (fs::is_regular_file(path, ignored)) in.open(path, std::ios::binary);
+  if (!in.is_open()) throw MapError(ErrorCode::kFileUnreadable, path.string() + " can't be read");
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
 LoggedQuery ParseLine(const fs::path& folder, const std::string& line) {
-  const Json json = Json::parse(line);
+  const Json json = ParseJson(line, kMaxAnswerDepth);
   LoggedQuery query;
   query.id = json.at("id").get<std::string>();
   query.map = json.at("map");
   query.answer = json.at("answer");
+  if (!query.answer.is_object()) RefuseRequest("its answer is not an object");
   query.request = ParseQueryRequest(json.at("request"), {});
   for (const Json& image : json.at("images")) {
     // The name alone: a log from elsewhere must not read files beside it.
@@ -31,6 +34,12 @@ LoggedQuery ParseLine(const fs::path& folder, const std::string& line) {
     query.request.images.push_back({image.at("name").get<std::string>(), ReadWhole(folder / file)});
   }
   return query;
+}
+
+[[noreturn]] void RefuseLine(const fs::path& folder, int number, ErrorCode code,
+                             const std::string& cause) {
+  throw MapError(code, (folder / kQueryLogLines).string() + ", line " + std::to_string(number) +
+                           " is not a logged query (" + cause + "); remove the line");
 }
 
 }  // namespace
@@ -63,9 +72,9 @@ std::vector<LoggedQuery> ReadQueryLog(const fs::path& folder) {
     try {
       queries.push_back(ParseLine(folder, line));
     } catch (const Json::exception&) {
-      throw MapError(ErrorCode::kBadRequest, (folder / kQueryLogLines).string() + ", line " +
-                                                 std::to_string(number) +
-                                                 " is not a logged query; remove the line");
+      RefuseLine(folder, number, ErrorCode::kBadRequest, "it lacks a field");
+    } catch (const MapError& error) {
+      RefuseLine(folder, number, error.code(), error.what());
     }
   }
   return queries;

@@ -26,8 +26,8 @@ struct LoggedQuery {
 Json LoggedQueryJson(const LoggedQuery& query, double time_s,
                      const std::vector<std::string>& files);
 
-// All queries of a log in their order, with their images. Throws MapError: kFileUnreadable;
-// kBadRequest with the line.
+// All queries of a log in their order, with their images. Throws MapError, with the line where it
+// is one's fault: kFileUnreadable, kBadRequest.
 std::vector<LoggedQuery> ReadQueryLog(const std::filesystem::path& folder);
 
 }  // namespace waystone

@@ -14,7 +14,6 @@ std::string QuoteShortened(const std::string& text) { return "'" + text.substr(0
 
 namespace {
 
-constexpr int kMaxDepth = 8;  // of JSON: nothing we read is deeper
 constexpr int kMaxTopK = 50;
 constexpr size_t kMaxBeliefs = 1000;
 constexpr size_t kMaxMotions = 64;      // no request has more images
@@ -25,9 +24,9 @@ constexpr double kMaxFovDeg = 179;
 
 }  // namespace
 
-Json ParseJson(std::string_view text) {
-  const auto bounded = [](int depth, Json::parse_event_t, const Json&) {
-    if (depth > kMaxDepth) RefuseRequest("the JSON is nested too deeply");
+Json ParseJson(std::string_view text, int max_depth) {
+  const auto bounded = [max_depth](int depth, Json::parse_event_t, const Json&) {
+    if (depth > max_depth) RefuseRequest("the JSON is nested too deeply");
     return true;
   };
   try {

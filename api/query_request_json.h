@@ -50,8 +50,12 @@ Json ToJson(const std::vector<NodeBelief>& belief);
 [[noreturn]] void RefuseRequest(const std::string& cause);
 std::string QuoteShortened(const std::string& text);
 
-// JSON of a bounded depth.
-Json ParseJson(std::string_view text);
+// Deeper than any request, and than any answer.
+constexpr int kMaxRequestDepth = 8;
+constexpr int kMaxAnswerDepth = 32;
+
+// JSON of a bounded depth: copying it takes stack for each level.
+Json ParseJson(std::string_view text, int max_depth = kMaxRequestDepth);
 
 // A text of at most kMaxNameBytes.
 std::string NameIn(const Json& value, const std::string& field);

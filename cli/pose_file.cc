@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -24,8 +25,18 @@ constexpr size_t kColmapFields = 10;
 Eigen::Isometry3d PoseOf(const Eigen::Vector3d& at, const Eigen::Quaterniond& rotation) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = at;
-  pose.linear() = rotation.normalized().toRotationMatrix();
+  // Stable: a quaternion far from unit length is no reason for one that isn't a rotation.
+  pose.linear() = Eigen::Quaterniond(rotation.coeffs().stableNormalized()).toRotationMatrix();
   return pose;
+}
+
+int FrameNumber(const CsvFile& file, const CsvFile::Row& row, size_t column) {
+  constexpr double kMost = 1e9;
+  const double number = file.Number(row, column);
+  if (number != std::floor(number) || std::abs(number) > kMost) {
+    file.Fail(row.line, "frame is " + row.cells[column] + "; it must be an integer");
+  }
+  return static_cast<int>(number);
 }
 
 std::optional<size_t> FirstColumn(const CsvFile& file, std::initializer_list<const char*> names) {
@@ -49,8 +60,7 @@ std::vector<FilePose> ReadCsvPoses(const fs::path& path) {
     FilePose pose;
     if (name) pose.name = row.cells[*name];
     if (time && !name && !frame) pose.time_s = file.Number(row, *time);
-    pose.number =
-        frame ? static_cast<int>(file.Number(row, *frame)) : static_cast<int>(poses.size());
+    pose.number = frame ? FrameNumber(file, row, *frame) : static_cast<int>(poses.size());
     pose.pose = *read;
     poses.push_back(std::move(pose));
   }
@@ -120,13 +130,18 @@ class TextPoses {
   }
 
  private:
-  FilePose Parse(const std::vector<std::string>& fields, int line) {
+  std::optional<FilePose> AnyPose(const std::vector<std::string>& fields) {
     if (const auto numbers = NumbersOf(fields)) {
       if (numbers->size() == kTumNumbers) return TumPose(*numbers);
       if (numbers->size() == kKittiNumbers) return KittiPose(*numbers);
     }
-    if (auto pose = ColmapPose(fields)) {
-      skip_ = true;  // the line of its points
+    std::optional<FilePose> pose = ColmapPose(fields);
+    skip_ = pose.has_value();  // the line of its points
+    return pose;
+  }
+
+  FilePose Parse(const std::vector<std::string>& fields, int line) {
+    if (auto pose = AnyPose(fields); pose && pose->pose.world_from_camera.matrix().allFinite()) {
       return *pose;
     }
     throw MapError(ErrorCode::kBadRequest,

@@ -22,8 +22,9 @@ namespace fs = std::filesystem;
 }
 
 double ComputeHeading(double qx, double qy, double qz, double qw) {
+  const Eigen::Quaterniond rotation(qw, qx, qy, qz);
   const Eigen::Vector3d gaze =
-      Eigen::Quaterniond(qw, qx, qy, qz).normalized() * Eigen::Vector3d::UnitZ();
+      Eigen::Quaterniond(rotation.coeffs().stableNormalized()) * Eigen::Vector3d::UnitZ();
   return std::atan2(gaze.y(), gaze.x());
 }
 

@@ -78,12 +78,18 @@ struct Segments {
   int height = 0;
 };
 
+// Markers that aren't followed by a length, where the header's reader goes on in its own way.
+bool StandsAlone(int marker) {
+  return marker <= 0x01 || (marker >= 0xD0 && marker <= 0xDA) || marker == 0xFF;
+}
+
 Segments ReadSegments(Bytes bytes) {
   constexpr std::string_view kExif("Exif\0\0", 6);
   Segments found;
   size_t at = 2;
   while (bytes.size() > at && bytes.size() - at >= 4 && bytes[at] == 0xFF) {
     const int marker = bytes[at + 1];
+    if (StandsAlone(marker)) break;
     const size_t length = bytes[at + 2] * 256 + bytes[at + 3];
     if (length < 2 || bytes.size() - at - 2 < length) break;
     const Bytes segment = bytes.subspan(at + 4, length - 2);

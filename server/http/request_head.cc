@@ -138,7 +138,13 @@ std::optional<size_t> HeadScanner::Scan(std::string_view bytes) {
     }
     const char c = bytes[scanned_];
     if (c == '\0') throw MapError(ErrorCode::kBadRequest, "malformed HTTP request");
-    if (c != '\n') continue;
+    if (c != '\n') {
+      // Where one reader sees the end of a line and another doesn't, headers can be smuggled in.
+      if (scanned_ > line_start_ && bytes[scanned_ - 1] == '\r') {
+        throw MapError(ErrorCode::kBadRequest, "malformed HTTP request: a CR without LF");
+      }
+      continue;
+    }
     const std::string_view line = bytes.substr(line_start_, scanned_ + 1 - line_start_);
     if (!line.ends_with(kLineEnd)) {
       throw MapError(ErrorCode::kBadRequest, "malformed HTTP request: a line ends without CR LF");

@@ -22,7 +22,7 @@ class HeadScanner {
  public:
   // Takes all bytes received so far, the request line first. Returns the size of the head with its
   // empty line, or nothing while that hasn't come. Throws MapError: kHeadTooLarge over one of the
-  // bounds, kBadRequest for a zero byte or a line that doesn't end with CR LF.
+  // bounds, kBadRequest for a zero byte, a CR alone or a line that doesn't end with CR LF.
   std::optional<size_t> Scan(std::string_view bytes);
 
  private:

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// make_corpus FOLDER: writes the inputs of tests/fuzz/corpus that aren't text into that folder.
+#include <fstream>
+#include <iostream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "schema/file/map_store.h"
+#include "tests/fuzz/compressed.h"
+#include "tests/schema/made_map.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+using Encoded = std::vector<uint8_t>;
+
+void Save(const fs::path& path, const Encoded& bytes) {
+  fs::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+}
+
+// A gradient with a circle, small as an icon.
+cv::Mat Picture(int type) {
+  cv::Mat picture(24, 32, CV_8UC3);
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      picture.at<cv::Vec3b>(y, x) = {uint8_t(x * 8), uint8_t(y * 10), uint8_t(x * y)};
+    }
+  }
+  cv::circle(picture, {16, 12}, 7, {250, 20, 90}, cv::FILLED);
+  cv::Mat converted = picture;
+  if (CV_MAT_CN(type) == 1) cv::cvtColor(picture, converted, cv::COLOR_BGR2GRAY);
+  if (CV_MAT_CN(type) == 4) cv::cvtColor(picture, converted, cv::COLOR_BGR2BGRA);
+  if (CV_MAT_DEPTH(type) == CV_16U) converted.convertTo(converted, CV_16U, 257);
+  return converted;
+}
+
+Encoded Encode(const std::string& extension, int type, const std::vector<int>& flags = {}) {
+  Encoded bytes;
+  cv::imencode(extension, Picture(type), bytes, flags);
+  return bytes;
+}
+
+void PutBig(Encoded& bytes, uint32_t value, int size) {
+  for (int i = size - 1; i >= 0; --i) bytes.push_back(static_cast<uint8_t>(value >> 8 * i));
+}
+
+// A JPEG with an APP1 segment: a focal length of 28 mm on film, of 3200 by 2400 pixels.
+Encoded WithExif(Encoded jpeg) {
+  Encoded tiff = {'E', 'x', 'i', 'f', 0, 0, 'M', 'M', 0, 42, 0, 0, 0, 8};
+  const auto entry = [&tiff](uint32_t tag, uint32_t type, uint32_t value) {
+    constexpr uint32_t kShortType = 3;
+    PutBig(tiff, tag, 2);
+    PutBig(tiff, type, 2);
+    PutBig(tiff, 1, 4);
+    PutBig(tiff, type == kShortType ? value << 16 : value, 4);
+  };
+  PutBig(tiff, 1, 2);
+  entry(0x8769, 4, 26);
+  PutBig(tiff, 0, 4);
+  PutBig(tiff, 3, 2);
+  entry(0xA002, 4, 3200);
+  entry(0xA003, 3, 2400);
+  entry(0xA405, 3, 28);
+  PutBig(tiff, 0, 4);
+  Encoded segment = {0xFF, 0xE1};
+  PutBig(segment, static_cast<uint32_t>(tiff.size()) + 2, 2);
+  segment.insert(segment.end(), tiff.begin(), tiff.end());
+  jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
+  return jpeg;
+}
+
+// Behind a marker without a length stands an application segment, within it a frame header: who
+// takes the next two bytes for a length meets that frame first.
+Encoded WithHiddenFrame(Encoded jpeg) {
+  const Encoded hidden = {0xFF, 0xD0, 0, 6, 0xFF, 0xE2, 0, 15, 0xFF, 0xC0, 0,
+                          11,   8,    3, 0, 4,    0,    1, 1,  0x11, 0};
+  const auto behind_exif = jpeg.begin() + 4 + jpeg[4] * 256 + jpeg[5];
+  jpeg.insert(behind_exif, hidden.begin(), hidden.end());
+  return jpeg;
+}
+
+void SaveImages(const fs::path& folder) {
+  const std::vector<int> progressive{cv::IMWRITE_JPEG_PROGRESSIVE, 1};
+  const std::vector<int> restarts{cv::IMWRITE_JPEG_RST_INTERVAL, 2};
+  Save(folder / "image/grey.jpg", Encode(".jpg", CV_8UC1));
+  Save(folder / "image/colour.jpg", Encode(".jpg", CV_8UC3, restarts));
+  Save(folder / "image/progressive.jpg", Encode(".jpg", CV_8UC3, progressive));
+  Save(folder / "image/grey.png", Encode(".png", CV_8UC1));
+  Save(folder / "image/alpha.png", Encode(".png", CV_8UC4));
+  Save(folder / "image/deep.png", Encode(".png", CV_16UC3));
+  Save(folder / "image/bits.png", Encode(".png", CV_8UC1, {cv::IMWRITE_PNG_BILEVEL, 1}));
+  Save(folder / "image/colour.bmp", Encode(".bmp", CV_8UC3));
+  Save(folder / "image/grey.pgm", Encode(".pgm", CV_8UC1));
+  Save(folder / "image/colour.ppm", Encode(".ppm", CV_16UC3));
+  Save(folder / "exif/photo.jpg", WithExif(Encode(".jpg", CV_8UC1)));
+  Save(folder / "exif/hidden_frame.jpg", WithHiddenFrame(WithExif(Encode(".jpg", CV_8UC1))));
+  Save(folder / "exif/plain.jpg", Encode(".jpg", CV_8UC1));
+}
+
+void SaveMaps(const fs::path& folder) {
+  const TemporaryFolder made;
+  MapShape small{.sequences = 1, .keyframes = 2, .planes = 2, .max_features = 3, .jpeg_bytes = 20};
+  for (const uint64_t seed : {1, 2, 3}) {
+    MapData map = MadeMap(seed, small);
+    if (seed == 2) map.orientation.reset();
+    if (seed == 3) map.appearance.reset();
+    WriteMap(map, made / "m.db", {.overwrite = true});
+    const std::string bytes = Compress(ReadFile(made / "m.db"));
+    Save(folder / ("map/made" + std::to_string(seed)), Encoded(bytes.begin(), bytes.end()));
+  }
+}
+
+}  // namespace
+}  // namespace waystone
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::cerr << "usage: make_corpus FOLDER\n";
+    return 2;
+  }
+  waystone::SaveImages(argv[1]);
+  waystone::SaveMaps(argv[1]);
+  return 0;
+}
