@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "api/query_request_json.h"
 
+#include <algorithm>
 #include <numbers>
 
 #include "core/base/error.h"
@@ -10,7 +11,13 @@ namespace waystone {
 
 void RefuseRequest(const std::string& cause) { throw MapError(ErrorCode::kBadRequest, cause); }
 
-std::string QuoteShortened(const std::string& text) { return "'" + text.substr(0, 40) + "'"; }
+std::string QuoteShortened(const std::string& text) {
+  constexpr size_t kShown = 40;
+  std::string shown = text.substr(0, kShown);
+  std::ranges::replace_if(
+      shown, [](unsigned char c) { return c < ' ' || c == 0x7F; }, '?');
+  return "'" + shown + "'";
+}
 
 namespace {
 

@@ -48,6 +48,7 @@ Json ToJson(const std::vector<NodeBelief>& belief);
 // ---- for readers of bodies
 
 [[noreturn]] void RefuseRequest(const std::string& cause);
+// In quotes, without control characters.
 std::string QuoteShortened(const std::string& text);
 
 // Deeper than any request, and than any answer.

@@ -17,10 +17,10 @@ Json ParameterValue(const std::string& name, const std::string& text) {
   if (name == "debug") {
     if (text == "true" || text == "1" || text.empty()) return true;
     if (text == "false" || text == "0") return false;
-    RefuseRequest("debug=" + text.substr(0, 40) + " must be true or false");
+    RefuseRequest(QuoteShortened("debug=" + text) + " must be true or false");
   }
   Json value = Json::parse(text, nullptr, false);
-  if (!value.is_number()) RefuseRequest(name + "=" + text.substr(0, 40) + " is not a number");
+  if (!value.is_number()) RefuseRequest(QuoteShortened(name + "=" + text) + " is not a number");
   return value;
 }
 

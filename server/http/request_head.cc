@@ -175,6 +175,7 @@ RequestHead ParseRequestHead(std::string_view bytes) {
     }
     first = false;
   }
+  if (first) parser.RequestLine("");
   return parser.Finish();
 }
 

@@ -53,6 +53,7 @@ const std::filesystem::path& FuzzFolder() {
 
 std::filesystem::path WriteInput(const std::string& name, std::string_view bytes) {
   std::filesystem::path path = FuzzFolder() / name;
+  std::filesystem::remove(path);  // some file systems wait for the disk where a file is cut to 0
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   out << bytes;
   if (!out.flush()) throw std::runtime_error(path.string() + " can't be written");

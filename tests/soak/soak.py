@@ -7,7 +7,8 @@ one, but for times. Hostile clients send everything else. Maps are replaced unde
 
   answers      all equal; none with status 500 to anybody
   reloads      a new file is served within PATIENCE_S
-  memory       median RSS of the last third at most GROWTH_SHARE + GROWTH_MB over the first third's
+  memory       what is held when little goes on, the lower quartile of RSS: in the last third at most
+               GROWTH_SHARE + GROWTH_MB more than in the first (queries come and go with 20 to 300 MB)
   descriptors  when all is quiet, as many as when all was quiet before
   threads      in the last third at most as many as in the first
   end          exit 0 within END_S of SIGTERM, while connections drip
@@ -24,7 +25,6 @@ import random
 import shutil
 import signal
 import socket
-import statistics
 import struct
 import subprocess
 import sys
@@ -468,6 +468,10 @@ class Samples:
         with contextlib.suppress(OSError, KeyError):
             self.rows.append((self.server.rss_mb(), self.server.threads(), self.server.descriptors()))
 
+    def save(self, path):
+        """A line a second: MB, threads, descriptors."""
+        path.write_text("".join(f"{rss:.1f},{threads},{descriptors}\n" for rss, threads, descriptors in self.rows))
+
     def thirds(self, column):
         third = max(1, len(self.rows) // 3)
         return ([row[column] for row in self.rows[:third]], [row[column] for row in self.rows[-third:]])
@@ -516,8 +520,12 @@ def stop(server, tally):
     return took
 
 
+def lower_quartile(values):
+    return sorted(values)[len(values) // 4]
+
+
 def check_growth(samples, quiet_before, quiet_after, tally):
-    rss_first, rss_last = (statistics.median(third) for third in samples.thirds(0))
+    rss_first, rss_last = (lower_quartile(third) for third in samples.thirds(0))
     threads_first, threads_last = (max(third) for third in samples.thirds(1))
     bound = rss_first * (1 + GROWTH_SHARE) + GROWTH_MB
     if rss_last > bound:
@@ -536,8 +544,15 @@ def soak(program, seconds, count, folder, served):
     for path in maps:
         shutil.copy(path, served)
         VERSIONS[path] = json.loads(run(program, "info", path, "--json"))["version"]
-    log = folder / "server.log"
-    server, tally, clients = Server(program, served, log), Tally(), Clients()
+    server, tally, clients = Server(program, served, folder / "server.log"), Tally(), Clients()
+    try:
+        return wear_out(server, tally, clients, seconds, maps, photos, answers, served)
+    finally:
+        server.process.kill()
+
+
+def wear_out(server, tally, clients, seconds, maps, photos, answers, served):
+    log = Path(server.log.name)
     names = [path.stem for path in maps]
     Honest(server, names, photos, answers, tally, 0)()
     quiet = wait_for_quiet(server, 0)
@@ -548,6 +563,7 @@ def soak(program, seconds, count, folder, served):
     clients.start(Reloads(server, served, maps, tally, clients.end))
     samples = measure(server, seconds, tally)
     clients.stop()
+    samples.save(log.with_name("samples.csv"))
     if not server.alive():
         sys.exit(f"the server ended with {server.process.returncode}: {log.read_text(errors='replace')[-3000:]}")
     growth = check_growth(samples, quiet, wait_for_quiet(server, quiet), tally)
