@@ -26,6 +26,8 @@ namespace {
 constexpr int kMaxIntegrityFindings = 1000;
 // What begins its findings on the pages, all of which come in its first row.
 constexpr std::string_view kPageFindings = "*** in database";
+// The page of this byte holds nothing: SQLite locks it (https://www.sqlite.org/fileformat2.html).
+constexpr int64_t kLockByte = 0x40000000;
 // Instructions of SQLite's that checking and reading may take: many times the 3 a byte that maps
 // with the smallest rows take.
 constexpr int64_t kLeastSteps = 10'000'000;
@@ -165,7 +167,9 @@ bool Guarded(const std::string& where, std::vector<MapProblem>& problems, const 
     check();
     return true;
   } catch (const SQLite::Exception& error) {
-    problems.push_back({where, Printable(error.what())});
+    const bool too_long = error.getErrorCode() == SQLITE_INTERRUPT;  // by the count of steps
+    problems.push_back({where, too_long ? "holds more objects or rows than its size accounts for"
+                                        : Printable(error.what())});
     return false;
   }
 }
@@ -230,8 +234,11 @@ std::vector<MapProblem> FindUnusedPages(OpenedMap& map) {
   int64_t unused = map.header.free_pages;
   Guarded("file", problems, [&] {
     if (!HasDbstat() || unused > 0) return;
-    const int64_t used = map.database.execAndGet("SELECT count(*) FROM dbstat").getInt64();
-    unused = map.database.execAndGet("PRAGMA page_count").getInt64() - used;
+    const int64_t used =
+        map.database.execAndGet("SELECT sum(pgsize) FROM dbstat WHERE aggregate = TRUE").getInt64();
+    const int64_t page_bytes = map.database.execAndGet("PRAGMA page_size").getInt64();
+    unused = (map.header.claimed_bytes - used) / page_bytes;
+    if (map.header.claimed_bytes > kLockByte) --unused;
   });
   if (unused > 0) {
     problems.push_back({"file", "has " + std::to_string(unused) +

@@ -103,6 +103,8 @@ class Attempt {
     if (!IsOneHarmlessLine(text) && failures_.find("not one line") == std::string::npos) {
       Fail(step, "not one line");
     }
+    // What SQLite says of a statement that was ended, which tells a user nothing.
+    if (text.ends_with("interrupted")) Fail(step, text);
   }
 
   void Fail(const std::string& step, const std::string& what) {
