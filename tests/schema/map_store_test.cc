@@ -265,6 +265,7 @@ TEST(MapStore, AnIndexOfAnUnknownFormatIsLeftOut) {
     SQLite::Database database((folder / "m.db").string(), SQLite::OPEN_READWRITE);
     WriteContents(database, ExpectedObjects(Migrations()));
   }
+  RunSql(folder / "m.db", "VACUUM");
   EXPECT_TRUE(CheckMap(folder / "m.db").empty());
   map.index.reset();
   EXPECT_EQ(WithoutVersion(ReadMap(folder / "m.db")), map);

@@ -30,7 +30,7 @@ TEST(VisualOdometryTest, StepsLeadWhereTheCameraWent) {
     if (std::hypot(gone.x, gone.y) < 1) continue;
     const Pose2& found = trajectory.poses[i];
     const double off = WrappedAngle(std::atan2(found.y, found.x) - std::atan2(gone.y, gone.x));
-    EXPECT_NEAR(off, 0, 0.2) << "panorama " << i;
+    EXPECT_NEAR(off, 0, 0.5) << "panorama " << i;  // a wrong side is off by a right angle
     ++compared;
   }
   EXPECT_GT(compared, 5);
