@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "builder/orientation/source_rig.h"
+#include "core/camera/panorama.h"
+#include "schema/sequence_kinds.h"
 #include "core/base/error.h"
 
 namespace waystone {

@@ -6,6 +6,7 @@
 #include "builder/sources/files.h"
 #include "builder/sources/recognise.h"
 #include "builder/sources/rig_layouts.h"
+#include "schema/sequence_kinds.h"
 
 namespace waystone {
 namespace {
@@ -71,7 +72,7 @@ class CameraRigSource : public Source {
   }
 
  private:
-  std::string kind_ = "cameras";
+  std::string kind_ = kCamerasKind;
   std::string name_;
   std::shared_ptr<const RigSequence> sequence_;
   DecodeLimits limits_;

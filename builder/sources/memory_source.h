@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "builder/sources/source.h"
+#include "schema/sequence_kinds.h"
 
 namespace waystone {
 
@@ -34,7 +35,7 @@ class MemorySource : public Source {
   std::optional<EncodedFrame> NextEncoded() override;
 
  private:
-  std::string kind_ = "folder";
+  std::string kind_ = kFolderKind;
   MemorySequence sequence_;
   int next_ = 0;
 };
