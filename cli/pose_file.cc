@@ -5,11 +5,12 @@
 #include <array>
 #include <cmath>
 #include <fstream>
-#include <sstream>
 #include <utility>
 
+#include "api/tum_pose.h"
 #include "cli/csv_file.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 
 namespace waystone {
 namespace {
@@ -17,7 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kSameTime_s = 0.02;
-constexpr size_t kTumNumbers = 8;
 constexpr size_t kKittiNumbers = 12;
 constexpr size_t kColmapFields = 10;
 
@@ -58,22 +58,14 @@ std::vector<FilePose> ReadCsvPoses(const fs::path& path) {
 }
 
 // A line's fields as numbers; nothing where one isn't.
-std::optional<std::vector<double>> NumbersOf(const std::vector<std::string>& fields) {
+std::optional<std::vector<double>> ParseNumbers(const std::vector<std::string>& fields) {
   std::vector<double> numbers;
   for (const std::string& field : fields) {
-    std::istringstream text(field);
-    double number = 0;
-    if (!(text >> number) || !text.eof() || !std::isfinite(number)) return std::nullopt;
-    numbers.push_back(number);
+    const std::optional<double> number = ToNumber(field);
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    numbers.push_back(*number);
   }
   return numbers;
-}
-
-FilePose TumPose(const std::vector<double>& n) {
-  FilePose pose;
-  pose.time_s = n[0];
-  pose.pose = {PoseOf({n[1], n[2], n[3]}, {n[7], n[4], n[5], n[6]}), true};
-  return pose;
 }
 
 FilePose KittiPose(const std::vector<double>& n) {
@@ -87,7 +79,7 @@ FilePose KittiPose(const std::vector<double>& n) {
 // "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME", camera_from_world; a name may have blanks.
 std::optional<FilePose> ColmapPose(const std::vector<std::string>& fields) {
   if (fields.size() < kColmapFields) return std::nullopt;
-  const auto n = NumbersOf({fields.begin(), fields.begin() + 9});
+  const auto n = ParseNumbers({fields.begin(), fields.begin() + 9});
   if (!n) return std::nullopt;
   FilePose pose;
   pose.pose = {PoseOf({(*n)[5], (*n)[6], (*n)[7]}, {(*n)[1], (*n)[2], (*n)[3], (*n)[4]}).inverse(),
@@ -109,10 +101,9 @@ class TextPoses {
     std::vector<FilePose> poses;
     std::string text;
     for (int line = 1; std::getline(in_, text); ++line) {
-      std::istringstream words(text);
-      const std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
+      const std::vector<std::string> fields = Words(text);
       if (std::exchange(skip_, false) || fields.empty() || fields[0].starts_with('#')) continue;
-      FilePose pose = Parse(fields, line);
+      FilePose pose = Parse(text, fields, line);
       pose.number = static_cast<int>(poses.size());
       poses.push_back(std::move(pose));
     }
@@ -120,11 +111,12 @@ class TextPoses {
   }
 
  private:
-  FilePose Parse(const std::vector<std::string>& fields, int line) {
-    if (const auto numbers = NumbersOf(fields)) {
-      if (numbers->size() == kTumNumbers) return TumPose(*numbers);
-      if (numbers->size() == kKittiNumbers) return KittiPose(*numbers);
+  FilePose Parse(const std::string& text, const std::vector<std::string>& fields, int line) {
+    if (const auto tum = ParseTumPose(text)) {
+      return {{}, tum->time_s, 0, {PoseOf(tum->position, tum->rotation), true}};
     }
+    const auto numbers = ParseNumbers(fields);
+    if (numbers && numbers->size() == kKittiNumbers) return KittiPose(*numbers);
     if (auto pose = ColmapPose(fields)) {
       skip_ = true;  // the line of its points
       return *pose;

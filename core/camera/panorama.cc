@@ -10,6 +10,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "core/geometry/angle.h"
 
 namespace waystone {
@@ -40,9 +41,7 @@ std::string Rounded(double value) {
   return text.substr(0, text.find('.') + 2);
 }
 
-std::string SizeOf(const cv::Mat& image) {
-  return std::to_string(image.cols) + "x" + std::to_string(image.rows);
-}
+std::string SizeOf(const cv::Mat& image) { return SizeText(image.cols, image.rows); }
 
 cv::Mat GreyOf(const cv::Mat& image) {
   WS_CHECK(image.type() == CV_8UC1 || image.type() == CV_8UC3 || image.type() == CV_8UC4,
