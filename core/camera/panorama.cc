@@ -161,7 +161,7 @@ double InnerRadius(const cv::Mat& grey, const Circle& outer, double min_contrast
   return radius;
 }
 
-double AspectOf(const cv::Mat& image) { return static_cast<double>(image.cols) / image.rows; }
+double AspectOf(const cv::Size& size) { return static_cast<double>(size.width) / size.height; }
 
 void CheckSeam(const cv::Mat& grey, double max_seam) {
   const double ratio = SeamRatio(grey);
@@ -188,10 +188,19 @@ void PanoramaOptions::Check() const {
 }
 
 PanoramaKind KindOf(const cv::Mat& image, const PanoramaOptions& options) {
+bool BandsAgree(const ElevationBand& a, const ElevationBand& b) {
+  constexpr double kTolerance_rad = 1e-6;
+  return std::abs(a.top_rad - b.top_rad) <= kTolerance_rad &&
+         std::abs(a.bottom_rad - b.bottom_rad) <= kTolerance_rad;
+}
+
+bool HasPanoramaShape(const cv::Size& size) {
+  return size.height > 0 && std::abs(AspectOf(size) / 2 - 1) <= kAspectTolerance;
+}
+
   if (options.mirror) return PanoramaKind::kMirror;
-  const double share = AspectOf(image) / 2;
-  if (std::abs(share - 1) <= kAspectTolerance) return PanoramaKind::kEquirectangular;
-  return share > 1 ? PanoramaKind::kStrip : PanoramaKind::kMirror;
+  if (HasPanoramaShape(image.size())) return PanoramaKind::kEquirectangular;
+  return AspectOf(image.size()) > 2 ? PanoramaKind::kStrip : PanoramaKind::kMirror;
 }
 
 double SeamRatio(const cv::Mat& grey) {
@@ -249,7 +258,7 @@ Panorama ToPanorama(const cv::Mat& image, const PanoramaOptions& options) {
       return Unwrap(grey, options.mirror ? *options.mirror : FindMirror(grey, options), options);
     case PanoramaKind::kStrip: {
       CheckSeam(grey, options.max_seam);
-      const double half_rad = kPi / AspectOf(grey);
+      const double half_rad = kPi / AspectOf(grey.size());
       return {grey, {half_rad, -half_rad}};
     }
     case PanoramaKind::kEquirectangular:

@@ -25,6 +25,10 @@ struct ElevationBand {
   bool operator==(const ElevationBand&) const = default;
 };
 
+// Whether rows of the two are the same elevations: the ends differ by a millionth of a radian at
+// most.
+bool BandsAgree(const ElevationBand& a, const ElevationBand& b);
+
 // A panorama: columns are azimuth over the whole circle, growing clockwise seen from above (to the
 // right), the middle of the image looks to the front and the seam is behind; rows are elevation,
 // linear from the image's upper edge (band.top_rad) to its lower edge (band.bottom_rad). A whole
@@ -79,15 +83,19 @@ struct PanoramaOptions {
 
 enum class PanoramaKind { kEquirectangular, kStrip, kMirror };
 
-// An image as a panorama. Twice as wide as high (to 2 %): equirectangular. Wider: a strip of one
-// around the horizon, as many radians high as its pixels are. Less wide, or with a mirror given: a
-// catadioptric camera's image, which is unwrapped. Grey (CV_8UC1), BGR (CV_8UC3) and BGRA (CV_8UC4,
-// whose alpha is dropped) are taken. Throws MapError(kBadImage), with what to do about it, for an
-// image that is too small (64 columns, 8 rows), has no texture (all black), isn't 360 degrees wide
-// (the seam's sides differ) or is neither a panorama nor a mirror's image. Thread-safe.
+// An image as a panorama. Twice as wide as high (HasPanoramaShape): equirectangular. Wider: a strip
+// of one around the horizon, as many radians high as its pixels are. Less wide, or with a mirror
+// given: a catadioptric camera's image, which is unwrapped. Grey (CV_8UC1), BGR (CV_8UC3) and BGRA
+// (CV_8UC4, whose alpha is dropped) are taken. Throws MapError(kBadImage), with what to do about
+// it, for an image that is too small (64 columns, 8 rows), has no texture (all black), isn't 360
+// degrees wide (the seam's sides differ) or is neither a panorama nor a mirror's image.
+// Thread-safe.
 Panorama ToPanorama(const cv::Mat& image, const PanoramaOptions& options = {});
 
 // Which of them ToPanorama takes an image for.
+// Whether an image is a whole equirectangular panorama by its shape: twice as wide as high, to 2 %.
+bool HasPanoramaShape(const cv::Size& size);
+
 PanoramaKind KindOf(const cv::Mat& image, const PanoramaOptions& options = {});
 
 // How much the seam's sides differ, over what nearly all neighbouring columns differ by: about 1
