@@ -82,11 +82,4 @@ OwnImages CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSam
                                    const AppearanceCalibrationOptions& options,
                                    ProgressReporter& progress);
 
-// A node as a query: its own signature, and its features where the options verify.
-PanoramaQuery QueryOfNode(const MapIndex& index, int node, const PanoramaQueryOptions& options);
-
-// The nodes themselves as such queries, at most `max_nodes`, spread evenly.
-std::vector<AppearanceCalibrationQuery> QueriesOfNodes(const MapIndex& index, int max_nodes,
-                                                       const PanoramaQueryOptions& options);
-
 }  // namespace waystone

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <opencv2/core.hpp>
+#include <opencv2/core/types.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,8 +39,5 @@ class MemorySource : public Source {
   MemorySequence sequence_;
   int next_ = 0;
 };
-
-// Frames "0", "1", ... of these images (CV_8UC1); an empty one can't be decoded.
-std::vector<EncodedFrame> FramesOfImages(const std::vector<cv::Mat>& images);
 
 }  // namespace waystone

@@ -48,20 +48,16 @@ struct PoseGraphOptions {
 };
 
 struct PoseGraphResult {
-  std::vector<Pose2> poses;       // those of the start where nothing is known
-  std::vector<double> scales;     // by group; the first is 1
-  std::vector<bool> rejected;     // by edge: loop edges that were taken out
-  std::vector<double> residuals;  // by edge: how far off it is in the end, in sigmas
-  int iterations = 0;             // of all optimisations
-  bool converged = false;
+  std::vector<Pose2> poses;    // those of the start where nothing is known
+  std::vector<double> scales;  // by group; the first is 1
+  std::vector<bool> rejected;  // by edge: loop edges that were taken out
 };
 
 // The poses that fit the edges best in the least squares sense, from `start` (graph_from_pose).
-// First with a robust loss on loop edges that
-// narrows down to loop_loss, then without those that it rejects. The lowest pose of
-// each connected part keeps its place. Runs on the calling thread alone; the same input gives the
-// same bytes. Throws MapError(kBadOptions) for options out of range; edges that name no pose, one
-// pose twice, or have sigmas of 0 are programmer's errors.
+// First with a robust loss on loop edges that narrows down to loop_loss, then without those that it
+// rejects. The lowest pose of each connected part keeps its place. Runs on the calling thread
+// alone; the same input gives the same bytes. Throws MapError(kBadOptions) for options out of
+// range; edges that name no pose, one pose twice, or have sigmas of 0 are programmer's errors.
 PoseGraphResult OptimisePoseGraph(const std::vector<Pose2>& start,
                                   const std::vector<PoseEdge>& edges,
                                   const PoseGraphOptions& options = {});
