@@ -22,15 +22,16 @@ constexpr double kMinBand_rad = 0.01;      // of a mirror: rows must be apart
 constexpr double kMinSigma = 1;            // grey levels: less is an image of nothing
 constexpr double kAspectTolerance = 0.02;  // of twice as wide as high
 constexpr double kUsualColumns = 0.98;     // share of the columns whose differences are usual
-// The mirror's search: on an image of this many pixels a side, then on finer ones.
-constexpr int kCoarseSide_px = 96;
-constexpr int kAngles = 90;           // around a circle
-constexpr double kReach_share = 0.2;  // of the side: how far its centre lies from the image's
-constexpr double kMinOuter_share = 0.2;
-constexpr double kMaxOuter_share = 0.52;
-constexpr double kMaxInner_share = 0.5;  // of the outer radius
-constexpr double kMinInner_share = 0.08;
-constexpr double kUsualInner_share = 0.25;
+// The mirror's search covers how such cameras are built and framed: it bounds the time, and an
+// image that needs more can name its mirror (PanoramaOptions::mirror).
+constexpr int kCoarseSide_px = 96;  // the first of the sides that are searched
+constexpr int kAngles = 90;         // around a circle: one to four pixels apart at the coarse side
+constexpr double kReach_share = 0.2;      // of the side: how far its centre lies from the image's
+constexpr double kMinOuter_share = 0.2;   // of the side: a smaller mirror wastes most of the image
+constexpr double kMaxOuter_share = 0.52;  // touches the image's edges, a little cut off
+constexpr double kMaxInner_share = 0.5;   // of the outer radius: more leaves a ring without a view
+constexpr double kMinInner_share = 0.08;  // of the outer radius: the camera's own picture is larger
+constexpr double kUsualInner_share = 0.25;  // of the outer radius, where no inner edge is found
 
 [[noreturn]] void RefusePanorama(const std::string& message) {
   throw MapError(ErrorCode::kBadImage, message);
