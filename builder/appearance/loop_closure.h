@@ -77,8 +77,8 @@ struct PanoramaStretch {
   int last = 0;
 };
 
-// Finds loops within and between stretches, whose odometry `ways` are. A loop is verified in three
-// ways: the compass must fit a small motion between the two panoramas with a certain heading;
+// Finds loops within and between stretches, whose odometry is `trajectories`. A loop is verified in
+// three ways: the compass must fit a small motion between the two panoramas with a certain heading;
 // neighbours of both must say the same of each other (odometry between them); and whoever optimises
 // the graph rejects what doesn't fit the rest. The length of a loop is the compass's step over the
 // landmarks' distance in the unit of the steps near it. `odometry` brings the compass;

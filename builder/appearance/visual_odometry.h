@@ -66,7 +66,7 @@ struct VisualOdometry {
 // D^{a,b} of eq. (2) over the first k1 columns of the magnitudes.
 double SignatureDistance(const FourierSignature& a, const FourierSignature& b, int k1);
 
-// The way of a camera that took these panoramas one after the other, in the unit of eq. (2).
+// The trajectory of a camera that took these panoramas one after the other, in the unit of eq. (2).
 // A step is D long (eq. 2). The paper's robot looks where it goes, so its steps go along the
 // heading (eqs. 3 and 4); here they go where the compass saw the camera go, for cameras need not
 // look along their trajectory, and along the middle of the turn only where it could not tell. A

@@ -93,7 +93,7 @@ std::unique_ptr<Source> RecogniseCameraRig(const fs::path& folder, const SourceO
   const auto found = FindCameraImages(folder, names);
   if (!found) return nullptr;
   RigSequence sequence{.layout = found->layout, .rig = *rig, .moments = {}};
-  sequence.moments = MomentsOf(*found, *rig, folder, RigOptions{}.max_time_gap_s);
+  sequence.moments = GroupMoments(*found, *rig, folder, RigOptions{}.max_time_gap_s);
   return std::make_unique<CameraRigSource>(folder, std::move(sequence), options);
 }
 

@@ -89,7 +89,7 @@ float ValueAt(const cv::Mat& grey, const cv::Point2d& at) {
 
 // How much brighter it is just inside a circle than just outside; parts outside the image count
 // as no difference.
-double ContrastOf(const cv::Mat& grey, const cv::Point2d& centre, double radius) {
+double ComputeContrast(const cv::Mat& grey, const cv::Point2d& centre, double radius) {
   constexpr double kBeside_px = 1.5;
   double sum = 0;
   for (int i = 0; i < kAngles; ++i) {
@@ -116,7 +116,7 @@ Circle BestCircle(const cv::Mat& grey, const cv::Point2d& around, double reach, 
   for (double y = around.y - reach; y <= around.y + reach; y += step) {
     for (double x = around.x - reach; x <= around.x + reach; x += step) {
       for (double radius = low; radius <= high; radius += step) {
-        const double contrast = ContrastOf(grey, {x, y}, radius);
+        const double contrast = ComputeContrast(grey, {x, y}, radius);
         if (contrast > best.contrast) best = {{x, y}, radius, contrast};
       }
     }
@@ -154,7 +154,7 @@ double InnerRadius(const cv::Mat& grey, const Circle& outer, double min_contrast
   double best = min_contrast;
   double radius = kUsualInner_share * outer.radius;
   for (double r = kMinInner_share * outer.radius; r < kMaxInner_share * outer.radius; ++r) {
-    const double contrast = std::abs(ContrastOf(grey, outer.centre, r));
+    const double contrast = std::abs(ComputeContrast(grey, outer.centre, r));
     if (contrast <= best) continue;
     best = contrast;
     radius = r;

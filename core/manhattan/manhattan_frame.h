@@ -119,7 +119,7 @@ struct ManhattanFrame {
 // direction across it, the third is their cross product, and frames compete by the support of all
 // three axes. The best are refined as rotations by robust least squares on l^T v, where a line's
 // error has the variance that its end points give it. No direction counts as upright. Always gives
-// its best frame; `trouble` says whether to believe it. Deterministic; thread-safe.
+// its best frame; `error` says whether to believe it. Deterministic; thread-safe.
 ManhattanFrame FindManhattanFrame(std::span<const GreatCircle> lines,
                                   const ManhattanOptions& options = {});
 

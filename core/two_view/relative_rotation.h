@@ -105,7 +105,7 @@ double EpipolarError(const Eigen::Matrix3d& b_from_a, const Eigen::Vector3d& tra
 
 // The essential matrix over rays of whole spheres (sec. II-B.2): RANSAC over samples of five
 // matches, each promising one refined on its inliers by robust least squares on rotation and
-// direction. Always gives the best motion it found; `trouble` says whether to believe it.
+// direction. Always gives the best motion it found; `error` says whether to believe it.
 // Deterministic; thread-safe.
 RelativePose FindRelativePose(const MatchedRays& rays, const RelativeOptions& options = {});
 
