@@ -188,7 +188,6 @@ void PanoramaOptions::Check() const {
   }
 }
 
-PanoramaKind KindOf(const cv::Mat& image, const PanoramaOptions& options) {
 bool BandsAgree(const ElevationBand& a, const ElevationBand& b) {
   constexpr double kTolerance_rad = 1e-6;
   return std::abs(a.top_rad - b.top_rad) <= kTolerance_rad &&
@@ -199,6 +198,7 @@ bool HasPanoramaShape(const cv::Size& size) {
   return size.height > 0 && std::abs(AspectOf(size) / 2 - 1) <= kAspectTolerance;
 }
 
+PanoramaKind KindOf(const cv::Mat& image, const PanoramaOptions& options) {
   if (options.mirror) return PanoramaKind::kMirror;
   if (HasPanoramaShape(image.size())) return PanoramaKind::kEquirectangular;
   return AspectOf(image.size()) > 2 ? PanoramaKind::kStrip : PanoramaKind::kMirror;

@@ -61,22 +61,23 @@ struct PanoramaOptions {
   static constexpr int kUnlistedMembers = 1;  // where the mirror is: what is known of one camera
   static constexpr auto Fields() {
     return std::tuple{
-        OptionField{"columns", &PanoramaOptions::columns, Closed(16, 16'384), "",
-                    "Columns of a panorama that is made from a mirror's image or from faces. More "
-                    "keep more detail; those of a mirror's image are seldom worth more than 2 pi "
-                    "times its outer radius."},
+        OptionField{
+            "columns", &PanoramaOptions::columns, Closed(16, 16'384), "",
+            "Columns of a panorama unwrapped from a mirror image or joined from faces. More keep "
+            "more detail; for a mirror image, more than 2 pi times its outer radius gain nothing."},
         OptionGroup{"mirror_band", &PanoramaOptions::mirror_band},
         OptionField{"mirror_clockwise", &PanoramaOptions::mirror_clockwise, AnyValue(), "",
                     "Whether azimuth grows clockwise in the mirror's image (a camera that looks up "
                     "into it sees it counter-clockwise). The front is the image's upper side."},
         OptionField{"max_seam", &PanoramaOptions::max_seam, Closed(1, 100), "",
-                    "How much more the two sides of the seam differ than nearly all (98 %) of the "
-                    "other neighbouring columns before the image counts as less than 360 degrees "
-                    "wide. Less refuses panoramas whose seam runs along an edge."},
+                    "Largest difference between the two sides of the seam, relative to the 98th "
+                    "percentile of the differences between neighbouring columns. Above it, the "
+                    "image counts as covering less than 360 degrees. Lower refuses panoramas whose "
+                    "seam runs along an edge."},
         OptionField{"min_mirror_contrast", &PanoramaOptions::min_mirror_contrast, Closed(1, 100),
                     "grey levels",
-                    "By how much a mirror's image is brighter inside its circle than outside "
-                    "before a circle is believed."}};
+                    "Smallest brightness difference between the inside and the outside of a "
+                    "mirror's circle in its image."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -92,10 +93,10 @@ enum class PanoramaKind { kEquirectangular, kStrip, kMirror };
 // Thread-safe.
 Panorama ToPanorama(const cv::Mat& image, const PanoramaOptions& options = {});
 
-// Which of them ToPanorama takes an image for.
 // Whether an image is a whole equirectangular panorama by its shape: twice as wide as high, to 2 %.
 bool HasPanoramaShape(const cv::Size& size);
 
+// Which of them ToPanorama takes an image for.
 PanoramaKind KindOf(const cv::Mat& image, const PanoramaOptions& options = {});
 
 // How much the seam's sides differ, over what nearly all neighbouring columns differ by: about 1

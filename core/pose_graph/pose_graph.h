@@ -31,18 +31,19 @@ struct PoseGraphOptions {
 
   static constexpr auto Fields() {
     return std::tuple{
-        OptionField{"loop_loss", &PoseGraphOptions::loop_loss, Closed(0.1, 100), "",
-                    "How many sigmas a loop edge may be off before it counts less (Cauchy's loss). "
-                    "More trusts loops more; fewer bear more wrong ones and need a better start."},
         OptionField{
-            "reject_beyond", &PoseGraphOptions::reject_beyond, Closed(1, 1000), "",
-            "Loop edges farther off than this after the robust optimisation are taken out, in "
-            "sigmas. 3.4 keeps 99 % of the right ones if their sigmas are right."},
+            "loop_loss", &PoseGraphOptions::loop_loss, Closed(0.1, 100), "",
+            "Number of sigmas beyond which a loop edge is weighted down (Cauchy loss). Higher "
+            "trusts loops more; lower tolerates more wrong loops but requires a better start."},
+        OptionField{"reject_beyond", &PoseGraphOptions::reject_beyond, Closed(1, 1000), "",
+                    "Loop edges with a residual of more than this many sigmas after the robust "
+                    "optimisation are removed. 3.4 keeps 99 % of correct loops if their sigmas are "
+                    "correct."},
         OptionField{"log_scale_sigma", &PoseGraphOptions::log_scale_sigma, Closed(0.001, 10), "",
-                    "Standard deviation of the logarithm of a group's scale around 0: without it a "
-                    "graph whose groups nothing ties to metres would shrink to a point."},
+                    "Prior standard deviation of the logarithm of a group's scale. Without it, a "
+                    "graph whose groups are not tied to metres would shrink to a point."},
         OptionField{"max_iterations", &PoseGraphOptions::max_iterations, Closed(1, 1000), "",
-                    "Steps of each optimisation."}};
+                    "Maximum steps per optimisation."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
