@@ -11,7 +11,8 @@ std::string Counted(int count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-std::string Percent(double share) { return std::to_string(std::lround(100 * share)) + "%"; }
+// To the nearest: no share is compared with a threshold here, unlike where PercentText rounds down.
+std::string RoundedPercent(double share) { return std::to_string(std::lround(100 * share)) + "%"; }
 
 // As `waystone eval` takes it.
 std::string SourceOf(const MapIndex& index, KeyframeId id) {
@@ -46,7 +47,7 @@ std::string Advice(const WeakRun& run) {
 std::string AliasText(const MapIndex& index, const AliasPair& alias) {
   std::string text = "  " + SourceOf(index, alias.a) + " and " + SourceOf(index, alias.b) + ": " +
                      std::to_string(alias.inliers) + " features in common, " +
-                     Percent(alias.of_view) + " of those in view; planes";
+                     RoundedPercent(alias.of_view) + " of those in view; planes";
   for (const AliasPlanes& planes : alias.planes) {
     text += " " + std::to_string(planes.a.value) + "/" + std::to_string(planes.b.value);
   }

@@ -46,9 +46,8 @@ struct BuildOptions {
         OptionGroup{"calibration", &BuildOptions::calibration},
         OptionGroup{"appearance_calibration", &BuildOptions::appearance_calibration},
         OptionField{"max_skipped_share", &BuildOptions::max_skipped_share, Closed(0, 1), "",
-                    "Largest share of a sequence's frames that may be unusable to a "
-                    "layer. Beyond, nothing is built: a map of the rest would have "
-                    "gaps where nobody expects them."},
+                    "Largest share of a sequence's frames that a layer may be unable to use. Above "
+                    "it the build fails, since the map would have unexpected gaps."},
         OptionField{"images", &BuildOptions::images, AnyValue(), "",
                     "Keep a smaller JPEG of each keyframe and node in the map, for "
                     "people."},

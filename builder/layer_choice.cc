@@ -2,19 +2,17 @@
 #include "builder/layer_choice.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <sstream>
 #include <utility>
 
 #include "builder/orientation/source_rig.h"
 #include "core/base/error.h"
+#include "core/camera/panorama.h"
+#include "schema/sequence_kinds.h"
 
 namespace waystone {
 namespace {
-
-constexpr double kPanoramaAspect = 2;
-constexpr double kAspectTolerance = 0.02;
 
 bool GivesOrientation(const Source& source, const LayerChoice& choice) {
   if (!choice.automatic && !choice.orientation) return false;
@@ -80,10 +78,7 @@ LayerChoice LayerChoiceByNames(const std::string& names) {
 }
 
 bool LooksPanoramic(const Source& source) {
-  if (source.kind() == "rig") return true;
-  const cv::Size size = source.frame_size();
-  return size.height > 0 &&
-         std::abs(size.width / (kPanoramaAspect * size.height) - 1) <= kAspectTolerance;
+  return source.kind() == kRigKind || HasPanoramaShape(source.frame_size());
 }
 
 std::vector<LayerKind> ChooseLayers(const Source& source, const LayerChoice& choice) {

@@ -2,28 +2,23 @@
 #include "cli/csv_file.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <optional>
 #include <sstream>
+#include <string_view>
 
 #include "cli/map_file.h"
+#include "core/base/text.h"
 
 namespace waystone {
 namespace {
 
-std::string Trimmed(const std::string& text) {
-  const char* const kSpace = " \t\r";
-  const size_t first = text.find_first_not_of(kSpace);
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
-}
-
-std::vector<std::string> Cells(const std::string& line) {
+std::vector<std::string> Cells(std::string_view line) {
   std::vector<std::string> cells;
   size_t start = 0;
   while (true) {
     const size_t comma = line.find(',', start);
-    cells.push_back(Trimmed(line.substr(start, comma - start)));
+    cells.emplace_back(Trimmed(line.substr(start, comma - start)));
     if (comma == std::string::npos) return cells;
     start = comma + 1;
   }
@@ -37,7 +32,7 @@ CsvFile::CsvFile(const std::filesystem::path& path) : path_(path) {
   int number = 0;
   for (std::string line; std::getline(text, line);) {
     ++number;
-    const std::string trimmed = Trimmed(line);
+    const std::string_view trimmed = Trimmed(line);
     if (trimmed.empty() || trimmed.front() == '#') continue;
     if (header_.empty()) {
       header_ = Cells(trimmed);
@@ -61,10 +56,8 @@ std::optional<size_t> CsvFile::Column(const std::string& name) const {
 
 double CsvFile::Number(const Row& row, size_t column) const {
   const std::string& cell = row.cells.at(column);
-  double value = 0;
-  const char* const end = cell.data() + cell.size();
-  const auto [stopped, error] = std::from_chars(cell.data(), end, value);
-  if (error == std::errc() && stopped == end && std::isfinite(value)) return value;
+  const std::optional<double> value = ToNumber(cell);
+  if (value && std::isfinite(*value)) return *value;
   Fail(row.line, header_[column] + " is \"" + cell + "\"; it must be a number");
 }
 

@@ -5,12 +5,12 @@
 #include <array>
 #include <cmath>
 #include <fstream>
-#include <iterator>
-#include <sstream>
 #include <utility>
 
+#include "api/tum_pose.h"
 #include "cli/csv_file.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 
 namespace waystone {
 namespace {
@@ -18,7 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kSameTime_s = 0.02;
-constexpr size_t kTumNumbers = 8;
 constexpr size_t kKittiNumbers = 12;
 constexpr size_t kColmapFields = 10;
 
@@ -68,22 +67,14 @@ std::vector<FilePose> ReadCsvPoses(const fs::path& path) {
 }
 
 // A line's fields as numbers; nothing where one isn't.
-std::optional<std::vector<double>> NumbersOf(const std::vector<std::string>& fields) {
+std::optional<std::vector<double>> ParseNumbers(const std::vector<std::string>& fields) {
   std::vector<double> numbers;
   for (const std::string& field : fields) {
-    std::istringstream text(field);
-    double number = 0;
-    if (!(text >> number) || !text.eof() || !std::isfinite(number)) return std::nullopt;
-    numbers.push_back(number);
+    const std::optional<double> number = ToNumber(field);
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    numbers.push_back(*number);
   }
   return numbers;
-}
-
-FilePose TumPose(const std::vector<double>& n) {
-  FilePose pose;
-  pose.time_s = n[0];
-  pose.pose = {PoseOf({n[1], n[2], n[3]}, {n[7], n[4], n[5], n[6]}), true};
-  return pose;
 }
 
 FilePose KittiPose(const std::vector<double>& n) {
@@ -97,7 +88,7 @@ FilePose KittiPose(const std::vector<double>& n) {
 // "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME", camera_from_world; a name may have blanks.
 std::optional<FilePose> ColmapPose(const std::vector<std::string>& fields) {
   if (fields.size() < kColmapFields) return std::nullopt;
-  const auto n = NumbersOf({fields.begin(), fields.begin() + 9});
+  const auto n = ParseNumbers({fields.begin(), fields.begin() + 9});
   if (!n) return std::nullopt;
   FilePose pose;
   pose.pose = {PoseOf({(*n)[5], (*n)[6], (*n)[7]}, {(*n)[1], (*n)[2], (*n)[3], (*n)[4]}).inverse(),
@@ -119,10 +110,9 @@ class TextPoses {
     std::vector<FilePose> poses;
     std::string text;
     for (int line = 1; std::getline(in_, text); ++line) {
-      std::istringstream words(text);
-      const std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
+      const std::vector<std::string> fields = Words(text);
       if (std::exchange(skip_, false) || fields.empty() || fields[0].starts_with('#')) continue;
-      FilePose pose = Parse(fields, line);
+      FilePose pose = Parse(text, fields, line);
       pose.number = static_cast<int>(poses.size());
       poses.push_back(std::move(pose));
     }
@@ -130,18 +120,20 @@ class TextPoses {
   }
 
  private:
-  std::optional<FilePose> AnyPose(const std::vector<std::string>& fields) {
-    if (const auto numbers = NumbersOf(fields)) {
-      if (numbers->size() == kTumNumbers) return TumPose(*numbers);
-      if (numbers->size() == kKittiNumbers) return KittiPose(*numbers);
+  std::optional<FilePose> AnyPose(const std::string& text, const std::vector<std::string>& fields) {
+    if (const auto tum = ParseTumPose(text)) {
+      return FilePose{{}, tum->time_s, 0, {PoseOf(tum->position, tum->rotation), true}};
     }
+    const auto numbers = ParseNumbers(fields);
+    if (numbers && numbers->size() == kKittiNumbers) return KittiPose(*numbers);
     std::optional<FilePose> pose = ColmapPose(fields);
     skip_ = pose.has_value();  // the line of its points
     return pose;
   }
 
-  FilePose Parse(const std::vector<std::string>& fields, int line) {
-    if (auto pose = AnyPose(fields); pose && pose->pose.world_from_camera.matrix().allFinite()) {
+  FilePose Parse(const std::string& text, const std::vector<std::string>& fields, int line) {
+    if (auto pose = AnyPose(text, fields);
+        pose && pose->pose.world_from_camera.matrix().allFinite()) {
       return *pose;
     }
     throw MapError(ErrorCode::kBadRequest,

@@ -6,13 +6,13 @@
 #include <csignal>
 #include <exception>
 #include <iostream>
-#include <numeric>
 #include <string>
 #include <vector>
 
 #include "cli/commands.h"
 #include "cli/printable_output.h"
 #include "core/base/error.h"
+#include "core/base/option_text.h"
 #include "core/base/version.h"
 
 namespace waystone {
@@ -42,21 +42,6 @@ std::string UsageMessage(const CLI::App* app, const CLI::Error& error) {
   std::string command = "waystone";
   for (const CLI::App* sub : app->get_subcommands()) command += " " + sub->get_name();
   return "waystone: " + cause + "; see " + command + " --help\n";
-}
-
-// Number of insertions, deletions and replacements that make one word of the other.
-size_t EditDistance(const std::string& a, const std::string& b) {
-  std::vector<size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (size_t i = 1; i <= a.size(); ++i) {
-    size_t diagonal = row[0]++;
-    for (size_t j = 1; j <= b.size(); ++j) {
-      const size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
 }
 
 // CLI11 would only say that a command is required. Throws MapError (kUsage) when the first argument

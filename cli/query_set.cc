@@ -5,13 +5,13 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <sstream>
 #include <string>
 #include <unordered_map>
 
 #include "cli/csv_file.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 
 namespace waystone {
 namespace {
@@ -242,11 +242,9 @@ std::vector<LabelledQuery> ReadPosedImages(const fs::path& folder, const ImagePo
   std::vector<LabelledQuery> queries = ReadNegatives(folder);
   for (size_t i = 0; i < queries.size(); ++i) {
     const std::string stem = queries[i].image.stem().string();
-    char* end = nullptr;
-    const double number = std::strtod(stem.c_str(), &end);
-    const bool is_number = !stem.empty() && *end == '\0';
-    const auto time_s = is_number ? std::optional(number) : std::nullopt;
-    const int order = is_number ? static_cast<int>(number) : static_cast<int>(i);
+    std::optional<double> time_s = ToNumber(stem);
+    if (time_s && !std::isfinite(*time_s)) time_s.reset();
+    const int order = time_s ? static_cast<int>(*time_s) : static_cast<int>(i);
     const TruePose* pose = truth.Find(queries[i].image.string(), time_s, order);
     if (pose == nullptr) {
       throw MapError(ErrorCode::kNotFound, queries[i].image.string() +

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr const char* kExtension = ".db";
 
 // Nothing is thrown for an entry that can't be looked at: opening it says what is wrong.
-std::vector<fs::path> FilesOf(const fs::path& path) {
+std::vector<fs::path> ListFiles(const fs::path& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) return {path};
   std::vector<fs::path> files;
@@ -44,7 +44,7 @@ std::shared_ptr<const MapIndex> OpenServed(const fs::path& file) {
 std::map<std::string, ServedFiles::Stamp> ServedFiles::Scan() const {
   std::map<std::string, Stamp> found;
   for (const fs::path& path : paths_) {
-    for (const fs::path& file : FilesOf(path)) {
+    for (const fs::path& file : ListFiles(path)) {
       struct stat status = {};
       std::error_code error;
       Stamp stamp{file, fs::last_write_time(file, error), 0, 0};

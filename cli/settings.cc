@@ -41,37 +41,6 @@ std::vector<OptionLine> CollectLines() {
   return lines;
 }
 
-template <class Value>
-void ParseValue(const std::string& name, const std::string& text, Value* value) {
-  if constexpr (std::is_same_v<Value, FeatureType>) {
-    *value = FeatureTypeByName(text);
-  } else if constexpr (std::is_same_v<Value, SegmentDetector>) {
-    *value = SegmentDetectorByName(text);
-  } else if constexpr (std::is_same_v<Value, std::string>) {
-    *value = text;
-  } else if constexpr (std::is_same_v<Value, std::vector<double>>) {
-    value->clear();
-    std::istringstream numbers(text);
-    for (std::string number; std::getline(numbers, number, ',');) {
-      ParseOptionValue(name, number, &value->emplace_back());
-    }
-  } else {
-    ParseOptionValue(name, text, value);
-  }
-}
-
-// Returns whether there is a field of that name.
-template <class Options>
-bool SetByName(const std::string& wanted, const std::string& text, Options& options) {
-  bool found = false;
-  VisitFields("", options, [&](const std::string& name, const auto&, auto& value) {
-    if (name != wanted) return;
-    ParseValue(name, text, &value);
-    found = true;
-  });
-  return found;
-}
-
 template <class Options>
 void SetOptions(const std::vector<std::string>& settings, Options& options) {
   for (const std::string& setting : settings) {
@@ -81,7 +50,7 @@ void SetOptions(const std::vector<std::string>& settings, Options& options) {
                      "--set " + setting + ": write NAME=VALUE; `waystone options` lists the names");
     }
     const std::string name = setting.substr(0, equals);
-    if (SetByName(name, setting.substr(equals + 1), options)) continue;
+    if (SetField("", options, name, setting.substr(equals + 1))) continue;
     std::vector<std::string> names;
     for (const OptionLine& line : CollectLines<Options>()) names.push_back(line.name);
     throw MapError(ErrorCode::kUsage, "there is no option '" + name + "'; did you mean '" +

@@ -5,9 +5,10 @@
 #include <array>
 #include <cmath>
 #include <fstream>
-#include <sstream>
+#include <optional>
 #include <string>
 
+#include "api/tum_pose.h"
 #include "cli/csv_file.h"
 #include "core/base/error.h"
 
@@ -21,8 +22,7 @@ namespace fs = std::filesystem;
                  path.string() + ", line " + std::to_string(line) + ": " + cause);
 }
 
-double ComputeHeading(double qx, double qy, double qz, double qw) {
-  const Eigen::Quaterniond rotation(qw, qx, qy, qz);
+double ComputeHeading(const Eigen::Quaterniond& rotation) {
   const Eigen::Vector3d gaze =
       Eigen::Quaterniond(rotation.coeffs().stableNormalized()) * Eigen::Vector3d::UnitZ();
   return std::atan2(gaze.y(), gaze.x());
@@ -51,7 +51,7 @@ class CsvColumns {
   double Heading(const CsvFile::Row& row) const {
     if (HasTheta()) return WrappedAngle(Number(row, 3));
     if (!HasQuaternion()) return 0;
-    return ComputeHeading(Number(row, 4), Number(row, 5), Number(row, 6), Number(row, 7));
+    return ComputeHeading({Number(row, 7), Number(row, 4), Number(row, 5), Number(row, 6)});
   }
 
  private:
@@ -86,13 +86,11 @@ Trajectory ReadTum(const fs::path& path) {
   for (int line = 1; std::getline(in, text); ++line) {
     const size_t first = text.find_first_not_of(" \t\r");
     if (first == std::string::npos || text[first] == '#') continue;
-    std::istringstream numbers(text);
-    std::array<double, 8> n{};
-    for (double& number : n) {
-      if (!(numbers >> number)) Fail(path, line, "expected eight numbers: time x y z qx qy qz qw");
-    }
-    AddTime(path, line, n[0], trajectory);
-    trajectory.poses.push_back({n[1], n[2], ComputeHeading(n[4], n[5], n[6], n[7])});
+    const std::optional<TumPose> pose = ParseTumPose(text);
+    if (!pose) Fail(path, line, "expected eight numbers: time x y z qx qy qz qw");
+    AddTime(path, line, pose->time_s, trajectory);
+    trajectory.poses.push_back(
+        {pose->position.x(), pose->position.y(), ComputeHeading(pose->rotation)});
   }
   return trajectory;
 }

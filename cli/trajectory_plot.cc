@@ -7,6 +7,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "core/base/text.h"
+
 namespace waystone {
 namespace {
 
@@ -17,26 +19,12 @@ constexpr double kLegendLine = 24;
 constexpr double kMaxHeight = 700;
 constexpr int kGridLines = 8;  // about
 
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '<') {
-      escaped += "&lt;";
-    } else if (c == '&') {
-      escaped += "&amp;";
-    } else {
-      escaped += c;
-    }
-  }
-  return escaped;
-}
-
 Eigen::AlignedBox2d BoxOf(const std::vector<PlotLine>& lines) {
   Eigen::AlignedBox2d box;
   for (const PlotLine& line : lines) {
     for (const Eigen::Vector2d& point : line.points) box.extend(point);
   }
-  // A way along one axis still has a picture.
+  // A trajectory along one axis still has a picture.
   const double side = std::max(box.sizes().maxCoeff(), 1e-9);
   const Eigen::Vector2d margin = (0.25 * side - 0.5 * box.sizes().array()).max(0.05 * side);
   return {box.min() - margin, box.max() + margin};
@@ -74,7 +62,7 @@ class Plot {
     svg_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width_ + 2 * kMargin
          << "\" height=\"" << bottom + legend << "\" font-family=\"sans-serif\" font-size=\"15\">\n"
          << "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
-         << "<text x=\"" << kMargin << "\" y=\"35\" font-size=\"19\">" << Escaped(title)
+         << "<text x=\"" << kMargin << "\" y=\"35\" font-size=\"19\">" << EscapeHtml(title)
          << "</text>\n";
     DrawGrid();
     double y = bottom;
@@ -124,7 +112,7 @@ class Plot {
   void DrawLegend(const PlotLine& line, double y) {
     svg_ << "<line x1=\"" << kMargin << "\" y1=\"" << y - 5 << "\" x2=\"" << kMargin + 36
          << "\" y2=\"" << y - 5 << "\" stroke-width=\"4\" stroke=\"" << line.colour << "\"/>\n"
-         << "<text x=\"" << kMargin + 46 << "\" y=\"" << y << "\">" << Escaped(line.label)
+         << "<text x=\"" << kMargin + 46 << "\" y=\"" << y << "\">" << EscapeHtml(line.label)
          << "</text>\n";
   }
 

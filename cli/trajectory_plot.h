@@ -15,8 +15,8 @@ struct PlotLine {
   Points2 points;      // metres
 };
 
-// An SVG picture of ways seen from above, x to the right, y up, one scale for both, with a grid, a
-// legend and a mark where each begins. Every list has a point; all are finite.
+// An SVG picture of trajectories seen from above, x to the right, y up, one scale for both, with a
+// grid, a legend and a mark where each begins. Every list has a point; all are finite.
 std::string PlotTrajectories(const std::string& title, const std::vector<PlotLine>& lines);
 
 }  // namespace waystone

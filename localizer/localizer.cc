@@ -6,6 +6,7 @@
 
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/camera/panorama.h"
 #include "localizer/appearance/appearance.h"
 #include "localizer/appearance/photo.h"
 #include "localizer/orientation/building.h"
@@ -45,7 +46,7 @@ void AddTimedBuilding(const MapIndex& index, const cv::Mat& grey, const Localize
   if (!of_panorama) query.camera = options.camera;
   // Lines cost as much as features: a place that the appearance settled goes without. A mirror's
   // image has no straight ones.
-  const bool straight = !of_panorama || IsPanoramic(grey.size());
+  const bool straight = !of_panorama || HasPanoramaShape(grey.size());
   query.with_lines =
       straight && answer.decided_by != DecidedBy::kPanoramaSignature && !options.TooLate();
   query.min_probability =

@@ -6,6 +6,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "core/image/decode.h"
 #include "core/image/exif.h"
 
@@ -13,10 +14,6 @@ namespace waystone {
 namespace {
 
 std::string Quoted(const std::string& text) { return "'" + text.substr(0, 40) + "'"; }
-
-std::string SizeText(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height) + " pixels";
-}
 
 const Sequence* FindCameraSequence(const MapData& map, const std::string& name) {
   for (const Sequence& sequence : map.sequences) {
@@ -40,7 +37,10 @@ Camera StoredCamera(const MapData& map, const std::string& name, const cv::Size&
   if (camera.width != image.width || camera.height != image.height) {
     throw MapError(ErrorCode::kBadCamera,
                    "the camera " + Quoted(name) + " has " + SizeText(camera.width, camera.height) +
-                       ", the image has " + SizeText(image.width, image.height) +
+                       " pixels"
+                       ", the image has " +
+                       SizeText(image.width, image.height) +
+                       " pixels"
                        "; send the image unscaled, or send fx, fy, cx and cy");
   }
   return camera;

@@ -22,7 +22,8 @@ Eigen::Isometry3d CameraMotion(const Pose2& node_from_query, double metres_per_u
 }
 
 // The query in the frame of the answered image as far as the answer knows it.
-Eigen::Isometry3d MotionOf(const Answer& answer, const std::optional<double>& metres_per_unit) {
+Eigen::Isometry3d ComputeMotion(const Answer& answer,
+                                const std::optional<double>& metres_per_unit) {
   if (!answer.panorama) {
     return CameraMotion({0, 0, answer.heading ? answer.heading->rad : 0}, 0);
   }
@@ -72,7 +73,7 @@ std::optional<PoseError> ComparePose(const Answer& answer, const PlacePoses& pos
   const auto at = poses.find({place->layer, place->id});
   if (at == poses.end()) return std::nullopt;
   const TruePose& image = at->second;
-  Eigen::Isometry3d motion = MotionOf(answer, metres_per_unit);
+  Eigen::Isometry3d motion = ComputeMotion(answer, metres_per_unit);
   if (!image.has_rotation) motion.translation().setZero();  // not known in which direction
   const Eigen::Isometry3d estimate = image.world_from_camera * motion;
   PoseError error;

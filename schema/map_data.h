@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -19,15 +17,11 @@
 // FORMAT.md says how each field is stored.
 namespace waystone {
 
-// What a sequence's images are: stored as text.
-inline constexpr std::array<std::string_view, 7> kSequenceKinds{
-    "folder", "video", "tum", "kitti", "euroc", "rig", "cameras"};
-
 // One image sequence that the map was built from.
 struct Sequence {
   SequenceId id;
   std::string name;  // of the folder or file, without its path
-  std::string kind;  // one of kSequenceKinds
+  std::string kind;  // one of kSequenceKinds (sequence_kinds.h)
   int frames = 0;    // read from the source
   int skipped = 0;   // of them, could not be decoded
   std::optional<Camera> camera;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/robust/median.h"
 #include "world/flat.h"
 #include "world/texture.h"
 
@@ -92,10 +93,9 @@ float EstimateGain(const cv::Mat& light, const FlatCamera& camera) {
   for (int y = light.rows / 4; y < light.rows * 3 / 4; ++y) {
     values.insert(values.end(), light.ptr<float>(y), light.ptr<float>(y) + light.cols);
   }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
   const double wanted = std::pow(camera.middle_grey / 255, kGamma);
-  return static_cast<float>(std::min(kMaxGain, wanted / std::max<double>(*middle, 1e-6)));
+  const float median = Median(std::move(values));
+  return static_cast<float>(std::min(kMaxGain, wanted / std::max<double>(median, 1e-6)));
 }
 
 // Part of what is beyond white spreads over what is near it.

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/geometry/angle.h"
+#include "core/geometry/pose2.h"
 #include "world/path.h"
 
 namespace waystone {
@@ -25,8 +26,6 @@ struct Sample {
   double trajectory_m = 0.0;
 };
 
-double WrapAngle(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
-
 // The way's direction at every point, continuous (no jumps by 2 pi), averaged over `radius_m` so
 // that the gaze turns into a bend before and after it.
 std::vector<double> Headings(const std::vector<Eigen::Vector2d>& trajectory, double radius_m) {
@@ -34,7 +33,7 @@ std::vector<double> Headings(const std::vector<Eigen::Vector2d>& trajectory, dou
   for (size_t i = 0; i + 1 < trajectory.size(); ++i) {
     const Eigen::Vector2d edge = trajectory[i + 1] - trajectory[i];
     const double angle = std::atan2(edge.y(), edge.x());
-    raw[i] = i == 0 ? angle : raw[i - 1] + WrapAngle(angle - raw[i - 1]);
+    raw[i] = i == 0 ? angle : raw[i - 1] + WrappedAngle(angle - raw[i - 1]);
   }
   if (raw.size() > 1) raw.back() = raw[raw.size() - 2];
   const auto reach = static_cast<std::ptrdiff_t>(radius_m / kSampleM);

@@ -52,7 +52,7 @@ int RunAll(const Args& args) {
   if (!fs::exists(data / "kitchen")) {
     std::printf("\nno real data in %s (set WAYSTONE_DATA to where it is): the rest is skipped\n",
                 data.c_str());
-    Announce("odometry: ways of rendered panoramas against their truth");
+    Announce("odometry: trajectories of rendered panoramas against their truth");
     RunOdometry({});
     Announce("verdicts: another made building against a map of the world");
     RunVerdicts({});

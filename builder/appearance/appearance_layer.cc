@@ -9,8 +9,8 @@
 namespace waystone {
 namespace {
 
-// A chain of headings is no better than its doubtful ones: with each tenth step in doubt hardly a
-// stretch of twenty has none.
+// A chain of headings is no better than its doubtful ones: with each tenth step in doubt only
+// 0.9^20 = 12 % of the stretches of twenty have none.
 constexpr double kDoubtfulShare = 0.1;
 
 const AppearanceOptions& Checked(const AppearanceOptions& options) {

@@ -27,13 +27,14 @@ struct LoopOptions {
 
   static constexpr auto Fields() {
     return std::tuple{
-        OptionField{"min_gap", &LoopOptions::min_gap, Closed(2, 100'000), "panoramas",
-                    "Panoramas of one sequence that are nearer than this in it form no loop. "
-                    "Fewer find small loops, and adjacent places."},
-        OptionField{"k1", &LoopOptions::k1, Closed(1, 4096), "",
-                    "Magnitudes per row that candidates are found by, at most what the signatures "
-                    "have. The lowest change slowly, so that a place is still recognised some "
-                    "steps away."},
+        OptionField{
+            "min_gap", &LoopOptions::min_gap, Closed(2, 100'000), "panoramas",
+            "Two panoramas of one sequence form a loop only if they are at least this many "
+            "panoramas apart. Lower finds smaller loops, and also pairs of adjacent places."},
+        OptionField{
+            "k1", &LoopOptions::k1, Closed(1, 4096), "",
+            "Magnitudes per row used to find candidates, at most those of the signatures. Low "
+            "frequencies change slowly, so that a place is still recognised a few steps away."},
         OptionField{"max_distance_share", &LoopOptions::max_distance_share, Closed(0.05, 1), "",
                     "Largest distance of a candidate relative to the usual distance of two "
                     "panoramas. Higher finds more loops; each candidate costs one compass "
@@ -41,25 +42,28 @@ struct LoopOptions {
         OptionField{"candidates", &LoopOptions::candidates, Closed(1, 20), "",
                     "Candidates per panorama, each min_gap from the others."},
         OptionField{"max_sigma_rad", &LoopOptions::max_sigma_rad, Closed(0.001, 1), "rad",
-                    "Headings less certain than this close no loop."},
-        OptionField{"min_supporters", &LoopOptions::min_supporters, Closed(0, 20), "",
-                    "Other candidates of neighbouring panoramas that must agree: rooms that look "
-                    "alike seldom do so over a stretch and from the same side."},
+                    "Candidates whose heading is less certain than this do not close a loop."},
+        OptionField{
+            "min_supporters", &LoopOptions::min_supporters, Closed(0, 20), "",
+            "Other candidates among neighbouring panoramas that must agree. Different rooms that "
+            "look alike rarely do so over several panoramas and from the same side."},
         OptionField{"neighbourhood", &LoopOptions::neighbourhood, Closed(1, 1000), "panoramas",
                     "How far before or behind in both passes a supporter may be."},
         OptionField{"agreement_rad", &LoopOptions::agreement_rad, Closed(0.001, 1), "rad",
-                    "Largest difference of headings that agree."},
+                    "Headings that differ by at most this agree."},
         OptionField{"agreement_steps", &LoopOptions::agreement_steps, Closed(0.1, 100), "steps",
-                    "Largest distance of positions that agree, plus a third of the trajectory "
-                    "between them."},
+                    "Positions agree if they differ by at most this plus trajectory_share of the "
+                    "trajectory between them."},
         OptionField{"trajectory_share", &LoopOptions::trajectory_share, Closed(0, 1), "",
-                    "Share of the trajectory between two loops by which the odometry may be off "
-                    "besides.",
+                    "Allowed odometry error between two loops, as a share of the trajectory "
+                    "between them; added to agreement_steps.",
                     OptionUse::kInternal},
         OptionField{"length_sigma", &LoopOptions::length_sigma, Closed(0.01, 10), "",
-                    "Standard deviation of a loop's position, relative to its length ..."},
+                    "Standard deviation of a loop's position as a share of the loop's length; "
+                    "added to steps_sigma."},
         OptionField{"steps_sigma", &LoopOptions::steps_sigma, Closed(0.01, 100), "steps",
-                    "... and in steps."}};
+                    "Standard deviation of a loop's position that does not depend on its length; "
+                    "added to length_sigma."}};
   }
   void Check() const { CheckFields("loops", *this); }  // throws MapError(kBadOptions)
 };
@@ -77,8 +81,8 @@ struct PanoramaStretch {
   int last = 0;
 };
 
-// Finds loops within and between stretches, whose odometry `ways` are. A loop is verified in three
-// ways: the compass must fit a small motion between the two panoramas with a certain heading;
+// Finds loops within and between stretches, whose odometry is `trajectories`. A loop is verified in
+// three ways: the compass must fit a small motion between the two panoramas with a certain heading;
 // neighbours of both must say the same of each other (odometry between them); and whoever optimises
 // the graph rejects what doesn't fit the rest. The length of a loop is the compass's step over the
 // landmarks' distance in the unit of the steps near it. `odometry` brings the compass;

@@ -22,14 +22,14 @@ struct NodeFeatureOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"max_kept", &NodeFeatureOptions::max_kept, Closed(0, 10'000), "",
-                    "Features kept of each panorama; 0 keeps none, and answers rest on the "
-                    "appearance alone. More verify from farther away and add 36 bytes each to the "
-                    "map."},
+                    "Features stored per panorama. More verify from farther away, at 36 bytes each "
+                    "in the map. 0 stores none, and answers rest on appearance alone."},
         OptionField{"sectors", &NodeFeatureOptions::sectors, Closed(1, 360), "",
                     "Sectors of the horizon, above and below it, over which features are spread.",
                     OptionUse::kInternal},
         OptionField{"max_crowd", &NodeFeatureOptions::max_crowd, AtLeast(1), "",
-                    "Times its even share that a sector takes before the others are filled.",
+                    "A sector is filled beyond this multiple of its even share only when the other "
+                    "sectors have no more features.",
                     OptionUse::kInternal},
         OptionGroup{"extract", &NodeFeatureOptions::extract},
         OptionGroup{"match", &NodeFeatureOptions::match}};

@@ -30,7 +30,7 @@ struct AppearanceOptions {
         OptionGroup{"graph", &AppearanceOptions::graph},
         OptionGroup{"redundancy", &AppearanceOptions::redundancy},
         OptionField{"close_loops", &AppearanceOptions::close_loops, AnyValue(), "",
-                    "Whether loops are closed; without them the poses are those of the odometry."},
+                    "Close loops. Without loops, poses are those of the odometry."},
         OptionField{"max_samples", &AppearanceOptions::max_samples, Closed(0, 100'000), "",
                     "Panoramas whose features are handed out whole for calibration, spread evenly "
                     "over all. They take about 0.2 MB each while the map is built. BuildMap sets "

@@ -2,16 +2,15 @@
 #include "builder/appearance/take_panoramas.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/camera/panorama.h"
 
 namespace waystone {
 namespace {
 
 constexpr int kFewestPanoramas = 2;
-constexpr double kBandTolerance_rad = 1e-6;
 
 }  // namespace
 
@@ -64,10 +63,7 @@ void PanoramaTaker::ThinSamples() {
 
 // Signatures can be compared when their rows are the same elevations.
 void PanoramaTaker::CheckBand(const DescribedPanorama& panorama) const {
-  if (std::abs(panorama.band.top_rad - taken_.band.top_rad) < kBandTolerance_rad &&
-      std::abs(panorama.band.bottom_rad - taken_.band.bottom_rad) < kBandTolerance_rad) {
-    return;
-  }
+  if (BandsAgree(panorama.band, taken_.band)) return;
   throw MapError(ErrorCode::kBadSource,
                  name_ + "/" + panorama.info.source +
                      " covers other elevations than the previous panoramas; set --band to a "

@@ -25,21 +25,21 @@ struct VisualOdometryOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"k1", &VisualOdometryOptions::k1, Closed(1, 4096), "",
-                    "Magnitudes per row that the distance of two panoramas (eq. 2) is summed "
-                    "over, at most what the signatures have. Distances grow more slowly than the "
-                    "trajectory; with few frequencies they follow it longer, and depend more on "
-                    "how near the walls are."},
+                    "Magnitudes per row over which the distance of two panoramas (eq. 2) is "
+                    "summed, at most those of the signatures. Distances grow more slowly than the "
+                    "trajectory: with fewer frequencies they stay proportional longer, but depend "
+                    "more on how near the walls are."},
         OptionField{"max_span", &VisualOdometryOptions::max_span, Closed(1, 64), "panoramas",
-                    "Each panorama is compared with those 1, 2, 4, ... before it up to this: "
-                    "headings over several steps don't accumulate the errors of single ones. Each "
-                    "costs one compass estimate."},
+                    "Each panorama is compared with those 1, 2, 4, ... before it, up to this. "
+                    "Headings over several steps do not accumulate the errors of single steps. "
+                    "Each comparison costs one compass estimate."},
         OptionGroup{"compass", &VisualOdometryOptions::compass},
         OptionField{"length_sigma", &VisualOdometryOptions::length_sigma, Closed(0.01, 10), "",
-                    "Standard deviation of a step's position, relative to its length. Errors of "
-                    "neighbouring steps are correlated: more than a single step is off by. Higher "
-                    "lets loops bend the trajectory more."},
+                    "Standard deviation of a step's position, relative to its length. Larger than "
+                    "the error of a single step, because errors of neighbouring steps are "
+                    "correlated. Higher lets loops bend the trajectory more."},
         OptionField{"span_sigma", &VisualOdometryOptions::span_sigma, Closed(0.01, 10), "",
-                    "The same for the longer spans, whose lengths are those of the steps in them."},
+                    "The same for longer spans, whose lengths are the sums of their steps."},
         OptionField{"max_sigma_rad", &VisualOdometryOptions::max_sigma_rad, Closed(0.01, 3), "rad",
                     "Steps whose headings are less certain are counted as uncertain."}};
   }
@@ -66,7 +66,7 @@ struct VisualOdometry {
 // D^{a,b} of eq. (2) over the first k1 columns of the magnitudes.
 double SignatureDistance(const FourierSignature& a, const FourierSignature& b, int k1);
 
-// The way of a camera that took these panoramas one after the other, in the unit of eq. (2).
+// The trajectory of a camera that took these panoramas one after the other, in the unit of eq. (2).
 // A step is D long (eq. 2). The paper's robot looks where it goes, so its steps go along the
 // heading (eqs. 3 and 4); here they go where the compass saw the camera go, for cameras need not
 // look along their trajectory, and along the middle of the turn only where it could not tell. A

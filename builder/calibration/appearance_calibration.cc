@@ -138,28 +138,6 @@ void AppearanceCalibrationOptions::Check() const {
   fit.Check();
 }
 
-PanoramaQuery QueryOfNode(const MapIndex& index, int node, const PanoramaQueryOptions& options) {
-  const AppearanceNode& kept = index.map().appearance->nodes[node];
-  PanoramaQuery query{kept.signature, std::nullopt};
-  if (options.verify && !kept.features.bearings.empty()) {
-    query.features = ToBearingFeatures(kept.features, index.map().info.feature_type);
-  }
-  return query;
-}
-
-std::vector<AppearanceCalibrationQuery> QueriesOfNodes(const MapIndex& index, int max_nodes,
-                                                       const PanoramaQueryOptions& options) {
-  const std::vector<AppearanceNode>& nodes = index.map().appearance->nodes;
-  const auto all = static_cast<int>(nodes.size());
-  const int count = std::min(all, max_nodes);
-  std::vector<AppearanceCalibrationQuery> queries;
-  for (int i = 0; i < count; ++i) {
-    const auto node = static_cast<int>(static_cast<int64_t>(i) * all / count);
-    queries.push_back({QueryOfNode(index, node, options), nodes[node].pose, node});
-  }
-  return queries;
-}
-
 AppearanceVerdict CalibrateAppearance(const MapIndex& index,
                                       const std::vector<AppearanceCalibrationQuery>& queries,
                                       const std::vector<PanoramaQuery>& outside, bool verified,

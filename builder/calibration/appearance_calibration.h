@@ -26,27 +26,27 @@ struct AppearanceCalibrationOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"max_nodes", &AppearanceCalibrationOptions::max_nodes, Closed(1, 100'000), "",
-                    "Panoramas that the finished layer is queried with, spread evenly over it. "
-                    "More fit the model better, and cost one query for each of blank_spacings."},
+                    "Panoramas with which the finished layer is queried, spread evenly over it. "
+                    "More fit the model better; each costs one query per value of blank_spacings."},
         OptionField{"right_spacings", &AppearanceCalibrationOptions::right_spacings,
                     Closed(0.1, 100), "node spacings",
                     "An answer within this distance of the truth is right."},
         OptionField{"blank_spacings", &AppearanceCalibrationOptions::blank_spacings,
                     Closed(0, 1000), "node spacings",
-                    "Each panorama is asked for as if its surroundings weren't in the map: without "
-                    "the nodes within so many spacings, 0 for itself alone. Just beyond "
-                    "query.elsewhere_spacings answers are wrong by little: the model learns to "
-                    "refuse them."},
+                    "Each panorama is queried as if its surroundings were not in the map, that is "
+                    "without the nodes within this many spacings; 0 leaves out the panorama itself "
+                    "only. Beyond query.elsewhere_spacings answers are just slightly wrong, and "
+                    "the model learns to refuse them."},
         OptionField{"min_right_share", &AppearanceCalibrationOptions::min_right_share, Closed(0, 1),
                     "",
-                    "Share of the answers that the default model is sure of which have to be right "
-                    "by the map's poses. Below, the trajectory is too wrong to learn from, and the "
-                    "default model is used.",
+                    "Share of the answers the default model is sure of that must be right "
+                    "according to the map's poses. Below it, the trajectory is too inaccurate to "
+                    "learn from, and the default model is used.",
                     OptionUse::kInternal},
         OptionField{"rendered_negatives", &AppearanceCalibrationOptions::rendered_negatives,
                     Closed(0, 1000), "",
-                    "Panoramas of a rendered building that it is queried with, too: what isn't in "
-                    "the map. They cost about 50 ms each."},
+                    "Additional query panoramas of a rendered building, which is not in the map. "
+                    "About 50 ms each."},
         OptionGroup{"query", &AppearanceCalibrationOptions::query},
         OptionGroup{"fit", &AppearanceCalibrationOptions::fit}};
   }
@@ -81,12 +81,5 @@ AppearanceVerdict CalibrateAppearance(const MapIndex& index,
 OwnImages CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
                                    const AppearanceCalibrationOptions& options,
                                    ProgressReporter& progress);
-
-// A node as a query: its own signature, and its features where the options verify.
-PanoramaQuery QueryOfNode(const MapIndex& index, int node, const PanoramaQueryOptions& options);
-
-// The nodes themselves as such queries, at most `max_nodes`, spread evenly.
-std::vector<AppearanceCalibrationQuery> QueriesOfNodes(const MapIndex& index, int max_nodes,
-                                                       const PanoramaQueryOptions& options);
 
 }  // namespace waystone

@@ -25,11 +25,11 @@ struct CalibrationOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"max_keyframes", &CalibrationOptions::max_keyframes, AtLeast(2), "",
-                    "Keyframes that the finished map is queried with. More fit the model better "
-                    "and cost about 30 ms each."},
+                    "Keyframes with which the finished map is queried. More fit the model better, "
+                    "at about 30 ms each."},
         OptionField{"rendered_negatives", &CalibrationOptions::rendered_negatives, AtLeast(0), "",
-                    "Images of a rendered building that it is queried with, too: what isn't in "
-                    "the map. They cost about 100 ms each."},
+                    "Additional query images of a rendered building, which is not in the map. "
+                    "About 100 ms each."},
         OptionGroup{"localize", &CalibrationOptions::localize},
         OptionGroup{"fit", &CalibrationOptions::fit},
         OptionField{"seed", &CalibrationOptions::seed, AnyValue(), "",

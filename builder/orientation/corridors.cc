@@ -9,6 +9,7 @@
 
 #include "builder/orientation/follow.h"
 #include "core/geometry/angle.h"
+#include "core/geometry/pose2.h"
 
 namespace waystone {
 namespace {
@@ -26,7 +27,7 @@ std::vector<std::optional<double>> Unwrapped(std::span<const OrientationFrame> f
   double last = 0;
   for (const OrientationFrame& frame : frames) {
     std::optional<double> heading = HeadingOf(frame);
-    if (heading) last += std::remainder(*heading - last, 4 * kQuarterTurn_rad);
+    if (heading) last += WrappedAngle(*heading - last);
     headings.push_back(heading ? std::optional(last) : std::nullopt);
   }
   return headings;

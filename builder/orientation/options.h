@@ -27,42 +27,44 @@ struct FollowOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"max_jump_rad", &FollowOptions::max_jump_rad, Closed(0.01, 0.7), "rad",
-                    "Largest turn between two consecutive frames. Where the features say nothing, "
-                    "it bounds how far the axes may have turned."},
+                    "Largest rotation between two consecutive frames. Where features give no "
+                    "rotation, it bounds how far the axes may have turned."},
         OptionField{"max_clear_rival", &FollowOptions::max_clear_rival, Closed(0, 1), "",
-                    "A frame whose best rival has at most this share of its support is believed "
-                    "by itself. Higher uses the features less often, and believes more wrong "
+                    "A frame is accepted on its own if its best rival has at most this share of "
+                    "its support. Higher uses the features less often and accepts more wrong "
                     "frames of single cameras."},
-        OptionField{"min_votes", &FollowOptions::min_votes, Closed(1, 100), "frames",
-                    "Frames in a row that must agree before the axes are settled where none is "
-                    "clear."},
+        OptionField{
+            "min_votes", &FollowOptions::min_votes, Closed(1, 100), "frames",
+            "Consecutive frames that must agree before the axes are fixed if no frame is clear."},
         OptionField{"max_drift_rad", &FollowOptions::max_drift_rad, Closed(0.01, 0.5), "rad",
                     "Largest angle between the axes of the lines and those that the features' "
                     "rotation predicts. Higher takes the lines of a skewed room for the "
                     "building's."},
         OptionField{"max_rival_drift_rad", &FollowOptions::max_rival_drift_rad, Closed(0.005, 0.5),
                     "rad",
-                    "The same where the lines leave a choice of frames. Lower believes fewer "
-                    "frames of single cameras."},
+                    "The same if the lines allow several frames. Lower accepts fewer frames of "
+                    "single cameras."},
         OptionField{"step_sigma_rad", &FollowOptions::step_sigma_rad, Closed(1e-5, 0.1), "rad",
-                    "Standard deviation of a rotation between two frames besides what its matches "
-                    "give. Higher trusts the lines more and the features less."},
+                    "Standard deviation of a rotation between two frames, in addition to that of "
+                    "its matches. Higher trusts the lines more and the features less."},
         OptionField{"anchor_frames", &FollowOptions::anchor_frames, Closed(1, 1000), "frames",
-                    "A frame is kept every so many to find the quarter turn by after the axes "
-                    "were lost. Fewer cost time."},
+                    "A frame is kept at this interval to resolve the quarter turn after the axes "
+                    "were lost. A shorter interval costs time."},
         OptionField{"retry_frames", &FollowOptions::retry_frames, Closed(1, 100), "frames",
-                    "Lost frames are compared with those every so many frames. Fewer cost time."},
-        OptionField{"clear_share", &FollowOptions::clear_share, Open(0, 1), "",
-                    "One of two choices is meant when its misfit is this share of the other's at "
-                    "most.",
-                    OptionUse::kInternal},
+                    "Frames without axes are compared with the kept ones at this interval. A "
+                    "shorter interval costs time."},
+        OptionField{
+            "clear_share", &FollowOptions::clear_share, Open(0, 1), "",
+            "Of two choices, one is accepted if its misfit is at most this share of the other's.",
+            OptionUse::kInternal},
         OptionField{"doubt_share", &FollowOptions::doubt_share, Closed(0, 1), "",
                     "Standard deviation of a clear choice, as a share of the angle between the "
                     "two.",
                     OptionUse::kInternal},
-        OptionField{"steady_frames", &FollowOptions::steady_frames, Closed(1, 1000), "frames",
-                    "For how long a camera may be taken to turn on as before.",
-                    OptionUse::kInternal}};
+        OptionField{
+            "steady_frames", &FollowOptions::steady_frames, Closed(1, 1000), "frames",
+            "Number of frames for which a camera may be assumed to keep turning at the same rate.",
+            OptionUse::kInternal}};
   }
   void Check() const { CheckFields("follow", *this); }  // throws MapError(kBadOptions)
 };
@@ -86,8 +88,8 @@ struct TraversabilityOptions {
                     "connects frames whose rotation is wrong."},
         OptionField{"min_parallax_rad", &TraversabilityOptions::min_parallax_rad,
                     Closed(0.0005, 0.5), "rad",
-                    "Median angle by which inliers must move besides the rotation before the "
-                    "direction of motion is believed. Lower gives a direction to a camera that "
+                    "Median angle by which inliers must move in addition to the rotation before a "
+                    "direction of motion is accepted. Lower gives a direction to a camera that "
                     "stands still."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
@@ -133,12 +135,12 @@ struct CorridorOptions {
         OptionField{"heading_range_rad", &CorridorOptions::heading_range_rad, Closed(0.05, 1.5),
                     "rad", "Range of the heading within a corridor. Higher tolerates more sway."},
         OptionField{"min_ratio", &CorridorOptions::min_ratio, Closed(1, 20), "",
-                    "Least ratio of the lines along the corridor to those across it. Higher "
+                    "Smallest ratio of the lines along the corridor to those across it. Higher "
                     "leaves out rooms and wide halls."},
         OptionField{"min_frames", &CorridorOptions::min_frames, Closed(1, 100'000), "frames",
-                    "Shortest corridor."},
+                    "Length of the shortest corridor."},
         OptionField{"max_gap_frames", &CorridorOptions::max_gap_frames, Closed(0, 1000), "frames",
-                    "Frames in a row that may have no rotation."}};
+                    "Consecutive frames without a rotation that a corridor may contain."}};
   }
   void Check() const { CheckFields("corridors", *this); }  // throws MapError(kBadOptions)
 };
@@ -156,19 +158,22 @@ struct OrientationLoopOptions {
 
   static constexpr auto Fields() {
     return std::tuple{
-        OptionField{"min_gap_frames", &OrientationLoopOptions::min_gap_frames, Closed(1, 1'000'000),
-                    "frames", "Nodes of one sequence this close are neighbours anyway."},
+        OptionField{
+            "min_gap_frames", &OrientationLoopOptions::min_gap_frames, Closed(1, 1'000'000),
+            "frames",
+            "Nodes of one sequence closer than this are neighbours already and form no loop."},
         OptionField{"sample", &OrientationLoopOptions::sample, Closed(10, 10'000), "",
-                    "Features of a node, the strongest ones, by which earlier nodes are ranked."},
+                    "Features of a node, strongest first, used to rank earlier nodes."},
         OptionField{"candidates", &OrientationLoopOptions::candidates, Closed(1, 1000), "",
                     "Best ranked earlier nodes that are verified. More find weaker loops and cost "
                     "time in proportion."},
         OptionField{"min_matches", &OrientationLoopOptions::min_matches, Closed(5, 10'000), "",
-                    "Verified correspondences (the paper's loop had 46)."},
+                    "Verified correspondences that a loop requires (the paper's loop had 46)."},
         OptionField{"max_log10_chance", &OrientationLoopOptions::max_log10_chance, Closed(-300, 0),
-                    "", "Probability that so many fit by chance, as a power of ten."},
+                    "",
+                    "Largest probability, as a power of ten, that as many matches fit by chance."},
         OptionField{"max_turn_rad", &OrientationLoopOptions::max_turn_rad, Closed(0.05, 3.2), "rad",
-                    "Largest difference of the two orientations."},
+                    "Largest difference between the two orientations."},
         OptionField{"max_disagreement_rad", &OrientationLoopOptions::max_disagreement_rad,
                     Closed(0.005, 0.5), "rad",
                     "Largest angle between the essential matrix's rotation and R1 R2^T."}};

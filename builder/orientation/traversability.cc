@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/geometry/pose2.h"
 #include "core/geometry/rotation.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/robust/median.h"
@@ -37,8 +37,7 @@ double Flow(const MatchedRays& rays, const std::vector<int>& inliers, const Orie
             const OrientationFrame& b) {
   double sum = 0;
   for (const int i : inliers) {
-    const double moved = Azimuth(rays.b[i], UpOf(b)) - Azimuth(rays.a[i], UpOf(a));
-    sum += std::remainder(moved, 2 * std::numbers::pi);
+    sum += WrappedAngle(Azimuth(rays.b[i], UpOf(b)) - Azimuth(rays.a[i], UpOf(a)));
   }
   return inliers.empty() ? 0 : sum / static_cast<double>(inliers.size());
 }

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "core/geometry/angle.h"
+#include "core/geometry/pose2.h"
 #include "core/robust/median.h"
 
 namespace waystone {
@@ -17,7 +18,7 @@ int Sector(double heading_rad) {
 
 // Angle from an axis to a heading, (-pi, pi].
 double FromAxis(double heading_rad, int sector) {
-  return std::remainder(heading_rad - sector * kQuarterTurn_rad, 4 * kQuarterTurn_rad);
+  return WrappedAngle(heading_rad - sector * kQuarterTurn_rad);
 }
 
 // From one axis to another: -1, 0, 1 or 2.
@@ -40,7 +41,7 @@ double MeasureTurn(std::span<const HeadingSample> headings, int frame, const Tur
     if (!sample.heading_rad || sample.frame < frame - window) continue;
     if (sample.frame >= frame + window) break;
     const double last_rad = unwrapped_rad.value_or(*sample.heading_rad);
-    unwrapped_rad = last_rad + std::remainder(*sample.heading_rad - last_rad, 4 * kQuarterTurn_rad);
+    unwrapped_rad = last_rad + WrappedAngle(*sample.heading_rad - last_rad);
     const int side = sample.frame < frame ? 0 : 1;
     any[side].push_back(*unwrapped_rad);
     if (IsAlongAxis(*sample.heading_rad, options)) along[side].push_back(*unwrapped_rad);

@@ -134,22 +134,14 @@ void PassEdges(PlaneId m, PlaneId n, std::vector<Edge>& edges) {
   edges.erase(repeated, edges.end());
 }
 
-std::vector<FusionCandidate> EveryPair(const std::vector<Plane>& planes,
-                                       const std::vector<Edge>& edges) {
-  const std::set<PlanePair> covisible = Covisible(edges);
-  std::vector<FusionCandidate> candidates;
-  for (size_t m = 0; m < planes.size(); ++m) {
-    for (size_t n = m + 1; n < planes.size(); ++n) {
-      if (!covisible.contains({planes[m].id, planes[n].id})) {
-        candidates.push_back({planes[m].id, planes[n].id, 0});
-      }
-    }
-  }
-  return candidates;
+}  // namespace
+
+void FusionOptions::Check() const {
+  CheckFields("fusion", *this);
+  index.Check();
 }
 
-// MatchPlanes with m's descriptors packed.
-std::optional<FusionMatch> MatchPacked(const Plane& m, const PackedRows& packed_m, const Plane& n,
+std::optional<FusionMatch> MatchPlanes(const Plane& m, const PackedRows& packed_m, const Plane& n,
                                        const PlaneLayerOptions& options) {
   const std::vector<Match> matches =
       MatchDescriptors(packed_m, m.descriptors.rows(), n.descriptors, options.match);
@@ -171,18 +163,6 @@ std::optional<FusionMatch> MatchPacked(const Plane& m, const PackedRows& packed_
   result.m_from_n = estimate->to_from;
   if (!OverlapAgrees(m, n, result, fusion.min_overlap)) return std::nullopt;
   return result;
-}
-
-}  // namespace
-
-void FusionOptions::Check() const {
-  CheckFields("fusion", *this);
-  index.Check();
-}
-
-std::optional<FusionMatch> MatchPlanes(const Plane& m, const Plane& n, FeatureType type,
-                                       const PlaneLayerOptions& options) {
-  return MatchPacked(m, PackedRows(type, m.descriptors), n, options);
 }
 
 // A set of planes that shrinks as pairs are merged.
@@ -228,7 +208,7 @@ class Fuser {
 
   std::optional<FusionMatch> MatchNow(PlaneId m, PlaneId n) const {
     const Entry& entry_m = planes_.at(m);
-    return MatchPacked(entry_m.plane, entry_m.packed, planes_.at(n).plane, options_);
+    return MatchPlanes(entry_m.plane, entry_m.packed, planes_.at(n).plane, options_);
   }
 
   // Line 17: tries a pair, or what its planes have become. `first` is the match of what they were.
@@ -269,14 +249,20 @@ class Fuser {
   const PlaneLayerOptions& options_;
 };
 
+FusionResult FusePairs(std::vector<Plane> planes, std::vector<Edge> edges,
+                       const std::vector<Keyframe>& keyframes,
+                       const std::vector<FusionCandidate>& pairs, FeatureType type,
+                       const PlaneLayerOptions& options) {
+  Fuser fuser(std::move(planes), std::move(edges), keyframes, type, options);
+  fuser.Run(pairs);
+  return fuser.Finish();
+}
+
 FusionResult FusePlanes(std::vector<Plane> planes, std::vector<Edge> edges,
                         const std::vector<Keyframe>& keyframes, FeatureType type,
-                        const PlaneLayerOptions& options, bool exhaustive) {
-  const std::vector<FusionCandidate> candidates =
-      exhaustive ? EveryPair(planes, edges) : ProposeFusions(planes, edges, type, options.fusion);
-  Fuser fuser(std::move(planes), std::move(edges), keyframes, type, options);
-  fuser.Run(candidates);
-  return fuser.Finish();
+                        const PlaneLayerOptions& options) {
+  const auto candidates = ProposeFusions(planes, edges, type, options.fusion);
+  return FusePairs(std::move(planes), std::move(edges), keyframes, candidates, type, options);
 }
 
 }  // namespace waystone

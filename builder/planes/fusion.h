@@ -6,6 +6,7 @@
 
 #include "builder/planes/fusion_candidates.h"
 #include "builder/planes/options.h"
+#include "core/features/packed_rows.h"
 #include "core/homography/homography.h"
 #include "schema/map_data.h"
 
@@ -17,7 +18,8 @@ struct FusionMatch {
   HomographyEstimate m_from_n;
   std::vector<Match> inliers;  // a: feature of m, b: feature of n
 };
-std::optional<FusionMatch> MatchPlanes(const Plane& m, const Plane& n, FeatureType type,
+// `packed_m` are m's descriptors.
+std::optional<FusionMatch> MatchPlanes(const Plane& m, const PackedRows& packed_m, const Plane& n,
                                        const PlaneLayerOptions& options);
 
 struct FusionResult {
@@ -30,11 +32,17 @@ struct FusionResult {
 // the other one's features, views and edges pass to it. A plane that is the same surface but mostly
 // out of reach of the other's reference image, or of what the matches between the two determine,
 // stays too and gets an edge (identity homology) to it.
-// `planes` and `edges` are ordered by id and (a, b). `exhaustive` tries every pair instead of the
-// proposed ones: the paper's way, for tests. Deterministic on any number of threads (it uses
-// TBB's).
+// `planes` and `edges` are ordered by id and (a, b). Deterministic on any number of threads (it
+// uses TBB's).
 FusionResult FusePlanes(std::vector<Plane> planes, std::vector<Edge> edges,
                         const std::vector<Keyframe>& keyframes, FeatureType type,
-                        const PlaneLayerOptions& options, bool exhaustive = false);
+                        const PlaneLayerOptions& options);
+
+// The same of these pairs of planes that share no edge, instead of those that ProposeFusions gives;
+// the paper tries all.
+FusionResult FusePairs(std::vector<Plane> planes, std::vector<Edge> edges,
+                       const std::vector<Keyframe>& keyframes,
+                       const std::vector<FusionCandidate>& pairs, FeatureType type,
+                       const PlaneLayerOptions& options);
 
 }  // namespace waystone

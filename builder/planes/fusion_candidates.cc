@@ -53,8 +53,8 @@ SearchIndex IndexOf(const Ballot& ballot, FeatureType type, const FusionOptions&
 }
 
 // Votes of one plane's voters for the others.
-std::map<int, int> VotesOf(const Ballot& ballot, int own, const SearchIndex& index,
-                           FeatureType type, const FusionOptions& options) {
+std::map<int, int> CountVotes(const Ballot& ballot, int own, const SearchIndex& index,
+                              FeatureType type, const FusionOptions& options) {
   Descriptors queries(ballot.descriptors.bytes());
   for (int row = ballot.starts[own]; row < ballot.starts[own + 1]; ++row) {
     queries.Append(ballot.descriptors.row(row));
@@ -99,7 +99,8 @@ std::vector<FusionCandidate> ProposeFusions(const std::vector<Plane>& planes,
   const Ballot ballot = CollectVoters(planes, type, options.max_voters);
   const SearchIndex index = IndexOf(ballot, type, options);
   std::vector<std::map<int, int>> votes(count);
-  tbb::parallel_for(0, count, [&](int p) { votes[p] = VotesOf(ballot, p, index, type, options); });
+  tbb::parallel_for(0, count,
+                    [&](int p) { votes[p] = CountVotes(ballot, p, index, type, options); });
   std::map<PlanePair, int> sums;
   for (int p = 0; p < count; ++p) {
     for (const auto& [q, n] : votes[p]) sums[Ordered(planes[p].id, planes[q].id)] += n;

@@ -35,8 +35,8 @@ struct KeyframeOptions {
                     "Most frames from one keyframe to the next; bounds the cost of a camera that "
                     "stands still."},
         OptionField{"min_matches_stretch", &KeyframeOptions::min_matches_stretch, AtLeast(4), "",
-                    "With fewer matches with the last keyframe the sequence is broken and a new "
-                    "stretch starts; at most N."}};
+                    "With fewer matches with the last keyframe, the sequence counts as interrupted "
+                    "and a new stretch starts; at most N."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -26,23 +26,23 @@ struct LandmarkOptions {
     using Self = LandmarkOptions;
     return std::tuple{
         OptionField{"max_kept", &Self::max_kept, Closed(0, 10'000), "",
-                    "Landmarks kept of each keyframe; 0 keeps planes alone. More find more places "
-                    "and make the map larger by 36 bytes each."},
-        OptionField{
-            "neighbours", &Self::neighbours, Closed(1, 10), "",
-            "Keyframes before and after in which a landmark is looked for. More tell better "
-            "what is found again, and take longer."},
+                    "Landmarks stored per keyframe, at 36 bytes each. More recognise more places. "
+                    "0 stores planes only."},
+        OptionField{"neighbours", &Self::neighbours, Closed(1, 10), "",
+                    "Keyframes before and after in which a landmark is searched for. More select "
+                    "repeatable features more reliably and take longer."},
         OptionField{
             "on_plane_px", &Self::on_plane_px, AtLeast(0), "px",
-            "A feature this near to where a plane of the map has one is left to the plane."},
+            "A feature within this distance of a plane's feature is not stored as a landmark."},
         OptionField{"lone_share", &Self::lone_share, Closed(0, 1), "",
-                    "Share of max_kept up to which features that were not found again fill up what "
-                    "is found again: of photos without neighbours nothing else is known."},
+                    "Features that were not found again fill up the landmarks to this share of "
+                    "max_kept. Photos without neighbouring photos have no others."},
         OptionField{"cells", &Self::cells, Closed(1, 100), "",
                     "Cells along each side of the image over which landmarks are spread.",
                     OptionUse::kInternal},
         OptionField{"max_crowd", &Self::max_crowd, AtLeast(1), "",
-                    "Times its even share that a cell takes before the others are filled.",
+                    "A cell is filled beyond this multiple of its even share only when the other "
+                    "cells have no more landmarks.",
                     OptionUse::kInternal},
         OptionGroup{"match", &Self::match},
         OptionGroup{"epipolar", &Self::epipolar}};

@@ -25,8 +25,8 @@ struct RotationOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"min_share", &RotationOptions::min_share, OpenLow(0, 1), "",
-                    "Share of the matches that one homography must explain before a rotation is "
-                    "tried at all."},
+                    "Share of the matches that one homography must explain before a pure rotation "
+                    "is tested."},
         OptionField{"max_excess", &RotationOptions::max_excess, AtLeast(1), "",
                     "Largest root-mean-square error of a rotation relative to the free "
                     "homography's. Higher takes more keyframe pairs for rotations.",
@@ -35,13 +35,13 @@ struct RotationOptions {
                     "Shortest focal length tried where the camera isn't known, in units of the "
                     "image's longer side."},
         OptionField{"max_focal", &RotationOptions::max_focal, Above(0), "image sizes",
-                    "Longest focal length tried, above min_focal."},
+                    "Longest focal length tried; above min_focal."},
         OptionField{"focal_steps", &RotationOptions::focal_steps, AtLeast(2), "",
                     "Focal lengths tried.", OptionUse::kInternal},
         OptionField{"max_angle_rad", &RotationOptions::max_angle_rad, Open(0, std::numbers::pi / 2),
                     "rad",
-                    "Matches farther than this from the optical axis of a known camera don't "
-                    "count: undistorted, the edge of a very wide image is mostly noise."}};
+                    "Matches farther than this from the optical axis of a calibrated camera are "
+                    "ignored: after undistortion, the edge of a very wide image is mostly noise."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -72,14 +72,15 @@ struct FusionOptions {
         OptionField{"votes_per_feature", &FusionOptions::votes_per_feature, AtLeast(1), "",
                     "Planes that a feature votes for, nearest first.", OptionUse::kInternal},
         OptionField{"neighbours", &FusionOptions::neighbours, AtLeast(2), "",
-                    "Neighbours of a feature that are looked at. The farthest of them says how "
-                    "near descriptors come to it by chance.",
+                    "Nearest neighbours searched per feature. The distance of the farthest one is "
+                    "taken as that of a match by chance.",
                     OptionUse::kInternal},
         OptionField{"max_vote_distance", &FusionOptions::max_vote_distance, OpenLow(0, 1), "",
                     "Largest descriptor distance of a neighbour that counts, relative to the "
                     "largest of its type. Higher tries more pairs."},
         OptionField{"max_vote_ratio", &FusionOptions::max_vote_ratio, OpenLow(0, 1), "",
-                    "The same relative to the distance that occurs by chance; either suffices."},
+                    "Largest distance of a neighbour that counts, relative to that of a match by "
+                    "chance. Either limit suffices."},
         OptionField{"max_voters", &FusionOptions::max_voters, AtLeast(1), "",
                     "Features per plane that vote, most seen first. Bounds the cost of large "
                     "planes.",
@@ -94,11 +95,12 @@ struct FusionOptions {
                     "Share of all matches between the two planes that must support it (\"most of "
                     "the matches\")."},
         OptionField{"min_overlap", &FusionOptions::min_overlap, Closed(0, 1), "",
-                    "Share of the features where both planes were seen that must be found in "
-                    "both: a poster hung twice is recognised on the poster alone."},
-        OptionField{"min_within_reach", &FusionOptions::min_within_reach, Closed(0, 1), "",
-                    "Share of a plane's features that the other one's reference image must reach; "
-                    "otherwise the planes are joined by an edge instead."},
+                    "Share of the features in the common area of both planes that must match. It "
+                    "keeps copies of a poster apart, which match on the poster only."},
+        OptionField{
+            "min_within_reach", &FusionOptions::min_within_reach, Closed(0, 1), "",
+            "Share of a plane's features that must lie within reach of the other plane's reference "
+            "image. Otherwise the planes are connected by an edge instead of fused."},
         OptionField{"max_moved_px", &FusionOptions::max_moved_px, Above(0), "px",
                     "A feature is out of reach where the uncertainty of the homography (one "
                     "sigma) moves it by more than this."}};
@@ -133,8 +135,8 @@ struct PlaneLayerOptions {
         OptionGroup{"fusion", &PlaneLayerOptions::fusion},
         OptionGroup{"landmarks", &PlaneLayerOptions::landmarks},
         OptionField{"min_tracked", &PlaneLayerOptions::min_tracked, AtLeast(5), "",
-                    "Features that must follow a plane into the next keyframe; with fewer it is "
-                    "closed."},
+                    "Features of a plane that must be tracked into the next keyframe; with fewer "
+                    "the plane is closed."},
         OptionField{"reacquire_px", &PlaneLayerOptions::reacquire_px, Above(0), "px",
                     "A keypoint this close to where the homography puts a feature may be that "
                     "feature again.",
@@ -148,22 +150,22 @@ struct PlaneLayerOptions {
                     "How far beyond its reference image a plane may grow; farther out, positions "
                     "are extrapolated and inaccurate."},
         OptionField{"min_anchored", &PlaneLayerOptions::min_anchored, Closed(0, 1), "",
-                    "A plane whose reference image shows less than this share of its matches "
-                    "continues as a new plane with a newer reference image. Higher: more planes, "
-                    "each more accurate; lower: fewer and larger ones."},
+                    "A plane is continued by a new one with a newer reference image if its "
+                    "reference image shows less than this share of its matches. Higher: more "
+                    "planes, each more accurate; lower: fewer and larger ones."},
         OptionField{"min_vote_share", &PlaneLayerOptions::min_vote_share, Closed(0, 1), "",
                     "A feature is kept if it was found in this share of the keyframes that should "
                     "have seen it."},
-        OptionField{"plenty_of_features", &PlaneLayerOptions::plenty_of_features, AtLeast(4), "",
-                    "A plane with more features than this keeps those found in fewer than "
-                    "votes_in_plenty keyframes only up to it. Lower: smaller maps, faster "
-                    "queries, fewer inliers per answer."},
+        OptionField{
+            "plenty_of_features", &PlaneLayerOptions::plenty_of_features, AtLeast(4), "",
+            "A plane stores features found in fewer than votes_in_plenty keyframes only up to this "
+            "total. Lower: smaller maps, faster queries, fewer inliers per answer."},
         OptionField{"votes_in_plenty", &PlaneLayerOptions::votes_in_plenty, AtLeast(0), "",
-                    "Keyframes that must have found a feature of such a plane."},
+                    "Keyframes in which a feature beyond plenty_of_features must have been found."},
         OptionField{"min_features", &PlaneLayerOptions::min_features, AtLeast(4), "",
-                    "A plane with fewer features left after the votes is dropped."},
+                    "A plane with fewer features after voting is dropped."},
         OptionField{"min_features_unconfirmed", &PlaneLayerOptions::min_features_unconfirmed,
-                    AtLeast(4), "", "The same for a plane that no triple match confirmed."},
+                    AtLeast(4), "", "The same for a plane without a confirming triple match."},
         OptionField{"seed", &PlaneLayerOptions::seed, AnyValue(), "",
                     "Seed of the random samples."}};
   }

@@ -7,7 +7,8 @@
 
 namespace waystone {
 
-// The way of a layer's panoramas from above, x to the right, y up, with its loops, as one <svg>.
+// The trajectory of a layer's panoramas from above, x to the right, y up, with its loops, as one
+// <svg>.
 std::string AppearanceSvg(const AppearanceLayer& layer);
 
 }  // namespace waystone

@@ -49,7 +49,7 @@ Pairs EdgesByRow(const MapData& map) {
 }
 
 // The largest part first.
-std::vector<Part> PartsOf(size_t count, const Pairs& edges) {
+std::vector<Part> FindParts(size_t count, const Pairs& edges) {
   Graph graph(count);
   for (const auto& [a, b] : edges) boost::add_edge(a, b, 1.0, graph);
   std::vector<size_t> part_of(count);
@@ -111,7 +111,7 @@ std::vector<Eigen::Vector2d> LayOutGraph(const MapData& map) {
   std::vector<Eigen::Vector2d> at(map.planes.size());
   if (map.planes.empty()) return at;
   const Pairs edges = EdgesByRow(map);
-  std::vector<Part> parts = PartsOf(map.planes.size(), edges);
+  std::vector<Part> parts = FindParts(map.planes.size(), edges);
   const double gap = kComponentGap * parts.back().width();
   double total = gap * static_cast<double>(parts.size() - 1);
   for (const Part& part : parts) total += part.width();

@@ -75,7 +75,7 @@ class Curve {
   std::ostream& svg_;
 };
 
-// The way of a sequence in the drawing, y up.
+// The trajectory of a sequence in the drawing, y up.
 class DrawnTrajectory {
  public:
   DrawnTrajectory(const OrientationLayer& layer, const Rows& rows) : rows_(rows) {

@@ -6,6 +6,7 @@
 #include "builder/sources/files.h"
 #include "builder/sources/recognise.h"
 #include "builder/sources/rig_layouts.h"
+#include "schema/sequence_kinds.h"
 
 namespace waystone {
 namespace {
@@ -71,7 +72,7 @@ class CameraRigSource : public Source {
   }
 
  private:
-  std::string kind_ = "cameras";
+  std::string kind_ = kCamerasKind;
   std::string name_;
   std::shared_ptr<const RigSequence> sequence_;
   DecodeLimits limits_;
@@ -92,7 +93,7 @@ std::unique_ptr<Source> RecogniseCameraRig(const fs::path& folder, const SourceO
   const auto found = FindCameraImages(folder, names);
   if (!found) return nullptr;
   RigSequence sequence{.layout = found->layout, .rig = *rig, .moments = {}};
-  sequence.moments = MomentsOf(*found, *rig, folder, RigOptions{}.max_time_gap_s);
+  sequence.moments = GroupMoments(*found, *rig, folder, RigOptions{}.max_time_gap_s);
   return std::make_unique<CameraRigSource>(folder, std::move(sequence), options);
 }
 

@@ -12,6 +12,7 @@
 
 #include "builder/sources/files.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "core/camera/camera.h"
 
 // What camera files and rig files have in common: inside builder/sources only.

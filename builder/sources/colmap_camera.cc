@@ -5,6 +5,7 @@
 
 #include "builder/sources/files.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 
 namespace waystone {
 namespace {

@@ -6,6 +6,8 @@
 #include "builder/sources/files.h"
 #include "builder/sources/recognise.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
+#include "schema/sequence_kinds.h"
 
 namespace waystone {
 namespace {
@@ -67,7 +69,7 @@ Camera ReadKittiCamera(const fs::path& file, const std::string& key) {
 std::optional<ImageList> RecogniseTum(const fs::path& folder) {
   const fs::path file = folder / "rgb.txt";
   if (!Exists(file)) return std::nullopt;
-  ImageList list{.kind = "tum",
+  ImageList list{.kind = kTumKind,
                  .title = "TUM sequence",
                  .name = NameOfPath(folder),
                  .root = folder,
@@ -102,7 +104,7 @@ std::optional<ImageList> RecogniseKitti(const fs::path& folder) {
     }
     image.path = images / image.path;
   }
-  list.kind = "kitti";
+  list.kind = kKittiKind;
   list.title = "KITTI sequence";
   list.name = NameOfPath(folder);
   list.root = folder;
@@ -123,7 +125,7 @@ std::optional<ImageList> RecogniseEuroc(const fs::path& folder) {
   });
   if (inside == layouts.end()) return std::nullopt;
   const fs::path file = folder / *inside / "data.csv";
-  ImageList list{.kind = "euroc",
+  ImageList list{.kind = kEurocKind,
                  .title = "EuRoC sequence",
                  .name = NameOfPath(folder),
                  .root = folder,

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <sstream>
+
+#include "core/base/text.h"
 
 namespace waystone {
 namespace {
@@ -32,21 +33,6 @@ std::string_view TakeNumber(std::string_view& text) {
 
 // Paths part at '/', before any other character.
 int Rank(char c) { return c == '/' ? -1 : static_cast<unsigned char>(c); }
-
-std::string_view Trimmed(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r\n";
-  const size_t start = text.find_first_not_of(kSpace);
-  if (start == std::string_view::npos) return {};
-  return text.substr(start, text.find_last_not_of(kSpace) - start + 1);
-}
-
-template <class Number>
-std::optional<Number> Parse(std::string_view word) {
-  Number value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
-}
 
 }  // namespace
 
@@ -122,20 +108,6 @@ std::vector<TextLine> ReadLines(const fs::path& path, ErrorCode code) {
   }
   return lines;
 }
-
-std::vector<std::string> Words(std::string_view line, std::string_view separators) {
-  std::vector<std::string> words;
-  while (!line.empty()) {
-    const size_t end = std::min(line.find_first_of(separators), line.size());
-    if (end > 0) words.emplace_back(line.substr(0, end));
-    line.remove_prefix(std::min(end + 1, line.size()));
-  }
-  return words;
-}
-
-std::optional<double> ToNumber(std::string_view word) { return Parse<double>(word); }
-
-std::optional<int64_t> ToInteger(std::string_view word) { return Parse<int64_t>(word); }
 
 std::string Quoted(const fs::path& path) {
   std::string quoted = "'";

@@ -39,13 +39,6 @@ struct TextLine {
 // The lines that say something: neither empty nor a comment (from '#' on). Throws like ReadFile.
 std::vector<TextLine> ReadLines(const std::filesystem::path& path, ErrorCode code);
 
-// Words of a line, apart by any of the `separators`.
-std::vector<std::string> Words(std::string_view line, std::string_view separators = " \t");
-
-// The number that is all of `word`, or nothing. Independent of the locale.
-std::optional<double> ToNumber(std::string_view word);
-std::optional<int64_t> ToInteger(std::string_view word);
-
 // 'path', for messages.
 std::string Quoted(const std::filesystem::path& path);
 

@@ -6,6 +6,7 @@
 #include "builder/sources/files.h"
 #include "builder/sources/recognise.h"
 #include "core/base/error.h"
+#include "schema/sequence_kinds.h"
 
 namespace waystone {
 namespace {
@@ -124,7 +125,7 @@ ImageList ListFolder(const fs::path& folder) {
     if (!inside.images.empty()) contents.images = std::move(inside.images);
   }
   if (contents.images.empty()) RefuseEmpty(folder, contents);
-  ImageList list{.kind = "folder",
+  ImageList list{.kind = kFolderKind,
                  .title = "Image folder",
                  .name = NameOfPath(folder),
                  .root = folder,
@@ -152,7 +153,7 @@ ImageList ListPattern(const std::string& pattern) {
                                               " files and folders, none of type " +
                                               ImageExtensions() + "; check the pattern");
   }
-  ImageList list{.kind = "folder",
+  ImageList list{.kind = kFolderKind,
                  .title = "Images matching '" + pattern + "'",
                  .name = NameOfPath(base),
                  .root = base,

@@ -5,16 +5,13 @@
 
 #include "builder/sources/files.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "core/image/decode.h"
 
 namespace waystone {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string SizeText(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
 
 // Bytes of the largest file that could be an image within the limits: 16 bits in three colours, and
 // a megabyte for headers and thumbnails.

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <opencv2/core.hpp>
+#include <opencv2/core/types.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "builder/sources/source.h"
+#include "schema/sequence_kinds.h"
 
 namespace waystone {
 
@@ -34,12 +35,9 @@ class MemorySource : public Source {
   std::optional<EncodedFrame> NextEncoded() override;
 
  private:
-  std::string kind_ = "folder";
+  std::string kind_ = kFolderKind;
   MemorySequence sequence_;
   int next_ = 0;
 };
-
-// Frames "0", "1", ... of these images (CV_8UC1); an empty one can't be decoded.
-std::vector<EncodedFrame> FramesOfImages(const std::vector<cv::Mat>& images);
 
 }  // namespace waystone

@@ -7,6 +7,7 @@
 
 #include "builder/sources/files.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 
 namespace waystone {
 namespace {
@@ -165,8 +166,8 @@ std::optional<CameraImages> FindCameraImages(const fs::path& folder,
   return std::nullopt;
 }
 
-std::vector<RigMoment> MomentsOf(const CameraImages& found, const Rig& rig, const fs::path& folder,
-                                 double max_time_gap_s) {
+std::vector<RigMoment> GroupMoments(const CameraImages& found, const Rig& rig,
+                                    const fs::path& folder, double max_time_gap_s) {
   std::vector<std::vector<NamedImage>> images;
   for (const RigCamera& camera : rig.cameras) {
     const auto at = std::ranges::find(found.cameras, camera.name);

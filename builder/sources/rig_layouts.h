@@ -35,8 +35,8 @@ std::optional<CameraImages> FindCameraImages(const std::filesystem::path& folder
 
 // Each moment's image of every camera of the rig. Throws MapError(kBadSource) for a camera without
 // images, a moment without an image of a camera, and folders of different lengths.
-std::vector<RigMoment> MomentsOf(const CameraImages& found, const Rig& rig,
-                                 const std::filesystem::path& folder, double max_time_gap_s);
+std::vector<RigMoment> GroupMoments(const CameraImages& found, const Rig& rig,
+                                    const std::filesystem::path& folder, double max_time_gap_s);
 
 // A folder's images, or those of images/ in it, a moment each.
 std::vector<RigMoment> ListMoments(const std::filesystem::path& folder);

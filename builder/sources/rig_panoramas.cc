@@ -7,6 +7,7 @@
 #include "builder/sources/rig_layouts.h"
 #include "core/base/error.h"
 #include "core/camera/cube_faces.h"
+#include "schema/sequence_kinds.h"
 
 namespace waystone {
 namespace {
@@ -123,7 +124,7 @@ class RigPanoramaSource : public Source {
     return static_cast<int>(frames);
   }
 
-  std::string kind_ = "rig";
+  std::string kind_ = kRigKind;
   std::string name_;
   std::optional<Camera> camera_;
   CameraImages found_;

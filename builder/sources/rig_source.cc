@@ -109,7 +109,7 @@ RigSequence FromCameras(const fs::path& path, const CameraImages& found,
     if (!faces) RefuseWithoutRig(path);
     sequence.rig = *faces;
   }
-  sequence.moments = MomentsOf(found, sequence.rig, path, options.max_time_gap_s);
+  sequence.moments = GroupMoments(found, sequence.rig, path, options.max_time_gap_s);
   return sequence;
 }
 

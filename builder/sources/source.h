@@ -93,8 +93,7 @@ class Source {
  public:
   virtual ~Source() = default;
 
-  virtual const std::string& kind() const = 0;  // "folder", "video", "tum", "kitti", "euroc",
-                                                // "rig", "cameras"
+  virtual const std::string& kind() const = 0;  // one of kSequenceKinds
   virtual const std::string& name() const = 0;  // of the folder or file, without its path
   virtual int size() const = 0;                 // frames that NextEncoded() will give (an estimate
                                                 // for videos, whose headers may be wrong)

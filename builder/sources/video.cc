@@ -7,6 +7,7 @@
 #include "builder/sources/files.h"
 #include "builder/sources/recognise.h"
 #include "core/base/error.h"
+#include "schema/sequence_kinds.h"
 
 namespace waystone {
 namespace {
@@ -121,7 +122,7 @@ class VideoSource : public Source {
   }
 
   fs::path path_;
-  std::string kind_ = "video";
+  std::string kind_ = kVideoKind;
   std::string name_;
   std::optional<Camera> camera_;
   cv::VideoCapture capture_;

@@ -278,7 +278,7 @@ export interface Answer {
   images?: ShortAnswer[];
   candidates?: Place[];
   explanation?: Explanation;
-  stage?: "queue" | "decode" | "extract" | "shortlist" | "verify" | "decide";
+  stage?: "queue" | "decode" | "extract" | "shortlist" | "decide";
   camera?: QueryCamera;
   /** Fields of the request that no layer of this map uses. */
   unused?: ("camera" | "prior" | "previous" | "odometry")[];

@@ -6,7 +6,6 @@
 #include <numeric>
 
 namespace waystone {
-namespace {
 
 size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<size_t> row(b.size() + 1);  // distances of a's beginning to each beginning of b
@@ -22,6 +21,8 @@ size_t EditDistance(std::string_view a, std::string_view b) {
   }
   return row.back();
 }
+
+namespace {
 
 // "min_votes" of "planes.fusion.min_votes".
 std::string_view LastPart(std::string_view name) { return name.substr(name.rfind('.') + 1); }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <charconv>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -35,8 +36,11 @@ std::string ToOptionText(const std::vector<Value>& values) {
   return text;
 }
 
-// The one of `names` that `name` most likely means: by the fewest letters to change, add or leave
-// out (Levenshtein's distance). Empty without names. Pure.
+// Levenshtein's distance: how many letters must be inserted, deleted or replaced to make one word
+// of the other. Pure.
+size_t EditDistance(std::string_view a, std::string_view b);
+
+// The one of `names` that `name` most likely means: by EditDistance. Empty without names. Pure.
 std::string NearestName(std::string_view name, const std::vector<std::string>& names);
 
 }  // namespace waystone

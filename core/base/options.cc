@@ -78,4 +78,17 @@ void ParseOptionValue(const std::string& path, const std::string& text, double* 
   ParseNumber(path, text, "a number", value);
 }
 
+void ParseOptionValue(const std::string&, const std::string& text, std::string* value) {
+  *value = text;
+}
+
+void ParseOptionValue(const std::string& path, const std::string& text,
+                      std::vector<double>* value) {
+  value->clear();
+  std::istringstream numbers(text);
+  for (std::string number; std::getline(numbers, number, ',');) {
+    ParseOptionValue(path, number, &value->emplace_back());
+  }
+}
+
 }  // namespace waystone

@@ -28,6 +28,7 @@
 #include <string_view>
 #include <tuple>
 #include <type_traits>
+#include <vector>
 
 #include "core/base/error.h"
 
@@ -132,14 +133,17 @@ void CheckFields(std::string_view path, const Options& options) {
   });
 }
 
-// `text` as a value of an option: a number, "true" or "false". Throws MapError(kBadOptions) with
-// the field's name for any other text. Enumerations are set by ParseOptionValue of their own.
+// `text` as a value of an option: a number, "true" or "false", any text, or numbers separated by
+// commas. Throws MapError(kBadOptions) with the field's name for what isn't one. An enumeration has
+// an overload beside it.
 void ParseOptionValue(const std::string& path, const std::string& text, bool* value);
 void ParseOptionValue(const std::string& path, const std::string& text, int* value);
 void ParseOptionValue(const std::string& path, const std::string& text, int64_t* value);
 void ParseOptionValue(const std::string& path, const std::string& text, uint64_t* value);
 void ParseOptionValue(const std::string& path, const std::string& text, float* value);
 void ParseOptionValue(const std::string& path, const std::string& text, double* value);
+void ParseOptionValue(const std::string& path, const std::string& text, std::string* value);
+void ParseOptionValue(const std::string& path, const std::string& text, std::vector<double>* value);
 
 // Sets the field of that full name. Returns whether there is one. Doesn't check the range: Check()
 // does. Throws MapError(kBadOptions) for a text that is no value of its type.

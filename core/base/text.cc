@@ -1,9 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/text.h"
 
+#include <algorithm>
 #include <cctype>
+#include <charconv>
 
 namespace waystone {
+namespace {
+
+template <class Number>
+std::optional<Number> Parse(std::string_view word) {
+  Number value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace
 
 std::string EscapeHtml(std::string_view text) {
   std::string out;
@@ -53,6 +66,33 @@ std::string Printable(std::string_view text) {
     }
   }
   return out;
+}
+
+std::string_view Trimmed(std::string_view text, std::string_view space) {
+  const size_t first = text.find_first_not_of(space);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(space) - first + 1);
+}
+
+std::vector<std::string> Words(std::string_view line, std::string_view separators) {
+  std::vector<std::string> words;
+  while (!line.empty()) {
+    const size_t end = std::min(line.find_first_of(separators), line.size());
+    if (end > 0) words.emplace_back(line.substr(0, end));
+    line.remove_prefix(std::min(end + 1, line.size()));
+  }
+  return words;
+}
+
+std::optional<double> ToNumber(std::string_view word) {
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
+  return Parse<double>(word);
+}
+
+std::optional<int64_t> ToInteger(std::string_view word) { return Parse<int64_t>(word); }
+
+std::string SizeText(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
 }
 
 std::string EncodeSegment(std::string_view text) {

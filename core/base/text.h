@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace waystone {
 
@@ -16,6 +19,20 @@ std::string EscapeControl(unsigned char byte);
 // `text` on one line that no terminal obeys: control characters of ASCII and of UTF-8 (U+0080 to
 // U+009F), line breaks among them, are escaped.
 std::string Printable(std::string_view text);
+
+// `text` without the characters of `space` at its ends.
+std::string_view Trimmed(std::string_view text, std::string_view space = " \t\r\n");
+
+// Words of a line, apart by any of the `separators`.
+std::vector<std::string> Words(std::string_view line, std::string_view separators = " \t\r");
+
+// The number that is all of `word`, or nothing. Independent of the locale. A double may be infinite
+// or not a number.
+std::optional<double> ToNumber(std::string_view word);
+std::optional<int64_t> ToInteger(std::string_view word);
+
+// "640x480".
+std::string SizeText(int width, int height);
 
 // `text` as one segment of a URL's path: all but letters, digits and "-._~" as %XX.
 std::string EncodeSegment(std::string_view text);

@@ -10,6 +10,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "core/geometry/angle.h"
 
 namespace waystone {
@@ -21,15 +22,16 @@ constexpr double kMinBand_rad = 0.01;      // of a mirror: rows must be apart
 constexpr double kMinSigma = 1;            // grey levels: less is an image of nothing
 constexpr double kAspectTolerance = 0.02;  // of twice as wide as high
 constexpr double kUsualColumns = 0.98;     // share of the columns whose differences are usual
-// The mirror's search: on an image of this many pixels a side, then on finer ones.
-constexpr int kCoarseSide_px = 96;
-constexpr int kAngles = 90;           // around a circle
-constexpr double kReach_share = 0.2;  // of the side: how far its centre lies from the image's
-constexpr double kMinOuter_share = 0.2;
-constexpr double kMaxOuter_share = 0.52;
-constexpr double kMaxInner_share = 0.5;  // of the outer radius
-constexpr double kMinInner_share = 0.08;
-constexpr double kUsualInner_share = 0.25;
+// The mirror's search covers how such cameras are built and framed: it bounds the time, and an
+// image that needs more can name its mirror (PanoramaOptions::mirror).
+constexpr int kCoarseSide_px = 96;  // the first of the sides that are searched
+constexpr int kAngles = 90;         // around a circle: one to four pixels apart at the coarse side
+constexpr double kReach_share = 0.2;      // of the side: how far its centre lies from the image's
+constexpr double kMinOuter_share = 0.2;   // of the side: a smaller mirror wastes most of the image
+constexpr double kMaxOuter_share = 0.52;  // touches the image's edges, a little cut off
+constexpr double kMaxInner_share = 0.5;   // of the outer radius: more leaves a ring without a view
+constexpr double kMinInner_share = 0.08;  // of the outer radius: the camera's own picture is larger
+constexpr double kUsualInner_share = 0.25;  // of the outer radius, where no inner edge is found
 
 [[noreturn]] void RefusePanorama(const std::string& message) {
   throw MapError(ErrorCode::kBadImage, message);
@@ -40,9 +42,7 @@ std::string Rounded(double value) {
   return text.substr(0, text.find('.') + 2);
 }
 
-std::string SizeOf(const cv::Mat& image) {
-  return std::to_string(image.cols) + "x" + std::to_string(image.rows);
-}
+std::string SizeOf(const cv::Mat& image) { return SizeText(image.cols, image.rows); }
 
 cv::Mat GreyOf(const cv::Mat& image) {
   WS_CHECK(image.type() == CV_8UC1 || image.type() == CV_8UC3 || image.type() == CV_8UC4,
@@ -89,7 +89,7 @@ float ValueAt(const cv::Mat& grey, const cv::Point2d& at) {
 
 // How much brighter it is just inside a circle than just outside; parts outside the image count
 // as no difference.
-double ContrastOf(const cv::Mat& grey, const cv::Point2d& centre, double radius) {
+double ComputeContrast(const cv::Mat& grey, const cv::Point2d& centre, double radius) {
   constexpr double kBeside_px = 1.5;
   double sum = 0;
   for (int i = 0; i < kAngles; ++i) {
@@ -116,7 +116,7 @@ Circle BestCircle(const cv::Mat& grey, const cv::Point2d& around, double reach, 
   for (double y = around.y - reach; y <= around.y + reach; y += step) {
     for (double x = around.x - reach; x <= around.x + reach; x += step) {
       for (double radius = low; radius <= high; radius += step) {
-        const double contrast = ContrastOf(grey, {x, y}, radius);
+        const double contrast = ComputeContrast(grey, {x, y}, radius);
         if (contrast > best.contrast) best = {{x, y}, radius, contrast};
       }
     }
@@ -154,7 +154,7 @@ double InnerRadius(const cv::Mat& grey, const Circle& outer, double min_contrast
   double best = min_contrast;
   double radius = kUsualInner_share * outer.radius;
   for (double r = kMinInner_share * outer.radius; r < kMaxInner_share * outer.radius; ++r) {
-    const double contrast = std::abs(ContrastOf(grey, outer.centre, r));
+    const double contrast = std::abs(ComputeContrast(grey, outer.centre, r));
     if (contrast <= best) continue;
     best = contrast;
     radius = r;
@@ -162,7 +162,7 @@ double InnerRadius(const cv::Mat& grey, const Circle& outer, double min_contrast
   return radius;
 }
 
-double AspectOf(const cv::Mat& image) { return static_cast<double>(image.cols) / image.rows; }
+double AspectOf(const cv::Size& size) { return static_cast<double>(size.width) / size.height; }
 
 void CheckSeam(const cv::Mat& grey, double max_seam) {
   const double ratio = SeamRatio(grey);
@@ -188,11 +188,20 @@ void PanoramaOptions::Check() const {
   }
 }
 
+bool BandsAgree(const ElevationBand& a, const ElevationBand& b) {
+  constexpr double kTolerance_rad = 1e-6;
+  return std::abs(a.top_rad - b.top_rad) <= kTolerance_rad &&
+         std::abs(a.bottom_rad - b.bottom_rad) <= kTolerance_rad;
+}
+
+bool HasPanoramaShape(const cv::Size& size) {
+  return size.height > 0 && std::abs(AspectOf(size) / 2 - 1) <= kAspectTolerance;
+}
+
 PanoramaKind KindOf(const cv::Mat& image, const PanoramaOptions& options) {
   if (options.mirror) return PanoramaKind::kMirror;
-  const double share = AspectOf(image) / 2;
-  if (std::abs(share - 1) <= kAspectTolerance) return PanoramaKind::kEquirectangular;
-  return share > 1 ? PanoramaKind::kStrip : PanoramaKind::kMirror;
+  if (HasPanoramaShape(image.size())) return PanoramaKind::kEquirectangular;
+  return AspectOf(image.size()) > 2 ? PanoramaKind::kStrip : PanoramaKind::kMirror;
 }
 
 double SeamRatio(const cv::Mat& grey) {
@@ -250,7 +259,7 @@ Panorama ToPanorama(const cv::Mat& image, const PanoramaOptions& options) {
       return Unwrap(grey, options.mirror ? *options.mirror : FindMirror(grey, options), options);
     case PanoramaKind::kStrip: {
       CheckSeam(grey, options.max_seam);
-      const double half_rad = kPi / AspectOf(grey);
+      const double half_rad = kPi / AspectOf(grey.size());
       return {grey, {half_rad, -half_rad}};
     }
     case PanoramaKind::kEquirectangular:

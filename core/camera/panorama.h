@@ -25,6 +25,10 @@ struct ElevationBand {
   bool operator==(const ElevationBand&) const = default;
 };
 
+// Whether rows of the two are the same elevations: the ends differ by a millionth of a radian at
+// most.
+bool BandsAgree(const ElevationBand& a, const ElevationBand& b);
+
 // A panorama: columns are azimuth over the whole circle, growing clockwise seen from above (to the
 // right), the middle of the image looks to the front and the seam is behind; rows are elevation,
 // linear from the image's upper edge (band.top_rad) to its lower edge (band.bottom_rad). A whole
@@ -57,35 +61,40 @@ struct PanoramaOptions {
   static constexpr int kUnlistedMembers = 1;  // where the mirror is: what is known of one camera
   static constexpr auto Fields() {
     return std::tuple{
-        OptionField{"columns", &PanoramaOptions::columns, Closed(16, 16'384), "",
-                    "Columns of a panorama that is made from a mirror's image or from faces. More "
-                    "keep more detail; those of a mirror's image are seldom worth more than 2 pi "
-                    "times its outer radius."},
+        OptionField{
+            "columns", &PanoramaOptions::columns, Closed(16, 16'384), "",
+            "Columns of a panorama unwrapped from a mirror image or joined from faces. More keep "
+            "more detail; for a mirror image, more than 2 pi times its outer radius gain nothing."},
         OptionGroup{"mirror_band", &PanoramaOptions::mirror_band},
         OptionField{"mirror_clockwise", &PanoramaOptions::mirror_clockwise, AnyValue(), "",
                     "Whether azimuth grows clockwise in the mirror's image (a camera that looks up "
                     "into it sees it counter-clockwise). The front is the image's upper side."},
         OptionField{"max_seam", &PanoramaOptions::max_seam, Closed(1, 100), "",
-                    "How much more the two sides of the seam differ than nearly all (98 %) of the "
-                    "other neighbouring columns before the image counts as less than 360 degrees "
-                    "wide. Less refuses panoramas whose seam runs along an edge."},
+                    "Largest difference between the two sides of the seam, relative to the 98th "
+                    "percentile of the differences between neighbouring columns. Above it, the "
+                    "image counts as covering less than 360 degrees. Lower refuses panoramas whose "
+                    "seam runs along an edge."},
         OptionField{"min_mirror_contrast", &PanoramaOptions::min_mirror_contrast, Closed(1, 100),
                     "grey levels",
-                    "By how much a mirror's image is brighter inside its circle than outside "
-                    "before a circle is believed."}};
+                    "Smallest brightness difference between the inside and the outside of a "
+                    "mirror's circle in its image."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
 enum class PanoramaKind { kEquirectangular, kStrip, kMirror };
 
-// An image as a panorama. Twice as wide as high (to 2 %): equirectangular. Wider: a strip of one
-// around the horizon, as many radians high as its pixels are. Less wide, or with a mirror given: a
-// catadioptric camera's image, which is unwrapped. Grey (CV_8UC1), BGR (CV_8UC3) and BGRA (CV_8UC4,
-// whose alpha is dropped) are taken. Throws MapError(kBadImage), with what to do about it, for an
-// image that is too small (64 columns, 8 rows), has no texture (all black), isn't 360 degrees wide
-// (the seam's sides differ) or is neither a panorama nor a mirror's image. Thread-safe.
+// An image as a panorama. Twice as wide as high (HasPanoramaShape): equirectangular. Wider: a strip
+// of one around the horizon, as many radians high as its pixels are. Less wide, or with a mirror
+// given: a catadioptric camera's image, which is unwrapped. Grey (CV_8UC1), BGR (CV_8UC3) and BGRA
+// (CV_8UC4, whose alpha is dropped) are taken. Throws MapError(kBadImage), with what to do about
+// it, for an image that is too small (64 columns, 8 rows), has no texture (all black), isn't 360
+// degrees wide (the seam's sides differ) or is neither a panorama nor a mirror's image.
+// Thread-safe.
 Panorama ToPanorama(const cv::Mat& image, const PanoramaOptions& options = {});
+
+// Whether an image is a whole equirectangular panorama by its shape: twice as wide as high, to 2 %.
+bool HasPanoramaShape(const cv::Size& size);
 
 // Which of them ToPanorama takes an image for.
 PanoramaKind KindOf(const cv::Mat& image, const PanoramaOptions& options = {});

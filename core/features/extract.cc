@@ -128,11 +128,9 @@ void ParseOptionValue(const std::string& path, const std::string& text, FeatureT
 }
 
 FeatureType FeatureTypeByName(std::string_view name) {
-  for (FeatureType type : {FeatureType::kSift, FeatureType::kOrb, FeatureType::kAkaze}) {
-    if (NameOf(type) == name) return type;
-  }
-  throw MapError(ErrorCode::kBadOptions,
-                 "unknown feature type '" + std::string(name) + "'; use sift, orb or akaze");
+  FeatureType type{};
+  ParseOptionValue("the feature type", std::string(name), &type);
+  return type;
 }
 
 int DescriptorBytes(FeatureType type) {

@@ -104,16 +104,15 @@ struct FeatureOptions {
         OptionField{"type", &FeatureOptions::type, AnyValue(), "",
                     "Detector and descriptor: sift, orb or akaze."},
         OptionField{"max_features", &FeatureOptions::max_features, Closed(50, 20'000), "",
-                    "Strongest features kept per image. More recognise more, and cost time and map "
-                    "size."},
-        OptionField{
-            "contrast_threshold", &FeatureOptions::contrast_threshold, Open(0, 1), "",
-            "SIFT: the least contrast of a keypoint, in OpenCV's scale. Lower finds more on "
-            "plain walls."},
+                    "Maximum features per image, strongest first. More recognise more, and cost "
+                    "time and map size."},
+        OptionField{"contrast_threshold", &FeatureOptions::contrast_threshold, Open(0, 1), "",
+                    "SIFT: lowest contrast of a keypoint, in OpenCV's scale. Lower finds more on "
+                    "plain walls."},
         OptionField{"working_pixels", &FeatureOptions::working_pixels, Closed(10'000, 50'000'000),
                     "",
-                    "Larger images are reduced to so many pixels before detection, which bounds "
-                    "its time and memory: SIFT takes about 240 bytes per pixel."}};
+                    "Larger images are reduced to this many pixels before detection, which bounds "
+                    "time and memory: SIFT takes about 240 bytes per pixel."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -42,30 +42,29 @@ struct LocalRansacOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"max_error_px", &LocalRansacOptions::max_error_px, Above(0), "px",
-                    "Largest transfer error of an inlier. Higher joins planes that are nearly "
-                    "parallel, lower splits walls that are not quite flat."},
+                    "Largest transfer error of an inlier. Higher merges planes that are nearly "
+                    "parallel; lower splits walls that are not quite flat."},
         OptionField{"max_sigmas", &LocalRansacOptions::max_sigmas, Above(1), "",
-                    "The bound is tightened to this many standard deviations of the errors of the "
-                    "plane's own inliers, so that sharp images tell planes apart that blurred ones "
-                    "can't."},
+                    "The error bound is tightened to this many standard deviations of the plane's "
+                    "own inliers, which separates planes in sharp images."},
         OptionField{"min_error_px", &LocalRansacOptions::min_error_px, Above(0), "px",
-                    "The bound isn't tightened below this."},
+                    "The error bound is not tightened below this."},
         OptionField{"confidence", &LocalRansacOptions::confidence, Open(0, 1), "",
-                    "p of eq. (1): probability that one sample at least is made of inliers alone."},
+                    "p of eq. (1): probability that at least one sample consists of inliers only."},
         OptionField{"max_samples", &LocalRansacOptions::max_samples, AtLeast(1), "",
-                    "Samples at the most, however low the inlier ratio. Bounds the time."},
+                    "Maximum number of samples, however low the inlier ratio. Bounds the time."},
         OptionField{
             "neighbourhood", &LocalRansacOptions::neighbourhood, AtLeast(3), "",
             "The three companions of a sampled point are drawn among this many nearest "
             "neighbours: closer points are likelier to be coplanar, farther ones determine the "
             "homography better."},
         OptionField{"min_height_ratio", &LocalRansacOptions::min_height_ratio, OpenHigh(0, 0.5), "",
-                    "Lowest triangle, as a share of its longest side, that doesn't count as three "
-                    "points in a line."},
+                    "Height of a triangle of sampled points, as a share of its longest side, below "
+                    "which the points count as collinear."},
         OptionField{"max_refits", &LocalRansacOptions::max_refits, AtLeast(0), "",
-                    "Refits of a promising sample on its inliers."},
+                    "Maximum refits of a promising sample on its inliers."},
         OptionField{"wide_refits", &LocalRansacOptions::wide_refits, AtLeast(0), "",
-                    "The first refits, which take in matches up to twice the bound."},
+                    "Number of first refits that accept matches up to twice the error bound."},
         OptionField{
             "min_refit_share", &LocalRansacOptions::min_refit_share, Closed(0, 1), "",
             "A sample is refitted if it scores at least this share of the best so far. Lower "

@@ -26,11 +26,11 @@ struct HomologyOptions {
     return std::tuple{
         OptionField{
             "max_sigmas", &HomologyOptions::max_sigmas, Above(0), "",
-            "How many standard deviations of its noise an eigenvalue may be off and still "
-            "count as near one. Higher accepts more false planes, lower rejects more true ones."},
+            "Number of standard deviations by which an eigenvalue may differ from 1 and still "
+            "count as 1. Higher accepts more false planes, lower rejects more true ones."},
         OptionField{"draws", &HomologyOptions::draws, AtLeast(10), "",
-                    "Draws from which the standard deviations of the eigenvalues are taken."},
-        OptionField{"seed", &HomologyOptions::seed, AnyValue(), "", "Seed of the draws."}};
+                    "Samples from which the standard deviations of the eigenvalues are estimated."},
+        OptionField{"seed", &HomologyOptions::seed, AnyValue(), "", "Seed of these samples."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

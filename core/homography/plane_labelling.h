@@ -27,31 +27,28 @@ struct LabellingOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"min_sigmas", &LabellingOptions::min_sigmas, Above(0), "",
-                    "Least bound on a plane's errors, in standard deviations of its own noise."},
-        OptionField{
-            "max_sigmas", &LabellingOptions::max_sigmas, AtLeast(1), "",
-            "Largest bound, as far as the matches of no plane leave room: real planes are bent "
-            "by lenses and not quite flat, so that their errors have long tails, but beside "
-            "other things a long tail takes in what isn't the plane's."},
+                    "Smallest error bound of a plane, in standard deviations of its own noise."},
+        OptionField{"max_sigmas", &LabellingOptions::max_sigmas, AtLeast(1), "",
+                    "Largest error bound of a plane, used where few matches belong to no plane. "
+                    "Lens distortion and uneven surfaces give errors of true matches long tails, "
+                    "but near other objects a wide bound accepts their matches too."},
         OptionField{"min_sigma_px", &LabellingOptions::min_sigma_px, Above(0), "px",
-                    "Least noise of a plane."},
+                    "Smallest noise of a plane."},
         OptionField{"max_sigma_px", &LabellingOptions::max_sigma_px, Above(0), "px",
                     "Largest noise of a plane."},
         OptionField{"tail", &LabellingOptions::tail, Above(0), "",
                     "Degrees of freedom of Student's distribution of the errors. Lower has longer "
                     "tails."},
-        OptionField{
-            "outlier_cost", &LabellingOptions::outlier_cost, AnyValue(), "",
-            "What a match of no plane pays, minus the logarithm of its likelihood per px^2. "
-            "Higher gives planes more of what lies far from them."},
+        OptionField{"outlier_cost", &LabellingOptions::outlier_cost, AnyValue(), "",
+                    "Cost of a match that belongs to no plane: minus the logarithm of its "
+                    "likelihood per px^2. Higher assigns more distant matches to planes."},
         OptionField{"plane_cost", &LabellingOptions::plane_cost, AtLeast(0), "",
-                    "What a plane pays, in the same units. Higher finds fewer and larger planes."},
+                    "Cost of a plane, in the same units. Higher finds fewer and larger planes."},
         OptionField{
             "smoothness", &LabellingOptions::smoothness, AtLeast(0), "",
-            "What a match pays when all its companions belong to another plane. Higher smooths "
-            "more."},
+            "Cost of a match whose companions all belong to another plane. Higher smooths more."},
         OptionField{"companions", &LabellingOptions::companions, AtLeast(1), "",
-                    "Nearest matches that are the companions of one."},
+                    "Nearest matches that count as the companions of a match."},
         OptionField{"rounds", &LabellingOptions::rounds, AtLeast(1), "",
                     "Rounds of labelling and refitting."}};
   }

@@ -25,15 +25,14 @@ struct SegmentationOptions {
         OptionGroup{"ransac", &SegmentationOptions::ransac},
         OptionGroup{"labelling", &SegmentationOptions::labelling},
         OptionGroup{"homology", &SegmentationOptions::homology},
-        OptionField{
-            "min_inliers", &SegmentationOptions::min_inliers, AtLeast(5), "",
-            "Matches that a plane needs. Lower finds smaller planes and more that aren't any."},
+        OptionField{"min_inliers", &SegmentationOptions::min_inliers, AtLeast(5), "",
+                    "Minimum matches of a plane. Lower finds smaller planes, and more that are not "
+                    "planes."},
         OptionField{"max_planes", &SegmentationOptions::max_planes, AtLeast(1), "",
-                    "New planes looked for in one pair of images."},
-        OptionField{
-            "patch", &SegmentationOptions::patch, AtLeast(5), "",
-            "Matches next to each other from which a second plane inside a plane is proposed. "
-            "Fewer find smaller ones, more determine them better."}};
+                    "Maximum number of new planes per pair of images."},
+        OptionField{"patch", &SegmentationOptions::patch, AtLeast(5), "",
+                    "Neighbouring matches from which a second plane within a plane is proposed. "
+                    "Fewer find smaller planes; more determine them better."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -25,24 +25,23 @@ struct GraphFilterOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"position_sigma", &GraphFilterOptions::position_sigma, Closed(1e-9, 1e9), "",
-                    "Standard deviation of where an image is taken around the predicted place, in "
-                    "the poses' units, besides share_of_trajectory. At least the distance between "
-                    "nodes: a robot is rarely at one."},
+                    "Standard deviation of an image's position around the predicted place, in the "
+                    "poses' units, in addition to share_of_trajectory. At least the distance "
+                    "between nodes, since a robot is rarely at a node."},
         OptionField{"share_of_trajectory", &GraphFilterOptions::share_of_trajectory, Closed(0, 1),
                     "", "The same per unit of trajectory that the odometry reports."},
         OptionField{
             "step_sigma", &GraphFilterOptions::step_sigma, Closed(1e-9, 1e9), "",
-            "Standard deviation of how far a robot gets between two images without odometry. "
-            "More bear fast robots; less resolves likenesses sooner."},
+            "Standard deviation of the distance that a robot moves between two images, without "
+            "odometry. Higher follows faster robots; lower resolves ambiguities sooner."},
         OptionField{"turn_sigma_rad", &GraphFilterOptions::turn_sigma_rad, Closed(0.001, 3), "rad",
                     "Standard deviation of a turn that the odometry reports."},
         OptionField{"kidnapped", &GraphFilterOptions::kidnapped, Closed(1e-9, 0.5), "",
-                    "Chance that the robot was carried elsewhere between two images. More recover "
-                    "sooner from an error; less holds on to what is known."},
-        OptionField{
-            "max_beliefs", &GraphFilterOptions::max_beliefs, Closed(1, 10'000), "",
-            "Beliefs that a state keeps. Fewer make smaller states and faster updates and lose "
-            "places that were unlikely at first."}};
+                    "Probability that the robot was carried elsewhere between two images. Higher "
+                    "recovers sooner from an error; lower keeps what is known longer."},
+        OptionField{"max_beliefs", &GraphFilterOptions::max_beliefs, Closed(1, 10'000), "",
+                    "Beliefs kept in a state. Fewer make states smaller and updates faster, and "
+                    "lose places that were unlikely at first."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -33,7 +33,7 @@ DirectedSegments FindDirectedSegments(const cv::Mat& grey, const Camera& camera,
     axes = frame.rig_from_axes;
     found.reliable = frame.reliable();
   }
-  for (const Line& line : LinesOf(circles, manhattan.max_lines)) {
+  for (const Line& line : SelectLines(circles, manhattan.max_lines)) {
     found.segments.push_back(
         {circles[line.index].segment, ComputeSupport(line, axes, manhattan).axis});
   }

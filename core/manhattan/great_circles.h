@@ -35,8 +35,8 @@ struct GreatCircleOptions {
                     "short segments less."},
         OptionField{
             "max_sag_px", &GreatCircleOptions::max_sag_px, Closed(0.1, 20), "px",
-            "How far a segment's middle may lie from the great circle of its ends. A segment "
-            "that is straight in a distorted image isn't straight in the world."}};
+            "Largest distance between a segment's middle and the great circle of its ends. A "
+            "segment that is straight in a distorted image is not straight in the world."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

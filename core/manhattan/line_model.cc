@@ -47,7 +47,7 @@ std::array<NormalEquations, 3> LineariseAxes(std::span<const Line> lines,
     const LineSupport best = ComputeSupport(line, rotation, options);
     if (best.axis < 0) continue;
     const Eigen::Vector3d v = rotation.col(best.axis);
-    const LineError error = ErrorOf(line, v, options);
+    const LineError error = ComputeLineError(line, v, options);
     const double weight = error.say / (1 + error.sigmas * error.sigmas);
     const Eigen::Vector3d j = v.cross(line.normal) / error.sigma;
     axes[best.axis].h += weight * j * j.transpose();
@@ -75,7 +75,7 @@ NormalEquations Linearise(std::span<const Line> lines, const Eigen::Matrix3d& ro
 
 }  // namespace
 
-std::vector<Line> LinesOf(std::span<const GreatCircle> circles, int max_lines) {
+std::vector<Line> SelectLines(std::span<const GreatCircle> circles, int max_lines) {
   std::vector<int> order(circles.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
@@ -91,8 +91,8 @@ std::vector<Line> LinesOf(std::span<const GreatCircle> circles, int max_lines) {
   return lines;
 }
 
-LineError ErrorOf(const Line& line, const Eigen::Vector3d& direction,
-                  const ManhattanOptions& options) {
+LineError ComputeLineError(const Line& line, const Eigen::Vector3d& direction,
+                           const ManhattanOptions& options) {
   const double to_along = line.along.dot(direction);
   const double to_middle = line.middle.dot(direction);
   const double sigma = std::sqrt(options.line_sigma_rad * options.line_sigma_rad +
@@ -113,7 +113,7 @@ LineSupport ComputeSupport(const Line& line, const Eigen::Matrix3d& rig_from_axe
                                      std::max(line.turn_variance, line.shift_variance));
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(line.normal.dot(rig_from_axes.col(axis))) > bound) continue;
-    const LineError error = ErrorOf(line, rig_from_axes.col(axis), options);
+    const LineError error = ComputeLineError(line, rig_from_axes.col(axis), options);
     const double ratio = error.sigmas / options.max_sigmas;
     const double support = line.weight * error.say * (1 - ratio * ratio);
     if (support > best.support) best = {axis, support};

@@ -23,7 +23,7 @@ struct Line {
 };
 
 // The longest `max_lines` lines; equal ones in the caller's order.
-std::vector<Line> LinesOf(std::span<const GreatCircle> circles, int max_lines);
+std::vector<Line> SelectLines(std::span<const GreatCircle> circles, int max_lines);
 
 // Error l^T v of a line against a direction, over its standard deviation; and how much the line
 // has to say about that direction: 1, down to 0 where an arc in any direction would pass.
@@ -32,8 +32,8 @@ struct LineError {
   double sigma = 1;
   double say = 0;
 };
-LineError ErrorOf(const Line& line, const Eigen::Vector3d& direction,
-                  const ManhattanOptions& options);
+LineError ComputeLineError(const Line& line, const Eigen::Vector3d& direction,
+                           const ManhattanOptions& options);
 
 // The axis a line supports most and by how much, 0 to its weight.
 struct LineSupport {

@@ -125,7 +125,7 @@ std::vector<ScoredFrame> Distinct(std::vector<ScoredFrame> frames, double apart_
   return kept;
 }
 
-FrameError ErrorOf(const ManhattanFrame& frame, const ManhattanOptions& options) {
+FrameError JudgeFrame(const ManhattanFrame& frame, const ManhattanOptions& options) {
   std::array<int, 3> counts = frame.lines;
   std::ranges::sort(counts, std::greater<>());
   if (counts[0] < options.min_second_lines) return FrameError::kFewLines;
@@ -160,7 +160,7 @@ double ManhattanFrame::sigma_rad() const { return WorstAxisSigma(covariance); }
 ManhattanFrame FindManhattanFrame(std::span<const GreatCircle> circles,
                                   const ManhattanOptions& options) {
   options.Check();
-  const std::vector<Line> lines = LinesOf(circles, options.max_lines);
+  const std::vector<Line> lines = SelectLines(circles, options.max_lines);
   ManhattanFrame none;
   none.axis_of_line.assign(circles.size(), -1);
   if (static_cast<int>(lines.size()) < kLeastLines) return none;
@@ -182,7 +182,7 @@ ManhattanFrame FindManhattanFrame(std::span<const GreatCircle> circles,
   if (rivals.size() > 1 && rivals[0].support > 0) {
     frame.rival = rivals[1].support / rivals[0].support;
   }
-  frame.error = ErrorOf(frame, options);
+  frame.error = JudgeFrame(frame, options);
   return frame;
 }
 
@@ -190,13 +190,13 @@ ManhattanFrame FindManhattanFrameNear(std::span<const GreatCircle> circles,
                                       const Eigen::Matrix3d& rig_from_axes,
                                       const ManhattanOptions& options) {
   options.Check();
-  const std::vector<Line> lines = LinesOf(circles, options.max_lines);
+  const std::vector<Line> lines = SelectLines(circles, options.max_lines);
   ManhattanFrame frame;
   frame.rig_from_axes = rig_from_axes;
   frame.axis_of_line.assign(circles.size(), -1);
   if (static_cast<int>(lines.size()) < kLeastLines) return frame;
   frame = Describe(lines, circles.size(), RefineRotation(lines, rig_from_axes, options), options);
-  frame.error = ErrorOf(frame, options);
+  frame.error = JudgeFrame(frame, options);
   return frame;
 }
 

@@ -34,48 +34,43 @@ struct ManhattanOptions {
     return std::tuple{
         OptionField{
             "max_pairs", &ManhattanOptions::max_pairs, Closed(10, 100'000), "",
-            "Pairs of lines whose common direction is tried; all pairs where there are fewer, "
-            "else pairs drawn by the lines' lengths. More find weaker frames and cost time in "
-            "proportion."},
+            "Pairs of lines whose common direction is tried. If there are more, pairs are drawn "
+            "with probabilities by length. More find weaker frames; time grows in proportion."},
         OptionField{"max_lines", &ManhattanOptions::max_lines, Closed(10, 10'000), "",
-                    "Lines that are looked at, the longest ones. Bounds the time."},
-        OptionField{
-            "line_sigma_rad", &ManhattanOptions::line_sigma_rad, Closed(1e-4, 0.1), "rad",
-            "Standard deviation of the angle between a line of the building and its axis, plus "
-            "what the calibration leaves. Higher puts up with crooked buildings and poor "
-            "calibration and takes in more lines that belong to no axis."},
-        OptionField{
-            "axis_sigma_rad", &ManhattanOptions::axis_sigma_rad, Closed(0, 0.1), "rad",
-            "Standard deviation of an axis as a whole, shared by all its lines: calibration, "
-            "distortion, and directions of a building that aren't quite perpendicular. Higher "
-            "weighs the axes more alike and states a larger covariance."},
-        OptionField{
-            "max_sigmas", &ManhattanOptions::max_sigmas, Closed(1, 10), "",
-            "How many standard deviations a line of an axis may be off it. Also the scale of "
-            "the final refinement's robust kernel."},
+                    "Maximum number of lines used, longest first. Bounds the time."},
+        OptionField{"line_sigma_rad", &ManhattanOptions::line_sigma_rad, Closed(1e-4, 0.1), "rad",
+                    "Standard deviation of the angle between a line of the building and its axis, "
+                    "including calibration errors. Higher tolerates inaccurate walls and poor "
+                    "calibration, and accepts more lines that belong to no axis."},
+        OptionField{"axis_sigma_rad", &ManhattanOptions::axis_sigma_rad, Closed(0, 0.1), "rad",
+                    "Standard deviation of an axis as a whole, shared by all its lines: "
+                    "calibration, distortion, and walls that are not quite perpendicular. Higher "
+                    "weights the axes more equally and reports a larger covariance."},
+        OptionField{"max_sigmas", &ManhattanOptions::max_sigmas, Closed(1, 10), "",
+                    "Largest deviation of a line from its axis, in standard deviations. Also the "
+                    "scale of the final refinement's robust kernel."},
         OptionField{"vote_bin_rad", &ManhattanOptions::vote_bin_rad, Closed(0.001, 0.1), "rad",
-                    "Width of the bins in which directions across the first one are counted."},
+                    "Width of the voting bins for directions perpendicular to the first one."},
         OptionField{"refined_frames", &ManhattanOptions::refined_frames, Closed(1, 100), "",
-                    "Best frames of the voting that are refined."},
+                    "Number of frames with the most votes that are refined."},
         OptionField{"max_steps", &ManhattanOptions::max_steps, Closed(1, 100), "",
-                    "Refinement steps a frame."},
-        OptionField{"seed", &ManhattanOptions::seed, AnyValue(), "", "Seed of the pairs."},
+                    "Maximum refinement steps per frame."},
+        OptionField{"seed", &ManhattanOptions::seed, AnyValue(), "", "Seed of the drawn pairs."},
+        OptionField{"min_second_lines", &ManhattanOptions::min_second_lines, Closed(1, 100), "",
+                    "Lines that the second-best axis of a reliable frame requires, since a frame "
+                    "is determined by two directions."},
         OptionField{
-            "min_second_lines", &ManhattanOptions::min_second_lines, Closed(1, 100), "",
-            "Lines of its second-best axis that a frame needs to be called reliable: a frame "
-            "needs two directions."},
-        OptionField{"min_support", &ManhattanOptions::min_support, Closed(0, 1), "",
-                    "Share of the lines' length that the axes of a reliable frame explain."},
+            "min_support", &ManhattanOptions::min_support, Closed(0, 1), "",
+            "Share of the lines' total length that the axes of a reliable frame must explain."},
         OptionField{
             "max_sigma_rad", &ManhattanOptions::max_sigma_rad, Closed(1e-4, 1), "rad",
             "Largest standard deviation of a reliable frame's rotation about its worst-known "
             "direction."},
-        OptionField{
-            "max_rival", &ManhattanOptions::max_rival, Closed(0, 1), "",
-            "Share of its support that another frame, turned by more than rival_angle_rad, may "
-            "reach at most."},
+        OptionField{"max_rival", &ManhattanOptions::max_rival, Closed(0, 1), "",
+                    "Largest support of a reliable frame's rival (another frame, rotated by more "
+                    "than rival_angle_rad), as a share of its own."},
         OptionField{"rival_angle_rad", &ManhattanOptions::rival_angle_rad, Closed(0.01, 0.7), "rad",
-                    "Angle from which on another frame is a rival."}};
+                    "Smallest rotation between a frame and a rival."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -119,7 +114,7 @@ struct ManhattanFrame {
 // direction across it, the third is their cross product, and frames compete by the support of all
 // three axes. The best are refined as rotations by robust least squares on l^T v, where a line's
 // error has the variance that its end points give it. No direction counts as upright. Always gives
-// its best frame; `trouble` says whether to believe it. Deterministic; thread-safe.
+// its best frame; `error` says whether to believe it. Deterministic; thread-safe.
 ManhattanFrame FindManhattanFrame(std::span<const GreatCircle> lines,
                                   const ManhattanOptions& options = {});
 

@@ -102,10 +102,9 @@ void ParseOptionValue(const std::string& path, const std::string& text, SegmentD
 }
 
 SegmentDetector SegmentDetectorByName(std::string_view name) {
-  const auto row = std::ranges::find(kDetectors, name, &NamedDetector::name);
-  if (row != kDetectors.end()) return row->detector;
-  throw MapError(ErrorCode::kBadOptions, "segment detector '" + std::string(name) +
-                                             "' is unknown; use edge_drawing, canny or lsd");
+  SegmentDetector detector{};
+  ParseOptionValue("the segment detector", std::string(name), &detector);
+  return detector;
 }
 
 void SegmentOptions::Check() const { CheckFields("segments", *this); }

@@ -45,24 +45,24 @@ struct SegmentOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"detector", &SegmentOptions::detector, AnyValue(), "",
-                    "How straight segments are found: edge_drawing, canny or lsd."},
+                    "Line segment detector: edge_drawing, canny or lsd."},
         OptionField{"min_length", &SegmentOptions::min_length, Closed(0.005, 0.5), "",
-                    "Shortest segment that is kept, as a share of the image's longer side. Shorter "
-                    "ones are many and point anywhere; longer ones may be too few."},
+                    "Shortest segment used, as a share of the image's longer side. Short segments "
+                    "are numerous and have arbitrary directions; long ones may be too few."},
         OptionField{"blur_px", &SegmentOptions::blur_px, Closed(0.3, 5), "px",
-                    "Standard deviation of the blur before edges are looked for (edge drawing and "
-                    "Canny). More blur finds fewer, steadier edges."},
+                    "Standard deviation of the blur before edge detection (edge drawing and "
+                    "Canny). Higher finds fewer, more stable edges."},
         OptionField{"min_gradient", &SegmentOptions::min_gradient, Closed(1, 255), "",
-                    "Least gradient of an edge pixel, in grey levels per pixel. Lower finds "
+                    "Smallest gradient of an edge pixel, in grey levels per pixel. Lower finds "
                     "fainter lines and more noise. LSD has its own."},
         OptionField{"max_bend_px", &SegmentOptions::max_bend_px, Closed(0.3, 5), "px",
-                    "How far a chain of edge pixels may lie from its straight line. Higher takes "
-                    "slightly bent edges for straight ones."},
+                    "Largest distance of a chain of edge pixels from its straight line. Higher "
+                    "accepts slightly curved edges."},
         OptionField{"refine", &SegmentOptions::refine, AnyValue(), "",
-                    "Whether each segment is laid anew along the steepest gradient with sub-pixel "
-                    "precision. Costs about a tenth of the detection."},
+                    "Refit each segment to the steepest gradient with sub-pixel precision. Costs "
+                    "about a tenth of the detection."},
         OptionField{"refine_reach_px", &SegmentOptions::refine_reach_px, Closed(1, 5), "px",
-                    "How far to both sides the steepest gradient is looked for."}};
+                    "Distance to either side within which the steepest gradient is searched."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -41,20 +41,21 @@ struct SignatureOptions {
   static constexpr auto Fields() {
     using O = SignatureOptions;
     return std::tuple{
-        OptionField{"rows", &O::rows, Closed(1, 1024), "rows",
-                    "Rows of the signature, spread evenly over the band. More tell elevations "
-                    "better and cost time and map size: a signature takes 2 rows (k1 + k2) bytes."},
+        OptionField{
+            "rows", &O::rows, Closed(1, 1024), "rows",
+            "Rows of the signature, spread evenly over the band. More resolve elevations better, "
+            "and cost time and map size: a signature takes 2 rows (k1 + k2) bytes."},
         OptionField{"k1", &O::k1, Closed(2, 4096), "",
-                    "Magnitudes a row: what places are compared by. More tell places apart that "
-                    "are near each other; few bear changes better."},
+                    "Magnitudes per row, by which places are compared. More distinguish nearby "
+                    "places; fewer tolerate more change."},
         OptionField{"k2", &O::k2, Closed(2, 4096), "",
-                    "Phases a row: what headings come from. More give finer headings. The compass "
-                    "uses the frequencies that have both magnitude and phase."},
+                    "Phases per row, from which headings are estimated. More give finer headings. "
+                    "The compass uses frequencies that have both magnitude and phase."},
         OptionGroup{"band", &O::band},
         OptionField{"normalise", &O::normalise, AnyValue(), "",
-                    "Photometric normalisation: the band less its mean, over its standard "
-                    "deviation. Bears changes of exposure; loses the brightness, which may tell "
-                    "places apart."}};
+                    "Photometric normalisation: subtract the band's mean and divide by its "
+                    "standard deviation. Tolerates changes of exposure, but loses the overall "
+                    "brightness, which may distinguish places."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
   bool operator==(const SignatureOptions&) const = default;

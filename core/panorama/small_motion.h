@@ -23,24 +23,25 @@ struct SmallMotionOptions {
     using O = SmallMotionOptions;
     return std::tuple{
         OptionField{"coarse_frequencies", &O::coarse_frequencies, Closed(2, 64), "",
-                    "Frequencies of the coarsest stage; each stage doubles them. Fewer reach "
-                    "farther."},
+                    "Frequencies of the coarsest stage; each further stage doubles them. Fewer "
+                    "converge from farther away."},
         OptionField{"fine_frequencies", &O::fine_frequencies, Closed(2, 4096), "",
-                    "Frequencies of the finest stage; those that the signatures don't have are "
-                    "left out. More are finer, and most of the time is the finest stage's."},
-        OptionField{"steps", &O::steps, Closed(1, 50), "steps",
-                    "Gauss-Newton steps a stage. Fewer are faster and stop short of the best fit."},
+                    "Frequencies of the finest stage, at most those of the signatures. More are "
+                    "more accurate; the finest stage takes most of the time."},
+        OptionField{
+            "steps", &O::steps, Closed(1, 50), "steps",
+            "Gauss-Newton steps per stage. Fewer are faster and may stop before the best fit."},
         OptionField{"settled_pixels", &O::settled_pixels, Closed(0, 1), "px",
-                    "A stage ends where its last step was below so many of its columns."},
+                    "A stage ends when its last step was smaller than this many of its columns."},
         OptionField{"cauchy_sigmas", &O::cauchy_sigmas, Closed(1, 10), "sigmas",
-                    "Residuals beyond so many sigmas count less (Cauchy's weights): bears what is "
-                    "covered or has moved."},
+                    "Residuals beyond this many sigmas are weighted down (Cauchy). Makes the "
+                    "estimate robust to parts that are occluded or have moved."},
         OptionField{"nearness_sigma", &O::nearness_sigma, Closed(0.01, 10), "",
-                    "How much the nearness of landmarks varies around the circle, of its mean: the "
-                    "prior sigma of each of its four waves. More fits uneven rooms, less bears "
-                    "noise."},
+                    "Prior standard deviation of each of the four waves by which the inverse "
+                    "distance of landmarks varies around the circle, relative to its mean. Higher "
+                    "fits uneven rooms; lower tolerates more noise."},
         OptionField{"correlated_pixels", &O::correlated_pixels, Closed(1, 1000), "px",
-                    "Residuals of neighbouring pixels are alike: how many pixels carry the "
+                    "Number of neighbouring pixels whose correlated residuals carry the "
                     "information of one. Scales the sigmas."}};
   }
   void Check() const { CheckFields("small_motion", *this); }  // throws MapError(kBadOptions)

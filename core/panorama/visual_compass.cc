@@ -13,14 +13,13 @@
 #include "core/base/error.h"
 #include "core/geometry/angle.h"
 #include "core/geometry/linear_algebra.h"
+#include "core/geometry/pose2.h"
 
 namespace waystone {
 namespace {
 
 constexpr int kNewtonSteps = 5;                             // from within a step of a smooth peak
 constexpr double kUnknown_rad = kPi / std::numbers::sqrt3;  // sigma of a uniform direction
-
-double Wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * kPi); }
 
 // The sum over the rows of the weighted phase differences of each frequency, over all weights.
 std::vector<std::complex<double>> CrossSpectrum(const FourierSignature& a,
@@ -92,7 +91,7 @@ CompassPeak Refined(const std::vector<std::complex<double>>& spectrum, double tu
     if (score.bend >= 0) break;
     offset = std::clamp(offset - score.slope / score.bend, -reach_rad, reach_rad);
   }
-  return {Wrapped(turn_rad + offset), ScoreAt(spectrum, turn_rad + offset).value};
+  return {WrappedAngle(turn_rad + offset), ScoreAt(spectrum, turn_rad + offset).value};
 }
 
 // The index of the least value that lies off `from` by `separation_rad` at least, on a circle.
@@ -118,7 +117,7 @@ double EstimateSpread(const std::vector<double>& costs, double cost_per_e, doubl
   double squares = 0;
   for (size_t i = 0; i < costs.size(); ++i) {
     const double off_rad =
-        Wrapped((static_cast<double>(i) - static_cast<double>(least)) * 2 * kPi / n);
+        WrappedAngle((static_cast<double>(i) - static_cast<double>(least)) * 2 * kPi / n);
     const double weight = std::exp(-(costs[i] - costs[least]) * n / cost_per_e);
     weights += weight;
     if (std::abs(off_rad) > near_rad) squares += weight * off_rad * off_rad;
@@ -137,7 +136,7 @@ MotionDirection EstimateDirection(const SmallMotion& small, const CompassOptions
 
 MotionDirection EstimateDirection(const Warping& warping, const CompassOptions& options) {
   const double spread = EstimateSpread(warping.motion_costs, options.cost_per_e, 0);
-  return {Wrapped(-warping.motion_rad), std::hypot(spread, options.warping_sigma_rad), {}};
+  return {WrappedAngle(-warping.motion_rad), std::hypot(spread, options.warping_sigma_rad), {}};
 }
 
 // The motion over its sigma: chi with two degrees of freedom.
@@ -158,7 +157,7 @@ SmallMotion BestSmallMotion(const FourierSignature& a, const FourierSignature& b
                             const CompassOptions& options) {
   const double still_rad = phases.best.heading_rad;
   std::optional<StillStart> still;
-  if (std::abs(Wrapped(still_rad - warping.turn_rad)) <= options.agreement_rad) {
+  if (std::abs(WrappedAngle(still_rad - warping.turn_rad)) <= options.agreement_rad) {
     still = {still_rad, options.still_frequencies};
   }
   return RefineSmallMotion(a, b, options.band, warping.turn_rad, options.small_motion, still);
@@ -166,7 +165,7 @@ SmallMotion BestSmallMotion(const FourierSignature& a, const FourierSignature& b
 
 bool Fits(const SmallMotion& small, const Warping& warping, const CompassOptions& options) {
   return small.correlation >= options.min_correlation &&
-         std::abs(Wrapped(small.turn_rad - warping.turn_rad)) <= options.agreement_rad;
+         std::abs(WrappedAngle(small.turn_rad - warping.turn_rad)) <= options.agreement_rad;
 }
 
 }  // namespace
@@ -187,7 +186,7 @@ PhaseCompass TurnByPhases(const FourierSignature& a, const FourierSignature& b,
   PhaseCompass compass;
   compass.best = Refined(spectrum, best * step_rad, step_rad);
   const int second = LeastBeyond(losses, best, options.separation_rad);
-  compass.runner_up = {Wrapped(second * step_rad), -losses[second]};
+  compass.runner_up = {WrappedAngle(second * step_rad), -losses[second]};
   compass.sharpness = compass.best.score - compass.runner_up.score;
   return compass;
 }
@@ -208,13 +207,13 @@ CompassHeading RelativeHeading(const FourierSignature& a, const FourierSignature
   heading.small_motion = Fits(small, warping, options);
   const bool still =
       heading.small_motion && MotionSigmas(small) < options.still_sigmas &&
-      std::abs(Wrapped(small.turn_rad - phases.best.heading_rad)) <= options.agreement_rad;
+      std::abs(WrappedAngle(small.turn_rad - phases.best.heading_rad)) <= options.agreement_rad;
   heading.heading_rad = still                  ? phases.best.heading_rad
-                        : heading.small_motion ? Wrapped(small.turn_rad)
-                                               : Wrapped(warping.turn_rad);
+                        : heading.small_motion ? WrappedAngle(small.turn_rad)
+                                               : WrappedAngle(warping.turn_rad);
   heading.sigma_rad = std::hypot(
       wrong_rad, heading.small_motion ? EstimateSigma(small, options) : options.warping_sigma_rad);
-  heading.runner_up_rad = Wrapped(second * step_rad);
+  heading.runner_up_rad = WrappedAngle(second * step_rad);
   heading.sharpness = warping.turn_costs[second] - warping.turn_costs[best];
   const MotionDirection motion = heading.small_motion ? EstimateDirection(small, options)
                                                       : EstimateDirection(warping, options);

@@ -24,13 +24,14 @@ struct PhaseCompassOptions {
   static constexpr auto Fields() {
     using O = PhaseCompassOptions;
     return std::tuple{
-        OptionField{"power", &O::power, Closed(0, 1), "",
-                    "Weight of a row's frequency: (m_a m_b)^power of its magnitudes. 0 is the "
-                    "paper's convolution of the phases alone, in which noise counts like edges; 1 "
-                    "the plain cross-spectrum, in which few strong waves decide."},
-        OptionField{"frequencies", &O::frequencies, Closed(2, 4096), "",
-                    "Frequencies used, from 1. Fewer see through a larger motion, more are "
-                    "sharper."},
+        OptionField{
+            "power", &O::power, Closed(0, 1), "",
+            "Exponent of the weight (m_a m_b)^power of a frequency in a row, from its magnitudes. "
+            "0 is the paper's convolution of phases only, which weights noise like edges; 1 is the "
+            "plain cross-spectrum, which a few strong waves dominate."},
+        OptionField{
+            "frequencies", &O::frequencies, Closed(2, 4096), "",
+            "Frequencies used, from 1. Fewer tolerate larger motions; more give a sharper peak."},
         OptionField{"steps", &O::steps, Closed(16, 65536), "steps",
                     "Headings tried around the circle before the best is refined."},
         OptionField{"separation_rad", &O::separation_rad, Closed(0.01, 3), "rad",
@@ -82,26 +83,28 @@ struct CompassOptions {
         OptionField{"separation_rad", &O::separation_rad, Closed(0.01, 3), "rad",
                     "How far a runner-up of the warping search lies off."},
         OptionField{"cost_per_e", &O::cost_per_e, Closed(0.01, 100), "",
-                    "Costs of the warping search, summed over the columns, by which a hypothesis "
-                    "becomes e times less likely. More states larger sigmas."},
+                    "Difference in cost of the warping search, summed over the columns, at which a "
+                    "hypothesis is e times less likely. Higher reports larger sigmas."},
         OptionField{"warping_sigma_rad", &O::warping_sigma_rad, Closed(0.001, 0.5), "rad",
-                    "The warping's own sigma: its columns and its model are coarse."},
+                    "Standard deviation of the warping search itself, due to its coarse columns "
+                    "and model."},
+        OptionField{"min_correlation", &O::min_correlation, Closed(0, 1), "",
+                    "The small motion is accepted if it explains at least this share of the first "
+                    "panorama."},
+        OptionField{"agreement_rad", &O::agreement_rad, Closed(0.001, 1), "rad",
+                    "The small motion is accepted if its rotation differs from the warping "
+                    "search's by at most this."},
         OptionField{
-            "min_correlation", &O::min_correlation, Closed(0, 1), "",
-            "The small motion is believed where it explains this share of the first panorama."},
-        OptionField{
-            "agreement_rad", &O::agreement_rad, Closed(0.001, 1), "rad",
-            "The small motion is believed where it turns within this of the warping search."},
-        OptionField{"still_frequencies", &O::still_frequencies, Closed(2, 64), "",
-                    "Frequencies of the coarsest stage from the phases' heading: that heading is "
-                    "exact for a pure turn, and what is covered misleads coarse stages."},
+            "still_frequencies", &O::still_frequencies, Closed(2, 64), "",
+            "Frequencies of the coarsest stage when started from the phases' heading. That heading "
+            "is exact for a pure rotation, while occlusions mislead coarse stages."},
         OptionField{"still_sigmas", &O::still_sigmas, Closed(0, 100), "sigmas",
-                    "A small motion of fewer of its own sigmas is none: the heading then comes "
-                    "from the phases alone, which what is covered or noisy disturbs less."},
+                    "A motion smaller than this many of its sigmas counts as none. The heading "
+                    "then comes from the phases alone, which occlusion and noise disturb less."},
         OptionField{"uneven_depth", &O::uneven_depth, Closed(0, 1), "",
-                    "How unevenly far the landmarks are: the small motion takes them for equally "
-                    "far, and errs by this share of step over distance. More states larger sigmas "
-                    "of larger steps."},
+                    "Relative variation of the landmarks' distances. The small motion assumes "
+                    "equal distances and has an error of this share of step over distance. Higher "
+                    "reports larger sigmas for larger steps."},
         OptionField{"max_motion_sigma_rad", &O::max_motion_sigma_rad, Closed(0.01, 1.8), "rad",
                     "Directions of motion less certain than this are left out."}};
   }

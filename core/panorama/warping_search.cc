@@ -10,6 +10,7 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/geometry/angle.h"
+#include "core/geometry/pose2.h"
 #include "core/panorama/warping_kernels.h"
 
 namespace waystone {
@@ -216,7 +217,7 @@ class Search {
 
   // For landmarks `angle` columns clockwise of the direction of motion.
   std::vector<ColumnStep> FindSteps(const std::vector<CostTable>& tables, int angle) const {
-    const double x = std::abs(std::remainder(angle * step_rad_, 2 * kPi));
+    const double x = std::abs(WrappedAngle(angle * step_rad_));
     const int side = 2 * angle <= columns_ ? 1 : -1;
     const int middle = options_.scales / 2;
     std::vector<ColumnStep> steps;

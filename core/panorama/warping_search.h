@@ -24,32 +24,33 @@ struct WarpingOptions {
     using O = WarpingOptions;
     return std::tuple{
         OptionField{"columns", &O::columns, Closed(24, 360), "columns",
-                    "Columns that the circle is cut into, even: the grid of turns and of "
-                    "directions of motion. More are finer; time grows with the cube."},
+                    "Columns around the circle, even: the grid of rotations and directions of "
+                    "motion. More are finer; time grows with the cube."},
         OptionField{"frequencies", &O::frequencies, Closed(4, 4096), "",
-                    "Frequencies used, as far as the signature has them; those beyond half the "
-                    "columns would fold over. Fewer bear tilt and change, more are sharper."},
+                    "Frequencies used, at most those of the signature; those beyond half the "
+                    "columns would alias. Fewer tolerate tilt and change; more are sharper."},
         OptionField{"max_shift_rad", &O::max_shift_rad, Closed(0.05, 1.5), "rad",
-                    "How far a landmark may move sideways through the motion. More reaches "
-                    "farther; also lets what doesn't belong together match."},
+                    "Largest change of a landmark's bearing due to the motion. Higher covers "
+                    "larger motions, and lets unrelated columns match."},
         OptionField{"max_scale", &O::max_scale, Closed(1.1, 5), "",
                     "Largest ratio of a landmark's distances before and after the motion."},
         OptionField{"scales", &O::scales, Closed(3, 41), "steps",
-                    "Steps from 1 / max_scale to max_scale, odd. More fit better; time grows with "
-                    "them."},
+                    "Number of steps from 1 / max_scale to max_scale, odd. More fit better; time "
+                    "grows in proportion."},
         OptionField{"shift_cost", &O::shift_cost, Closed(0, 5), "",
-                    "Cost of a radian of sideways shift, of the cost of columns without any "
-                    "correlation: the landmarks of a room are rather far than near."},
-        OptionField{"upright_share", &O::upright_share, Closed(0, 1), "",
-                    "How much upright edges (door frames, corners) count in the comparison of "
-                    "columns, against level ones. More tell azimuths, less tell distances."},
+                    "Cost per radian of shift, relative to the cost of uncorrelated columns. "
+                    "Favours distant landmarks, which are more common in rooms."},
+        OptionField{
+            "upright_share", &O::upright_share, Closed(0, 1), "",
+            "Weight of vertical edges (door frames, corners) against horizontal ones when columns "
+            "are compared. Higher resolves azimuths better; lower resolves distances better."},
         OptionField{"edge_softness", &O::edge_softness, Closed(0, 100), "",
-                    "Edges this strong, of the mean square, count half as much as the strongest. "
-                    "Less lets faint edges count beside those of bright windows; 0 counts edges as "
-                    "they are."},
+                    "Edges of this strength, relative to the root mean square, count half as much "
+                    "as the strongest. Lower lets faint edges count beside bright windows; 0 does "
+                    "not compress edges."},
         OptionField{"plain_share", &O::plain_share, Closed(0, 10), "",
-                    "Columns whose edges are this share of the mean square count half as much as "
-                    "the richest: plain walls show nothing but noise."}};
+                    "Columns whose edges have this share of the mean square count half as much as "
+                    "the most textured ones, since plain walls show mostly noise."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

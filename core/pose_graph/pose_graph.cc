@@ -22,6 +22,7 @@ constexpr double kNarrowing = 2;
 
 using Block = std::array<double, 3>;  // x, y, theta
 
+// WrappedAngle for Ceres' dual numbers too, which have no remainder.
 template <class T>
 T Wrapped(const T& angle) {
   using std::floor;
@@ -136,8 +137,6 @@ class Optimiser {
     solver.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);
-    result_.iterations += static_cast<int>(summary.iterations.size());
-    result_.converged = summary.termination_type == ceres::CONVERGENCE;
   }
 
   void AddScales(ceres::Problem& problem) {
@@ -187,7 +186,6 @@ class Optimiser {
       result_.poses.push_back({block[0], block[1], WrappedAngle(block[2])});
     }
     for (const double log_scale : log_scales_) result_.scales.push_back(std::exp(log_scale));
-    for (const PoseEdge& edge : edges_) result_.residuals.push_back(Residual(edge));
     return std::move(result_);
   }
 
@@ -211,7 +209,7 @@ PoseGraphResult OptimisePoseGraph(const std::vector<Pose2>& start,
     WS_CHECK(edge.a >= 0 && edge.b >= 0 && edge.a < count && edge.b < count && edge.a != edge.b,
              "an edge from " + std::to_string(edge.a) + " to " + std::to_string(edge.b));
     WS_CHECK(edge.position_sigma > 0 && edge.heading_sigma_rad > 0 && edge.scale_group >= 0,
-             "an edge without deviations or with a scale group below 0");
+             "an edge without sigmas or with a scale group below 0");
   }
   return Optimiser(start, edges, options).Run();
 }

@@ -31,37 +31,34 @@ struct PoseGraphOptions {
 
   static constexpr auto Fields() {
     return std::tuple{
-        OptionField{"loop_loss", &PoseGraphOptions::loop_loss, Closed(0.1, 100), "",
-                    "How many sigmas a loop edge may be off before it counts less (Cauchy's loss). "
-                    "More trusts loops more; fewer bear more wrong ones and need a better start."},
         OptionField{
-            "reject_beyond", &PoseGraphOptions::reject_beyond, Closed(1, 1000), "",
-            "Loop edges farther off than this after the robust optimisation are taken out, in "
-            "sigmas. 3.4 keeps 99 % of the right ones if their sigmas are right."},
+            "loop_loss", &PoseGraphOptions::loop_loss, Closed(0.1, 100), "",
+            "Number of sigmas beyond which a loop edge is weighted down (Cauchy loss). Higher "
+            "trusts loops more; lower tolerates more wrong loops but requires a better start."},
+        OptionField{"reject_beyond", &PoseGraphOptions::reject_beyond, Closed(1, 1000), "",
+                    "Loop edges with a residual of more than this many sigmas after the robust "
+                    "optimisation are removed. 3.4 keeps 99 % of correct loops if their sigmas are "
+                    "correct."},
         OptionField{"log_scale_sigma", &PoseGraphOptions::log_scale_sigma, Closed(0.001, 10), "",
-                    "Standard deviation of the logarithm of a group's scale around 0: without it a "
-                    "graph whose groups nothing ties to metres would shrink to a point."},
+                    "Prior standard deviation of the logarithm of a group's scale. Without it, a "
+                    "graph whose groups are not tied to metres would shrink to a point."},
         OptionField{"max_iterations", &PoseGraphOptions::max_iterations, Closed(1, 1000), "",
-                    "Steps of each optimisation."}};
+                    "Maximum steps per optimisation."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
 struct PoseGraphResult {
-  std::vector<Pose2> poses;       // those of the start where nothing is known
-  std::vector<double> scales;     // by group; the first is 1
-  std::vector<bool> rejected;     // by edge: loop edges that were taken out
-  std::vector<double> residuals;  // by edge: how far off it is in the end, in sigmas
-  int iterations = 0;             // of all optimisations
-  bool converged = false;
+  std::vector<Pose2> poses;    // those of the start where nothing is known
+  std::vector<double> scales;  // by group; the first is 1
+  std::vector<bool> rejected;  // by edge: loop edges that were taken out
 };
 
 // The poses that fit the edges best in the least squares sense, from `start` (graph_from_pose).
-// First with a robust loss on loop edges that
-// narrows down to loop_loss, then without those that it rejects. The lowest pose of
-// each connected part keeps its place. Runs on the calling thread alone; the same input gives the
-// same bytes. Throws MapError(kBadOptions) for options out of range; edges that name no pose, one
-// pose twice, or have sigmas of 0 are programmer's errors.
+// First with a robust loss on loop edges that narrows down to loop_loss, then without those that it
+// rejects. The lowest pose of each connected part keeps its place. Runs on the calling thread
+// alone; the same input gives the same bytes. Throws MapError(kBadOptions) for options out of
+// range; edges that name no pose, one pose twice, or have sigmas of 0 are programmer's errors.
 PoseGraphResult OptimisePoseGraph(const std::vector<Pose2>& start,
                                   const std::vector<PoseEdge>& edges,
                                   const PoseGraphOptions& options = {});

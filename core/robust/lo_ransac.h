@@ -10,8 +10,9 @@
 
 namespace waystone {
 
-// Locally optimized RANSAC (Chum, Matas and Kittler 2003): the one loop of all robust estimators.
-// What differs between them are a sampler and an estimator.
+// Locally optimized RANSAC (Chum, Matas and Kittler 2003): the one loop of Waystone's own robust
+// estimators. What differs between them are a sampler and an estimator. Uncalibrated epipolar
+// geometry (core/two_view/fundamental.h) is estimated by OpenCV's USAC_MAGSAC instead.
 //
 //   struct Sampler {
 //     // A minimal sample, or nothing where this draw gives none (which counts as a draw).

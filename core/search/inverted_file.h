@@ -32,15 +32,14 @@ struct InvertedFileOptions {
     return std::tuple{
         OptionField{
             "min_rows", &InvertedFileOptions::min_rows, AtLeast(1), "",
-            "Fewer rows than this are searched one by one: that takes hardly longer and finds "
-            "everything."},
+            "Fewer rows than this are searched exhaustively, which is about as fast and exact."},
         OptionField{
             "lists_per_root", &InvertedFileOptions::lists_per_root, OpenLow(0, 100), "",
-            "Lists for n rows: this times the square root of n, to the nearest power of two. "
-            "More are shorter, and cost time to choose among. At most 2^15 lists."},
+            "Lists for n rows: this times the square root of n, to the nearest power of two, at "
+            "most 2^15. More lists are shorter, but choosing among them takes longer."},
         OptionField{"training_rows", &InvertedFileOptions::training_rows, AtLeast(1), "",
-                    "Rows a list that the centres are learnt from. More follow the rows better and "
-                    "take longer."},
+                    "Rows per list from which the centres are learned. More fit the rows better "
+                    "and take longer."},
         OptionField{"rounds", &InvertedFileOptions::rounds, AtLeast(0), "", "Rounds of k-means."},
         OptionField{
             "seed", &InvertedFileOptions::seed, AnyValue(), "",

@@ -23,10 +23,10 @@ struct AssociationOptions {
   double max_difference_s = 0.02;
 
   static constexpr auto Fields() {
-    return std::tuple{OptionField{
-        "max_difference_s", &AssociationOptions::max_difference_s, OpenLow(0, 1e9), "s",
-        "Time stamps of one moment differ by at most this. More pairs more and blurs fast "
-        "motion."}};
+    return std::tuple{OptionField{"max_difference_s", &AssociationOptions::max_difference_s,
+                                  OpenLow(0, 1e9), "s",
+                                  "Largest difference between the time stamps of associated poses. "
+                                  "Higher associates more, less accurately during fast motion."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -22,15 +22,13 @@ struct BearingFeatureOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionGroup{"features", &BearingFeatureOptions::features},
-        OptionField{
-            "buckets", &BearingFeatureOptions::buckets, Closed(1, 64), "",
-            "Each image is divided into this many cells along its longer side, of which each "
-            "keeps as many of its strongest features as the cells share: features spread over "
-            "the whole view (the bucketing of sec. III-C) instead of crowding on what is best "
-            "textured."},
+        OptionField{"buckets", &BearingFeatureOptions::buckets, Closed(1, 64), "",
+                    "Each image is divided into cells, this many along its longer side, and each "
+                    "cell keeps its share of the strongest features, so that they are spread over "
+                    "the view (bucketing, sec. III-C)."},
         OptionField{
             "max_kept", &BearingFeatureOptions::max_kept, Closed(10, 100'000), "",
-            "Features kept per image. More give more matches and cost time with their square."}};
+            "Maximum features per image. More give more matches; time grows with the square."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -15,7 +15,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr size_t kMinPairs = 8;  // seven determine it
-constexpr double kConfidence = 0.999;
 
 std::vector<cv::Point2d> ToCvPoints(std::span<const Vector2d> points) {
   std::vector<cv::Point2d> out;
@@ -53,8 +52,8 @@ std::vector<int> FindPlanarInliers(const std::vector<cv::Point2d>& a,
   }
   cv::Mat fits;
   const double bound = 2 * options.max_error_px;  // both coordinates err, not one alone
-  const cv::Mat homography =
-      cv::findHomography(from, to, cv::USAC_MAGSAC, bound, fits, options.max_samples, kConfidence);
+  const cv::Mat homography = cv::findHomography(from, to, cv::USAC_MAGSAC, bound, fits,
+                                                options.max_samples, options.confidence);
   std::vector<int> inliers;
   if (homography.empty()) return inliers;
   for (size_t i = 0; i < rows.size(); ++i) {
@@ -81,7 +80,7 @@ std::optional<EpipolarFit> FindEpipolarGeometry(std::span<const Vector2d> a,
   const std::vector<cv::Point2d> to = ToCvPoints(b);
   cv::Mat fits;
   const cv::Mat found = cv::findFundamentalMat(from, to, cv::USAC_MAGSAC, options.max_error_px,
-                                               kConfidence, options.max_samples, fits);
+                                               options.confidence, options.max_samples, fits);
   if (found.rows != 3 || found.cols != 3) return std::nullopt;
   EpipolarFit fit;
   fit.fundamental = ToMatrix3d(found);

@@ -13,21 +13,26 @@ namespace waystone {
 
 struct EpipolarOptions {
   double max_error_px = 2.0;
+  double confidence = 0.999;
   int max_samples = 1000;
   double planar_share = 0.9;
 
   static constexpr auto Fields() {
     using Self = EpipolarOptions;
     return std::tuple{
-        OptionField{"max_error_px", &Self::max_error_px, Above(0), "px",
-                    "Largest Sampson error of an inlier. Higher keeps more matches, and more by "
-                    "chance."},
+        OptionField{
+            "max_error_px", &Self::max_error_px, Above(0), "px",
+            "Largest Sampson error of an inlier. Higher accepts more matches, and more by chance."},
+        OptionField{"confidence", &Self::confidence, Open(0, 1), "",
+                    "Probability that at least one sample consists of inliers only.",
+                    OptionUse::kInternal},
         OptionField{"max_samples", &Self::max_samples, AtLeast(1), "",
-                    "Samples of seven matches at the most, however low the inlier ratio. Bounds "
-                    "the time."},
-        OptionField{"planar_share", &Self::planar_share, Closed(0, 1), "",
-                    "Where a homography explains this share of the inliers, the scene is planar or "
-                    "the camera turned only, and the homography's inliers count alone."}};
+                    "Maximum number of samples of seven matches, however low the inlier ratio. "
+                    "Bounds the time."},
+        OptionField{
+            "planar_share", &Self::planar_share, Closed(0, 1), "",
+            "If one homography explains this share of the inliers, the scene counts as planar or "
+            "the motion as a pure rotation, and only the homography's inliers count."}};
   }
   void Check() const { CheckFields("epipolar", *this); }  // throws MapError(kBadOptions)
 };

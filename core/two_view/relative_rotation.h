@@ -33,28 +33,26 @@ struct RelativeOptions {
                     "Largest error of an inlier (EpipolarError). Higher accepts blurred and badly "
                     "calibrated images, and more wrong matches."},
         OptionField{"confidence", &RelativeOptions::confidence, Closed(0.5, 0.999999), "",
-                    "Probability that one sample at least is made of inliers alone."},
+                    "Probability that at least one sample consists of inliers only."},
         OptionField{"max_samples", &RelativeOptions::max_samples, Closed(1, 100'000), "",
-                    "Samples at most. Bounds the time."},
+                    "Maximum number of samples. Bounds the time."},
         OptionField{"min_samples", &RelativeOptions::min_samples, Closed(1, 100'000), "",
-                    "Samples at least."},
+                    "Minimum number of samples."},
         OptionField{"max_steps", &RelativeOptions::max_steps, Closed(1, 100), "",
-                    "Refinement steps."},
+                    "Maximum refinement steps."},
         OptionField{"min_inliers", &RelativeOptions::min_inliers, Closed(5, 10'000), "",
-                    "Correspondences that the rotation needs; the paper asks for 10 (sec. III-C)."},
-        OptionField{
-            "max_log10_chance", &RelativeOptions::max_log10_chance, Closed(-300, 0), "",
-            "Chance that matches without any truth would have given as many inliers, as a "
-            "power of ten. Lower refuses more. Among many wrong matches some lie on epipolar "
-            "planes by accident."},
+                    "Correspondences that the rotation requires; the paper uses 10 (sec. III-C)."},
+        OptionField{"max_log10_chance", &RelativeOptions::max_log10_chance, Closed(-300, 0), "",
+                    "Largest probability, as a power of ten, that unrelated matches give as many "
+                    "inliers. Lower refuses more."},
         OptionField{"max_sigma_rad", &RelativeOptions::max_sigma_rad, Closed(1e-5, 1), "rad",
                     "Largest standard deviation of the rotation about its worst-known direction."},
         OptionField{
             "max_rival", &RelativeOptions::max_rival, Closed(0.5, 1), "",
-            "A plane allows two motions. The other one counts where it explains this share of "
-            "what the best motion explains. Lower calls more poses ambiguous."},
+            "A plane allows two motions. The pose is ambiguous if the second one explains at least "
+            "this share of what the best one explains. Lower calls more poses ambiguous."},
         OptionField{"rival_angle_rad", &RelativeOptions::rival_angle_rad, Closed(0.001, 1), "rad",
-                    "Angle between the two motions from which on the other one counts."},
+                    "Smallest angle between the two motions at which they count as different."},
         OptionField{"seed", &RelativeOptions::seed, AnyValue(), "", "Seed of the samples."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
@@ -105,7 +103,7 @@ double EpipolarError(const Eigen::Matrix3d& b_from_a, const Eigen::Vector3d& tra
 
 // The essential matrix over rays of whole spheres (sec. II-B.2): RANSAC over samples of five
 // matches, each promising one refined on its inliers by robust least squares on rotation and
-// direction. Always gives the best motion it found; `trouble` says whether to believe it.
+// direction. Always gives the best motion it found; `error` says whether to believe it.
 // Deterministic; thread-safe.
 RelativePose FindRelativePose(const MatchedRays& rays, const RelativeOptions& options = {});
 

@@ -16,10 +16,6 @@
 namespace waystone {
 namespace {
 
-constexpr double kPanoramaRatio = 2;
-constexpr double kRatioTolerance = 0.02;  // as ToPanorama's
-constexpr double kBandTolerance_rad = 1e-6;
-
 bool KeepsFeatures(const AppearanceLayer& layer) {
   return std::ranges::any_of(layer.nodes,
                              [](const auto& node) { return !node.features.bearings.empty(); });
@@ -99,9 +95,10 @@ void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool v
 }
 
 bool HasShapeOf(const LayerMirror& mirror, const cv::Size& size) {
+  constexpr double kTolerance = 0.02;  // an image of another size is rounded to whole pixels
   const double ratio = static_cast<double>(size.width) * mirror.height /
                        (static_cast<double>(std::max(1, size.height)) * mirror.width);
-  return std::abs(ratio - 1) <= kRatioTolerance;
+  return std::abs(ratio - 1) <= kTolerance;
 }
 
 // An image as the layer's own became panoramas.
@@ -126,10 +123,7 @@ PanoramaQuery DescribeAppearance(const MapIndex& index, const cv::Mat& grey) {
   WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
   const AppearanceLayer& layer = *index.map().appearance;
   const Panorama panorama = ToLayersPanorama(layer, grey);
-  const ElevationBand used = UsedBand(panorama, layer.described);
-  const ElevationBand& band = layer.described.band;
-  if (std::max(std::abs(used.top_rad - band.top_rad), std::abs(used.bottom_rad - band.bottom_rad)) >
-      kBandTolerance_rad) {
+  if (!BandsAgree(UsedBand(panorama, layer.described), layer.described.band)) {
     throw MapError(ErrorCode::kBadImage,
                    "the panorama doesn't show all elevations of the map's; send a panorama by a "
                    "camera with the same or a larger vertical field of view");
@@ -162,15 +156,10 @@ bool IsSettled(const MapIndex& index, const std::vector<ComparedNode>& nodes,
 
 }  // namespace
 
-bool IsPanoramic(const cv::Size& size) {
-  const double ratio = static_cast<double>(size.width) / std::max(1, size.height);
-  return std::abs(ratio / kPanoramaRatio - 1) <= kRatioTolerance;
-}
-
 bool IsForPanoramas(const MapIndex& index, const cv::Size& size) {
   if (!index.HasAppearance()) return false;
   const auto& mirror = index.map().appearance->mirror;
-  return IsPanoramic(size) || (mirror && HasShapeOf(*mirror, size));
+  return HasPanoramaShape(size) || (mirror && HasShapeOf(*mirror, size));
 }
 
 PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,

@@ -18,9 +18,6 @@ namespace waystone {
 PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,
                             const PanoramaQueryOptions& options);
 
-// Whether an image is a panorama by its shape: twice as wide as high, to 2 %.
-bool IsPanoramic(const cv::Size& size);
-
 // Whether an image is for the map's appearance layer: a panorama, or, where the layer was made of a
 // mirror's images, of their shape.
 bool IsForPanoramas(const MapIndex& index, const cv::Size& size);

@@ -17,11 +17,10 @@ struct PanoramaFeatureOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionGroup{"bearings", &PanoramaFeatureOptions::bearings},
-        OptionField{
-            "face_width", &PanoramaFeatureOptions::face_width, Closed(0.05, 1), "",
-            "Width of a face over that of the panorama. A face spans a quarter of the "
-            "circle; at 1 / pi its middle has the panorama's own resolution. Less is faster "
-            "and finds less."}};
+        OptionField{"face_width", &PanoramaFeatureOptions::face_width, Closed(0.05, 1), "",
+                    "Width of a face relative to the panorama's. A face covers a quarter of the "
+                    "circle; at 1 / pi its centre has the panorama's resolution. Lower is faster "
+                    "and finds fewer features."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -45,67 +45,69 @@ struct PanoramaQueryOptions {
     using Self = PanoramaQueryOptions;
     return std::tuple{
         OptionField{"candidates", &Self::candidates, Closed(1, 1000), "",
-                    "Nodes that are compared by their phases, nearest signature first. More find "
-                    "more places and cost time."},
-        OptionField{"verified_candidates", &Self::verified_candidates, Closed(1, 1000), "",
-                    "The same where candidates are verified by their features, which takes most of "
-                    "the time."},
+                    "Nodes compared by their phases, nearest signature first. More find more "
+                    "places and cost time."},
+        OptionField{
+            "verified_candidates", &Self::verified_candidates, Closed(1, 1000), "",
+            "The same if candidates are verified by their features, which takes most of the time."},
         OptionField{
             "phase_weight", &Self::phase_weight, Closed(0, 10), "",
-            "Weight of the phases' disagreement (0 to 1) beside the signatures' distance. "
-            "More trusts what is seen at the same height and angle; less tolerates motion."},
+            "Weight of the phases' disagreement (0 to 1) relative to the distance of the "
+            "signatures. Higher favours nodes with the same view; lower tolerates more motion."},
         OptionGroup{"phases", &Self::phases},
         OptionField{"fine_heading", &Self::fine_heading, AnyValue(), "",
-                    "Refine the heading by the warping search, which takes a few ms. Without "
-                    "it, the phases give it, exactly for a pure turn alone."},
+                    "Refine the heading by the warping search, which takes a few ms. Otherwise it "
+                    "comes from the phases, which are exact only for a pure rotation."},
         OptionGroup{"compass", &Self::compass},
         OptionField{"phase_sigma_rad", &Self::phase_sigma_rad, Closed(0.001, 3), "rad",
-                    "Standard deviation of the phases' heading where it isn't refined."},
-        OptionField{"verify", &Self::verify, AnyValue(), "",
-                    "Verify candidates by features where the nodes have some. Costs the "
-                    "extraction."},
+                    "Standard deviation of the phases' heading without refinement."},
+        OptionField{
+            "verify", &Self::verify, AnyValue(), "",
+            "Verify candidates by features if the nodes have any. Costs the feature extraction."},
         OptionField{"settled_probability", &Self::settled_probability, Closed(0.5, 1), "",
-                    "An answer by appearance alone that is as probable isn't verified; 1 verifies "
-                    "all. Lower answers faster and trusts the appearance more."},
+                    "An answer by appearance alone with at least this probability is not verified; "
+                    "1 verifies all. Lower answers faster and trusts appearance more."},
         OptionGroup{"features", &Self::features},
         OptionGroup{"match", &Self::match},
         OptionGroup{"relative", &Self::relative},
         OptionField{"max_poses", &Self::max_poses, Closed(1, 1000), "",
                     "Candidates whose relative pose is estimated, most matches first."},
-        OptionField{"photo_features", &Self::photo_features, Closed(10, 100'000), "",
-                    "Features of a perspective photo. More match more of what nodes keep."},
+        OptionField{
+            "photo_features", &Self::photo_features, Closed(10, 100'000), "",
+            "Maximum features of a perspective photo. More match more features of the nodes."},
         OptionField{"photo_neighbours", &Self::photo_neighbours, Closed(2, 1000), "",
-                    "Each of them votes for the nodes of so many nearest features: as many as see "
-                    "a place together. More find more and take longer."},
+                    "Nearest map features of each photo feature, whose nodes it votes for: about "
+                    "as many as see one place. More find more and take longer."},
         OptionField{"photo_probes", &Self::photo_probes, Closed(1, 32768), "",
-                    "Lists of the node features' index that are searched for them."},
+                    "Lists of the node features' index that are searched for each photo feature."},
         OptionField{"photo_candidates", &Self::photo_candidates, Closed(1, 10'000), "",
-                    "Nodes that the photo is matched with, most votes first. More find more places "
-                    "and cost about 1 ms each."},
+                    "Nodes matched with the photo, most votes first. More find more places and "
+                    "cost about 1 ms each."},
         OptionField{"photo_poses", &Self::photo_poses, Closed(1, 1000), "",
-                    "Of these, nodes whose relative pose is estimated; max_poses where that is "
-                    "more.",
+                    "Nodes among photo_candidates whose relative pose is estimated; max_poses if "
+                    "that is larger.",
                     OptionUse::kInternal},
         OptionField{"photo_witnesses", &Self::photo_witnesses, Closed(1, 100), "",
                     "Nodes that must agree on the photo's heading.", OptionUse::kInternal},
-        OptionField{"photo_agreement_rad", &Self::photo_agreement_rad, Closed(0.001, 1), "rad",
-                    "Headings of a photo that two nodes see agree within this.",
-                    OptionUse::kInternal},
+        OptionField{
+            "photo_agreement_rad", &Self::photo_agreement_rad, Closed(0.001, 1), "rad",
+            "Two nodes agree on a photo's heading if their headings differ by at most this.",
+            OptionUse::kInternal},
         OptionField{"interpolation_cost", &Self::interpolation_cost, Closed(0.001, 10), "",
-                    "Cost by which a neighbour counts e times less for the position. More "
-                    "interpolates more widely."},
+                    "Difference in cost at which a neighbour's weight for the position is e times "
+                    "lower. Higher interpolates more widely."},
         OptionField{"direction_sigma_rad", &Self::direction_sigma_rad, Closed(0.001, 1), "rad",
-                    "Standard deviation of a direction between two panoramas. More trusts the "
-                    "nodes' positions instead."},
+                    "Standard deviation of a direction between two panoramas. Higher trusts the "
+                    "nodes' positions more."},
         OptionField{"elsewhere_spacings", &Self::elsewhere_spacings, Closed(1, 1000), "",
-                    "Nodes farther apart than so many spacings are different places."},
+                    "Nodes farther apart than this are different places."},
         OptionField{"max_margin", &Self::max_margin, Closed(0.001, 10), "",
-                    "A margin of appearance beyond this counts no more."},
+                    "Margins of appearance above this count as this."},
         OptionField{"agreement_rad", &Self::agreement_rad, Closed(0.01, 3), "rad",
-                    "Headings of a panorama that two nodes see agree within this. More lets chance "
-                    "support a place."},
+                    "Two nodes agree on a panorama's heading if their headings differ by at most "
+                    "this. Higher accepts more agreement by chance."},
         OptionField{"min_probability", &Self::min_probability, Closed(1e-6, 1 - 1e-6), "",
-                    "Probability from which on the answer is localized. Higher refuses more."}};
+                    "Smallest probability of a localized answer. Higher refuses more."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -109,7 +109,8 @@ Answer ContinueSeries(const MapIndex& index, const PanoramaQuery& query,
       AloneProbability(index, compared, 0, verified, model, options) < options.min_alone) {
     answer.verdict = Verdict::kNotInMap;
     answer.heading.reset();
-    answer.message = "no mapped panorama is like this one of the series; send another panorama";
+    answer.message =
+        "no mapped panorama matches this one of the series closely enough; send another one";
     return answer;
   }
   answer.belief = BeliefAfter(index, compared, verified, context, options);

@@ -37,11 +37,9 @@ struct SeriesOptions {
             "step_spacings", &Self::step_spacings, Closed(0.01, 1000), "",
             "The filter's step_sigma without odometry, in spacings of the map's nodes. More "
             "lets the robot move farther between two images."},
-        OptionField{
-            "max_log_odds", &Self::max_log_odds, Closed(0.1, 100), "",
-            "An image's log odds for a node count at most so much: what looks alike in one "
-            "image does in the next, so that images are no independent evidence. Less takes "
-            "longer to decide."},
+        OptionField{"max_log_odds", &Self::max_log_odds, Closed(0.1, 100), "",
+                    "Largest contribution of one image to a node's log odds, since consecutive "
+                    "images are not independent evidence. Lower takes longer to decide."},
         OptionField{"min_alone", &Self::min_alone, Closed(0, 1), "",
                     "A panorama counts when its likeliest place has this probability if nothing "
                     "else were like it. Less lets panoramas of what isn't in the map move the "

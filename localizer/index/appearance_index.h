@@ -30,21 +30,21 @@ struct AppearanceIndexOptions {
     using Self = AppearanceIndexOptions;
     return std::tuple{
         OptionField{"frequencies", &Self::frequencies, Closed(1, 4096), "",
-                    "Magnitudes of a row that are compared, from frequency 0; those that the layer "
-                    "doesn't have are left out. More tell neighbours apart, fewer tolerate a "
-                    "motion between them."},
+                    "Magnitudes per row that are compared, from frequency 0, at most those of the "
+                    "layer. More distinguish neighbours; fewer tolerate more motion."},
         OptionField{"stride", &Self::stride, Closed(1, 4096), "",
-                    "Frequencies that are summed before a node is given up for being farther than "
-                    "the best ones. Fewer give up sooner and test more often."},
-        OptionField{"typical_pairs", &Self::typical_pairs, Closed(1, 1'000'000), "",
-                    "Pairs of nodes from which the typical distance is estimated. More are more "
-                    "certain."},
+                    "Frequencies summed between two tests whether a node is already farther than "
+                    "the best ones. Fewer stop sooner and test more often."},
+        OptionField{
+            "typical_pairs", &Self::typical_pairs, Closed(1, 1'000'000), "",
+            "Pairs of nodes from which the typical distance is estimated. More are more accurate."},
         OptionField{"alike", &Self::alike, Closed(0, 1), "",
-                    "Signatures that differ by less than this share of the typical distance are "
-                    "views of one place: what spacing() is at least. More makes larger places of "
-                    "nodes that stand densely."},
+                    "Signatures that differ by less than this share of the typical distance show "
+                    "one place; a lower bound of the spacing. Higher makes larger places of "
+                    "densely spaced nodes."},
         OptionField{"reach_nodes", &Self::reach_nodes, Closed(1, 1'000'000), "",
-                    "Nodes from which the reach of views is estimated.", OptionUse::kInternal}};
+                    "Nodes from which the range of similar views is estimated.",
+                    OptionUse::kInternal}};
   }
   void Check() const { CheckFields("appearance_index", *this); }  // throws MapError(kBadOptions)
 };

@@ -32,13 +32,11 @@ SearchIndex BuildNodeIndex(const Descriptors& rows, FeatureType type,
 
 }  // namespace
 
-void NodeFeatureIndexOptions::Check() const { file.Check(); }
-
 NodeFeatureIndex::NodeFeatureIndex(const AppearanceLayer& layer, FeatureType type,
-                                   const NodeFeatureIndexOptions& options)
+                                   const InvertedFileOptions& lists)
     : nodes_(static_cast<int>(layer.nodes.size())) {
-  options.Check();
-  search_ = BuildNodeIndex(DescriptorsOf(layer, type), type, options.file);
+  lists.Check();
+  search_ = BuildNodeIndex(DescriptorsOf(layer, type), type, lists);
   for (int node = 0; node < nodes_; ++node) {
     node_of_row_.insert(node_of_row_.end(), layer.nodes[node].features.bearings.size(), node);
   }

@@ -8,13 +8,10 @@
 
 namespace waystone {
 
-struct NodeFeatureIndexOptions {
-  // Few lists, learned from few rows: that is done when the index is made, and what is looked for
-  // is a ranking of nodes, which bears a neighbour that is missed.
-  InvertedFileOptions file{.lists_per_root = 1, .training_rows = 16, .rounds = 4};
-
-  void Check() const;  // throws MapError(kBadOptions)
-};
+// Few lists, learned from few rows: the index is made when it is first needed, once for all queries
+// (so it isn't an option of one), and a ranking of nodes tolerates a neighbour that is missed.
+inline constexpr InvertedFileOptions kNodeFeatureLists{
+    .lists_per_root = 1, .training_rows = 16, .rounds = 4};
 
 // The features that an appearance layer's nodes keep, in one index: which nodes saw what a photo
 // shows, without matching it with each. 128 bytes a feature (SIFT). Immutable after construction:
@@ -23,7 +20,7 @@ class NodeFeatureIndex {
  public:
   // Copies what it needs. `type` is the map's.
   NodeFeatureIndex(const AppearanceLayer& layer, FeatureType type,
-                   const NodeFeatureIndexOptions& options = {});
+                   const InvertedFileOptions& lists = kNodeFeatureLists);
 
   // The `count` nodes with the most votes, most first, ties by node; fewer where fewer have any.
   // Each query descriptor votes for the nodes of its `neighbours` nearest features in the `probes`

@@ -22,10 +22,10 @@ struct SpacingParallaxOptions {
         OptionField{"pairs", &Self::pairs, Closed(1, 1000), "",
                     "Pairs of nodes that are matched, spread evenly over the layer.",
                     OptionUse::kInternal},
-        OptionField{"max_apart", &Self::max_apart, Closed(1, 10'000), "nodes",
-                    "A pair's nodes follow each other within so many, where odometry hardly "
-                    "drifts.",
-                    OptionUse::kInternal},
+        OptionField{
+            "max_apart", &Self::max_apart, Closed(1, 10'000), "nodes",
+            "The nodes of a pair are at most this many nodes apart, where odometry hardly drifts.",
+            OptionUse::kInternal},
         OptionGroup{"match", &Self::match}, OptionGroup{"relative", &Self::relative}};
   }
   void Check() const;  // throws MapError(kBadOptions)

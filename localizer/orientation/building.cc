@@ -25,7 +25,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kMinSigmaRad = 0.003;  // calibration and the frame's own axes
 // Eigenvalues of H^T H that differ by less are those of a camera that only turned.
 constexpr double kPureRotation = 1e-3;
 
@@ -71,7 +70,7 @@ double NearestAngle(const Matrix3d& r, const std::vector<Matrix3d>& all) {
 }
 
 void AddThroughPlane(const MapIndex& index, const RecognisedPlane& plane, const Camera& camera,
-                     std::vector<BuildingGuess>& guesses) {
+                     double min_sigma_rad, std::vector<BuildingGuess>& guesses) {
   const Keyframe& keyframe = *index.FindKeyframe(plane.reference.id);
   const Sequence& sequence = *index.FindSequence(keyframe.sequence);
   const OrientationFrame* frame = index.FindFrame(keyframe.sequence, keyframe.frame);
@@ -84,7 +83,7 @@ void AddThroughPlane(const MapIndex& index, const RecognisedPlane& plane, const 
     // Halves of the matches differ by twice the sigma of all of them.
     const double halves = 0.5 * (NearestAngle(r, odd) + NearestAngle(r, even));
     guesses.push_back({.building_from_query = frame->rotation->building_from_rig * r,
-                       .sigma_rad = std::max(kMinSigmaRad, halves),
+                       .sigma_rad = std::max(min_sigma_rad, halves),
                        .weight = plane.inliers});
   }
 }
@@ -144,13 +143,14 @@ BuildingView MakeView(const Matrix3d& building_from_query, double sigma_rad) {
 }  // namespace
 
 std::vector<BuildingGuess> GuessRotation(const MapIndex& index, const Answer& answer,
-                                         const std::optional<Camera>& camera) {
+                                         const std::optional<Camera>& camera,
+                                         const BuildingOptions& options) {
   std::vector<BuildingGuess> guesses;
   if (answer.panorama) {
     AddThroughNode(index, answer, guesses);
   } else if (camera) {
     for (const RecognisedPlane& plane : answer.planes.recognised) {
-      AddThroughPlane(index, plane, *camera, guesses);
+      AddThroughPlane(index, plane, *camera, options.min_plane_sigma_rad, guesses);
     }
   }
   return guesses;
@@ -251,7 +251,7 @@ void AddBuilding(const MapIndex& index, const cv::Mat& grey, const BuildingQuery
   const bool fits =
       query.camera && grey.cols == query.camera->width && grey.rows == query.camera->height;
   const std::optional<Camera> camera = fits ? query.camera : std::nullopt;
-  const std::vector<BuildingGuess> guesses = GuessRotation(index, answer, camera);
+  const std::vector<BuildingGuess> guesses = GuessRotation(index, answer, camera, options);
   if (guesses.empty()) return;
   const ManhattanFrame lines =
       query.with_lines ? DetectLines(grey, camera, options) : ManhattanFrame{};

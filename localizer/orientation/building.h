@@ -29,7 +29,8 @@ struct BuildingGuess {
 // feature verified is taken to stand as upright as the node's. The camera is the query's, not
 // needed for panoramas. Pure.
 std::vector<BuildingGuess> GuessRotation(const MapIndex& index, const Answer& answer,
-                                         const std::optional<Camera>& camera);
+                                         const std::optional<Camera>& camera,
+                                         const BuildingOptions& options = {});
 
 // The rotation that the guesses and the lines agree on, with its heading; nothing where they leave
 // it open. Lines settle which guess is meant, and are more precise where they are reliable.

@@ -17,6 +17,7 @@ struct BuildingOptions {
   double max_clear_rival = 0.6;
   double max_disagreement_rad = 0.17;
   double true_disagreeing = 0.02;
+  double min_plane_sigma_rad = 0.003;
   int working_pixels = 4'000'000;
 
   static constexpr auto Fields() {
@@ -26,20 +27,22 @@ struct BuildingOptions {
         OptionGroup{"circles", &Self::circles},
         OptionGroup{"manhattan", &Self::manhattan},
         OptionField{"max_clear_rival", &Self::max_clear_rival, Closed(0, 1), "",
-                    "The query's lines are believed when their best rival frame has at most this "
-                    "share of their support. Higher believes more photos, and more that are "
-                    "wrong."},
-        OptionField{
-            "max_disagreement_rad", &Self::max_disagreement_rad, Open(0, std::numbers::pi / 4),
-            "rad",
-            "Angle by which believed lines may be off the axes that a place implies. Higher "
-            "lets more wrong places pass."},
+                    "The query's lines are accepted if their best rival frame has at most this "
+                    "share of their support. Higher accepts more photos, and more wrong frames."},
+        OptionField{"max_disagreement_rad", &Self::max_disagreement_rad,
+                    Open(0, std::numbers::pi / 4), "rad",
+                    "Largest angle between accepted lines and the axes that a place implies. "
+                    "Higher lets more wrong places pass."},
         OptionField{"true_disagreeing", &Self::true_disagreeing, Open(0, 1), "",
-                    "Share of true places whose lines are believed and disagree all the same. "
-                    "Higher refuses fewer answers."},
+                    "Share of true places whose accepted lines disagree nevertheless. Higher "
+                    "refuses fewer answers."},
+        OptionField{"min_plane_sigma_rad", &Self::min_plane_sigma_rad, Above(0), "rad",
+                    "Smallest standard deviation of a rotation through a recognised plane, due to "
+                    "calibration and the keyframe's own axes.",
+                    OptionUse::kInternal},
         OptionField{"working_pixels", &Self::working_pixels, Closed(10'000, 50'000'000), "",
-                    "Larger photos, and larger faces of a panorama together, are reduced to so "
-                    "many pixels before their lines are detected, which bounds time and memory.",
+                    "Larger photos, and panoramas whose faces together are larger, are reduced to "
+                    "this many pixels before line detection, which bounds time and memory.",
                     OptionUse::kInternal}};
   }
   void Check() const;  // throws MapError(kBadOptions)

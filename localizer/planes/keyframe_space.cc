@@ -12,13 +12,14 @@
 namespace waystone {
 namespace {
 
-// Views that are looked at, those that share most planes: more cost time and tell little new.
+// Views that are looked at, those that share most planes. Bounds the time, which grows with them.
 constexpr size_t kMostViews = 12;
-// Points of a plane that stand for its homography, and the fewest that determine it well.
+// Points of a plane that stand for its homography: three times the four that determine it, so that
+// they cover the plane; and the fewest that leave some to check it by.
 constexpr size_t kMostPoints = 12;
 constexpr size_t kLeastPoints = 6;
-// Standard sigma of a point that a stored homography transfers, px: one pixel, and the points
-// of a homography have the freedom of four, so that a dozen count a third each.
+// Standard deviation of a point that a stored homography transfers: one pixel, times
+// sqrt(kMostPoints / 4), since the points together know no more than the homography's four.
 constexpr double kPointSigmaPx = 1.7;
 
 std::optional<Camera> PerspectiveCamera(const MapIndex& index, const Keyframe& keyframe) {

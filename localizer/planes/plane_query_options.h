@@ -39,38 +39,34 @@ struct PlaneQueryOptions {
     using Self = PlaneQueryOptions;
     return std::tuple{
         OptionField{"max_features", &Self::max_features, Closed(50, 20'000), "",
-                    "Features taken from a query; their type is the map's. More find more and take "
-                    "longer."},
+                    "Maximum features of a query. More find more and take longer."},
         OptionField{"contrast_threshold", &Self::contrast_threshold, Open(0, 1), "",
-                    "As the builder's: lower takes fainter features."},
-        OptionField{
-            "votes_per_feature", &Self::votes_per_feature, AtLeast(1), "",
-            "Nearest map features for which a query feature votes. More let a plane that is "
-            "seen badly be tried, and wrong ones too."},
+                    "As for the build: lower finds fainter features."},
+        OptionField{"votes_per_feature", &Self::votes_per_feature, AtLeast(1), "",
+                    "Nearest map features for which a query feature votes. More find planes in "
+                    "poor views, and try more wrong ones."},
         OptionField{"probes", &Self::probes, AtLeast(1), "",
                     "Lists of the map's search index that are searched. More find more of the true "
-                    "nearest features and take longer; all of them search exactly."},
+                    "nearest features and take longer; all lists are an exact search."},
         OptionField{"max_candidates", &Self::max_candidates, AtLeast(1), "",
                     "Planes whose homography is tried, most votes first. More find more and cost "
                     "about 1 ms each."},
         OptionField{"settled_inliers", &Self::settled_inliers, AtLeast(1), "",
-                    "A plane with this many distinct inliers settles where the query is. Fewer "
-                    "answer faster and may miss an ambiguity."},
-        OptionField{
-            "settled_share", &Self::settled_share, AtLeast(0), "",
-            "Once a plane has settled where the query is, planes elsewhere are tried only "
-            "with this share of its inliers in votes; at most ambiguous_share. 0 tries all, "
-            "which costs the most on large maps."},
+                    "A plane with this many distinct inliers settles the place of the query. Lower "
+                    "answers faster and may miss an ambiguity."},
+        OptionField{"settled_share", &Self::settled_share, AtLeast(0), "",
+                    "Once a plane has settled the place, planes elsewhere are tried only if their "
+                    "votes are at least this share of its inliers; at most ambiguous_share. 0 "
+                    "tries all, which is slowest on large maps."},
         OptionField{"min_votes", &Self::min_votes, AtLeast(1), "",
-                    "A plane with fewer votes isn't tried."},
+                    "Planes with fewer votes are not tried."},
         OptionGroup{"match", &Self::match},
         OptionGroup{"ransac", &Self::ransac},
         OptionGroup{"homology", &Self::homology},
         OptionGroup{"gates", &Self::gates},
         OptionField{"max_keyframes", &Self::max_keyframes, AtLeast(1), "",
-                    "Keyframes that are verified by all their matches, most votes beyond chance "
-                    "first. More find "
-                    "more and cost about 2 ms each."},
+                    "Keyframes verified by all their matches, most votes beyond chance first. More "
+                    "find more and cost about 2 ms each."},
         OptionGroup{"keyframe_match", &Self::keyframe_match},
         OptionGroup{"epipolar", &Self::epipolar},
         OptionField{"seed", &Self::seed, AnyValue(), "",

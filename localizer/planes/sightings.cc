@@ -11,8 +11,11 @@
 namespace waystone {
 namespace {
 
-constexpr int kNearKeyframes = 4;  // steps in a stretch
-constexpr int kNextKeyframes = 2;  // steps in a sequence, whatever the stretch
+// In a stretch, steps between keyframes that show one surrounding: each still shares
+// min_matches_before_last features with the one two steps before, and so with a third view between
+// them. Where a stretch ends nothing is shared by construction, but the camera has hardly moved.
+constexpr int kNearKeyframes = 4;
+constexpr int kNextKeyframes = 2;
 
 KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified, const Place& place) {
   const auto share_of = [&](int all) {

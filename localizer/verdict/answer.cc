@@ -77,8 +77,6 @@ const char* NameOf(Stage stage) {
       return "extract";
     case Stage::kShortlist:
       return "shortlist";
-    case Stage::kVerify:
-      return "verify";
     case Stage::kDecide:
       return "decide";
   }

@@ -48,8 +48,8 @@ enum class DecidedBy {
 const char* NameOf(DecidedBy gate);
 
 // The stages of a query, in their order.
-enum class Stage { kQueue, kDecode, kExtract, kShortlist, kVerify, kDecide };
-// "queue", "decode", "extract", "shortlist", "verify", "decide".
+enum class Stage { kQueue, kDecode, kExtract, kShortlist, kDecide };
+// "queue", "decode", "extract", "shortlist", "decide".
 const char* NameOf(Stage stage);
 
 // A keyframe as an answer names it.

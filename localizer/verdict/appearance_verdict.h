@@ -59,17 +59,16 @@ struct AppearanceFitOptions {
     using Self = AppearanceFitOptions;
     return std::tuple{
         OptionField{"intercept_sigma", &Self::intercept_sigma, Closed(0.01, 100), "",
-                    "Standard deviation of the intercept around the default's. Larger trusts few "
-                    "samples more."},
+                    "Prior standard deviation of the intercept around the default's. Higher trusts "
+                    "few samples more."},
         OptionField{"weight_sigma", &Self::weight_sigma, Closed(0.01, 100), "",
-                    "The same of each term's weight."},
+                    "Prior standard deviation of each term's weight."},
         OptionField{"wrong_weight", &Self::wrong_weight, Closed(0.1, 100), "",
-                    "What a wrong sample counts, besides that both classes weigh the same: a wrong "
-                    "place that is believed costs a robot more than a right one that isn't. More "
-                    "refuses more."},
+                    "Weight of the wrong samples relative to the right ones: a wrong answer costs "
+                    "a robot more than a refused one. Higher refuses more."},
         OptionField{"min_samples", &Self::min_samples, Closed(1, 10'000), "",
-                    "With fewer right or fewer wrong samples than this the default model holds. "
-                    "Fewer adapt to smaller maps, and to chance."}};
+                    "With fewer right or fewer wrong samples than this the default model is used. "
+                    "Lower adapts to smaller maps, and to chance."}};
   }
   void Check() const { CheckFields("appearance_verdict", *this); }  // throws MapError(kBadOptions)
 };

@@ -20,27 +20,26 @@ struct GateOptions {
   static constexpr auto Fields() {
     return std::tuple{
         OptionField{"min_inliers", &GateOptions::min_inliers, AtLeast(5), "",
-                    "Distinct places in the image whose matches support a plane's homography. "
-                    "Higher refuses more true planes, lower lets chance through."},
+                    "Distinct image positions whose matches must support a plane's homography. "
+                    "Higher refuses more true planes; lower accepts more by chance."},
         OptionField{"min_probability", &GateOptions::min_probability, Open(0, 1), "",
-                    "Probability that a place is right, by the map's model, from which on the "
-                    "answer is localized. Higher refuses more."},
+                    "Smallest probability, by the map's model, of a localized answer. Higher "
+                    "refuses more."},
         OptionField{"min_inlier_share", &GateOptions::min_inlier_share, Closed(0, 1), "",
                     "Share of the plane's matches that must support its homography. Higher refuses "
                     "more true planes."},
         OptionField{"distinct_px", &GateOptions::distinct_px, AtLeast(0), "px",
-                    "Inliers closer together than this count once: one corner gives several "
-                    "features."},
+                    "Inliers closer together than this count as one, since one corner gives "
+                    "several features."},
         OptionField{"max_scale", &GateOptions::max_scale, Above(1), "",
-                    "Largest factor by which a homography may enlarge or shrink between query and "
-                    "reference, relative to the sizes of both images. A larger one is a fit "
-                    "through noise."},
+                    "Largest factor by which a homography may enlarge or shrink the query, "
+                    "relative to the sizes of both images. Larger factors are fits to noise."},
         OptionField{"ambiguous_share", &GateOptions::ambiguous_share, OpenLow(0, 1), "",
-                    "A second place with this share of the first one's inliers makes the answer "
-                    "ambiguous. Lower calls more answers ambiguous."},
+                    "An answer is ambiguous if a second place has at least this share of the first "
+                    "one's inliers. Lower calls more answers ambiguous."},
         OptionField{"min_rival_probability", &GateOptions::min_rival_probability, Closed(0, 1), "",
-                    "A second place that is known by a keyframe alone must have this probability "
-                    "as well: an epipolar geometry fits some matches of any two images.",
+                    "Smallest probability of a second place known only by a keyframe, since an "
+                    "epipolar geometry fits some matches of any two images.",
                     OptionUse::kInternal}};
   }
   void Check() const { CheckFields("gates", *this); }  // throws MapError(kBadOptions)

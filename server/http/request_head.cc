@@ -6,20 +6,16 @@
 #include <algorithm>
 #include <charconv>
 
+#include "core/base/text.h"
+
 namespace waystone {
 namespace {
 
 constexpr std::string_view kLineEnd = "\r\n";
+constexpr std::string_view kSpace = " \t";  // OWS of RFC 9110
 
 bool EqualsIgnoringCase(std::string_view a, std::string_view b) {
   return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
-}
-
-std::string_view Trimmed(std::string_view text) {
-  const auto is_space = [](char c) { return c == ' ' || c == '\t'; };
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
-  return text;
 }
 
 // Digits alone, and few enough for no overflow.
@@ -53,10 +49,10 @@ class HeadParser {
   void Header(std::string_view line) {
     const size_t colon = line.find(':');
     const std::string_view name = line.substr(0, colon);
-    if (colon == std::string_view::npos || name.empty() || name != Trimmed(name)) {
+    if (colon == std::string_view::npos || name.empty() || name != Trimmed(name, kSpace)) {
       return Refuse(ErrorCode::kBadRequest, "malformed header in the HTTP request");
     }
-    const std::string_view value = Trimmed(line.substr(colon + 1));
+    const std::string_view value = Trimmed(line.substr(colon + 1), kSpace);
     if (EqualsIgnoringCase(name, "Content-Length")) return ContentLength(value);
     if (EqualsIgnoringCase(name, "Transfer-Encoding")) return TransferEncoding(value);
     if (EqualsIgnoringCase(name, "Expect")) return Expect(value);

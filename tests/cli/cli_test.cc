@@ -289,7 +289,10 @@ TEST_F(TrajectoryTest, ReadsTum) {
 TEST_F(TrajectoryTest, SaysWhichLineIsWrong) {
   EXPECT_NE(Refusal(".csv", "a,b\n1,2\n").find("x and y"), std::string::npos);
   EXPECT_NE(Refusal(".csv", "x,y,time_s\n1,2,5\n1,2,5\n").find("line 3"), std::string::npos);
-  EXPECT_NE(Refusal(".txt", "1 2 3\n").find("line 1: expected eight numbers"), std::string::npos);
+  for (const char* line : {"1 2 3", "1 2 3 4 0 0 0 1 9", "1 2 3 4 0 0 0 nan", "1 2 3 4 0 0 0 1m"}) {
+    EXPECT_NE(Refusal(".txt", line).find("line 1: expected eight numbers"), std::string::npos)
+        << line;
+  }
   EXPECT_THROW(ReadTrajectory("no such file.txt"), MapError);
 }
 

@@ -44,6 +44,15 @@ TEST(ApplySettings, NamesTheNearestOption) {
   EXPECT_NE(ErrorOfSetting("image_width=wide").find("image_width is 'wide'"), std::string::npos);
 }
 
+TEST(ApplySettings, SetsNamesAndLists) {
+  BuildOptions options;
+  ApplySettings({"features.type=orb", "appearance_calibration.blank_spacings=0,5"}, options);
+  EXPECT_EQ(options.features.type, FeatureType::kOrb);
+  EXPECT_EQ(options.appearance_calibration.blank_spacings, (std::vector<double>{0, 5}));
+  EXPECT_EQ(ErrorOfSetting("features.type=surf"),
+            "features.type is 'surf'; it must be sift, orb or akaze");
+}
+
 TEST(ApplySettings, LeavesRangesToTheCheck) {
   BuildOptions options;
   ApplySettings({"image_width=3"}, options);

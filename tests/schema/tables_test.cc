@@ -20,6 +20,7 @@
 #include "schema/layers/orientation/orientation_layer.h"
 #include "schema/layers/planes/plane_tables.h"
 #include "schema/map_data.h"
+#include "schema/sequence_kinds.h"
 #include "schema/tables/row.h"
 #include "schema/tables/table_writer.h"
 

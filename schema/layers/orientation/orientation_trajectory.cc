@@ -18,7 +18,7 @@ struct Straight {
   const OrientationTurn* turn = nullptr;  // nothing at the beginning of a sequence
 };
 
-std::vector<Straight> StraightsOf(const OrientationLayer& layer) {
+std::vector<Straight> FindStraights(const OrientationLayer& layer) {
   std::unordered_map<OrientationFrameId, const OrientationTurn*> turn_at;
   for (const OrientationTurn& turn : layer.turns) {
     if (turn.confirmed) turn_at[turn.frame] = &turn;
@@ -79,7 +79,7 @@ std::optional<double> HeadingOf(const BuildingRotation& rotation) {
 
 std::vector<Eigen::Vector2d> ComputeTrajectory(const OrientationLayer& layer) {
   std::vector<Eigen::Vector2d> trajectory;
-  const std::vector<Straight> straights = StraightsOf(layer);
+  const std::vector<Straight> straights = FindStraights(layer);
   Eigen::Vector2d step(1, 0);
   for (size_t s = 0; s < straights.size(); ++s) {
     const Straight* next = s + 1 < straights.size() ? &straights[s + 1] : nullptr;

@@ -48,12 +48,22 @@ MapData WalkMap() {
   return walk;
 }
 
+// The nodes themselves as queries: their own signatures and features.
+std::vector<AppearanceCalibrationQuery> QueriesOfNodes(const MapIndex& index) {
+  std::vector<AppearanceCalibrationQuery> queries;
+  for (const AppearanceNode& node : index.map().appearance->nodes) {
+    PanoramaQuery query{node.signature,
+                        ToBearingFeatures(node.features, index.map().info.feature_type)};
+    queries.push_back({std::move(query), node.pose, static_cast<int>(queries.size())});
+  }
+  return queries;
+}
+
 AppearanceVerdict Calibrated(MapData map) {
   const auto index = MapIndex::Build(std::move(map));
   AppearanceCalibrationOptions options;
   options.blank_spacings = {0, 4};
-  const auto queries = QueriesOfNodes(*index, kNodes, options.query);
-  return CalibrateAppearance(*index, queries, {}, true, options);
+  return CalibrateAppearance(*index, QueriesOfNodes(*index), {}, true, options);
 }
 
 TEST(AppearanceCalibration, LearnsWhereThePosesAreTrue) {

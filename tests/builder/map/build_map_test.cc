@@ -13,6 +13,7 @@
 #include "localizer/localizer.h"
 #include "schema/file/map_store.h"
 #include "tests/builder/map/stage.h"
+#include "tests/builder/planes/every_pair.h"
 #include "world/truth.h"
 
 namespace waystone {
@@ -170,8 +171,8 @@ TEST(FusePlanes, ProposalsFindWhatTheExhaustiveSearchFinds) {
   const PlaneLayerOptions options;
   const FusionResult proposed =
       FusePlanes(planes, map.edges, map.keyframes, FeatureType::kSift, options);
-  const FusionResult exhaustive =
-      FusePlanes(planes, map.edges, map.keyframes, FeatureType::kSift, options, true);
+  const FusionResult exhaustive = FusePairs(
+      planes, map.edges, map.keyframes, EveryPair(planes, map.edges), FeatureType::kSift, options);
   EXPECT_GE(proposed.fused, static_cast<int>(count));
   EXPECT_EQ(proposed.fused, exhaustive.fused);
   EXPECT_EQ(proposed.planes.size(), exhaustive.planes.size());

@@ -6,6 +6,7 @@
 
 #include "localizer/localizer.h"
 #include "tests/builder/map/stage.h"
+#include "tests/builder/sources/frames_of_images.h"
 
 namespace waystone {
 namespace {

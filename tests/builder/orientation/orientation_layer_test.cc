@@ -11,6 +11,7 @@
 #include "builder/sources/memory_source.h"
 #include "core/base/error.h"
 #include "schema/file/map_problems.h"
+#include "tests/builder/sources/frames_of_images.h"
 #include "world/render.h"
 #include "world/rig.h"
 #include "world/walk.h"

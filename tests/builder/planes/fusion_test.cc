@@ -6,11 +6,13 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <set>
 
 #include "builder/planes/plane_features.h"
 #include "core/base/error.h"
 #include "core/homography/homography.h"
+#include "tests/builder/planes/every_pair.h"
 #include "tests/builder/planes/made_scene.h"
 
 namespace waystone {
@@ -131,10 +133,14 @@ struct SeenAgain {
   }
 };
 
+std::optional<FusionMatch> Matched(const Plane& m, const Plane& n) {
+  return MatchPlanes(m, PackedRows(kType, m.descriptors), n, {});
+}
+
 TEST(MatchPlanes, FindsTheHomographyBetweenTwoLooks) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     const SeenAgain scene(seed);
-    const auto match = MatchPlanes(scene.planes[0], scene.planes[2], kType, {});
+    const auto match = Matched(scene.planes[0], scene.planes[2]);
     ASSERT_TRUE(match) << "seed " << seed;
     EXPECT_GE(match->inliers.size(), 90u);
     const Matrix3d truth = scene.h.inverse();
@@ -149,7 +155,7 @@ TEST(MatchPlanes, FindsTheHomographyBetweenTwoLooks) {
 
 TEST(MatchPlanes, NothingForDifferentPlanes) {
   const SeenAgain scene(1);
-  EXPECT_FALSE(MatchPlanes(scene.planes[0], scene.planes[1], kType, {}));
+  EXPECT_FALSE(Matched(scene.planes[0], scene.planes[1]));
 }
 
 TEST(FusePlanes, APlaneSeenAgainIsFused) {
@@ -392,7 +398,8 @@ TEST(FusePlanes, FindsWhatTryingEveryPairFinds) {
     const RandomMap map = MakeRandomMap(seed);
     const auto keyframes = Keyframes(64);
     const FusionResult fast = FusePlanes(map.planes, map.edges, keyframes, kType, {});
-    const FusionResult slow = FusePlanes(map.planes, map.edges, keyframes, kType, {}, true);
+    const FusionResult slow =
+        FusePairs(map.planes, map.edges, keyframes, EveryPair(map.planes, map.edges), kType, {});
     EXPECT_EQ(fast.fused, static_cast<int>(map.same.size()));
     EXPECT_EQ(fast.fused, slow.fused);
     EXPECT_EQ(fast.planes, slow.planes);

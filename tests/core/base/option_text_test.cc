@@ -27,6 +27,12 @@ TEST(OptionText, IsWhatParsesBack) {
   EXPECT_EQ(ToOptionText(std::vector<double>{0, 2, 2.5}), "0,2,2.5");
 }
 
+TEST(EditDistance, CountsLetters) {
+  EXPECT_EQ(EditDistance("", "abc"), 3U);
+  EXPECT_EQ(EditDistance("kitten", "sitting"), 3U);
+  EXPECT_EQ(EditDistance("serve", "serve"), 0U);
+}
+
 TEST(NearestName, IsTheOneThatWasMeant) {
   const std::vector<std::string> names{"features.max_features", "planes.fusion.min_votes",
                                        "planes.min_features", "planes.match.max_ratio"};

@@ -61,6 +61,16 @@ TEST(Options, NumbersOutOfRangeAreNamedWithTheirRange) {
   EXPECT_NE(ErrorOf({.inner = {.ratio = std::numeric_limits<double>::quiet_NaN()}}), "");
 }
 
+TEST(Options, TakeTextAndLists) {
+  std::string text;
+  ParseOptionValue("o.text", "a=b, c", &text);
+  EXPECT_EQ(text, "a=b, c");
+  std::vector<double> numbers = {7};
+  ParseOptionValue("o.numbers", "0,2.5,-3", &numbers);
+  EXPECT_EQ(numbers, (std::vector<double>{0, 2.5, -3}));
+  EXPECT_THROW(ParseOptionValue("o.numbers", "1,,2", &numbers), MapError);
+}
+
 TEST(Options, AreSetByName) {
   Outer options;
   EXPECT_TRUE(SetField("", options, "inner.ratio", "0.25"));

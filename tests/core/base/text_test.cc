@@ -30,5 +30,27 @@ TEST(Printable, ShowsControlCharactersOnOneLine) {
   EXPECT_EQ(Printable("Gar\u00e7on \u4f4d"), "Gar\u00e7on \u4f4d");
 }
 
+TEST(Trimmed, TakesTheEndsAlone) {
+  EXPECT_EQ(Trimmed(" \ta b\r\n"), "a b");
+  EXPECT_EQ(Trimmed("a\r", " \t"), "a\r");
+  EXPECT_EQ(Trimmed(" \t "), "");
+}
+
+TEST(Words, ArePartedByAnyOfTheSeparators) {
+  EXPECT_EQ(Words(" 1  b\t"), (std::vector<std::string>{"1", "b"}));
+  EXPECT_EQ(Words("1, 2", ", "), (std::vector<std::string>{"1", "2"}));
+  EXPECT_TRUE(Words("").empty());
+}
+
+TEST(ToNumber, IsAllOfTheWord) {
+  EXPECT_EQ(ToNumber("-1.5e3"), -1500);
+  EXPECT_EQ(ToNumber("+2"), 2);
+  for (const char* word : {"", "+", "+-2", "1,5", "2 ", "0x1p2m", "two"}) {
+    EXPECT_EQ(ToNumber(word), std::nullopt) << word;
+  }
+  EXPECT_EQ(ToInteger("12"), 12);
+  EXPECT_EQ(ToInteger("1.5"), std::nullopt);
+}
+
 }  // namespace
 }  // namespace waystone

