@@ -86,7 +86,7 @@ std::vector<uint8_t> PhotoAfter(const World& world, const Walk& walk, size_t at)
   return jpeg;
 }
 
-std::vector<uint8_t> Photo(const World& world, const Walk& walk) {
+std::vector<uint8_t> RenderPhoto(const World& world, const Walk& walk) {
   return PhotoAfter(world, walk,
                     static_cast<size_t>(kPhotoAt * static_cast<double>(walk.frames.size())));
 }
@@ -158,8 +158,8 @@ void WriteDemoQueries(const std::filesystem::path& dir) {
 }
 
 DemoPhotos WriteDemoPhotos(const std::filesystem::path& dir) {
-  const std::vector<uint8_t> right = Photo(DemoWorld(), ShortWalk(DemoPlan()));
-  const std::vector<uint8_t> elsewhere = Photo(OtherWorld(), ShortWalk(OtherPlan()));
+  const std::vector<uint8_t> right = RenderPhoto(DemoWorld(), ShortWalk(DemoPlan()));
+  const std::vector<uint8_t> elsewhere = RenderPhoto(OtherWorld(), ShortWalk(OtherPlan()));
   std::vector<uint8_t> broken = right;
   broken.resize(broken.size() / 3);
   return {Save(dir / "right.jpg", right), Save(dir / "elsewhere.jpg", elsewhere),

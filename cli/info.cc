@@ -9,6 +9,7 @@
 #include "cli/build_text.h"
 #include "cli/commands.h"
 #include "cli/map_file.h"
+#include "core/base/text.h"
 #include "schema/file/map_store.h"
 
 namespace waystone {
@@ -34,10 +35,10 @@ void PrintInfo(const OpenMap& map, const std::vector<TableSize>& sizes, uint64_t
   const MapData& data = map.index->map();
   std::cout << map.name << ": " << CountsText(data) << ", " << BytesText(bytes) << '\n'
             << "  version   " << data.info.version << '\n'
-            << "  built by  " << data.info.program << " with " << NameOf(data.info.feature_type)
-            << " features\n";
+            << "  built by  " << Printable(data.info.program) << " with "
+            << NameOf(data.info.feature_type) << " features\n";
   for (const Sequence& sequence : data.sequences) {
-    std::cout << "  sequence  " << sequence.name << " (" << sequence.kind
+    std::cout << "  sequence  " << Printable(sequence.name) << " (" << Printable(sequence.kind)
               << "): " << sequence.frames << " frames, " << sequence.skipped
               << " of them skipped\n";
   }

@@ -3,6 +3,8 @@
 
 #include <iostream>
 
+#include "core/base/text.h"
+
 namespace waystone {
 namespace {
 
@@ -12,21 +14,16 @@ bool IsControl(unsigned char byte) {
   return (byte < 0x20 && byte != '\n' && byte != '\t') || byte == 0x7F;
 }
 
-std::string Escaped(unsigned char byte) {
-  constexpr const char* kDigits = "0123456789abcdef";
-  return {'\\', 'u', '0', '0', kDigits[byte >> 4], kDigits[byte & 15]};
-}
-
 }  // namespace
 
 std::string PrintableBuffer::Printable(unsigned char byte) {
   const bool after_lead = lead_;
   lead_ = byte == kC1Lead;
   std::string text;
-  if (after_lead && byte >= 0x80 && byte < 0xA0) return Escaped(byte);
+  if (after_lead && byte >= 0x80 && byte < 0xA0) return EscapeControl(byte);
   if (after_lead) text += static_cast<char>(kC1Lead);
   if (lead_) return text;
-  return text + (IsControl(byte) ? Escaped(byte) : std::string(1, static_cast<char>(byte)));
+  return text + (IsControl(byte) ? EscapeControl(byte) : std::string(1, static_cast<char>(byte)));
 }
 
 bool PrintableBuffer::Write(const std::string& text) {

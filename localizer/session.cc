@@ -160,13 +160,13 @@ bool Session::HasPhotos() const {
 
 RequestAnswer Session::Ask() const {
   if (AsksOnePanoramaMap() && !HasPhotos()) {
-    auto previous = TakeBelief(request_.previous, maps_.front().index->map());
-    if (previous || request_.images.size() > 1) return AskSeries(std::move(previous));
+    const auto previous = TakeBelief(request_.previous, maps_.front().index->map());
+    if (previous || request_.images.size() > 1) return AskSeries(previous);
   }
   return AskEach();
 }
 
-RequestAnswer Session::AskSeries(std::optional<FilterState> previous) const {
+RequestAnswer Session::AskSeries(const std::optional<FilterState>& previous) const {
   RequestAnswer result;
   result.series = true;
   result.used_previous = previous.has_value();

@@ -84,7 +84,7 @@ class Session {
   bool AsksOnePanoramaMap() const;
   bool HasPhotos() const;  // of one panorama map
   std::vector<Answer> AskMaps(const QueryImage& image) const;
-  RequestAnswer AskSeries(std::optional<FilterState> previous) const;
+  RequestAnswer AskSeries(const std::optional<FilterState>& previous) const;
   RequestAnswer AskEach() const;
 
   QueryRequest request_;

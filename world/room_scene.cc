@@ -15,7 +15,7 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kTooNear_m = 1e-4;       // where a mirrored ray starts on
 constexpr double kAmbientPerPower = 2.4;  // m^2: white rooms pass light on many times
 constexpr double kDarkness = 0.015;       // light that comes from anywhere
-constexpr double kLampSize_m2 = 0.15;     // keeps the light near a lamp finite
+constexpr double kLampArea = 0.15;        // m2: keeps the light near a lamp finite
 
 // Of a box's frame: its yaw taken away.
 Eigen::Vector3d IntoBox(const SceneBox& box, const Eigen::Vector3d& v) {
@@ -224,7 +224,7 @@ double SceneView::LightAt(const Eigen::Vector3d& point, const Eigen::Vector3d& n
     const double distance = std::sqrt(squared);
     double cosine = std::max(0.0, normal.dot(towards) / distance);
     if (light.is_window) cosine *= std::max(0.0, -light.facing.dot(towards) / distance);
-    sum += lighting_[i] * light.power * cosine / (squared + kLampSize_m2);
+    sum += lighting_[i] * light.power * cosine / (squared + kLampArea);
   }
   return sum;
 }

@@ -18,13 +18,13 @@ constexpr int kBetween_px = 34;
 constexpr int kHead_px = 34;
 constexpr int kPanelsInARow = 2;
 
-struct Range {
+struct ValueRange {
   double low = std::numeric_limits<double>::max();
   double high = 0;
 };
 
-Range RangeOf(const HeatMap& map) {
-  Range range;
+ValueRange FindValueRange(const HeatMap& map) {
+  ValueRange range;
   for (const HeatPanel& panel : map.panels) {
     for (const auto& row : panel.values) {
       for (const double value : row) {
@@ -37,7 +37,7 @@ Range RangeOf(const HeatMap& map) {
 }
 
 // White for the least, blue for the most.
-std::string Colour(double value, const Range& range) {
+std::string Colour(double value, const ValueRange& range) {
   const double span = std::log(range.high / range.low);
   const double share = span > 0 ? std::log(value / range.low) / span : 0;
   const auto mix = [&](double from, double to) {
@@ -52,8 +52,8 @@ void Text(std::ostream& svg, double x, double y, const std::string& text,
       << "</text>\n";
 }
 
-void DrawPanel(std::ostream& svg, const HeatMap& map, const HeatPanel& panel, const Range& range,
-               double left, double top) {
+void DrawPanel(std::ostream& svg, const HeatMap& map, const HeatPanel& panel,
+               const ValueRange& range, double left, double top) {
   Text(svg, left + kLeft_px, top + 14, panel.title, "start");
   Text(svg, left + kLeft_px - 6, top + kTop_px - 6, map.row_label + " \\ " + map.column_label,
        "end");
@@ -87,7 +87,7 @@ std::string HeatMapSvg(const HeatMap& map) {
   const auto wide = static_cast<double>(columns * kCell_px + kLeft_px + kBetween_px);
   const auto high = static_cast<double>(rows * kCellHeight_px + kTop_px + kBetween_px);
   const size_t lines = (map.panels.size() + kPanelsInARow - 1) / kPanelsInARow;
-  const Range range = RangeOf(map);
+  const ValueRange range = FindValueRange(map);
   std::ostringstream svg;
   svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << kPanelsInARow * wide
       << "\" height=\"" << kHead_px + static_cast<double>(lines) * high

@@ -40,7 +40,7 @@ void Distance(benchmark::State& state, FeatureType type, DistanceKernel kernel) 
   const Descriptors query = RandomDescriptors(type, 1, random);
   const Descriptors block = RandomDescriptors(type, kRows, random);
   std::vector<int32_t> distances(kRows);
-  for (auto iteration : state) {
+  for ([[maybe_unused]] const auto iteration : state) {
     kernel(query.row(0), block.row(0), kRows, block.bytes(), distances.data());
     benchmark::DoNotOptimize(distances.data());
   }
@@ -53,7 +53,8 @@ void MatchImages(benchmark::State& state, FeatureType type) {
   Random random(2);
   const Descriptors a = RandomDescriptors(type, kFeatures, random);
   const Descriptors b = RandomDescriptors(type, kFeatures, random);
-  for (auto iteration : state) benchmark::DoNotOptimize(MatchDescriptors(a, b, type, {}));
+  for ([[maybe_unused]] const auto iteration : state)
+    benchmark::DoNotOptimize(MatchDescriptors(a, b, type, {}));
 }
 
 // Pairs of points on a plane of two images, half a pixel of noise.
@@ -72,13 +73,15 @@ PointPairs PlanePairs(int count) {
 
 void EstimateHomographyLinearly(benchmark::State& state) {
   const PointPairs pairs = PlanePairs(static_cast<int>(state.range(0)));
-  for (auto iteration : state) benchmark::DoNotOptimize(HomographyByDlt(pairs));
+  for ([[maybe_unused]] const auto iteration : state)
+    benchmark::DoNotOptimize(HomographyByDlt(pairs));
 }
 
 void RefineHomographyFromLinear(benchmark::State& state) {
   const PointPairs pairs = PlanePairs(static_cast<int>(state.range(0)));
   const Eigen::Matrix3d initial = HomographyByDlt(pairs).value();
-  for (auto iteration : state) benchmark::DoNotOptimize(RefineHomography(pairs, initial));
+  for ([[maybe_unused]] const auto iteration : state)
+    benchmark::DoNotOptimize(RefineHomography(pairs, initial));
 }
 
 // A panorama in the demo building.
@@ -95,20 +98,21 @@ cv::Mat RenderPanorama(double x_m, double y_m, double yaw_rad) {
 
 void ComputeSignature(benchmark::State& state) {
   const cv::Mat panorama = RenderPanorama(6.5, 10.5, 0);
-  for (auto iteration : state) benchmark::DoNotOptimize(Signature(panorama));
+  for ([[maybe_unused]] const auto iteration : state) benchmark::DoNotOptimize(Signature(panorama));
 }
 
 void Compass(benchmark::State& state) {
   const FourierSignature a = Signature(RenderPanorama(6.5, 10.5, 0));
   const FourierSignature b = Signature(RenderPanorama(6.2, 10.3, std::numbers::pi / 3));
-  for (auto iteration : state) benchmark::DoNotOptimize(RelativeHeading(a, b));
+  for ([[maybe_unused]] const auto iteration : state)
+    benchmark::DoNotOptimize(RelativeHeading(a, b));
 }
 
 void Decode(benchmark::State& state, const char* extension) {
   const cv::Mat panorama = RenderPanorama(6.5, 10.5, 0);
   std::vector<uint8_t> bytes;
   cv::imencode(extension, panorama, bytes);
-  for (auto iteration : state) benchmark::DoNotOptimize(DecodeGrey(bytes));
+  for ([[maybe_unused]] const auto iteration : state) benchmark::DoNotOptimize(DecodeGrey(bytes));
   state.SetBytesProcessed(state.iterations() * static_cast<int64_t>(panorama.total()));
 }
 

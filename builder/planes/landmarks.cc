@@ -43,7 +43,7 @@ class PlanePositions {
 
 // Of the cells into which the image is divided, this many along each side.
 int SpreadCell(const Keypoint& keypoint, const Keyframe& keyframe, int cells) {
-  const auto cell = [](float at, int size) {
+  const auto cell = [cells](float at, int size) {
     return std::clamp(static_cast<int>(cells * at / static_cast<float>(size)), 0, cells - 1);
   };
   return cell(keypoint.y_px, keyframe.height) * cells + cell(keypoint.x_px, keyframe.width);

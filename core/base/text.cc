@@ -32,6 +32,29 @@ std::string EscapeHtml(std::string_view text) {
   return out;
 }
 
+std::string EscapeControl(unsigned char byte) {
+  static constexpr std::string_view kHexDigits = "0123456789abcdef";
+  return {'\\', 'u', '0', '0', kHexDigits[byte >> 4], kHexDigits[byte & 15]};
+}
+
+std::string Printable(std::string_view text) {
+  constexpr unsigned char kC1Lead = 0xC2;  // U+0080 to U+009F are C2 80 to C2 9F
+  std::string out;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+    if (byte == kC1Lead && next >= 0x80 && next < 0xA0) {
+      out += EscapeControl(next);
+      ++i;
+    } else if (byte < 0x20 || byte == 0x7F) {
+      out += EscapeControl(byte);
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
+
 std::string EncodeSegment(std::string_view text) {
   static constexpr std::string_view kHex = "0123456789ABCDEF";
   std::string out;

@@ -32,7 +32,7 @@ std::optional<int> NextStep(const cv::Mat& left, const cv::Point& at, int headin
 }
 
 // Walks from a pixel and takes what it passes off the image.
-EdgeChain Walk(cv::Mat& left, cv::Point at, int heading) {
+EdgeChain FollowEdge(cv::Mat& left, cv::Point at, int heading) {
   EdgeChain chain;
   while (const auto step = NextStep(left, at, heading)) {
     heading = *step;
@@ -50,8 +50,8 @@ EdgeChain ChainThrough(cv::Mat& left, const cv::Point& start) {
     ++first;
   }
   if (first == 8) return {start};
-  const EdgeChain ahead = Walk(left, start, first);
-  const EdgeChain behind = Walk(left, start, (first + 4) % 8);
+  const EdgeChain ahead = FollowEdge(left, start, first);
+  const EdgeChain behind = FollowEdge(left, start, (first + 4) % 8);
   EdgeChain chain(behind.rbegin(), behind.rend());
   chain.push_back(start);
   chain.insert(chain.end(), ahead.begin(), ahead.end());

@@ -12,6 +12,8 @@ namespace {
 
 // A spread below this part of the coordinates' size is rounding.
 constexpr double kRounding = 1e-12;
+// The squares of larger coordinates, and their sums, would not be finite.
+constexpr double kMaxCoordinate = 1e100;
 
 Eigen::Matrix2Xd MatrixOf(const Points2& points) {
   Eigen::Matrix2Xd matrix(2, points.size());
@@ -21,7 +23,7 @@ Eigen::Matrix2Xd MatrixOf(const Points2& points) {
 
 void CheckSpread(const Eigen::Matrix2Xd& points, const Eigen::Vector2d& mean,
                  const std::string& name) {
-  if (!points.allFinite()) {
+  if (!points.allFinite() || points.cwiseAbs().maxCoeff() > kMaxCoordinate) {
     throw MapError(ErrorCode::kBadSource,
                    "a point of the " + name + " is not finite; remove frames without a position");
   }

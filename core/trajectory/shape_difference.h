@@ -29,7 +29,7 @@ struct AlignmentOptions {
 // The alignment with the least sum of squared distances |truth - truth_from_estimate * estimate|,
 // in closed form by the singular values of the covariance (Seber 1984; Umeyama 1991). Throws
 // MapError(kBadSource) for fewer than 3 pairs, different numbers of points, points that aren't
-// finite, or points that all lie at one place.
+// finite (or are beyond 1e100), or points that all lie at one place.
 Similarity2 Align(const Points2& truth, const Points2& estimate,
                   const AlignmentOptions& options = {});
 

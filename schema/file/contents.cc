@@ -4,13 +4,18 @@
 #include <SQLiteCpp/Column.h>
 #include <SQLiteCpp/Exception.h>
 #include <SQLiteCpp/Statement.h>
+#include <sqlite3.h>
 
 #include <algorithm>
 #include <map>
+#include <sstream>
 #include <string>
+#include <string_view>
 
+#include "core/base/text.h"
 #include "schema/file/map_database.h"
 #include "schema/file/map_tables.h"
+#include "schema/file/plain_objects.h"
 #include "schema/tables/blob.h"
 #include "schema/tables/table_writer.h"
 
@@ -19,6 +24,14 @@ namespace {
 
 // Findings of integrity_check that are listed; a torn file has one for every row.
 constexpr int kMaxIntegrityFindings = 1000;
+// What begins its findings on the pages, all of which come in its first row.
+constexpr std::string_view kPageFindings = "*** in database";
+// The page of this byte holds nothing: SQLite locks it (https://www.sqlite.org/fileformat2.html).
+constexpr int64_t kLockByte = 0x40000000;
+// Instructions of SQLite's that checking and reading may take: many times the 3 a byte that maps
+// with the smallest rows take.
+constexpr int64_t kLeastSteps = 10'000'000;
+constexpr int64_t kStepsPerByte = 50;
 
 struct TableContents {
   int64_t rows = 0;
@@ -119,30 +132,50 @@ void FindForeignKeyProblems(SQLite::Database& database, std::vector<MapProblem>&
   SQLite::Statement rows(database, "PRAGMA foreign_key_check");
   while (rows.executeStep()) {
     const SQLite::Column row = rows.getColumn(1);
-    problems.push_back(
-        {rows.getColumn(0).getString(), (row.isNull() ? "a row" : "row " + row.getString()) +
-                                            " refers to a row of " + rows.getColumn(2).getString() +
-                                            " that does not exist"});
+    problems.push_back({Printable(rows.getColumn(0).getString()),
+                        (row.isNull() ? "a row" : "row " + row.getString()) +
+                            " refers to a row of " + Printable(rows.getColumn(2).getString()) +
+                            " that does not exist"});
   }
 }
 
-void FindIntegrityProblems(SQLite::Database& database, std::vector<MapProblem>& problems) {
+void AddLines(const std::string& findings, std::vector<MapProblem>& problems) {
+  std::istringstream lines(findings);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with(kPageFindings)) problems.push_back({"file", Printable(line)});
+  }
+}
+
+// Returns whether the pages can be read. The rest of the check would walk them, too, so it ends
+// with the first row where they can't.
+bool FindIntegrityProblems(SQLite::Database& database, std::vector<MapProblem>& problems) {
   SQLite::Statement rows(database,
                          "PRAGMA integrity_check(" + std::to_string(kMaxIntegrityFindings) + ")");
   while (rows.executeStep()) {
     const std::string finding = rows.getColumn(0).getString();
-    if (finding != "ok") problems.push_back({"file", finding});
+    if (finding == "ok") continue;
+    AddLines(finding, problems);
+    if (finding.starts_with(kPageFindings)) return false;
+  }
+  return true;
+}
+
+// Runs one check; what SQLite can't read is a finding, too. Returns whether it could.
+template <class Check>
+bool Guarded(const std::string& where, std::vector<MapProblem>& problems, const Check& check) {
+  try {
+    check();
+    return true;
+  } catch (const SQLite::Exception& error) {
+    const bool too_long = error.getErrorCode() == SQLITE_INTERRUPT;  // by the count of steps
+    problems.push_back({where, too_long ? "holds more objects or rows than its size accounts for"
+                                        : Printable(error.what())});
+    return false;
   }
 }
 
-// Runs one check; what SQLite can't read is a finding, too.
-template <class Check>
-void Guarded(const std::string& where, std::vector<MapProblem>& problems, const Check& check) {
-  try {
-    check();
-  } catch (const SQLite::Exception& error) {
-    problems.push_back({where, error.what()});
-  }
+bool Contains(const std::vector<SchemaObject>& objects, const SchemaObject& object) {
+  return std::ranges::find(objects, object) != objects.end();
 }
 
 }  // namespace
@@ -159,8 +192,14 @@ std::vector<MapProblem> FindAlteredObjects(SQLite::Database& database,
   Guarded("file", problems, [&] {
     const std::vector<SchemaObject> found = ObjectsOf(database);
     for (const SchemaObject& object : expected) {
-      if (std::find(found.begin(), found.end(), object) != found.end()) continue;
+      if (Contains(found, object)) continue;
       problems.push_back({object.name, "this " + object.type + " is missing or has been modified"});
+    }
+    for (const SchemaObject& object : found) {
+      if (Contains(expected, object) || IsPlainObject(object)) continue;
+      problems.push_back({Printable(object.name), "this " + Printable(object.type) +
+                                                      " is not part of a map; drop it (only plain "
+                                                      "tables and indexes may be added)"});
     }
   });
   return problems;
@@ -187,11 +226,41 @@ std::vector<MapProblem> FindAlteredContents(SQLite::Database& database,
   return problems;
 }
 
-std::vector<MapProblem> FindDatabaseProblems(SQLite::Database& database) {
+bool HasDbstat() { return sqlite3_compileoption_used("ENABLE_DBSTAT_VTAB") != 0; }
+
+// SQLite 3.40's integrity_check leaves them out where a view comes first among the tables.
+std::vector<MapProblem> FindUnusedPages(OpenedMap& map) {
   std::vector<MapProblem> problems;
-  Guarded("file", problems, [&] { FindIntegrityProblems(database, problems); });
-  Guarded("file", problems, [&] { FindForeignKeyProblems(database, problems); });
+  int64_t unused = map.header.free_pages;
+  Guarded("file", problems, [&] {
+    if (!HasDbstat() || unused > 0) return;
+    const int64_t used =
+        map.database.execAndGet("SELECT sum(pgsize) FROM dbstat WHERE aggregate = TRUE").getInt64();
+    const int64_t page_bytes = map.database.execAndGet("PRAGMA page_size").getInt64();
+    unused = (map.header.claimed_bytes - used) / page_bytes;
+    if (map.header.claimed_bytes > kLockByte) --unused;
+  });
+  if (unused > 0) {
+    problems.push_back({"file", "has " + std::to_string(unused) +
+                                    " unused pages; run `sqlite3 FILE VACUUM` on it"});
+  }
   return problems;
+}
+
+FileCheck CheckFile(OpenedMap& map, const std::vector<SchemaObject>& expected) {
+  FileCheck check;
+  if (const auto cut = FindCut(map.header)) check.problems.push_back(*cut);
+  if (!check.problems.empty()) return check;
+  check.problems = FindAlteredObjects(map.database, expected);
+  if (!check.problems.empty()) return check;
+  *map.steps_left = kLeastSteps + kStepsPerByte * map.header.file_bytes;
+  bool sound_pages = false;
+  Guarded("file", check.problems,
+          [&] { sound_pages = FindIntegrityProblems(map.database, check.problems); });
+  if (!sound_pages) return check;
+  check.readable = Guarded("file", check.problems,
+                           [&] { FindForeignKeyProblems(map.database, check.problems); });
+  return check;
 }
 
 }  // namespace waystone

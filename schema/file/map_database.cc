@@ -26,6 +26,24 @@ constexpr std::string_view kMagic("SQLite format 3\0", 16);
 constexpr int kPageBytes = 1024;
 // The format version in the header of a database whose newest rows may lie in another file.
 constexpr unsigned char kWal = 2;
+// Instructions of SQLite's that read a schema: some ten an object, and a map has 50 objects.
+constexpr int64_t kSchemaSteps = 20'000;
+constexpr int kStepsBetweenChecks = 1000;
+
+struct Limit {
+  int id;
+  int value;
+};
+// Several times what the statements of this program and the definitions of a map need.
+constexpr std::array kLimits{
+    Limit{SQLITE_LIMIT_SQL_LENGTH, 20'000},   Limit{SQLITE_LIMIT_COLUMN, 200},
+    Limit{SQLITE_LIMIT_EXPR_DEPTH, 100},      Limit{SQLITE_LIMIT_COMPOUND_SELECT, 10},
+    Limit{SQLITE_LIMIT_VDBE_OP, 250'000},     Limit{SQLITE_LIMIT_FUNCTION_ARG, 10},
+    Limit{SQLITE_LIMIT_ATTACHED, 0},          Limit{SQLITE_LIMIT_LIKE_PATTERN_LENGTH, 100},
+    Limit{SQLITE_LIMIT_VARIABLE_NUMBER, 100}, Limit{SQLITE_LIMIT_TRIGGER_DEPTH, 1},
+    Limit{SQLITE_LIMIT_WORKER_THREADS, 0}};
+// A shorter limit would refuse SQLite's own messages.
+constexpr int64_t kLeastLength = 100'000;
 
 [[noreturn]] void ThrowUnreadable(const fs::path& path, const std::string& cause) {
   throw MapError(ErrorCode::kFileUnreadable,
@@ -96,6 +114,31 @@ void SetUp(SQLite::Database& database) {
       "PRAGMA cell_size_check = ON;");
 }
 
+int CountSteps(void* steps_left) {
+  auto& left = *static_cast<int64_t*>(steps_left);
+  left -= kStepsBetweenChecks;
+  return left < 0 ? 1 : 0;
+}
+
+// Bounds for a file that nobody vouches for. There is no heap limit among them: SQLite has one for
+// the whole process alone, which maps that are opened at the same time would share and run out of.
+// What bounds the heap is that no value is longer than the file, that pages are read through a
+// cache of 2 MB, and that schemas are small.
+void Restrict(OpenedMap& map) {
+  sqlite3* handle = map.database.getHandle();
+  // Neither functions, nor triggers, nor views, nor writes through the schema.
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
+  for (const Limit& limit : kLimits) sqlite3_limit(handle, limit.id, limit.value);
+  const int64_t length = std::clamp<int64_t>(map.header.file_bytes, kLeastLength,
+                                             sqlite3_limit(handle, SQLITE_LIMIT_LENGTH, -1));
+  sqlite3_limit(handle, SQLITE_LIMIT_LENGTH, static_cast<int>(length));
+  *map.steps_left = kSchemaSteps;
+  sqlite3_progress_handler(handle, kStepsBetweenChecks, CountSteps, map.steps_left.get());
+}
+
 MapHeader ReadHeader(const fs::path& path, const File& file) {
   std::array<unsigned char, kHeaderBytes> bytes{};
   const size_t count = file.Read(bytes);
@@ -110,6 +153,7 @@ MapHeader ReadHeader(const fs::path& path, const File& file) {
   header.claimed_bytes =
       static_cast<int64_t>(page_bytes == 1 ? 65536 : page_bytes) * BigEndian(&bytes[28], 4);
   header.file_bytes = file.Status().st_size;
+  header.free_pages = BigEndian(&bytes[36], 4);
   if (count == kHeaderBytes && header.application_id != kApplicationId) {
     ThrowNotAMap(path, "it is an SQLite database of another program (application_id " +
                            std::to_string(header.application_id) + ")");
@@ -142,7 +186,7 @@ OpenedMap OpenReadOnly(const fs::path& path) {
   const struct stat before = file.Status();
   OpenedMap map{ReadHeader(path, file),
                 std::vector<unsigned char>(static_cast<size_t>(before.st_size)),
-                SQLite::Database(":memory:", SQLite::OPEN_READWRITE)};
+                std::make_unique<int64_t>(0), SQLite::Database(":memory:", SQLite::OPEN_READWRITE)};
   if (file.Read(map.bytes) != map.bytes.size() || !SameState(before, file.Status())) {
     ThrowUnreadable(path, "is being written to");
   }
@@ -156,9 +200,8 @@ OpenedMap OpenReadOnly(const fs::path& path) {
                           SQLITE_DESERIALIZE_READONLY) != SQLITE_OK) {
     ThrowUnreadable(path, map.database.getErrorMsg());
   }
-  // A file that was made to harm gets no function and no write through its schema.
-  sqlite3_db_config(map.database.getHandle(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   SetUp(map.database);
+  Restrict(map);
   return map;
 }
 

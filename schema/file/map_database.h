@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -24,6 +25,7 @@ struct MapHeader {
   int32_t schema_version = 0;
   int64_t claimed_bytes = 0;  // page size times pages
   int64_t file_bytes = 0;
+  int64_t free_pages = 0;
 };
 
 // Throws MapError: kFileUnreadable, or kNotAMap for bytes that don't start as SQLite's do or that
@@ -41,12 +43,16 @@ std::optional<MapProblem> FindCut(const MapHeader& header);
 struct OpenedMap {
   MapHeader header;
   std::vector<unsigned char> bytes;  // the whole file; the database reads from them
-  SQLite::Database database;         // read-only
+  // Instructions that SQLite may still run for it. A statement beyond them is interrupted.
+  std::unique_ptr<int64_t> steps_left;
+  SQLite::Database database;  // read-only
 };
 
 // Nothing is locked, written or created, and a folder or medium that can't be written to is fine.
-// Throws MapError as ReadMapHeader does, and kFileUnreadable for a file that is written to while it
-// is read.
+// SQLite runs within bounds that a map never reaches: no value is longer than the file, a schema
+// has some thousand objects at most, and statements end. For more than the schema CheckFile must
+// have found the map readable. Throws MapError as ReadMapHeader does, kMapDamaged for a write-ahead
+// log, and kFileUnreadable for a file that is written to while it is read.
 OpenedMap OpenReadOnly(const std::filesystem::path& path);
 
 // Opens an empty file, or a copy of a map, that nobody else knows of, for writing in one go: no
@@ -61,9 +67,9 @@ std::string DescribeError(SQLite::Database& database, const SQLite::Exception& e
 void ApplyMigrations(SQLite::Database& database, std::span<const Migration> steps,
                      int from_version);
 
-// A table or view by its definition.
+// An object of a schema by its definition.
 struct SchemaObject {
-  std::string type;  // "table", "view"
+  std::string type;  // "table", "view", "index", "trigger"
   std::string name;
   std::string sql;
 
@@ -73,7 +79,8 @@ struct SchemaObject {
 // What a map made by `steps` consists of.
 std::vector<SchemaObject> ExpectedObjects(std::span<const Migration> steps);
 
-// Tables and views of `expected` that are missing or defined otherwise. Others may be there.
+// Tables and views of `expected` that are missing or defined otherwise, and others that aren't
+// plain (schema/file/plain_objects.h). Reads definitions alone and evaluates none. Doesn't throw.
 std::vector<MapProblem> FindAlteredObjects(SQLite::Database& database,
                                            const std::vector<SchemaObject>& expected);
 
@@ -85,7 +92,23 @@ void WriteContents(SQLite::Database& database, const std::vector<SchemaObject>& 
 std::vector<MapProblem> FindAlteredContents(SQLite::Database& database,
                                             const std::vector<SchemaObject>& objects);
 
-// What SQLite's integrity_check and foreign_key_check find. Doesn't throw.
-std::vector<MapProblem> FindDatabaseProblems(SQLite::Database& database);
+// What is wrong with a map's file and schema, and whether its rows can be read at all.
+struct FileCheck {
+  std::vector<MapProblem> problems;
+  bool readable = false;
+};
+
+// What must hold whatever the rows mean, each step only after the one before: the length that the
+// header says, the objects of `expected`, pages that belong to one tree or chain each (or rows
+// could repeat without end), and what else integrity_check and foreign_key_check find. Doesn't
+// throw.
+FileCheck CheckFile(OpenedMap& map, const std::vector<SchemaObject>& expected);
+
+// A problem for pages that belong to no table: what a map doesn't say must not be in its hash. For
+// a map that CheckFile found readable. Doesn't throw.
+std::vector<MapProblem> FindUnusedPages(OpenedMap& map);
+
+// Whether SQLite can say what its pages are used for.
+bool HasDbstat();
 
 }  // namespace waystone

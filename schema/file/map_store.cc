@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/text.h"
 #include "schema/file/file_replacer.h"
 #include "schema/file/map_database.h"
 #include "schema/file/map_problems.h"
@@ -38,19 +39,19 @@ void Append(std::vector<MapProblem>& to, std::vector<MapProblem> from) {
 
 // Reads a file that may be damaged and says everything that is wrong with it: the one way in, for
 // reading and checking alike. Throws MapError when it can't be opened as a map of this version.
-Reading Inspect(const fs::path& path, const ReadOptions& options, bool integrity) {
-  auto [header, bytes, database] = OpenReadOnly(path);
-  CheckVersion(path, header.schema_version, kSchemaVersion);
-  std::vector<MapProblem> problems;
-  if (const auto cut = FindCut(header)) problems.push_back(*cut);
-  Append(problems, FindAlteredObjects(database, CurrentObjects()));
-  if (integrity) Append(problems, FindDatabaseProblems(database));
-  Reading reading = ReadDatabase(database, options);
+Reading Inspect(const fs::path& path, const ReadOptions& options) {
+  OpenedMap opened = OpenReadOnly(path);
+  CheckVersion(path, opened.header.schema_version, kSchemaVersion);
+  auto [problems, readable] = CheckFile(opened, CurrentObjects());
+  WS_CHECK(readable || !problems.empty(), "an unreadable map without a problem");
+  if (!readable) return {{}, std::move(problems)};
+  Append(problems, FindUnusedPages(opened));
+  Reading reading = ReadDatabase(opened.database, options);
   Append(problems, std::move(reading.problems));
-  Append(problems, FindAlteredContents(database, CurrentObjects()));
+  Append(problems, FindAlteredContents(opened.database, CurrentObjects()));
   Append(problems, FindMapProblems(reading.map));
   reading.problems = std::move(problems);
-  if (reading.problems.empty()) reading.map.info.version = Sha256(bytes);
+  if (reading.problems.empty()) reading.map.info.version = Sha256(opened.bytes);
   return reading;
 }
 
@@ -76,7 +77,7 @@ bool SameMap(const MapData& a, const MapData& b) {
 }
 
 void VerifyWritten(const MapData& map, const fs::path& written, const fs::path& target) {
-  const Reading reading = Inspect(written, {}, true);
+  const Reading reading = Inspect(written, {});
   if (reading.problems.empty() && SameMap(map, reading.map)) return;
   throw MapError(ErrorCode::kMapDamaged,
                  target.string() + ": the written file reads back " +
@@ -106,8 +107,7 @@ int64_t BytesOfColumns(SQLite::Database& database, const std::string& table) {
 }
 
 std::vector<TableSize> SizesOf(SQLite::Database& database) {
-  const bool dbstat =
-      database.execAndGet("SELECT sqlite_compileoption_used('ENABLE_DBSTAT_VTAB')").getInt() != 0;
+  const bool dbstat = HasDbstat();
   std::map<std::string, int64_t> bytes;
   if (dbstat) bytes = BytesByTable(database);
   std::vector<TableSize> sizes;
@@ -164,20 +164,22 @@ void WriteMap(const MapData& map, const fs::path& path, const WriteOptions& opti
 }
 
 MapData ReadMap(const fs::path& path, const ReadOptions& options) {
-  Reading reading = Inspect(path, options, false);
+  Reading reading = Inspect(path, options);
   if (!reading.problems.empty()) ThrowDamaged(path, reading.problems);
   return std::move(reading.map);
 }
 
-std::vector<MapProblem> CheckMap(const fs::path& path) { return Inspect(path, {}, true).problems; }
+std::vector<MapProblem> CheckMap(const fs::path& path) { return Inspect(path, {}).problems; }
 
 std::vector<TableSize> TableSizes(const fs::path& path) {
   OpenedMap map = OpenReadOnly(path);
   CheckVersion(path, map.header.schema_version, kSchemaVersion);
+  const FileCheck check = CheckFile(map, CurrentObjects());
+  if (!check.readable) ThrowDamaged(path, check.problems);
   try {
     return SizesOf(map.database);
   } catch (const SQLite::Exception& error) {
-    ThrowDamaged(path, {{"file", error.what()}});
+    ThrowDamaged(path, {{"file", Printable(error.what())}});
   }
 }
 

@@ -19,13 +19,10 @@ namespace fs = std::filesystem;
 
 // What was damaged before must not come out of a migration looking sound.
 void CheckBefore(const fs::path& path, std::span<const Migration> steps) {
-  auto [header, bytes, database] = OpenReadOnly(path);
-  std::vector<MapProblem> problems = FindDatabaseProblems(database);
-  if (const auto cut = FindCut(header)) problems.insert(problems.begin(), *cut);
-  if (problems.empty()) {
-    const auto objects = ExpectedObjects(steps.first(header.schema_version));
-    problems = FindAlteredContents(database, objects);
-  }
+  OpenedMap opened = OpenReadOnly(path);
+  const auto objects = ExpectedObjects(steps.first(opened.header.schema_version));
+  std::vector<MapProblem> problems = CheckFile(opened, objects).problems;
+  if (problems.empty()) problems = FindAlteredContents(opened.database, objects);
   if (problems.empty()) return;
   throw MapError(ErrorCode::kMapDamaged, path.string() + ": " + problems[0].where + ": " +
                                              problems[0].message +

@@ -31,9 +31,9 @@ void CheckIds(const std::string& table, const std::vector<Item>& items,
   }
 }
 
+// Their order is CheckIds' business.
 inline bool HasSequence(const MapData& map, SequenceId id) {
-  return std::any_of(map.sequences.begin(), map.sequences.end(),
-                     [&](const Sequence& sequence) { return sequence.id == id; });
+  return std::ranges::binary_search(map.sequences, id, {}, &Sequence::id);
 }
 
 }  // namespace waystone

@@ -196,7 +196,7 @@ class PanoramaEval : public PanoramaMap {
   fs::path WritePoses(const std::string& format) const {
     std::string text = format == "csv" ? "image,x,y,z,qx,qy,qz,qw\n" : "";
     for (int i = 0; i < kPanoramas; ++i) text += Line(format, i) + "\n";
-    const fs::path path = folder_ / ("poses." + (format == "csv" ? format : "txt"));
+    fs::path path = folder_ / ("poses." + (format == "csv" ? format : "txt"));
     WriteFile(path, text);
     return path;
   }

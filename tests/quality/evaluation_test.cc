@@ -27,8 +27,8 @@ class EvaluationTest : public testing::Test {
     }
     return query;
   }
-  static ScoredQuery Localized(std::vector<int> truth, int place, double probability) {
-    return Query(std::move(truth), Verdict::kLocalized, place, probability);
+  static ScoredQuery Localized(const std::vector<int>& truth, int place, double probability) {
+    return Query(truth, Verdict::kLocalized, place, probability);
   }
   Evaluation Measure(const std::vector<ScoredQuery>& queries) const {
     return Evaluate(*index_, queries);

@@ -266,7 +266,8 @@ void WriteFile(const fs::path& path, const std::string& bytes) {
 
 void RunSql(const fs::path& path, const std::string& sql) {
   SQLite::Database database(path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-  database.exec("PRAGMA foreign_keys = OFF; PRAGMA ignore_check_constraints = ON;");
+  database.exec(
+      "PRAGMA foreign_keys = OFF; PRAGMA ignore_check_constraints = ON; PRAGMA synchronous = OFF;");
   database.exec(sql);
 }
 

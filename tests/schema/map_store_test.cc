@@ -118,7 +118,8 @@ TEST(MapStore, OverwritesNothingButMaps) {
     if (name != "link.db") WriteFile(folder / name, content);
     for (const auto& write : {+[](const fs::path& path) { CheckWritable(path, {true}); },
                               +[](const fs::path& path) { WriteMap(MadeMap(8), path, {true}); }}) {
-      const MapError error = ErrorOf([&] { write(folder / name); });
+      const fs::path target = folder / name;
+      const MapError error = ErrorOf([&] { write(target); });
       EXPECT_EQ(error.code(), ErrorCode::kFileExists) << name;
       EXPECT_NE(std::string(error.what()).find("only maps are overwritten"), std::string::npos);
     }
@@ -264,6 +265,7 @@ TEST(MapStore, AnIndexOfAnUnknownFormatIsLeftOut) {
     SQLite::Database database((folder / "m.db").string(), SQLite::OPEN_READWRITE);
     WriteContents(database, ExpectedObjects(Migrations()));
   }
+  RunSql(folder / "m.db", "VACUUM");
   EXPECT_TRUE(CheckMap(folder / "m.db").empty());
   map.index.reset();
   EXPECT_EQ(WithoutVersion(ReadMap(folder / "m.db")), map);

@@ -83,8 +83,7 @@ TEST_F(MigrateTest, StepsAreAppliedInOrder) {
   EXPECT_GT(Number("SELECT min(exposure_s) FROM keyframes"), 0);
   OpenedMap opened = OpenReadOnly(path_);
   SQLite::Database& database = opened.database;
-  EXPECT_TRUE(FindDatabaseProblems(database).empty());
-  EXPECT_TRUE(FindAlteredObjects(database, ExpectedObjects(steps)).empty());
+  EXPECT_TRUE(CheckFile(opened, ExpectedObjects(steps)).problems.empty());
   EXPECT_TRUE(FindAlteredContents(database, ExpectedObjects(steps)).empty());
   // This program's own version is older now, and says so.
   EXPECT_EQ(ErrorOf([&] { MigrateMap(path_); }).code(), ErrorCode::kMapVersion);

@@ -75,6 +75,7 @@ class PlaneProblemFinder {
     for (const Plane& plane : map_.planes) CheckPlane(plane);
     CheckEdges();
     CheckIndex();
+    if (map_.verdict) CheckVerdict(*map_.verdict);
   }
 
  private:
@@ -217,6 +218,15 @@ class PlaneProblemFinder {
     const std::string problem =
         InvertedFileProblem(*map_.index, CountFeatures(map_), map_.info.feature_type);
     Require(problem.empty(), "search_index 1", problem);
+  }
+
+  void CheckVerdict(const VerdictModel& model) {
+    const std::string where = "verdict_model 1";
+    Require(std::isfinite(model.intercept) && std::isfinite(model.log_inliers) &&
+                std::isfinite(model.inlier_share),
+            where, "a weight is not finite");
+    Require(!(model.log_inliers <= 0), where, "inliers count against a place");
+    Require(model.positives >= 0 && model.negatives >= 0, where, "its sample counts are negative");
   }
 
   double ImageSide(KeyframeId keyframe) const {

@@ -21,8 +21,8 @@ AppearanceOptions ShortDrive() {
   return options;
 }
 
-BuiltAppearance Build(const std::vector<cv::Mat>& images,
-                      const AppearanceOptions& options = ShortDrive()) {
+BuiltAppearance BuildFromImages(const std::vector<cv::Mat>& images,
+                                const AppearanceOptions& options = ShortDrive()) {
   MemorySource source = ImagesSource(images);
   return BuildAppearance({&source}, options);
 }
@@ -37,7 +37,7 @@ cv::Mat Black(const cv::Size& size) { return {size, CV_8UC1, cv::Scalar(0)}; }
 
 void ExpectRefused(const std::vector<cv::Mat>& images, const std::vector<std::string>& parts) {
   try {
-    Build(images);
+    BuildFromImages(images);
     ADD_FAILURE() << "nothing was thrown";
   } catch (const MapError& error) {
     EXPECT_EQ(error.code(), ErrorCode::kBadSource) << error.what();
@@ -48,7 +48,7 @@ void ExpectRefused(const std::vector<cv::Mat>& images, const std::vector<std::st
 }
 
 TEST(BuildAppearanceTest, LoopsBringTheWayNearerToTheTruth) {
-  const BuiltAppearance result = Build(TheDrive().panoramas);
+  const BuiltAppearance result = BuildFromImages(TheDrive().panoramas);
   const Points2 truth = PlacesOf(TheDrive().truth);
   const AppearanceReport& report = result.report;
   EXPECT_EQ(report.panoramas, Drive::kFrames);
@@ -59,7 +59,7 @@ TEST(BuildAppearanceTest, LoopsBringTheWayNearerToTheTruth) {
 }
 
 TEST(BuildAppearanceTest, SaysWhereTheTrajectoryIsDoubtful) {
-  EXPECT_FALSE(Build(First(12)).report.IsTrajectoryDoubtful());
+  EXPECT_FALSE(BuildFromImages(First(12)).report.IsTrajectoryDoubtful());
   // Through a flat with a panorama a room and one in each doorway: steps as long as the rooms.
   FlatTourOptions tour;
   tour.per_room = 1;
@@ -68,22 +68,22 @@ TEST(BuildAppearanceTest, SaysWhereTheTrajectoryIsDoubtful) {
   for (const FlatPanorama& panorama : PhotographFlat(MakeFlat({}), tour)) {
     images.push_back(panorama.grey);
   }
-  const AppearanceReport report = Build(images).report;
+  const AppearanceReport report = BuildFromImages(images).report;
   EXPECT_EQ(report.steps, static_cast<int>(images.size()) - 1);
   EXPECT_GT(report.uncertain, report.steps / 2);
   EXPECT_TRUE(report.IsTrajectoryDoubtful());
 }
 
 TEST(BuildAppearanceTest, IsTheSameForAnyNumberOfThreads) {
-  const BuiltAppearance many = Build(First(12));
+  const BuiltAppearance many = BuildFromImages(First(12));
   tbb::task_arena one(1);
-  EXPECT_EQ(one.execute([] { return Build(First(12)); }).layer, many.layer);
+  EXPECT_EQ(one.execute([] { return BuildFromImages(First(12)); }).layer, many.layer);
 }
 
 TEST(BuildAppearanceTest, LeavesOutWhatIsRedundant) {
   AppearanceOptions options = ShortDrive();
   options.redundancy.max_loss = 0.6;
-  const BuiltAppearance result = Build(TheDrive().panoramas, options);
+  const BuiltAppearance result = BuildFromImages(TheDrive().panoramas, options);
   EXPECT_GT(result.layer.dropped, 0);
   EXPECT_EQ(std::ssize(result.layer.nodes) + result.layer.dropped, Drive::kFrames);
   EXPECT_GE(result.layer.edges.size(), result.layer.nodes.size() - 1);
@@ -105,7 +105,7 @@ TEST(BuildAppearanceTest, TiesSequencesTogetherByTheirLoops) {
 TEST(BuildAppearanceTest, SkipsAndNamesABlackPanorama) {
   std::vector<cv::Mat> images = First(6);
   images[2] = Black(images[2].size());
-  const BuiltAppearance result = Build(images);
+  const BuiltAppearance result = BuildFromImages(images);
   EXPECT_EQ(result.report.skipped, 1);
   EXPECT_EQ(result.sequences[0].skipped, 1);
   EXPECT_EQ(result.layer.nodes.size(), 5);

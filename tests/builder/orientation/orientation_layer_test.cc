@@ -69,8 +69,8 @@ struct Built {
   OrientationReport report;
 };
 
-Built Build(const std::vector<cv::Mat>& images, int threads = tbb::task_arena::automatic,
-            const ProgressCallback& progress = {}) {
+Built BuildOrientation(const std::vector<cv::Mat>& images, int threads = tbb::task_arena::automatic,
+                       const ProgressCallback& progress = {}) {
   MemorySource source(
       {.name = "corner", .frames = FramesOfImages(images), .camera = Corner().camera});
   OrientationLayerBuilder builder(OrientationOptions{});
@@ -92,7 +92,7 @@ double TrueHeading(int i) {
 }
 
 TEST(OrientationLayer, FindsTheTurnTheHeadingsAndTheWay) {
-  const Built result = Build(Corner().images);
+  const Built result = BuildOrientation(Corner().images);
   const OrientationLayer& layer = result.layer;
   ASSERT_EQ(layer.frames.size(), Corner().images.size());
   // A narrow view of upright lines mostly: many frames are believed by the features' rotation, up
@@ -123,14 +123,14 @@ TEST(OrientationLayer, FindsTheTurnTheHeadingsAndTheWay) {
 
 TEST(OrientationLayer, IsTheSameOnAnyNumberOfThreads) {
   const std::vector<cv::Mat> images(Corner().images.begin(), Corner().images.begin() + 12);
-  EXPECT_TRUE(Build(images, 1).layer == Build(images, 2).layer);
+  EXPECT_TRUE(BuildOrientation(images, 1).layer == BuildOrientation(images, 2).layer);
 }
 
 TEST(OrientationLayer, BlackAndMissingFramesAreKeptWithoutARotationAndTheRestIsMapped) {
   std::vector<cv::Mat> images(Corner().images.begin(), Corner().images.begin() + 30);
   images[10] = cv::Mat(240, 320, CV_8UC1, cv::Scalar(0));
   images[20] = cv::Mat();
-  const Built result = Build(images);
+  const Built result = BuildOrientation(images);
   EXPECT_EQ(result.report.skipped, 1);
   ASSERT_EQ(result.report.skipped_names.size(), 1U);
   EXPECT_EQ(result.report.skipped_names[0], "20: no image");
@@ -155,7 +155,7 @@ TEST(OrientationLayer, AQuarterTurnIsNotGuessedOverAGap) {
     ++turns;
   }
   ASSERT_GT(turns, 5);
-  const Built result = Build(images);
+  const Built result = BuildOrientation(images);
   for (size_t i = 0; i < images.size(); ++i) {
     const OrientationFrame& frame = result.layer.frames[i];
     if (!frame.reliable) continue;
@@ -166,7 +166,7 @@ TEST(OrientationLayer, AQuarterTurnIsNotGuessedOverAGap) {
 
 TEST(OrientationLayer, RefusesASequenceOfWhichNothingCanBeRead) {
   try {
-    Build({cv::Mat(), cv::Mat(100, 100, CV_8UC1, cv::Scalar(0))});
+    BuildOrientation({cv::Mat(), cv::Mat(100, 100, CV_8UC1, cv::Scalar(0))});
     FAIL();
   } catch (const MapError& error) {
     EXPECT_EQ(error.code(), ErrorCode::kBadSource);
@@ -177,7 +177,7 @@ TEST(OrientationLayer, RefusesASequenceOfWhichNothingCanBeRead) {
 TEST(OrientationLayer, CanBeStopped) {
   const auto stop = [](const BuildProgress& now) { return now.done < 3; };
   try {
-    Build(Corner().images, 2, stop);
+    BuildOrientation(Corner().images, 2, stop);
     FAIL();
   } catch (const MapError& error) {
     EXPECT_EQ(error.code(), ErrorCode::kInterrupted);

@@ -23,5 +23,12 @@ TEST(EscapeHtml, EscapesWhatIsEscapedAgain) {
   EXPECT_EQ(EscapeHtml("&lt;"), "&amp;lt;") << "text is shown as it is";
 }
 
+TEST(Printable, ShowsControlCharactersOnOneLine) {
+  EXPECT_EQ(Printable("a\tb\n\x1b[2J\r\x7f\x07"),
+            "a\\u0009b\\u000a\\u001b[2J\\u000d\\u007f\\u0007");
+  EXPECT_EQ(Printable("\u009b31m \u00a9 \xc2"), "\\u009b31m \u00a9 \xc2");
+  EXPECT_EQ(Printable("Gar\u00e7on \u4f4d"), "Gar\u00e7on \u4f4d");
+}
+
 }  // namespace
 }  // namespace waystone

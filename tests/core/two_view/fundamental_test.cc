@@ -39,8 +39,8 @@ MadePairs MakePairs(int inliers, int outliers, double near, double far, const Ve
     const Vector3d x(random.Uniform(-0.6, 0.6) * z, random.Uniform(-0.45, 0.45) * z, z);
     const Vector2d noise_a(random.Normal(), random.Normal());
     const Vector2d noise_b(random.Normal(), random.Normal());
-    pairs.a.push_back(project(x) + 0.3 * noise_a);
-    pairs.b.push_back(project(turn * (x - shift)) + 0.3 * noise_b);
+    pairs.a.emplace_back(project(x) + 0.3 * noise_a);
+    pairs.b.emplace_back(project(turn * (x - shift)) + 0.3 * noise_b);
     ++pairs.inliers;
   }
   for (int i = 0; i < outliers; ++i) {

@@ -163,6 +163,8 @@ TEST(Appearance, ASeriesIsAtLeastAsSureAsItsImages) {
     context = {answer.belief, Pose2{0.1, 0, 0}};
     EXPECT_LT(Apart(answer.panorama->pose, truth), 0.5);
     EXPECT_EQ(answer.decided_by, DecidedBy::kSeries);
+    const Answer alone = LocatePanorama(Grid(true), query, options.query);
+    EXPECT_GE(answer.probability, alone.probability) << "image " << i;
     last = answer.probability;
   }
   EXPECT_GT(last, 0.9);

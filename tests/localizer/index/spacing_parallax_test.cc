@@ -28,7 +28,7 @@ AppearanceLayer LineThroughABall(int nodes, double radius) {
     std::vector<uint8_t> row(kBytes);
     for (uint8_t& byte : row) byte = static_cast<uint8_t>(random.Uniform(0, 90));
     descriptors.Append(row.data());
-    points.push_back(radius * point);
+    points.emplace_back(radius * point);
   }
   AppearanceLayer layer;
   for (int i = 0; i < nodes; ++i) {

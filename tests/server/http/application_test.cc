@@ -236,7 +236,7 @@ TEST_F(ApplicationTest, DeadlinesAreKeptWhileAnImageIsDecoded) {
   ServiceOptions options;
   options.query_threads = 1;
   Start(options);
-  const std::string body(jpeg.begin(), jpeg.end());
+  std::string body(jpeg.begin(), jpeg.end());
   for (const int deadline_ms : {1, 100}) {
     HttpRequest request;
     request.method = "POST";

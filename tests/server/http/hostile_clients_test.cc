@@ -52,7 +52,7 @@ class HostileClients : public testing::Test {
     });
   }
 
-  void Start(HttpServer::Admit admit = nullptr) {
+  void Start(const HttpServer::Admit& admit = nullptr) {
     server_ = std::make_unique<HttpServer>(
         options_, [this](const HttpRequest& in) { return router_.Dispatch(in); }, admit);
     server_->Start();
