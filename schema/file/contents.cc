@@ -6,12 +6,15 @@
 #include <SQLiteCpp/Statement.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <map>
+#include <new>
 #include <string>
 
 #include "schema/file/map_database.h"
 #include "schema/file/map_tables.h"
 #include "schema/tables/blob.h"
+#include "schema/tables/memory.h"
 #include "schema/tables/table_writer.h"
 
 namespace waystone {
@@ -127,11 +130,15 @@ void FindForeignKeyProblems(SQLite::Database& database, std::vector<MapProblem>&
 }
 
 void FindIntegrityProblems(SQLite::Database& database, std::vector<MapProblem>& problems) {
+  errno = 0;
   SQLite::Statement rows(database,
                          "PRAGMA integrity_check(" + std::to_string(kMaxIntegrityFindings) + ")");
   while (rows.executeStep()) {
     const std::string finding = rows.getColumn(0).getString();
-    if (finding != "ok") problems.push_back({"file", finding});
+    if (finding == "ok") continue;
+    // A page that there was no memory for is a finding, too; malloc leaves a trace.
+    if (errno == ENOMEM) throw std::bad_alloc();
+    problems.push_back({"file", finding});
   }
 }
 
@@ -141,6 +148,7 @@ void Guarded(const std::string& where, std::vector<MapProblem>& problems, const 
   try {
     check();
   } catch (const SQLite::Exception& error) {
+    CheckMemory(error);
     problems.push_back({where, error.what()});
   }
 }
@@ -148,9 +156,11 @@ void Guarded(const std::string& where, std::vector<MapProblem>& problems, const 
 }  // namespace
 
 std::vector<SchemaObject> ExpectedObjects(std::span<const Migration> steps) {
-  SQLite::Database database(":memory:", SQLite::OPEN_READWRITE);
-  ApplyMigrations(database, steps, 0);
-  return ObjectsOf(database);
+  return WithCheckedMemory([&] {
+    SQLite::Database database(":memory:", SQLite::OPEN_READWRITE);
+    ApplyMigrations(database, steps, 0);
+    return ObjectsOf(database);
+  });
 }
 
 std::vector<MapProblem> FindAlteredObjects(SQLite::Database& database,
