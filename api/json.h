@@ -2,17 +2,15 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/ids.h"
+#include "core/base/json.h"
 
 // The few ways in which our values become JSON.
 namespace waystone {
-
-using Json = nlohmann::ordered_json;
 
 // One line of text. Never throws: bytes of a name that are not UTF-8 become U+FFFD.
 std::string Dump(const Json& json);

@@ -11,6 +11,7 @@
 #include "builder/layer_options.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/image/opencv_errors.h"
 
 namespace waystone {
 namespace {
@@ -102,6 +103,7 @@ BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
     throw MapError(ErrorCode::kBadSource, "no source given; at least one is required");
   const Clock::time_point start = Clock::now();
   cv::setNumThreads(1);  // frames are what runs in parallel
+  ThrowOpenCvErrors();
   tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : options.threads);
   return arena.execute([&] {
     BuildResult result =

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "cli/commands.h"
 #include "cli/directions_picture.h"
 #include "core/base/error.h"
+#include "core/base/json.h"
 #include "core/geometry/angle.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"
@@ -20,8 +20,6 @@
 
 namespace waystone {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct DirectionsFlags {
   std::vector<std::string> photos;

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <exception>
 #include <iostream>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "core/base/error.h"
 #include "core/base/option_text.h"
 #include "core/base/version.h"
+#include "core/image/opencv_errors.h"
 
 namespace waystone {
 namespace {
@@ -94,6 +96,7 @@ int RunProgram(int argc, char** argv) {
   AddExport(app, run);
   AddReplay(app, run);
   AddDemo(app, run);
+  ThrowOpenCvErrors();
   try {
     CheckCommand(app, argc, argv);
     app.parse(argc, argv);
@@ -102,6 +105,9 @@ int RunProgram(int argc, char** argv) {
     return ExitOfParse(app, error);
   } catch (const MapError& error) {
     return Fail(error.what(), error.code());
+  } catch (const std::bad_alloc&) {
+    return Fail("out of memory; end other programs, or use a machine with more memory",
+                ErrorCode::kOutOfMemory);
   } catch (const std::exception& error) {
     return Fail(std::string("internal error: ") + error.what() + "; please report it",
                 ErrorCode::kInternal);

@@ -7,10 +7,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/json.h"
 
 namespace waystone {
 namespace {
@@ -87,9 +87,9 @@ void ProgressMeter::Print(const State& state) {
   const std::string left = TimeLeft(state);
   const std::string text = CountsOf(state) + (left.empty() ? "" : ", " + left + " left");
   if (style_ == ProgressStyle::kJson) {
-    nlohmann::ordered_json json = {
+    Json json = {
         {"stage", state.stage}, {"done", state.done}, {"total", state.total}, {"note", state.note}};
-    out_ << json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << std::endl;
+    out_ << json.dump(-1, ' ', false, Json::error_handler_t::replace) << std::endl;
   } else if (style_ == ProgressStyle::kLines) {
     out_ << text << std::endl;
   } else {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
+#include <new>
 #include <string>
 #include <thread>
 #include <vector>
@@ -55,9 +56,13 @@ void Report(const ServedFiles::Change& change) {
 }
 
 void Refresh(ServedFiles& files, Application& application, bool all) {
-  for (const ServedFiles::Change& change : files.Refresh(application.catalog(), all)) {
-    application.metrics().CountReload(change.good);
-    Report(change);
+  try {
+    for (const ServedFiles::Change& change : files.Refresh(application.catalog(), all)) {
+      application.metrics().CountReload(change.good);
+      Report(change);
+    }
+  } catch (const std::bad_alloc&) {  // not even for saying what became of each map
+    std::cerr << "waystone: maps not reloaded, out of memory; trying again\n";
   }
 }
 

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <exception>
+#include <new>
 #include <utility>
 
 #include "cli/map_file.h"
 #include "core/base/error.h"
+#include "core/base/folder.h"
 
 namespace waystone {
 namespace {
@@ -22,15 +24,24 @@ std::vector<fs::path> ListFiles(const fs::path& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) return {path};
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(path)) {
-    const bool hidden = entry.path().filename().string().starts_with('.');
-    if (entry.path().extension() == kExtension && !hidden && !entry.is_directory(ignored)) {
-      files.push_back(entry.path());
+  for (const std::string& name : ListFolder(path)) {
+    const fs::path file = path / name;
+    if (file.extension() == kExtension && !name.starts_with('.') &&
+        !fs::is_directory(file, ignored)) {
+      files.push_back(file);
     }
   }
   std::sort(files.begin(), files.end());
   return files;
 }
+
+// What becomes of a map whose file was refused.
+std::string Standing(const MapCatalog& catalog, const std::string& name) {
+  return catalog.Now()->contains(name) ? "still serving the previous version" : "not served";
+}
+
+// No file has it: a file with such a stamp counts as changed.
+constexpr uint64_t kNoInode = 0;
 
 // Ready for queries of every kind: none has to wait, in its turn, for an index that another makes.
 std::shared_ptr<const MapIndex> OpenServed(const fs::path& file) {
@@ -71,9 +82,14 @@ ServedFiles::Opened ServedFiles::OpenAll() {
   Opened opened;
   known_ = Scan();
   std::exception_ptr first;
-  for (const auto& [name, stamp] : known_) {
+  for (auto& [name, stamp] : known_) {
     try {
       opened.maps.emplace(name, OpenServed(stamp.path));
+    } catch (const std::bad_alloc&) {
+      if (IsGiven(stamp.path)) throw;
+      if (!first) first = std::current_exception();
+      opened.refused.push_back({name, "out of memory; not served, trying again", false, true});
+      stamp.inode = kNoInode;
     } catch (const std::exception& error) {
       if (IsGiven(stamp.path)) throw;
       if (!first) first = std::current_exception();
@@ -95,12 +111,11 @@ ServedFiles::Change ServedFiles::Reload(MapCatalog& catalog, const std::string& 
     const std::string version = index->map().info.version;
     catalog.Put(name, std::move(index));
     return {name, "now serving " + version, true};
-  } catch (const std::exception& error) {  // also a file that is too large for the memory
-    const bool served = catalog.Now()->contains(name);
-    return {name,
-            std::string(error.what()) +
-                (served ? "; still serving the previous version" : "; not served"),
-            false};
+  } catch (const std::bad_alloc&) {
+    return {name, "not reloaded, out of memory; " + Standing(catalog, name) + ", trying again",
+            false, true};
+  } catch (const std::exception& error) {
+    return {name, std::string(error.what()) + "; " + Standing(catalog, name), false};
   }
 }
 
@@ -109,13 +124,16 @@ std::vector<ServedFiles::Change> ServedFiles::Refresh(MapCatalog& catalog, bool 
   std::map<std::string, Stamp> found;
   try {
     found = Scan();
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& error) {  // a folder that is gone, or two maps of one name
     return {{"", error.what(), false}};
   }
-  for (const auto& [name, stamp] : found) {
+  for (auto& [name, stamp] : found) {
     const auto before = known_.find(name);
     if (!all && before != known_.end() && before->second == stamp) continue;
     changes.push_back(Reload(catalog, name, stamp.path));
+    if (changes.back().retry) stamp.inode = kNoInode;
   }
   // A file that was given by its name and is away for a moment is being replaced.
   for (const auto& [name, stamp] : known_) {

@@ -23,6 +23,7 @@ class ServedFiles {
     std::string name;
     std::string message;  // for people; with the cause when the map was refused
     bool good = true;     // the map was swapped, added or taken away
+    bool retry = false;   // there was no memory for it: the next Refresh looks at it again
   };
   struct Opened {
     MapCatalog::Indices maps;
@@ -34,7 +35,8 @@ class ServedFiles {
 
   // Looks which files are new, gone or changed (all that are there with `all`), and puts each new
   // map into the catalog once it is whole. One that can't be read is refused: the map before it is
-  // served on, and the file is looked at again when it changes once more.
+  // served on, and the file is looked at again when it changes once more, or the next time where
+  // memory ran out. Throws std::bad_alloc; the next Refresh does what this one left.
   std::vector<Change> Refresh(MapCatalog& catalog, bool all);
 
  private:

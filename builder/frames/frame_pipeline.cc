@@ -12,6 +12,7 @@
 #include "core/base/check.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/image/opencv_errors.h"
 
 namespace waystone {
 namespace {
@@ -156,6 +157,7 @@ MapData BuildLayer(const std::vector<Source*>& sources, LayerBuilder& layer,
   if (sources.empty())
     throw MapError(ErrorCode::kBadSource, "no source given; at least one is required");
   cv::setNumThreads(1);  // frames are what runs in parallel
+  ThrowOpenCvErrors();
   ProgressReporter progress(callback);
   MapData map;
   LayerBuilder* const layers[] = {&layer};

@@ -31,6 +31,7 @@ const ErrorInfo& InfoOf(ErrorCode code) {
   static constexpr ErrorInfo kTooSlow{"too_slow", "Request timed out", 3, 408};
   static constexpr ErrorInfo kNotAvailable{"not_available", "Not available in this map", 3, 422};
   static constexpr ErrorInfo kNotReady{"not_ready", "Server not ready", 3, 503};
+  static constexpr ErrorInfo kOutOfMemory{"out_of_memory", "Out of memory", 3, 503};
   static constexpr ErrorInfo kInterrupted{"interrupted", "Interrupted", 130, 503};
   static constexpr ErrorInfo kInternal{"internal", "Internal error", 5, 500};
   switch (code) {
@@ -88,6 +89,8 @@ const ErrorInfo& InfoOf(ErrorCode code) {
       return kNotAvailable;
     case ErrorCode::kNotReady:
       return kNotReady;
+    case ErrorCode::kOutOfMemory:
+      return kOutOfMemory;
     case ErrorCode::kInterrupted:
       return kInterrupted;
     case ErrorCode::kInternal:

@@ -37,6 +37,7 @@ enum class ErrorCode {
   kTooSlow,           // a body that takes longer than the server waits
   kNotAvailable,      // what this map's layers can't give
   kNotReady,          // a server that has no map yet, or ends
+  kOutOfMemory,       // less memory than a map, an image or a build takes
   kInterrupted,       // Ctrl-C
   kInternal,          // a bug of ours
 };

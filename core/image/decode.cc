@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/image/decode.h"
 
+#include <cerrno>
 #include <limits>
+#include <new>
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/base/error.h"
@@ -14,7 +16,7 @@ namespace {
   throw MapError(ErrorCode::kImageTooLarge, message);
 }
 
-// Nothing but MapError leaves this, whatever OpenCV thinks of the bytes.
+// Nothing but MapError and std::bad_alloc leaves this, whatever OpenCV thinks of the bytes.
 cv::Mat Decode(std::span<const uint8_t> bytes, const DecodeLimits& limits, int flags) {
   limits.Check();
   if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) {
@@ -29,6 +31,7 @@ cv::Mat Decode(std::span<const uint8_t> bytes, const DecodeLimits& limits, int f
   }
   cv::Mat image;
   std::string cause = "its pixels can't be decoded";
+  errno = 0;
   try {
     // imdecode takes a Mat that it doesn't change.
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1,
@@ -38,6 +41,8 @@ cv::Mat Decode(std::span<const uint8_t> bytes, const DecodeLimits& limits, int f
     cause = error.err;
   }
   if (image.cols != header.width || image.rows != header.height) {
+    // The decoders keep to themselves what went wrong; malloc leaves a trace.
+    if (errno == ENOMEM) throw std::bad_alloc();
     throw MapError(ErrorCode::kBadImage,
                    "the " + header.format + " of " + std::to_string(bytes.size()) +
                        " bytes is damaged: " + cause + "; copy or send the file again");

@@ -7,7 +7,9 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <map>
+#include <new>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -17,6 +19,7 @@
 #include "schema/file/map_tables.h"
 #include "schema/file/plain_objects.h"
 #include "schema/tables/blob.h"
+#include "schema/tables/memory.h"
 #include "schema/tables/table_writer.h"
 
 namespace waystone {
@@ -149,11 +152,14 @@ void AddLines(const std::string& findings, std::vector<MapProblem>& problems) {
 // Returns whether the pages can be read. The rest of the check would walk them, too, so it ends
 // with the first row where they can't.
 bool FindIntegrityProblems(SQLite::Database& database, std::vector<MapProblem>& problems) {
+  errno = 0;
   SQLite::Statement rows(database,
                          "PRAGMA integrity_check(" + std::to_string(kMaxIntegrityFindings) + ")");
   while (rows.executeStep()) {
     const std::string finding = rows.getColumn(0).getString();
     if (finding == "ok") continue;
+    // A page that there was no memory for is a finding, too; malloc leaves a trace.
+    if (errno == ENOMEM) throw std::bad_alloc();
     AddLines(finding, problems);
     if (finding.starts_with(kPageFindings)) return false;
   }
@@ -167,6 +173,7 @@ bool Guarded(const std::string& where, std::vector<MapProblem>& problems, const 
     check();
     return true;
   } catch (const SQLite::Exception& error) {
+    CheckMemory(error);
     const bool too_long = error.getErrorCode() == SQLITE_INTERRUPT;  // by the count of steps
     problems.push_back({where, too_long ? "holds more objects or rows than its size accounts for"
                                         : Printable(error.what())});
@@ -181,9 +188,11 @@ bool Contains(const std::vector<SchemaObject>& objects, const SchemaObject& obje
 }  // namespace
 
 std::vector<SchemaObject> ExpectedObjects(std::span<const Migration> steps) {
-  SQLite::Database database(":memory:", SQLite::OPEN_READWRITE);
-  ApplyMigrations(database, steps, 0);
-  return ObjectsOf(database);
+  return WithCheckedMemory([&] {
+    SQLite::Database database(":memory:", SQLite::OPEN_READWRITE);
+    ApplyMigrations(database, steps, 0);
+    return ObjectsOf(database);
+  });
 }
 
 std::vector<MapProblem> FindAlteredObjects(SQLite::Database& database,

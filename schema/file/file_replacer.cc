@@ -15,8 +15,10 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "core/base/error.h"
+#include "core/base/folder.h"
 
 namespace waystone {
 namespace {
@@ -96,15 +98,21 @@ bool IsAlive(pid_t process) { return kill(process, 0) == 0 || errno != ESRCH; }
 // or removed stays: that is no reason not to write.
 void RemoveAbandoned(const fs::path& target) {
   const std::string stem = StemOf(target);
-  std::error_code error;
-  for (fs::directory_iterator entry(FolderOf(target), error), end; !error && entry != end;
-       entry.increment(error)) {
-    const auto owner = OwnerOf(entry->path().filename().string(), stem);
+  std::vector<std::string> names;
+  try {
+    names = ListFolder(FolderOf(target));
+  } catch (const fs::filesystem_error&) {
+    return;
+  }
+  for (const std::string& name : names) {
+    const auto owner = OwnerOf(name, stem);
+    if (!owner || IsAlive(*owner)) continue;
+    const fs::path path = FolderOf(target) / name;
     std::error_code ignored;
-    if (!owner || IsAlive(*owner) || !fs::is_regular_file(entry->symlink_status(ignored))) continue;
-    const fs::file_time_type changed = entry->last_write_time(ignored);
+    if (!fs::is_regular_file(fs::symlink_status(path, ignored))) continue;
+    const fs::file_time_type changed = fs::last_write_time(path, ignored);
     if (ignored || fs::file_time_type::clock::now() - changed < kAbandonedAfter) continue;
-    fs::remove(entry->path(), ignored);
+    fs::remove(path, ignored);
   }
 }
 
@@ -180,6 +188,7 @@ FileReplacer::~FileReplacer() {
 }
 
 void FileReplacer::Commit() {
+  const fs::path folder = FolderOf(target_);  // nothing may fail for want of memory later
   if (overwrite_) CopyPermissions(target_, temporary_);
   if (!Flush(temporary_, O_RDONLY)) {
     const std::string cause = std::strerror(errno);
@@ -195,7 +204,7 @@ void FileReplacer::Commit() {
   }
   committed_ = true;
   // The file is in place by now: a file system that can't flush a folder is no reason to fail.
-  Flush(FolderOf(target_), O_RDONLY | O_DIRECTORY);
+  Flush(folder, O_RDONLY | O_DIRECTORY);
 }
 
 }  // namespace waystone

@@ -11,9 +11,11 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <new>
 #include <string_view>
 
 #include "core/base/error.h"
+#include "schema/tables/memory.h"
 
 namespace waystone {
 namespace {
@@ -161,6 +163,31 @@ MapHeader ReadHeader(const fs::path& path, const File& file) {
   return header;
 }
 
+OpenedMap OpenBytes(const fs::path& path) {
+  const File file(path);
+  const struct stat before = file.Status();
+  OpenedMap map{ReadHeader(path, file),
+                std::vector<unsigned char>(static_cast<size_t>(before.st_size)),
+                std::make_unique<int64_t>(0), SQLite::Database(":memory:", SQLite::OPEN_READWRITE)};
+  if (file.Read(map.bytes) != map.bytes.size() || !SameState(before, file.Status())) {
+    ThrowUnreadable(path, "is being written to");
+  }
+  if (map.bytes.size() >= kHeaderBytes && (map.bytes[18] == kWal || map.bytes[19] == kWal)) {
+    throw MapError(ErrorCode::kMapDamaged,
+                   path.string() + " was switched to a write-ahead log by another program; run " +
+                       "`sqlite3 FILE 'PRAGMA journal_mode = DELETE'` on it");
+  }
+  const auto size = static_cast<sqlite3_int64>(map.bytes.size());
+  // The bytes aren't looked at yet: only memory can be missing.
+  if (sqlite3_deserialize(map.database.getHandle(), "main", map.bytes.data(), size, size,
+                          SQLITE_DESERIALIZE_READONLY) != SQLITE_OK) {
+    throw std::bad_alloc();
+  }
+  SetUp(map.database);
+  Restrict(map);
+  return map;
+}
+
 }  // namespace
 
 MapHeader ReadMapHeader(const fs::path& path) { return ReadHeader(path, File(path)); }
@@ -182,27 +209,7 @@ std::optional<MapProblem> FindCut(const MapHeader& header) {
 }
 
 OpenedMap OpenReadOnly(const fs::path& path) {
-  const File file(path);
-  const struct stat before = file.Status();
-  OpenedMap map{ReadHeader(path, file),
-                std::vector<unsigned char>(static_cast<size_t>(before.st_size)),
-                std::make_unique<int64_t>(0), SQLite::Database(":memory:", SQLite::OPEN_READWRITE)};
-  if (file.Read(map.bytes) != map.bytes.size() || !SameState(before, file.Status())) {
-    ThrowUnreadable(path, "is being written to");
-  }
-  if (map.bytes.size() >= kHeaderBytes && (map.bytes[18] == kWal || map.bytes[19] == kWal)) {
-    throw MapError(ErrorCode::kMapDamaged,
-                   path.string() + " was switched to a write-ahead log by another program; run " +
-                       "`sqlite3 FILE 'PRAGMA journal_mode = DELETE'` on it");
-  }
-  const auto size = static_cast<sqlite3_int64>(map.bytes.size());
-  if (sqlite3_deserialize(map.database.getHandle(), "main", map.bytes.data(), size, size,
-                          SQLITE_DESERIALIZE_READONLY) != SQLITE_OK) {
-    ThrowUnreadable(path, map.database.getErrorMsg());
-  }
-  SetUp(map.database);
-  Restrict(map);
-  return map;
+  return WithCheckedMemory([&] { return OpenBytes(path); });
 }
 
 SQLite::Database OpenForWriting(const fs::path& path) {

@@ -21,6 +21,7 @@
 #include "schema/file/migrate.h"
 #include "schema/file/sha256.h"
 #include "schema/layers/layers.h"
+#include "schema/tables/memory.h"
 
 namespace waystone {
 namespace {
@@ -158,6 +159,7 @@ void WriteMap(const MapData& map, const fs::path& path, const WriteOptions& opti
     VerifyWritten(map, file.temporary(), path);
     file.Commit();
   } catch (const SQLite::Exception& error) {
+    CheckMemory(error);
     // The temporary file is gone by now, so that what is free is all that is.
     throw UnwritableError(path, error.what(), EstimateBytes(map));
   }
@@ -179,6 +181,7 @@ std::vector<TableSize> TableSizes(const fs::path& path) {
   try {
     return SizesOf(map.database);
   } catch (const SQLite::Exception& error) {
+    CheckMemory(error);
     ThrowDamaged(path, {{"file", Printable(error.what())}});
   }
 }

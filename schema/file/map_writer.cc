@@ -2,13 +2,13 @@
 #include "schema/file/map_writer.h"
 
 #include <SQLiteCpp/Exception.h>
-#include <SQLiteCpp/Transaction.h>
 
 #include <string>
 
 #include "schema/file/map_database.h"
 #include "schema/file/map_tables.h"
 #include "schema/layers/layers.h"
+#include "schema/tables/memory.h"
 #include "schema/tables/table_writer.h"
 
 namespace waystone {
@@ -46,14 +46,15 @@ void WriteTables(const MapData& map, RowSink& sink) {
 void WriteDatabase(const MapData& map, const std::filesystem::path& path) {
   SQLite::Database database = OpenForWriting(path);
   try {
-    SQLite::Transaction transaction(database);
+    database.exec("BEGIN");  // after an error the file is thrown away
     database.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
     ApplyMigrations(database, Migrations(), 0);
     RowSink sink(database);
     WriteTables(map, sink);
     WriteContents(database, ExpectedObjects(Migrations()));
-    transaction.commit();
+    database.exec("COMMIT");
   } catch (const SQLite::Exception& error) {
+    CheckMemory(error);
     throw SQLite::Exception(DescribeError(database, error));
   }
 }

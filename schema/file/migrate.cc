@@ -2,7 +2,6 @@
 #include "schema/file/migrate.h"
 
 #include <SQLiteCpp/Database.h>
-#include <SQLiteCpp/Transaction.h>
 
 #include <string>
 #include <system_error>
@@ -11,6 +10,7 @@
 #include "core/base/error.h"
 #include "schema/file/file_replacer.h"
 #include "schema/file/map_database.h"
+#include "schema/tables/memory.h"
 
 namespace waystone {
 namespace {
@@ -33,10 +33,10 @@ void ApplySteps(const fs::path& copy, std::span<const Migration> steps, int from
   SQLite::Database database = OpenForWriting(copy);
   // A table that is made anew would take the rows that refer to it along.
   database.exec("PRAGMA foreign_keys = OFF");
-  SQLite::Transaction transaction(database);
+  database.exec("BEGIN");  // after an error the file is thrown away
   ApplyMigrations(database, steps, from_version);
   WriteContents(database, ExpectedObjects(steps));
-  transaction.commit();
+  database.exec("COMMIT");
   database.exec("VACUUM");
 }
 
@@ -58,6 +58,7 @@ int MigrateFile(const fs::path& path, std::span<const Migration> steps,
   } catch (const fs::filesystem_error& error) {
     throw UnwritableError(path, error.code().message(), header.file_bytes);
   } catch (const SQLite::Exception& error) {
+    CheckMemory(error);
     throw UnwritableError(path, error.what(), header.file_bytes);
   }
   check(file.temporary());

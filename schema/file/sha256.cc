@@ -4,7 +4,9 @@
 #include <openssl/evp.h>
 
 #include <array>
+#include <cerrno>
 #include <cstddef>
+#include <new>
 
 #include "core/base/check.h"
 
@@ -26,9 +28,11 @@ std::string Hex(const unsigned char* digest, size_t bytes) {
 std::string Sha256(std::span<const unsigned char> bytes) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int length = 0;
-  WS_CHECK(
-      EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) == 1,
-      "OpenSSL has no SHA-256");
+  errno = 0;
+  const bool made =
+      EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) == 1;
+  if (!made && errno == ENOMEM) throw std::bad_alloc();
+  WS_CHECK(made, "OpenSSL has no SHA-256");
   return "sha256:" + Hex(digest.data(), length);
 }
 

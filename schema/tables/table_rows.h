@@ -10,13 +10,14 @@
 
 #include "core/base/error.h"
 #include "schema/tables/map_problem.h"
+#include "schema/tables/memory.h"
 #include "schema/tables/row.h"
 
 namespace waystone {
 
 // Calls `read(Row&)` for every row of a table, in the order of its primary key. What `read` throws
 // as MapError becomes a problem of that row, and what SQLite throws a problem of the table. `read`
-// takes all columns of the descriptor (WS_CHECK).
+// takes all columns of the descriptor (WS_CHECK). Throws std::bad_alloc.
 template <class Read>
 void ForEachRow(SQLite::Database& database, std::vector<MapProblem>& problems,
                 const TableView& table, Read read) {
@@ -31,10 +32,12 @@ void ForEachRow(SQLite::Database& database, std::vector<MapProblem>& problems,
         read(row);
         row.CheckComplete();
       } catch (const MapError& error) {
+        CheckMemory(database);
         problems.push_back({row.Where(), error.what()});
       }
     }
   } catch (const SQLite::Exception& error) {
+    CheckMemory(error);
     problems.push_back({name, error.what()});
   }
 }

@@ -13,6 +13,7 @@
 
 #include "core/base/error.h"
 #include "core/base/version.h"
+#include "core/image/opencv_errors.h"
 #include "schema/file/map_store.h"
 #include "server/http/openapi.h"
 #include "server/http/problem.h"
@@ -90,6 +91,7 @@ Application::Application(const MapCatalog::Indices& maps, const ServiceOptions& 
       queries_(catalog_, gate_, metrics_, log_.get(), options.localize, options.limits),
       id_prefix_(Hex(std::random_device()())) {
   cv::setNumThreads(1);  // queries are what runs in parallel
+  ThrowOpenCvErrors();
   inspection_.AddTo(router_);
   queries_.AddTo(router_);
   AddOperations();

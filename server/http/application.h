@@ -55,7 +55,7 @@ class Application {
 
   Application(const MapCatalog::Indices& maps, const ServiceOptions& options, Sinks sinks);
 
-  // Answers a request. Never throws.
+  // Answers a request. Throws nothing but std::bad_alloc.
   HttpResponse Answer(const HttpRequest& request);
 
   MapCatalog& catalog() { return catalog_; }

@@ -20,6 +20,7 @@
 #include <mutex>
 #include <new>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -86,8 +87,12 @@ class ConnectionLoop::Impl {
   Impl& operator=(const Impl&) = delete;
 
   void Start() {
-    pool_ = std::make_unique<RequestPool>(options_.request_threads);
-    thread_ = std::thread([this] { Run(); });
+    try {
+      pool_ = std::make_unique<RequestPool>(options_.request_threads);
+      thread_ = std::thread([this] { Run(); });
+    } catch (const std::system_error&) {  // no memory for another thread's stack
+      throw std::bad_alloc();
+    }
   }
 
   void Drain() { draining_ = true; }
@@ -173,13 +178,9 @@ class ConnectionLoop::Impl {
     }
     const auto found = clients_.find(id);
     if (found == clients_.end()) return;  // closed by an event before
-    try {
+    Step(found, [&] {
       if ((event.events & (EPOLLIN | EPOLLHUP | EPOLLERR)) != 0) Receive(found->second);
-    } catch (const std::bad_alloc&) {
-      clients_.erase(found);
-      return;
-    }
-    Step(found);
+    });
   }
 
   void Accept() {
@@ -198,7 +199,7 @@ class ConnectionLoop::Impl {
       setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
       const auto [client, added] = clients_.try_emplace(
           next_id_++, std::move(socket), AddressText(address, size), options_, admit_, budgets_);
-      Step(client);
+      Step(client, [] {});
     }
   }
 
@@ -251,10 +252,12 @@ class ConnectionLoop::Impl {
     }
   }
 
-  // Hands over a request, writes what there is, and waits for what comes next. A connection that
-  // there is no memory for is closed.
-  void Step(Clients::iterator it) {
+  // Does `first`, hands over a request, writes what there is, and waits for what comes next. A
+  // connection that there is no memory for is closed.
+  template <class First>
+  void Step(Clients::iterator it, const First& first) {
     try {
+      first();
       Continue(it);
     } catch (const std::bad_alloc&) {
       clients_.erase(it);
@@ -336,8 +339,7 @@ class ConnectionLoop::Impl {
       --asked_;
       const auto found = clients_.find(each.id);
       if (found == clients_.end()) continue;
-      found->second.connection.TakeAnswer(std::move(each.response));
-      Step(found);
+      Step(found, [&] { found->second.connection.TakeAnswer(std::move(each.response)); });
       while (budgets_.answers.spent() && EvictReader()) {
       }
     }
@@ -348,8 +350,7 @@ class ConnectionLoop::Impl {
     for (auto it = clients_.begin(); it != clients_.end();) {
       const auto client = it++;
       if (client->second.connection.deadline() > last_tick_) continue;
-      client->second.connection.OnTimeout();
-      Step(client);
+      Step(client, [&] { client->second.connection.OnTimeout(); });
     }
     Listen(!stopping_);
   }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <exception>
+#include <new>
 #include <utility>
 
 #include "server/http/problem.h"
@@ -86,6 +88,16 @@ void Fill(const HttpResponse& from, httplib::Response& to) {
   if (from.status != 304) to.set_content(from.body, from.content_type);
 }
 
+HttpResponse ProblemOf(const std::exception_ptr& thrown) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    return OutOfMemoryResponse();
+  } catch (...) {
+    return ProblemResponse(ErrorCode::kInternal, "internal server error");
+  }
+}
+
 // The request is the library's own variable, not a constant.
 void LeaveUndone(const httplib::Request& request) {
   auto& own = const_cast<httplib::Request&>(request);
@@ -117,10 +129,8 @@ class HttpEngine::Library : public httplib::Server {
       return HandlerResponse::Handled;
     }));
     // Without it the library would send the exception's text as a header.
-    set_exception_handler(
-        [](const httplib::Request&, httplib::Response& out, const std::exception_ptr&) {
-          Fill(ProblemResponse(ErrorCode::kInternal, "internal server error"), out);
-        });
+    set_exception_handler([](const httplib::Request&, httplib::Response& out,
+                             const std::exception_ptr& thrown) { Fill(ProblemOf(thrown), out); });
   }
 
   // A template, because versions of the library differ in what they want to be told.

@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <new>
 #include <utility>
 
 #include "core/base/error.h"
@@ -43,6 +44,7 @@ FileDescriptor Bind(const HttpOptions& options) {
   addrinfo* found = nullptr;
   const char* host = options.host.empty() ? nullptr : options.host.c_str();
   if (const int error = getaddrinfo(host, port.c_str(), &hints, &found); error != 0) {
+    if (error == EAI_MEMORY) throw std::bad_alloc();
     fail(gai_strerror(error));
   }
   FileDescriptor listener(-1);

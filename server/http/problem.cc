@@ -18,7 +18,7 @@ HttpResponse Problem(ErrorCode code, int status, const std::string& detail,
   body["detail"] = detail;
   body["code"] = info.name;
   HttpResponse response{status, "application/problem+json", Dump(body), {}};
-  if (code == ErrorCode::kBusy) {
+  if (code == ErrorCode::kBusy || code == ErrorCode::kOutOfMemory) {
     response.headers.emplace_back("Retry-After", std::to_string(retry_after_s));
   }
   if (code == ErrorCode::kUnauthorized) response.headers.emplace_back("WWW-Authenticate", "Bearer");
@@ -35,6 +35,11 @@ HttpResponse ProblemResponse(const MapError& error) {
   const int status = InfoOf(error.code()).http_status;
   const auto* busy = dynamic_cast<const BusyError*>(&error);
   return Problem(error.code(), status, error.what(), busy ? busy->retry_after_s() : kRetryS);
+}
+
+HttpResponse OutOfMemoryResponse() {
+  return ProblemResponse(ErrorCode::kOutOfMemory,
+                         "the server is out of memory; try again or send a smaller image");
 }
 
 HttpResponse ProblemResponseForStatus(int status) {

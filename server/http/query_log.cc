@@ -15,6 +15,7 @@
 
 #include "api/logged_query.h"
 #include "core/base/error.h"
+#include "core/base/folder.h"
 #include "server/http/file_descriptor.h"
 
 namespace waystone {
@@ -37,9 +38,12 @@ double SecondsSinceEpoch() {
 
 int64_t BytesIn(const fs::path& folder) {
   int64_t bytes = 0;
-  for (const auto& entry : fs::directory_iterator(folder)) {
+  for (const std::string& name : ListFolder(folder)) {
     std::error_code ignored;  // of a link that leads nowhere
-    if (entry.is_regular_file(ignored)) bytes += static_cast<int64_t>(entry.file_size(ignored));
+    const fs::path file = folder / name;
+    if (fs::is_regular_file(file, ignored)) {
+      bytes += static_cast<int64_t>(fs::file_size(file, ignored));
+    }
   }
   return bytes;
 }

@@ -6,7 +6,12 @@
 namespace waystone {
 
 RequestPool::RequestPool(int threads) : free_for_others_(threads) {
-  for (int i = 0; i < threads + 1; ++i) threads_.emplace_back([this] { Work(); });
+  try {
+    for (int i = 0; i < threads + 1; ++i) threads_.emplace_back([this] { Work(); });
+  } catch (...) {  // those that run already end first
+    Stop();
+    throw;
+  }
 }
 
 RequestPool::~RequestPool() { Stop(); }

@@ -2,6 +2,7 @@
 #include "server/http/router.h"
 
 #include <exception>
+#include <new>
 #include <optional>
 #include <set>
 #include <utility>
@@ -87,6 +88,8 @@ HttpResponse Router::Handle(const HttpRequest& request, const Route& route,
   } catch (const MapError& error) {
     if (error.code() == ErrorCode::kInternal) return InternalError(request, error.what());
     return ProblemResponse(error);
+  } catch (const std::bad_alloc&) {
+    return OutOfMemoryResponse();
   } catch (const std::exception& error) {
     return InternalError(request, error.what());
   } catch (...) {

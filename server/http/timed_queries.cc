@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <future>
+#include <new>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -48,7 +50,10 @@ RequestAnswer TimedQueries::Ask(const std::shared_ptr<const Session>& session,
   };
   try {
     std::thread(compute, std::move(promise), std::optional(std::move(turn))).detach();
-  } catch (...) {  // no more threads
+  } catch (const std::system_error&) {  // no memory for another thread's stack
+    Leave();
+    throw std::bad_alloc();
+  } catch (...) {
     Leave();
     throw;
   }

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace waystone {
+
+// The names of what is in a folder, in no order. Throws std::filesystem::filesystem_error where it
+// can't be read, and std::bad_alloc, for which std::filesystem::directory_iterator would end the
+// program.
+std::vector<std::string> ListFolder(const std::filesystem::path& folder);
+
+}  // namespace waystone

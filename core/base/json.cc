@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/json.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdlib>
+#include <functional>
+#include <mutex>
+#include <new>
+
+namespace waystone {
+namespace {
+
+// Enough for the values of some requests, which fail at their next other allocation.
+struct Reserve {
+  std::mutex mutex;
+  alignas(std::max_align_t) std::array<std::byte, 1 << 20> bytes;
+  size_t used = 0;
+  int blocks = 0;  // in it; it is empty again when the last one goes
+
+  bool Holds(const void* block) const {
+    return std::less_equal<>()(static_cast<const void*>(bytes.data()), block) &&
+           std::less<>()(block, static_cast<const void*>(bytes.data() + bytes.size()));
+  }
+};
+
+Reserve& TheReserve() {
+  static Reserve reserve;
+  return reserve;
+}
+
+}  // namespace
+
+void* AllocateForJson(size_t bytes) {
+  if (void* block = std::malloc(bytes)) return block;
+  constexpr size_t kAlignment = alignof(std::max_align_t);
+  const size_t taken = (bytes + kAlignment - 1) / kAlignment * kAlignment;
+  Reserve& reserve = TheReserve();
+  const std::lock_guard guard(reserve.mutex);
+  if (taken > reserve.bytes.size() - reserve.used) throw std::bad_alloc();
+  void* block = reserve.bytes.data() + reserve.used;
+  reserve.used += taken;
+  ++reserve.blocks;
+  return block;
+}
+
+void FreeOfJson(void* memory) {
+  Reserve& reserve = TheReserve();
+  if (!reserve.Holds(memory)) return std::free(memory);
+  const std::lock_guard guard(reserve.mutex);
+  if (--reserve.blocks == 0) reserve.used = 0;
+}
+
+}  // namespace waystone

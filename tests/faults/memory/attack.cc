@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/faults/memory/attack.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <iostream>
+#include <new>
+#include <vector>
+
+#include "tests/faults/memory/failing_memory.h"
+
+namespace waystone {
+namespace {
+
+// At most `most` of the numbers, evenly spread.
+std::vector<int64_t> Share(const std::vector<int64_t>& numbers, int64_t most) {
+  const int64_t count = std::min(std::ssize(numbers), most);
+  std::vector<int64_t> share;
+  for (int64_t i = 0; i < count; ++i) share.push_back(numbers[i * std::ssize(numbers) / count]);
+  return share;
+}
+
+// Whether std::bad_alloc was thrown.
+bool RunWith(const MemoryFault& fault, const std::function<void()>& run) {
+  const FailingMemory failing(CountedThreads::kThis, fault);
+  try {
+    run();
+    return false;
+  } catch (const std::bad_alloc&) {
+    return true;
+  }
+}
+
+}  // namespace
+
+MemoryAttack AttackMemory(const std::string& name, const std::function<void()>& run,
+                          const std::function<void(bool threw)>& check,
+                          const AttackLimits& limits) {
+  MemoryAttack attack;
+  run();  // what is made once for the process
+  check(false);
+  const std::vector<int64_t> paths = FindAllocationPaths(run);
+  check(false);
+  attack.allocations = FailingMemory::count();
+  attack.paths = std::ssize(paths);
+  for (const int64_t more : {int64_t{0}, kAllAfter}) {
+    for (const int64_t allocation : Share(paths, more == 0 ? limits.single : limits.lasting)) {
+      SCOPED_TRACE("allocation " + std::to_string(allocation) + (more == 0 ? "" : " and on"));
+      const bool threw = RunWith({.allocation = allocation, .more = more}, run);
+      ++attack.runs;
+      attack.threw += threw ? 1 : 0;
+      check(threw);
+      if (testing::Test::HasFatalFailure()) return attack;
+    }
+  }
+  std::cout << name << ": " << attack.allocations << " allocations by " << attack.paths
+            << " paths, " << attack.runs << " runs, " << attack.threw << " threw\n";
+  return attack;
+}
+
+}  // namespace waystone
