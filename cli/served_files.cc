@@ -24,7 +24,7 @@ std::vector<fs::path> ListFiles(const fs::path& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) return {path};
   std::vector<fs::path> files;
-  for (const std::string& name : ListFolder(path)) {
+  for (const std::string& name : FolderEntries(path)) {
     const fs::path file = path / name;
     if (file.extension() == kExtension && !name.starts_with('.') &&
         !fs::is_directory(file, ignored)) {

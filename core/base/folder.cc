@@ -24,7 +24,7 @@ struct CloseFolder {
 
 }  // namespace
 
-std::vector<std::string> ListFolder(const std::filesystem::path& folder) {
+std::vector<std::string> FolderEntries(const std::filesystem::path& folder) {
   const std::unique_ptr<DIR, CloseFolder> open(opendir(folder.c_str()));
   if (!open) ThrowUnlistable(folder);
   std::vector<std::string> names;

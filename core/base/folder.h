@@ -10,6 +10,6 @@ namespace waystone {
 // The names of what is in a folder, in no order. Throws std::filesystem::filesystem_error where it
 // can't be read, and std::bad_alloc, for which std::filesystem::directory_iterator would end the
 // program.
-std::vector<std::string> ListFolder(const std::filesystem::path& folder);
+std::vector<std::string> FolderEntries(const std::filesystem::path& folder);
 
 }  // namespace waystone

@@ -100,7 +100,7 @@ void RemoveAbandoned(const fs::path& target) {
   const std::string stem = StemOf(target);
   std::vector<std::string> names;
   try {
-    names = ListFolder(FolderOf(target));
+    names = FolderEntries(FolderOf(target));
   } catch (const fs::filesystem_error&) {
     return;
   }

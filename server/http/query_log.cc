@@ -38,7 +38,7 @@ double SecondsSinceEpoch() {
 
 int64_t BytesIn(const fs::path& folder) {
   int64_t bytes = 0;
-  for (const std::string& name : ListFolder(folder)) {
+  for (const std::string& name : FolderEntries(folder)) {
     std::error_code ignored;  // of a link that leads nowhere
     const fs::path file = folder / name;
     if (fs::is_regular_file(file, ignored)) {
