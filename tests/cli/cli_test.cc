@@ -301,7 +301,7 @@ TEST(PlotTrajectories, ShowsEveryLineAndEscapesLabels) {
       "a & b", {{"<truth>", "#222", {{0, 0}, {4, 0}}}, {"estimate", "#00f", {{0, 1}, {4, 2}}}});
   EXPECT_EQ(svg.find("<svg"), 0u);
   EXPECT_NE(svg.find("a &amp; b"), std::string::npos);
-  EXPECT_NE(svg.find("&lt;truth>"), std::string::npos);
+  EXPECT_NE(svg.find("&lt;truth&gt;"), std::string::npos);
   size_t lines = 0;
   for (size_t at = 0; (at = svg.find("<polyline", at)) != std::string::npos; ++at) ++lines;
   EXPECT_EQ(lines, 2u);
