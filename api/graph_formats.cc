@@ -24,6 +24,7 @@ std::string SourceOf(const MapIndex& index, const Plane& plane) {
 
 std::string Row(const Eigen::Matrix3d& matrix) {
   std::ostringstream out;
+  out.exceptions(std::ios::badbit);  // for memory that runs out
   out.precision(17);
   for (int i = 0; i < 9; ++i) out << (i ? " " : "") << matrix(i / 3, i % 3);
   return out.str();
@@ -31,6 +32,7 @@ std::string Row(const Eigen::Matrix3d& matrix) {
 
 std::string GraphMl(const MapIndex& index) {
   std::ostringstream out;
+  out.exceptions(std::ios::badbit);  // for memory that runs out
   out << R"(<?xml version="1.0" encoding="UTF-8"?>
 <graphml xmlns="http://graphml.graphdrawing.org/xmlns">
 <key id="source" for="node" attr.name="source" attr.type="string"/>
@@ -59,6 +61,7 @@ std::string GraphMl(const MapIndex& index) {
 
 std::string Dot(const MapIndex& index) {
   std::ostringstream out;
+  out.exceptions(std::ios::badbit);  // for memory that runs out
   out << "graph waystone {\n";
   for (const Plane& plane : index.map().planes) {
     std::string label;

@@ -79,6 +79,7 @@ class PositionSigma {
 std::string G2o(const PoseGraph& graph) {
   constexpr double kMinSigmaRad = 1e-4;  // 0 would be infinite information
   std::ostringstream out;
+  out.exceptions(std::ios::badbit);  // for memory that runs out
   out.precision(12);
   out << "# " << graph.map.info.program << "; lengths in " << graph.UnitText() << '\n';
   for (const AppearanceNode& node : graph.layer.nodes) {
@@ -130,6 +131,7 @@ std::string GeoJson(const PoseGraph& graph) {
 
 std::string Ply(const PoseGraph& graph) {
   std::ostringstream out;
+  out.exceptions(std::ios::badbit);  // for memory that runs out
   out.precision(9);
   out << "ply\nformat ascii 1.0\ncomment lengths in " << graph.UnitText() << "\nelement vertex "
       << graph.layer.nodes.size()
@@ -154,6 +156,7 @@ std::string Tum(const PoseGraph& graph) {
   const bool timed =
       std::all_of(nodes.begin(), nodes.end(), [](const auto& n) { return n.time_s.has_value(); });
   std::ostringstream out;
+  out.exceptions(std::ios::badbit);  // for memory that runs out
   out << "# " << (timed ? "time_s" : "frame number (not all nodes have a time)")
       << " x y z qx qy qz qw; x forward, z up; lengths in " << graph.UnitText() << '\n';
   SequenceId sequence;
@@ -182,6 +185,7 @@ std::string ResultLines(const PoseGraph& graph) {
   Eigen::Matrix3d node_from_camera;
   node_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   std::ostringstream out;
+  out.exceptions(std::ios::badbit);  // for memory that runs out
   out.precision(9);
   for (const AppearanceNode& node : graph.layer.nodes) {
     const Pose2 pose = graph.Scaled(node.pose);

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <fstream>
+#include <sstream>
 
 namespace waystone {
 namespace {
@@ -116,7 +117,10 @@ std::string Metrics::Text(const QueryGate::Load& load, size_t maps) const {
   impl_->waiting.Set(load.waiting);
   impl_->maps.Set(static_cast<double>(maps));
   impl_->memory.Set(ResidentBytes());
-  return prometheus::TextSerializer().Serialize(impl_->registry.Collect());
+  std::ostringstream out;
+  out.exceptions(std::ios::badbit);  // for memory that runs out: it would be half a text
+  prometheus::TextSerializer().Serialize(out, impl_->registry.Collect());
+  return out.str();
 }
 
 }  // namespace waystone

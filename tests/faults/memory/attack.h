@@ -16,8 +16,8 @@ struct MemoryAttack {
 };
 
 struct AttackLimits {
-  int64_t single = 1000;  // runs in which one allocation fails
-  int64_t lasting = 40;   // runs in which all from one on do
+  int64_t single = 200;  // runs in which one allocation fails
+  int64_t lasting = 20;  // runs in which all from one on do
 };
 
 // Runs `run` once for each path of calls by which it allocates, with the first allocation of that

@@ -35,7 +35,7 @@ TEST_F(MapMemory, AMapIsReadWholeOrNotAtAll) {
         ASSERT_TRUE(threw || index->map() == expected);
         index.reset();
       });
-  EXPECT_GT(attack.threw, attack.paths / 2);
+  EXPECT_GT(attack.threw, attack.runs / 2);
 }
 
 TEST_F(MapMemory, ASoundMapIsNotCalledDamaged) {
