@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <unordered_map>
@@ -242,9 +243,10 @@ std::vector<LabelledQuery> ReadPosedImages(const fs::path& folder, const ImagePo
   std::vector<LabelledQuery> queries = ReadNegatives(folder);
   for (size_t i = 0; i < queries.size(); ++i) {
     const std::string stem = queries[i].image.stem().string();
-    std::optional<double> time_s = ToNumber(stem);
-    if (time_s && !std::isfinite(*time_s)) time_s.reset();
-    const int order = time_s ? static_cast<int>(*time_s) : static_cast<int>(i);
+    const double time = ToNumber(stem).value_or(std::numeric_limits<double>::quiet_NaN());
+    const auto time_s = std::isfinite(time) ? std::optional(time) : std::nullopt;
+    constexpr double kMostFrames = 1e9;  // larger numbers are times alone
+    const int order = std::abs(time) < kMostFrames ? static_cast<int>(time) : static_cast<int>(i);
     const TruePose* pose = truth.Find(queries[i].image.string(), time_s, order);
     if (pose == nullptr) {
       throw MapError(ErrorCode::kNotFound, queries[i].image.string() +
