@@ -27,7 +27,9 @@ std::map<std::string, std::string> QueryParameters(std::string_view text) {
 void FuzzLocalizeRequest(FuzzInput input) {
   const auto [type, behind_type] = SplitLine(input);
   const auto [query, body] = SplitLine(behind_type);
-  HttpRequest http{.method = "POST", .query = QueryParameters(query)};
+  HttpRequest http;
+  http.method = "POST";
+  http.query = QueryParameters(query);
   http.header = [content_type = std::string(type)](const std::string& name) {
     return name == "Content-Type" ? std::optional(content_type) : std::nullopt;
   };

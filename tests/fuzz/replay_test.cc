@@ -74,7 +74,7 @@ TEST_P(FuzzReplay, BearsMutations) {
 
 INSTANTIATE_TEST_SUITE_P(Targets, FuzzReplay,
                          testing::ValuesIn(FuzzTargets().begin(), FuzzTargets().end()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& target) { return std::string(target.param.name); });
 
 TEST(FuzzTargets, EachHasItsCorpusAndEachCorpusItsTarget) {
   std::vector<std::string> folders;

@@ -24,13 +24,14 @@ void FuzzServerNames(FuzzInput input) {
     Require(ParseAuthority(WriteAuthority(*name)) == name,
             "a name is written and read to the same");
   }
-  const HttpRequest request{.method = "POST",
-                            .port = 8080,
-                            .header = [&](const std::string& header) -> std::optional<std::string> {
-                              if (header == "Host") return host_header;
-                              if (header == "Origin" && !origin.empty()) return origin;
-                              return std::nullopt;
-                            }};
+  HttpRequest request;
+  request.method = "POST";
+  request.port = 8080;
+  request.header = [&](const std::string& header) -> std::optional<std::string> {
+    if (header == "Host") return host_header;
+    if (header == "Origin" && !origin.empty()) return origin;
+    return std::nullopt;
+  };
   const ServerNames names;
   const bool admitted = ReadOrRefuse([&] {
                           names.Check(request);

@@ -47,7 +47,7 @@ TEST_P(GoldenWalkTest, LocalizesAsWhenItWasNew) {
   Eigen::Matrix3d then;            // the answer of the program that wrote it
   then << 1.2135532196456187, -0.009194853150588407, 25.25602922262787, 0.049039104583107646,
       1.0981634565959748, -34.93337971746402, 0.00013518412489610016, 1.145867575795292e-05, 1;
-  for (const Eigen::Vector2d x : {Eigen::Vector2d(320, 240), Eigen::Vector2d(160, 120)}) {
+  for (const Eigen::Vector2d& x : {Eigen::Vector2d(320, 240), Eigen::Vector2d(160, 120)}) {
     EXPECT_LT((Apply(plane->reference_from_query, x) - Apply(then, x)).norm(), 1.5);  // px
   }
 }
