@@ -17,10 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What was damaged before must not come out of a migration looking sound.
+// What was damaged before must not come out of a migration looking sound. `steps` are those that
+// made the map.
 void CheckBefore(const fs::path& path, std::span<const Migration> steps) {
   OpenedMap opened = OpenReadOnly(path);
-  const auto objects = ExpectedObjects(steps.first(opened.header.schema_version));
+  const auto objects = ExpectedObjects(steps);
   std::vector<MapProblem> problems = CheckFile(opened, objects).problems;
   if (problems.empty()) problems = FindAlteredContents(opened.database, objects);
   if (problems.empty()) return;
@@ -50,7 +51,7 @@ int MigrateFile(const fs::path& path, std::span<const Migration> steps,
   if (header.schema_version > newest || header.schema_version < 0) {
     CheckVersion(path, header.schema_version, newest);
   }
-  CheckBefore(path, steps);
+  CheckBefore(path, steps.first(header.schema_version));
   FileReplacer file(path, true);
   try {
     fs::copy_file(path, file.temporary(), fs::copy_options::overwrite_existing);
