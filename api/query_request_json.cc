@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "api/query_request_json.h"
 
-#include <algorithm>
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "core/geometry/angle.h"
 
 namespace waystone {
@@ -13,10 +13,7 @@ void RefuseRequest(const std::string& cause) { throw MapError(ErrorCode::kBadReq
 
 std::string QuoteShortened(const std::string& text) {
   constexpr size_t kShown = 40;
-  std::string shown = text.substr(0, kShown);
-  std::ranges::replace_if(
-      shown, [](unsigned char c) { return c < ' ' || c == 0x7F; }, '?');
-  return "'" + shown + "'";
+  return "'" + Printable(std::string_view(text).substr(0, kShown)) + "'";
 }
 
 namespace {

@@ -23,7 +23,7 @@ std::string Printable(std::string_view text);
 // `text` without the characters of `space` at its ends.
 std::string_view Trimmed(std::string_view text, std::string_view space = " \t\r\n");
 
-// Words of a line, apart by any of the `separators`.
+// Words of a line, separated by any of the `separators`.
 std::vector<std::string> Words(std::string_view line, std::string_view separators = " \t\r");
 
 // The number that is all of `word`, or nothing. Independent of the locale. A double may be infinite

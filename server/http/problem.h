@@ -23,8 +23,8 @@ class BusyError : public MapError {
 // The one place where an error becomes HTTP: an application/problem+json body (RFC 9457) with
 // {type, title, status, detail, code}, all but the detail from the table in core/base/error.cc.
 HttpResponse ProblemResponse(ErrorCode code, const std::string& detail);
-// The same for an error; a BusyError says when to come back (Retry-After), others that
-// are worth another try in a second.
+// The same for an error; a BusyError says when to come back (Retry-After), others that are worth
+// another try in a second.
 HttpResponse ProblemResponse(const MapError& error);
 
 // For std::bad_alloc.
