@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "api/json_value.h"
 #include "core/base/ids.h"
-#include "core/base/json.h"
 
 // The few ways in which our values become JSON.
 namespace waystone {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <type_traits>
 
-#include "core/base/json.h"
 #include "core/base/options.h"
 
 // The record of the options that a map was built with.
@@ -15,7 +15,7 @@ struct BuildOptions;
 namespace options_record_internal {
 
 template <class Value>
-Json ToRecord(const Value& value) {
+nlohmann::ordered_json ToRecord(const Value& value) {
   if constexpr (std::is_enum_v<Value>) {
     return std::string(NameOf(value));
   } else {
@@ -27,10 +27,10 @@ Json ToRecord(const Value& value) {
 
 // Every field of an options struct by its name: groups as objects, enums as their names.
 template <class Options>
-Json RecordFields(const Options& options) {
-  Json record = Json::object();
+nlohmann::ordered_json RecordFields(const Options& options) {
+  nlohmann::ordered_json record = nlohmann::ordered_json::object();
   VisitFields("", options, [&](const std::string& path, const auto&, const auto& value) {
-    Json* at = &record;
+    nlohmann::ordered_json* at = &record;
     size_t start = 0;
     for (size_t dot; (dot = path.find('.', start)) != std::string::npos; start = dot + 1) {
       at = &(*at)[path.substr(start, dot - start)];

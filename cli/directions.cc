@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "api/json_value.h"
 #include "builder/sources/rig_source.h"
 #include "cli/commands.h"
 #include "cli/directions_picture.h"
 #include "core/base/error.h"
-#include "core/base/json.h"
 #include "core/geometry/angle.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"

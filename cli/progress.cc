@@ -9,8 +9,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "api/json_value.h"
 #include "core/base/error.h"
-#include "core/base/json.h"
 
 namespace waystone {
 namespace {

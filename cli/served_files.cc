@@ -10,7 +10,7 @@
 
 #include "cli/map_file.h"
 #include "core/base/error.h"
-#include "core/base/folder.h"
+#include "schema/file/folder_entries.h"
 
 namespace waystone {
 namespace {

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/base/folder.h"
+#include "schema/file/folder_entries.h"
 
 namespace waystone {
 namespace {

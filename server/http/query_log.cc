@@ -15,7 +15,7 @@
 
 #include "api/logged_query.h"
 #include "core/base/error.h"
-#include "core/base/folder.h"
+#include "schema/file/folder_entries.h"
 #include "server/http/file_descriptor.h"
 
 namespace waystone {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/base/folder.h"
+#include "schema/file/folder_entries.h"
 
 #include <dirent.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/base/json.h"
+#include "api/json_value.h"
 
 #include <array>
 #include <cstddef>
