@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "cli/commands.h"
-#include "cli/printable_output.h"
+#include "cli/commands/commands.h"
+#include "cli/output/printable_output.h"
 #include "core/base/error.h"
 #include "core/base/option_text.h"
 #include "core/base/version.h"

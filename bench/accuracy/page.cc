@@ -4,11 +4,11 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "bench/accuracy/common.h"
-#include "cli/child_process.h"
+#include "cli/system/child_process.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "server/http/application.h"
 #include "server/http/http_server.h"
+#include "server/service/application.h"
 
 namespace waystone::bench {
 namespace {

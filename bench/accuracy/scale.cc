@@ -13,7 +13,7 @@
 #include "bench/accuracy/scale_map.h"
 #include "bench/accuracy/world_source.h"
 #include "bench/baseline/scenes.h"
-#include "cli/child_process.h"
+#include "cli/system/child_process.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "schema/file/map_store.h"

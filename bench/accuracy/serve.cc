@@ -12,8 +12,8 @@
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "schema/file/map_store.h"
-#include "server/http/application.h"
 #include "server/http/http_server.h"
+#include "server/service/application.h"
 #include "world/rig.h"
 
 // After Eigen, for which the macro _res of the resolver's header spells trouble.

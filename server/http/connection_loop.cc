@@ -4,11 +4,7 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
-#include <sys/epoll.h>
-#include <sys/eventfd.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -25,35 +21,17 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/error.h"
 #include "server/http/connection.h"
+#include "server/http/poller.h"
 #include "server/http/request_pool.h"
 
 namespace waystone {
 namespace {
 
-// Names of the two descriptors in epoll that are no connections.
-constexpr uint64_t kListener = 0;
-constexpr uint64_t kWakeUp = 1;
-constexpr uint64_t kFirstConnection = 2;
-constexpr int kTickMs = 100;      // between looks at the deadlines
-constexpr int kOtherFiles = 100;  // descriptors that aren't connections
+constexpr uint64_t kListener = 1;  // its id in the poller; connections have the next ones
+constexpr int kTickMs = 100;       // between looks at the deadlines
 constexpr size_t kReadBytes = 65'536;
 constexpr int kReadsAtOnce = 8;  // of one connection before others get their turn
-
-// As many connections as there may be files open, up to `wanted`.
-int RaiseFileLimit(int wanted) {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return wanted;
-  const rlim_t need = static_cast<rlim_t>(wanted) + kOtherFiles;
-  if (limit.rlim_cur < need) {
-    limit.rlim_cur = std::min(need, limit.rlim_max);
-    setrlimit(RLIMIT_NOFILE, &limit);
-    getrlimit(RLIMIT_NOFILE, &limit);
-  }
-  const rlim_t free = limit.rlim_cur > kOtherFiles ? limit.rlim_cur - kOtherFiles : 1;
-  return static_cast<int>(std::min<rlim_t>(free, static_cast<rlim_t>(wanted)));
-}
 
 std::string AddressText(const sockaddr_storage& address, socklen_t size) {
   std::array<char, NI_MAXHOST> text{};
@@ -72,14 +50,8 @@ class ConnectionLoop::Impl {
         answer_(std::move(answer)),
         budgets_{ByteBudget(options.max_bodies_bytes), ByteBudget(options.max_bodies_bytes)},
         listener_(std::move(listener)),
-        epoll_(epoll_create1(EPOLL_CLOEXEC)),
-        wake_up_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
         max_connections_(RaiseFileLimit(options.max_connections)) {
-    if (!epoll_.is_open() || !wake_up_.is_open()) {
-      throw MapError(ErrorCode::kInternal, "no file descriptor is left for the server");
-    }
     if (!admit_) admit_ = [](const std::string&) { return true; };
-    Control(EPOLL_CTL_ADD, wake_up_.get(), EPOLLIN, kWakeUp);
     Listen(true);
   }
   ~Impl() { Stop(nullptr); }
@@ -101,7 +73,7 @@ class ConnectionLoop::Impl {
     if (!thread_.joinable()) return;
     draining_ = true;
     stopping_ = true;
-    WakeUp();
+    poller_.WakeUp();
     thread_.join();
     if (on_late && late_) on_late();
     pool_->Stop();
@@ -115,7 +87,7 @@ class ConnectionLoop::Impl {
 
     FileDescriptor socket;
     Connection connection;
-    uint32_t watched = 0;      // epoll's events; 0: not in it
+    uint32_t watched = 0;      // the poller's events; 0: none
     bool half_closed = false;  // we send no more
   };
 
@@ -131,30 +103,15 @@ class ConnectionLoop::Impl {
     std::list<Finished> finished;
   };
 
-  void Control(int operation, int fd, uint32_t events, uint64_t id) const {
-    epoll_event event{};
-    event.events = events;
-    event.data.u64 = id;
-    epoll_ctl(epoll_.get(), operation, fd, &event);
-  }
-
   // Whether new connections are taken.
   void Listen(bool wanted) {
-    if (wanted == listens_) return;
+    poller_.Watch(listener_.get(), kListener, listens_ ? EPOLLIN : 0U, wanted ? EPOLLIN : 0U);
     listens_ = wanted;
-    Control(wanted ? EPOLL_CTL_ADD : EPOLL_CTL_DEL, listener_.get(), EPOLLIN, kListener);
-  }
-
-  void WakeUp() const {
-    const uint64_t one = 1;
-    [[maybe_unused]] const ssize_t written = write(wake_up_.get(), &one, sizeof(one));
   }
 
   void Run() {
-    std::array<epoll_event, 64> events{};
     while (!stopping_ || !Ended()) {
-      const int count = epoll_wait(epoll_.get(), events.data(), events.size(), kTickMs);
-      for (int i = 0; i < count; ++i) OnEvent(events[i]);
+      for (const epoll_event& event : poller_.Wait(kTickMs)) OnEvent(event);
       TakeFinished();
       if (stopping_) BeginEnd();
       if (SecondsSince(last_tick_) * 1e3 >= kTickMs) OnTick();
@@ -170,11 +127,6 @@ class ConnectionLoop::Impl {
       } catch (const std::bad_alloc&) {
         return;  // the connection was closed
       }
-    }
-    if (id == kWakeUp) {
-      uint64_t count = 0;
-      [[maybe_unused]] const ssize_t size = read(wake_up_.get(), &count, sizeof(count));
-      return;
     }
     const auto found = clients_.find(id);
     if (found == clients_.end()) return;  // closed by an event before
@@ -280,14 +232,7 @@ class ConnectionLoop::Impl {
     }
     const uint32_t wanted = (client.connection.wants_input() ? EPOLLIN : 0U) |
                             (client.connection.out().empty() ? 0U : EPOLLOUT);
-    Watch(it->first, client, wanted);
-  }
-
-  void Watch(uint64_t id, Client& client, uint32_t wanted) const {
-    if (wanted == client.watched) return;
-    const int operation =
-        wanted == 0 ? EPOLL_CTL_DEL : (client.watched == 0 ? EPOLL_CTL_ADD : EPOLL_CTL_MOD);
-    Control(operation, client.socket.get(), wanted, id);
+    poller_.Watch(client.socket.get(), it->first, client.watched, wanted);
     client.watched = wanted;
   }
 
@@ -326,7 +271,7 @@ class ConnectionLoop::Impl {
       const std::lock_guard guard(mutex_);
       finished_.splice(finished_.end(), exchange.finished);
     }
-    WakeUp();
+    poller_.WakeUp();
   }
 
   void TakeFinished() {
@@ -382,12 +327,11 @@ class ConnectionLoop::Impl {
   Answer answer_;
   ByteBudgets budgets_;
   FileDescriptor listener_;
-  FileDescriptor epoll_;
-  FileDescriptor wake_up_;
+  Poller poller_;
   const int max_connections_;
   bool listens_ = false;
   std::array<char, kReadBytes> buffer_{};
-  uint64_t next_id_ = kFirstConnection;
+  uint64_t next_id_ = kListener + 1;
   Clients clients_;
   int asked_ = 0;  // requests whose answers haven't been taken
   Clock::time_point last_tick_ = Clock::now();

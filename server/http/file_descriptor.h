@@ -7,7 +7,7 @@
 
 namespace waystone {
 
-// Closes the descriptor that it holds; below 0 it holds none. Inside server/http only.
+// Closes the descriptor that it holds; below 0 it holds none. Inside server only.
 class FileDescriptor {
  public:
   explicit FileDescriptor(int fd) : fd_(fd) {}

@@ -9,15 +9,15 @@
 #include <string>
 
 #include "api/audit_text.h"
-#include "cli/answer_text.h"
-#include "cli/build_text.h"
-#include "cli/csv_file.h"
-#include "cli/eval_text.h"
-#include "cli/map_file.h"
-#include "cli/printable_output.h"
-#include "cli/progress.h"
-#include "cli/trajectory_file.h"
-#include "cli/trajectory_plot.h"
+#include "cli/files/csv_file.h"
+#include "cli/files/map_file.h"
+#include "cli/files/trajectory_file.h"
+#include "cli/output/answer_text.h"
+#include "cli/output/build_text.h"
+#include "cli/output/eval_text.h"
+#include "cli/output/printable_output.h"
+#include "cli/output/progress.h"
+#include "cli/output/trajectory_plot.h"
 #include "core/base/error.h"
 
 namespace waystone {

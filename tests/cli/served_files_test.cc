@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files that can't be served, beside others that can.
-#include "cli/served_files.h"
+#include "cli/commands/served_files.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "schema/file/map_store.h"
-#include "tests/server/http/made_map.h"
+#include "tests/server/service/made_map.h"
 
 namespace waystone {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/settings.h"
+#include "cli/commands/settings.h"
 
 #include <gtest/gtest.h>
 

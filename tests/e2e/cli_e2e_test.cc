@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "api/json.h"
-#include "cli/child_process.h"
+#include "cli/system/child_process.h"
 #include "tests/e2e/shared_map.h"
 
 namespace waystone {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "api/json.h"
-#include "cli/child_process.h"
+#include "cli/system/child_process.h"
 #include "tests/e2e/shared_map.h"
 
 // After Eigen, for which the macro _res of the resolver's header spells trouble.

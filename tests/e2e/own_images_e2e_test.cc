@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "api/json.h"
-#include "cli/child_process.h"
+#include "cli/system/child_process.h"
 #include "tests/e2e/shared_map.h"
 #include "world/render.h"
 #include "world/rig.h"

@@ -7,12 +7,9 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "api/json.h"
-#include "cli/child_process.h"
+#include "cli/system/child_process.h"
+#include "tests/e2e/panorama_walk.h"
 #include "tests/e2e/shared_map.h"
-#include "world/render.h"
-#include "world/rig.h"
-#include "world/walk.h"
-#include "world/world.h"
 
 // After Eigen, for which the macro _res of the resolver's header spells trouble.
 #include <httplib.h>
@@ -21,31 +18,6 @@ namespace waystone {
 namespace {
 
 namespace fs = std::filesystem;
-
-class PanoramaCommands : public testing::Test {
- protected:
-  ~PanoramaCommands() override { fs::remove_all(folder_); }
-
-  static const World& Hall() {
-    static const World world = [] {
-      WorldOptions options;
-      options.texel_m = 0.02;
-      return World(DemoPlan(), options);
-    }();
-    return world;
-  }
-
-  // Writes a panorama with this yaw.
-  fs::path Write(const std::string& name, double yaw_rad) const {
-    const Renderer renderer(PanoramaCamera(256));
-    fs::path path = folder_ / name;
-    cv::imwrite(path.string(),
-                renderer.Render(Hall(), WorldFromCamera({6.5, 10.5, 1.5}, yaw_rad)).grey);
-    return path;
-  }
-
-  const fs::path folder_ = FreshFolder();
-};
 
 TEST_F(PanoramaCommands, CompassSaysHowPanoramasAreTurned) {
   const fs::path a = Write("a.png", 0.1);
@@ -92,45 +64,6 @@ TEST_F(PanoramaCommands, OneLineSaysWhatIsWrong) {
   EXPECT_NE(rig.err.find("front"), std::string::npos) << rig.err;
 }
 
-// A walk of panoramas through a room and its map, made once.
-class PanoramaMap : public PanoramaCommands {
- protected:
-  static constexpr int kPanoramas = 12;
-
-  static void SetUpTestSuite() {
-    home_ = FreshFolder();
-    fs::create_directory(home_ / "walk");
-    for (int i = 0; i < kPanoramas; ++i) Draw(home_ / "walk" / (std::to_string(i) + ".png"), i);
-    for (const double at : {2.5, 3.5, 4.5}) {
-      Draw(home_ / ("query" + std::to_string(static_cast<int>(at)) + ".png"), at);
-    }
-    build_ = RunWaystone({"build", home_ / "walk", "-o", home_ / "hall.db", "--json"});
-  }
-  static void TearDownTestSuite() { fs::remove_all(home_); }
-
-  // What is seen after so many steps of the walk.
-  static void Draw(const fs::path& path, double step) {
-    const Renderer renderer(PanoramaCamera(256));
-    RenderOptions noisy;
-    noisy.noise_sigma = 2;
-    noisy.noise_seed = static_cast<uint64_t>(10 * step) + 1;
-    const auto pose = WorldFromCamera({5.6 + 0.2 * step, 10.5, 1.5}, 0.05 * step);
-    cv::imwrite(path.string(), renderer.Render(Hall(), pose, noisy).grey);
-  }
-
-  // A photo to the front after so many steps, 80 degrees wide.
-  static void DrawPhoto(const fs::path& path, double step) {
-    const Renderer renderer(PinholeCamera(320, 240, 80 / 57.29578));
-    const auto pose = WorldFromCamera({5.6 + 0.2 * step, 10.5, 1.5}, 0.05 * step);
-    cv::imwrite(path.string(), renderer.Render(Hall(), pose).grey);
-  }
-
-  static fs::path Query(int step) { return home_ / ("query" + std::to_string(step) + ".png"); }
-
-  static inline fs::path home_;
-  static inline RunResult build_;
-};
-
 TEST_F(PanoramaMap, BuildKeepsFeaturesWithin20KilobytesANode) {
   ASSERT_EQ(build_.code, 0) << build_.err;
   const RunResult bare = RunWaystone(
@@ -154,87 +87,6 @@ TEST_F(PanoramaMap, AnAnswerHasItsPlace) {
   EXPECT_EQ(place["position"], answer["panorama"]["position"]);
   EXPECT_EQ(place["heading"], answer["heading"]);
   EXPECT_TRUE(place["position"]["x"].is_number());
-}
-
-// The walk's own panoramas, whose poses are known in each format.
-class PanoramaEval : public PanoramaMap {
- protected:
-  static Eigen::Isometry3d PoseAt(int step) {
-    return WorldFromCamera({5.6 + 0.2 * step, 10.5, 1.5}, 0.05 * step);
-  }
-
-  static std::string Numbers(const std::vector<double>& numbers, const char* apart) {
-    std::ostringstream text;
-    text.precision(12);
-    for (size_t i = 0; i < numbers.size(); ++i) text << (i == 0 ? "" : apart) << numbers[i];
-    return text.str();
-  }
-
-  static std::string Line(const std::string& format, int step) {
-    const Eigen::Isometry3d pose = PoseAt(step);
-    const Eigen::Vector3d& p = pose.translation();
-    const Eigen::Quaterniond q(pose.linear());
-    const std::string number = std::to_string(step);
-    if (format == "tum") {
-      return Numbers({1.0 * step, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()}, " ");
-    }
-    if (format == "csv") {
-      return number + ".png," + Numbers({p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()}, ",");
-    }
-    if (format == "kitti") {
-      std::vector<double> rows;
-      for (int i = 0; i < 12; ++i) rows.push_back(pose.matrix()(i / 4, i % 4));
-      return Numbers(rows, " ");
-    }
-    const Eigen::Isometry3d inverse = pose.inverse();
-    const Eigen::Vector3d& t = inverse.translation();
-    const Eigen::Quaterniond r(inverse.linear());
-    return number + " " + Numbers({r.w(), r.x(), r.y(), r.z(), t.x(), t.y(), t.z()}, " ") + " 1 " +
-           number + ".png\n";  // and no points
-  }
-
-  fs::path WritePoses(const std::string& format) const {
-    std::string text = format == "csv" ? "image,x,y,z,qx,qy,qz,qw\n" : "";
-    for (int i = 0; i < kPanoramas; ++i) text += Line(format, i) + "\n";
-    fs::path path = folder_ / ("poses." + (format == "csv" ? format : "txt"));
-    WriteFile(path, text);
-    return path;
-  }
-};
-
-TEST_F(PanoramaEval, TakesTruthInEveryFormat) {
-  ASSERT_EQ(build_.code, 0) << build_.err;
-  for (const char* format : {"csv", "tum", "kitti", "colmap"}) {
-    const RunResult run = RunWaystone({"eval", home_ / "hall.db", home_ / "walk", "--truth",
-                                       WritePoses(format), "--json", "--quiet"});
-    ASSERT_EQ(run.code, 0) << format << run.err;
-    const Json json = Json::parse(run.out);
-    EXPECT_EQ(json["positives"], kPanoramas) << format;
-    EXPECT_EQ(json["right"], kPanoramas) << format << run.out;
-    ASSERT_EQ(json["within"].size(), 3u) << format;
-    EXPECT_EQ(json["within"][0]["metres"], 0.25);
-    EXPECT_EQ(json["within"][0]["pose"], 1.0) << format << json["within"];
-    EXPECT_LT(json["position_m"]["max"].get<double>(), 0.1) << format;
-  }
-  const RunResult text = RunWaystone(
-      {"eval", home_ / "hall.db", home_ / "walk", "--truth", WritePoses("tum"), "--quiet"});
-  EXPECT_NE(text.out.find("0.25 m"), std::string::npos) << text.out;
-}
-
-TEST_F(PanoramaEval, LabelsNamePanoramasAndFalseAnswersAreListed) {
-  ASSERT_EQ(build_.code, 0) << build_.err;
-  WriteFile(folder_ / "queries.csv", "image,keyframe\n" + (home_ / "walk/3.png").string() +
-                                         ",3.png\n" + (home_ / "walk/5.png").string() + ",\n");
-  const RunResult run =
-      RunWaystone({"eval", home_ / "hall.db", folder_ / "queries.csv", "--json", "--quiet"});
-  ASSERT_EQ(run.code, 0) << run.err;
-  const Json json = Json::parse(run.out);
-  EXPECT_EQ(json["right"], 1) << run.out;
-  EXPECT_EQ(json["false_accepts"], 1) << run.out;
-  EXPECT_EQ(json["failures"][0]["best"], "5.png");
-  const RunResult bare = RunWaystone({"eval", home_ / "hall.db", home_ / "walk"});
-  EXPECT_EQ(bare.code, 2);
-  EXPECT_NE(bare.err.find("--truth"), std::string::npos) << bare.err;
 }
 
 TEST_F(PanoramaMap, LocalizeAnswersASeriesInOrder) {

@@ -11,7 +11,7 @@
 #include "api/json.h"
 #include "core/geometry/angle.h"
 #include "schema/file/map_store.h"
-#include "server/http/application.h"
+#include "server/service/application.h"
 #include "tests/e2e/calibrated_maps.h"
 #include "tests/e2e/shared_map.h"
 

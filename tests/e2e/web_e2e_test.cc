@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "cli/child_process.h"
+#include "cli/system/child_process.h"
 #include "tests/e2e/calibrated_maps.h"
 #include "tests/e2e/shared_map.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/http/localize_request.h"
+#include "server/service/localize_request.h"
 
 #include <map>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/pose_file.h"
+#include "cli/files/pose_file.h"
 
-#include "cli/trajectory_file.h"
+#include "cli/files/trajectory_file.h"
 #include "tests/fuzz/camera_yaml.h"
 #include "tests/fuzz/fuzz_targets.h"
 

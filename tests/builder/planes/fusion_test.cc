@@ -10,10 +10,9 @@
 #include <set>
 
 #include "builder/planes/plane_features.h"
-#include "core/base/error.h"
 #include "core/homography/homography.h"
 #include "tests/builder/planes/every_pair.h"
-#include "tests/builder/planes/made_scene.h"
+#include "tests/builder/planes/made_surface.h"
 
 namespace waystone {
 namespace {
@@ -21,75 +20,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-constexpr int kFrameWidth = 640;
-constexpr int kFrameHeight = 480;
 constexpr FeatureType kType = FeatureType::kSift;
-
-// A flat thing with features, in a frame of its own (px of some picture of it).
-struct Surface {
-  std::vector<Vector2d> points;
-  std::vector<std::vector<uint8_t>> descriptors;
-
-  void Add(int count, const Vector2d& low, const Vector2d& high, Random& random) {
-    for (int i = 0; i < count; ++i) {
-      const double x = random.Uniform(low.x(), high.x());
-      points.emplace_back(x, random.Uniform(low.y(), high.y()));
-      descriptors.push_back(RandomDescriptor(random));
-    }
-  }
-  void Add(const Surface& other) {
-    points.insert(points.end(), other.points.begin(), other.points.end());
-    descriptors.insert(descriptors.end(), other.descriptors.begin(), other.descriptors.end());
-  }
-};
-
-Surface RandomSurface(Random& random, int count = 100) {
-  Surface surface;
-  surface.Add(count, {60, 60}, {580, 420}, random);
-  return surface;
-}
-
-// What a reference image shows of a surface, with noise. Seen from the keyframe before and after.
-Plane PlaneOf(int64_t id, int64_t keyframe, const Surface& surface, const Matrix3d& h,
-              Random& random) {
-  Plane plane;
-  plane.id = PlaneId{id};
-  plane.reference = KeyframeId{keyframe};
-  plane.descriptors = Descriptors(DescriptorBytes(kType));
-  for (size_t i = 0; i < surface.points.size(); ++i) {
-    const Vector2d noise(random.Normal(), random.Normal());
-    const Vector2d x = Apply(h, surface.points[i]) + 0.2 * noise;
-    if (x.x() < 0 || x.y() < 0 || x.x() >= kFrameWidth || x.y() >= kFrameHeight) continue;
-    plane.features.push_back({{static_cast<float>(x.x()), static_cast<float>(x.y()), 8, 0}, 3, 4});
-    plane.descriptors.Append(surface.descriptors[i].data());
-  }
-  Matrix3d step = Matrix3d::Identity();
-  step(0, 2) = 5;
-  plane.views = {{KeyframeId{keyframe}, Matrix3d::Identity(), 50},
-                 {KeyframeId{keyframe + 1}, step, 50}};
-  return plane;
-}
-
-// Moves the corners of the image by up to 20 px.
-Matrix3d MildHomography(Random& random) {
-  const std::vector<Vector2d> corners = {{0, 0}, {640, 0}, {640, 480}, {0, 480}};
-  PointPairs pairs;
-  for (const Vector2d& corner : corners) {
-    const Vector2d moved(random.Uniform(-20, 20), random.Uniform(-20, 20));
-    pairs.Add(corner, corner + moved);
-  }
-  return *HomographyByDlt(pairs);
-}
-
-std::vector<Keyframe> Keyframes(int count) {
-  std::vector<Keyframe> keyframes(count);
-  for (int i = 0; i < count; ++i) {
-    keyframes[i].id = KeyframeId{i + 1};
-    keyframes[i].width = kFrameWidth;
-    keyframes[i].height = kFrameHeight;
-  }
-  return keyframes;
-}
 
 Edge EdgeBetween(int64_t a, int64_t b, double third = 1.2) {
   Edge edge{PlaneId{a}, PlaneId{b}, KeyframeId{1}, KeyframeId{2}, Matrix3d::Identity(), third};
@@ -408,28 +339,6 @@ TEST(FusePlanes, FindsWhatTryingEveryPairFinds) {
     EXPECT_TRUE(std::is_sorted(pairs.begin(), pairs.end()));
     for (const auto& [a, b] : pairs) EXPECT_LT(a, b);
   }
-}
-
-TEST(FusionOptions, OutOfTheirRangeAreRefused) {
-  const auto expect_refused = [](auto change) {
-    FusionOptions options;
-    change(options);
-    EXPECT_THROW(options.Check(), MapError);
-  };
-  expect_refused([](auto& o) { o.min_votes = 0; });
-  expect_refused([](auto& o) { o.votes_per_feature = 0; });
-  expect_refused([](auto& o) { o.max_voters = 0; });
-  expect_refused([](auto& o) { o.min_inliers = 4; });
-  expect_refused([](auto& o) { o.min_support = 1.1; });
-  expect_refused([](auto& o) { o.min_overlap = -0.1; });
-  expect_refused([](auto& o) { o.min_within_reach = 1.1; });
-  expect_refused([](auto& o) { o.neighbours = 1; });
-  expect_refused([](auto& o) { o.max_vote_distance = 0; });
-  expect_refused([](auto& o) { o.max_vote_ratio = 1.1; });
-  expect_refused([](auto& o) { o.index.training_rows = 0; });
-  expect_refused([](auto& o) { o.probes = 0; });
-  expect_refused([](auto& o) { o.max_moved_px = 0; });
-  EXPECT_NO_THROW(FusionOptions{}.Check());
 }
 
 }  // namespace

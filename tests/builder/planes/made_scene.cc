@@ -103,4 +103,15 @@ Isometry3d PoseAt(double x, double y, double z, double yaw_rad) {
   return pose;
 }
 
+MadeScene CornerScene(uint64_t seed) {
+  MadeScene scene(seed);
+  scene.AddWall({{-1.6, -1.3, 4}, {1.5, 0, 2}, {0, 2.6, 0}}, kPointsOfWall);
+  scene.AddWall({{0.1, -1.3, 6}, {1.5, 0, -2}, {0, 2.6, 0}}, kPointsOfWall);
+  return scene;
+}
+
+Eigen::Isometry3d PassingPose(int frame) {
+  return PoseAt(-0.84 + 0.24 * frame, 0.02 * frame, 0.02 * frame, 0.07 - 0.02 * frame);
+}
+
 }  // namespace waystone

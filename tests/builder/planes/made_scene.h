@@ -61,6 +61,14 @@ class MadeScene {
   std::vector<MadePoint> points_;
 };
 
+constexpr int kPointsOfWall = 120;  // of a corner's
+
+// The corner of a room, both walls always in view.
+MadeScene CornerScene(uint64_t seed);
+
+// A camera that passes the corner from left to right.
+Eigen::Isometry3d PassingPose(int frame);
+
 // A camera at a place that looks along z, turned by `yaw_rad` around its y axis.
 Eigen::Isometry3d PoseAt(double x, double y, double z, double yaw_rad = 0);
 

@@ -10,7 +10,6 @@
 
 #include "builder/planes/plane_features.h"
 #include "core/base/check.h"
-#include "core/base/error.h"
 #include "core/homography/homology.h"
 #include "tests/builder/planes/made_scene.h"
 
@@ -23,20 +22,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kFrames = 8;
-constexpr int kPointsOfWall = 120;
-
-// The corner of a room, both walls always in view.
-MadeScene CornerScene(uint64_t seed) {
-  MadeScene scene(seed);
-  scene.AddWall({{-1.6, -1.3, 4}, {1.5, 0, 2}, {0, 2.6, 0}}, kPointsOfWall);
-  scene.AddWall({{0.1, -1.3, 6}, {1.5, 0, -2}, {0, 2.6, 0}}, kPointsOfWall);
-  return scene;
-}
-
-// The camera passes the corner from left to right.
-Isometry3d PassingPose(int frame) {
-  return PoseAt(-0.84 + 0.24 * frame, 0.02 * frame, 0.02 * frame, 0.07 - 0.02 * frame);
-}
 
 KeyframeId IdOf(int frame) { return KeyframeId{frame + 1}; }
 
@@ -406,32 +391,6 @@ TEST(PlaneTracker, RefusesIdsThatDoNotAscend) {
   tracker.AddKeyframe(KeyframeId{2}, scene.See(PassingPose(0)), true, std::nullopt);
   EXPECT_THROW(tracker.AddKeyframe(KeyframeId{2}, scene.See(PassingPose(1)), false, std::nullopt),
                CheckFailure);
-}
-
-TEST(PlaneLayerOptions, OutOfTheirRangeAreRefused) {
-  const auto expect_refused = [](auto change) {
-    PlaneLayerOptions options;
-    change(options);
-    try {
-      PlaneTracker tracker(options);
-      ADD_FAILURE() << "an option out of its range was taken";
-    } catch (const MapError& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kBadOptions);
-    }
-  };
-  expect_refused([](auto& o) { o.min_tracked = 4; });
-  expect_refused([](auto& o) { o.reacquire_px = 0; });
-  expect_refused([](auto& o) { o.reacquire_distance = 1.1; });
-  expect_refused([](auto& o) { o.max_extrapolation = -0.1; });
-  expect_refused([](auto& o) { o.min_anchored = 1.1; });
-  expect_refused([](auto& o) { o.min_vote_share = -0.1; });
-  expect_refused([](auto& o) { o.min_features = 3; });
-  expect_refused([](auto& o) { o.min_features_unconfirmed = o.min_features - 1; });
-  expect_refused([](auto& o) { o.match.max_ratio = 0; });
-  expect_refused([](auto& o) { o.segmentation.min_inliers = 0; });
-  expect_refused([](auto& o) { o.rotation.focal_steps = 1; });
-  expect_refused([](auto& o) { o.fusion.min_votes = 0; });
-  EXPECT_NO_THROW(PlaneLayerOptions{}.Check());
 }
 
 }  // namespace

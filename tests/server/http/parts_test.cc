@@ -1,22 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The server's small parts: problems, paging, routes, the gate, the home page.
+// HTTP's small parts: problems, paging, routes.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <chrono>
 #include <set>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "api/json.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
-#include "server/http/home_page.h"
 #include "server/http/paging.h"
 #include "server/http/problem.h"
-#include "server/http/query_gate.h"
 #include "server/http/router.h"
 
 namespace waystone {
@@ -134,84 +129,6 @@ TEST_F(RouterTest, BugsAreLoggedAndNotSent) {
   EXPECT_EQ(response.status, 500);
   EXPECT_EQ(response.body.find("secret"), std::string::npos);
   EXPECT_NE(log_.find("secret detail"), std::string::npos);
-}
-
-TEST(QueryGate, LetsInAsManyAsItMayAndTurnsTheRestAway) {
-  QueryGate gate(1, 1);
-  std::atomic<bool> second_in = false;
-  std::thread second;
-  {
-    const QueryGate::Turn first = gate.Enter();
-    second = std::thread([&] {
-      const QueryGate::Turn turn = gate.Enter();
-      second_in = true;
-    });
-    // The second one sits in the queue's only seat before long; from then on it is full.
-    bool busy = false;
-    for (int i = 0; i < 2000 && !busy; ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      if (i < 20) continue;
-      try {
-        const QueryGate::Turn third = gate.Enter();
-      } catch (const MapError& error) {
-        busy = error.code() == ErrorCode::kBusy;
-      }
-    }
-    EXPECT_TRUE(busy);
-    EXPECT_FALSE(second_in);
-  }
-  second.join();
-  EXPECT_TRUE(second_in);
-  const QueryGate::Turn again = gate.Enter();
-}
-
-TEST(QueryGate, SaysWhenThereMayBeRoom) {
-  QueryGate gate(1, 0);
-  const auto retry_after_s = [&] {
-    try {
-      const QueryGate::Turn turn = gate.Enter();
-    } catch (const BusyError& busy) {
-      return busy.retry_after_s();
-    }
-    return 0;
-  };
-  {
-    const QueryGate::Turn turn = gate.Enter();
-    EXPECT_EQ(retry_after_s(), 1) << "no turn has ended yet";
-    std::this_thread::sleep_for(std::chrono::milliseconds(1100));
-  }
-  const QueryGate::Turn turn = gate.Enter();
-  EXPECT_EQ(retry_after_s(), 2) << "a turn took over a second";
-}
-
-TEST(QueryGate, NeverMoreThanItsNumberInside) {
-  QueryGate gate(2, 100);
-  std::atomic<int> inside = 0;
-  std::atomic<int> most = 0;
-  std::vector<std::thread> threads;
-  for (int t = 0; t < 8; ++t) {
-    threads.emplace_back([&] {
-      for (int i = 0; i < 50; ++i) {
-        const QueryGate::Turn turn = gate.Enter();
-        const int now = ++inside;
-        int seen = most;
-        while (now > seen && !most.compare_exchange_weak(seen, now)) {
-        }
-        std::this_thread::yield();
-        --inside;
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-  EXPECT_LE(most, 2);
-  EXPECT_GE(most, 1);
-}
-
-TEST(HomePage, EscapesNames) {
-  const std::string page = HomePage({"<b>&\"x"}, "h<o>st");
-  EXPECT_EQ(page.find("<b>&"), std::string::npos);
-  EXPECT_EQ(page.find("h<o>st"), std::string::npos);
-  EXPECT_NE(page.find("/v1/maps/%3Cb%3E%26%22x/localize"), std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/commands/asked_server.h"
+
+#include <cstdlib>
+#include <fstream>
+
+#include "clients/cpp/waystone_client.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+std::string TokenOf(const ServerFlags& flags) {
+  if (flags.token_file.empty()) {
+    const char* token = std::getenv("WAYSTONE_TOKEN");
+    return token ? token : "";
+  }
+  std::ifstream in(flags.token_file);
+  std::string token;
+  if (!std::getline(in, token) || token.empty()) {
+    throw MapError(ErrorCode::kFileUnreadable,
+                   flags.token_file + " has no token on its first line; write the token there");
+  }
+  return token;
+}
+
+}  // namespace
+
+void AddServerFlags(CLI::App* command, ServerFlags& flags) {
+  command->add_option(
+      "--server", flags.url,
+      "Query this server (http://HOST:PORT) instead of a file; MAP is then the name of a map, "
+      "or - for all maps");
+  command
+      ->add_option("--token-file", flags.token_file,
+                   "File with the server's token; default: environment variable WAYSTONE_TOKEN")
+      ->needs("--server");
+}
+
+Json AskServer(const ServerFlags& flags, const std::string& map, const std::string& name,
+               const std::string& bytes, const Json& request) {
+  try {
+    const Client client(flags.url, {.token = TokenOf(flags)});
+    return client.Localize(Photo{name, bytes}, map == "-" ? "" : map, request);
+  } catch (const ClientError& error) {
+    throw MapError(ErrorCode::kFileUnreadable, flags.url + ": " + error.what());
+  }
+}
+
+}  // namespace waystone

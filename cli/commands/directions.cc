@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "api/json_value.h"
+#include "builder/sources/rig_source.h"
+#include "cli/commands/commands.h"
+#include "cli/output/directions_picture.h"
+#include "core/base/error.h"
+#include "core/geometry/angle.h"
+#include "core/manhattan/cube_rotations.h"
+#include "core/manhattan/great_circles.h"
+#include "core/manhattan/manhattan_frame.h"
+
+namespace waystone {
+namespace {
+
+struct DirectionsFlags {
+  std::vector<std::string> photos;
+  std::string camera;
+  std::string detector = "edge_drawing";
+  std::string draw;  // folder; empty for no pictures
+  bool json = false;
+};
+
+struct Directions {
+  std::string image;
+  ManhattanFrame frame;
+};
+
+// Columns are the axes, as the rig sees them.
+Json AxesJson(const Eigen::Matrix3d& axes) {
+  Json rows = Json::array();
+  for (int axis = 0; axis < 3; ++axis) {
+    rows.push_back({axes(0, axis), axes(1, axis), axes(2, axis)});
+  }
+  return rows;
+}
+
+Json MatrixJson(const Eigen::Matrix3d& matrix) { return AxesJson(matrix.transpose()); }
+
+Json ToJson(const Directions& answer) {
+  const ManhattanFrame& frame = answer.frame;
+  return {{"image", answer.image},
+          {"reliable", frame.reliable()},
+          {"trouble", NameOf(frame.error)},
+          {"axes", AxesJson(frame.rig_from_axes)},
+          {"lines", frame.lines},
+          {"support", frame.support},
+          {"lines_of_no_axis", std::ranges::count(frame.axis_of_line, -1)},
+          {"rival", frame.rival},
+          {"covariance_rad2", MatrixJson(frame.covariance)},
+          {"sigma_rad", frame.sigma_rad()}};
+}
+
+std::string HumanText(const Directions& answer) {
+  const ManhattanFrame& frame = answer.frame;
+  std::string text = answer.image + ": ";
+  char line[128];
+  if (frame.reliable()) {
+    (void)std::snprintf(line, sizeof line, "reliable, sigma %.2f degrees\n",
+                        kDegreesPerRadian * frame.sigma_rad());
+    text += line;
+  } else {
+    text += "not reliable: " + std::string(SentenceOf(frame.error)) + "\n";
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d v = frame.rig_from_axes.col(axis);
+    (void)std::snprintf(line, sizeof line, "  axis %d  (%7.4f, %7.4f, %7.4f)  %d lines\n", axis + 1,
+                        v.x(), v.y(), v.z(), frame.lines[axis]);
+    text += line;
+  }
+  return text;
+}
+
+// A moment's images and what was found in them.
+struct Looked {
+  std::vector<cv::Mat> images;
+  std::vector<GreatCircle> lines;
+  ManhattanFrame frame;
+};
+
+Looked LookAt(const RigSequence& sequence, const RigMoment& moment, const SegmentOptions& options) {
+  Looked looked{.images = ReadMoment(sequence, moment), .lines = {}, .frame = {}};
+  for (size_t c = 0; c < looked.images.size(); ++c) {
+    const auto found = FindGreatCircles(sequence.rig, static_cast<int>(c),
+                                        DetectSegments(looked.images[c], options));
+    looked.lines.insert(looked.lines.end(), found.begin(), found.end());
+  }
+  looked.frame = FindManhattanFrame(looked.lines);
+  return looked;
+}
+
+// "rgb/000012.jpg" becomes "rgb_000012_lines.png": no photo of the same folder is overwritten.
+std::string PictureName(std::string source) {
+  std::ranges::replace(source, '/', '_');
+  return std::filesystem::path(source).stem().string() + "_lines.png";
+}
+
+void SavePicture(const std::filesystem::path& folder, const std::string& source,
+                 const cv::Mat& picture) {
+  std::error_code ignored;  // what can't be made can't be written to either
+  std::filesystem::create_directories(folder, ignored);
+  const std::filesystem::path path = folder / PictureName(source);
+  if (cv::imwrite(path.string(), picture)) return;
+  throw MapError(ErrorCode::kFileUnwritable,
+                 path.string() + " can't be written; choose another folder or free up space");
+}
+
+// Answers every moment of a photo or folder, following the axes from one to the next. Returns
+// whether all images could be read.
+bool AnswerSequence(const std::string& path, const DirectionsFlags& flags) {
+  RigOptions options;
+  if (!flags.camera.empty()) options.rig_file = flags.camera;
+  const RigSequence sequence = OpenRigSequence(path, options);
+  const SegmentOptions segments{.detector = SegmentDetectorByName(flags.detector)};
+  bool all_read = true;
+  // At first the axes nearest to the rig's own: x right, y down, z forward.
+  Eigen::Matrix3d previous = Eigen::Matrix3d::Identity();
+  for (const RigMoment& moment : sequence.moments) {
+    Looked looked;
+    try {
+      looked = LookAt(sequence, moment, segments);
+    } catch (const MapError& error) {
+      std::cerr << "waystone: " << error.what() << '\n';
+      all_read = false;
+      continue;
+    }
+    looked.frame = Renumbered(std::move(looked.frame), previous);
+    if (looked.frame.reliable()) previous = looked.frame.rig_from_axes;
+    if (!flags.draw.empty()) {
+      SavePicture(flags.draw, moment.source,
+                  DrawDirections(sequence.rig, looked.images, looked.lines, looked.frame));
+    }
+    const Directions answer{.image = moment.source, .frame = std::move(looked.frame)};
+    std::cout << (flags.json ? ToJson(answer).dump() + "\n" : HumanText(answer)) << std::flush;
+  }
+  return all_read;
+}
+
+int RunDirections(const DirectionsFlags& flags) {
+  bool all_read = true;
+  for (const std::string& path : flags.photos) all_read &= AnswerSequence(path, flags);
+  return all_read ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
+}
+
+}  // namespace
+
+void AddDirections(CLI::App& app, Run& run) {
+  auto flags = std::make_shared<DirectionsFlags>();
+  CLI::App* command = app.add_subcommand(
+      "directions", "Estimate the Manhattan axes in images of calibrated cameras");
+  command
+      ->add_option("photos", flags->photos, "Photos, panoramas, or folders of images or of a rig")
+      ->required();
+  command->add_option("--camera", flags->camera,
+                      "Camera or rig file; default: rig.yaml or camera.yaml beside the photos");
+  command->add_option("--detector", flags->detector, "Line detector: edge_drawing, canny or lsd")
+      ->capture_default_str();
+  command->add_option("--draw", flags->draw,
+                      "Write NAME_lines.png to this folder for each photo: a copy with its lines "
+                      "coloured by axis, 1 red, 2 green, 3 blue");
+  command->add_flag("--json", flags->json, "Print one JSON object per photo");
+  command->footer(
+      "Axes are unit vectors in the camera or rig frame (x right, y down, z forward). Their order\n"
+      "is the one closest to that frame, and is tracked through the photos of a folder. Exits\n"
+      "with status 3 if any photo can't be read, after processing the others.\n"
+      "Example: waystone directions photo.jpg --camera camera.yaml --json");
+  command->callback([flags, &run] { run = [flags] { return RunDirections(*flags); }; });
+}
+
+}  // namespace waystone

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/answer_json.h"
+#include "api/query_request_json.h"
+#include "cli/commands/asked_server.h"
+#include "cli/commands/commands.h"
+#include "cli/commands/settings.h"
+#include "cli/files/map_file.h"
+#include "cli/output/answer_text.h"
+#include "core/base/error.h"
+#include "core/geometry/angle.h"
+#include "core/image/decode.h"
+#include "localizer/session.h"
+
+namespace waystone {
+namespace {
+
+struct LocalizeFlags {
+  std::string map;
+  std::vector<std::string> photos;
+  bool json = false;
+  bool series = false;
+  std::optional<double> fov_deg;
+  std::vector<std::string> settings;  // of --set
+  ServerFlags server;
+};
+
+LocalizeOptions MakeLocalizeOptions(const LocalizeFlags& flags) {
+  LocalizeOptions options;
+  ApplySettings(flags.settings, options);
+  options.Check();
+  return options;
+}
+
+// What the flags say about a photo, for a map file and for a server alike.
+QueryRequest MakeRequest(const LocalizeFlags& flags, const std::string& photo) {
+  const std::vector<uint8_t> bytes = ReadBytes(photo);
+  QueryRequest request;
+  request.images.push_back({photo, std::string(bytes.begin(), bytes.end())});
+  if (flags.fov_deg) request.fov_rad = kDegree * *flags.fov_deg;
+  return request;
+}
+
+void Print(const Json& answer, bool json) {
+  std::cout << (json ? Dump(answer) : AnswerLine(answer)) << std::endl;
+}
+
+// Asks each photo; `ask` gives its answer as JSON. One that can't be read is named and passed over.
+// Returns whether all could be read.
+template <class AskPhoto>
+bool AnswerEach(const LocalizeFlags& flags, const AskPhoto& ask) {
+  bool all_read = true;
+  for (const std::string& photo : flags.photos) {
+    try {
+      const Json answer = ask(photo);
+      Print(answer, flags.json);
+      all_read &= answer.value("verdict", "") != NameOf(Verdict::kBadImage);
+    } catch (const MapError& error) {
+      if (error.code() != ErrorCode::kFileUnreadable && flags.server.url.empty()) throw;
+      std::cerr << "waystone: " << error.what() << '\n';
+      all_read = false;
+    }
+  }
+  return all_read;
+}
+
+bool AnswerByMap(const QueriedMap& map, const LocalizeFlags& flags) {
+  const LocalizeOptions options = MakeLocalizeOptions(flags);
+  return AnswerEach(flags, [&](const std::string& photo) {
+    const Session session(MakeRequest(flags, photo), {map}, options);
+    return ToJson(OverallAnswer(session.Ask()));
+  });
+}
+
+// One panorama after the other, each asked with what the ones before it showed.
+bool AnswerSeries(const QueriedMap& map, const LocalizeFlags& flags) {
+  if (!map.index->HasAppearance()) {
+    throw MapError(ErrorCode::kUsage, "map '" + map.name +
+                                          "' has no appearance layer, which --series requires; "
+                                          "build it from panoramas or omit --series");
+  }
+  Series series(map, MakeLocalizeOptions(flags));
+  return AnswerEach(flags, [&](const std::string& photo) {
+    return ToJson(series.Ask(MakeRequest(flags, photo).images.front()));
+  });
+}
+
+// Asks a server instead, which names what it can't do.
+bool AnswerByServer(const LocalizeFlags& flags) {
+  return AnswerEach(flags, [&](const std::string& photo) {
+    const QueryRequest request = MakeRequest(flags, photo);
+    return AskServer(flags.server, flags.map, photo, request.images.front().bytes, ToJson(request));
+  });
+}
+
+int RunLocalize(const LocalizeFlags& flags) {
+  const bool by_server = !flags.server.url.empty();
+  if (by_server && flags.series) {
+    throw MapError(ErrorCode::kUsage, "--series requires a map file; omit --series or --server");
+  }
+  if (by_server && !flags.settings.empty()) {
+    throw MapError(ErrorCode::kUsage,
+                   "--set requires a map file; a server has the options it was started with");
+  }
+  bool all_read = true;
+  if (by_server) {
+    all_read = AnswerByServer(flags);
+  } else {
+    const OpenMap opened = OpenMapFile(flags.map, false);
+    const QueriedMap map{opened.name, opened.index};
+    all_read = flags.series ? AnswerSeries(map, flags) : AnswerByMap(map, flags);
+  }
+  return all_read ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
+}
+
+}  // namespace
+
+void AddLocalize(CLI::App& app, Run& run) {
+  auto flags = std::make_shared<LocalizeFlags>();
+  CLI::App* command = app.add_subcommand("localize", "Localize images with a map file or a server");
+  command->add_option("map", flags->map, "Map file; with --server the name of a map, or - for all")
+      ->required();
+  command->add_option("photos", flags->photos, "Image files")->required();
+  command->add_flag("--json", flags->json,
+                    "Print one JSON object per image, as the server returns it");
+  command->add_flag("--series", flags->series,
+                    "The images are consecutive panoramas of one robot; each answer uses the "
+                    "previous ones");
+  command
+      ->add_option("--fov-deg", flags->fov_deg,
+                   "Horizontal field of view of the photos in degrees, used by maps of panoramas; "
+                   "default: EXIF data")
+      ->check(CLI::Range(1.0, 179.0))
+      ->excludes("--series");
+  AddSetFlag(*command, flags->settings);
+  AddServerFlags(command, flags->server);
+  command->footer(
+      "Exits with status 3 if any image can't be read, after processing the others.\n"
+      "Example: waystone localize lab.db photo.jpg --json\n"
+      "         waystone localize office.db 1.jpg 2.jpg 3.jpg --series\n"
+      "         waystone localize office.db photo.jpg --fov-deg 63\n"
+      "         waystone localize - photo.jpg --server http://127.0.0.1:8080");
+  command->callback([flags, &run] { run = [flags] { return RunLocalize(*flags); }; });
+}
+
+}  // namespace waystone

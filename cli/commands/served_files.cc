@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/commands/served_files.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <exception>
+#include <new>
+#include <utility>
+
+#include "cli/files/map_file.h"
+#include "core/base/error.h"
+#include "schema/file/folder_entries.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kExtension = ".db";
+
+// Nothing is thrown for an entry that can't be looked at: opening it says what is wrong.
+std::vector<fs::path> ListFiles(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return {path};
+  std::vector<fs::path> files;
+  for (const std::string& name : FolderEntries(path)) {
+    const fs::path file = path / name;
+    if (file.extension() == kExtension && !name.starts_with('.') &&
+        !fs::is_directory(file, ignored)) {
+      files.push_back(file);
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// What becomes of a map whose file was refused.
+std::string Standing(const MapCatalog& catalog, const std::string& name) {
+  return catalog.Now()->contains(name) ? "still serving the previous version" : "not served";
+}
+
+// No file has it: a file with such a stamp counts as changed.
+constexpr uint64_t kNoInode = 0;
+
+// Ready for queries of every kind: none has to wait, in its turn, for an index that another makes.
+std::shared_ptr<const MapIndex> OpenServed(const fs::path& file) {
+  std::shared_ptr<const MapIndex> index = OpenMapFile(file, true).index;
+  if (index->map().appearance) index->node_features();
+  return index;
+}
+
+}  // namespace
+
+std::map<std::string, ServedFiles::Stamp> ServedFiles::Scan() const {
+  std::map<std::string, Stamp> found;
+  for (const fs::path& path : paths_) {
+    for (const fs::path& file : ListFiles(path)) {
+      struct stat status = {};
+      std::error_code error;
+      Stamp stamp{file, fs::last_write_time(file, error), 0, 0};
+      if (stat(file.c_str(), &status) == 0) {
+        stamp.size = static_cast<uintmax_t>(status.st_size);
+        stamp.inode = status.st_ino;
+      }
+      const auto [it, is_new] = found.emplace(MapNameOf(file), stamp);
+      if (!is_new && it->second.path != file) {
+        throw MapError(ErrorCode::kUsage, it->second.path.string() + " and " + file.string() +
+                                              " have the same name; maps are named after their "
+                                              "files, so rename one");
+      }
+    }
+  }
+  return found;
+}
+
+bool ServedFiles::IsGiven(const fs::path& file) const {
+  return std::find(paths_.begin(), paths_.end(), file) != paths_.end();
+}
+
+ServedFiles::Opened ServedFiles::OpenAll() {
+  Opened opened;
+  known_ = Scan();
+  std::exception_ptr first;
+  for (auto& [name, stamp] : known_) {
+    try {
+      opened.maps.emplace(name, OpenServed(stamp.path));
+    } catch (const std::bad_alloc&) {
+      if (IsGiven(stamp.path)) throw;
+      if (!first) first = std::current_exception();
+      opened.refused.push_back({name, "out of memory; not served, trying again", false, true});
+      stamp.inode = kNoInode;
+    } catch (const std::exception& error) {
+      if (IsGiven(stamp.path)) throw;
+      if (!first) first = std::current_exception();
+      opened.refused.push_back({name, std::string(error.what()) + "; not served", false});
+    }
+  }
+  if (opened.maps.empty() && first) std::rethrow_exception(first);
+  if (opened.maps.empty()) {
+    throw MapError(ErrorCode::kUsage, "no map (*.db) in " + paths_.front().string() +
+                                          "; create one with waystone build");
+  }
+  return opened;
+}
+
+ServedFiles::Change ServedFiles::Reload(MapCatalog& catalog, const std::string& name,
+                                        const fs::path& file) {
+  try {
+    std::shared_ptr<const MapIndex> index = OpenServed(file);
+    const std::string version = index->map().info.version;
+    catalog.Put(name, std::move(index));
+    return {name, "now serving " + version, true};
+  } catch (const std::bad_alloc&) {
+    return {name, "not reloaded, out of memory; " + Standing(catalog, name) + ", trying again",
+            false, true};
+  } catch (const std::exception& error) {
+    return {name, std::string(error.what()) + "; " + Standing(catalog, name), false};
+  }
+}
+
+std::vector<ServedFiles::Change> ServedFiles::Refresh(MapCatalog& catalog, bool all) {
+  std::vector<Change> changes;
+  std::map<std::string, Stamp> found;
+  try {
+    found = Scan();
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {  // a folder that is gone, or two maps of one name
+    return {{"", error.what(), false}};
+  }
+  for (auto& [name, stamp] : found) {
+    const auto before = known_.find(name);
+    if (!all && before != known_.end() && before->second == stamp) continue;
+    changes.push_back(Reload(catalog, name, stamp.path));
+    if (changes.back().retry) stamp.inode = kNoInode;
+  }
+  // A file that was given by its name and is away for a moment is being replaced.
+  for (const auto& [name, stamp] : known_) {
+    if (found.contains(name) || IsGiven(stamp.path)) continue;
+    catalog.Remove(name);
+    changes.push_back({name, "file removed; no longer served", true});
+  }
+  known_ = std::move(found);
+  return changes;
+}
+
+}  // namespace waystone

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "server/service/map_catalog.h"
+
+namespace waystone {
+
+// The map files of a server: those it was given and all *.db of the folders it was given. Says what
+// changed on the disk and reads it again. Not thread-safe; one thread looks after the files.
+class ServedFiles {
+ public:
+  explicit ServedFiles(std::vector<std::filesystem::path> paths) : paths_(std::move(paths)) {}
+
+  // What became of one file.
+  struct Change {
+    std::string name;
+    std::string message;  // for people; with the cause when the map was refused
+    bool good = true;     // the map was swapped, added or taken away
+    bool retry = false;   // there was no memory for it: the next Refresh looks at it again
+  };
+  struct Opened {
+    MapCatalog::Indices maps;
+    std::vector<Change> refused;  // files of folders that can't be read; the others are served
+  };
+  // Reads all maps. Throws as ReadMap does for a file that was given by its name, and where no file
+  // can be read; MapError(kUsage) for two of one name and for none.
+  Opened OpenAll();
+
+  // Looks which files are new, gone or changed (all that are there with `all`), and puts each new
+  // map into the catalog once it is whole. One that can't be read is refused: the map before it is
+  // served on, and the file is looked at again when it changes once more, or the next time where
+  // memory ran out. Throws std::bad_alloc; the next Refresh does what this one left.
+  std::vector<Change> Refresh(MapCatalog& catalog, bool all);
+
+ private:
+  // What tells one content of a file from another without reading it.
+  struct Stamp {
+    std::filesystem::path path;
+    std::filesystem::file_time_type time;
+    uintmax_t size = 0;
+    uint64_t inode = 0;
+    bool operator==(const Stamp&) const = default;
+  };
+  std::map<std::string, Stamp> Scan() const;              // by the maps' names
+  bool IsGiven(const std::filesystem::path& file) const;  // by its own name
+  static Change Reload(MapCatalog& catalog, const std::string& name,
+                       const std::filesystem::path& file);
+
+  std::vector<std::filesystem::path> paths_;
+  std::map<std::string, Stamp> known_;
+};
+
+}  // namespace waystone

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <set>
+
+#include "cli/commands/commands.h"
+#include "cli/files/panorama_file.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct UnwrapFlags {
+  std::vector<std::string> images;
+  std::string out;
+  PanoramaFlags panorama;
+};
+
+// The panorama's row at an elevation, kept inside.
+int RowAt(const Panorama& panorama, double elevation_rad) {
+  const double per_rad = panorama.grey.rows / (panorama.band.top_rad - panorama.band.bottom_rad);
+  return std::clamp(cvRound((panorama.band.top_rad - elevation_rad) * per_rad), 0,
+                    panorama.grey.rows - 1);
+}
+
+// The panorama with what is used between two lines, the rest darkened, and the front marked.
+cv::Mat DrawUsed(const Panorama& panorama, const ElevationBand& band) {
+  const int top = RowAt(panorama, band.top_rad);
+  const int bottom = RowAt(panorama, band.bottom_rad);
+  cv::Mat drawn = panorama.grey / 2;
+  panorama.grey.rowRange(top, bottom + 1).copyTo(drawn.rowRange(top, bottom + 1));
+  cv::cvtColor(drawn, drawn, cv::COLOR_GRAY2BGR);
+  const cv::Scalar orange(0, 140, 255);
+  for (const int row : {top, bottom}) cv::line(drawn, {0, row}, {drawn.cols - 1, row}, orange, 2);
+  const int front = drawn.cols / 2;
+  cv::line(drawn, {front, top}, {front, bottom}, orange, 1);
+  return drawn;
+}
+
+void Write(const fs::path& path, const cv::Mat& image) {
+  bool written = false;
+  try {
+    written = cv::imwrite(path.string(), image);
+  } catch (const cv::Exception&) {
+    written = false;
+  }
+  if (written) return;
+  throw MapError(ErrorCode::kFileUnwritable,
+                 "can't write " + path.string() + "; choose a writable folder");
+}
+
+int RunUnwrap(const UnwrapFlags& flags) {
+  const PanoramaOptions options = PanoramaOptionsOf(flags.panorama);
+  const SignatureOptions signature = SignatureOptionsOf(flags.panorama);
+  std::error_code failure;
+  fs::create_directories(flags.out, failure);
+  std::set<std::string> names;
+  for (const std::string& image : flags.images) {
+    const Panorama panorama = ReadPanorama(image, options);
+    ExtractBand(panorama, signature);  // refuses what a map would refuse
+    const fs::path path(image);
+    const std::string name = (path.has_filename() ? path : path.parent_path()).stem().string();
+    if (!names.insert(name).second) {
+      throw MapError(ErrorCode::kUsage, "two images are named " + name +
+                                            ", so their outputs would collide; unwrap them to "
+                                            "different folders");
+    }
+    const fs::path unwrapped = fs::path(flags.out) / (name + "_panorama.png");
+    const fs::path used = fs::path(flags.out) / (name + "_used.png");
+    Write(unwrapped, panorama.grey);
+    Write(used, DrawUsed(panorama, signature.band));
+    std::cout << image << ": " << unwrapped.string() << " (" << panorama.grey.cols << "x"
+              << panorama.grey.rows << "), " << used.string() << '\n';
+  }
+  return 0;
+}
+
+}  // namespace
+
+void AddUnwrap(CLI::App& app, Run& run) {
+  auto flags = std::make_shared<UnwrapFlags>();
+  CLI::App* command =
+      app.add_subcommand("unwrap", "Unwrap panoramic images and show the band that is used");
+  command->add_option("images", flags->images, "Panoramas, mirror images or rig folders")
+      ->required();
+  command->add_option("-o,--out", flags->out, "Output folder")->required();
+  AddPanoramaFlags(*command, flags->panorama);
+  command->footer(
+      "Writes NAME_panorama.png, the unwrapped image, and NAME_used.png with the band marked.\n"
+      "Example: waystone unwrap mirror.jpg -o unwrapped --mirror 320 240 60 230");
+  command->callback([flags, &run] { run = [flags] { return RunUnwrap(*flags); }; });
+}
+
+}  // namespace waystone

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/files/query_set.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <unordered_map>
+
+#include "cli/files/csv_file.h"
+#include "core/base/error.h"
+#include "core/base/text.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+// An image of the map.
+struct MappedImage {
+  PlaceId place;
+  SequenceId sequence;
+  int frame = 0;
+  std::string source;
+  std::optional<double> time_s;
+};
+
+std::vector<MappedImage> ImagesOf(const MapData& map) {
+  std::vector<MappedImage> images;
+  for (const Keyframe& k : map.keyframes) {
+    images.push_back({PlaceIdOf(k.id), k.sequence, k.frame, k.source, k.time_s});
+  }
+  if (!map.appearance) return images;
+  for (const AppearanceNode& n : map.appearance->nodes) {
+    images.push_back({PlaceIdOf(n.id), n.sequence, n.frame, n.source, n.time_s});
+  }
+  return images;
+}
+
+// The images of a map by the names that people give them.
+class ImageNames {
+ public:
+  explicit ImageNames(const MapIndex& index) : index_(index), images_(ImagesOf(index.map())) {
+    for (const MappedImage& image : images_) {
+      const std::string& sequence = index.FindSequence(image.sequence)->name;
+      by_name_[image.source].push_back(image.place);
+      by_name_[sequence + ":" + image.source].push_back(image.place);
+    }
+  }
+
+  // By source, or by "sequence:source".
+  const std::vector<PlaceId>& Find(const std::string& name) const {
+    static const std::vector<PlaceId> kNone;
+    const auto found = by_name_.find(name);
+    return found == by_name_.end() ? kNone : found->second;
+  }
+
+  // The sequence with a name; without one, the map's only sequence.
+  const Sequence* FindSequence(const std::string& name) const {
+    const std::vector<Sequence>& all = index_.map().sequences;
+    if (name.empty()) return all.size() == 1 ? &all.front() : nullptr;
+    const auto found = std::find_if(
+        all.begin(), all.end(), [&](const Sequence& sequence) { return sequence.name == name; });
+    return found == all.end() ? nullptr : &*found;
+  }
+
+  // Of each layer, the last image at or before a frame and the first one at or after it.
+  std::vector<PlaceId> Around(SequenceId sequence, int frame) const {
+    std::vector<PlaceId> ids;
+    for (const PlaceLayer layer : {PlaceLayer::kPlanes, PlaceLayer::kAppearance}) {
+      const MappedImage* before = nullptr;
+      const MappedImage* after = nullptr;
+      for (const MappedImage& image : images_) {
+        if (image.sequence != sequence || image.place.layer != layer) continue;
+        if (image.frame <= frame && (!before || image.frame > before->frame)) before = &image;
+        if (image.frame >= frame && (!after || image.frame < after->frame)) after = &image;
+      }
+      if (before) ids.push_back(before->place);
+      if (after && after != before) ids.push_back(after->place);
+    }
+    return ids;
+  }
+
+ private:
+  const MapIndex& index_;
+  std::vector<MappedImage> images_;
+  std::unordered_map<std::string, std::vector<PlaceId>> by_name_;
+};
+
+std::vector<std::string> SplitNames(const std::string& cell) {
+  std::vector<std::string> names;
+  std::istringstream text(cell);
+  for (std::string name; std::getline(text, name, '|');) {
+    if (!name.empty()) names.push_back(name);
+  }
+  return names;
+}
+
+[[noreturn]] void FailName(const CsvFile& file, int line, const std::string& cause) {
+  throw MapError(ErrorCode::kNotFound,
+                 file.path().string() + ", line " + std::to_string(line) + ": " + cause);
+}
+
+// One image, which both layers may have.
+std::vector<PlaceId> ImageNamed(const CsvFile& file, int line, const std::string& name,
+                                const ImageNames& names) {
+  const std::vector<PlaceId>& found = names.Find(name);
+  if (found.empty()) {
+    FailName(file, line,
+             "the map has no image \"" + name +
+                 "\"; GET /v1/maps/{map}/keyframes and /panoramas list them");
+  }
+  const auto of_layer = std::ranges::count(found, found.front().layer, &PlaceId::layer);
+  if (of_layer > 1) {
+    FailName(file, line,
+             "the map has " + std::to_string(of_layer) + " images \"" + name +
+                 "\"; specify it as sequence:source");
+  }
+  return found;
+}
+
+// "120" or "kitchen:120".
+struct FrameName {
+  SequenceId sequence;
+  int frame = 0;
+};
+
+FrameName ParseFrame(const CsvFile& file, int line, const std::string& cell,
+                     const ImageNames& names) {
+  const size_t colon = cell.rfind(':');
+  const std::string sequence_name = colon == std::string::npos ? "" : cell.substr(0, colon);
+  const std::string number = colon == std::string::npos ? cell : cell.substr(colon + 1);
+  const bool whole = !number.empty() && number.size() < 10 &&
+                     std::all_of(number.begin(), number.end(),
+                                 [](unsigned char c) { return std::isdigit(c) != 0; });
+  if (!whole) file.Fail(line, "frame is \"" + cell + "\"; it must be a frame number");
+  const Sequence* sequence = names.FindSequence(sequence_name);
+  if (sequence == nullptr) {
+    FailName(file, line,
+             sequence_name.empty()
+                 ? "the map has several sequences; specify the frame as sequence:frame"
+                 : "the map has no sequence \"" + sequence_name + "\"; `waystone info` lists them");
+  }
+  return {sequence->id, std::stoi(number)};
+}
+
+// How a file says where a row belongs.
+struct PlaceColumns {
+  std::optional<size_t> keyframe;
+  std::optional<size_t> frame;
+};
+
+PlaceColumns FindPlaceColumns(const CsvFile& file) {
+  const PlaceColumns columns{file.Column("keyframe"), file.Column("frame")};
+  if (columns.keyframe.has_value() == columns.frame.has_value()) {
+    file.Fail(1, "the header must have either a keyframe or a frame column");
+  }
+  return columns;
+}
+
+std::vector<PlaceId> TruthOf(const CsvFile& file, const CsvFile::Row& row,
+                             const PlaceColumns& columns, const ImageNames& names) {
+  const std::string& cell = row.cells[columns.keyframe ? *columns.keyframe : *columns.frame];
+  std::vector<PlaceId> truth;
+  for (const std::string& name : SplitNames(cell)) {
+    if (columns.keyframe) {
+      const std::vector<PlaceId> named = ImageNamed(file, row.line, name, names);
+      truth.insert(truth.end(), named.begin(), named.end());
+      continue;
+    }
+    const FrameName frame = ParseFrame(file, row.line, name, names);
+    const std::vector<PlaceId> around = names.Around(frame.sequence, frame.frame);
+    if (around.empty())
+      FailName(file, row.line, "the sequence of frame " + name + " has no images in the map");
+    truth.insert(truth.end(), around.begin(), around.end());
+  }
+  return truth;
+}
+
+fs::path ImageIn(const CsvFile& file, const CsvFile::Row& row, size_t column) {
+  if (row.cells[column].empty()) file.Fail(row.line, "the image field is empty");
+  fs::path image = file.path().parent_path() / row.cells[column];
+  std::error_code error;
+  if (fs::is_regular_file(image, error)) return image;
+  throw MapError(ErrorCode::kFileUnreadable, file.path().string() + ", line " +
+                                                 std::to_string(row.line) +
+                                                 ": file not found: " + image.string() +
+                                                 "; paths are relative to the CSV file");
+}
+
+bool IsImage(const fs::path& path) {
+  static constexpr std::array kEndings = {".jpg", ".jpeg", ".png", ".bmp", ".pgm", ".ppm", ".pnm"};
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+}
+
+}  // namespace
+
+std::vector<LabelledQuery> ReadQuerySet(const fs::path& path, const MapIndex& index) {
+  const CsvFile file(path);
+  const std::optional<size_t> image = file.Column("image");
+  if (!image) file.Fail(1, "the header has no image column");
+  const PlaceColumns place = FindPlaceColumns(file);
+  const std::optional<PoseColumns> pose = PoseColumns::Find(file);
+  const ImageNames names(index);
+  std::vector<LabelledQuery> queries;
+  for (const CsvFile::Row& row : file.rows()) {
+    queries.push_back({ImageIn(file, row, *image), TruthOf(file, row, place, names),
+                       pose ? pose->Read(file, row) : std::nullopt});
+  }
+  if (queries.empty()) file.Fail(1, "no queries; add one line per image after the header");
+  return queries;
+}
+
+std::vector<LabelledQuery> ReadNegatives(const fs::path& folder) {
+  std::error_code error;
+  std::vector<LabelledQuery> queries;
+  fs::recursive_directory_iterator at(folder, error);
+  for (; !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
+    std::error_code unknown;
+    if (at->is_regular_file(unknown) && IsImage(at->path()))
+      queries.push_back({at->path(), {}, {}});
+  }
+  if (error) {
+    throw MapError(ErrorCode::kFileUnreadable,
+                   folder.string() + ": " + error.message() + "; expected a folder of images");
+  }
+  if (queries.empty()) {
+    throw MapError(ErrorCode::kBadSource,
+                   folder.string() + " contains no images; expected JPEG, PNG, BMP or PNM files");
+  }
+  std::sort(queries.begin(), queries.end(),
+            [](const LabelledQuery& a, const LabelledQuery& b) { return a.image < b.image; });
+  return queries;
+}
+
+std::vector<LabelledQuery> ReadPosedImages(const fs::path& folder, const ImagePoses& truth,
+                                           const PlacePoses& places, double near_m) {
+  std::vector<LabelledQuery> queries = ReadNegatives(folder);
+  for (size_t i = 0; i < queries.size(); ++i) {
+    const std::string stem = queries[i].image.stem().string();
+    const double time = ToNumber(stem).value_or(std::numeric_limits<double>::quiet_NaN());
+    const auto time_s = std::isfinite(time) ? std::optional(time) : std::nullopt;
+    constexpr double kMostFrames = 1e9;  // larger numbers are times alone
+    const int order = std::abs(time) < kMostFrames ? static_cast<int>(time) : static_cast<int>(i);
+    const TruePose* pose = truth.Find(queries[i].image.string(), time_s, order);
+    if (pose == nullptr) {
+      throw MapError(ErrorCode::kNotFound, queries[i].image.string() +
+                                               " has no pose in the file of --truth; add it or "
+                                               "remove the image");
+    }
+    queries[i].pose = *pose;
+    for (const auto& [place, of_place] : places) {
+      const double apart =
+          (of_place.world_from_camera.translation() - pose->world_from_camera.translation()).norm();
+      if (apart <= near_m) queries[i].truth.push_back(place);
+    }
+  }
+  return queries;
+}
+
+PlacePoses PosesOfPlaces(const ImagePoses& poses, const MapIndex& index) {
+  PlacePoses of_places;
+  for (const MappedImage& image : ImagesOf(index.map())) {
+    const TruePose* pose = poses.Find(image.source, image.time_s, image.frame);
+    if (pose != nullptr) of_places.emplace(image.place, *pose);
+  }
+  if (!of_places.empty()) return of_places;
+  throw MapError(ErrorCode::kNotFound,
+                 "the file of --poses has no pose of an image of the map; poses are associated by "
+                 "image name, time stamp or frame number");
+}
+
+}  // namespace waystone

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/output/answer_text.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "core/geometry/angle.h"
+
+namespace waystone {
+namespace {
+
+// The part of an answer that the path names; null where something is missing.
+Json At(const Json& json, std::initializer_list<const char*> path) {
+  const Json* at = &json;
+  for (const char* name : path) {
+    if (!at->is_object() || !at->contains(name)) return nullptr;
+    at = &(*at)[name];
+  }
+  return *at;
+}
+
+std::string TextAt(const Json& json, std::initializer_list<const char*> path) {
+  const Json value = At(json, path);
+  return value.is_string() ? value.get<std::string>() : "";
+}
+
+double NumberAt(const Json& json, std::initializer_list<const char*> path) {
+  const Json value = At(json, path);
+  return value.is_number() ? value.get<double>() : 0;
+}
+
+// " near 7.jpg at (1.20, -3.45), heading 31 deg"; the heading with a position alone.
+std::string Where(const Json& answer) {
+  const std::string image = TextAt(answer, {"place", "image"});
+  std::string line = image.empty() ? "" : " near " + image;
+  if (!At(answer, {"place", "position"}).is_object()) return line;
+  char text[100];
+  (void)std::snprintf(text, sizeof text, " at (%.2f, %.2f)",
+                      NumberAt(answer, {"place", "position", "x"}),
+                      NumberAt(answer, {"place", "position", "y"}));
+  line += text;
+  if (At(answer, {"place", "heading"}).is_object()) {
+    (void)std::snprintf(text, sizeof text, ", heading %.0f deg",
+                        NumberAt(answer, {"place", "heading", "rad"}) * kDegreesPerRadian);
+    line += text;
+  }
+  return line;
+}
+
+}  // namespace
+
+std::string AnswerLine(const Json& answer) {
+  const std::string verdict = TextAt(answer, {"verdict"});
+  const std::string time =
+      std::to_string(std::lround(NumberAt(answer, {"timing_ms", "total"}))) + " ms";
+  std::string line = TextAt(answer, {"image"}) + ": " + verdict;
+  if (verdict != "localized") {
+    const std::string message = TextAt(answer, {"message"});
+    return line + (message.empty() ? "" : ": " + message) + " (" + time + ")";
+  }
+  line += Where(answer) + " (";
+  const Json planes = At(answer, {"planes"});
+  if (planes.is_array() && !planes.empty()) {
+    line += "plane " + std::to_string(std::lround(NumberAt(planes[0], {"id"}))) + ", " +
+            std::to_string(std::lround(NumberAt(planes[0], {"inliers"}))) + " inliers, ";
+  } else if (At(answer, {"epipolar"}).is_object()) {
+    line += std::to_string(std::lround(NumberAt(answer, {"epipolar", "inliers"}))) +
+            " epipolar inliers, ";
+  }
+  return line + time + ")";
+}
+
+}  // namespace waystone

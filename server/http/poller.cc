@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/poller.h"
+
+#include <sys/eventfd.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+constexpr uint64_t kWakeUp = 0;   // the id of the descriptor that ends a Wait
+constexpr int kOtherFiles = 100;  // descriptors that aren't connections
+
+void Control(int epoll, int operation, int fd, uint32_t events, uint64_t id) {
+  epoll_event event{};
+  event.events = events;
+  event.data.u64 = id;
+  epoll_ctl(epoll, operation, fd, &event);
+}
+
+}  // namespace
+
+Poller::Poller()
+    : epoll_(epoll_create1(EPOLL_CLOEXEC)), wake_up_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (!epoll_.is_open() || !wake_up_.is_open()) {
+    throw MapError(ErrorCode::kInternal, "no file descriptor is left for the server");
+  }
+  Control(epoll_.get(), EPOLL_CTL_ADD, wake_up_.get(), EPOLLIN, kWakeUp);
+}
+
+void Poller::Watch(int fd, uint64_t id, uint32_t watched, uint32_t wanted) const {
+  if (wanted == watched) return;
+  const int operation =
+      wanted == 0 ? EPOLL_CTL_DEL : (watched == 0 ? EPOLL_CTL_ADD : EPOLL_CTL_MOD);
+  Control(epoll_.get(), operation, fd, wanted, id);
+}
+
+std::span<const epoll_event> Poller::Wait(int timeout_ms) {
+  const int count = epoll_wait(epoll_.get(), events_.data(), events_.size(), timeout_ms);
+  const std::span<epoll_event> all(events_.data(), static_cast<size_t>(std::max(count, 0)));
+  const auto woken = std::ranges::partition(
+      all, [](const epoll_event& event) { return event.data.u64 != kWakeUp; });
+  if (!woken.empty()) {
+    uint64_t times = 0;
+    [[maybe_unused]] const ssize_t size = read(wake_up_.get(), &times, sizeof(times));
+  }
+  return all.first(all.size() - woken.size());
+}
+
+void Poller::WakeUp() const {
+  const uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = write(wake_up_.get(), &one, sizeof(one));
+}
+
+int RaiseFileLimit(int wanted) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return wanted;
+  const rlim_t need = static_cast<rlim_t>(wanted) + kOtherFiles;
+  if (limit.rlim_cur < need) {
+    limit.rlim_cur = std::min(need, limit.rlim_max);
+    setrlimit(RLIMIT_NOFILE, &limit);
+    getrlimit(RLIMIT_NOFILE, &limit);
+  }
+  const rlim_t free = limit.rlim_cur > kOtherFiles ? limit.rlim_cur - kOtherFiles : 1;
+  return static_cast<int>(std::min<rlim_t>(free, static_cast<rlim_t>(wanted)));
+}
+
+}  // namespace waystone

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+#include <tuple>
+
+#include "core/base/options.h"
+#include "server/http/server_names.h"
+#include "server/http/tokens.h"
+#include "server/service/localize_service.h"
+#include "server/service/map_service.h"
+
+namespace waystone {
+
+struct ServiceOptions {
+  LocalizeOptions localize;
+  RequestLimits limits;
+  int query_threads = 0;
+  int queue_length = 32;
+  // Who may ask. Empty: everybody.
+  Tokens tokens;
+  // By which names.
+  ServerNames names = ServerNames();
+  // Folder of the query log; empty for none.
+  std::string query_log;
+  int64_t query_log_bytes = 2'000'000'000;
+
+  static constexpr auto Fields() {
+    using Self = ServiceOptions;
+    return std::tuple{
+        OptionGroup{"localize", &Self::localize}, OptionGroup{"limits", &Self::limits},
+        OptionField{"query_threads", &Self::query_threads, Closed(0, 1024), "",
+                    "Queries computed at once; 0 takes as many as there are cores. More don't "
+                    "answer faster, they only answer later together."},
+        OptionField{"queue_length", &Self::queue_length, Closed(0, 100'000), "",
+                    "Queries that wait for their turn; the next ones get 429. A longer queue turns "
+                    "fewer away and keeps the last ones waiting longer."},
+        OptionField{"query_log_bytes", &Self::query_log_bytes, AtLeast(1), "bytes",
+                    "What the query log may hold; it ends when it is full."}};
+  }
+  void Check() const;  // throws MapError(kBadOptions)
+};
+
+// Everything behind the sockets: maps, queries, inspection, health and metrics, and around them who
+// may ask, names of requests, logs and headers. Thread-safe.
+class Application {
+ public:
+  struct Sinks {
+    std::function<void(const std::string&)> access;  // one JSON object a request; may be empty
+    std::function<void(const std::string&)> error;   // one line a mishap; may be empty
+  };
+
+  Application(const MapCatalog::Indices& maps, const ServiceOptions& options, Sinks sinks);
+
+  // Answers a request. Throws nothing but std::bad_alloc.
+  HttpResponse Answer(const HttpRequest& request);
+
+  MapCatalog& catalog() { return catalog_; }
+  Metrics& metrics() { return metrics_; }
+  // From now on /readyz says that the server ends, so that a load balancer sends nothing more.
+  void BeginStop() { stopping_ = true; }
+  // Queries that wait for their turn are turned away from now on.
+  void EndQueue() { gate_.Close(); }
+  // Whether a request with this header Authorization may send a body. Thread-safe.
+  bool Admit(const std::string& authorization) const {
+    return options_.tokens.Admit(authorization);
+  }
+
+ private:
+  void AddOperations();
+  HttpResponse Admitted(const HttpRequest& request) const;
+  HttpResponse Ready() const;
+  void Report(const HttpRequest& request, const HttpResponse& response, double seconds);
+  std::string NewId();
+
+  ServiceOptions options_;
+  Sinks sinks_;
+  MapCatalog catalog_;
+  QueryGate gate_;
+  Metrics metrics_;
+  std::unique_ptr<QueryLog> log_;
+  MapService inspection_;
+  LocalizeService queries_;
+  Router router_;
+  std::atomic<bool> stopping_ = false;
+  std::string id_prefix_;  // of requests that have no name of their own
+  std::atomic<uint64_t> requests_ = 0;
+};
+
+}  // namespace waystone

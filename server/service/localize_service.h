@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "api/query_request_json.h"
+#include "localizer/options.h"
+#include "server/http/router.h"
+#include "server/service/map_catalog.h"
+#include "server/service/metrics.h"
+#include "server/service/query_gate.h"
+#include "server/service/query_log.h"
+#include "server/service/timed_queries.h"
+
+namespace waystone {
+
+// The queries over HTTP: POST /v1/maps/{map}/localize and POST /v1/localize. A handler reads and
+// parses the whole body first, so that a slow client holds no query's turn, then waits for its
+// turn, asks the localizer and renders. Thread-safe.
+class LocalizeService {
+ public:
+  // All but the options must outlive the service; `log` may be null.
+  LocalizeService(const MapCatalog& catalog, QueryGate& gate, Metrics& metrics, QueryLog* log,
+                  const LocalizeOptions& options, const RequestLimits& limits)
+      : catalog_(catalog),
+        gate_(gate),
+        metrics_(metrics),
+        log_(log),
+        options_(options),
+        limits_(limits) {}
+
+  // Adds the routes. The service must outlive the router's last request.
+  void AddTo(Router& router);
+
+ private:
+  using ServedMaps = std::vector<std::shared_ptr<const ServedMap>>;
+
+  HttpResponse Answer(const HttpRequest& http, const ServedMaps& maps, bool across);
+
+  const MapCatalog& catalog_;
+  QueryGate& gate_;
+  Metrics& metrics_;
+  QueryLog* log_;
+  LocalizeOptions options_;
+  RequestLimits limits_;
+  TimedQueries computing_;
+};
+
+}  // namespace waystone

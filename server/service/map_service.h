@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "server/http/router.h"
+#include "server/service/map_catalog.h"
+#include "server/service/query_gate.h"
+
+namespace waystone {
+
+// What is in the maps over HTTP: summary, planes with features and views, graph, keyframes with
+// images, audit, the two layers. Lists come in pages. A handler finds and renders. Thread-safe.
+class MapService {
+ public:
+  // Both must outlive the service. Audits and what is found in pictures take a turn of
+  // the gate.
+  MapService(const MapCatalog& catalog, QueryGate& gate) : catalog_(catalog), gate_(gate) {}
+
+  // Adds the routes. The service must outlive the router's last request.
+  void AddTo(Router& router);
+
+ private:
+  using Captures = Router::Captures;
+  using Show = std::function<HttpResponse(const HttpRequest&, const ServedMap&, const Captures&)>;
+
+  void AddShow(Router& router, const std::string& pattern, Show show);
+  void AddLists(Router& router);
+  void AddSingles(Router& router);
+  void AddAppearance(Router& router);
+  void AddOrientation(Router& router);
+  HttpResponse Home(const HttpRequest& request) const;
+  HttpResponse ListMaps(const HttpRequest& request) const;
+
+  const MapCatalog& catalog_;
+  QueryGate& gate_;
+};
+
+}  // namespace waystone

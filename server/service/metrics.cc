@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/service/metrics.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <fstream>
+#include <sstream>
+
+namespace waystone {
+namespace {
+
+using prometheus::BuildCounter;
+using prometheus::BuildGauge;
+using prometheus::BuildHistogram;
+using prometheus::Histogram;
+
+constexpr double kSecondsPerMs = 1e-3;
+
+// Upper ends of the buckets: from an inspection to a query that waited long, and from one match to
+// a poster that fills the image.
+const Histogram::BucketBoundaries& SecondsBuckets() {
+  static const Histogram::BucketBoundaries buckets = {
+      0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 10};
+  return buckets;
+}
+const Histogram::BucketBoundaries& InlierBuckets() {
+  static const Histogram::BucketBoundaries buckets = {5, 10, 15, 20, 30, 50, 100, 200, 500};
+  return buckets;
+}
+
+double ResidentBytes() {
+  int64_t pages = 0;
+  int64_t resident = 0;
+  std::ifstream("/proc/self/statm") >> pages >> resident;
+  return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace
+
+struct Metrics::Impl {
+  prometheus::Registry registry;
+  prometheus::Family<Histogram>& requests = BuildHistogram()
+                                                .Name("waystone_request_duration_seconds")
+                                                .Help("Requests by route and status")
+                                                .Register(registry);
+  prometheus::Family<Histogram>& stages = BuildHistogram()
+                                              .Name("waystone_stage_duration_seconds")
+                                              .Help("Duration of query stages in seconds")
+                                              .Register(registry);
+  prometheus::Family<prometheus::Counter>& verdicts =
+      BuildCounter().Name("waystone_localized_total").Help("Answers by verdict").Register(registry);
+  prometheus::Family<prometheus::Counter>& reloads = BuildCounter()
+                                                         .Name("waystone_reloads_total")
+                                                         .Help("Map reloads by result")
+                                                         .Register(registry);
+  Histogram& inliers = BuildHistogram()
+                           .Name("waystone_inliers")
+                           .Help("Inliers of the best plane of localized queries")
+                           .Register(registry)
+                           .Add({}, InlierBuckets());
+  prometheus::Gauge& running = MakeGauge("waystone_queries_running", "Queries being processed");
+  prometheus::Gauge& waiting = MakeGauge("waystone_queries_waiting", "Queries in the queue");
+  prometheus::Gauge& maps = MakeGauge("waystone_maps", "Maps loaded");
+  prometheus::Gauge& memory =
+      MakeGauge("process_resident_memory_bytes", "Resident memory size in bytes");
+
+  prometheus::Gauge& MakeGauge(const std::string& name, const std::string& help) {
+    return BuildGauge().Name(name).Help(help).Register(registry).Add({});
+  }
+  void Observe(const std::string& stage, double ms) {
+    stages.Add({{"stage", stage}}, SecondsBuckets()).Observe(ms * kSecondsPerMs);
+  }
+};
+
+Metrics::Metrics() : impl_(std::make_unique<Impl>()) {
+  for (const Verdict verdict : {Verdict::kLocalized, Verdict::kAmbiguous, Verdict::kNotInMap,
+                                Verdict::kBadImage, Verdict::kUndecided}) {
+    impl_->verdicts.Add({{"verdict", NameOf(verdict)}});
+  }
+}
+Metrics::~Metrics() = default;
+
+void Metrics::CountRequest(const std::string& route, const std::string& method, int status,
+                           double seconds) {
+  const bool known = method == "GET" || method == "HEAD" || method == "POST";
+  impl_->requests
+      .Add({{"route", route.empty() ? "none" : route},
+            {"method", known ? method : "other"},
+            {"status", std::to_string(status)}},
+           SecondsBuckets())
+      .Observe(seconds);
+}
+
+void Metrics::CountAnswer(const Answer& answer) {
+  impl_->verdicts.Add({{"verdict", NameOf(answer.verdict)}}).Increment();
+  impl_->Observe("decode", answer.timing.decode_ms);
+  impl_->Observe("extract", answer.timing.extract_ms);
+  impl_->Observe("shortlist", answer.timing.shortlist_ms);
+  impl_->Observe("verify", answer.timing.verify_ms);
+  impl_->Observe("total", answer.timing.total_ms);
+  const std::vector<RecognisedPlane>& planes = answer.planes.recognised;
+  if (!planes.empty()) impl_->inliers.Observe(planes.front().inliers);
+}
+
+void Metrics::CountReload(bool good) {
+  impl_->reloads.Add({{"result", good ? "swapped" : "refused"}}).Increment();
+}
+
+std::string Metrics::Text(const QueryGate::Load& load, size_t maps) const {
+  impl_->running.Set(load.running);
+  impl_->waiting.Set(load.waiting);
+  impl_->maps.Set(static_cast<double>(maps));
+  impl_->memory.Set(ResidentBytes());
+  std::ostringstream out;
+  out.exceptions(std::ios::badbit);  // for memory that runs out: it would be half a text
+  prometheus::TextSerializer().Serialize(out, impl_->registry.Collect());
+  return out.str();
+}
+
+}  // namespace waystone

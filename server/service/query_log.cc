@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/service/query_log.h"
+
+#include <fcntl.h>
+#include <openssl/sha.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "api/logged_query.h"
+#include "core/base/error.h"
+#include "schema/file/folder_entries.h"
+#include "server/http/file_descriptor.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string Sha256Hex(const std::string& bytes) {
+  std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
+  SHA256(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), digest.data());
+  static constexpr char kDigits[] = "0123456789abcdef";
+  std::string hex;
+  for (const unsigned char byte : digest) hex += {kDigits[byte >> 4], kDigits[byte & 15]};
+  return hex;
+}
+
+double SecondsSinceEpoch() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+int64_t BytesIn(const fs::path& folder) {
+  int64_t bytes = 0;
+  for (const std::string& name : FolderEntries(folder)) {
+    std::error_code ignored;  // of a link that leads nowhere
+    const fs::path file = folder / name;
+    if (fs::is_regular_file(file, ignored)) {
+      bytes += static_cast<int64_t>(fs::file_size(file, ignored));
+    }
+  }
+  return bytes;
+}
+
+// Makes the folder for its owner alone, from its first moment on.
+void MakePrivateFolder(const fs::path& folder) {
+  std::error_code ignored;  // what can't be made can't be written to either
+  const fs::path whole = fs::absolute(folder).lexically_normal();
+  const fs::path path = whole.has_filename() ? whole : whole.parent_path();
+  fs::create_directories(path.parent_path(), ignored);
+  if (mkdir(path.c_str(), S_IRWXU) == 0) chmod(path.c_str(), S_IRWXU);  // whatever the umask
+}
+
+// Opens a file that its owner alone may read and write, whatever the umask and the folder's rights;
+// none through a link that somebody else put there.
+FileDescriptor OpenPrivate(const fs::path& path, int flags) {
+  constexpr mode_t kOwner = S_IRUSR | S_IWUSR;
+  FileDescriptor file(
+      open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | flags, kOwner));
+  if (file.is_open() && fchmod(file.get(), kOwner) != 0) file.Close();
+  return file;
+}
+
+bool WriteAll(const FileDescriptor& file, std::string_view bytes) {
+  while (file.is_open() && !bytes.empty()) {
+    const ssize_t written = write(file.get(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    bytes.remove_prefix(static_cast<size_t>(written));
+  }
+  return file.is_open();
+}
+
+}  // namespace
+
+QueryLog::QueryLog(fs::path folder, int64_t max_bytes,
+                   std::function<void(const std::string&)> on_error)
+    : folder_(std::move(folder)), max_bytes_(max_bytes), on_error_(std::move(on_error)) {
+  MakePrivateFolder(folder_);
+  if (!OpenPrivate(folder_ / kQueryLogLines, O_APPEND).is_open()) {
+    throw MapError(ErrorCode::kFileUnwritable,
+                   folder_.string() + " can't be written; choose another folder for --query-log");
+  }
+  bytes_ = BytesIn(folder_);
+}
+
+void QueryLog::Add(const std::string& id, const Json& map, const QueryRequest& request,
+                   const Json& answer) {
+  const std::lock_guard lock(mutex_);
+  if (full_) return;
+  std::vector<std::string> files;
+  for (const QueryImage& image : request.images) files.push_back(Store(image.bytes));
+  const std::string text =
+      Dump(LoggedQueryJson({id, map, request, answer}, SecondsSinceEpoch(), files)) + "\n";
+  if (!WriteAll(OpenPrivate(folder_ / kQueryLogLines, O_APPEND), text)) {
+    on_error_("the query log " + folder_.string() + " can't be written");
+  }
+  bytes_ += static_cast<int64_t>(text.size());
+  full_ = bytes_ >= max_bytes_;
+  if (full_)
+    on_error_("the query log " + folder_.string() + " is full; further queries are not logged");
+}
+
+std::string QueryLog::Store(const std::string& bytes) {
+  std::string name = Sha256Hex(bytes) + ".image";
+  const fs::path path = folder_ / name;
+  const FileDescriptor file = OpenPrivate(path, O_EXCL);
+  if (!file.is_open() && errno == EEXIST) return name;
+  if (!WriteAll(file, bytes)) {
+    on_error_("an image of the query log " + folder_.string() + " can't be written");
+    if (file.is_open()) unlink(path.c_str());  // a part would count as the image from now on
+    return name;
+  }
+  bytes_ += static_cast<int64_t>(bytes.size());
+  return name;
+}
+
+}  // namespace waystone

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/service/shrink_image.h"
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/base/check.h"
+#include "core/image/decode.h"
+
+namespace waystone {
+namespace {
+
+constexpr int kJpegQuality = 80;  // of copies for people
+
+}  // namespace
+
+std::vector<uint8_t> ShrunkJpeg(const std::vector<uint8_t>& jpeg, int width) {
+  const ImageHeader header = ReadImageHeader(jpeg);
+  if (header.width <= width) return jpeg;
+  const cv::Mat image = DecodeColour(jpeg);
+  const int height = std::max(1, image.rows * width / image.cols);
+  cv::Mat small;
+  cv::resize(image, small, {width, height}, 0, 0, cv::INTER_AREA);
+  std::vector<uint8_t> bytes;
+  WS_CHECK(cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}),
+           "can't encode a JPEG");
+  return bytes;
+}
+
+}  // namespace waystone

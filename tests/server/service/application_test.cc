@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands around the handlers: who may ask, names of requests, health, metrics, reload, logs.
+#include "server/service/application.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "api/logged_query.h"
+#include "core/base/error.h"
+#include "tests/server/service/made_map.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+using Headers = std::map<std::string, std::string>;
+
+class ApplicationTest : public testing::Test {
+ protected:
+  ApplicationTest() {
+    std::string name = (fs::temp_directory_path() / "waystone-app-XXXXXX").string();
+    EXPECT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  ~ApplicationTest() override { fs::remove_all(folder_); }
+
+  void Start(const ServiceOptions& options = {}) {
+    app_ = std::make_unique<Application>(
+        MapCatalog::Indices{{"lab", MapIndex::Build(MadeMap(3))}}, options,
+        Application::Sinks{[this](const std::string& line) { access_.push_back(line); },
+                           [this](const std::string& line) { errors_.push_back(line); }});
+  }
+
+  HttpResponse Ask(const std::string& method, const std::string& path, const Headers& headers = {},
+                   const std::string& body = "") {
+    HttpRequest request;
+    request.method = method;
+    request.path = path;
+    request.header = [&](const std::string& name) -> std::optional<std::string> {
+      const auto it = headers.find(name);
+      return it == headers.end() ? std::nullopt : std::optional(it->second);
+    };
+    request.read_body = [&] { return body; };
+    return app_->Answer(request);
+  }
+
+  Tokens TokensOf(const std::string& text) const {
+    std::ofstream(folder_ / "tokens") << text;
+    return Tokens::FromFile(folder_ / "tokens");
+  }
+
+  static std::string HeaderOf(const HttpResponse& response, const std::string& name) {
+    for (const auto& [key, value] : response.headers) {
+      if (key == name) return value;
+    }
+    return "";
+  }
+
+  fs::path folder_;
+  std::vector<std::string> access_;
+  std::vector<std::string> errors_;
+  std::unique_ptr<Application> app_;
+};
+
+const char* const kToken = "0123456789abcdef";
+
+TEST_F(ApplicationTest, OnlyTokensLetIn) {
+  ServiceOptions options;
+  options.tokens = TokensOf("# robots\n\n0123456789abcdef\nfedcba9876543210-second\n");
+  Start(options);
+  const auto status = [&](const std::string& authorization) {
+    return Ask("GET", "/v1/maps", {{"Authorization", authorization}}).status;
+  };
+  EXPECT_EQ(status(std::string("Bearer ") + kToken), 200);
+  EXPECT_EQ(status(std::string("bearer ") + kToken), 200);
+  EXPECT_EQ(status("Bearer fedcba9876543210-second"), 200);
+  for (const std::string wrong :
+       {"", "Bearer", "Bearer ", "Bearer 0123456789abcde", "Bearer 0123456789abcdeff",
+        "Basic 0123456789abcdef", "0123456789abcdef", "Bearer # robots"}) {
+    EXPECT_EQ(status(wrong), 401) << wrong;
+  }
+  EXPECT_EQ(HeaderOf(Ask("GET", "/v1/maps"), "WWW-Authenticate"), "Bearer");
+  EXPECT_EQ(Ask("POST", "/v1/localize", {}, "x").status, 401);
+  EXPECT_EQ(Ask("GET", "/metrics").status, 401);
+  EXPECT_EQ(Ask("GET", "/healthz").status, 200);
+  EXPECT_EQ(Ask("GET", "/readyz").status, 200);
+  // The page asks its reader for a token, and shows nothing of a map without.
+  EXPECT_EQ(Ask("GET", "/").status, 200);
+  EXPECT_EQ(Ask("GET", "/page/main.js").status, 200);
+  EXPECT_EQ(Ask("GET", "/plain").status, 401);
+  EXPECT_EQ(Ask("GET", "/page").status, 401);
+}
+
+TEST_F(ApplicationTest, TokenFilesAreChecked) {
+  for (const char* text : {"", "# none\n", "short\n", "0123456789 abcdef\n"}) {
+    EXPECT_THROW(TokensOf(text), MapError) << text;
+  }
+  EXPECT_THROW(Tokens::FromFile(folder_ / "nowhere"), MapError);
+}
+
+TEST_F(ApplicationTest, RequestsHaveNamesAndHeaders) {
+  Start();
+  EXPECT_EQ(HeaderOf(Ask("GET", "/healthz", {{"X-Request-Id", "robot-7.a"}}), "X-Request-Id"),
+            "robot-7.a");
+  const std::string made =
+      HeaderOf(Ask("GET", "/healthz", {{"X-Request-Id", "a\"b c"}}), "X-Request-Id");
+  EXPECT_NE(made, "a\"b c");
+  EXPECT_NE(made, HeaderOf(Ask("GET", "/healthz"), "X-Request-Id"));
+  const HttpResponse response = Ask("GET", "/nowhere");
+  EXPECT_EQ(HeaderOf(response, "Content-Security-Policy"),
+            "default-src 'none'; frame-ancestors 'none'");
+  EXPECT_EQ(HeaderOf(response, "Access-Control-Allow-Origin"), "");
+}
+
+TEST_F(ApplicationTest, LogsALineOfJsonARequest) {
+  Start();
+  Ask("GET", "/v1/maps/lab/planes/2", {{"X-Request-Id", "seven"}});
+  Ask("GET", "/v1/maps/a\"\n\xff/graph");
+  ASSERT_EQ(access_.size(), 2u);
+  const Json line = Json::parse(access_[0]);
+  EXPECT_EQ(line["id"], "seven");
+  EXPECT_EQ(line["route"], "/v1/maps/{map}/planes/{id}");
+  EXPECT_EQ(line["status"], 200);
+  EXPECT_EQ(access_[1].find('\n'), std::string::npos);
+  EXPECT_EQ(Json::parse(access_[1])["status"], 404);
+}
+
+TEST_F(ApplicationTest, CountsWhatItDoes) {
+  Start();
+  Ask("GET", "/v1/maps/lab/planes/2");
+  Ask("GET", "/v1/maps/lab/planes/3");
+  Ask("BREW", "/pot");
+  Ask("POST", "/v1/maps/lab/localize", {}, "no image");
+  const HttpResponse metrics = Ask("GET", "/metrics");
+  EXPECT_EQ(metrics.content_type, "text/plain; version=0.0.4");
+  for (const char* line :
+       {R"(waystone_localized_total{verdict="bad_image"} 1)", "waystone_maps 1",
+        R"(waystone_localized_total{verdict="localized"} 0)", "waystone_queries_waiting 0",
+        R"(method="GET",route="/v1/maps/{map}/planes/{id}",status="200"} 2)",
+        R"(method="other",route="none",status="404"} 1)", "process_resident_memory_bytes"}) {
+    EXPECT_NE(metrics.body.find(line), std::string::npos) << line << "\n" << metrics.body;
+  }
+}
+
+TEST_F(ApplicationTest, ReadyUntilItEnds) {
+  Start();
+  EXPECT_EQ(Ask("GET", "/readyz").status, 200);
+  app_->BeginStop();
+  EXPECT_EQ(Ask("GET", "/readyz").status, 503);
+  EXPECT_EQ(Ask("GET", "/v1/maps").status, 200);
+}
+
+TEST_F(ApplicationTest, VersionAndContract) {
+  Start();
+  EXPECT_TRUE(Json::parse(Ask("GET", "/version").body).contains("program"));
+  const Json contract = Json::parse(Ask("GET", "/openapi.json").body);
+  EXPECT_EQ(contract["openapi"], "3.1.0");
+  const std::string page = Ask("GET", "/api").body;
+  for (const auto& [path, operations] : contract["paths"].items()) {
+    EXPECT_NE(page.find(" " + path + "</code>"), std::string::npos) << path;
+  }
+}
+
+TEST_F(ApplicationTest, MapsAreExchangedUnderWay) {
+  Start();
+  const std::shared_ptr<const ServedMap> under_way = app_->catalog().Find("lab");
+  MapData other = MadeMap(5);
+  other.info.version = "sha256:other";
+  app_->catalog().Put("lab", MapIndex::Build(std::move(other)));
+  EXPECT_EQ(under_way->index().map().planes.size(), 3u);
+  EXPECT_EQ(Json::parse(Ask("GET", "/v1/maps/lab").body)["planes"], 5);
+  EXPECT_EQ(HeaderOf(Ask("GET", "/v1/maps/lab"), "ETag"), "\"sha256:other\"");
+  app_->catalog().Remove("lab");
+  EXPECT_EQ(Ask("GET", "/v1/maps/lab").status, 404);
+  EXPECT_EQ(Ask("GET", "/readyz").status, 503);
+  EXPECT_EQ(Ask("POST", "/v1/localize", {}, "x").status, 503);
+}
+
+TEST_F(ApplicationTest, QueriesAreLoggedAndReadAgain) {
+  ServiceOptions options;
+  options.query_log = folder_ / "log";
+  Start(options);
+  Ask("POST", "/v1/maps/lab/localize", {{"X-Request-Id", "../../x"}}, "one");
+  Ask("POST", "/v1/maps/lab/localize", {}, "one");
+  Ask("POST", "/v1/localize", {}, "two");
+  const std::vector<LoggedQuery> queries = ReadQueryLog(options.query_log);
+  ASSERT_EQ(queries.size(), 3u);
+  EXPECT_EQ(queries[0].map, "lab");
+  EXPECT_EQ(queries[0].request.images[0].bytes, "one");
+  EXPECT_EQ(queries[2].map, nullptr);
+  EXPECT_EQ(queries[2].answer["verdict"], "bad_image");
+  // Two images, the lines, and nothing else anywhere.
+  EXPECT_EQ(std::distance(fs::directory_iterator(options.query_log), {}), 3);
+}
+
+// The queries of a server run in parallel, each in one thread.
+TEST_F(ApplicationTest, ImagesAreComputedInOneThread) {
+  cv::setNumThreads(2);
+  Start();
+  EXPECT_EQ(cv::getNumThreads(), 1);
+}
+
+// Who waits for another's audit takes no query's turn meanwhile.
+TEST_F(ApplicationTest, OneAuditTakesOneTurn) {
+  const ServedMap map("lab", MapIndex::Build(MadeMap(3)));
+  QueryGate gate(1, 10);
+  std::vector<std::thread> askers;
+  {
+    const QueryGate::Turn busy = gate.Enter();
+    for (int i = 0; i < 3; ++i) askers.emplace_back([&] { map.Audit(gate); });
+    while (gate.load().waiting == 0) std::this_thread::yield();
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_EQ(gate.load().waiting, 1);
+  }
+  for (std::thread& asker : askers) asker.join();
+  EXPECT_EQ(gate.load().running, 0);
+}
+
+// A photo of 48 megapixels takes half a second to decode, and nothing interrupts that.
+TEST_F(ApplicationTest, DeadlinesAreKeptWhileAnImageIsDecoded) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<uint8_t> jpeg;
+  cv::Mat photo(6000, 8000, CV_8UC3);
+  cv::randu(photo, 0, 60);
+  cv::imencode(".jpg", photo, jpeg, {cv::IMWRITE_JPEG_QUALITY, 60});
+  ServiceOptions options;
+  options.query_threads = 1;
+  Start(options);
+  std::string body(jpeg.begin(), jpeg.end());
+  for (const int deadline_ms : {1, 100}) {
+    HttpRequest request;
+    request.method = "POST";
+    request.path = "/v1/maps/lab/localize";
+    request.query = {{"deadline_ms", std::to_string(deadline_ms)}};
+    request.header = [](const std::string&) { return std::nullopt; };
+    request.read_body = [&] { return body; };
+    const Clock::time_point start = Clock::now();
+    const Json answer = Json::parse(app_->Answer(request).body);
+    const std::chrono::duration<double, std::milli> took = Clock::now() - start;
+    EXPECT_LT(took.count(), deadline_ms + 100 * WAYSTONE_SLOWDOWN);
+    EXPECT_EQ(answer["verdict"], "undecided") << answer.dump();
+    EXPECT_EQ(answer["stage"], "queue");
+  }
+}
+
+// Photos of people's rooms, in a folder that everybody may read, of a program without a umask.
+TEST_F(ApplicationTest, QueryLogIsPrivate) {
+  const auto rights = [](const fs::path& path) { return fs::status(path).permissions(); };
+  const fs::perms file = fs::perms::owner_read | fs::perms::owner_write;
+  ServiceOptions options;
+  for (const mode_t mask : {0, 0777}) {
+    const fs::path open = folder_ / std::to_string(mask);
+    fs::create_directory(open);
+    std::ofstream(open / kQueryLogLines) << "";  // of an earlier version
+    fs::permissions(open, fs::perms::all);
+    fs::permissions(open / kQueryLogLines, fs::perms::all);
+    for (const fs::path& log : {open, open / "new"}) {
+      const mode_t before = umask(mask);
+      options.query_log = log;
+      Start(options);
+      Ask("POST", "/v1/localize", {}, "x");
+      umask(before);
+      EXPECT_EQ(ReadQueryLog(log).size(), 1U);
+      for (const auto& entry : fs::directory_iterator(log)) {
+        if (!entry.is_regular_file()) continue;
+        EXPECT_EQ(rights(entry), file) << entry.path();
+      }
+    }
+    EXPECT_EQ(rights(open / "new"), fs::perms::owner_all);
+  }
+}
+
+// Who may write to the folder leads the log to no other file.
+TEST_F(ApplicationTest, QueryLogFollowsNoLinks) {
+  std::ofstream(folder_ / "precious") << "mine";
+  fs::create_directory(folder_ / "log");
+  fs::create_symlink(folder_ / "precious", folder_ / "log" / kQueryLogLines);
+  ServiceOptions options;
+  options.query_log = folder_ / "log";
+  EXPECT_THROW(Start(options), MapError);
+  EXPECT_EQ(fs::file_size(folder_ / "precious"), 4U);
+}
+
+TEST_F(ApplicationTest, FullQueryLogSaysSoOnce) {
+  ServiceOptions options;
+  options.query_log = folder_ / "log";
+  options.query_log_bytes = 10;
+  Start(options);
+  for (int i = 0; i < 3; ++i) Ask("POST", "/v1/localize", {}, "x");
+  EXPECT_EQ(ReadQueryLog(options.query_log).size(), 1u);
+  ASSERT_EQ(errors_.size(), 1u);
+  EXPECT_NE(errors_[0].find("full"), std::string::npos);
+}
+
+TEST_F(ApplicationTest, UnusedFieldsAreNamed) {
+  Start();
+  const auto ask = [&](const std::string& json) {
+    return Ask("POST", "/v1/maps/lab/localize", {{"Content-Type", "application/json"}},
+               R"({"images":[{"data":""}],)" + json + "}");
+  };
+  const HttpResponse good = ask(R"("prior":{"keyframe":2},"previous":{"heading_rad":1})");
+  ASSERT_EQ(good.status, 200) << good.body;
+  EXPECT_EQ(Json::parse(good.body)["unused"], Json({"prior", "previous"}));
+  EXPECT_EQ(ask(R"("prior":{"keyframe":3})").status, 400);
+  const Json late = Json::parse(ask(R"("top_k":2,"debug":true)").body);
+  EXPECT_TRUE(late["candidates"].empty());
+  EXPECT_FALSE(late.contains("explanation")) << "bytes that are no image have none";
+  EXPECT_FALSE(late.contains("unused"));
+}
+
+}  // namespace
+}  // namespace waystone

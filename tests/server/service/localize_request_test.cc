@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/service/localize_request.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <string>
+
+#include "core/base/error.h"
+#include "server/http/body_parts.h"
+
+namespace waystone {
+namespace {
+
+using Query = std::map<std::string, std::string>;
+
+QueryRequest Read(const std::string& type, const std::string& body, const Query& query = {}) {
+  HttpRequest request;
+  request.query = query;
+  request.header = [&](const std::string&) { return type; };
+  request.read_body = [&] { return body; };
+  return ReadQueryRequest(request, {.max_images = 3});
+}
+
+ErrorCode CodeOf(const std::string& type, const std::string& body, const Query& query = {}) {
+  try {
+    Read(type, body, query);
+  } catch (const MapError& error) {
+    return error.code();
+  }
+  return ErrorCode::kInternal;
+}
+
+std::string Part(const std::string& disposition, const std::string& bytes) {
+  return "--B\r\nContent-Disposition: form-data; " + disposition + "\r\n\r\n" + bytes + "\r\n";
+}
+
+const char* const kForm = "Multipart/Form-Data; boundary=\"B\"";
+
+TEST(LocalizeRequest, RawBytesTakeQueryParameters) {
+  const QueryRequest request = Read("image/jpeg", "bytes",
+                                    {{"name", "a.jpg"},
+                                     {"fx", "500"},
+                                     {"fy", "501.5"},
+                                     {"cx", "320"},
+                                     {"cy", "-1e1"},
+                                     {"prior_keyframe", "7"},
+                                     {"top_k", "3"},
+                                     {"debug", "true"},
+                                     {"deadline_ms", "250"}});
+  ASSERT_EQ(request.images.size(), 1u);
+  EXPECT_EQ(request.images[0].name, "a.jpg");
+  EXPECT_EQ(request.images[0].bytes, "bytes");
+  EXPECT_EQ(request.intrinsics->fy, 501.5);
+  EXPECT_EQ(request.intrinsics->cy, -10);
+  EXPECT_EQ(request.prior_keyframe, KeyframeId{7});
+  EXPECT_EQ(request.top_k, 3);
+  EXPECT_TRUE(request.debug);
+  EXPECT_EQ(request.deadline_ms, 250);
+}
+
+TEST(LocalizeRequest, FormsHoldSeveralImagesAndARequest) {
+  const QueryRequest request =
+      Read(kForm, Part("name=\"image\"; filename=\"left \\\"1\\\".jpg\"", "one\r\n--A") +
+                      Part("name=request", R"({"fov_deg": 90, "previous": {"keyframe": 3}})") +
+                      Part("name=image", "") + "--B--\r\n");
+  ASSERT_EQ(request.images.size(), 2u);
+  EXPECT_EQ(request.images[0].name, "left \"1\".jpg");
+  EXPECT_EQ(request.images[0].bytes, "one\r\n--A");
+  EXPECT_EQ(request.images[1].bytes, "");
+  EXPECT_NEAR(*request.fov_rad, std::numbers::pi / 2, 1e-12);
+  EXPECT_EQ(request.previous->keyframe, KeyframeId{3});
+  EXPECT_FALSE(request.previous->belief);
+}
+
+TEST(LocalizeRequest, JsonHoldsBase64) {
+  const QueryRequest request = Read("application/json; charset=utf-8",
+                                    R"({"camera":"walk","images":[{"name":"x","data":"aGVsbG8="},)"
+                                    R"({"data":"data:image/png;base64,aGk="}]})");
+  EXPECT_EQ(request.stored_camera, "walk");
+  EXPECT_EQ(request.images[0].bytes, "hello");
+  EXPECT_EQ(request.images[1].bytes, "hi");
+}
+
+TEST(LocalizeRequest, ASeriesHasABeliefAndMotionsAndComesBackFromTheLog) {
+  const QueryRequest request =
+      Read("application/json",
+           R"({"images":[{"data":""},{"data":""}],"previous":{"map_version":"v","belief":[)"
+           R"({"node":3,"probability":0.5,"heading_rad":1,"deviation_rad":0.1}]},)"
+           R"("odometry":[null,{"x":1,"y":-2,"heading_rad":0.5}]})");
+  EXPECT_EQ(request.previous->map_version, "v");
+  EXPECT_EQ(request.previous->belief->at(0), (NodeBelief{AppearanceNodeId{3}, 0.5, 1, 0.1}));
+  ASSERT_EQ(request.odometry.size(), 2u);
+  EXPECT_FALSE(request.odometry[0]);
+  EXPECT_EQ(request.odometry[1], (Pose2{1, -2, 0.5}));
+  const QueryRequest again = ParseQueryRequest(ToJson(request), {});
+  EXPECT_EQ(again.odometry, request.odometry);
+  EXPECT_EQ(again.previous, request.previous);
+}
+
+TEST(LocalizeRequest, WhatIsWrongIsABadRequest) {
+  const std::vector<Query> queries = {
+      {{"fx", "500"}},
+      {{"fov_deg", "0"}},
+      {{"fov_deg", "x"}},
+      {{"fov_deg", "[60]"}},
+      {{"fov_deg", "60"}, {"camera", "walk"}},
+      {{"fx", "0"}, {"fy", "1"}, {"cx", "1"}, {"cy", "1"}},
+      {{"fx", "1e999"}, {"fy", "1"}, {"cx", "1"}, {"cy", "1"}},
+      {{"top_k", "0"}},
+      {{"top_k", "2.5"}},
+      {{"top_k", "99999999999999999999"}},
+      {{"deadline_ms", "0"}},
+      {{"debug", "maybe"}},
+      {{"prior", "7"}},
+      {{"prior_keyframe", "-1"}},
+      {{"unknown", "1"}},
+  };
+  for (const Query& query : queries) {
+    EXPECT_EQ(CodeOf("image/jpeg", "x", query), ErrorCode::kBadRequest) << query.begin()->first;
+  }
+  const std::string deep(100'000, '[');
+  for (const std::string& body : std::vector<std::string>{
+           "", "null", "[]", "{", deep, "{\"images\":[]}", R"({"images":[{"data":"a"}]})",
+           R"({"images":[{"data":"=aaa"}]})", R"({"images":[{"data":"a\na="}]})",
+           R"({"images":[{"data":7}]})", R"({"images":[{}]})", R"({"images":{"data":""}})",
+           R"({"images":[{"data":""},{"data":""},{"data":""},{"data":""}]})",
+           R"({"images":[{"data":""}],"other":1})",
+           R"({"images":[{"data":""}],"prior":{"keyframe":1.5}})",
+           R"({"images":[{"data":""}],"previous":{"pose":1}})",
+           R"({"images":[{"data":""}],"previous":{"belief":7}})",
+           R"({"images":[{"data":""}],"previous":{"belief":[{"node":1,"probability":1}]}})",
+           // NOLINTNEXTLINE(bugprone-suspicious-missing-comma)
+           R"({"images":[{"data":""}],"previous":{"belief":[{"node":1,"probability":2,)"
+           R"("heading_rad":0,"deviation_rad":1}]}})",
+           R"({"images":[{"data":""}],"odometry":[]})",
+           R"({"images":[{"data":""}],"odometry":[{"x":1,"y":2}]})",
+           R"({"images":[{"data":""}],"odometry":[null,null]})",
+           R"({"images":[{"data":""}],"debug":1})", "{\"images\":[{\"name\":\"\xff\"}]}"}) {
+    EXPECT_EQ(CodeOf("application/json", body), ErrorCode::kBadRequest) << body.substr(0, 80);
+  }
+  EXPECT_EQ(CodeOf("application/json", R"({"images":[{"data":""}]})", {{"top_k", "1"}}),
+            ErrorCode::kBadRequest);
+}
+
+TEST(LocalizeRequest, BrokenFormsAreBadRequests) {
+  const std::string image = Part("name=image", "x");
+  for (const std::string& body : std::vector<std::string>{
+           "", "x", "--B", "--B--", "--B\r\n", "--B\r\n--B--", image, image + "--Bx",
+           "--B\r\n\r\nx\r\n--B--", Part("name=x", "") + "--B--", Part("filename=x", "") + "--B--",
+           Part("name=request", "{}") + "--B--",
+           Part("name=request", "{}") + Part("name=request", "{}") + "--B--",
+           image + image + image + image + "--B--",
+           image + Part("name=request", "[1]") + "--B--"}) {
+    EXPECT_EQ(CodeOf(kForm, body), ErrorCode::kBadRequest) << body.substr(0, 80);
+  }
+  EXPECT_EQ(CodeOf("multipart/form-data", image + "--B--"), ErrorCode::kBadRequest);
+  EXPECT_EQ(CodeOf("multipart/form-data; boundary=" + std::string(80, 'x'), image),
+            ErrorCode::kBadRequest);
+}
+
+TEST(LocalizeRequest, ObjectsSurviveTheLog) {
+  QueryRequest request = Read("image/jpeg", "x", {{"fov_deg", "60"}, {"top_k", "2"}});
+  const QueryRequest again = ParseQueryRequest(ToJson(request), {});
+  EXPECT_NEAR(*again.fov_rad, *request.fov_rad, 1e-12);
+  EXPECT_EQ(again.top_k, 2);
+}
+
+}  // namespace
+}  // namespace waystone

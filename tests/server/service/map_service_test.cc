@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/service/application.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "api/json.h"
+#include "core/base/error.h"
+#include "tests/server/service/made_map.h"
+
+namespace waystone {
+namespace {
+
+// The maps as the whole application shows them.
+class MapServiceTest : public testing::Test {
+ protected:
+  MapServiceTest()
+      : app_({{"lab", MapIndex::Build(MadeMap(7))}, {"a b", MapIndex::Build(MadeMap(1))}}, {}, {}) {
+  }
+
+  HttpResponse Get(const std::string& path, const std::map<std::string, std::string>& query = {},
+                   const std::string& if_none_match = "") {
+    HttpRequest request;
+    request.method = "GET";
+    request.path = path;
+    request.query = query;
+    request.header = [&](const std::string& name) -> std::optional<std::string> {
+      if (name == "If-None-Match" && !if_none_match.empty()) return if_none_match;
+      return std::nullopt;
+    };
+    return app_.Answer(request);
+  }
+
+  Json GetJson(const std::string& path, const std::map<std::string, std::string>& query = {}) {
+    const HttpResponse response = Get(path, query);
+    EXPECT_EQ(response.status, 200) << path << ": " << response.body;
+    EXPECT_EQ(response.content_type, "application/json");
+    return Json::parse(response.body);
+  }
+
+  HttpResponse Post(const std::string& type, const std::string& body,
+                    const std::string& debug = "false") {
+    HttpRequest request;
+    request.method = "POST";
+    request.path = "/v1/maps/lab/localize";
+    request.query["name"] = "q.jpg";
+    request.query["debug"] = debug;
+    request.header = [&](const std::string& name) -> std::optional<std::string> {
+      if (name == "Content-Type" && !type.empty()) return type;
+      return std::nullopt;
+    };
+    request.read_body = [&] { return body; };
+    return app_.Answer(request);
+  }
+
+  static std::string HeaderOf(const HttpResponse& response, const std::string& name) {
+    for (const auto& [key, value] : response.headers) {
+      if (key == name) return value;
+    }
+    return "";
+  }
+
+  Application app_;
+};
+
+TEST_F(MapServiceTest, HealthAndHome) {
+  EXPECT_EQ(Get("/healthz").body, "ok\n");
+  const HttpResponse home = Get("/");
+  EXPECT_EQ(home.content_type, "text/html; charset=utf-8");
+  const HttpResponse plain = Get("/plain");
+  EXPECT_EQ(plain.content_type, "text/html; charset=utf-8");
+  EXPECT_NE(plain.body.find("/v1/maps/lab/localize"), std::string::npos);
+  EXPECT_NE(plain.body.find("/v1/maps/a%20b/localize"), std::string::npos);
+}
+
+TEST_F(MapServiceTest, OverviewHasEverythingByColumns) {
+  const Json json = GetJson("/v1/maps/lab/overview");
+  EXPECT_EQ(json["layers"], Json({"planes"}));
+  EXPECT_EQ(json["keyframes"]["id"], Json({1, 2}));
+  EXPECT_EQ(json["keyframes"]["planes"], Json({7, 7}));
+  EXPECT_EQ(json["keyframes"]["features"], Json({35, 35}));
+  EXPECT_EQ(json["planes"]["id"].size(), 7u);
+  EXPECT_EQ(json["planes"]["keyframes"][3], Json({1, 2}));
+  EXPECT_EQ(json["planes"]["stretch"][0], 0);
+  EXPECT_EQ(json["edges"]["a"], Json({1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(json["edges"]["third_eigenvalue"][0], 1.5);
+}
+
+TEST_F(MapServiceTest, AuditsAMap) {
+  const Json json = GetJson("/v1/maps/lab/audit");
+  EXPECT_TRUE(json["aliases"].is_array());
+  EXPECT_TRUE(json["ties"].is_array());
+  ASSERT_FALSE(json["weak"].empty()) << "35 features in view at either keyframe";
+  EXPECT_EQ(json["weak"][0]["first"]["id"], 1);
+  EXPECT_NE(json["weak"][0]["advice"], "");
+  EXPECT_EQ(GetJson("/v1/maps/lab/audit"), json) << "the same when asked again";
+}
+
+TEST_F(MapServiceTest, DebugIsASwitch) {
+  EXPECT_EQ(Post("image/jpeg", "no image", "true").status, 200);
+  const HttpResponse bad = Post("image/jpeg", "no image", "perhaps");
+  EXPECT_EQ(bad.status, 400);
+  EXPECT_NE(bad.body.find("debug=perhaps"), std::string::npos);
+}
+
+TEST_F(MapServiceTest, ListsMaps) {
+  const Json json = GetJson("/v1/maps");
+  ASSERT_EQ(json["maps"].size(), 2u);
+  EXPECT_EQ(json["maps"][1]["name"], "lab");
+  EXPECT_EQ(json["maps"][1]["planes"], 7);
+  EXPECT_EQ(json["maps"][1]["edges"], 6);
+  EXPECT_EQ(json["maps"][1]["features"], 35);
+  EXPECT_TRUE(json["next"].is_null());
+  const Json page = GetJson("/v1/maps", {{"limit", "1"}});
+  EXPECT_EQ(page["maps"].size(), 1u);
+  EXPECT_EQ(GetJson("/v1/maps", {{"cursor", page["next"]}})["maps"][0]["name"], "lab");
+}
+
+TEST_F(MapServiceTest, ShowsAMap) {
+  const Json json = GetJson("/v1/maps/lab");
+  EXPECT_EQ(json["version"], "sha256:abc123");
+  EXPECT_EQ(json["sequences"][0]["name"], "kit\"chen");
+  EXPECT_EQ(json["sequences"][0]["camera"], nullptr);
+}
+
+TEST_F(MapServiceTest, PagesPlanes) {
+  std::set<int> ids;
+  std::map<std::string, std::string> query = {{"limit", "3"}};
+  for (int page = 0; page < 3; ++page) {
+    const Json json = GetJson("/v1/maps/lab/planes", query);
+    for (const Json& plane : json["planes"]) ids.insert(plane["id"].get<int>());
+    EXPECT_EQ(json["next"].is_null(), page == 2);
+    if (!json["next"].is_null()) query["cursor"] = json["next"];
+  }
+  EXPECT_EQ(ids.size(), 7u);
+  EXPECT_EQ(Get("/v1/maps/lab/planes", {{"cursor", "bogus"}}).status, 400);
+}
+
+TEST_F(MapServiceTest, ShowsAPlane) {
+  const Json json = GetJson("/v1/maps/lab/planes/2");
+  EXPECT_EQ(json["neighbours"], Json({1, 3}));
+  EXPECT_EQ(json["features"].size(), 5u);
+  EXPECT_EQ(json["views"][1]["reference_from_keyframe"][0][2], 4.25);
+  EXPECT_EQ(json["outline"][1][0], 100.12);
+  EXPECT_EQ(json["reference"]["source"], "rgb/0.jpg");
+}
+
+TEST_F(MapServiceTest, ShowsTheGraph) {
+  const Json json = GetJson("/v1/maps/lab/graph");
+  EXPECT_EQ(json["nodes"].size(), 7u);
+  EXPECT_EQ(json["edges"].size(), 6u);
+  EXPECT_EQ(json["edges"][0]["third_eigenvalue"], 1.5);
+}
+
+TEST_F(MapServiceTest, ShowsKeyframesAndTheirImages) {
+  const Json json = GetJson("/v1/maps/lab/keyframes");
+  ASSERT_EQ(json["keyframes"].size(), 2u);
+  EXPECT_EQ(json["keyframes"][0]["image"], "/v1/maps/lab/keyframes/1/image");
+  EXPECT_TRUE(json["keyframes"][1]["image"].is_null());
+  EXPECT_EQ(GetJson("/v1/maps/lab/keyframes/2")["planes"].size(), 7u);
+  EXPECT_EQ(GetJson("/v1/maps/a b/keyframes/1")["image"], "/v1/maps/a%20b/keyframes/1/image");
+  const HttpResponse image = Get("/v1/maps/lab/keyframes/1/image");
+  EXPECT_EQ(image.content_type, "image/jpeg");
+  EXPECT_EQ(image.body, "\xFF\xD8\xFF\xD9");
+  EXPECT_EQ(Get("/v1/maps/lab/keyframes/2/image").status, 404);
+}
+
+TEST_F(MapServiceTest, WhatIsNotThereIsNotFound) {
+  for (const char* path :
+       {"/v1", "/v1/maps/nowhere", "/v1/maps/lab/planes/99", "/v1/maps/lab/planes/x",
+        "/v1/maps/lab/planes/0", "/v1/maps/lab/planes/2x", "/v1/maps/lab/planes/-1",
+        "/v1/maps/lab/planes/99999999999999999999", "/v1/maps/lab/keyframes/3",
+        "/v1/maps/nowhere/graph"}) {
+    const HttpResponse response = Get(path);
+    EXPECT_EQ(response.status, 404) << path;
+    EXPECT_EQ(response.content_type, "application/problem+json");
+  }
+}
+
+TEST_F(MapServiceTest, SameVersionIsNotSentAgain) {
+  const std::string etag = HeaderOf(Get("/v1/maps/lab/graph"), "ETag");
+  EXPECT_EQ(etag, "\"sha256:abc123\"");
+  const HttpResponse again = Get("/v1/maps/lab/graph", {}, "\"other\", " + etag);
+  EXPECT_EQ(again.status, 304);
+  EXPECT_EQ(again.body, "");
+  EXPECT_EQ(HeaderOf(again, "ETag"), etag);
+  EXPECT_EQ(Get("/v1/maps/lab/graph", {}, "\"other\"").status, 200);
+  EXPECT_EQ(Get("/v1/maps/lab/planes/99", {}, etag).status, 404);
+}
+
+TEST_F(MapServiceTest, BytesThatAreNoImageAreAnAnswer) {
+  const HttpResponse response = Post("image/jpeg", "this is text");
+  EXPECT_EQ(response.status, 200) << response.body;
+  const Json json = Json::parse(response.body);
+  EXPECT_EQ(json["verdict"], "bad_image");
+  EXPECT_EQ(json["map"], "lab");
+  EXPECT_EQ(json["image"], "q.jpg");
+  EXPECT_NE(json["message"], "");
+}
+
+TEST_F(MapServiceTest, TakesImagesByTheirTypeAlone) {
+  for (const char* type : {"", "image/png", "IMAGE/JPEG", "application/octet-stream",
+                           "image/jpeg; charset=x", "application/x-www-form-urlencoded"}) {
+    EXPECT_EQ(Post(type, "x").status, 200) << type;
+  }
+  for (const char* type : {"text/plain", "multipart/mixed", "imagine/jpeg", "text/json"}) {
+    EXPECT_EQ(Post(type, "x").status, 415) << type;
+  }
+}
+
+TEST_F(MapServiceTest, PagesFeaturesAndViews) {
+  const Json features = GetJson("/v1/maps/lab/planes/2/features", {{"limit", "4"}});
+  EXPECT_EQ(features["features"].size(), 4u);
+  EXPECT_EQ(GetJson("/v1/maps/lab/planes/2/features", {{"cursor", features["next"]}})["features"],
+            Json({GetJson("/v1/maps/lab/planes/2")["features"][4]}));
+  EXPECT_EQ(GetJson("/v1/maps/lab/planes/2/views")["views"][1]["keyframe"], 2);
+  EXPECT_EQ(Get("/v1/maps/lab/planes/99/views").status, 404);
+}
+
+TEST_F(MapServiceTest, ShowsTheAudit) {
+  const Json audit = GetJson("/v1/maps/lab/audit");
+  EXPECT_TRUE(audit["weak"].is_array());
+  EXPECT_EQ(GetJson("/v1/maps/lab/audit"), audit);
+}
+
+TEST_F(MapServiceTest, GraphForOtherPrograms) {
+  const HttpResponse graphml = Get("/v1/maps/lab/graph", {{"format", "graphml"}});
+  EXPECT_EQ(graphml.content_type, "application/xml");
+  EXPECT_NE(graphml.body.find("<edge source=\"p6\" target=\"p7\">"), std::string::npos);
+  EXPECT_NE(Get("/v1/maps/lab/graph", {{"format", "dot"}}).body.find("p6 -- p7"),
+            std::string::npos);
+  EXPECT_EQ(Get("/v1/maps/lab/graph", {{"format", "svg"}}).status, 400);
+  // What needs poses isn't made up.
+  for (const char* format : {"g2o", "geojson", "ply", "tum", "colmap", "poses"}) {
+    EXPECT_EQ(Get("/v1/maps/lab/graph", {{"format", format}}).status, 422) << format;
+  }
+}
+
+TEST_F(MapServiceTest, WidthsAreChecked) {
+  for (const char* width : {"-1", "x", "4097", "1.5", ""}) {
+    EXPECT_EQ(Get("/v1/maps/lab/keyframes/1/image", {{"width", width}}).status, 400) << width;
+  }
+  EXPECT_EQ(Get("/v1/maps/lab/keyframes/2/thumbnail").status, 404);
+}
+
+TEST(ServiceOptions, OutOfRangeIsRefused) {
+  ServiceOptions options;
+  options.query_threads = -1;
+  EXPECT_THROW(options.Check(), MapError);
+  options.query_threads = 0;
+  options.queue_length = -1;
+  EXPECT_THROW(options.Check(), MapError);
+}
+
+}  // namespace
+}  // namespace waystone
