@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <concepts>
 #include <string>
+#include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "core/base/options.h"
 
@@ -14,30 +16,42 @@ struct BuildOptions;
 
 namespace options_record_internal {
 
-template <class Value>
-nlohmann::ordered_json ToRecord(const Value& value) {
-  if constexpr (std::is_enum_v<Value>) {
-    return std::string(NameOf(value));
-  } else {
-    return value;
-  }
+// Scalars as JSON.
+std::string ToJson(bool value);
+std::string ToJson(double value);
+std::string ToJson(std::string_view value);
+template <std::integral Value>
+std::string ToJson(Value value) {
+  return std::to_string(value);
 }
+template <class Value>
+requires std::is_enum_v<Value> std::string ToJson(Value value) {
+  return ToJson(std::string_view(NameOf(value)));
+}
+template <class Value>
+std::string ToJson(const std::vector<Value>& values) {
+  std::string text;
+  for (const Value& value : values) text += (text.empty() ? "[" : ",") + ToJson(value);
+  return text.empty() ? "[]" : text + "]";
+}
+
+// Closes the groups of `last` that `path` isn't in, and opens those of `path` that `last` wasn't
+// in.
+std::string FromTo(std::string_view last, std::string_view path);
 
 }  // namespace options_record_internal
 
-// Every field of an options struct by its name: groups as objects, enums as their names.
+// Every field of an options struct by its name, as JSON: groups as objects, enums as their names.
+// Written as text: trees of the JSON library can't be taken apart where memory has run out.
 template <class Options>
-nlohmann::ordered_json RecordFields(const Options& options) {
-  nlohmann::ordered_json record = nlohmann::ordered_json::object();
+std::string RecordFields(const Options& options) {
+  std::string record;
+  std::string last;
   VisitFields("", options, [&](const std::string& path, const auto&, const auto& value) {
-    nlohmann::ordered_json* at = &record;
-    size_t start = 0;
-    for (size_t dot; (dot = path.find('.', start)) != std::string::npos; start = dot + 1) {
-      at = &(*at)[path.substr(start, dot - start)];
-    }
-    (*at)[path.substr(start)] = options_record_internal::ToRecord(value);
+    record += options_record_internal::FromTo(last, path) + options_record_internal::ToJson(value);
+    last = path;
   });
-  return record;
+  return record + options_record_internal::FromTo(last, "");
 }
 
 // All options of a build but those that it doesn't depend on, as MapInfo::options_json holds them.

@@ -22,15 +22,17 @@ struct TimedObservation {
   double seconds = 0;
 };
 
-// A frame behind the parallel part: its pixels are gone.
-struct ObservedFrame {
+struct FrameInFlight {
+  std::optional<EncodedFrame> encoded;  // until it is observed
   FrameInfo info;
   double decode_s = 0;
   std::vector<TimedObservation> layers;
 };
 
-using EncodedPtr = std::shared_ptr<EncodedFrame>;
-using ObservedPtr = std::shared_ptr<ObservedFrame>;
+// Two frames a worker: enough that none waits, few enough that memory stays bounded.
+size_t CountFramesInFlight() {
+  return 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 1;
+}
 
 // One sequence on its way through the layers.
 class SequencePipeline {
@@ -45,24 +47,24 @@ class SequencePipeline {
 
   // Each layer adds in a serial stage of its own, so that one works while the next does.
   void Run() {
-    auto chain = tbb::make_filter<void, EncodedPtr>(
+    auto chain = tbb::make_filter<void, FrameInFlight*>(
                      tbb::filter_mode::serial_in_order,
                      [this](tbb::flow_control& control) { return Read(control); }) &
-                 tbb::make_filter<EncodedPtr, ObservedPtr>(
-                     tbb::filter_mode::parallel,
-                     [this](const EncodedPtr& encoded) { return Observe(*encoded); });
+                 tbb::make_filter<FrameInFlight*, FrameInFlight*>(tbb::filter_mode::parallel,
+                                                                  [this](FrameInFlight* frame) {
+                                                                    Observe(*frame);
+                                                                    return frame;
+                                                                  });
     for (size_t i = 0; i < layers_.size(); ++i) {
-      chain = chain & tbb::make_filter<ObservedPtr, ObservedPtr>(tbb::filter_mode::serial_in_order,
-                                                                 [this, i](ObservedPtr frame) {
-                                                                   Add(i, *frame);
-                                                                   return frame;
-                                                                 });
+      chain = chain & tbb::make_filter<FrameInFlight*, FrameInFlight*>(
+                          tbb::filter_mode::serial_in_order, [this, i](FrameInFlight* frame) {
+                            Add(i, *frame);
+                            return frame;
+                          });
     }
-    // Two frames a worker: enough that none waits, few enough that memory stays bounded.
-    const size_t in_flight = 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 1;
-    tbb::parallel_pipeline(in_flight, chain & tbb::make_filter<ObservedPtr, void>(
-                                                  tbb::filter_mode::serial_in_order,
-                                                  [this](const ObservedPtr&) { Report(); }));
+    tbb::parallel_pipeline(in_flight_.size(), chain & tbb::make_filter<FrameInFlight*, void>(
+                                                          tbb::filter_mode::serial_in_order,
+                                                          [this](FrameInFlight*) { Report(); }));
   }
 
   // Ends the sequence in every layer.
@@ -72,29 +74,33 @@ class SequencePipeline {
   }
 
  private:
-  EncodedPtr Read(tbb::flow_control& control) {
-    if (std::optional<EncodedFrame> next = source_.NextEncoded()) {
-      return std::make_shared<EncodedFrame>(std::move(*next));
+  // Frames leave the last stage in order, so the place of one is free when the next one comes to
+  // it.
+  FrameInFlight* Read(tbb::flow_control& control) {
+    std::optional<EncodedFrame> next = source_.NextEncoded();
+    if (!next) {
+      control.stop();
+      return nullptr;
     }
-    control.stop();
-    return nullptr;
+    FrameInFlight& frame = in_flight_[read_++ % in_flight_.size()];
+    frame = {.encoded = std::move(next), .info = {}, .layers = {}};
+    return &frame;
   }
 
-  ObservedPtr Observe(const EncodedFrame& encoded) const {
-    auto observed = std::make_shared<ObservedFrame>();
+  void Observe(FrameInFlight& observed) const {
     Clock::time_point start = Clock::now();
-    const Frame frame = encoded.Decode(join_);
-    observed->info = frame.info;
-    observed->decode_s = SecondsSince(start);
+    const Frame frame = observed.encoded->Decode(join_);
+    observed.encoded.reset();
+    observed.info = frame.info;
+    observed.decode_s = SecondsSince(start);
     for (const LayerBuilder* layer : layers_) {
       start = Clock::now();
       std::unique_ptr<Observation> observation = layer->Observe(frame);
-      observed->layers.push_back({std::move(observation), SecondsSince(start)});
+      observed.layers.push_back({std::move(observation), SecondsSince(start)});
     }
-    return observed;
   }
 
-  void Add(size_t layer, ObservedFrame& frame) {
+  void Add(size_t layer, FrameInFlight& frame) {
     TimedObservation& observed = frame.layers[layer];
     FrameReport& report = reports_[layer];
     report.Count(frame.info, observed.observation->error);
@@ -115,6 +121,9 @@ class SequencePipeline {
   ProgressReporter& progress_;
   bool join_;
   std::vector<FrameReport> reports_;  // of each layer; written by its own stage alone
+  // Held here: what the library holds of an interrupted pipeline is never given back.
+  std::vector<FrameInFlight> in_flight_{CountFramesInFlight()};
+  size_t read_ = 0;
   int done_ = 0;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/image/opencv_errors.h"
 
+#include <cstring>
 #include <new>
 #include <opencv2/core.hpp>
 
@@ -8,8 +9,10 @@ namespace waystone {
 namespace {
 
 // Behind a return OpenCV throws its own exception.
-int OnOpenCvError(int code, const char*, const char*, const char*, int, void*) {
-  if (code == cv::Error::StsNoMem) throw std::bad_alloc();
+int OnOpenCvError(int code, const char*, const char* message, const char*, int, void*) {
+  // The image codecs pass on what libjpeg says, with another code.
+  const bool codec = std::strstr(message, "Insufficient memory") != nullptr;
+  if (code == cv::Error::StsNoMem || codec) throw std::bad_alloc();
   return 0;
 }
 

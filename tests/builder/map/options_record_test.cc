@@ -44,7 +44,7 @@ struct Casting {
 
 TEST(RecordFields, NestsGroupsInTheOrderOfTheLists) {
   EXPECT_EQ(
-      RecordFields(Casting{}).dump(),
+      RecordFields(Casting{}),
       R"({"rounds":3,"alloy":{"metal":"zinc","shares":[0.25,0.75]},"cooled":true,"heat":0.1})");
 }
 

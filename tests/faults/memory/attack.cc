@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <iostream>
 #include <new>
 #include <vector>
@@ -19,6 +20,12 @@ std::vector<int64_t> Share(const std::vector<int64_t>& numbers, int64_t most) {
   std::vector<int64_t> share;
   for (int64_t i = 0; i < count; ++i) share.push_back(numbers[i * std::ssize(numbers) / count]);
   return share;
+}
+
+// How many times the limits: 1, or what WAYSTONE_ATTACK_SCALE says.
+int64_t Scale() {
+  const char* scale = std::getenv("WAYSTONE_ATTACK_SCALE");
+  return scale == nullptr ? 1 : std::max<int64_t>(1, std::atoll(scale));
 }
 
 // Whether std::bad_alloc was thrown.
@@ -45,7 +52,8 @@ MemoryAttack AttackMemory(const std::string& name, const std::function<void()>& 
   attack.allocations = FailingMemory::count();
   attack.paths = std::ssize(paths);
   for (const int64_t more : {int64_t{0}, kAllAfter}) {
-    for (const int64_t allocation : Share(paths, more == 0 ? limits.single : limits.lasting)) {
+    const int64_t most = Scale() * (more == 0 ? limits.single : limits.lasting);
+    for (const int64_t allocation : Share(paths, most)) {
       SCOPED_TRACE("allocation " + std::to_string(allocation) + (more == 0 ? "" : " and on"));
       const bool threw = RunWith({.allocation = allocation, .more = more}, run);
       ++attack.runs;

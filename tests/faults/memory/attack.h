@@ -22,10 +22,10 @@ struct AttackLimits {
 
 // Runs `run` once for each path of calls by which it allocates, with the first allocation of that
 // path failing; where there are more paths than limits.single, for an even share of them. Then with
-// all allocations from one on failing, for an even share of the paths. Nothing but std::bad_alloc
-// may leave it. `check` is called after each run, those
-// that get all they want included, with whether that was thrown and with memory
-// again. Prints what it came to under `name`.
+// all allocations from one on failing, for an even share of the paths. The environment's
+// WAYSTONE_ATTACK_SCALE multiplies the limits. Nothing but std::bad_alloc may leave it. `check` is
+// called after each run, those that get all they want included, with whether that was thrown and
+// with memory again. Prints what it came to under `name`.
 MemoryAttack AttackMemory(const std::string& name, const std::function<void()>& run,
                           const std::function<void(bool threw)>& check,
                           const AttackLimits& limits = {});

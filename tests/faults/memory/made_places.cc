@@ -8,7 +8,7 @@
 #include "core/features/features.h"
 #include "core/image/decode.h"
 #include "core/panorama/fourier_signature.h"
-#include "tests/server/http/made_map.h"
+#include "tests/server/service/made_map.h"
 
 namespace waystone {
 namespace {
@@ -73,6 +73,24 @@ const MapData& PanoramaMap() {
 const std::string& PhotoJpeg() {
   static const std::string jpeg = Jpeg(MakeTexture(320, 240, 1));
   return jpeg;
+}
+
+std::vector<std::string> PhotoWalk() {
+  const cv::Mat wall = MakeTexture(600, 240, 3);
+  std::vector<std::string> walk;
+  for (int i = 0; i < 6; ++i) walk.push_back(Jpeg(wall(cv::Rect(50 * i, 0, 320, 240))));
+  return walk;
+}
+
+std::vector<std::string> PanoramaWalk() {
+  const cv::Mat panorama = MakeTexture(256, 128, 4);
+  std::vector<std::string> walk;
+  for (const int column : {64, 128, 192}) {
+    cv::Mat turned;
+    cv::hconcat(panorama.colRange(column, 256), panorama.colRange(0, column), turned);
+    walk.push_back(Jpeg(turned));
+  }
+  return walk;
 }
 
 const std::string& PanoramaJpeg() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "schema/map_data.h"
 
@@ -15,5 +16,9 @@ const MapData& PanoramaMap();
 // Pictures as clients send them.
 const std::string& PhotoJpeg();
 const std::string& PanoramaJpeg();
+
+// Pictures of a camera that passes a wall, and of one that turns on the spot all the way.
+std::vector<std::string> PhotoWalk();
+std::vector<std::string> PanoramaWalk();
 
 }  // namespace waystone

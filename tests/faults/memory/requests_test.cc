@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "api/json.h"
-#include "server/http/application.h"
 #include "server/http/http_server.h"
+#include "server/service/application.h"
 #include "tests/faults/memory/attack.h"
 #include "tests/faults/memory/failing_memory.h"
 #include "tests/faults/memory/made_places.h"
