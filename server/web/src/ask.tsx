@@ -10,7 +10,7 @@ import type { Query, ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, PlaneLink, PlaneLinks, Swatch } from "./parts";
 import { href } from "./route";
 import { usePicture } from "./use";
-import { confidence, counted, verdictInWords } from "./words";
+import { confidence, counted, degrees, verdictInWords } from "./words";
 
 function curlLine(map: string): string {
   return `curl --data-binary @photo.jpg -H 'Content-Type: image/jpeg' ${location.origin}${mapPath(map)}/localize`;
@@ -74,8 +74,6 @@ function Timing({ answer }: { answer: Answer }) {
   return <>{answer.timing_ms.total.toFixed(1)} ms <small>({parts.join(", ")})</small></>;
 }
 
-const kDegrees = 180 / Math.PI;
-
 // The pose of a query panorama in the frame of the appearance layer.
 function PanoramaNumbers({ map, answer }: { map: string; answer: Answer }) {
   const { node, position } = answer.panorama!;
@@ -91,7 +89,7 @@ function PanoramaNumbers({ map, answer }: { map: string; answer: Answer }) {
         ["Position", position
           ? `${position.x.toFixed(1)}, ${position.y.toFixed(1)} ± ${position.deviation.toFixed(1)}${unit}`
           : "–"],
-        ["Heading", heading ? `${(heading.rad * kDegrees).toFixed(0)}°` : "–"],
+        ["Heading", heading ? degrees(heading.rad) : "–"],
         ["Time", <Timing answer={answer} />],
       ]}
     />

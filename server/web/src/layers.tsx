@@ -8,9 +8,8 @@ import type { ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, Panorama, PlaneLink, Swatch, Waiting } from "./parts";
 import { href } from "./route";
 import { useGet } from "./use";
-import { counted } from "./words";
+import { counted, degrees } from "./words";
 
-const kDegrees = 180 / Math.PI;
 const kFewSteps = 10; // keyframes out of view, from which on a plane counts as revisited
 
 interface Revisit {
@@ -136,7 +135,7 @@ function Node({ map, id }: { map: string; id: number }) {
           ["Node", keyframe === null ? id : <>{id}, keyframe <KeyframeLink map={map} id={keyframe} /></>],
           ["Source", `${source} of sequence ${sequence}`],
           ["Frame", time_s === null ? frame : `${frame} at ${time_s.toFixed(2)} s`],
-          ["Position", `${x.toFixed(2)}, ${y.toFixed(2)}; heading ${(heading_rad * kDegrees).toFixed(0)}°`],
+          ["Position", `${x.toFixed(2)}, ${y.toFixed(2)}; heading ${degrees(heading_rad)}`],
         ]}
       />
       {image ? <Panorama path={image} /> : <p class="quiet">The map was built without images.</p>}

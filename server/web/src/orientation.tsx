@@ -10,7 +10,7 @@ import { href } from "./route";
 import { type Mark, Series } from "./series";
 import { useGet } from "./use";
 import { TrajectoryMap } from "./trajectory_map";
-import { counted } from "./words";
+import { counted, degrees } from "./words";
 
 const kDegrees = 180 / Math.PI;
 const kQuarters = [-180, -90, 0, 90, 180];
@@ -118,9 +118,9 @@ function Cells({ node }: { node: Node }) {
 
 function headingInWords(frame: OrientationFrame): string {
   if (frame.heading_rad === null) return "axes not found";
-  const degrees = `${(frame.heading_rad * kDegrees).toFixed(1)}°`;
-  const sure = frame.deviation_rad === null ? "" : ` ± ${(frame.deviation_rad * kDegrees).toFixed(2)}°`;
-  return `${degrees}${sure}${frame.reliable ? "" : ", not reliable"}`;
+  const heading = degrees(frame.heading_rad, 1);
+  const sure = frame.deviation_rad === null ? "" : ` ± ${degrees(frame.deviation_rad, 2)}`;
+  return `${heading}${sure}${frame.reliable ? "" : ", not reliable"}`;
 }
 
 // The node at a frame, or the last one before it.
@@ -203,7 +203,7 @@ function Lists({ map, layer }: { map: string; layer: Orientation }) {
         heads={["Frame", "Direction", "Angle", "New axis"]}
         rows={layer.turns.map((t) => [
           link(t.frame), t.confirmed ? t.direction : `${t.direction} (camera only)`,
-          `${Math.round(t.angle_rad * kDegrees) + 0}°`, t.axis_after,
+          degrees(t.angle_rad), t.axis_after,
         ])}
         none="No turns."
       />

@@ -92,7 +92,7 @@ function Found({ map, keyframe }: { map: MapSummary; keyframe: Keyframe }) {
   return (
     <>
       <p class="quiet">
-        {counted(placed, "plane")} of {space.value.planes.length} reconstructed from the homographies to{" "}
+        {placed} of {counted(space.value.planes.length, "plane")} reconstructed from the homographies to{" "}
         {counted(space.value.views, "other keyframe")}. The scale is unknown, so distances are relative.
         Drag to rotate, scroll to zoom.
       </p>

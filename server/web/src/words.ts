@@ -12,6 +12,10 @@ export const percent = (share: number): string => `${Math.floor(100 * share)}%`;
 export const confidence = (probability: number): string =>
   probability > 0.99 ? "over 99%" : percent(probability);
 
+// An angle; never -0.
+export const degrees = (rad: number, digits = 0): string =>
+  `${(rad * (180 / Math.PI)).toFixed(digits).replace(/^-(?=[0.]*$)/, "")}°`;
+
 export const counted = (n: number, what: string): string =>
   `${n.toLocaleString("en")} ${what}${n === 1 ? "" : "s"}`;
 
