@@ -67,7 +67,7 @@ asan: packages  ## all but the end-to-end tests with AddressSanitizer and Undefi
 	 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
 	 scripts/run_tests.py build/asan --parallel $(JOBS) -L program -LE long
 
-tsan: packages  ## the server's tests with ThreadSanitizer
+tsan: packages  ## the server's tests and the layers' on several threads, with ThreadSanitizer
 	@scripts/build.sh tsan $(JOBS) threaded_tests
 	@TSAN_OPTIONS=suppressions=$(CURDIR)/scripts/tsan.supp:print_suppressions=0 \
 	 scripts/run_tests.py build/tsan --parallel $(JOBS) -L threaded
