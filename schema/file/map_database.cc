@@ -47,9 +47,10 @@ constexpr std::array kLimits{
 // A shorter limit would refuse SQLite's own messages.
 constexpr int64_t kLeastLength = 100'000;
 
-[[noreturn]] void ThrowUnreadable(const fs::path& path, const std::string& cause) {
-  throw MapError(ErrorCode::kFileUnreadable,
-                 path.string() + ": " + cause + "; check the path and its permissions");
+[[noreturn]] void ThrowUnreadable(
+    const fs::path& path, const std::string& cause,
+    const std::string& remedy = "check the path and its permissions") {
+  throw MapError(ErrorCode::kFileUnreadable, path.string() + ": " + cause + "; " + remedy);
 }
 
 [[noreturn]] void ThrowNotAMap(const fs::path& path, const std::string& cause) {
@@ -170,7 +171,7 @@ OpenedMap OpenBytes(const fs::path& path) {
                 std::vector<unsigned char>(static_cast<size_t>(before.st_size)),
                 std::make_unique<int64_t>(0), SQLite::Database(":memory:", SQLite::OPEN_READWRITE)};
   if (file.Read(map.bytes) != map.bytes.size() || !SameState(before, file.Status())) {
-    ThrowUnreadable(path, "is being written to");
+    ThrowUnreadable(path, "is being written to", "write maps beside and rename them (mv)");
   }
   if (map.bytes.size() >= kHeaderBytes && (map.bytes[18] == kWal || map.bytes[19] == kWal)) {
     throw MapError(ErrorCode::kMapDamaged,
