@@ -20,10 +20,12 @@ void FreeOfJson(void* memory);
 template <class T>
 class JsonAllocator : public std::allocator<T> {
  public:
+  // NOLINTBEGIN(readability-identifier-naming): the standard library's names
   template <class U>
   struct rebind {
     using other = JsonAllocator<U>;
   };
+  // NOLINTEND(readability-identifier-naming)
   JsonAllocator() = default;
   template <class U>
   explicit(false) JsonAllocator(const JsonAllocator<U>&) {}
@@ -42,10 +44,12 @@ using Json = nlohmann::basic_json<nlohmann::ordered_map, std::vector, std::strin
 template <>
 class std::allocator<waystone::Json> {
  public:
+  // NOLINTBEGIN(readability-identifier-naming): the standard library's names
   using value_type = waystone::Json;
   using size_type = std::size_t;
   using difference_type = std::ptrdiff_t;
   using propagate_on_container_move_assignment = std::true_type;
+  // NOLINTEND(readability-identifier-naming)
 
   constexpr allocator() = default;
   template <class U>

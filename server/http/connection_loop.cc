@@ -284,7 +284,7 @@ class ConnectionLoop::Impl {
       --asked_;
       const auto found = clients_.find(each.id);
       if (found == clients_.end()) continue;
-      Step(found, [&] { found->second.connection.TakeAnswer(std::move(each.response)); });
+      Step(found, [&] { found->second.connection.TakeAnswer(each.response); });
       while (budgets_.answers.spent() && EvictReader()) {
       }
     }

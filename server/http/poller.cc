@@ -41,14 +41,15 @@ void Poller::Watch(int fd, uint64_t id, uint32_t watched, uint32_t wanted) const
 
 std::span<const epoll_event> Poller::Wait(int timeout_ms) {
   const int count = epoll_wait(epoll_.get(), events_.data(), events_.size(), timeout_ms);
-  const std::span<epoll_event> all(events_.data(), static_cast<size_t>(std::max(count, 0)));
-  const auto woken = std::ranges::partition(
-      all, [](const epoll_event& event) { return event.data.u64 != kWakeUp; });
-  if (!woken.empty()) {
+  const auto begin = events_.begin();
+  const auto end = begin + std::max(count, 0);
+  const auto woken = std::partition(
+      begin, end, [](const epoll_event& event) { return event.data.u64 != kWakeUp; });
+  if (woken != end) {
     uint64_t times = 0;
     [[maybe_unused]] const ssize_t size = read(wake_up_.get(), &times, sizeof(times));
   }
-  return all.first(all.size() - woken.size());
+  return {begin, woken};
 }
 
 void Poller::WakeUp() const {
