@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Dense>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -9,7 +10,8 @@
 #include "cli/system/child_process.h"
 #include "tests/e2e/shared_map.h"
 
-// After Eigen, for which the macro _res of the resolver's header spells trouble.
+// After Eigen, for which the macro _res of the resolver's header spells trouble, whoever includes
+// it later.
 #include <httplib.h>
 
 namespace waystone {

@@ -18,7 +18,7 @@ std::string Escaped(const std::string& text) {
 // A boundary that is in none of the parts.
 std::string UnusedBoundary(const std::vector<BodyPart>& parts) {
   for (int i = 0;; ++i) {
-    const std::string boundary = "x" + std::to_string(i);
+    std::string boundary = "x" + std::to_string(i);
     const bool used = std::ranges::any_of(parts, [&](const BodyPart& part) {
       return part.bytes.find(boundary) != std::string_view::npos;
     });

@@ -5,8 +5,8 @@
 #include <SQLiteCpp/Statement.h>
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <array>
-#include <cstring>
 #include <limits>
 #include <span>
 
@@ -33,7 +33,7 @@ class OpenMutant {
   explicit OpenMutant(const std::string& bytes) : database_(":memory:", SQLite::OPEN_READWRITE) {
     sqlite3* handle = database_.getHandle();
     auto* copy = static_cast<unsigned char*>(sqlite3_malloc64(bytes.size() + 1));
-    std::memcpy(copy, bytes.data(), bytes.size());
+    std::ranges::copy(bytes, copy);
     const auto size = static_cast<sqlite3_int64>(bytes.size());
     sqlite3_deserialize(handle, "main", copy, size, size,
                         SQLITE_DESERIALIZE_FREEONCLOSE | SQLITE_DESERIALIZE_RESIZEABLE);

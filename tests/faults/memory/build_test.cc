@@ -26,9 +26,10 @@ Sources SourceOf(const std::vector<std::string>& pictures) {
   MemorySequence sequence{.name = "made"};
   for (const std::string& jpeg : pictures) {
     const int number = static_cast<int>(sequence.frames.size());
-    sequence.frames.emplace_back(FrameInfo{number, std::to_string(number) + ".jpg", std::nullopt}, [jpeg] {
-      return DecodeGrey({reinterpret_cast<const uint8_t*>(jpeg.data()), jpeg.size()}, {});
-    });
+    sequence.frames.emplace_back(
+        FrameInfo{number, std::to_string(number) + ".jpg", std::nullopt}, [jpeg] {
+          return DecodeGrey({reinterpret_cast<const uint8_t*>(jpeg.data()), jpeg.size()}, {});
+        });
   }
   Sources sources;
   sources.push_back(std::make_unique<MemorySource>(std::move(sequence)));
@@ -37,8 +38,8 @@ Sources SourceOf(const std::vector<std::string>& pictures) {
 
 class BuildMemory : public testing::Test {
  protected:
-  // Builds a map of the pictures over an old one, again and again: it is the old one or the new one,
-  // and that is whole. A picture that there is no memory for ends the build, too.
+  // Builds a map of the pictures over an old one, again and again: it is the old one or the new
+  // one, and that is whole. A picture that there is no memory for ends the build, too.
   void Attack(const std::string& name, const std::vector<std::string>& pictures) {
     BuildOptions options;
     options.threads = 1;

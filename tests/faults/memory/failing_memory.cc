@@ -11,13 +11,15 @@
 #include <cstring>
 #include <unordered_set>
 
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the C library's names
 extern "C" {
-// The C library's own, by their second names.
+// Its own, by their second names.
 void* __libc_malloc(size_t size);
 void* __libc_calloc(size_t count, size_t size);
 void* __libc_realloc(void* memory, size_t size);
 void* __libc_memalign(size_t alignment, size_t size);
 }
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
 namespace waystone {
 namespace {
@@ -140,6 +142,7 @@ void* realloc(void* memory, size_t size) {
   return waystone::Fails() ? nullptr : __libc_realloc(memory, size);
 }
 
+// NOLINTNEXTLINE(readability-identifier-naming)
 void* memalign(size_t alignment, size_t size) {
   return waystone::Fails() ? nullptr : __libc_memalign(alignment, size);
 }
