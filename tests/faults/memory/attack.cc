@@ -25,7 +25,7 @@ std::vector<int64_t> Share(const std::vector<int64_t>& numbers, int64_t most) {
 // How many times the limits: 1, or what WAYSTONE_ATTACK_SCALE says.
 int64_t Scale() {
   const char* scale = std::getenv("WAYSTONE_ATTACK_SCALE");
-  return scale == nullptr ? 1 : std::max<int64_t>(1, std::atoll(scale));
+  return scale == nullptr ? 1 : std::max(int64_t{1}, int64_t{std::strtoll(scale, nullptr, 10)});
 }
 
 // Whether std::bad_alloc was thrown.
