@@ -76,6 +76,8 @@ def batches(sources):
     made = []  # (group, names, sources)
     for source in sorted(sources):
         names, group = local_names(source), group_of(source)
+        if 'extern "C" {' in source.read_text():  # what it defines is the system's in the others
+            group = source
         for of, taken, members in made:
             if of == group and len(members) < BATCH and fits(names, taken):
                 break

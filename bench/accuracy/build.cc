@@ -16,7 +16,7 @@
 namespace waystone::bench {
 namespace {
 
-struct Cost {
+struct StageCost {
   double wall_s = 0;
   double cpu_s = 0;
 };
@@ -24,8 +24,8 @@ struct Cost {
 // One length of the sources: extraction alone and the whole build.
 struct Run {
   int frames = 0;
-  Cost extraction;
-  Cost build;
+  StageCost extraction;
+  StageCost build;
   PlaneReport report;
   int64_t map_bytes = 0;
   double peak_mb = 0;
@@ -41,7 +41,7 @@ std::vector<std::unique_ptr<Source>> OpenAll(const Args& paths, int frames) {
   return sources;
 }
 
-Cost ExtractAlone(const Args& paths, int frames) {
+StageCost ExtractAlone(const Args& paths, int frames) {
   const auto sources = OpenAll(paths, frames);
   const BuildOptions options;
   const Stopwatch watch;
@@ -102,10 +102,10 @@ nlohmann::ordered_json ToJson(const Run& run) {
 // hold a few frames only, so the peak is the build's.
 Run Measure(const Args& paths, int frames) {
   Run run;
-  const Cost before = ExtractAlone(paths, frames);
+  const StageCost before = ExtractAlone(paths, frames);
   BuildOnce(paths, frames, run);
   run.peak_mb = PeakMb();
-  const Cost after = ExtractAlone(paths, frames);
+  const StageCost after = ExtractAlone(paths, frames);
   run.extraction = {(before.wall_s + after.wall_s) / 2, (before.cpu_s + after.cpu_s) / 2};
   return run;
 }

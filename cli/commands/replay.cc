@@ -25,14 +25,14 @@ struct ReplayFlags {
 };
 
 // What of an answer two maps can be compared by.
-struct Outcome {
+struct QueryOutcome {
   std::string verdict;
   std::string place;  // the sequence and source of the keyframe or panorama; empty without one
-  bool operator==(const Outcome&) const = default;
+  bool operator==(const QueryOutcome&) const = default;
 };
 
-Outcome ReadOutcome(const Json& answer) {
-  Outcome outcome{answer.value("verdict", ""), ""};
+QueryOutcome ReadOutcome(const Json& answer) {
+  QueryOutcome outcome{answer.value("verdict", ""), ""};
   const Json panorama = answer.value("panorama", Json::object());
   for (const Json& place : {answer.value("keyframe", Json()), panorama.value("node", Json())}) {
     if (!place.is_object()) continue;
@@ -44,8 +44,8 @@ Outcome ReadOutcome(const Json& answer) {
 struct Replayed {
   std::string id;
   std::string image;
-  Outcome before;
-  Outcome after;
+  QueryOutcome before;
+  QueryOutcome after;
 };
 
 // What the next query of a series is asked with, by what the log's answer before it had.
@@ -102,7 +102,7 @@ Json ReplayJson(const std::vector<Replayed>& queries, size_t changed) {
   return json;
 }
 
-std::string TextOf(const Outcome& outcome) {
+std::string TextOf(const QueryOutcome& outcome) {
   return outcome.verdict + (outcome.place.empty() ? "" : " near " + outcome.place);
 }
 

@@ -11,19 +11,19 @@
 namespace waystone {
 namespace {
 
-std::vector<uint8_t> Bytes(const std::string& text) { return {text.begin(), text.end()}; }
+std::vector<uint8_t> AsBytes(const std::string& text) { return {text.begin(), text.end()}; }
 
 // A grey PGM of one brightness.
 std::vector<uint8_t> FlatImage(int width, int height) {
-  return Bytes("P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n" +
-               std::string(static_cast<size_t>(width) * height, '\x80'));
+  return AsBytes("P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n" +
+                 std::string(static_cast<size_t>(width) * height, '\x80'));
 }
 
 TEST(Localize, BytesThatAreNoImageAreABadImage) {
   const auto index = MadeIndex();
   for (const std::string text : {"", "x", "this is not an image, whatever it is called",
                                  "\xff\xd8\xff\xe0 a JPEG that is cut off"}) {
-    const Answer answer = Localize(*index, Bytes(text), "q.jpg", {});
+    const Answer answer = Localize(*index, AsBytes(text), "q.jpg", {});
     EXPECT_EQ(answer.verdict, Verdict::kBadImage) << text;
     EXPECT_EQ(answer.decided_by, DecidedBy::kBadImage);
     EXPECT_EQ(answer.image, "q.jpg");
