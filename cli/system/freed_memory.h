@@ -5,7 +5,7 @@ namespace waystone {
 
 // From now on the C library keeps freed memory for the next allocation. By default it gives large
 // blocks back to the kernel at once: the pyramid of an image is then mapped and cleared page by
-// page for each image again, which is a quarter of a query (docs/benchmarks.md). For the whole
+// page for each image again (docs/benchmarks.md, "Memory between queries"). For the whole
 // process, before it has threads. Threads share as many arenas as there are cores, so that what is
 // kept is bounded by what so many queries use.
 void KeepFreedMemory();
