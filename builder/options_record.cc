@@ -13,7 +13,7 @@ std::string ToJson(bool value) { return value ? "true" : "false"; }
 std::string ToJson(double value) { return nlohmann::json(value).dump(); }
 std::string ToJson(std::string_view value) { return nlohmann::json(value).dump(); }
 
-std::string FromTo(std::string_view last, std::string_view path) {
+std::string JsonBetween(std::string_view last, std::string_view path) {
   // Where both are in the same groups.
   const auto parts = std::ranges::mismatch(last, path);
   const size_t same = static_cast<size_t>(parts.in1 - last.begin());

@@ -16,7 +16,10 @@ struct BuildOptions;
 
 namespace options_record_internal {
 
-// Scalars as JSON.
+template <class Value>
+concept Enumeration = std::is_enum_v<Value>;
+
+// Values of options as JSON.
 std::string ToJson(bool value);
 std::string ToJson(double value);
 std::string ToJson(std::string_view value);
@@ -24,8 +27,8 @@ template <std::integral Value>
 std::string ToJson(Value value) {
   return std::to_string(value);
 }
-template <class Value>
-requires std::is_enum_v<Value> std::string ToJson(Value value) {
+template <Enumeration Value>
+std::string ToJson(Value value) {
   return ToJson(std::string_view(NameOf(value)));
 }
 template <class Value>
@@ -35,9 +38,10 @@ std::string ToJson(const std::vector<Value>& values) {
   return text.empty() ? "[]" : text + "]";
 }
 
-// Closes the groups of `last` that `path` isn't in, and opens those of `path` that `last` wasn't
-// in.
-std::string FromTo(std::string_view last, std::string_view path);
+// What stands between the value of the field `last` and that of the field `path`: the ends of
+// groups that `path` isn't in, the beginnings of its own, and its name. An empty `last` is the
+// beginning of the record, an empty `path` its end.
+std::string JsonBetween(std::string_view last, std::string_view path);
 
 }  // namespace options_record_internal
 
@@ -48,10 +52,11 @@ std::string RecordFields(const Options& options) {
   std::string record;
   std::string last;
   VisitFields("", options, [&](const std::string& path, const auto&, const auto& value) {
-    record += options_record_internal::FromTo(last, path) + options_record_internal::ToJson(value);
+    record += options_record_internal::JsonBetween(last, path);
+    record += options_record_internal::ToJson(value);
     last = path;
   });
-  return record + options_record_internal::FromTo(last, "");
+  return record + options_record_internal::JsonBetween(last, "");
 }
 
 // All options of a build but those that it doesn't depend on, as MapInfo::options_json holds them.

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "core/base/check.h"
 #include "core/base/clock.h"
@@ -74,8 +76,7 @@ class SequencePipeline {
   }
 
  private:
-  // Frames leave the last stage in order, so the place of one is free when the next one comes to
-  // it.
+  // Frames leave the last stage in order, so the oldest one's place is the next to be free.
   FrameInFlight* Read(tbb::flow_control& control) {
     std::optional<EncodedFrame> next = source_.NextEncoded();
     if (!next) {

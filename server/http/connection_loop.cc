@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "server/http/connection.h"
+#include "server/http/file_limit.h"
 #include "server/http/poller.h"
 #include "server/http/request_pool.h"
 

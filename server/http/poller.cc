@@ -2,7 +2,6 @@
 #include "server/http/poller.h"
 
 #include <sys/eventfd.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,8 +11,7 @@
 namespace waystone {
 namespace {
 
-constexpr uint64_t kWakeUp = 0;   // the id of the descriptor that ends a Wait
-constexpr int kOtherFiles = 100;  // descriptors that aren't connections
+constexpr uint64_t kWakeUp = 0;  // the id of the descriptor that ends a Wait
 
 void Control(int epoll, int operation, int fd, uint32_t events, uint64_t id) {
   epoll_event event{};
@@ -55,19 +53,6 @@ std::span<const epoll_event> Poller::Wait(int timeout_ms) {
 void Poller::WakeUp() const {
   const uint64_t one = 1;
   [[maybe_unused]] const ssize_t written = write(wake_up_.get(), &one, sizeof(one));
-}
-
-int RaiseFileLimit(int wanted) {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return wanted;
-  const rlim_t need = static_cast<rlim_t>(wanted) + kOtherFiles;
-  if (limit.rlim_cur < need) {
-    limit.rlim_cur = std::min(need, limit.rlim_max);
-    setrlimit(RLIMIT_NOFILE, &limit);
-    getrlimit(RLIMIT_NOFILE, &limit);
-  }
-  const rlim_t free = limit.rlim_cur > kOtherFiles ? limit.rlim_cur - kOtherFiles : 1;
-  return static_cast<int>(std::min<rlim_t>(free, static_cast<rlim_t>(wanted)));
 }
 
 }  // namespace waystone

@@ -33,8 +33,4 @@ class Poller {
   std::array<epoll_event, 64> events_{};
 };
 
-// Raises the limit on open files so that there may be `wanted` connections besides the program's
-// other files, as far as the system lets it. How many connections there may be.
-int RaiseFileLimit(int wanted);
-
 }  // namespace waystone

@@ -4,10 +4,12 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -24,23 +26,26 @@ constexpr rlim_t kSpareBytes = 24'000'000;
 
 class LimitedServer : public testing::Test {
  protected:
-  LimitedServer() { fs::copy_file(TheMap().map, map_); }
+  LimitedServer() {
+    fs::copy_file(TheMap().map, map_);
+    served_.emplace(std::vector<std::string>{"--watch", "0.2"}, map_);
+  }
   ~LimitedServer() override { fs::remove_all(folder_); }
 
   // The status of an answer; 0 for a connection that was closed.
   int Ask(const std::string& image) {
-    const auto result = server().NewClient().Post("/v1/maps/room/localize", image, "image/jpeg");
+    const auto result = served_->NewClient().Post("/v1/maps/room/localize", image, "image/jpeg");
     return result ? result->status : 0;
   }
 
   std::string Get(const std::string& path) {
-    const auto result = server().NewClient().Get(path);
+    const auto result = served_->NewClient().Get(path);
     return result && result->status == 200 ? result->body : "";
   }
 
   // Leaves the server this much more than it has.
   void Limit(rlim_t spare_bytes) {
-    std::ifstream sizes("/proc/" + std::to_string(server().process().pid()) + "/statm");
+    std::ifstream sizes("/proc/" + std::to_string(served_->process().pid()) + "/statm");
     rlim_t pages = 0;
     sizes >> pages;
     SetLimit(pages * static_cast<rlim_t>(getpagesize()) + spare_bytes);
@@ -60,22 +65,15 @@ class LimitedServer : public testing::Test {
     return false;
   }
 
-  Served& server() {
-    if (!served_)
-      served_ = std::make_unique<Served>(std::vector<std::string>{"--watch", "0.2"}, map_);
-    return *served_;
-  }
-
   const fs::path folder_ = FreshFolder();
   const fs::path map_ = folder_ / "room.db";
+  std::optional<Served> served_;
 
  private:
   void SetLimit(rlim_t bytes) {
     const rlimit limit{bytes, RLIM_INFINITY};
-    ASSERT_EQ(prlimit(server().process().pid(), RLIMIT_AS, &limit, nullptr), 0);
+    ASSERT_EQ(prlimit(served_->process().pid(), RLIMIT_AS, &limit, nullptr), 0);
   }
-
-  std::unique_ptr<Served> served_;
 };
 
 // Of 12 megapixels, noisy: it takes more memory than is left.

@@ -75,6 +75,7 @@ void ExpectSameOnThreads(const Options& options, const Camera& camera) {
     Layer alone(options);
     MemorySource source = OpenWalk(camera);
     const MapData expected = BuildLayer({&source}, alone);
+    EXPECT_TRUE(!expected.keyframes.empty() || expected.appearance || expected.orientation);
     Layer layer(options);
     MemorySource again = OpenWalk(camera);
     ObserveOnThreads(layer, again);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "builder/build_map.h"
+#include "builder/options_record.h"
 #include "builder/sources/memory_source.h"
 #include "core/image/decode.h"
 #include "schema/file/map_store.h"
@@ -67,6 +68,14 @@ class BuildMemory : public testing::Test {
   const tbb::global_control one_thread_{tbb::global_control::max_allowed_parallelism, 1};
   const TemporaryFolder folder_;
 };
+
+TEST_F(BuildMemory, OptionsAreRecordedWholeOrNotAtAll) {
+  const std::string expected = RecordOptions({});
+  std::string record;
+  AttackMemory(
+      "record the options", [&] { record = RecordOptions({}); },
+      [&](bool threw) { ASSERT_TRUE(threw || record == expected); });
+}
 
 TEST_F(BuildMemory, OfPhotosLeavesTheOldMap) { Attack("build a map of photos", PhotoWalk()); }
 
