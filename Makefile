@@ -74,10 +74,11 @@ tsan: packages  ## the server's tests and the layers' on several threads, with T
 
 # What breaks a reader goes to build/fuzz/crashes, with a line how to try it again.
 SECONDS ?= 3600
+SEED ?= 0
 fuzz: packages  ## libFuzzer on every reader of what strangers send; SECONDS=3600 for each
 	@scripts/install_packages.sh scripts/fuzz_packages.txt
 	@scripts/build.sh fuzz $(JOBS) fuzz
-	@scripts/fuzz.py build/fuzz $(SECONDS) $(JOBS)
+	@scripts/fuzz.py build/fuzz $(SECONDS) $(JOBS) $(SEED)
 
 # PRESET=tsan runs the server that is built with ThreadSanitizer.
 MINUTES ?= 30

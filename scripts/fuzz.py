@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""fuzz.py BUILD_DIR SECONDS [JOBS] [TARGET...]: runs each target of tests/fuzz for SECONDS, JOBS at once.
+"""fuzz.py BUILD_DIR SECONDS [JOBS] [SEED] [TARGET...]: runs each target of tests/fuzz for SECONDS, JOBS at
+once. SEED 0, the default, is another one each time; the same one tries the same inputs in the same order.
 
 What libFuzzer adds to the inputs of tests/fuzz/corpus stays in BUILD_DIR/corpus for the next time, and
 what breaks a target goes to BUILD_DIR/crashes. Prints a line a target: inputs a second, and coverage
@@ -30,13 +31,13 @@ def number(pattern, text, which=-1):
     return int(found[which]) if found else 0
 
 
-def run(program, build, target, seconds, scratch):
+def run(program, build, target, seconds, seed, scratch):
     """(line to print, whether the target held)."""
     corpus, crashes, logs = (build / name for name in ("corpus", "crashes", "logs"))
     for folder in (corpus / target, crashes, logs):
         folder.mkdir(parents=True, exist_ok=True)
     done = subprocess.run(
-        [program, target, f"-max_total_time={seconds}", f"-timeout={TIMEOUT_S}", f"-rss_limit_mb={MEMORY_MB}",
+        [program, target, f"-max_total_time={seconds}", f"-seed={seed}", f"-timeout={TIMEOUT_S}", f"-rss_limit_mb={MEMORY_MB}",
          "-print_final_stats=1", f"-artifact_prefix={crashes}/{target}-", corpus / target, SEEDS / target],
         capture_output=True, text=True, errors="replace", check=False,
         env={**os.environ, **options_for_sanitizers(), "TMPDIR": scratch})
@@ -52,14 +53,14 @@ def run(program, build, target, seconds, scratch):
     return f"{line}\n  broken: {'; '.join(said[:2])}\n  replay: {replay}", False
 
 
-def main(build, seconds, jobs, targets):
+def main(build, seconds, jobs, seed, targets):
     program = build / "tests/fuzz/fuzz"
     targets = targets or sorted(folder.name for folder in SEEDS.iterdir())
     held = []
     shared_memory = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
     with tempfile.TemporaryDirectory(prefix="waystone-fuzz-", dir=shared_memory) as scratch, \
             concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        runs = [pool.submit(run, program, build, target, seconds, scratch) for target in targets]
+        runs = [pool.submit(run, program, build, target, seconds, seed, scratch) for target in targets]
         for each in runs:
             line, good = each.result()
             print(line, flush=True)
@@ -71,4 +72,5 @@ def main(build, seconds, jobs, targets):
 if __name__ == "__main__":
     if len(sys.argv) < 3:
         sys.exit(__doc__)
-    sys.exit(main(Path(sys.argv[1]), int(sys.argv[2]), int((sys.argv + [""])[3] or 1), sys.argv[4:]))
+    sys.exit(main(Path(sys.argv[1]), int(sys.argv[2]), int((sys.argv + [""])[3] or 1),
+                  int(sys.argv[4]) if len(sys.argv) > 4 else 0, sys.argv[5:]))

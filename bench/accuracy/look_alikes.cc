@@ -6,8 +6,10 @@
 #include <iostream>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "bench/accuracy/common.h"
+#include "bench/accuracy/relight.h"
 #include "bench/accuracy/world_source.h"
 #include "core/base/error.h"
 #include "localizer/planes/sightings.h"
@@ -36,8 +38,8 @@ struct LookAlikeSample {
   bool right = false;
   bool localized = false;
   int plane_inliers = 0;
-  KeyframeEvidence evidence;
-  double probability = 0;  // by the default model
+  std::optional<KeyframeEvidence> evidence;  // of a verified keyframe
+  double probability = 0;                    // by the default model
 };
 
 // A building that varies with its seed: how bare its walls are, how rich its looks, how large its
@@ -73,6 +75,15 @@ Walk MapTour(const World& world) {
   return EveryNth(DemoWalk(world.plan(), options), kMapFrames);
 }
 
+// A step aside and a look elsewhere, where there is room for it.
+Eigen::Isometry3d StepAside(const World& world, const Eigen::Isometry3d& world_from_camera,
+                            Random& random) {
+  Eigen::Isometry3d aside = world_from_camera;
+  aside.linear() = Eigen::AngleAxisd(random.Uniform(-0.6, 0.6), Vector3d::UnitZ()) * aside.linear();
+  aside.translation() += Vector3d(random.Uniform(-0.8, 0.8), random.Uniform(-0.8, 0.8), 0);
+  return world.IsInside(aside.translation()) ? aside : world_from_camera;
+}
+
 // Another visit: another height, gaze and hand.
 Walk QueryTour(const World& world, uint64_t seed) {
   Random random(seed * 31 + 7);
@@ -81,7 +92,11 @@ Walk QueryTour(const World& world, uint64_t seed) {
   options.gaze_rad = random.Uniform(0.2, 0.8);
   options.gaze_period_m = random.Uniform(4, 9);
   options.seed = seed + 100;
-  return EveryNth(DemoWalk(world.plan(), options), kQueries);
+  Walk tour = EveryNth(DemoWalk(world.plan(), options), kQueries);
+  for (WalkFrame& frame : tour.frames) {
+    frame.world_from_camera = StepAside(world, frame.world_from_camera, random);
+  }
+  return tour;
 }
 
 // Whether the inliers show one and the same surface of the world: median distance between where the
@@ -124,7 +139,8 @@ class BuildingAsked {
   }
 
  private:
-  // Another camera's blur, noise and exposure, as the query's seed has them.
+  // Another camera's blur, noise and exposure, and for every other query another light, as the
+  // query's seed has them.
   cv::Mat Photograph(const World& world, const Eigen::Isometry3d& world_from_camera,
                      uint64_t seed) const {
     Random random(seed);
@@ -133,7 +149,8 @@ class BuildingAsked {
     options.noise_sigma = random.Uniform(2, 8);
     options.noise_seed = seed;
     options.exposure_gain = random.Uniform(0.4, 1.2);
-    return renderer_.Render(world, world_from_camera, options).grey;
+    const RenderedFrame frame = renderer_.Render(world, world_from_camera, options);
+    return random.Uniform() < 0.5 ? frame.grey : Relight(frame, random);
   }
 
   void AskWorld(const World& world, AskedOf asked, std::vector<LookAlikeSample>& samples) const {
@@ -157,7 +174,7 @@ class BuildingAsked {
     const Shortlist shortlist = VoteForPlaces(*index_, query, options);
     const std::vector<VerifiedPlane> tried = TryPlanes(*index_, query, shortlist.planes, options);
     const auto keyframes = VerifyKeyframes(*index_, query, shortlist, tried, options);
-    const std::vector<Place> places = FindPlaces(*index_, tried, keyframes, options);
+    const std::vector<Place> places = FindPlaces(*index_, query, tried, keyframes, options);
     if (places.empty()) return sample;
     const Place& best = places.front();
     sample.localized = true;
@@ -187,8 +204,8 @@ Eigen::VectorXd FitSigned(const std::vector<LookAlikeSample>& samples) {
   std::vector<LogisticSample> cases;
   double right = 0;
   for (const LookAlikeSample& sample : samples) {
-    if (sample.evidence.inliers == 0) continue;
-    cases.push_back({KeyframeFactors(sample.evidence), sample.right});
+    if (!sample.evidence) continue;
+    cases.push_back({KeyframeFactors(*sample.evidence), sample.right});
     right += sample.right;
   }
   const double wrong = static_cast<double>(cases.size()) - right;
@@ -237,10 +254,10 @@ int RunLookAlikes(const Args& raw) {
     samples.insert(samples.end(), more.begin(), more.end());
     for (const LookAlikeSample& sample : more) {
       if (!each) break;
-      const KeyframeEvidence& e = sample.evidence;
-      std::printf("sample %d %s %d %d %d %d %.4f %.4f %.4f %.4f\n", sample.building,
+      const KeyframeEvidence e = sample.evidence.value_or(KeyframeEvidence{});
+      std::printf("sample %d %s %d %d %d %.1f %.4f %.4f %.4f %.4f\n", sample.building,
                   kAskedOfNames[static_cast<int>(sample.asked)], sample.localized, sample.right,
-                  sample.plane_inliers, e.inliers, e.found_share, e.coverage, e.inlier_share,
+                  sample.plane_inliers, e.significance, e.found_share, e.coverage, e.inlier_share,
                   sample.probability);
     }
     std::fflush(stdout);
@@ -248,7 +265,7 @@ int RunLookAlikes(const Args& raw) {
   PrintCounts(samples, "default", [](const LookAlikeSample& s) { return s.probability; });
   const Eigen::VectorXd fit = FitSigned(samples);
   PrintCounts(samples, "fitted", [&](const LookAlikeSample& s) {
-    return s.evidence.inliers == 0 ? s.probability : Logistic(fit.dot(KeyframeFactors(s.evidence)));
+    return s.evidence ? Logistic(fit.dot(KeyframeFactors(*s.evidence))) : s.probability;
   });
   nlohmann::ordered_json json{{"bench", "look-alikes"}, {"samples", samples.size()}};
   json["fit"] = std::vector<double>(fit.begin(), fit.end());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/two_view/fundamental.h"
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
@@ -62,6 +63,14 @@ std::vector<int> FindPlanarInliers(const std::vector<cv::Point2d>& a,
   return inliers;
 }
 
+// ln of n over k.
+double LogBinomial(int n, int k) {
+  const int fewer = std::min(k, n - k);
+  double sum = 0;  // not by lgamma, which writes a global variable
+  for (int i = 1; i <= fewer; ++i) sum += std::log((n - fewer + i) / static_cast<double>(i));
+  return sum;
+}
+
 }  // namespace
 
 double SampsonError(const Matrix3d& fundamental, const Vector2d& x_a, const Vector2d& x_b) {
@@ -69,6 +78,16 @@ double SampsonError(const Matrix3d& fundamental, const Vector2d& x_a, const Vect
   const Vector3d line_a = fundamental.transpose() * x_b.homogeneous();
   const double square = line_b.head<2>().squaredNorm() + line_a.head<2>().squaredNorm();
   return std::abs(x_b.homogeneous().dot(line_b)) / std::sqrt(square);
+}
+
+double EpipolarSignificance(int matches, int inliers, double max_error_px, int width, int height) {
+  constexpr int kSample = 7;
+  if (inliers <= kSample || matches < inliers) return 0;
+  const double alpha =
+      std::min(1.0, 2 * max_error_px * std::hypot(width, height) / (1.0 * width * height));
+  const double expected = std::log(matches - kSample) + LogBinomial(matches, inliers) +
+                          LogBinomial(inliers, kSample) + (inliers - kSample) * std::log(alpha);
+  return std::max(0.0, -expected);
 }
 
 std::optional<EpipolarFit> FindEpipolarGeometry(std::span<const Vector2d> a,

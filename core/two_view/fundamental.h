@@ -54,6 +54,12 @@ std::optional<EpipolarFit> FindEpipolarGeometry(std::span<const Eigen::Vector2d>
                                                 std::span<const Eigen::Vector2d> b,
                                                 const EpipolarOptions& options);
 
+// How unlikely it is that matches at random positions of a width x height image give an epipolar
+// geometry with this many inliers: -ln of the expected number of such geometries, at least 0
+// (Moisan and Stival, A probabilistic criterion to detect rigid point matches between two images,
+// IJCV 2004: NFA = (n - 7) C(n, k) C(k, 7) alpha^(k - 7), alpha = 2 D epsilon / A). 0 is chance.
+double EpipolarSignificance(int matches, int inliers, double max_error_px, int width, int height);
+
 // Sampson error of a pair, px: the first-order distance to the nearest pair that fits exactly
 // (Hartley and Zisserman, eq. 11.9).
 double SampsonError(const Eigen::Matrix3d& fundamental, const Eigen::Vector2d& x_a,

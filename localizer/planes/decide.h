@@ -37,7 +37,8 @@ std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane>
 
 // The places of all planes that were accepted of those that were tried, and of the keyframes that
 // were verified, in the order of JoinKeyframes.
-std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
+std::vector<Place> FindPlaces(const MapIndex& index, const Features& query,
+                              const std::vector<VerifiedPlane>& tried,
                               const std::vector<VerifiedKeyframe>& keyframes,
                               const PlaneQueryOptions& options);
 

@@ -71,7 +71,7 @@ Explanation Explain(const MapIndex& index, const Features& query, const Shortlis
                     const std::vector<VerifiedKeyframe>& keyframes,
                     const PlaneQueryOptions& options) {
   Explanation explanation{query.width, query.height, query.size(), options.gates, {}, {}, {}};
-  const std::vector<Place> places = FindPlaces(index, tried, keyframes, options);
+  const std::vector<Place> places = FindPlaces(index, query, tried, keyframes, options);
   for (const Place& place : places) {
     explanation.places.push_back(ExplainPlace(index, query, place));
   }

@@ -19,6 +19,7 @@ struct PlaneQueryOptions {
   int max_features = 1000;
   double contrast_threshold = 0.02;
   int votes_per_feature = 3;
+  int neighbours = 8;
   int probes = 64;
   int max_candidates = 16;
   int settled_inliers = 30;
@@ -45,6 +46,10 @@ struct PlaneQueryOptions {
         OptionField{"votes_per_feature", &Self::votes_per_feature, AtLeast(1), "",
                     "Nearest map features for which a query feature votes. More find planes in "
                     "poor views, and try more wrong ones."},
+        OptionField{"neighbours", &Self::neighbours, AtLeast(2), "",
+                    "Nearest map features by which a query feature weighs its votes for keyframes: "
+                    "the farthest is what any feature would find.",
+                    OptionUse::kInternal},
         OptionField{"probes", &Self::probes, AtLeast(1), "",
                     "Lists of the map's search index that are searched. More find more of the true "
                     "nearest features and take longer; all lists are an exact search."},

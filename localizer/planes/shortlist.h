@@ -18,7 +18,7 @@ struct ShortlistedPlane {
 struct ShortlistedKeyframe {
   int keyframe = 0;  // index in the map's keyframes
   double votes = 0;
-  double excess = 0;  // votes beyond those by chance
+  double excess = 0;  // weight of the votes beyond that by chance, in sigmas of the latter
 };
 
 struct Shortlist {
@@ -29,8 +29,10 @@ struct Shortlist {
 // Planes and keyframes by descriptor votes. Every query feature votes once for each plane among its
 // nearest descriptors, and once for each keyframe that has a landmark among them. A keyframe has
 // the votes of the planes that it saw too, each by the share of the plane's features that it saw.
-// Keyframes are ranked by what they have beyond the votes that as many features get by chance: one
-// that saw more isn't likelier to be seen again.
+// Planes are ranked by their votes. Keyframes are ranked by how far the weight of their votes is
+// beyond what as many features get by chance: one that saw more isn't likelier to be seen again.
+// A vote weighs more the nearer its descriptor is than those of the background, and less where many
+// features of the query vote for the same descriptor.
 Shortlist VoteForPlaces(const MapIndex& index, const Features& query,
                         const PlaneQueryOptions& options);
 

@@ -17,15 +17,24 @@ namespace {
 constexpr int kNearKeyframes = 4;
 constexpr int kNextKeyframes = 2;
 
-KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified, const Place& place) {
-  const auto share_of = [&](int all) {
-    return std::min(1.0, static_cast<double>(verified.distinct) / std::max(1, all));
-  };
+double ShareOf(int part, int all) {
+  return std::min(1.0, static_cast<double>(part) / std::max(1, all));
+}
+
+// Planes recognise a surface from farther aside than a keyframe is, so that their inliers count as
+// found too.
+KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified, const Place& place,
+                             const Features& query, const GateOptions& gates) {
+  std::vector<Eigen::Vector2d> found = verified.query_points;
+  for (const VerifiedPlane& plane : place.planes) {
+    for (const Match& match : plane.inliers) found.push_back(PositionOf(query.keypoints[match.a]));
+  }
   KeyframeEvidence evidence;
-  evidence.inliers = std::max(verified.distinct, place.evidence.inliers);
-  evidence.found_share = share_of(verified.expected);
-  evidence.coverage = verified.coverage;
-  evidence.inlier_share = share_of(verified.matches);
+  evidence.significance = verified.significance;
+  evidence.found_share = ShareOf(CountApart(found, gates.distinct_px), verified.expected);
+  evidence.coverage = ComputeCoverage(found, query.width, query.height);
+  evidence.inlier_share = ShareOf(verified.distinct, verified.matches);
+  evidence.planes = static_cast<int>(place.planes.size());
   return evidence;
 }
 
@@ -50,7 +59,7 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
                                               const Deadline& deadline) {
   if (!index.HasLandmarks()) return {};
   std::vector<int> wanted;
-  const std::vector<Place> places = FindPlaces(index, tried, {}, options);
+  const std::vector<Place> places = FindPlaces(index, query, tried, {}, options);
   for (const Place& place : places) {
     if (std::ssize(wanted) == options.max_keyframes) break;
     if (CountInliers(place) < options.gates.ambiguous_share * CountInliers(places.front())) break;
@@ -88,8 +97,9 @@ bool KeyframesAreNear(const MapIndex& index, int a, int b) {
   });
 }
 
-void JoinKeyframes(const MapIndex& index, const std::vector<VerifiedKeyframe>& keyframes,
-                   const PlaneQueryOptions& options, std::vector<Place>& places) {
+void JoinKeyframes(const MapIndex& index, const Features& query,
+                   const std::vector<VerifiedKeyframe>& keyframes, const PlaneQueryOptions& options,
+                   std::vector<Place>& places) {
   for (const VerifiedKeyframe& verified : keyframes) {
     const auto home = std::ranges::find_if(
         places, [&](const Place& place) { return Shows(index, verified.keyframe, place); });
@@ -97,9 +107,8 @@ void JoinKeyframes(const MapIndex& index, const std::vector<VerifiedKeyframe>& k
     if (home == places.end() && verified.distinct < options.gates.min_inliers) continue;
     Place& place = home == places.end() ? places.emplace_back() : *home;
     place.keyframe = verified;
-    place.keyframe_evidence = EvidenceFor(verified, place);
-    place.probability =
-        JoinProbabilities(place.probability, ComputeProbability(place.keyframe_evidence));
+    place.keyframe_evidence = EvidenceFor(verified, place, query, options.gates);
+    place.probability = ComputeProbability(place.keyframe_evidence);
   }
   const auto rank = [&](const Place& place) {
     return std::pair(place.probability >= options.gates.min_probability, CountInliers(place));

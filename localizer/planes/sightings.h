@@ -27,9 +27,11 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
 bool KeyframesAreNear(const MapIndex& index, int a, int b);
 
 // Gives each place the verified keyframe that shows it best, and makes places of those keyframes
-// that no place is near. Sets the probabilities that follow from both, and sorts: those that
+// that no place is near. A place's probability is then that of its keyframe's evidence, of which
+// its planes are a part: what planes give alone doesn't count what is missing. Sorts: places that
 // suffice for an answer before the others, most inliers first.
-void JoinKeyframes(const MapIndex& index, const std::vector<VerifiedKeyframe>& keyframes,
-                   const PlaneQueryOptions& options, std::vector<Place>& places);
+void JoinKeyframes(const MapIndex& index, const Features& query,
+                   const std::vector<VerifiedKeyframe>& keyframes, const PlaneQueryOptions& options,
+                   std::vector<Place>& places);
 
 }  // namespace waystone

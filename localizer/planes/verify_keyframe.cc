@@ -20,27 +20,6 @@ bool IsInside(const Vector2d& x, int width, int height) {
   return x.x() >= 0 && x.y() >= 0 && x.x() < width && x.y() < height;  // not for NaN
 }
 
-double ComputeCoverage(const std::vector<Vector2d>& points, int width, int height) {
-  std::set<std::pair<int, int>> cells;
-  for (const Vector2d& x : points) {
-    cells.emplace(static_cast<int>(kCoverageCells * x.x() / width),
-                  static_cast<int>(kCoverageCells * x.y() / height));
-  }
-  return static_cast<double>(cells.size()) / (kCoverageCells * kCoverageCells);
-}
-
-// Points of which none is nearer than `apart` to one counted before.
-int CountApart(const std::vector<Vector2d>& points, double apart) {
-  std::vector<Vector2d> counted;
-  for (const Vector2d& x : points) {
-    const bool near = std::any_of(counted.begin(), counted.end(), [&](const Vector2d& other) {
-      return (other - x).squaredNorm() < apart * apart;
-    });
-    if (!near) counted.push_back(x);
-  }
-  return static_cast<int>(counted.size());
-}
-
 // The affinity query_from_keyframe that fits the inliers best, linear part and shift. An epipolar
 // geometry alone says on which line a feature is, not where; that it lies inside the image needs no
 // more than this.
@@ -73,6 +52,26 @@ int CountExpected(const KeyframeFeatures& target, const VerifiedKeyframe& verifi
 }
 
 }  // namespace
+
+double ComputeCoverage(const std::vector<Vector2d>& points, int width, int height) {
+  std::set<std::pair<int, int>> cells;
+  for (const Vector2d& x : points) {
+    cells.emplace(static_cast<int>(kCoverageCells * x.x() / width),
+                  static_cast<int>(kCoverageCells * x.y() / height));
+  }
+  return static_cast<double>(cells.size()) / (kCoverageCells * kCoverageCells);
+}
+
+int CountApart(const std::vector<Vector2d>& points, double apart) {
+  std::vector<Vector2d> counted;
+  for (const Vector2d& x : points) {
+    const bool near = std::any_of(counted.begin(), counted.end(), [&](const Vector2d& other) {
+      return (other - x).squaredNorm() < apart * apart;
+    });
+    if (!near) counted.push_back(x);
+  }
+  return static_cast<int>(counted.size());
+}
 
 KeyframeFeatures CollectKeyframeFeatures(const MapIndex& index, int keyframe) {
   const MapData& map = index.map();
@@ -124,6 +123,9 @@ std::optional<VerifiedKeyframe> VerifyKeyframe(const MapIndex& index, const Feat
   verified.distinct = CountApart(verified.query_points, options.gates.distinct_px);
   verified.expected = CountExpected(target, verified, query.width, query.height);
   verified.coverage = ComputeCoverage(verified.query_points, query.width, query.height);
+  verified.significance =
+      EpipolarSignificance(verified.matches, verified.distinct, options.epipolar.max_error_px,
+                           query.width, query.height);
   return verified;
 }
 

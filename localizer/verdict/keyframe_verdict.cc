@@ -7,33 +7,36 @@
 #include "localizer/verdict/logistic_fit.h"
 
 namespace waystone {
+namespace {
+
+constexpr double kNoChance = 10;         // one false alarm in e^10 keyframes
+constexpr double kShareByChance = 0.05;  // of a keyframe's features, found where none should be
+
+}  // namespace
 
 const KeyframeVerdictModel& DefaultKeyframeModel() {
-  static constexpr KeyframeVerdictModel kModel{.intercept = -14.994,
-                                               .log_inliers = 3.876,
-                                               .found_share = 7.007,
-                                               .coverage = 1.254,
-                                               .inlier_share = 3.625};
+  static constexpr KeyframeVerdictModel kModel{.intercept = -2.513,
+                                               .significance = 2.701,
+                                               .found_share = 1.312,
+                                               .coverage = 4.657,
+                                               .inlier_share = 3.257,
+                                               .planes = 0.108};
   return kModel;
 }
 
 Eigen::VectorXd KeyframeFactors(const KeyframeEvidence& evidence) {
-  Eigen::VectorXd factors(5);
-  factors << 1, std::log1p(evidence.inliers), evidence.found_share, evidence.coverage,
-      evidence.inlier_share;
+  Eigen::VectorXd factors(6);
+  factors << 1, std::min(1.0, evidence.significance / kNoChance),
+      std::log(kShareByChance + evidence.found_share), evidence.coverage, evidence.inlier_share,
+      evidence.planes;
   return factors;
 }
 
 double ComputeProbability(const KeyframeEvidence& evidence, const KeyframeVerdictModel& model) {
-  Eigen::VectorXd weights(5);
-  weights << model.intercept, model.log_inliers, model.found_share, model.coverage,
-      model.inlier_share;
+  Eigen::VectorXd weights(6);
+  weights << model.intercept, model.significance, model.found_share, model.coverage,
+      model.inlier_share, model.planes;
   return Logistic(weights.dot(KeyframeFactors(evidence)));
-}
-
-double JoinProbabilities(double by_planes, double by_keyframe) {
-  constexpr double kEven = 0.5;
-  return by_keyframe < kEven ? by_keyframe : std::max(by_planes, by_keyframe);
 }
 
 }  // namespace waystone

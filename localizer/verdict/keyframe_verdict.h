@@ -7,22 +7,26 @@ namespace waystone {
 
 // What speaks for a place whose keyframe was verified by all its matches.
 struct KeyframeEvidence {
-  // At distinct positions of the query: of the epipolar geometry or of the place's planes,
-  // whichever are more. Planes recognise a surface from farther aside.
-  int inliers = 0;
-  double found_share = 0;   // of the features that should be in the query, those found, in [0, 1]
-  double coverage = 0;      // share of the query's cells that have an inlier, in [0, 1]
+  double significance = 0;  // that its epipolar geometry isn't by chance (EpipolarSignificance)
+  // Of the features that should be in the query, those found, by the keyframe or by the place's
+  // planes, in [0, 1].
+  double found_share = 0;
+  double coverage = 0;      // share of the query's cells where one was found, in [0, 1]
   double inlier_share = 0;  // of the keyframe's matches that are inliers, in [0, 1]
+  int planes = 0;           // of the place, which agree with each other
 };
 
-// log(p / (1 - p)) = intercept + the weighted sum of log(1 + inliers) and of the shares. Each is
-// evidence for a place, so that no weight is below 0.
+// log(p / (1 - p)) = intercept + the weighted sum of the evidence. The significance counts up to
+// where chance is ruled out: a poster has any number of inliers, and may hang on every storey.
+// Surfaces that agree with each other are more than one poster. All of it is evidence for a place,
+// so that no weight is below 0.
 struct KeyframeVerdictModel {
   double intercept = 0;
-  double log_inliers = 0;
+  double significance = 0;
   double found_share = 0;
   double coverage = 0;
   double inlier_share = 0;
+  double planes = 0;
 };
 
 // The model that holds for any map. It was fitted to rendered buildings (waystone-bench
@@ -30,15 +34,12 @@ struct KeyframeVerdictModel {
 // posters, doors and bare walls, and for other buildings.
 const KeyframeVerdictModel& DefaultKeyframeModel();
 
-// 1, log(1 + inliers), found_share, coverage, inlier_share: what the model's coefficients weigh.
+// 1, the significance as a share of what rules out chance, the logarithm of found_share (and a
+// little), coverage, inlier_share, planes: what the model's coefficients weigh.
 Eigen::VectorXd KeyframeFactors(const KeyframeEvidence& evidence);
 
 // The probability that a place with this evidence is the query's, in (0, 1).
 double ComputeProbability(const KeyframeEvidence& evidence,
                           const KeyframeVerdictModel& model = DefaultKeyframeModel());
-
-// The probability of a place whose planes alone give it `by_planes` (0 without planes) and whose
-// keyframe gives it `by_keyframe`: either suffices, unless the keyframe speaks against the place.
-double JoinProbabilities(double by_planes, double by_keyframe);
 
 }  // namespace waystone

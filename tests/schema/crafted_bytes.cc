@@ -175,11 +175,11 @@ std::vector<CraftedMap> Trees() {
           "100^15 rows of a foreign table", other,
           [](Pages& pages, int root) { Multiply(pages, root, kTableInterior, 15, "\x7f", 100); }),
       ByPages("60^15 entries of an index", other + "; CREATE INDEX i ON other (a)",
-              [&](Pages& pages, int root) {
+              [index_key](Pages& pages, int root) {
                 Multiply(pages, root, kIndexInterior, 15, index_key, 60);
               }),
       ByPages("60^15 entries of an index on keyframes", "CREATE INDEX i ON keyframes (width)",
-              [&](Pages& pages, int root) {
+              [index_key](Pages& pages, int root) {
                 Multiply(pages, root, kIndexInterior, 15, index_key, 60);
               }),
       ByPages("100^15 definitions", "SELECT 1",

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/error.h"
 #include "core/base/random.h"
@@ -104,6 +105,38 @@ TEST(Epipolar, TheSamePairsGiveTheSameFit) {
   ASSERT_TRUE(first && again);
   EXPECT_EQ(first->fundamental, again->fundamental);
   EXPECT_EQ(first->inliers, again->inliers);
+}
+
+TEST(EpipolarSignificance, IsMinusTheLogarithmOfTheFalseAlarms) {
+  // 3 C(10, 9) C(9, 7) alpha^2 with alpha = 2 * 2 px * 800 px / (640 px * 480 px).
+  EXPECT_NEAR(EpipolarSignificance(10, 9, 2.0, 640, 480), -std::log(3 * 10 * 36 / 9216.0), 1e-9);
+  EXPECT_EQ(EpipolarSignificance(100, 7, 2.0, 640, 480), 0) << "seven always fit";
+  EXPECT_EQ(EpipolarSignificance(5, 9, 2.0, 640, 480), 0);
+  EXPECT_EQ(EpipolarSignificance(0, 0, 2.0, 640, 480), 0);
+}
+
+TEST(EpipolarSignificance, GrowsWithTheInliersAndFallsWithTheMatches) {
+  for (int inliers = 12; inliers < 60; ++inliers) {
+    const double here = EpipolarSignificance(60, inliers, 2.0, 640, 480);
+    EXPECT_LE(here, EpipolarSignificance(60, inliers + 1, 2.0, 640, 480)) << inliers;
+    EXPECT_GE(here, EpipolarSignificance(70, inliers, 2.0, 640, 480)) << inliers;
+  }
+}
+
+TEST(EpipolarSignificance, OfRandomPairsIsChance) {
+  const double bound_px = EpipolarOptions{}.max_error_px;
+  for (uint64_t seed = 0; seed < 50; ++seed) {
+    const MadePairs random = MakePairs(0, 30, 2, 6, {0.5, 0, 0}, 0, seed);
+    const auto chance = FindEpipolarGeometry(random.a, random.b, {});
+    const auto fits = static_cast<int>(chance ? chance->inliers.size() : 0);
+    EXPECT_LT(EpipolarSignificance(30, fits, bound_px, 640, 480), 5) << "seed " << seed;
+    const MadePairs pairs = MakePairs(20, 10, 2, 6, {0.5, 0, 0.2}, 0.1, seed);
+    const auto real = FindEpipolarGeometry(pairs.a, pairs.b, {});
+    ASSERT_TRUE(real);
+    EXPECT_GT(EpipolarSignificance(30, static_cast<int>(real->inliers.size()), bound_px, 640, 480),
+              10)
+        << "seed " << seed;
+  }
 }
 
 TEST(Epipolar, BadOptionsAreRefused) {

@@ -180,6 +180,27 @@ TEST_F(LandmarkQueryTest, KeyframesGetTheVotesOfTheirLandmarksAndPlanes) {
   }));
 }
 
+TEST(Shortlist, ManyFeaturesThatResembleOneLandmarkDontOutweighSeveralLandmarks) {
+  MapData map = MapWithLandmarks();
+  const std::vector<Point> elsewhere = MakePoints(2);
+  Keyframe keyframe = map.keyframes.back();
+  keyframe.id = KeyframeId{kFirst + 2};
+  keyframe.stretch = 3;
+  keyframe.landmarks = MakeLandmarks(Look(elsewhere, {0, 0, 0}, 0, 1));
+  map.keyframes.push_back(keyframe);
+  const std::vector<Point> points = MakePoints(1);
+  Features query = Look({points.begin(), points.begin() + 15}, {0.1, 0, 0}, 0, 1);
+  for (int i = 0; i < 60; ++i) {
+    query.keypoints.push_back({10.f * i, 100, 8, 0});
+    query.descriptors.Append(elsewhere.front().descriptor.data());
+  }
+  const Shortlist shortlist = VoteForPlaces(*MapIndex::Build(map), query, {});
+  ASSERT_GE(shortlist.keyframes.size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(map.keyframes[shortlist.keyframes[i].keyframe].stretch, 2) << i;
+  }
+}
+
 TEST(MapIndexLandmarks, TheirRowsComeAfterThePlanes) {
   const MapData map = MapWithLandmarks();
   const auto index = MapIndex::Build(map);
@@ -199,26 +220,25 @@ TEST(MapIndexLandmarks, TheirRowsComeAfterThePlanes) {
 }
 
 TEST(KeyframeVerdict, EveryKindOfEvidenceSpeaksForAPlace) {
-  const double p = ComputeProbability({14, 0.3, 0.3, 0.6});
-  EXPECT_GT(ComputeProbability({15, 0.3, 0.3, 0.6}), p);
-  EXPECT_GT(ComputeProbability({14, 0.4, 0.3, 0.6}), p);
-  EXPECT_GT(ComputeProbability({14, 0.3, 0.4, 0.6}), p);
-  EXPECT_GT(ComputeProbability({14, 0.3, 0.3, 0.7}), p);
+  const double p = ComputeProbability({6, 0.3, 0.3, 0.6, 1});
+  EXPECT_GT(ComputeProbability({7, 0.3, 0.3, 0.6, 1}), p);
+  EXPECT_GT(ComputeProbability({6, 0.4, 0.3, 0.6, 1}), p);
+  EXPECT_GT(ComputeProbability({6, 0.3, 0.4, 0.6, 1}), p);
+  EXPECT_GT(ComputeProbability({6, 0.3, 0.3, 0.7, 1}), p);
+  EXPECT_GT(ComputeProbability({6, 0.3, 0.3, 0.6, 2}), p);
 }
 
-TEST(KeyframeVerdict, EitherSufficesUnlessTheKeyframeSpeaksAgainstThePlanes) {
-  EXPECT_EQ(JoinProbabilities(0.95, 0.6), 0.95);
-  EXPECT_EQ(JoinProbabilities(0.3, 0.97), 0.97);
-  EXPECT_EQ(JoinProbabilities(0.99, 0.4), 0.4);
-  EXPECT_EQ(JoinProbabilities(0, 0.97), 0.97);
+TEST(KeyframeVerdict, MoreInliersThanRuleOutChanceAreNoFurtherEvidence) {
+  EXPECT_EQ(ComputeProbability({50, 0.15, 0.16, 0.6, 1}),
+            ComputeProbability({500, 0.15, 0.16, 0.6, 1}));
 }
 
 TEST(KeyframeVerdict, APosterIsNotAPlace) {
-  EXPECT_LT(ComputeProbability({20, 0.13, 0.28, 0.6}), 0.9);  // of what should be there, little is
-  EXPECT_LT(ComputeProbability({15, 0.3, 0.16, 0.6}), 0.9);   // a few, in a corner of the image
-  EXPECT_GE(ComputeProbability({20, 0.5, 0.3, 0.7}), 0.9);
-  EXPECT_GE(ComputeProbability({90, 0.08, 0.2, 0.5}), 0.9);  // a plane that many features show
-  EXPECT_LT(ComputeProbability({9, 0.2, 0.3, 0.5}), 0.5);    // chance
+  EXPECT_LT(ComputeProbability({50, 0.13, 0.28, 0.6, 1}), 0.9);  // much of it, little around it
+  EXPECT_LT(ComputeProbability({20, 0.3, 0.12, 0.6, 1}), 0.9);   // in a corner of the image
+  EXPECT_GE(ComputeProbability({20, 0.5, 0.32, 0.7, 0}), 0.9);
+  EXPECT_GE(ComputeProbability({20, 0.1, 0.5, 0.7, 4}), 0.9);   // surfaces all over the image
+  EXPECT_LT(ComputeProbability({0, 0.08, 0.3, 0.45, 0}), 0.1);  // chance
 }
 
 }  // namespace
