@@ -106,8 +106,10 @@ class CameraSection {
     return numbers;
   }
 
+  // "a b c"; "none" where it is no mapping.
   std::string Keys() const {
     constexpr size_t kShown = 8;
+    if (!node_.IsMap()) return "none";
     std::string keys;
     size_t count = 0;
     for (const auto& item : node_) {

@@ -15,12 +15,12 @@ constexpr double kShareByChance = 0.05;  // of a keyframe's features, found wher
 }  // namespace
 
 const KeyframeVerdictModel& DefaultKeyframeModel() {
-  static constexpr KeyframeVerdictModel kModel{.intercept = -2.513,
-                                               .significance = 2.701,
-                                               .found_share = 1.312,
-                                               .coverage = 4.657,
-                                               .inlier_share = 3.257,
-                                               .planes = 0.108};
+  static constexpr KeyframeVerdictModel kModel{.intercept = -2.572,
+                                               .significance = 2.685,
+                                               .found_share = 1.324,
+                                               .coverage = 4.771,
+                                               .inlier_share = 3.252,
+                                               .planes = 0.125};
   return kModel;
 }
 

@@ -88,6 +88,8 @@ TEST_F(RigSourceTest, OwnFilesThatAreWrong) {
   ExpectError(read("cameras: 5\n"), ErrorCode::kBadCamera, {"cameras must be a list"});
   ExpectError(read("cameras: []\n"), ErrorCode::kBadCamera, {"a rig of 0 cameras"});
   ExpectError(read("cameras: [7]\n"), ErrorCode::kBadCamera, {"rig.yaml"});
+  ExpectError(read("cameras: [[7]]\n"), ErrorCode::kBadCamera, {"its keys (none)"});
+  ExpectError(read("cam0: [name: a]\n"), ErrorCode::kBadCamera, {"its keys (none)"});
 }
 
 TEST_F(RigSourceTest, ParallelFolders) {
