@@ -94,7 +94,9 @@ ImageHeader ReadBmpHeader(Bytes bytes) {
 
 namespace {
 
-// Numbers in a PNM header are apart by white space and by comments from '#' to the line's end.
+// Numbers in a PNM header, each with a byte of white space behind it. Comments run from '#' to the
+// line's end, a line feed or a carriage return. Netpbm takes a '#' right behind a number as well,
+// but decoders disagree there on where the next number begins, so it is refused.
 class PnmNumbers {
  public:
   explicit PnmNumbers(Bytes bytes) : bytes_(bytes) {}
@@ -109,16 +111,23 @@ class PnmNumbers {
     }
     if (position_ >= bytes_.size()) RefuseCutOff("PNM", bytes_, "the end of its header");
     if (position_ == start) RefuseImage("a number is missing in the PNM header; it is damaged");
+    if (!std::isspace(bytes_[position_])) {
+      RefuseImage("a number in the PNM header isn't followed by white space; it is damaged");
+    }
+    ++position_;
     return value;
   }
 
+  // Behind the white space of the last number.
   size_t position() const { return position_; }
 
  private:
+  static bool EndsLine(uint8_t byte) { return byte == '\n' || byte == '\r'; }
+
   void SkipSpace() {
     while (position_ < bytes_.size()) {
       if (bytes_[position_] == '#') {
-        while (position_ < bytes_.size() && bytes_[position_] != '\n') ++position_;
+        while (position_ < bytes_.size() && !EndsLine(bytes_[position_])) ++position_;
       } else if (std::isspace(bytes_[position_])) {
         ++position_;
       } else {
@@ -145,7 +154,7 @@ ImageHeader ReadPnmHeader(Bytes bytes) {
   }
   const uint64_t pixel_bytes = (bytes[1] == '6' ? 3 : 1) * (brightest > 255 ? 2 : 1);
   const uint64_t pixels = static_cast<uint64_t>(header.width) * header.height;
-  if (numbers.position() + 1 + pixels * pixel_bytes > bytes.size()) {
+  if (numbers.position() + pixels * pixel_bytes > bytes.size()) {
     RefuseCutOff("PNM", bytes, "the end of its pixels");
   }
   return header;

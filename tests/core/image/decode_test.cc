@@ -291,6 +291,45 @@ TEST(PnmTest, CommentsInTheHeader) {
   ExpectRefusal(AsBytes("P5 two 1 255 ab"), ErrorCode::kBadImage, "number is missing");
 }
 
+TEST(PnmTest, ACommentEndsAtACarriageReturn) {
+  const Bytes pgm = AsBytes("P5 #\r2 1 #9 9\r255 ab");
+  EXPECT_EQ(ReadImageHeader(pgm).width, 2);
+  EXPECT_EQ(DecodeGrey(pgm).at<uint8_t>(0, 1), 'b');
+}
+
+// OpenCV would take the size behind the '#', which the limits haven't seen.
+TEST(PnmTest, ANumberNeedsWhiteSpaceBehindIt) {
+  ExpectRefusal(AsBytes("P5 2#9000 \n1 255 ab"), ErrorCode::kBadImage, "white space");
+  ExpectRefusal(AsBytes("P5 2 1 255#\nab"), ErrorCode::kBadImage, "white space");
+}
+
+// Limits hold only if the header's size is that of the image which OpenCV would make.
+TEST(PnmTest, HeaderAndDecoderAgreeOnAnyHeader) {
+  constexpr std::string_view kBytes = "0123 \n\r#\t2x";
+  Random random(11);
+  int decoded = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    std::string text = "P5";
+    for (int length = random.Below(12); length > 0; --length) {
+      text += kBytes[random.Below(static_cast<int>(kBytes.size()))];
+    }
+    text += (random.Below(2) != 0 ? " 2 3 255\n" : " 255\n") + std::string(200, 'a');
+    Bytes bytes = AsBytes(text);
+    try {
+      const ImageHeader header = ReadImageHeader(bytes);
+      const cv::Mat image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+      if (image.empty()) continue;
+      ++decoded;
+      ASSERT_EQ(image.size(), cv::Size(header.width, header.height)) << text;
+    } catch (const MapError&) {
+      continue;
+    } catch (const cv::Exception&) {
+      continue;
+    }
+  }
+  EXPECT_GT(decoded, 1000);
+}
+
 TEST(DecodeLimitsTest, RefusesWhatIsOutOfRange) {
   EXPECT_NO_THROW(DecodeLimits{}.Check());
   for (const DecodeLimits& limits :
