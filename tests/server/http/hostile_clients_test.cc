@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <thread>
@@ -27,6 +29,12 @@ const std::string kHello = "GET /hello HTTP/1.1\r\nHost: x\r\n\r\n";
 std::string Post(const std::string& body) {
   return "POST /length HTTP/1.1\r\nHost: x\r\nContent-Length: " + std::to_string(body.size()) +
          "\r\n\r\n" + body;
+}
+
+// Open files and sockets of this process, the server's and the clients'.
+int CountDescriptors() {
+  const std::filesystem::directory_iterator descriptors("/proc/self/fd");
+  return static_cast<int>(std::distance(begin(descriptors), end(descriptors)));
 }
 
 class HostileClients : public testing::Test {
@@ -235,10 +243,16 @@ TEST_F(HostileClients, AnswersThatNobodyReadsAreDropped) {
   options_.write_timeout_s = 1;
   options_.max_bodies_bytes = 100'000'000;
   Start();
+  const int unconnected = CountDescriptors();
   Clients silent = Connect(8);
   for (const auto& client : silent) client->Send("GET /large HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_TRUE(IsAlive());
-  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  // Reading before the server has closed all eight would be what it waits for.
+  const auto start = Clock::now();
+  while (CountDescriptors() > unconnected + 8 && SecondsSince(start) < 20) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  EXPECT_LE(CountDescriptors(), unconnected + 8);
   for (const auto& client : silent) EXPECT_LT(client->Receive().size(), 30'000'000u);
   EXPECT_TRUE(IsAlive());
 }

@@ -7,6 +7,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <string>
 
 namespace waystone {
@@ -46,7 +47,9 @@ class RawClient {
   std::string Receive(const std::string& until = "\n never \n") {
     std::string text;
     char buffer[4096];
-    while (text.find(until) == std::string::npos) {
+    size_t searched = 0;
+    while (text.find(until, searched) == std::string::npos) {
+      searched = text.size() - std::min(text.size(), until.size());
       const ssize_t n = recv(socket_, buffer, sizeof(buffer), 0);
       if (n <= 0) break;
       text.append(buffer, static_cast<size_t>(n));
