@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "builder/planes/plane_features.h"
+#include "core/features/keypoint_grid.h"
 #include "core/search/search_index.h"
 
 namespace waystone {

@@ -85,6 +85,19 @@ inline MemorySource ImagesSource(const std::vector<cv::Mat>& images,
   return MemorySource(std::move(sequence));
 }
 
+inline std::vector<cv::Mat> FirstPanoramas(int count) {
+  const auto& all = TheDrive().panoramas;
+  return {all.begin(), all.begin() + count};
+}
+
+// Options that are fast and suit the drive.
+inline AppearanceOptions ShortDrive() {
+  AppearanceOptions options;
+  options.loops.min_gap = 20;
+  options.odometry.max_span = 1;
+  return options;
+}
+
 // The appearance layer of sources and what its builder tells about it.
 struct BuiltAppearance {
   AppearanceLayer layer;

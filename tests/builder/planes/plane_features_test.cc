@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/features/distance.h"
+#include "core/features/keypoint_grid.h"
 #include "core/geometry/angle.h"
 #include "core/homography/homography.h"
 #include "tests/builder/planes/made_scene.h"
