@@ -41,10 +41,13 @@ demo: packages  ## make a small world, map it, serve it, localize three photos o
 test: release browser  ## build and run every test; BROWSER=no leaves out the page's
 	@scripts/run_tests.py $(RELEASE) --parallel $(JOBS)
 
-bench: packages  ## build and run the benchmarks (waystone-bench alone lists them)
+# What fails or has no data keeps its earlier result; the page says of which day and commit each is.
+BENCHES ?=
+bench: browser  ## run the benchmarks and write docs/benchmarks.md; BENCHES="world pairs" runs some
 	@scripts/build.sh release $(JOBS) waystone waystone-bench waystone-speed
 	@$(RELEASE)/bench/waystone-speed
-	@$(RELEASE)/bench/waystone-bench all
+	@scripts/bench.py $(RELEASE) $(BENCHES) || status=$$?; \
+	 scripts/benchmark_tables.py $(RELEASE)/bench/results; exit $${status:-0}
 
 check: lint test asan tsan  ## everything: lint, the tests, and these with sanitizers
 
@@ -80,14 +83,16 @@ fuzz: packages  ## libFuzzer on every reader of what strangers send; SECONDS=360
 	@scripts/build.sh fuzz $(JOBS) fuzz
 	@scripts/fuzz.py build/fuzz $(SECONDS) $(JOBS) $(SEED)
 
-# PRESET=tsan runs the server that is built with ThreadSanitizer.
+# PRESET=tsan runs the server that is built with ThreadSanitizer. The released program makes the
+# maps and the answers to compare with.
 MINUTES ?= 30
 PRESET ?= release
 soak: packages  ## honest and hostile clients on a server with changing maps; MINUTES=30
-	@scripts/build.sh $(PRESET) $(JOBS) waystone
+	@scripts/build.sh release $(JOBS) waystone
+	@[ $(PRESET) = release ] || scripts/build.sh $(PRESET) $(JOBS) waystone
 	@TSAN_OPTIONS=suppressions=$(CURDIR)/scripts/tsan.supp:print_suppressions=0 \
-	 tests/soak/soak.py --program build/$(PRESET)/cli/waystone --seconds $$(($(MINUTES) * 60)) \
-	 --folder build/$(PRESET)/soak
+	 tests/soak/soak.py --program build/$(PRESET)/cli/waystone --offline $(RELEASE)/cli/waystone \
+	 --seconds $$(($(MINUTES) * 60)) --folder $(RELEASE)/soak $(if $(filter release,$(PRESET)),,--slower 10)
 
 format: packages  ## lay out every source file by .clang-format
 	@scripts/install_packages.sh scripts/lint_packages.txt

@@ -20,19 +20,59 @@ std::string ReadWhole(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-LoggedQuery ParseLine(const fs::path& folder, const std::string& line) {
-  const Json json = ParseJson(line, kMaxAnswerDepth);
-  LoggedQuery query;
-  query.id = json.at("id").get<std::string>();
-  query.map = json.at("map");
-  query.answer = json.at("answer");
-  if (!query.answer.is_object()) RefuseRequest("its answer is not an object");
-  query.request = ParseQueryRequest(json.at("request"), {});
-  for (const Json& image : json.at("images")) {
+[[noreturn]] void RefuseField(const std::string& field, const std::string& expected,
+                              const Json& found) {
+  RefuseRequest(field + " must be " + expected + ", not " + found.type_name());
+}
+
+// A field of an object, which is at `path` itself; null where it is missing.
+const Json& FieldOf(const Json& object, const std::string& path, const char* name) {
+  static const Json kMissing;
+  if (!object.is_object()) RefuseField(path, "an object", object);
+  const auto found = object.find(name);
+  return found == object.end() ? kMissing : *found;
+}
+
+std::string TextIn(const Json& object, const std::string& path, const char* name) {
+  const Json& value = FieldOf(object, path, name);
+  if (!value.is_string()) RefuseField(path + "'s " + name, "a string", value);
+  return value.get<std::string>();
+}
+
+// The place that an answer names, if any.
+void ReadPlace(const Json& place, const std::string& path, QueryOutcome& outcome) {
+  if (place.is_null()) return;
+  outcome.place = TextIn(place, path, "sequence") + "/" + TextIn(place, path, "source");
+}
+
+std::vector<QueryImage> ReadImages(const fs::path& folder, const Json& images) {
+  if (!images.is_array()) RefuseField("the line's images", "a list", images);
+  if (images.empty()) RefuseRequest("the line's images are none; expected one at least");
+  std::vector<QueryImage> read;
+  for (const Json& image : images) {
+    const std::string path = "images[" + std::to_string(read.size()) + "]";
     // The name alone: a log from elsewhere must not read files beside it.
-    const fs::path file = fs::path(image.at("file").get<std::string>()).filename();
-    query.request.images.push_back({image.at("name").get<std::string>(), ReadWhole(folder / file)});
+    const fs::path file = fs::path(TextIn(image, path, "file")).filename();
+    read.push_back({TextIn(image, path, "name"), ReadWhole(folder / file)});
   }
+  return read;
+}
+
+LoggedQuery ParseLine(const fs::path& folder, const std::string& line) {
+  const Json json = ParseJson(line, kAnswerBounds);
+  const auto field = [&json](const char* name) -> const Json& {
+    return FieldOf(json, "the line", name);
+  };
+  LoggedQuery query;
+  query.id = TextIn(json, "the line", "id");
+  query.map = field("map");
+  if (!query.map.is_string() && !query.map.is_null())
+    RefuseField("the line's map", "a string or null", query.map);
+  query.answer = field("answer");
+  query.outcome = ReadOutcome(query.answer);
+  query.request = ParseQueryRequest(field("request"), {});
+  query.request.images = ReadImages(folder, field("images"));
+  CheckOdometry(query.request);
   return query;
 }
 
@@ -43,6 +83,17 @@ LoggedQuery ParseLine(const fs::path& folder, const std::string& line) {
 }
 
 }  // namespace
+
+QueryOutcome ReadOutcome(const Json& answer) {
+  QueryOutcome outcome{TextIn(answer, "the answer", "verdict"), ""};
+  ReadPlace(FieldOf(answer, "the answer", "keyframe"), "the answer's keyframe", outcome);
+  if (const Json& panorama = FieldOf(answer, "the answer", "panorama"); !panorama.is_null()) {
+    ReadPlace(FieldOf(panorama, "the answer's panorama", "node"), "the panorama's node", outcome);
+  }
+  const Json& belief = FieldOf(answer, "the answer", "belief");
+  if (!belief.is_null() && !belief.is_array()) RefuseField("the answer's belief", "a list", belief);
+  return outcome;
+}
 
 Json LoggedQueryJson(const LoggedQuery& query, double time_s,
                      const std::vector<std::string>& files) {
@@ -71,8 +122,6 @@ std::vector<LoggedQuery> ReadQueryLog(const fs::path& folder) {
     ++number;
     try {
       queries.push_back(ParseLine(folder, line));
-    } catch (const Json::exception&) {
-      RefuseLine(folder, number, ErrorCode::kBadRequest, "it lacks a field");
     } catch (const MapError& error) {
       RefuseLine(folder, number, error.code(), error.what());
     }

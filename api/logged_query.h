@@ -15,19 +15,30 @@ namespace waystone {
 
 constexpr const char* kQueryLogLines = "queries.jsonl";
 
+// What of an answer two maps can be compared by.
+struct QueryOutcome {
+  std::string verdict;
+  std::string place;  // the sequence and source of the keyframe or panorama; empty without one
+  bool operator==(const QueryOutcome&) const = default;
+};
+
 struct LoggedQuery {
   std::string id;
   Json map;  // the map's name; null for a query across all maps
   QueryRequest request;
-  Json answer;
+  Json answer;                // with `belief` null or a list
+  QueryOutcome outcome = {};  // of the answer
 };
+
+// Throws MapError(kBadRequest) with the field that isn't of an answer's type.
+QueryOutcome ReadOutcome(const Json& answer);
 
 // One line of the log; `files` are the names of the images' files, in the images' order.
 Json LoggedQueryJson(const LoggedQuery& query, double time_s,
                      const std::vector<std::string>& files);
 
-// All queries of a log in their order, with their images. Throws MapError, with the line where it
-// is one's fault: kFileUnreadable, kBadRequest.
+// All queries of a log in their order, with their images, at least one each. Throws MapError, with
+// the line and the field where it is theirs: kFileUnreadable, kBadRequest.
 std::vector<LoggedQuery> ReadQueryLog(const std::filesystem::path& folder);
 
 }  // namespace waystone

@@ -28,9 +28,13 @@ constexpr double kMaxFovDeg = 179;
 
 }  // namespace
 
-Json ParseJson(std::string_view text, int max_depth) {
-  const auto bounded = [max_depth](int depth, Json::parse_event_t, const Json&) {
-    if (depth > max_depth) RefuseRequest("the JSON is nested too deeply");
+Json ParseJson(std::string_view text, const JsonBounds& bounds) {
+  int values = 0;
+  const auto bounded = [&](int depth, Json::parse_event_t event, const Json&) {
+    if (depth > bounds.depth) RefuseRequest("the JSON is nested too deeply");
+    const bool ends =
+        event == Json::parse_event_t::array_end || event == Json::parse_event_t::object_end;
+    if (!ends && ++values > bounds.values) RefuseRequest("the JSON has too many values");
     return true;
   };
   try {
@@ -212,6 +216,13 @@ QueryRequest ParseQueryRequest(const Json& object, const RequestLimits& limits, 
         static_cast<int>(WholeIn(object["deadline_ms"], "deadline_ms", 1, limits.max_deadline_ms));
   }
   return request;
+}
+
+void CheckOdometry(const QueryRequest& request) {
+  if (request.odometry.empty() || request.odometry.size() == request.images.size()) return;
+  RefuseRequest("odometry has " + std::to_string(request.odometry.size()) + " motions for " +
+                std::to_string(request.images.size()) +
+                " images; give one motion or null per image");
 }
 
 Json ToJson(const std::vector<NodeBelief>& belief) {

@@ -39,6 +39,9 @@ struct RequestLimits {
 QueryRequest ParseQueryRequest(const Json& object, const RequestLimits& limits,
                                bool with_images = false);
 
+// Refuses motions that are not one for each image.
+void CheckOdometry(const QueryRequest& request);
+
 // The object of a request, without images: ParseQueryRequest reads it again.
 Json ToJson(const QueryRequest& request);
 
@@ -51,12 +54,17 @@ Json ToJson(const std::vector<NodeBelief>& belief);
 // In quotes, without control characters.
 std::string QuoteShortened(const std::string& text);
 
-// Deeper than any request, and than any answer.
-constexpr int kMaxRequestDepth = 8;
-constexpr int kMaxAnswerDepth = 32;
+// Of what is parsed: copying a value takes stack for each level, and each of the values takes some
+// 60 bytes where its text may take two.
+struct JsonBounds {
+  int depth = 0;
+  int values = 0;
+};
+// Beyond any request, and beyond any answer.
+constexpr JsonBounds kRequestBounds{8, 20'000};
+constexpr JsonBounds kAnswerBounds{32, 1'000'000};
 
-// JSON of a bounded depth: copying it takes stack for each level.
-Json ParseJson(std::string_view text, int max_depth = kMaxRequestDepth);
+Json ParseJson(std::string_view text, const JsonBounds& bounds = kRequestBounds);
 
 // A text of at most kMaxNameBytes.
 std::string NameIn(const Json& value, const std::string& field);

@@ -13,6 +13,7 @@
 #include "cli/commands/commands.h"
 #include "cli/files/map_file.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "localizer/session.h"
 
 namespace waystone {
@@ -23,23 +24,6 @@ struct ReplayFlags {
   std::string map;
   bool json = false;
 };
-
-// What of an answer two maps can be compared by.
-struct QueryOutcome {
-  std::string verdict;
-  std::string place;  // the sequence and source of the keyframe or panorama; empty without one
-  bool operator==(const QueryOutcome&) const = default;
-};
-
-QueryOutcome ReadOutcome(const Json& answer) {
-  QueryOutcome outcome{answer.value("verdict", ""), ""};
-  const Json panorama = answer.value("panorama", Json::object());
-  for (const Json& place : {answer.value("keyframe", Json()), panorama.value("node", Json())}) {
-    if (!place.is_object()) continue;
-    outcome.place = place.value("sequence", "") + "/" + place.value("source", "");
-  }
-  return outcome;
-}
 
 struct Replayed {
   std::string id;
@@ -85,7 +69,7 @@ Replayed Replay(LoggedQuery query, const QueriedMap& map, Beliefs& beliefs) {
   const RequestAnswer answer = session.Ask();
   const std::string key = KeyOf(query.answer.value("belief", Json()));
   if (!key.empty()) beliefs[key].belief = answer.belief.value_or(std::vector<NodeBelief>{});
-  return {query.id, session.request().images.front().name, ReadOutcome(query.answer),
+  return {query.id, session.request().images.front().name, query.outcome,
           ReadOutcome(ToJson(session, answer, false))};
 }
 
@@ -122,8 +106,9 @@ int RunReplay(const ReplayFlags& flags) {
   }
   for (const Replayed& query : queries) {
     if (query.before == query.after) continue;
-    std::cout << query.id << " " << query.image << ": " << TextOf(query.before) << " -> "
-              << TextOf(query.after) << '\n';
+    std::cout << Printable(query.id + " " + query.image + ": " + TextOf(query.before) + " -> " +
+                           TextOf(query.after))
+              << '\n';
   }
   std::cout << changed << " of " << queries.size() << " answers changed\n";
   return 0;

@@ -1,29 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/output/printable_output.h"
 
+#include <algorithm>
 #include <iostream>
 
 #include "core/base/text.h"
 
 namespace waystone {
-namespace {
-
-constexpr unsigned char kC1Lead = 0xC2;  // U+0080 to U+009F are C2 80 to C2 9F
-
-bool IsControl(unsigned char byte) {
-  return (byte < 0x20 && byte != '\n' && byte != '\t') || byte == 0x7F;
-}
-
-}  // namespace
-
-std::string PrintableBuffer::Printable(unsigned char byte) {
-  const bool after_lead = lead_;
-  lead_ = byte == kC1Lead;
+std::string PrintableBuffer::Take(std::string_view bytes) {
+  pending_ += bytes;
+  std::string_view left = pending_;
   std::string text;
-  if (after_lead && byte >= 0x80 && byte < 0xA0) return EscapeControl(byte);
-  if (after_lead) text += static_cast<char>(kC1Lead);
-  if (lead_) return text;
-  return text + (IsControl(byte) ? EscapeControl(byte) : std::string(1, static_cast<char>(byte)));
+  while (!left.empty() && !MayBecomeControl(left)) {
+    const size_t control = left[0] == '\n' || left[0] == '\t' ? 0 : ControlBytes(left);
+    text += control > 0 ? EscapeControl(left.substr(0, control)) : std::string(left.substr(0, 1));
+    left.remove_prefix(std::max<size_t>(control, 1));
+  }
+  pending_ = std::string(left);
+  return text;
 }
 
 bool PrintableBuffer::Write(const std::string& text) {
@@ -33,15 +27,12 @@ bool PrintableBuffer::Write(const std::string& text) {
 
 PrintableBuffer::int_type PrintableBuffer::overflow(int_type byte) {
   if (traits_type::eq_int_type(byte, traits_type::eof())) return traits_type::not_eof(byte);
-  return Write(Printable(static_cast<unsigned char>(byte))) ? byte : traits_type::eof();
+  const char c = traits_type::to_char_type(byte);
+  return Write(Take({&c, 1})) ? byte : traits_type::eof();
 }
 
 std::streamsize PrintableBuffer::xsputn(const char* bytes, std::streamsize count) {
-  std::string text;
-  for (std::streamsize i = 0; i < count; ++i) {
-    text += Printable(static_cast<unsigned char>(bytes[i]));
-  }
-  return Write(text) ? count : 0;
+  return Write(Take({bytes, static_cast<size_t>(count)})) ? count : 0;
 }
 
 int PrintableBuffer::sync() { return target_.pubsync(); }

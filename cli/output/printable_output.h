@@ -4,11 +4,12 @@
 #include <ostream>
 #include <streambuf>
 #include <string>
+#include <string_view>
 
 namespace waystone {
 
 // Writes to another buffer with control characters made visible, so that a name in a map or a file
-// name can't drive the user's terminal: all of C0 but newline and tab, DEL, and C1 in UTF-8 become
+// name can't drive the user's terminal: those of core/base/text.h but newline and tab become
 // `\u001b` and the like, which a string of JSON may contain as well. Not thread-safe for one
 // stream, as any stream buffer.
 class PrintableBuffer : public std::streambuf {
@@ -22,10 +23,10 @@ class PrintableBuffer : public std::streambuf {
 
  private:
   bool Write(const std::string& text);
-  std::string Printable(unsigned char byte);
+  std::string Take(std::string_view bytes);
 
   std::streambuf& target_;
-  bool lead_ = false;  // the last byte was 0xC2, which C1 characters begin with, and isn't written
+  std::string pending_;  // bytes that aren't written, because control characters begin with them
 };
 
 // Makes a stream printable while it exists. What writes control characters on purpose writes to

@@ -2,6 +2,7 @@
 #include "core/base/text.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 
@@ -15,6 +16,16 @@ std::optional<Number> Parse(std::string_view word) {
   if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
   return value;
 }
+
+// Characters of UTF-8 that differ in their last byte alone.
+struct ControlRange {
+  std::string_view first;
+  char last;
+};
+constexpr std::array kControls{ControlRange{"\xC2\x80", '\x9F'}, ControlRange{"\xD8\x9C", '\x9C'},
+                               ControlRange{"\xE2\x80\x8E", '\x8F'},
+                               ControlRange{"\xE2\x80\xA8", '\xAE'},
+                               ControlRange{"\xE2\x81\xA6", '\xA9'}};
 
 }  // namespace
 
@@ -45,25 +56,47 @@ std::string EscapeHtml(std::string_view text) {
   return out;
 }
 
-std::string EscapeControl(unsigned char byte) {
+size_t ControlBytes(std::string_view text) {
+  if (text.empty()) return 0;
+  const auto byte = static_cast<unsigned char>(text[0]);
+  if (byte < 0x20 || byte == 0x7F) return 1;
+  const auto found = std::ranges::find_if(kControls, [text](const ControlRange& range) {
+    const size_t size = range.first.size();
+    return text.size() >= size && text.substr(0, size - 1) == range.first.substr(0, size - 1) &&
+           text[size - 1] >= range.first.back() && text[size - 1] <= range.last;
+  });
+  return found == kControls.end() ? 0 : found->first.size();
+}
+
+bool MayBecomeControl(std::string_view text) {
+  return std::ranges::any_of(kControls, [text](const ControlRange& range) {
+    return text.size() < range.first.size() && range.first.starts_with(text);
+  });
+}
+
+std::string EscapeControl(std::string_view character) {
+  // UTF-8: the first byte says by its leading ones how many follow, each with 6 bits.
+  auto code = static_cast<unsigned>(static_cast<unsigned char>(character[0]));
+  if (character.size() > 1) code &= 0xFFU >> (character.size() + 1);
+  for (const char c : character.substr(1)) {
+    code = (code << 6) | (static_cast<unsigned char>(c) & 0x3FU);
+  }
   static constexpr std::string_view kHexDigits = "0123456789abcdef";
-  return {'\\', 'u', '0', '0', kHexDigits[byte >> 4], kHexDigits[byte & 15]};
+  std::string text = "\\u";
+  for (int shift = 12; shift >= 0; shift -= 4) text += kHexDigits[(code >> shift) & 15];
+  return text;
 }
 
 std::string Printable(std::string_view text) {
-  constexpr unsigned char kC1Lead = 0xC2;  // U+0080 to U+009F are C2 80 to C2 9F
   std::string out;
-  for (size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
-    if (byte == kC1Lead && next >= 0x80 && next < 0xA0) {
-      out += EscapeControl(next);
-      ++i;
-    } else if (byte < 0x20 || byte == 0x7F) {
-      out += EscapeControl(byte);
+  while (!text.empty()) {
+    const size_t control = ControlBytes(text);
+    if (control > 0) {
+      out += EscapeControl(text.substr(0, control));
     } else {
-      out += text[i];
+      out += text[0];
     }
+    text.remove_prefix(std::max<size_t>(control, 1));
   }
   return out;
 }

@@ -13,11 +13,20 @@ namespace waystone {
 // become character references.
 std::string EscapeHtml(std::string_view text);
 
-// "\\u001b" for the byte 0x1B: a control character as programs show it.
-std::string EscapeControl(unsigned char byte);
+// How many bytes at the start of `text`, if any, are a character that acts on a terminal instead of
+// being shown: ASCII's controls, those of Unicode (U+0080 to U+009F), the ends of lines U+2028 and
+// U+2029, and what changes the direction of the text behind it (U+061C, U+200E, U+200F, U+202A to
+// U+202E, U+2066 to U+2069).
+size_t ControlBytes(std::string_view text);
 
-// `text` on one line that no terminal obeys: control characters of ASCII and of UTF-8 (U+0080 to
-// U+009F), line breaks among them, are escaped.
+// Whether `text` is empty or the beginning of a longer character of those.
+bool MayBecomeControl(std::string_view text);
+
+// "\\u001b" for the byte 0x1B, "\\u202e" for three bytes: a control character as programs show it.
+std::string EscapeControl(std::string_view character);
+
+// `text` on one line that no terminal obeys: the characters above are escaped, line breaks among
+// them.
 std::string Printable(std::string_view text);
 
 // `text` without the characters of `space` at its ends.

@@ -46,6 +46,7 @@ constexpr std::array kLimits{
     Limit{SQLITE_LIMIT_WORKER_THREADS, 0}};
 // A shorter limit would refuse SQLite's own messages.
 constexpr int64_t kLeastLength = 100'000;
+constexpr int64_t kSpareHeapBytes = 64'000'000;
 
 [[noreturn]] void ThrowUnreadable(
     const fs::path& path, const std::string& cause,
@@ -123,10 +124,12 @@ int CountSteps(void* steps_left) {
   return left < 0 ? 1 : 0;
 }
 
-// Bounds for a file that nobody vouches for. There is no heap limit among them: SQLite has one for
-// the whole process alone, which maps that are opened at the same time would share and run out of.
-// What bounds the heap is that no value is longer than the file, that pages are read through a
-// cache of 2 MB, and that schemas are small.
+// What SQLite may allocate for a file: pages are read through a cache of 2 MB, schemas are small,
+// and there are one or two copies of a value, which is no longer than the file. Sound maps take a
+// tenth of it.
+int64_t HeapBytes(int64_t file_bytes) { return kSpareHeapBytes + 2 * file_bytes; }
+
+// Bounds for a file that nobody vouches for, beside that of the heap.
 void Restrict(OpenedMap& map) {
   sqlite3* handle = map.database.getHandle();
   // Neither functions, nor triggers, nor views, nor writes through the schema.
@@ -169,7 +172,8 @@ OpenedMap OpenBytes(const fs::path& path) {
   const struct stat before = file.Status();
   OpenedMap map{ReadHeader(path, file),
                 std::vector<unsigned char>(static_cast<size_t>(before.st_size)),
-                std::make_unique<int64_t>(0), SQLite::Database(":memory:", SQLite::OPEN_READWRITE)};
+                std::make_unique<int64_t>(0), HeapBound(HeapBytes(before.st_size)),
+                SQLite::Database(":memory:", SQLite::OPEN_READWRITE)};
   if (file.Read(map.bytes) != map.bytes.size() || !SameState(before, file.Status())) {
     ThrowUnreadable(path, "is being written to", "write maps beside and rename them (mv)");
   }

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "schema/file/heap_bound.h"
 #include "schema/file/map_store.h"
 #include "schema/file/migrate.h"
 
@@ -45,14 +46,16 @@ struct OpenedMap {
   std::vector<unsigned char> bytes;  // the whole file; the database reads from them
   // Instructions that SQLite may still run for it. A statement beyond them is interrupted.
   std::unique_ptr<int64_t> steps_left;
+  HeapBound heap;             // of SQLite's, in all
   SQLite::Database database;  // read-only
 };
 
 // Nothing is locked, written or created, and a folder or medium that can't be written to is fine.
 // SQLite runs within bounds that a map never reaches: no value is longer than the file, a schema
-// has some thousand objects at most, and statements end. For more than the schema CheckFile must
-// have found the map readable. Throws MapError as ReadMapHeader does, kMapDamaged for a write-ahead
-// log, and kFileUnreadable for a file that is written to while it is read.
+// has some thousand objects at most, statements end, and their memory has a bound. For more than
+// the schema CheckFile must have found the map readable. Throws MapError as ReadMapHeader does,
+// kMapDamaged for a write-ahead log, and kFileUnreadable for a file that is written to while it is
+// read.
 OpenedMap OpenReadOnly(const std::filesystem::path& path);
 
 // Opens an empty file, or a copy of a map, that nobody else knows of, for writing in one go: no

@@ -12,7 +12,7 @@
 namespace waystone {
 
 // Version of the schema that this program writes: SQLite's user_version.
-inline constexpr int kSchemaVersion = 5;
+inline constexpr int kSchemaVersion = 6;
 // SQLite's application_id of a map file: "WAYS".
 inline constexpr int kApplicationId = 0x57415953;
 

@@ -16,7 +16,6 @@
 #include <mutex>
 #include <new>
 #include <optional>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -25,6 +24,7 @@
 #include "server/http/file_limit.h"
 #include "server/http/poller.h"
 #include "server/http/request_pool.h"
+#include "server/http/start_thread.h"
 
 namespace waystone {
 namespace {
@@ -60,12 +60,8 @@ class ConnectionLoop::Impl {
   Impl& operator=(const Impl&) = delete;
 
   void Start() {
-    try {
-      pool_ = std::make_unique<RequestPool>(options_.request_threads);
-      thread_ = std::thread([this] { Run(); });
-    } catch (const std::system_error&) {  // no memory for another thread's stack
-      throw std::bad_alloc();
-    }
+    pool_ = std::make_unique<RequestPool>(options_.request_threads);
+    thread_ = StartThread([this] { Run(); });
   }
 
   void Drain() { draining_ = true; }

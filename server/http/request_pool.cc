@@ -3,11 +3,14 @@
 
 #include <utility>
 
+#include "server/http/start_thread.h"
+
 namespace waystone {
 
 RequestPool::RequestPool(int threads) : free_for_others_(threads) {
+  threads_.reserve(static_cast<size_t>(threads) + 1);  // a thread that runs needs its place
   try {
-    for (int i = 0; i < threads + 1; ++i) threads_.emplace_back([this] { Work(); });
+    for (int i = 0; i < threads + 1; ++i) threads_.push_back(StartThread([this] { Work(); }));
   } catch (...) {  // those that run already end first
     Stop();
     throw;

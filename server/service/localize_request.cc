@@ -56,11 +56,7 @@ void CheckCount(const QueryRequest& request, const RequestLimits& limits) {
     RefuseRequest(std::to_string(request.images.size()) + " images; the limit is " +
                   std::to_string(limits.max_images) + " per request");
   }
-  if (!request.odometry.empty() && request.odometry.size() != request.images.size()) {
-    RefuseRequest("odometry has " + std::to_string(request.odometry.size()) + " motions for " +
-                  std::to_string(request.images.size()) +
-                  " images; give one motion or null per image");
-  }
+  CheckOdometry(request);
 }
 
 QueryRequest ReadForm(const HttpRequest& http, const std::string& type,
@@ -115,11 +111,15 @@ QueryRequest ReadJson(const HttpRequest& http, const RequestLimits& limits) {
 
 }  // namespace
 
+bool IsJson(const HttpRequest& request) {
+  return MediaTypeOf(request.header("Content-Type").value_or("")) == "application/json";
+}
+
 QueryRequest ReadQueryRequest(const HttpRequest& request, const RequestLimits& limits) {
   const std::string given = request.header("Content-Type").value_or("");
   const std::string type = MediaTypeOf(given);
   if (type == "multipart/form-data") return ReadForm(request, given, limits);
-  if (type == "application/json") return ReadJson(request, limits);
+  if (IsJson(request)) return ReadJson(request, limits);
   // A form is what curl calls any body when it isn't told otherwise, so a photo sent the shortest
   // way comes as one.
   const bool raw = type.empty() || type.starts_with("image/") ||

@@ -15,4 +15,7 @@ namespace waystone {
 // what is unknown, out of range or contradicts itself.
 QueryRequest ReadQueryRequest(const HttpRequest& request, const RequestLimits& limits);
 
+// Whether the body is JSON.
+bool IsJson(const HttpRequest& request);
+
 }  // namespace waystone

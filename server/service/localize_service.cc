@@ -39,8 +39,17 @@ void LocalizeService::AddTo(Router& router) {
   });
 }
 
-HttpResponse LocalizeService::Answer(const HttpRequest& http, const ServedMaps& maps, bool across) {
+QueryRequest LocalizeService::Read(const HttpRequest& http) {
+  const Clock::time_point received = Clock::now();
+  std::unique_lock turn(parsing_json_, std::defer_lock);
+  if (IsJson(http)) turn.lock();
   QueryRequest request = ReadQueryRequest(http, limits_);
+  request.received = received;
+  return request;
+}
+
+HttpResponse LocalizeService::Answer(const HttpRequest& http, const ServedMaps& maps, bool across) {
+  QueryRequest request = Read(http);
   if (across) RefuseMapsOwn(request);
   std::vector<QueriedMap> queried;
   for (const auto& map : maps) queried.push_back({map->name(), map->shared_index()});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "api/query_request_json.h"
@@ -17,7 +18,8 @@ namespace waystone {
 
 // The queries over HTTP: POST /v1/maps/{map}/localize and POST /v1/localize. A handler reads and
 // parses the whole body first, so that a slow client holds no query's turn, then waits for its
-// turn, asks the localizer and renders. Thread-safe.
+// turn, asks the localizer and renders. Parsing JSON takes up to six times its memory, so that one
+// such body is parsed at a time; the deadline counts meanwhile. Thread-safe.
 class LocalizeService {
  public:
   // All but the options must outlive the service; `log` may be null.
@@ -36,6 +38,7 @@ class LocalizeService {
  private:
   using ServedMaps = std::vector<std::shared_ptr<const ServedMap>>;
 
+  QueryRequest Read(const HttpRequest& http);
   HttpResponse Answer(const HttpRequest& http, const ServedMaps& maps, bool across);
 
   const MapCatalog& catalog_;
@@ -44,6 +47,7 @@ class LocalizeService {
   QueryLog* log_;
   LocalizeOptions options_;
   RequestLimits limits_;
+  std::mutex parsing_json_;
   TimedQueries computing_;
 };
 

@@ -3,10 +3,10 @@
 
 #include <chrono>
 #include <future>
-#include <new>
-#include <system_error>
 #include <thread>
 #include <utility>
+
+#include "server/http/start_thread.h"
 
 namespace waystone {
 namespace {
@@ -49,10 +49,7 @@ RequestAnswer TimedQueries::Ask(const std::shared_ptr<const Session>& session,
     Leave();
   };
   try {
-    std::thread(compute, std::move(promise), std::optional(std::move(turn))).detach();
-  } catch (const std::system_error&) {  // no memory for another thread's stack
-    Leave();
-    throw std::bad_alloc();
+    StartThread(compute, std::move(promise), std::optional(std::move(turn))).detach();
   } catch (...) {
     Leave();
     throw;

@@ -113,7 +113,7 @@ TEST_F(EvalTest, PositionsGiveTheTrajectorysError) {
   EXPECT_EQ(position["count"], 1);
   EXPECT_GE(position["rmse"].get<double>(), 3.0);
   EXPECT_LE(position["rmse"].get<double>(), 15.0);
-  EXPECT_EQ(Json::parse(run.out)["within"].size(), 3u);
+  EXPECT_EQ(Json::parse(run.out)["within"].size(), 4u);
 }
 
 TEST_F(EvalTest, KeyframesByName) {

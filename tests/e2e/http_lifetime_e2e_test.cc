@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <sstream>
@@ -49,6 +50,28 @@ TEST(HttpLifetime, SignalsEndTheServerInOrder) {
     EXPECT_EQ(served.process().Wait(), 0);
     EXPECT_FALSE(served.NewClient().Get("/healthz"));
   }
+}
+
+// A load balancer that asks now and then learns of the end before it comes.
+TEST(HttpLifetime, DrainsForTheStatedTime) {
+  constexpr double kDrainS = 3;
+  Served served({"--drain", std::to_string(kDrainS)});
+  ASSERT_EQ(served.NewClient().Get("/readyz")->status, 200);
+  const auto start = std::chrono::steady_clock::now();
+  const auto seconds = [start] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  served.process().Send(SIGTERM);
+  int ready = 200;
+  while (ready == 200 && seconds() < kDrainS) ready = served.NewClient().Get("/readyz")->status;
+  EXPECT_EQ(ready, 503);
+  const auto answer =
+      served.NewClient().Post("/v1/maps/room/localize", ReadFile(TheMap().inside), "image/jpeg");
+  EXPECT_EQ(answer->status, 200);
+  EXPECT_EQ(answer->get_header_value("Connection"), "close");
+  EXPECT_EQ(served.process().Wait(), 0);
+  EXPECT_GE(seconds(), kDrainS);
+  EXPECT_LT(seconds(), kDrainS + 5);
 }
 
 // What the server does before it reads maps.

@@ -4,18 +4,23 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
+#include <list>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "tests/e2e/served_map.h"
 #include "tests/e2e/shared_map.h"
+#include "tests/server/http/raw_client.h"
 
 namespace waystone {
 namespace {
@@ -113,6 +118,82 @@ TEST_F(LimitedServer, KeepsItsMapWhereTheNewOneDoesNotFit) {
   WriteFile(map_, map);
   EXPECT_TRUE(WaitForReloads("swapped", 1));
   EXPECT_EQ(Ask(photo), 200);
+}
+
+// A line of the server's /proc/PID/status, in MB.
+int StatusMegabytes(Served& served, const std::string& field) {
+  std::ifstream status("/proc/" + std::to_string(served.process().pid()) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with(field + ":"))
+      return std::stoi(line.substr(field.size() + 1)) / 1000 * 1024 / 1000;
+  }
+  return 0;
+}
+
+// How much more than before a server takes while 30 of these bodies, which it gets at once, are
+// answered, each with one of the `statuses`.
+int MegabytesForBodies(const std::string& body, const std::set<std::string>& statuses) {
+  Served served({"--threads", "2"});
+  EXPECT_EQ(
+      served.NewClient().Post("/v1/localize", ReadFile(TheMap().inside), "image/jpeg")->status,
+      200);
+  const int before = StatusMegabytes(served, "VmRSS");
+  const int port = std::stoi(served.url().substr(served.url().rfind(':') + 1));
+  std::list<RawClient> clients;
+  for (int i = 0; i < 30; ++i) {
+    // Whole but for the last byte; the server refuses what is too much.
+    clients.emplace_back(port).Send(
+        "POST /v1/localize HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+        "Content-Length: " +
+        std::to_string(body.size()) + "\r\n\r\n" + body.substr(0, body.size() - 1));
+  }
+  for (RawClient& client : clients) client.Send(body.substr(body.size() - 1));
+  for (RawClient& client : clients) {
+    const std::string status = client.Receive("\r\n").substr(0, 12);
+    EXPECT_TRUE(statuses.contains(status)) << status;
+  }
+  EXPECT_EQ(served.NewClient().Get("/healthz")->status, 200);
+  return StatusMegabytes(served, "VmHWM") - before;
+}
+
+// 450 MB for bodies and 120 MB for parsing one of them: docs/operating.md.
+TEST(ServerMemory, HasABoundHoweverManyBodiesWait) {
+  const std::string image = R"({"images":[{"data":")" + std::string(19'900'000, 'A') + R"("}]})";
+  std::string values = R"({"images":[[])";
+  while (values.size() < 19'900'000) values += ",[]";
+  values += "]}";
+  const int images_mb = MegabytesForBodies(image, {"HTTP/1.1 200", "HTTP/1.1 429", ""});
+  const int values_mb = MegabytesForBodies(values, {"HTTP/1.1 400", "HTTP/1.1 429", ""});
+  std::cout << "bodies of one image " << images_mb << " MB, of many values " << values_mb
+            << " MB\n";
+  EXPECT_LT(images_mb, 600);
+  EXPECT_LT(values_mb, 500);
+}
+
+// As a user of its own, for root has no limit.
+TEST(ThreadLimit, IsSaid) {
+  const fs::path folder = FreshFolder();
+  fs::permissions(folder, fs::perms::owner_all | fs::perms::others_read | fs::perms::others_exec);
+  for (const fs::path& file : {fs::path(WAYSTONE_PROGRAM), TheMap().map, TheMap().inside}) {
+    fs::copy_file(file, folder / file.filename());
+    fs::permissions(folder / file.filename(), fs::perms::others_read | fs::perms::others_exec,
+                    fs::perm_options::add);
+  }
+  const std::string user =
+      geteuid() == 0 ? "setpriv --reuid=61234 --regid=61234 --clear-groups " : "";
+  const std::string limited =
+      "limited() { shift; cd '" + folder.string() + "'; " + user + "prlimit --nproc=1 ./" +
+      fs::path(WAYSTONE_PROGRAM).filename().string() + " \"$@\"; }; limited";
+  const std::string photo = TheMap().inside.filename();
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"serve", "room.db", "--port", "0"},
+        {"localize", "room.db", photo}}) {
+    const RunResult result = RunWaystone(arguments, limited);
+    EXPECT_EQ(result.code, 3);
+    EXPECT_TRUE(result.err.starts_with("waystone: cannot start a thread (")) << result.err;
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+  }
+  fs::remove_all(folder);
 }
 
 }  // namespace

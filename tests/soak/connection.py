@@ -2,14 +2,14 @@
 """What honest and hostile clients of a soak send requests through."""
 import socket
 
-PATIENCE_S = 30  # for an answer, or for a new map: sanitizers are slow
+PATIENCE_S = 30  # for an answer, or for a new map
 
 
 class Connection:
     """A socket that reads one answer after the other."""
 
-    def __init__(self, port, patience=PATIENCE_S):
-        self.socket = socket.create_connection(("127.0.0.1", port), timeout=patience)
+    def __init__(self, port, patience_s=PATIENCE_S):
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=patience_s)
         self.buffer = b""
         self.port = port
 

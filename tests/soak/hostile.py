@@ -7,7 +7,7 @@ import struct
 import time
 import zlib
 
-from connection import Connection, form_body, request
+from connection import form_body, request
 
 
 def jpeg_claiming(width, height):
@@ -36,7 +36,7 @@ class Hostile:
         attack = self.random.choice(self.attacks)
         self.tally.count("hostile_" + attack.__name__.removeprefix("attack_"))
         try:
-            with Connection(self.server.port) as connection:
+            with self.server.connect() as connection:
                 attack(connection)
         except (OSError, ValueError, IndexError):
             self.tally.count("hostile_closed")
@@ -150,7 +150,7 @@ class Hostile:
     def attack_idle_crowd(self, connection):
         with contextlib.ExitStack() as crowd:
             for _ in range(40):
-                crowd.enter_context(Connection(connection.port))
+                crowd.enter_context(self.server.connect())
             self.end.wait(self.random.uniform(0, 3))
 
     def attack_impatience(self, connection):

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""soak.py --program PROGRAM [--seconds N] [--maps N]: wears out a server of a few maps of a rendered building.
+"""soak.py --program PROGRAM [--offline PROGRAM]: wears out a server of a few maps of a rendered building.
 
 Honest clients send photos whose answers `waystone localize` gave before: every answer must equal that
 one, but for times. Hostile clients send everything else. Maps are replaced under their feet. Bounds:
@@ -9,13 +9,16 @@ one, but for times. Hostile clients send everything else. Maps are replaced unde
   reloads      a new file is served within PATIENCE_S
   memory       what is held when little goes on, the lower quartile of RSS: in the last third at most
                GROWTH_SHARE + GROWTH_MB more than in the first (queries come and go with 20 to 300 MB);
-               in runs of WARM_S or more
+               in runs of WARM_S or more; not with a sanitizer, which keeps memory of its own
   descriptors  when all is quiet, as many as when all was quiet before
   threads      in the last third at most as many as in the first
   end          exit 0 within END_S of SIGTERM, while connections drip
+  sanitizer    no report of it in the server's log
 
 Prints one line a minute and a summary as JSON; exits with 1 when a bound is broken. The maps take
-about 40 s of one core to make; --folder keeps them for the next time.
+about 40 s of one core to make; --folder keeps them for the next time. A server that is built with a
+sanitizer gets N times as long for everything by --slower N, and --offline names a program without it
+for the maps and the answers.
 """
 import argparse
 import base64
@@ -23,6 +26,7 @@ import contextlib
 import json
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -35,6 +39,7 @@ from pathlib import Path
 
 from connection import PATIENCE_S, Connection, form_body
 from hostile import Hostile
+from offline import comparable, make_maps, version
 
 END_S = 5
 GROWTH_SHARE = 0.05
@@ -46,53 +51,11 @@ RELOAD_S = 3.0
 QUIET_S = 15  # idle and half requests are over by then: a head has 10 s
 
 
-# ---- the maps
-
-def make_maps(program, folder, count):
-    """Map files of parts of a building, and {map's version: {photo: answer}}."""
-    walk = folder / "walk"
-    if not (walk / "queries.csv").exists():
-        run(program, "demo", "--write", walk)
-    maps = []
-    for name, first, last in (("west", 0, 56), ("east", 104, 159), ("middle", 52, 108))[:count]:
-        path = folder / f"{name}.db"
-        if not path.exists():
-            run(program, "build", walk / "images", "--from", first, "--to", last, "--every", 4, "-o", path)
-        maps.append(path)
-    every = sorted((walk / "queries").glob("*.jpg"))
-    elsewhere = [photo for photo in every if photo.name.startswith("other")]
-    photos = [photo for photo in every if photo not in elsewhere][::2] + elsewhere[::7]
-    answers = {}
-    for path in maps:
-        lines = run(program, "localize", path, *photos, "--json").splitlines()
-        parsed = [json.loads(line) for line in lines]
-        answers[parsed[0]["map_version"]] = {
-            photo: comparable(answer) for photo, answer in zip(photos, parsed, strict=True)}
-    return maps, photos, answers
-
-
-def run(program, *arguments):
-    """What the program prints; it may say that there is no usable answer (4) to some of the photos.
-
-    Reports of ThreadSanitizer are for the server: outside of it OpenCV uses threads of a library that
-    is built without it.
-    """
-    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, check=False,
-                          env={**os.environ, "TSAN_OPTIONS": "report_bugs=0"})
-    if done.returncode not in (0, 4):
-        sys.exit(f"waystone {arguments[0]} exited with {done.returncode}: {done.stderr}")
-    return done.stdout
-
-
-def comparable(answer):
-    """An answer without times and the names that whoever asked gave."""
-    return {key: value for key, value in answer.items() if key not in ("timing_ms", "image", "map")}
-
-
 # ---- the server
 
 class Server:
-    def __init__(self, program, maps, log):
+    def __init__(self, program, maps, log, slower):
+        self.slower, self.patience_s, self.end_s = slower, slower * PATIENCE_S, slower * END_S
         self.log = open(log, "wb")
         self.process = subprocess.Popen(
             [program, "serve", str(maps), "--port", "0", "--watch", "0.5", "--threads", "2", "--queue", "16"],
@@ -102,6 +65,9 @@ class Server:
             sys.exit(f"the server didn't start: {line}, see {log}")
         self.port = int(line.rsplit(":", 1)[1])
         threading.Thread(target=self.process.stdout.read, daemon=True).start()
+
+    def connect(self):
+        return Connection(self.port, self.patience_s)
 
     def proc(self, name):
         return Path(f"/proc/{self.process.pid}/{name}")
@@ -144,8 +110,8 @@ class Tally:
 class Clients:
     """Threads that each do one thing until they are told to end."""
 
-    def __init__(self):
-        self.end = threading.Event()
+    def __init__(self, patience_s):
+        self.end, self.patience_s = threading.Event(), patience_s
         self.threads = []
 
     def start(self, function, *arguments):
@@ -158,7 +124,7 @@ class Clients:
     def stop(self):
         self.end.set()
         for thread in self.threads:
-            thread.join(2 * PATIENCE_S)
+            thread.join(2 * self.patience_s)
 
 
 # ---- honest clients
@@ -179,7 +145,7 @@ class Honest:
     def __call__(self):
         """Some queries on one connection."""
         try:
-            with Connection(self.server.port) as connection:
+            with self.server.connect() as connection:
                 for _ in range(self.random.randint(1, 6)):
                     self.query(connection)
         except (OSError, ValueError) as error:
@@ -240,21 +206,21 @@ class Reloads:
 
     def replace_and_wait(self, name, source):
         self.replace(name, source.read_bytes())
-        deadline = time.monotonic() + PATIENCE_S
+        deadline = time.monotonic() + self.server.patience_s
         while not self.end.is_set():
             if self.served_bytes(name) == source.read_bytes():
                 self.tally.count("reloads")
                 return
             if time.monotonic() > deadline:
-                self.tally.fail(f"map {name} isn't served {PATIENCE_S} s after it was replaced")
+                self.tally.fail(f"map {name} isn't served {self.server.patience_s} s after it was replaced")
                 return
             time.sleep(0.1)
 
     def served_bytes(self, name):
         """The map file whose version is served; nothing where the server has no time."""
-        with contextlib.suppress(OSError, ValueError, KeyError), Connection(self.server.port) as connection:
-            version = json.loads(connection.ask("GET", f"/v1/maps/{name}")[1])["version"]
-            return next((path.read_bytes() for path in self.maps if VERSIONS[path] == version), None)
+        with contextlib.suppress(OSError, ValueError, KeyError), self.server.connect() as connection:
+            served = json.loads(connection.ask("GET", f"/v1/maps/{name}")[1])["version"]
+            return next((path.read_bytes() for path in self.maps if VERSIONS[path] == served), None)
         return None
 
 
@@ -306,19 +272,19 @@ def stop(server, tally):
     """Ends the server while connections drip, and returns how long that took."""
     with contextlib.ExitStack() as open_ones:
         for i in range(10):
-            connection = open_ones.enter_context(Connection(server.port))
+            connection = open_ones.enter_context(server.connect())
             connection.send(b"POST /v1/localize HTTP/1.1\r\nHost: localhost\r\n"[:5 + 4 * i])
         started = time.monotonic()
         server.process.send_signal(signal.SIGTERM)
         try:
-            code = server.process.wait(4 * PATIENCE_S)
+            code = server.process.wait(4 * server.patience_s)
         except subprocess.TimeoutExpired:
             server.process.kill()
             code = "no end"
     took = time.monotonic() - started
     if code != 0:
         tally.fail(f"the server ended with {code}")
-    if took > END_S:
+    if took > server.end_s:
         tally.fail(f"the server took {took:.1f} s to end")
     return took
 
@@ -327,11 +293,11 @@ def lower_quartile(values):
     return sorted(values)[len(values) // 4]
 
 
-def check_growth(samples, quiet_before, quiet_after, tally):
+def check_growth(server, samples, quiet_before, quiet_after, tally):
     rss_first, rss_last = (lower_quartile(third) for third in samples.thirds(0))
     threads_first, threads_last = (max(third) for third in samples.thirds(1))
     bound = rss_first * (1 + GROWTH_SHARE) + GROWTH_MB
-    if len(samples.rows) >= WARM_S and rss_last > bound:
+    if server.slower == 1 and len(samples.rows) >= WARM_S and rss_last > bound:
         tally.fail(f"memory grew from {rss_first:.0f} to {rss_last:.0f} MB")
     if threads_last > threads_first:
         tally.fail(f"threads grew from {threads_first} to {threads_last}")
@@ -342,14 +308,23 @@ def check_growth(samples, quiet_before, quiet_after, tally):
             "threads": [threads_first, threads_last], "quiet_descriptors": [quiet_before, quiet_after]}
 
 
-def soak(program, seconds, count, folder, served):
-    maps, photos, answers = make_maps(program, folder, count)
+def check_log(log, tally):
+    """Reports of a sanitizer, each by its first lines."""
+    reports = re.findall(r"WARNING: \w+Sanitizer.*(?:\n.+){0,8}|\S+: runtime error: .*", log)
+    for report in reports:
+        tally.fail(report)
+    return len(reports)
+
+
+def soak(arguments, folder, served):
+    offline = arguments.offline or arguments.program
+    maps, photos, answers = make_maps(offline, folder, arguments.maps)
     for path in maps:
         shutil.copy(path, served)
-        VERSIONS[path] = json.loads(run(program, "info", path, "--json"))["version"]
-    server, tally, clients = Server(program, served, folder / "server.log"), Tally(), Clients()
+        VERSIONS[path] = version(offline, path)
+    server = Server(arguments.program, served, folder / "server.log", arguments.slower)
     try:
-        return wear_out(server, tally, clients, seconds, maps, photos, answers, served)
+        return wear_out(server, Tally(), Clients(server.patience_s), arguments.seconds, maps, photos, answers, served)
     finally:
         server.process.kill()
 
@@ -369,11 +344,13 @@ def wear_out(server, tally, clients, seconds, maps, photos, answers, served):
     samples.save(log.with_name("samples.csv"))
     if not server.alive():
         sys.exit(f"the server ended with {server.process.returncode}: {log.read_text(errors='replace')[-3000:]}")
-    growth = check_growth(samples, quiet, wait_for_quiet(server, quiet), tally)
+    growth = check_growth(server, samples, quiet, wait_for_quiet(server, quiet), tally)
     took = stop(server, tally)
+    reports = check_log(log.read_text(errors="replace"), tally)
     if not tally.counts["honest_localized"] or not tally.counts["honest_not_in_map"] or not tally.counts["reloads"]:
         tally.fail("too little happened: no place found, none refused, or no map replaced")
     print(json.dumps({"seconds": len(samples.rows), **growth, "end_s": round(took, 2),
+                      "sanitizer_reports": reports,
                       "honest_mean_ms": tally.counts.pop("honest_ms", 0) // max(1, tally.counts["honest_answers"]),
                       **dict(sorted(tally.counts.items()))}))
     for broken in tally.broken:
@@ -384,6 +361,8 @@ def wear_out(server, tally, clients, seconds, maps, photos, answers, served):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", required=True)
+    parser.add_argument("--offline")
+    parser.add_argument("--slower", type=float, default=1)
     parser.add_argument("--seconds", type=float, default=60)
     parser.add_argument("--maps", type=int, choices=(2, 3), default=3)
     parser.add_argument("--folder", type=Path)
@@ -393,7 +372,7 @@ def main():
         folder.mkdir(parents=True, exist_ok=True)
         served = Path(temporary) / "maps"
         served.mkdir()
-        return soak(arguments.program, arguments.seconds, arguments.maps, folder, served)
+        return soak(arguments, folder, served)
 
 
 if __name__ == "__main__":

@@ -30,6 +30,14 @@ TEST(Printable, ShowsControlCharactersOnOneLine) {
   EXPECT_EQ(Printable("Gar\u00e7on \u4f4d"), "Gar\u00e7on \u4f4d");
 }
 
+TEST(Printable, ShowsWhatTurnsTheTextAroundOrEndsALine) {
+  EXPECT_EQ(Printable("\u202egpj.exe\u202c \u2066x\u2069 \u061c\u200e\u200f\u2028\u2029"),
+            "\\u202egpj.exe\\u202c \\u2066x\\u2069 \\u061c\\u200e\\u200f\\u2028\\u2029");
+  // Their neighbours, and what is cut off.
+  const std::string plain = "\u2010\u201c\u2027\u202f\u2065\u206a\u061b\u00a0 \xe2\x80";
+  EXPECT_EQ(Printable(plain), plain);
+}
+
 TEST(Trimmed, TakesTheEndsAlone) {
   EXPECT_EQ(Trimmed(" \ta b\r\n"), "a b");
   EXPECT_EQ(Trimmed("a\r", " \t"), "a\r");

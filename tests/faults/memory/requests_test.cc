@@ -138,9 +138,14 @@ TEST(StartMemory, AServerStartsOrThrows) {
   AttackMemory(
       "start a server",
       [] {
-        HttpServer server({.port = 0, .request_threads = 3},
-                          [](const HttpRequest&) { return HttpResponse(); });
-        server.Start();
+        try {
+          HttpServer server({.port = 0, .request_threads = 3},
+                            [](const HttpRequest&) { return HttpResponse(); });
+          server.Start();
+        } catch (const MapError& error) {  // a thread's stack
+          EXPECT_EQ(error.code(), ErrorCode::kOutOfMemory) << error.what();
+          throw std::bad_alloc();
+        }
       },
       [](bool) {});
 }

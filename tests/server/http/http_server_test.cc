@@ -12,6 +12,7 @@
 
 #include "core/base/error.h"
 #include "server/http/router.h"
+#include "tests/server/http/no_threads.h"
 #include "tests/server/http/raw_client.h"
 
 namespace waystone {
@@ -317,6 +318,18 @@ TEST_F(HttpServerTest, StopFinishesWhatIsAtHand) {
   client.join();
   EXPECT_EQ(body, "slow");
   EXPECT_FALSE(httplib::Client(server_->url()).Get("/hello"));
+}
+
+TEST(HttpServer, AThreadThatCannotBeStartedIsSaid) {
+  HttpServer server({.port = 0}, [](const HttpRequest&) { return HttpResponse(); });
+  try {
+    const NoThreads none;
+    server.Start();
+    FAIL() << "started";
+  } catch (const MapError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kOutOfMemory);
+    EXPECT_TRUE(std::string(error.what()).starts_with("cannot start a thread (")) << error.what();
+  }
 }
 
 TEST(HttpServer, TakenPortIsSaid) {

@@ -17,6 +17,7 @@
 
 #include "api/logged_query.h"
 #include "core/base/error.h"
+#include "tests/server/http/no_threads.h"
 #include "tests/server/service/made_map.h"
 
 namespace waystone {
@@ -201,6 +202,27 @@ TEST_F(ApplicationTest, QueriesAreLoggedAndReadAgain) {
   EXPECT_EQ(queries[2].answer["verdict"], "bad_image");
   // Two images, the lines, and nothing else anywhere.
   EXPECT_EQ(std::distance(fs::directory_iterator(options.query_log), {}), 3);
+}
+
+// A query with a deadline computes in a thread of its own.
+TEST_F(ApplicationTest, AThreadThatCannotBeStartedIsSaid) {
+  Start();
+  const auto ask = [this] {
+    return Ask("POST", "/v1/maps/lab/localize", {{"Content-Type", "application/json"}},
+               R"({"images": [{"data": "eA=="}], "deadline_ms": 20000})");
+  };
+  EXPECT_EQ(ask().status, 200);
+  {
+    const NoThreads none;
+    const HttpResponse response = ask();
+    EXPECT_EQ(response.status, 503);
+    EXPECT_EQ(HeaderOf(response, "Retry-After"), "1");
+    const Json problem = Json::parse(response.body);
+    EXPECT_EQ(problem["code"], "out_of_memory");
+    EXPECT_TRUE(problem["detail"].get<std::string>().starts_with("cannot start a thread ("))
+        << problem["detail"];
+  }
+  EXPECT_EQ(ask().status, 200) << "its turn was given back";
 }
 
 // The queries of a server run in parallel, each in one thread.
