@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "api/answer_json.h"
 
+#include <vector>
+
 #include "api/explanation_json.h"
 
 namespace waystone {
@@ -31,6 +33,31 @@ Json BuildingJson(const BuildingView& view) {
   json["lines"] = view.lines;
   json["disagreement_rad"] = OrNull(view.disagreement_rad);
   return json;
+}
+
+Json PoseJson(const QueryPose& pose) {
+  const Eigen::Quaterniond q(pose.frame_from_camera.linear());
+  const Eigen::Vector3d& at = pose.frame_from_camera.translation();
+  Json json;
+  json["frame"] = pose.frame;
+  json["unit"] = NameOf(pose.unit);
+  json["position"] = {at.x(), at.y(), at.z()};
+  json["orientation"] = {q.x(), q.y(), q.z(), q.w()};
+  json["covariance"] = Json::array();
+  for (int row = 0; row < pose.covariance.rows(); ++row) {
+    const Eigen::RowVectorXd values = pose.covariance.row(row);
+    json["covariance"].push_back(std::vector<double>(values.begin(), values.end()));
+  }
+  json["inliers"] = pose.inliers;
+  json["camera"] = pose.by_own_camera ? "map" : "query";
+  return json;
+}
+
+// Only of maps with poses.
+void AddPose(const Answer& answer, Json& json) {
+  if (!answer.pose && answer.pose_reason.empty()) return;
+  json["pose"] = answer.pose ? PoseJson(*answer.pose) : Json(nullptr);
+  if (!answer.pose) json["pose_reason"] = answer.pose_reason;
 }
 
 Json PlaneJson(const RecognisedPlane& plane) {
@@ -107,6 +134,7 @@ Json TimingJson(const StageTimes& times) {
   json["extract"] = Rounded(times.extract_ms, 2);
   json["shortlist"] = Rounded(times.shortlist_ms, 2);
   json["verify"] = Rounded(times.verify_ms, 2);
+  if (times.pose_ms > 0) json["pose"] = Rounded(times.pose_ms, 2);
   json["total"] = Rounded(times.total_ms, 2);
   return json;
 }
@@ -144,6 +172,7 @@ Json ToJson(const Answer& answer) {
   json["place"] = place ? ToJson(*place) : Json(nullptr);
   json["keyframe"] = answer.planes.keyframe ? KeyframeJson(*answer.planes.keyframe) : Json(nullptr);
   json["heading"] = answer.heading ? HeadingJson(*answer.heading) : Json(nullptr);
+  AddPose(answer, json);
   if (answer.building) json["building"] = BuildingJson(*answer.building);
   json["planes"] = Json::array();
   for (const RecognisedPlane& plane : answer.planes.recognised) {

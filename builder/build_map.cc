@@ -19,10 +19,12 @@ namespace {
 // The layers of a map, in the order of LayerKind.
 class MapBuilder {
  public:
-  MapBuilder(const BuildOptions& options, const ProgressCallback& progress)
+  MapBuilder(const BuildOptions& options, const ProgressCallback& progress,
+             const std::optional<GivenPoses>& poses)
       : options_(options),
+        poses_(poses),
         progress_(progress),
-        planes_(MakePlaneOptions(options)),
+        planes_(MakePlaneOptions(options, poses.has_value())),
         appearance_(MakeAppearanceOptions(options)),
         orientation_(MakeOrientationOptions(options)) {
     result_.map.info = MakeMapInfo(options);
@@ -38,6 +40,7 @@ class MapBuilder {
       }
       if (used) Finish(kind);
     }
+    if (poses_) PutIntoFrame();
     return std::move(result_);
   }
 
@@ -68,6 +71,17 @@ class MapBuilder {
     }
   }
 
+  void PutIntoFrame() {
+    if (!result_.report.planes) {
+      throw MapError(ErrorCode::kBadRequest,
+                     "poses were given, but no source has a plane layer to put into their frame; "
+                     "add planes to --layers");
+    }
+    progress_.Report("structure", 0, 1);
+    result_.report.poses = AddPoses(planes_.features(), *poses_, options_.poses, result_.map);
+    progress_.Report("structure", 1, 1);
+  }
+
   void CalibratePlanes() {
     const Clock::time_point start = Clock::now();
     CalibratePlaneLayer(result_.map, planes_.samples(), options_.features, options_.calibration);
@@ -87,6 +101,7 @@ class MapBuilder {
   }
 
   const BuildOptions& options_;
+  const std::optional<GivenPoses>& poses_;
   ProgressReporter progress_;
   PlaneLayerBuilder planes_;
   AppearanceLayerBuilder appearance_;
@@ -97,7 +112,8 @@ class MapBuilder {
 }  // namespace
 
 BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
-                     const BuildOptions& options, const ProgressCallback& progress) {
+                     const BuildOptions& options, const ProgressCallback& progress,
+                     const std::optional<GivenPoses>& poses) {
   options.Check();
   if (sources.empty())
     throw MapError(ErrorCode::kBadSource, "no source given; at least one is required");
@@ -107,7 +123,7 @@ BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
   tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : options.threads);
   return arena.execute([&] {
     BuildResult result =
-        MapBuilder(options, progress).Build(AssignSources(sources, options.layers));
+        MapBuilder(options, progress, poses).Build(AssignSources(sources, options.layers));
     result.report.total_s = SecondsSince(start);
     return result;
   });

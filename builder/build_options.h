@@ -11,6 +11,7 @@
 #include "builder/orientation/options.h"
 #include "builder/planes/keyframe_selector.h"
 #include "builder/planes/options.h"
+#include "builder/poses/options.h"
 #include "core/base/options.h"
 #include "core/features/features.h"
 
@@ -33,8 +34,11 @@ struct BuildOptions {
   // on it.
   int threads = 0;
 
+  // Only used with poses: the record of a map without any has nothing of it.
+  PoseOptions poses = {};
+
   // A map has its name in another place and doesn't depend on the threads.
-  static constexpr int kUnlistedMembers = 2;
+  static constexpr int kUnlistedMembers = 3;
   static constexpr auto Fields() {
     return std::tuple{
         OptionGroup{"features", &BuildOptions::features},

@@ -17,12 +17,13 @@ MapInfo MakeMapInfo(const BuildOptions& options) {
   return info;
 }
 
-PlaneBuildOptions MakePlaneOptions(const BuildOptions& options) {
+PlaneBuildOptions MakePlaneOptions(const BuildOptions& options, bool keep_features) {
   return {.features = options.features,
           .keyframes = options.keyframes,
           .planes = options.planes,
           .image_width = options.images ? options.image_width : 0,
-          .max_samples = options.calibration.max_keyframes};
+          .max_samples = options.calibration.max_keyframes,
+          .keep_features = keep_features};
 }
 
 AppearanceOptions MakeAppearanceOptions(const BuildOptions& options) {

@@ -14,6 +14,7 @@
 #include "cli/output/printable_output.h"
 #include "core/base/error.h"
 #include "core/base/option_text.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/image/opencv_errors.h"
 
@@ -30,8 +31,18 @@ constexpr const char* kFooter =
     "To get started: waystone demo";
 
 int Fail(const std::string& message, ErrorCode code) {
-  std::cerr << "waystone: " << message << '\n';
+  std::cerr << "waystone: " << Printable(message) << '\n';
   return InfoOf(code).exit_code;
+}
+
+// What TBB throws, as a plain std::runtime_error, is told by its text alone.
+int FailUnexpectedly(const std::string& cause) {
+  if (cause.starts_with("pthread_create has failed")) {
+    return Fail("cannot start a thread (" + cause +
+                    "); raise the limit on threads (ulimit -u, TasksMax) or free memory",
+                ErrorCode::kOutOfMemory);
+  }
+  return Fail("internal error: " + cause + "; please report it", ErrorCode::kInternal);
 }
 
 // CLI11's messages in the form of this program's, on one line.
@@ -109,8 +120,7 @@ int RunProgram(int argc, char** argv) {
     return Fail("out of memory; end other programs, or use a machine with more memory",
                 ErrorCode::kOutOfMemory);
   } catch (const std::exception& error) {
-    return Fail(std::string("internal error: ") + error.what() + "; please report it",
-                ErrorCode::kInternal);
+    return FailUnexpectedly(error.what());
   }
 }
 

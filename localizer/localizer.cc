@@ -11,6 +11,7 @@
 #include "localizer/appearance/photo.h"
 #include "localizer/orientation/building.h"
 #include "localizer/planes/locate.h"
+#include "localizer/poses/locate_pose.h"
 
 namespace waystone {
 namespace {
@@ -57,6 +58,15 @@ void AddTimedBuilding(const MapIndex& index, const cv::Mat& grey, const Localize
   answer.timing.total_ms += ms;
 }
 
+void AddTimedPose(const MapIndex& index, const Features& features, const LocalizeOptions& options,
+                  Answer& answer) {
+  LapTimer timer;
+  AddPose(index, features, options.camera, options.pose, answer);
+  const double ms = timer.Lap();
+  answer.timing.pose_ms = ms;
+  answer.timing.total_ms += ms;
+}
+
 Features ExtractQuery(const cv::Mat& grey, FeatureType type, const LocalizeOptions& options) {
   return ExtractFeatures(grey,
                          {type, options.planes.max_features, options.planes.contrast_threshold});
@@ -85,7 +95,8 @@ class FeatureCache {
 Answer AskLayers(const MapIndex& index, const cv::Mat& grey, FeatureCache& cache,
                  const LocalizeOptions& options) {
   Answer answer;
-  if (AsksPanoramas(index, grey, options)) {
+  const bool by_panoramas = AsksPanoramas(index, grey, options);
+  if (by_panoramas) {
     answer = AskPanoramas(index, grey, options);
     if (options.deadline && !answer.last_stage) answer.last_stage = Stage::kDecide;
   } else {
@@ -97,6 +108,11 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, FeatureCache& cache
     answer.timing.total_ms += extract_ms;
   }
   AddTimedBuilding(index, grey, options, answer);
+  // Last, since lines may still refuse the place.
+  if (index.map().poses && !by_panoramas && !options.TooLate()) {
+    const auto& [features, ms] = cache.Extract(index.map().info.feature_type, options);
+    AddTimedPose(index, features, options, answer);
+  }
   Sign(index, answer);
   return answer;
 }

@@ -13,6 +13,7 @@
 #include "localizer/appearance/panorama_series.h"
 #include "localizer/orientation/building_options.h"
 #include "localizer/planes/plane_query_options.h"
+#include "localizer/poses/pose_query_options.h"
 #include "localizer/verdict/answer.h"
 #include "localizer/verdict/deadline.h"
 
@@ -24,11 +25,13 @@ struct LocalizeOptions {
   PlaneQueryOptions planes;
   PanoramaQueryOptions panorama;
   BuildingOptions building;
+  // Used on maps with poses alone: the record of one without has nothing of it.
+  PoseQueryOptions pose;
 
   // A panorama is answered as the next one of a series with it, and by itself without.
   std::optional<SeriesContext> series;
   // The camera of a perspective photo, where it is known: what a map of panoramas answers it by,
-  // and what its rotation in the building takes.
+  // and what its rotation in the building and its pose take.
   std::optional<Camera> camera;
   // Say in the answer what became of every shortlisted plane. Changes nothing else; makes the
   // answer some 50 KB larger.
@@ -41,7 +44,7 @@ struct LocalizeOptions {
   std::shared_ptr<std::atomic<Stage>> finished;
 
   // Limits of decoding, and what is known of one query: a map doesn't depend on them.
-  static constexpr int kUnlistedMembers = 6;
+  static constexpr int kUnlistedMembers = 7;
   static constexpr auto Fields() {
     return std::tuple{OptionGroup{"planes", &LocalizeOptions::planes},
                       OptionGroup{"panorama", &LocalizeOptions::panorama},

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/clock.h"
 #include "core/base/ids.h"
 #include "core/camera/camera.h"
 #include "core/geometry/pose2.h"
@@ -62,9 +63,11 @@ struct QueryRequest {
   // Of each image, in their order, the motion since the image or answer before it, in the units of
   // the map's layer; nothing where it isn't known. Empty when none was given.
   std::vector<std::optional<Pose2>> odometry;
-  std::optional<int> top_k;        // list that many candidates
-  bool debug = false;              // explain the answer
-  std::optional<int> deadline_ms;  // from when the session begins
+  std::optional<int> top_k;  // list that many candidates
+  bool debug = false;        // explain the answer
+  std::optional<int> deadline_ms;
+  // From when deadline_ms counts; from when the session begins where this isn't known.
+  std::optional<Clock::time_point> received;
 };
 
 // Where a query's camera is known from.

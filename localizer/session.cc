@@ -144,7 +144,8 @@ Session::Session(QueryRequest request, std::vector<QueriedMap> maps, const Local
   options_.explain = request_.debug;
   options_.finished = std::make_shared<std::atomic<Stage>>(Stage::kQueue);
   if (request_.deadline_ms) {
-    options_.deadline = Clock::now() + std::chrono::milliseconds(*request_.deadline_ms);
+    options_.deadline =
+        request_.received.value_or(Clock::now()) + std::chrono::milliseconds(*request_.deadline_ms);
   }
 }
 
@@ -198,7 +199,7 @@ RequestAnswer Session::AskEach() const {
   const bool photos = AsksOnePanoramaMap() && HasPhotos();
   result.used_camera = std::ranges::any_of(maps_, [&](const QueriedMap& map) {
     const MapData& data = map.index->map();
-    return data.orientation || (photos && data.planes.empty());
+    return data.orientation || data.poses || (photos && data.planes.empty());
   });
   for (const QueryImage& image : request_.images) result.images.push_back(AskMaps(image));
   result.best = FindBestImage(result);
@@ -241,6 +242,8 @@ Answer OverallAnswer(const RequestAnswer& answer) {
     best.planes.places.push_back({*planes.keyframe, maps[i].probability, inliers});
   }
   best.planes.keyframe.reset();
+  if (best.pose) best.pose_reason = "several maps contain this place";
+  best.pose.reset();
   return best;
 }
 

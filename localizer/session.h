@@ -60,9 +60,10 @@ Answer OverallAnswer(const RequestAnswer& answer);
 // One request while it is answered. Immutable but for how far it is; one thread asks.
 class Session {
  public:
-  // Resolves what the request says about the maps. Its deadline counts from here. Throws MapError:
-  // kBadCamera as ResolveCamera, and kBadRequest for a prior keyframe that the map doesn't have.
-  // There is a map and an image (WS_CHECK); camera, prior, previous and odometry need a single map.
+  // Resolves what the request says about the maps. Its deadline counts from when it was received,
+  // or from here. Throws MapError: kBadCamera as ResolveCamera, and kBadRequest for a prior
+  // keyframe that the map doesn't have. There is a map and an image (WS_CHECK); camera, prior,
+  // previous and odometry need a single map.
   Session(QueryRequest request, std::vector<QueriedMap> maps, const LocalizeOptions& options);
 
   const QueryRequest& request() const { return request_; }

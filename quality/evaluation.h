@@ -80,9 +80,9 @@ struct WithinTolerance {
   double pose = 0;      // within both; an answer without a heading isn't
 };
 
-// The tolerances of Sattler et al. (2018).
-inline constexpr std::array<std::array<double, 2>, 3> kTolerances = {
-    {{0.25, 2}, {0.5, 5}, {5, 10}}};
+// The tolerances of Sattler et al. (2018), and a finer one for maps with poses.
+inline constexpr std::array<std::array<double, 2>, 4> kTolerances = {
+    {{0.05, 2}, {0.25, 2}, {0.5, 5}, {5, 10}}};
 
 struct Evaluation {
   int queries = 0;

@@ -38,6 +38,14 @@ Eigen::Isometry3d ComputeMotion(const Answer& answer,
       metres_per_unit.value_or(0));
 }
 
+// The same by the answer's pose; nothing where the answer or its keyframe has none.
+std::optional<Eigen::Isometry3d> ComputePosedMotion(const Answer& answer, KeyframeId keyframe,
+                                                    const std::optional<PoseLayer>& layer) {
+  const KeyframePose* pose = layer && answer.pose ? layer->Find(keyframe) : nullptr;
+  if (!pose) return std::nullopt;
+  return pose->frame_from_camera().inverse() * answer.pose->frame_from_camera;
+}
+
 bool HasHeading(const Answer& answer) {
   return answer.heading && answer.heading->frame != HeadingFrame::kBuilding;
 }
@@ -67,22 +75,32 @@ std::optional<double> MetresPerUnit(const MapData& map, const PlacePoses& poses)
 
 std::optional<PoseError> ComparePose(const Answer& answer, const PlacePoses& poses,
                                      const std::optional<double>& metres_per_unit,
-                                     const TruePose& truth) {
+                                     const TruePose& truth, const std::optional<PoseLayer>& layer) {
   const std::optional<AnsweredPlace> place = PlaceOf(answer);
   if (!place) return std::nullopt;
   const auto at = poses.find({place->layer, place->id});
   if (at == poses.end()) return std::nullopt;
   const TruePose& image = at->second;
-  Eigen::Isometry3d motion = ComputeMotion(answer, metres_per_unit);
+  const auto posed = ComputePosedMotion(answer, {place->id}, layer);
+  Eigen::Isometry3d motion = posed ? *posed : ComputeMotion(answer, metres_per_unit);
   if (!image.has_rotation) motion.translation().setZero();  // not known in which direction
   const Eigen::Isometry3d estimate = image.world_from_camera * motion;
   PoseError error;
   error.metres = (estimate.translation() - truth.world_from_camera.translation()).norm();
-  if (image.has_rotation && truth.has_rotation && HasHeading(answer)) {
+  if (image.has_rotation && truth.has_rotation && (posed || HasHeading(answer))) {
     const Eigen::Quaterniond a(estimate.linear());
     error.rad = a.angularDistance(Eigen::Quaterniond(truth.world_from_camera.linear()));
   }
   return error;
+}
+
+PlacePoses PosesOfLayer(const MapData& map) {
+  PlacePoses poses;
+  if (!map.poses) return poses;
+  for (const KeyframePose& pose : map.poses->keyframes) {
+    poses[PlaceIdOf(pose.keyframe)] = {pose.frame_from_camera(), true};
+  }
+  return poses;
 }
 
 }  // namespace waystone

@@ -31,9 +31,15 @@ std::optional<double> MetresPerUnit(const MapData& map, const PlacePoses& poses)
 // How far the pose of a localized answer is from where the query was taken. The answer's pose is
 // the true pose of its place's image, moved and turned in the image's level frame as the answer
 // says: so that the errors of the map's own trajectory, which `eval trajectory` measures, don't
-// count. Nothing for answers that aren't localized and places without a true pose.
+// count. An answer with a pose (Answer::pose, of a map with the pose layer `layer`) says by it how
+// the camera is moved against its keyframe. Nothing for answers that aren't localized and places
+// without a true pose.
 std::optional<PoseError> ComparePose(const Answer& answer, const PlacePoses& poses,
                                      const std::optional<double>& metres_per_unit,
-                                     const TruePose& truth);
+                                     const TruePose& truth,
+                                     const std::optional<PoseLayer>& layer = std::nullopt);
+
+// The poses of a map's own pose layer; empty without one.
+PlacePoses PosesOfLayer(const MapData& map);
 
 }  // namespace waystone

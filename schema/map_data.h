@@ -12,6 +12,7 @@
 #include "schema/layers/appearance/appearance_layer.h"
 #include "schema/layers/orientation/orientation_layer.h"
 #include "schema/layers/planes/plane_layer.h"
+#include "schema/layers/poses/pose_layer.h"
 
 // A map as values: what the builder hands to MapStore and what the localizer gets from it.
 // FORMAT.md says how each field is stored.
@@ -51,6 +52,7 @@ struct MapData {
   std::optional<VerdictModel> verdict;          // nothing for a map that was never calibrated
   std::optional<AppearanceLayer> appearance;    // nothing for a map without panoramas
   std::optional<OrientationLayer> orientation;  // nothing for a map without a calibrated camera
+  std::optional<PoseLayer> poses;               // nothing for a map that was built without poses
 
   bool operator==(const MapData&) const = default;
 };

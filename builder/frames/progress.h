@@ -12,7 +12,7 @@ namespace waystone {
 // How far a build is.
 struct BuildProgress {
   // "frames", "fusion"; "panoramas", "odometry", "loops", "poses", "calibration"; "directions"
-  std::string stage;
+  std::string stage;  // with poses, "structure"
   int done = 0;
   int total = 0;      // 0 when not known
   int keyframes = 0;  // so far, as the following

@@ -130,6 +130,7 @@ void PlaneLayerBuilder::AddKeyframe(const ChosenKeyframe& chosen) {
   tracker_.AddKeyframe(keyframe.id, chosen.frame.features, chosen.starts_stretch, camera_);
   landmarks_.Add(keyframe.id, chosen.frame.features, chosen.starts_stretch);
   sample_.Add(keyframe.id, chosen.frame.features);
+  if (options_.keep_features) features_.push_back({keyframe.id, chosen.frame.features});
   keyframes_.push_back(std::move(keyframe));
 }
 

@@ -21,8 +21,9 @@ struct PlaneBuildOptions {
   FeatureOptions features;
   KeyframeOptions keyframes;
   PlaneLayerOptions planes;
-  int image_width = 320;  // of the picture kept of each keyframe, px; 0 keeps none
-  int max_samples = 40;   // keyframes whose features are handed out whole, for calibration
+  int image_width = 320;       // of the picture kept of each keyframe, px; 0 keeps none
+  int max_samples = 40;        // keyframes whose features are handed out whole, for calibration
+  bool keep_features = false;  // hand out those of all keyframes
 };
 
 // What the building of the layer did. FrameReport::add_s is the choice of keyframes and planes.
@@ -66,6 +67,8 @@ class PlaneLayerBuilder : public LayerBuilder {
 
   const PlaneReport& report() const { return report_; }
   const std::vector<SampledKeyframe>& samples() const { return sample_.keyframes(); }
+  // Of all keyframes, ascending; empty unless PlaneBuildOptions::keep_features.
+  const std::vector<SampledKeyframe>& features() const { return features_; }
 
  private:
   void AddKeyframe(const ChosenKeyframe& chosen);
@@ -76,6 +79,7 @@ class PlaneLayerBuilder : public LayerBuilder {
   PlaneTracker tracker_;
   LandmarkChooser landmarks_;
   KeyframeSample sample_;
+  std::vector<SampledKeyframe> features_;
   SequenceId sequence_;
   std::optional<Camera> camera_;
   std::optional<KeyframeSelector> selector_;

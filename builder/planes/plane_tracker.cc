@@ -8,6 +8,7 @@
 #include "builder/planes/plane_features.h"
 #include "builder/planes/rotation_only.h"
 #include "core/base/error.h"
+#include "core/features/keypoint_grid.h"
 #include "core/homography/estimate_homography.h"
 
 namespace waystone {
@@ -153,6 +154,7 @@ void PlaneTracker::Advance(const Step& step) {
     Confirm(step, open_[p], tracked[p], segmentation.planes[p].rows);
     const std::vector<int> beyond = Grow(open_[p], step, tracked[p], segmentation.planes[p].rows);
     const std::vector<int> rows = segmentation.planes[p].rows;
+    if (step.rotation_only) continue;
     open_[p].renewed = WantsRenewal(open_[p], rows);
     Continue(step, open_[p].renewed ? rows : beyond, segmentation);
   }

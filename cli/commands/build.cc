@@ -13,6 +13,7 @@
 #include "builder/sources/source.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/settings.h"
+#include "cli/files/given_poses.h"
 #include "cli/files/map_file.h"
 #include "cli/files/panorama_file.h"
 #include "cli/output/build_text.h"
@@ -38,6 +39,7 @@ struct BuildFlags {
   std::string layers = "auto";
   std::vector<std::string> settings;  // of --set
   PanoramaFlags panorama;
+  PoseFlags poses;
   SourceOptions source;
   int to = -1;
   BuildOptions build;
@@ -86,6 +88,10 @@ BuildOptions MakeBuildOptions(const BuildFlags& flags) {
 }
 
 BuildResult BuildWithProgress(const BuildFlags& flags, const BuildOptions& options) {
+  std::optional<GivenPoses> poses;
+  if (!flags.poses.file.empty()) {
+    poses = ReadGivenPoses(flags.poses, static_cast<int>(flags.sources.size()));
+  }
   const std::vector<std::unique_ptr<Source>> sources = OpenSources(flags);
   ProgressMeter meter(RawErrors(), ProgressStyleByName(flags.progress, flags.quiet),
                       ColoursWelcome());
@@ -96,7 +102,7 @@ BuildResult BuildWithProgress(const BuildFlags& flags, const BuildOptions& optio
                                           std::to_string(now.planes) + " planes"});
     return !Interrupted();
   };
-  return BuildMap(sources, options, show);
+  return BuildMap(sources, options, show, poses);
 }
 
 bool HasLandmarks(const MapData& map) {
@@ -163,6 +169,25 @@ void AddSourceFlags(CLI::App* command, BuildFlags& flags) {
       "layer");
 }
 
+void AddPoseFlags(CLI::App* command, PoseFlags& flags) {
+  command->add_option(
+      "--poses", flags.file,
+      "Poses of the images: TUM, KITTI, EuRoC, COLMAP (images.txt, images.bin), g2o "
+      "or CSV; with --camera, queries are answered with their pose");
+  command->add_option("--frame", flags.frame, "Name of the frame of the poses")
+      ->capture_default_str();
+  command->add_option("--unit", flags.unit, "Unit of the poses: metres or unknown")
+      ->capture_default_str();
+  command->add_option("--body-from-camera", flags.body_from_camera,
+                      "Where the camera is on the body that the poses are of: \"x y z qx qy qz "
+                      "qw\"");
+  command
+      ->add_option("--max-pose-gap", flags.max_gap_s,
+                   "Longest time between two poses to interpolate between, s")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
 void AddMapFlags(CLI::App* command, BuildFlags& flags) {
   command->add_option("--features", flags.features, "Feature type: sift, orb or akaze")
       ->capture_default_str();
@@ -216,6 +241,7 @@ void AddBuild(CLI::App& app, Run& run) {
   auto flags = std::make_shared<BuildFlags>();
   CLI::App* command = app.add_subcommand("build", "Build a map from image sequences");
   AddSourceFlags(command, *flags);
+  AddPoseFlags(command, flags->poses);
   AddMapFlags(command, *flags);
   AddOutputFlags(command, *flags);
   command->footer(

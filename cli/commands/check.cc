@@ -7,6 +7,7 @@
 #include "api/json.h"
 #include "cli/commands/commands.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "schema/file/map_store.h"
 
 namespace waystone {
@@ -36,7 +37,7 @@ int RunCheck(const CheckFlags& flags) {
     std::cout << flags.map << ": no damage found\n";
   } else {
     for (const MapProblem& problem : problems) {
-      std::cout << problem.where << ": " << problem.message << '\n';
+      std::cout << Printable(problem.where + ": " + problem.message) << '\n';
     }
   }
   if (problems.empty()) return 0;

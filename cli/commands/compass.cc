@@ -7,6 +7,7 @@
 #include "cli/commands/commands.h"
 #include "cli/files/panorama_file.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "core/geometry/angle.h"
 #include "core/panorama/visual_compass.h"
 
@@ -41,7 +42,7 @@ std::string HumanLine(const std::string& image, const CompassHeading& heading) {
   std::snprintf(text, sizeof(text), "%+.2f deg +- %.2f (runner-up %+.0f, sharpness %.3f)",
                 heading.heading_rad * kDegreesPerRadian, heading.sigma_rad * kDegreesPerRadian,
                 heading.runner_up_rad * kDegreesPerRadian, heading.sharpness);
-  std::string line = image + ": " + text;
+  std::string line = Printable(image) + ": " + text;
   if (!heading.motion) return line;
   std::snprintf(text, sizeof(text), ", moved towards %+.0f +- %.0f",
                 heading.motion->direction_rad * kDegreesPerRadian,

@@ -8,11 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "api/json.h"
 #include "api/json_value.h"
 #include "builder/sources/rig_source.h"
 #include "cli/commands/commands.h"
 #include "cli/output/directions_picture.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "core/geometry/angle.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"
@@ -61,7 +63,7 @@ Json ToJson(const Directions& answer) {
 
 std::string HumanText(const Directions& answer) {
   const ManhattanFrame& frame = answer.frame;
-  std::string text = answer.image + ": ";
+  std::string text = Printable(answer.image) + ": ";
   char line[128];
   if (frame.reliable()) {
     (void)std::snprintf(line, sizeof line, "reliable, sigma %.2f degrees\n",
@@ -128,7 +130,7 @@ bool AnswerSequence(const std::string& path, const DirectionsFlags& flags) {
     try {
       looked = LookAt(sequence, moment, segments);
     } catch (const MapError& error) {
-      std::cerr << "waystone: " << error.what() << '\n';
+      std::cerr << "waystone: " << Printable(error.what()) << '\n';
       all_read = false;
       continue;
     }
@@ -139,7 +141,7 @@ bool AnswerSequence(const std::string& path, const DirectionsFlags& flags) {
                   DrawDirections(sequence.rig, looked.images, looked.lines, looked.frame));
     }
     const Directions answer{.image = moment.source, .frame = std::move(looked.frame)};
-    std::cout << (flags.json ? ToJson(answer).dump() + "\n" : HumanText(answer)) << std::flush;
+    std::cout << (flags.json ? Dump(ToJson(answer)) + "\n" : HumanText(answer)) << std::flush;
   }
   return all_read;
 }

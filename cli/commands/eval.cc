@@ -61,7 +61,8 @@ ScoredQuery Ask(const OpenMap& map, const LabelledQuery& query, const PlacePoses
   scored.answer = Localize(*map.index, ReadBytes(query.image), query.image.string(), {});
   if (!query.pose) return scored;
   const auto metres_per_unit = MetresPerUnit(map.index->map(), places);
-  scored.error = ComparePose(scored.answer, places, metres_per_unit, *query.pose);
+  scored.error =
+      ComparePose(scored.answer, places, metres_per_unit, *query.pose, map.index->map().poses);
   return scored;
 }
 
@@ -84,8 +85,9 @@ int RunEval(const EvalFlags& flags) {
   }
   const OpenMap map = OpenMapFile(flags.map, false);
   const std::string& of_map = flags.poses.empty() ? flags.truth : flags.poses;
-  const PlacePoses places =
-      of_map.empty() ? PlacePoses{} : PosesOfPlaces(ImagePoses(ReadPoseFile(of_map)), *map.index);
+  const PlacePoses places = of_map.empty()
+                                ? PosesOfLayer(map.index->map())
+                                : PosesOfPlaces(ImagePoses(ReadPoseFile(of_map)), *map.index);
   const std::vector<LabelledQuery> queries = ReadQueries(flags, *map.index, places);
   const std::vector<ScoredQuery> scored = AskAll(map, queries, places, flags.quiet);
   const Evaluation evaluation = Evaluate(*map.index, scored);

@@ -13,6 +13,7 @@
 #include "cli/files/map_file.h"
 #include "cli/output/answer_text.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "core/geometry/angle.h"
 #include "core/image/decode.h"
 #include "localizer/session.h"
@@ -62,7 +63,7 @@ bool AnswerEach(const LocalizeFlags& flags, const AskPhoto& ask) {
       all_read &= answer.value("verdict", "") != NameOf(Verdict::kBadImage);
     } catch (const MapError& error) {
       if (error.code() != ErrorCode::kFileUnreadable && flags.server.url.empty()) throw;
-      std::cerr << "waystone: " << error.what() << '\n';
+      std::cerr << "waystone: " << Printable(error.what()) << '\n';
       all_read = false;
     }
   }

@@ -38,7 +38,7 @@ struct ServeFlags {
 
 void WriteLine(const std::string& line) { std::cerr << line + "\n" << std::flush; }
 
-void WriteError(const std::string& cause) { WriteLine("waystone: " + cause); }
+void WriteError(const std::string& cause) { WriteLine("waystone: " + Printable(cause)); }
 
 void Announce(const HttpServer& server, const MapCatalog::Maps& maps, bool tokens) {
   std::cout << "Serving " << maps.size() << (maps.size() == 1 ? " map" : " maps") << " at "

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <utility>
 
 #include "api/tum_pose.h"
+#include "cli/files/colmap_images.h"
 #include "cli/files/csv_file.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
@@ -17,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSameTime_s = 0.02;
 constexpr size_t kKittiNumbers = 12;
 constexpr size_t kColmapFields = 10;
 
@@ -77,6 +78,50 @@ std::optional<std::vector<double>> ParseNumbers(const std::vector<std::string>& 
   return numbers;
 }
 
+// "timestamp [ns], p_x, p_y, p_z, q_w, q_x, q_y, q_z, ...": EuRoC's ground truth of the body.
+bool IsEurocPoses(const fs::path& path) {
+  std::ifstream in(path);
+  std::string first;
+  return std::getline(in, first) && first.starts_with("#timestamp");
+}
+
+std::vector<FilePose> ReadEurocPoses(const fs::path& path) {
+  constexpr size_t kEurocNumbers = 8;
+  constexpr double kNanosecond_s = 1e-9;
+  std::ifstream in(path);
+  std::vector<FilePose> poses;
+  std::string text;
+  for (int line = 1; std::getline(in, text); ++line) {
+    const std::vector<std::string> fields = Words(text, " \t\r,");
+    if (fields.empty() || fields[0].starts_with('#')) continue;
+    const auto n = ParseNumbers(fields);
+    if (!n || n->size() < kEurocNumbers) {
+      throw MapError(ErrorCode::kBadRequest, path.string() + ", line " + std::to_string(line) +
+                                                 ": not a pose of EuRoC's ground truth (time, "
+                                                 "position, quaternion w x y z)");
+    }
+    FilePose pose;
+    pose.time_s = (*n)[0] * kNanosecond_s;
+    pose.number = static_cast<int>(poses.size());
+    pose.pose = {PoseOf({(*n)[1], (*n)[2], (*n)[3]}, {(*n)[4], (*n)[5], (*n)[6], (*n)[7]}), true};
+    poses.push_back(std::move(pose));
+  }
+  return poses;
+}
+
+// "VERTEX_SE3:QUAT ID X Y Z QX QY QZ QW"; `number` has the id.
+std::optional<FilePose> G2oPose(const std::vector<std::string>& fields) {
+  constexpr size_t kG2oFields = 9;
+  if (fields.size() != kG2oFields || fields[0] != "VERTEX_SE3:QUAT") return std::nullopt;
+  const auto n = ParseNumbers({fields.begin() + 1, fields.end()});
+  const auto id = ToInteger(fields[1]);
+  if (!n || !id || *id < 0 || *id > INT32_MAX) return std::nullopt;
+  FilePose pose;
+  pose.number = static_cast<int>(*id);
+  pose.pose = {PoseOf({(*n)[1], (*n)[2], (*n)[3]}, {(*n)[7], (*n)[4], (*n)[5], (*n)[6]}), true};
+  return pose;
+}
+
 FilePose KittiPose(const std::vector<double>& n) {
   FilePose pose;
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(n.data());
@@ -111,21 +156,27 @@ class TextPoses {
     std::string text;
     for (int line = 1; std::getline(in_, text); ++line) {
       const std::vector<std::string> fields = Words(text);
-      if (std::exchange(skip_, false) || fields.empty() || fields[0].starts_with('#')) continue;
+      if (std::exchange(skip_, false) || fields.empty() || IsAside(fields[0])) continue;
       FilePose pose = Parse(text, fields, line);
-      pose.number = static_cast<int>(poses.size());
+      if (fields[0] != "VERTEX_SE3:QUAT") pose.number = static_cast<int>(poses.size());
       poses.push_back(std::move(pose));
     }
     return poses;
   }
 
  private:
+  // A comment, or what g2o holds beside the vertices.
+  static bool IsAside(const std::string& word) {
+    return word.starts_with('#') || word.starts_with("EDGE_") || word == "FIX";
+  }
+
   std::optional<FilePose> AnyPose(const std::string& text, const std::vector<std::string>& fields) {
     if (const auto tum = ParseTumPose(text)) {
       return FilePose{{}, tum->time_s, 0, {PoseOf(tum->position, tum->rotation), true}};
     }
     const auto numbers = ParseNumbers(fields);
     if (numbers && numbers->size() == kKittiNumbers) return KittiPose(*numbers);
+    if (auto vertex = G2oPose(fields)) return vertex;
     std::optional<FilePose> pose = ColmapPose(fields);
     skip_ = pose.has_value();  // the line of its points
     return pose;
@@ -139,7 +190,7 @@ class TextPoses {
     throw MapError(ErrorCode::kBadRequest,
                    path_.string() + ", line " + std::to_string(line) +
                        ": not a pose; expected a line of a TUM trajectory (8 numbers), of KITTI "
-                       "poses (12 numbers) or of COLMAP's images.txt");
+                       "poses (12 numbers), of COLMAP's images.txt or of g2o's vertices");
   }
 
   fs::path path_;
@@ -177,40 +228,20 @@ std::optional<TruePose> PoseColumns::Read(const CsvFile& file, const CsvFile::Ro
   return TruePose{PoseOf({number(x), number(y), number(z)}, rotation), rotation_.has_value()};
 }
 
+namespace {
+
+std::vector<FilePose> ReadAnyPoses(const fs::path& path) {
+  if (path.extension() == ".bin") return ReadColmapImages(path);
+  if (path.extension() != ".csv") return TextPoses(path).Read();
+  return IsEurocPoses(path) ? ReadEurocPoses(path) : ReadCsvPoses(path);
+}
+
+}  // namespace
+
 std::vector<FilePose> ReadPoseFile(const fs::path& path) {
-  std::vector<FilePose> poses =
-      path.extension() == ".csv" ? ReadCsvPoses(path) : TextPoses(path).Read();
+  std::vector<FilePose> poses = ReadAnyPoses(path);
   if (!poses.empty()) return poses;
   throw MapError(ErrorCode::kBadRequest, path.string() + " has no poses; expected one a line");
-}
-
-ImagePoses::ImagePoses(std::vector<FilePose> poses) : poses_(std::move(poses)) {
-  for (const FilePose& pose : poses_) {
-    if (!pose.name.empty()) by_name_.emplace(pose.name, &pose.pose);
-  }
-}
-
-const TruePose* ImagePoses::FindNamed(const std::string& name) const {
-  const auto find = [&](const std::string& part) -> const TruePose* {
-    const auto found = by_name_.find(part);
-    return found == by_name_.end() ? nullptr : found->second;
-  };
-  for (size_t from = 0; from != std::string::npos;) {  // with fewer and fewer folders
-    if (const TruePose* pose = find(name.substr(from))) return pose;
-    const size_t slash = name.find('/', from);
-    from = slash == std::string::npos ? slash : slash + 1;
-  }
-  return find(fs::path(name).stem().string());
-}
-
-const TruePose* ImagePoses::Find(const std::string& name, const std::optional<double>& time_s,
-                                 int number) const {
-  if (!by_name_.empty()) return FindNamed(name);
-  const auto found = std::ranges::find_if(poses_, [&](const FilePose& pose) {
-    if (pose.time_s && time_s) return std::abs(*pose.time_s - *time_s) <= kSameTime_s;
-    return pose.number == number;
-  });
-  return found == poses_.end() ? nullptr : &found->pose;
 }
 
 }  // namespace waystone

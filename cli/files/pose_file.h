@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "cli/files/csv_file.h"
@@ -35,29 +34,17 @@ class PoseColumns {
   std::optional<std::array<size_t, 4>> rotation_;
 };
 
-// Reads poses of images: a CSV file (by its extension) with the columns x, y, z, optionally qx, qy,
-// qz, qw, and one of image, keyframe, id, frame or time_s; a TUM trajectory ("time x y z qx qy qz
-// qw"); KITTI poses (12 numbers a line, 3x4 by rows); or COLMAP's images.txt. All are
-// world_from_camera but COLMAP's. Throws MapError: kFileUnreadable; kBadRequest naming the line.
+// Reads poses of images, recognised by extension and content:
+//   .csv           columns x, y, z, optionally qx, qy, qz, qw, and one of image, keyframe, id,
+//                  frame or time_s; or EuRoC's ground truth ("#timestamp" in ns, p_x, p_y, p_z,
+//                  q_w, q_x, q_y, q_z, of the body)
+//   .bin           COLMAP's images.bin
+//   TUM            "time x y z qx qy qz qw" a line
+//   KITTI          12 numbers a line, 3x4 by rows
+//   COLMAP         images.txt
+//   g2o            VERTEX_SE3:QUAT lines, whose ids are numbers of frames
+// All are world_from_camera but COLMAP's, which are inverted. Throws MapError: kFileUnreadable;
+// kBadRequest naming the line.
 std::vector<FilePose> ReadPoseFile(const std::filesystem::path& path);
-
-// The poses by the image that they are of.
-class ImagePoses {
- public:
-  explicit ImagePoses(std::vector<FilePose> poses);
-  ImagePoses(const ImagePoses&) = delete;
-  ImagePoses& operator=(const ImagePoses&) = delete;
-
-  // By name (also without its folders or its extension), else by time stamp, to 20 ms, else by
-  // number, where the poses have no names or stamps. Nothing where none fits.
-  const TruePose* Find(const std::string& name, const std::optional<double>& time_s,
-                       int number) const;
-
- private:
-  const TruePose* FindNamed(const std::string& name) const;
-
-  std::vector<FilePose> poses_;
-  std::unordered_map<std::string, const TruePose*> by_name_;  // into poses_
-};
 
 }  // namespace waystone

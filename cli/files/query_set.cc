@@ -247,8 +247,8 @@ std::vector<LabelledQuery> ReadPosedImages(const fs::path& folder, const ImagePo
     const auto time_s = std::isfinite(time) ? std::optional(time) : std::nullopt;
     constexpr double kMostFrames = 1e9;  // larger numbers are times alone
     const int order = std::abs(time) < kMostFrames ? static_cast<int>(time) : static_cast<int>(i);
-    const TruePose* pose = truth.Find(queries[i].image.string(), time_s, order);
-    if (pose == nullptr) {
+    const std::optional<TruePose> pose = truth.Find(queries[i].image.string(), time_s, order);
+    if (!pose) {
       throw MapError(ErrorCode::kNotFound, queries[i].image.string() +
                                                " has no pose in the file of --truth; add it or "
                                                "remove the image");
@@ -266,8 +266,8 @@ std::vector<LabelledQuery> ReadPosedImages(const fs::path& folder, const ImagePo
 PlacePoses PosesOfPlaces(const ImagePoses& poses, const MapIndex& index) {
   PlacePoses of_places;
   for (const MappedImage& image : ImagesOf(index.map())) {
-    const TruePose* pose = poses.Find(image.source, image.time_s, image.frame);
-    if (pose != nullptr) of_places.emplace(image.place, *pose);
+    const std::optional<TruePose> pose = poses.Find(image.source, image.time_s, image.frame);
+    if (pose) of_places.emplace(image.place, *pose);
   }
   if (!of_places.empty()) return of_places;
   throw MapError(ErrorCode::kNotFound,

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "cli/files/pose_file.h"
+#include "cli/files/image_poses.h"
 #include "localizer/index/map_index.h"
 #include "quality/pose_error.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/base/text.h"
 #include "core/geometry/angle.h"
 
 namespace waystone {
@@ -47,9 +48,18 @@ std::string Where(const Json& answer) {
   return line;
 }
 
-}  // namespace
+// ", pose (1.203, -0.441, 0.310) m in map": metres where the frame's unit is known.
+std::string PoseText(const Json& answer) {
+  const Json at = At(answer, {"pose", "position"});
+  if (!at.is_array() || at.size() != 3) return "";
+  char text[100];
+  (void)std::snprintf(text, sizeof text, ", pose (%.3f, %.3f, %.3f)%s in ", at[0].get<double>(),
+                      at[1].get<double>(), at[2].get<double>(),
+                      TextAt(answer, {"pose", "unit"}) == "metres" ? " m" : "");
+  return text + TextAt(answer, {"pose", "frame"});
+}
 
-std::string AnswerLine(const Json& answer) {
+std::string UnescapedLine(const Json& answer) {
   const std::string verdict = TextAt(answer, {"verdict"});
   const std::string time =
       std::to_string(std::lround(NumberAt(answer, {"timing_ms", "total"}))) + " ms";
@@ -58,7 +68,7 @@ std::string AnswerLine(const Json& answer) {
     const std::string message = TextAt(answer, {"message"});
     return line + (message.empty() ? "" : ": " + message) + " (" + time + ")";
   }
-  line += Where(answer) + " (";
+  line += Where(answer) + PoseText(answer) + " (";
   const Json planes = At(answer, {"planes"});
   if (planes.is_array() && !planes.empty()) {
     line += "plane " + std::to_string(std::lround(NumberAt(planes[0], {"id"}))) + ", " +
@@ -69,5 +79,9 @@ std::string AnswerLine(const Json& answer) {
   }
   return line + time + ")";
 }
+
+}  // namespace
+
+std::string AnswerLine(const Json& answer) { return Printable(UnescapedLine(answer)); }
 
 }  // namespace waystone

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/output/build_text.h"
+#include "core/base/text.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iomanip>
 #include <sstream>
 
@@ -52,7 +54,7 @@ std::string Seconds(double seconds) {
 }
 
 void Line(std::ostream& out, const std::string& label, const std::string& text) {
-  out << "  " << std::left << std::setw(kLabelWidth) << label << text << '\n';
+  out << "  " << std::left << std::setw(kLabelWidth) << label << Printable(text) << '\n';
 }
 
 std::string PlanesText(const PlaneReport& report) {
@@ -124,6 +126,22 @@ void OrientationLines(std::ostream& out, const OrientationLayer& layer,
        "lines and features " + Seconds(report.observe_s) +
            " (total over threads), axes and turns " + Seconds(report.add_s) + ", edges and loops " +
            Seconds(report.finish_s));
+}
+
+void PosesLines(std::ostream& out, const PoseReport& report) {
+  Line(out, "poses",
+       std::to_string(report.posed) + " of " + std::to_string(report.keyframes) + " keyframes, " +
+           std::to_string(std::lround(100 * report.consistent)) + "% of their matches agree; " +
+           std::to_string(report.placed) + " of " + std::to_string(report.features) +
+           " features placed, " + std::to_string(report.contradicting) + " contradict the poses; " +
+           Plural(report.planes, "plane") + " fitted");
+}
+
+Json PosesJson(const PoseReport& report) {
+  return {{"keyframes", report.keyframes},   {"posed", report.posed},
+          {"consistent", report.consistent}, {"features", report.features},
+          {"placed", report.placed},         {"contradicting", report.contradicting},
+          {"planes", report.planes},         {"seconds", report.seconds}};
 }
 
 void PlanesLines(std::ostream& out, const PlaneReport& report) {
@@ -224,6 +242,7 @@ std::string CountsText(const MapData& map) {
     parts.push_back(Plural(map.orientation->frames.size(), "orientation frame") + " with " +
                     Plural(TurnCount(*map.orientation), "turn"));
   }
+  if (map.poses) parts.push_back(Plural(map.poses->keyframes.size(), "pose"));
   std::string text;
   for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
   return text;
@@ -260,6 +279,7 @@ std::string SummaryText(const BuildSummary& summary) {
   if (report.appearance) AppearanceLines(text, *report.appearance);
   if (report.orientation)
     OrientationLines(text, *summary.result->map.orientation, *report.orientation);
+  if (report.poses) PosesLines(text, *report.poses);
   Line(text, "version", summary.version);
   text << TablesText(summary.tables);
   return text.str();
@@ -300,6 +320,7 @@ Json SummaryJson(const BuildSummary& summary) {
   if (report.orientation) {
     json["orientation"]["report"] = OrientationReportJson(*report.orientation);
   }
+  if (report.poses) json["poses"] = PosesJson(*report.poses);
   json["tables"] = TablesJson(summary.tables);
   return json;
 }

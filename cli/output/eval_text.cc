@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/output/eval_text.h"
+#include "core/base/text.h"
 
 #include <cstdarg>
 #include <cstdio>
@@ -168,11 +169,13 @@ std::string MistakesText(const MapIndex& index, const std::vector<ScoredQuery>& 
   for (const ScoredQuery& query : queries) {
     const Outcome outcome = ClassifyOutcome(index, query);
     if (outcome != Outcome::kWrong && outcome != Outcome::kFalseAccept) continue;
-    text += "  " + query.answer.image + ": localized near " + PlaceOf(query.answer)->image +
-            Format(" with probability %.4f, ", query.answer.probability);
-    text += query.truth.empty() ? "not in the map"
-                                : "true place: near " + SourceOf(index, query.truth.front());
-    text += "\n";
+    const std::string truth = query.truth.empty()
+                                  ? "not in the map"
+                                  : "true place: near " + SourceOf(index, query.truth.front());
+    text += "  " +
+            Printable(query.answer.image + ": localized near " + PlaceOf(query.answer)->image +
+                      Format(" with probability %.4f, ", query.answer.probability) + truth) +
+            "\n";
   }
   return text.empty() ? text : "\nfalse answers\n" + text;
 }

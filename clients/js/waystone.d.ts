@@ -210,6 +210,7 @@ export interface Timing {
   extract: number;
   shortlist: number;
   verify: number;
+  pose?: number;
   total: number;
 }
 
@@ -262,6 +263,9 @@ export interface Answer {
   /** The place where the plane layer answered, else null. */
   keyframe: null | KeyframeRef;
   heading: null | Heading;
+  /** Only of maps with poses. Null where none is known; pose_reason says why. */
+  pose?: null | Pose;
+  pose_reason?: string;
   building?: BuildingView;
   planes: RecognisedPlane[];
   epipolar?: EpipolarMatches;
@@ -282,6 +286,18 @@ export interface Answer {
   camera?: QueryCamera;
   /** Fields of the request that no layer of this map uses. */
   unused?: ("camera" | "prior" | "previous" | "odometry")[];
+}
+
+/** The camera of the query in the frame of the poses that the map was built with. The camera has x right, y down, z forward; orientation is the quaternion x, y, z, w that turns its axes into those of the frame. The covariance is that of the position and of a small rotation about the axes of the frame, in the order of ROS: x, y, z, about x, about y, about z. `camera` says whose calibration was used. */
+export interface Pose {
+  frame: string;
+  unit: "metres" | "unknown";
+  position: Vector;
+  orientation: [number, number, number, number];
+  /** Six rows of six. */
+  covariance: [[number, number, number, number, number, number], [number, number, number, number, number, number], [number, number, number, number, number, number], [number, number, number, number, number, number], [number, number, number, number, number, number], [number, number, number, number, number, number]];
+  inliers: Count;
+  camera: "query" | "map";
 }
 
 /** Rotation of the query relative to the Manhattan axes, if the map has an orientation layer and the camera is known or the query is a panorama. disagreement_rad is the angle between the axes estimated from the query's lines and those of the place, null if not reliable. */

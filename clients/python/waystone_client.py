@@ -68,6 +68,21 @@ class Heading(TypedDict):
     of: str
 
 
+class Pose(TypedDict):
+    """The camera in the frame of the poses that the map was built with: x right, y down, z forward.
+
+    `orientation` is the quaternion x, y, z, w that turns its axes into the frame's; `covariance`
+    that of x, y, z and of small rotations about the frame's axes; `unit` "metres" or "unknown"."""
+
+    frame: str
+    unit: str
+    position: list[float]
+    orientation: list[float]
+    covariance: Matrix
+    inliers: int
+    camera: str
+
+
 class Position(TypedDict):
     """In the frame and units of the map's panoramas; `deviation` along the worst direction."""
 
@@ -152,6 +167,8 @@ class Answer(TypedDict):
     decided_by: str
     timing_ms: dict[str, float]
     message: NotRequired[str]
+    pose: NotRequired[Pose | None]
+    pose_reason: NotRequired[str]
     building: NotRequired[dict[str, Any]]
     epipolar: NotRequired[EpipolarMatches]
     panorama: NotRequired[dict[str, Any]]

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/check.h"
+#include "core/geometry/rotation.h"
 
 namespace waystone {
 namespace {
@@ -54,6 +55,12 @@ Camera ScaledCamera(const Camera& camera, int width) {
     scaled.params[i] = (scaled.params[i] + 0.5) * scale - 0.5;
   }
   return scaled;
+}
+
+double RadiansPerPixel(const Camera& camera) {
+  const Eigen::Vector2d middle(0.5 * camera.width, 0.5 * camera.height);
+  return AngleBetween(Unproject(camera, middle),
+                      Unproject(camera, middle + Eigen::Vector2d::UnitX()));
 }
 
 }  // namespace waystone

@@ -22,4 +22,7 @@ Eigen::Matrix3d ImageFromCamera(const Camera& camera);
 // distortions don't. `camera` passes CheckCamera.
 Camera ScaledCamera(const Camera& camera, int width);
 
+// The angle that a pixel spans at the middle of the image, rad.
+double RadiansPerPixel(const Camera& camera);
+
 }  // namespace waystone

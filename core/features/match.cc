@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/base/error.h"
 #include "core/features/distance.h"
@@ -77,6 +78,11 @@ void InsertSorted(Neighbour* best, int k, Neighbour candidate) {
 }
 
 }  // namespace
+
+double DistanceRatio(FeatureType type, int nearer, int farther) {
+  const double ratio = static_cast<double>(nearer) / farther;
+  return type == FeatureType::kSift ? std::sqrt(ratio) : ratio;
+}
 
 bool PassesRatio(FeatureType type, int nearest, int second, double max_ratio) {
   const double limit = type == FeatureType::kSift ? max_ratio * max_ratio : max_ratio;

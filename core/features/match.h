@@ -45,6 +45,9 @@ std::vector<Match> MatchDescriptors(DescriptorsView a, DescriptorsView b, Featur
 std::vector<Match> MatchDescriptors(const PackedRows& a, int a_rows, DescriptorsView b,
                                     const MatchOptions& options);
 
+// Of the distances themselves, given in the kernel's unit. `farther` isn't 0.
+double DistanceRatio(FeatureType type, int nearer, int farther);
+
 // Whether `nearest` passes the ratio test against `second` (a distance in the kernel's unit).
 bool PassesRatio(FeatureType type, int nearest, int second, double max_ratio);
 

@@ -52,8 +52,8 @@ struct Segmentation {
 // The planes seen in two images, from their matches (`points.reference` is not used): planes are
 // proposed one after the other, from samples of what belongs to none yet (sec. II) and from patches
 // inside the planes found so far, and each proposal is verified by labelling all matches anew with
-// it. It stands if that explains the matches better (PlaneLabelling) and if its homologies with
-// the other planes are valid; two planes with the identity as homology become one (sec. II-B).
+// it. It stands if that explains the matches better (PlaneLabelling) and if its homology with one
+// of the other planes is valid or there is none; with the identity, two become one (sec. II-B).
 // `known` are planes that are already found (tracked ones): they keep their homographies (but for
 // a second part of theirs that is found) and never disappear, but lose matches to planes that
 // explain them better and get others. Deterministic for a seed; thread-safe.

@@ -31,7 +31,6 @@ constexpr int kParameters = kNearness + kWaves;
 static_assert(kParameters == kMotionParameters);
 constexpr size_t kStepSamples = 250;    // residuals whose median is taken, about, on the way
 constexpr size_t kFinalSamples = 2000;  // and in the end, when it scales the sigmas
-constexpr int kPadded = 12;             // of them in whole registers
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 using Information = Eigen::Matrix<double, kParameters, kParameters>;
 

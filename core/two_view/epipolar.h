@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/geometry/rotation.h"
+#include "core/geometry/tangent_basis.h"
 #include "core/two_view/five_point.h"
 
 // The epipolar error and its derivatives: inside core/two_view and its tests only. Inline, since
@@ -14,7 +15,6 @@
 namespace waystone {
 
 using Vector5d = Eigen::Matrix<double, 5, 1>;
-using Basis3x2 = Eigen::Matrix<double, 3, 2>;
 
 inline constexpr double kLeastScale = 1e-12;  // of an error's divisor
 
@@ -29,14 +29,6 @@ inline double EpipolarError(const Eigen::Matrix3d& e, const Eigen::Vector3d& a,
   const Eigen::Vector3d eb = e.transpose() * b;
   const double scale = std::sqrt(ea.squaredNorm() + eb.squaredNorm());
   return std::abs(b.dot(ea)) / std::max(scale, kLeastScale);
-}
-
-// Two unit vectors across a direction of unit length.
-inline Basis3x2 TangentBasis(const Eigen::Vector3d& t) {
-  Basis3x2 basis;
-  basis.col(0) = t.unitOrthogonal();
-  basis.col(1) = t.cross(basis.col(0));
-  return basis;
 }
 
 // The error with its sign, and its derivatives by a step (w, s) after which R is exp(w) R and t is

@@ -37,6 +37,7 @@ MapIndex::MapIndex(MapData map) : map_(std::move(map)) {
     }
   }
   CheckReferences();
+  points_ = LocateMapPoints(map_);
   TakeDescriptors();
   CollectViews();
   if (map_.appearance) TakeAppearance();

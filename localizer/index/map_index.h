@@ -10,6 +10,7 @@
 
 #include "core/search/search_index.h"
 #include "localizer/index/appearance_index.h"
+#include "localizer/index/map_points.h"
 #include "localizer/index/node_feature_index.h"
 #include "schema/map_data.h"
 
@@ -42,6 +43,11 @@ class MapIndex {
   int PlaneOfRow(int row) const { return plane_of_row_[row]; }
   // Index in map().keyframes of the keyframe whose landmark a row of search() is; -1 for others.
   int KeyframeOfRow(int row) const { return keyframe_of_row_[row]; }
+  // The first row of map().planes[plane], and that of the landmarks of map().keyframes[keyframe].
+  int FirstRow(int plane) const { return first_row_[plane]; }
+  int FirstLandmarkRow(int keyframe) const { return first_landmark_row_[keyframe]; }
+  // Where the features of search() are in the frame of the pose layer, by row; empty without one.
+  const std::vector<MapPoint>& points() const { return points_; }
   // Descriptors of map().planes[plane], row i belonging to its feature i.
   Descriptors DescriptorsOf(int plane) const;
   bool HasLandmarks() const { return first_landmark_row_.front() < first_landmark_row_.back(); }
@@ -95,6 +101,7 @@ class MapIndex {
   std::vector<int> first_row_;           // of each plane, and one more for the end
   std::vector<int> first_landmark_row_;  // of each keyframe, and one more for the end
   std::vector<std::vector<SeenPlane>> seen_;
+  std::vector<MapPoint> points_;
   std::unordered_map<PlaneId, int> plane_index_;
   std::unordered_map<KeyframeId, int> keyframe_index_;
   std::unordered_map<SequenceId, int> sequence_index_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localizer/planes/locate.h"
 
+#include <algorithm>
+
 #include "core/base/check.h"
 #include "core/base/clock.h"
 #include "localizer/planes/decide.h"
@@ -10,6 +12,31 @@
 #include "localizer/planes/verify.h"
 
 namespace waystone {
+
+namespace {
+
+// The inliers of the answered place: of its planes, and of the keyframes that were verified near
+// the answered one.
+std::vector<MapMatch> CollectMatches(const MapIndex& index, const Answer& answer,
+                                     const std::vector<VerifiedPlane>& tried,
+                                     const std::vector<VerifiedKeyframe>& keyframes) {
+  std::vector<MapMatch> matches;
+  for (const VerifiedPlane& plane : tried) {
+    const PlaneId id = index.map().planes[plane.plane].id;
+    if (std::ranges::count(answer.planes.recognised, id, &RecognisedPlane::id) == 0) continue;
+    for (const Match& match : plane.inliers) {
+      matches.push_back({match.a, index.FirstRow(plane.plane) + match.b});
+    }
+  }
+  const int answered = index.IndexOf(answer.planes.keyframe->id);
+  for (const VerifiedKeyframe& keyframe : keyframes) {
+    if (!KeyframesAreNear(index, keyframe.keyframe, answered)) continue;
+    matches.insert(matches.end(), keyframe.inliers.begin(), keyframe.inliers.end());
+  }
+  return matches;
+}
+
+}  // namespace
 
 Answer LocateByPlanes(const MapIndex& index, const Features& query,
                       const PlaneQueryOptions& options, const Deadline& deadline, bool explain) {
@@ -30,6 +57,9 @@ Answer LocateByPlanes(const MapIndex& index, const Features& query,
   answer.timing.verify_ms = timer.Lap();
   if (explain)
     answer.planes.explanation = Explain(index, query, shortlist, tried, keyframes, options);
+  if (index.map().poses && answer.verdict == Verdict::kLocalized) {
+    answer.planes.matches = CollectMatches(index, answer, tried, keyframes);
+  }
   answer.timing.total_ms = answer.timing.shortlist_ms + answer.timing.verify_ms;
   return answer;
 }

@@ -37,8 +37,7 @@ class Ballot {
 // have it among theirs (bursts: Jegou, Douze and Schmid, CVPR 2009).
 double WeightOf(FeatureType type, const Neighbour& neighbour, const Neighbour& last, int voters) {
   if (last.distance <= 0) return 0;
-  const double ratio = static_cast<double>(neighbour.distance) / last.distance;
-  return (1 - (type == FeatureType::kSift ? std::sqrt(ratio) : ratio)) / voters;
+  return (1 - DistanceRatio(type, neighbour.distance, last.distance)) / voters;
 }
 
 // Nearest neighbours of each feature of a query, and how many features have each row among theirs.

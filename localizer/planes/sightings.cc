@@ -6,6 +6,7 @@
 #include <functional>
 #include <utility>
 
+#include "localizer/planes/spread.h"
 #include "localizer/verdict/keyframe_verdict.h"
 
 namespace waystone {

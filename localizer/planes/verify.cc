@@ -7,6 +7,7 @@
 #include "core/homography/estimate_homography.h"
 
 #include "localizer/planes/decide.h"
+#include "localizer/planes/spread.h"
 
 namespace waystone {
 namespace {
@@ -14,17 +15,10 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-// Inliers that lie at least `apart` from every one counted before.
-int CountDistinct(const Features& query, const std::vector<Match>& inliers, double apart) {
-  std::vector<Vector2d> counted;
-  for (const Match& match : inliers) {
-    const Vector2d x = PositionOf(query.keypoints[match.a]);
-    const bool near = std::any_of(counted.begin(), counted.end(), [&](const Vector2d& other) {
-      return (other - x).squaredNorm() < apart * apart;
-    });
-    if (!near) counted.push_back(x);
-  }
-  return static_cast<int>(counted.size());
+std::vector<Vector2d> QueryPoints(const Features& query, const std::vector<Match>& inliers) {
+  std::vector<Vector2d> points;
+  for (const Match& match : inliers) points.push_back(PositionOf(query.keypoints[match.a]));
+  return points;
 }
 
 // Enlargement of the homography where the inliers lie, as a ratio of lengths; negative when it
@@ -82,7 +76,7 @@ std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeat
   verified.reference_from_query = estimate->to_from;
   for (const int row : estimate->inliers) verified.inliers.push_back(matches[row]);
   verified.matches = static_cast<int>(matches.size());
-  verified.distinct = CountDistinct(query, verified.inliers, options.gates.distinct_px);
+  verified.distinct = CountApart(QueryPoints(query, verified.inliers), options.gates.distinct_px);
   verified.stopped_by =
       FirstFailedGate(verified, query, *index.FindKeyframe(target.reference), options.gates);
   verified.accepted = verified.stopped_by == Gate::kPassed;

@@ -4,17 +4,15 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "core/homography/homography.h"
 #include "core/two_view/fundamental.h"
+#include "localizer/planes/spread.h"
 
 namespace waystone {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr int kCoverageCells = 5;  // a side
 
 bool IsInside(const Vector2d& x, int width, int height) {
   return x.x() >= 0 && x.y() >= 0 && x.x() < width && x.y() < height;  // not for NaN
@@ -53,32 +51,14 @@ int CountExpected(const KeyframeFeatures& target, const VerifiedKeyframe& verifi
 
 }  // namespace
 
-double ComputeCoverage(const std::vector<Vector2d>& points, int width, int height) {
-  std::set<std::pair<int, int>> cells;
-  for (const Vector2d& x : points) {
-    cells.emplace(static_cast<int>(kCoverageCells * x.x() / width),
-                  static_cast<int>(kCoverageCells * x.y() / height));
-  }
-  return static_cast<double>(cells.size()) / (kCoverageCells * kCoverageCells);
-}
-
-int CountApart(const std::vector<Vector2d>& points, double apart) {
-  std::vector<Vector2d> counted;
-  for (const Vector2d& x : points) {
-    const bool near = std::any_of(counted.begin(), counted.end(), [&](const Vector2d& other) {
-      return (other - x).squaredNorm() < apart * apart;
-    });
-    if (!near) counted.push_back(x);
-  }
-  return static_cast<int>(counted.size());
-}
-
 KeyframeFeatures CollectKeyframeFeatures(const MapIndex& index, int keyframe) {
   const MapData& map = index.map();
   const Keyframe& image = map.keyframes[keyframe];
   KeyframeFeatures target;
   target.descriptors = index.LandmarkDescriptorsOf(keyframe);
   for (const ImagePosition& position : image.landmarks.positions) {
+    target.rows.push_back(index.FirstLandmarkRow(keyframe) +
+                          static_cast<int>(target.positions.size()));
     target.positions.push_back(DecodePosition(position, image.width, image.height));
   }
   if (target.descriptors.bytes() == 0) {
@@ -94,6 +74,7 @@ KeyframeFeatures CollectKeyframeFeatures(const MapIndex& index, int keyframe) {
       if (!IsInside(x, image.width, image.height)) continue;
       target.positions.push_back(x);
       target.descriptors.Append(descriptors.row(i));
+      target.rows.push_back(index.FirstRow(seen.plane) + i);
     }
   }
   return target;
@@ -119,6 +100,7 @@ std::optional<VerifiedKeyframe> VerifyKeyframe(const MapIndex& index, const Feat
   for (const int row : fit->inliers) {
     verified.query_points.push_back(in_query[row]);
     verified.keyframe_points.push_back(in_keyframe[row]);
+    verified.inliers.push_back({matches[row].b, target.rows[matches[row].a]});
   }
   verified.distinct = CountApart(verified.query_points, options.gates.distinct_px);
   verified.expected = CountExpected(target, verified, query.width, query.height);

@@ -9,6 +9,7 @@
 #include "localizer/index/map_index.h"
 #include "localizer/planes/plane_query_options.h"
 #include "localizer/planes/verify.h"
+#include "localizer/verdict/answer.h"
 
 namespace waystone {
 
@@ -17,6 +18,7 @@ namespace waystone {
 struct KeyframeFeatures {
   std::vector<Eigen::Vector2d> positions;  // in the keyframe, px
   Descriptors descriptors;                 // row i belongs to positions[i]
+  std::vector<int> rows;                   // of MapIndex::search()
 };
 
 // Those that lie in the keyframe's image. `keyframe` is an index in the map's keyframes.
@@ -28,19 +30,14 @@ struct VerifiedKeyframe {
   // Inliers, row by row: pixels of the query and of the keyframe.
   std::vector<Eigen::Vector2d> query_points;
   std::vector<Eigen::Vector2d> keyframe_points;
-  int matches = 0;          // among which they were found
-  int distinct = 0;         // inliers at distinct positions of the query
-  int expected = 0;         // features of the keyframe that the inliers put inside the query
-  double coverage = 0;      // as ComputeCoverage has it for the inliers
-  double significance = 0;  // as EpipolarSignificance has it for the distinct inliers
-  bool planar = false;      // a homography explains the inliers as well
+  std::vector<MapMatch> inliers;  // the same as features
+  int matches = 0;                // among which they were found
+  int distinct = 0;               // inliers at distinct positions of the query
+  int expected = 0;               // features of the keyframe that the inliers put inside the query
+  double coverage = 0;            // as ComputeCoverage has it for the inliers
+  double significance = 0;        // as EpipolarSignificance has it for the distinct inliers
+  bool planar = false;            // a homography explains the inliers as well
 };
-
-// Share of the cells of a width x height image, five along each side, that have a point, in [0, 1].
-double ComputeCoverage(const std::vector<Eigen::Vector2d>& points, int width, int height);
-
-// Points of which none is nearer than `apart` to one counted before.
-int CountApart(const std::vector<Eigen::Vector2d>& points, double apart);
 
 // Matches a keyframe with the query (mutually nearest, one to one, with the ratio test against the
 // query's features, which are many more) and keeps what fits one epipolar geometry. Nothing when

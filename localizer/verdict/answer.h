@@ -13,6 +13,7 @@
 #include "core/geometry/pose2.h"
 #include "core/localization/graph_filter.h"
 #include "localizer/verdict/explanation.h"
+#include "schema/layers/poses/pose_layer.h"
 
 namespace waystone {
 
@@ -136,6 +137,29 @@ struct EpipolarMatches {
   std::vector<Eigen::Vector2d> keyframe_points;
 };
 
+// A keypoint of the query and the map's feature that it shows, by row of MapIndex::search().
+struct MapMatch {
+  int keypoint = 0;
+  int row = 0;
+
+  auto operator<=>(const MapMatch&) const = default;
+};
+
+// Where the query's camera was in the frame of the map's pose layer.
+struct QueryPose {
+  std::string frame;  // its name
+  LengthUnit unit = LengthUnit::kUnknown;
+  // The camera has x right, y down, z forward.
+  Eigen::Isometry3d frame_from_camera = Eigen::Isometry3d::Identity();
+  // Of the position, x y z, and of a small rotation about the frame's x, y and z,
+  // exp(delta) frame_from_camera: unit^2, unit rad, rad^2.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  int inliers = 0;
+  // The request didn't say what the camera is; that of the map's images, of the same size, was
+  // taken.
+  bool by_own_camera = false;
+};
+
 // What the plane layer makes of a query. Empty where the appearance layer answered.
 struct PlaneAnswer {
   std::optional<KeyframeRef> keyframe;      // nearest; only when localized
@@ -145,6 +169,7 @@ struct PlaneAnswer {
   std::optional<PlaceCandidate> runner_up;
   std::vector<PlaceCandidate> candidates;  // every place that was considered, best first
   std::optional<Explanation> explanation;  // only with LocalizeOptions::explain
+  std::vector<MapMatch> matches;           // of the place, only when localized on a map with poses
 };
 
 // Inliers of the best plane or, where no plane was recognised, of the keyframe; 0 with neither.
@@ -168,6 +193,7 @@ struct StageTimes {
   double extract_ms = 0;
   double shortlist_ms = 0;
   double verify_ms = 0;
+  double pose_ms = 0;  // only on maps with poses
   double total_ms = 0;
 };
 
@@ -182,6 +208,8 @@ struct Answer {
   std::optional<BuildingView> building;  // of a localized query of known camera, or a panorama
   PlaneAnswer planes;
   std::optional<PanoramaAnswer> panorama;  // where the appearance layer answered
+  std::optional<QueryPose> pose;           // of a localized photo of known camera
+  std::string pose_reason;                 // why a map with poses gives none
   // What the next panorama of a series is asked with: the likeliest nodes, by index. Empty as long
   // as none looked like a place of the map.
   FilterState belief;

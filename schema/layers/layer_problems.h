@@ -15,6 +15,7 @@ void FindPlaneProblems(const MapData& map, std::vector<MapProblem>& problems);
 // The layer must be there.
 void FindAppearanceProblems(const MapData& map, std::vector<MapProblem>& problems);
 void FindOrientationProblems(const MapData& map, std::vector<MapProblem>& problems);
+void FindPoseProblems(const MapData& map, std::vector<MapProblem>& problems);
 
 // Items with ids must be ordered by them.
 template <class Item>

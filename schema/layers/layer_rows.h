@@ -22,9 +22,11 @@ std::optional<AppearanceLayer> ReadAppearance(SQLite::Database& database, Featur
                                               bool images, std::vector<MapProblem>& problems);
 std::optional<OrientationLayer> ReadOrientation(SQLite::Database& database, bool images,
                                                 std::vector<MapProblem>& problems);
+std::optional<PoseLayer> ReadPoses(SQLite::Database& database, std::vector<MapProblem>& problems);
 
 void WritePlaneLayer(const MapData& map, RowSink& sink);
 void WriteAppearance(const AppearanceLayer& layer, RowSink& sink);
 void WriteOrientation(const OrientationLayer& layer, RowSink& sink);
+void WritePoses(const PoseLayer& layer, RowSink& sink);
 
 }  // namespace waystone

@@ -8,6 +8,7 @@
 #include "schema/layers/layer_rows.h"
 #include "schema/layers/orientation/orientation_tables.h"
 #include "schema/layers/planes/plane_tables.h"
+#include "schema/layers/poses/pose_tables.h"
 
 namespace waystone {
 namespace {
@@ -75,11 +76,28 @@ StoredLayer StoredOrientation() {
       .equal = [](const MapData& a, const MapData& b) { return a.orientation == b.orientation; }};
 }
 
+StoredLayer StoredPoses() {
+  return {
+      .tables = {kPoseLayerTable, kKeyframePosesTable, kPlanePosesTable, kPlaneDepthsTable,
+                 kLandmarkDepthsTable},
+      .read = [](SQLite::Database& database, bool /*images*/, MapData& map,
+                 std::vector<MapProblem>& problems) { map.poses = ReadPoses(database, problems); },
+      .write =
+          [](const MapData& map, RowSink& sink) {
+            if (map.poses) WritePoses(*map.poses, sink);
+          },
+      .find_problems =
+          [](const MapData& map, std::vector<MapProblem>& problems) {
+            if (map.poses) FindPoseProblems(map, problems);
+          },
+      .equal = [](const MapData& a, const MapData& b) { return a.poses == b.poses; }};
+}
+
 }  // namespace
 
 const std::vector<StoredLayer>& StoredLayers() {
   static const std::vector<StoredLayer> layers{StoredPlanes(), StoredAppearance(),
-                                               StoredOrientation()};
+                                               StoredOrientation(), StoredPoses()};
   return layers;
 }
 

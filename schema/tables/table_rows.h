@@ -42,4 +42,18 @@ void ForEachRow(SQLite::Database& database, std::vector<MapProblem>& problems,
   }
 }
 
+// The same for a table of a layer that a map may not have: what follows the row of `layer` belongs
+// to nothing where that row wasn't found.
+template <class Read>
+void ForEachRowOfLayer(SQLite::Database& database, std::vector<MapProblem>& problems,
+                       const TableView& table, const TableView& layer, const bool& found,
+                       Read read) {
+  ForEachRow(database, problems, table, [&](Row& row) {
+    if (!found && table.name != layer.name) {
+      throw MapError(ErrorCode::kMapDamaged, std::string(layer.name) + " has no row");
+    }
+    read(row);
+  });
+}
+
 }  // namespace waystone

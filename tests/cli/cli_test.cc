@@ -45,10 +45,13 @@ TEST(PrintableOutput, ShowsControlCharactersAndLeavesTheRest) {
     out << "a\tb\n\x1b[2J\r\x7f" << '\x07' << "Gar\u00e7on \u4f4d" << std::flush;
     out << '\xC2' << std::flush << '\x9B' << "31m";  // CSI, in two pieces
     out << "\u00a9";                                 // begins with C2 as well
+    out << '\xE2' << std::flush << "\x80" << std::flush << "\xAE"
+        << "cod.exe \u2026";
   }
   out << "\x1b";
   EXPECT_EQ(out.str(),
-            "a\tb\n\\u001b[2J\\u000d\\u007f\\u0007Gar\u00e7on \u4f4d\\u009b31m\u00a9\x1b");
+            "a\tb\n\\u001b[2J\\u000d\\u007f\\u0007Gar\u00e7on \u4f4d\\u009b31m\u00a9\\u202ecod.exe "
+            "\u2026\x1b");
 }
 
 TEST(SummaryText, CountsUsedAndSkippedFramesOfAll) {

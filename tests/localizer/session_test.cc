@@ -85,6 +85,9 @@ TEST(Session, ADeadlineCountsFromItsBeginning) {
   const Session session(request, {{"lab", MadeIndex()}}, {});
   ASSERT_TRUE(session.deadline());
   EXPECT_FALSE(HasPassed(session.deadline()));
+  // What it waited before a session began counts.
+  request.received = Clock::now() - std::chrono::hours(2);
+  EXPECT_TRUE(HasPassed(Session(request, {{"lab", MadeIndex()}}, {}).deadline()));
   const Answer late = OverallAnswer(session.TimeOut());
   EXPECT_EQ(late.verdict, Verdict::kUndecided);
   EXPECT_EQ(late.last_stage, Stage::kQueue);

@@ -134,11 +134,11 @@ TEST_F(EvaluationTest, TolerancesAreSharesOfAllPositives) {
   queries[1].error = PoseError{0.4, 0.5};
   queries[2].error = PoseError{0.2, {}};
   const auto within = Measure(queries).within;
-  ASSERT_EQ(within.size(), 3u);
-  EXPECT_DOUBLE_EQ(within[0].position, 0.5);
-  EXPECT_DOUBLE_EQ(within[0].pose, 0.25);
-  EXPECT_DOUBLE_EQ(within[1].position, 0.75);
-  EXPECT_DOUBLE_EQ(within[2].pose, 0.25);
+  ASSERT_EQ(within.size(), 4u);
+  EXPECT_DOUBLE_EQ(within[1].position, 0.5);
+  EXPECT_DOUBLE_EQ(within[1].pose, 0.25);
+  EXPECT_DOUBLE_EQ(within[2].position, 0.75);
+  EXPECT_DOUBLE_EQ(within[3].pose, 0.25);
 }
 
 // Where a query is relative to a panorama, in the layer's frame, and in the world.

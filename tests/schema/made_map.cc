@@ -200,6 +200,37 @@ OrientationLayer MadeOrientation(Random& random, const MapData& map, const MapSh
   return layer;
 }
 
+// Of the first keyframe and of what it has, and of one more.
+PoseLayer MadePoses(Random& random, const MapData& map) {
+  PoseLayer layer;
+  layer.frame = OddName(random);
+  layer.unit = LengthUnit::kMetres;
+  const auto depths = [&](size_t count) {
+    std::vector<DepthCode> codes(count);
+    for (DepthCode& code : codes) {
+      if (random.Below(4) > 0) code = EncodeDepth(random.Uniform(0.1, 100), random.Uniform());
+    }
+    return codes;
+  };
+  for (const Keyframe& keyframe : map.keyframes) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation() = Eigen::Vector3d(random.Normal(), random.Normal(), random.Normal());
+    pose.linear() =
+        Eigen::AngleAxisd(random.Uniform(-3, 3), Eigen::Vector3d(1, 2, 3).normalized()).matrix();
+    layer.keyframes.push_back(MakeKeyframePose(keyframe.id, pose));
+    if (keyframe.landmarks.size() == 0) continue;
+    layer.landmark_depths.push_back({keyframe.id, depths(keyframe.landmarks.size())});
+  }
+  for (const Plane& plane : map.planes) {
+    if (plane.features.empty()) continue;
+    layer.plane_depths.push_back({plane.id, depths(plane.features.size())});
+    const Eigen::Vector4d spread(random.Normal(), random.Normal(), random.Normal(), 1);
+    layer.planes.push_back(
+        {plane.id, Eigen::Vector3d(1, 2, -2) / 3, random.Normal(), spread * spread.transpose()});
+  }
+  return layer;
+}
+
 }  // namespace
 
 MapData MadeMap(uint64_t seed, const MapShape& shape) {
@@ -229,6 +260,7 @@ MapData MadeMap(uint64_t seed, const MapShape& shape) {
   map.verdict = VerdictModel{-12.5, 5.25, 2.75, 60, 120};
   map.appearance = MadeAppearance(random, map, shape);
   map.orientation = MadeOrientation(random, map, shape);
+  map.poses = MadePoses(random, map);
   return map;
 }
 

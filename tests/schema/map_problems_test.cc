@@ -72,6 +72,14 @@ MapData LayeredMap() {
                             {{2}, OrientationNodeKind::kTurn, {}, {}}};
   map.orientation->edges = {{{1}, {2}, OrientationEdgeKind::kTraversable, 10}};
   map.orientation->corridors = {{{1}, {2}, 0}};
+  map.keyframes[0].landmarks = {{{1, 2}, {3, 4}}, Descriptors(32, std::vector<uint8_t>(64, 5))};
+  map.poses.emplace();
+  map.poses->frame = "hall";
+  const Eigen::Isometry3d pose(Eigen::Translation3d(1, 2, 3));
+  map.poses->keyframes = {MakeKeyframePose({1}, pose), MakeKeyframePose({2}, pose)};
+  map.poses->planes = {{{1}, {0, 0, 1}, 2, Eigen::Matrix4d::Identity()}};
+  map.poses->plane_depths = {{{1}, {EncodeDepth(2, 0.1), {}}}};
+  map.poses->landmark_depths = {{{1}, {EncodeDepth(2, 0.1), {}}}};
   return map;
 }
 
@@ -259,9 +267,38 @@ TEST(MapProblems, ASoundMapHasNone) {
   }
 }
 
+const std::vector<Fault>& PoseFaults() {
+  static const std::vector<Fault> faults = {
+      {"pose of no keyframe", "keyframe_poses 9",
+       [](MapData& m) { m.poses->keyframes[1].keyframe = {9}; }},
+      {"pose twice", "keyframe_poses 1", [](MapData& m) { m.poses->keyframes[1].keyframe = {1}; }},
+      {"quaternion of another norm", "keyframe_poses 1",
+       [](MapData& m) { m.poses->keyframes[0].rotation.x() = 0.1; }},
+      {"position not finite", "keyframe_poses 2",
+       [](MapData& m) { m.poses->keyframes[1].position.y() = kNan; }},
+      {"pose of no plane", "plane_poses 9", [](MapData& m) { m.poses->planes[0].plane = {9}; }},
+      {"normal of another length", "plane_poses 1",
+       [](MapData& m) { m.poses->planes[0].normal *= 2; }},
+      {"distance not finite", "plane_poses 1",
+       [](MapData& m) { m.poses->planes[0].distance = kNan; }},
+      {"plane covariance not finite", "plane_poses 1",
+       [](MapData& m) { m.poses->planes[0].covariance(1, 2) = kNan; }},
+      {"depths of no plane", "plane_depths 9",
+       [](MapData& m) { m.poses->plane_depths[0].plane = {9}; }},
+      {"too few depths", "plane_depths 1",
+       [](MapData& m) { m.poses->plane_depths[0].features.pop_back(); }},
+      {"depths without a pose", "plane_depths 1",
+       [](MapData& m) { m.poses->keyframes.pop_back(); }},
+      {"depths of no keyframe", "landmark_depths 9",
+       [](MapData& m) { m.poses->landmark_depths[0].keyframe = {9}; }},
+      {"too many depths", "landmark_depths 1",
+       [](MapData& m) { m.poses->landmark_depths[0].landmarks.push_back({}); }}};
+  return faults;
+}
+
 TEST(MapProblems, EveryFaultIsFoundWhereItIs) {
   std::vector<Fault> faults = Faults();
-  for (const auto* more : {&AppearanceFaults(), &OrientationFaults()}) {
+  for (const auto* more : {&AppearanceFaults(), &OrientationFaults(), &PoseFaults()}) {
     faults.insert(faults.end(), more->begin(), more->end());
   }
   for (const Fault& fault : faults) {

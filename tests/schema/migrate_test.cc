@@ -32,6 +32,11 @@ std::vector<Migration> LongerSteps() {
 const MapShape kWithoutLandmarks{.max_landmarks = 0};
 const auto kNoCheck = [](const fs::path&) {};
 
+MapData WithoutPoses(MapData map) {
+  map.poses.reset();
+  return map;
+}
+
 class MigrateTest : public testing::Test {
  protected:
   MigrateTest() { WriteMap(MadeMap(31, kWithoutLandmarks), path_, {}); }
@@ -107,6 +112,7 @@ TEST_F(MigrateTest, AMapOfVersionOneKeepsEverythingButHasNoIndex) {
   expected.verdict.reset();
   expected.appearance.reset();
   expected.orientation.reset();
+  expected.poses.reset();
   EXPECT_EQ(WithoutVersion(ReadMap(path_)), expected);
 }
 
@@ -119,6 +125,7 @@ TEST_F(MigrateTest, AMapOfVersionTwoKeepsEverythingButHasNoFurtherLayers) {
   MapData expected = MadeMap(31, kWithoutLandmarks);
   expected.appearance.reset();
   expected.orientation.reset();
+  expected.poses.reset();
   EXPECT_EQ(WithoutVersion(ReadMap(path_)), expected);
 }
 
@@ -128,7 +135,19 @@ TEST_F(MigrateTest, AMapOfVersionFourKeepsEverythingButHasNoLandmarks) {
   EXPECT_EQ(ErrorOf([&] { ReadMap(path_); }).code(), ErrorCode::kMapVersion);
   EXPECT_EQ(MigrateMap(path_), 4);
   EXPECT_TRUE(CheckMap(path_).empty());
-  EXPECT_EQ(WithoutVersion(ReadMap(path_)), MadeMap(31, kWithoutLandmarks));
+  EXPECT_EQ(WithoutVersion(ReadMap(path_)), WithoutPoses(MadeMap(31, kWithoutLandmarks)));
+}
+
+TEST_F(MigrateTest, AMapOfVersionFiveKeepsEverythingButHasNoPoses) {
+  const MapData map = MadeMap(32);
+  fs::remove(path_);
+  WriteMap(map, path_, {});
+  MakeVersion(5);
+  EXPECT_EQ(Number("SELECT count(*) FROM sqlite_schema WHERE name LIKE '%pose%'"), 0);
+  EXPECT_EQ(ErrorOf([&] { ReadMap(path_); }).code(), ErrorCode::kMapVersion);
+  EXPECT_EQ(MigrateMap(path_), 5);
+  EXPECT_TRUE(CheckMap(path_).empty());
+  EXPECT_EQ(WithoutVersion(ReadMap(path_)), WithoutPoses(map));
 }
 
 TEST_F(MigrateTest, AMapOfVersionThreeKeepsEverythingButHasNoMirror) {
@@ -143,6 +162,7 @@ TEST_F(MigrateTest, AMapOfVersionThreeKeepsEverythingButHasNoMirror) {
   EXPECT_EQ(MigrateMap(path_), 3);
   EXPECT_TRUE(CheckMap(path_).empty());
   expected.appearance->mirror.reset();
+  expected.poses.reset();
   EXPECT_EQ(WithoutVersion(ReadMap(path_)), expected);
 }
 
@@ -154,6 +174,7 @@ TEST_F(MigrateTest, AMigratedMapIsLikeOneWrittenToday) {
   MapData today = MadeMap(31, kWithoutLandmarks);
   today.appearance.reset();
   today.orientation.reset();
+  today.poses.reset();
   WriteMap(migrated, folder_ / "migrated.db", {});
   WriteMap(today, folder_ / "today.db", {});
   EXPECT_EQ(ReadFile(folder_ / "migrated.db"), ReadFile(folder_ / "today.db"));

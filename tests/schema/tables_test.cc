@@ -199,7 +199,7 @@ int Stored(Enum value) {
 
 TEST(Tables, StoredEnumsAreInFormatMd) {
   const auto enums = DocumentedEnums(ReadText("schema/FORMAT.md"));
-  ASSERT_EQ(enums.size(), 5u);
+  ASSERT_EQ(enums.size(), 6u);
   const std::map<int, std::string>& features = enums.at("feature_type");
   EXPECT_EQ(features.size(), 3u);
   EXPECT_TRUE(features.at(Stored(FeatureType::kSift)).starts_with("SIFT"));
@@ -222,6 +222,9 @@ TEST(Tables, StoredEnumsAreInFormatMd) {
   const std::map<int, std::string>& loops = enums.at("kind of orientation_edges");
   EXPECT_TRUE(loops.at(Stored(OrientationEdgeKind::kTraversable)).starts_with("traversable"));
   EXPECT_TRUE(loops.at(Stored(OrientationEdgeKind::kLoop)).starts_with("a loop"));
+  const std::map<int, std::string>& units = enums.at("unit of pose_layer");
+  EXPECT_EQ(units.at(Stored(LengthUnit::kUnknown)), NameOf(LengthUnit::kUnknown));
+  EXPECT_EQ(units.at(Stored(LengthUnit::kMetres)), NameOf(LengthUnit::kMetres));
 }
 
 TEST(Tables, SequenceKindsAreInFormatMd) {

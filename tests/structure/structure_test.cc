@@ -52,9 +52,10 @@ const std::map<std::string, std::set<std::string>>& AllowedFolders() {
 // The order of core's own folders: each may include itself and those of lower rank.
 const std::map<std::string, int>& CoreRanks() {
   static const std::map<std::string, int> ranks = {
-      {"base", 0},     {"geometry", 1},   {"robust", 1},     {"image", 2},        {"camera", 2},
-      {"features", 3}, {"homography", 3}, {"search", 4},     {"panorama", 4},     {"manhattan", 4},
-      {"two_view", 4}, {"trajectory", 2}, {"pose_graph", 2}, {"localization", 2},
+      {"base", 0},       {"geometry", 1},     {"robust", 1},      {"image", 2},
+      {"camera", 2},     {"features", 3},     {"homography", 3},  {"search", 4},
+      {"panorama", 4},   {"manhattan", 4},    {"two_view", 4},    {"trajectory", 2},
+      {"pose_graph", 2}, {"localization", 2}, {"camera_pose", 4},
   };
   return ranks;
 }
@@ -66,13 +67,14 @@ using RoomLevels = std::vector<std::vector<std::string>>;
 
 const std::map<std::string, RoomLevels>& Rooms() {
   static const std::map<std::string, RoomLevels> rooms = {
-      {"localizer", {{"verdict"}, {"index"}, {"planes", "appearance", "orientation"}, {""}}},
+      {"localizer",
+       {{"verdict"}, {"index"}, {"planes", "appearance", "orientation", "poses"}, {""}}},
       {"schema", {{"tables"}, {"layers", ""}, {"file"}}},
       {"builder",
        {{"sources"},
         {"frames"},
         {"planes", "appearance", "orientation"},
-        {"calibration"},
+        {"calibration", "poses"},
         {""},
         {"report"}}},
       {"server", {{"web", "http"}, {"service"}}},

@@ -11,6 +11,9 @@ What the two kinds of maps give, and what they can't give:
   publishes them as static transforms. The distance from the keyframe isn't known: homographies
   between uncalibrated images have no scale. The position's covariance is what the options say, and
   unknown unless they do.
+- A map of planes that was built with poses in metres: the camera's pose in their frame, in six
+  degrees of freedom, with its whole covariance. The camera has x right, y down, z forward, as
+  optical frames of ROS have.
 - A heading only where the answer has one. Without it, and always for roll and pitch, the angle is
   unknown: its variance is that of an angle which is equally likely everywhere, pi^2 / 3. Neither
   kind of map knows the height.
@@ -67,6 +70,9 @@ def pose_of(answer: Mapping[str, Any], options: PoseOptions = PoseOptions()) -> 
     place = answer["place"]
     if answer["verdict"] != "localized" or place is None:
         return None
+    given = answer.get("pose")
+    if given and given["unit"] == "metres":
+        return _full_pose(given)
     heading = place["heading"]
     x, y, across_m, up_m = _position_of(place, options)
     yaw_rad = heading["rad"] if heading else 0.0
@@ -78,6 +84,19 @@ def pose_of(answer: Mapping[str, Any], options: PoseOptions = PoseOptions()) -> 
         covariance=_diagonal(variances + [UNKNOWN_ANGLE_VARIANCE] * 2 + [_yaw_variance(heading)]),
         position_known=across_m < options.unknown_deviation_m,
         heading_known=heading is not None,
+    )
+
+
+def _full_pose(given: Mapping[str, Any]) -> Pose:
+    x, y, z = given["position"]
+    qx, qy, qz, qw = given["orientation"]
+    return Pose(
+        frame_id=given["frame"],
+        position=(x, y, z),
+        orientation=(qx, qy, qz, qw),
+        covariance=tuple(float(value) for row in given["covariance"] for value in row),
+        position_known=True,
+        heading_known=True,
     )
 
 

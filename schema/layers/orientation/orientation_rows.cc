@@ -47,15 +47,9 @@ class OrientationReader {
   }
 
  private:
-  // Rows of a layer that isn't there belong to nothing.
   template <class Each>
   void ForEach(const TableView& table, Each each) {
-    ForEachRow(database_, problems_, table, [&](Row& row) {
-      if (!found_ && table.name != kOrientationLayerTable.name) {
-        throw MapError(ErrorCode::kMapDamaged, "orientation_layer has no row");
-      }
-      each(row);
-    });
+    ForEachRowOfLayer(database_, problems_, table, kOrientationLayerTable, found_, each);
   }
 
   void ReadFrames() {

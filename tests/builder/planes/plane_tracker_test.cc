@@ -330,6 +330,26 @@ TEST(PlaneTracker, OpenPlanesSurviveARotation) {
   for (const Plane& plane : found.planes) EXPECT_EQ(plane.views.size(), 6u);
 }
 
+// Where most of a plane's matches are features that its reference image doesn't show, it wants a
+// newer one; under a rotation, which fits every plane, it waits for a motion.
+TEST(PlaneTracker, PureRotationRenewsNoPlane) {
+  MadeScene scene = CornerScene(8);
+  PlaneTracker tracker({});
+  std::vector<int> started;
+  for (int i = 0; i < 5; ++i) {
+    const bool still = i >= 3;  // from there on it turns on the spot
+    const Isometry3d pose =
+        still ? PoseAt(-0.3, 0, 0, 0.03 * (i - 2)) : PoseAt(-0.9 + 0.3 * i, 0, 0);
+    const auto detected = [&](int point) {  // first the even ones, at last hardly any of them
+      return i == 0 ? point % 2 == 0 : !still || point % 2 == 1 || point % 8 == 0;
+    };
+    tracker.AddKeyframe(IdOf(i), scene.See(pose, 0.2, detected), i == 0, std::nullopt);
+    started.push_back(tracker.report().started);
+  }
+  EXPECT_EQ(tracker.report().rotation_only, 2);
+  EXPECT_EQ(started, (std::vector<int>{0, 2, 2, 2, 2}));
+}
+
 // Along a wall much longer than an image is wide.
 TEST(PlaneTracker, ALongWallGetsNewerReferenceImages) {
   MadeScene scene(9);

@@ -56,6 +56,29 @@ def raw(encoding, width, height, data, step=None, channels=1):
                                  step=width * channels if step is None else step)
 
 
+class FullPoseTest(unittest.TestCase):
+    GIVEN = {"frame": "hall", "unit": "metres", "position": [1.0, 2.0, 3.0],
+             "orientation": [0.1, 0.2, 0.3, 0.927], "inliers": 50, "camera": "query",
+             "covariance": [[0.01 * (6 * i + j) for j in range(6)] for i in range(6)]}  # fmt: skip
+
+    def test_a_pose_in_metres_is_handed_on_whole(self):
+        pose = pose_of(answer() | {"pose": self.GIVEN})
+        self.assertEqual(pose.frame_id, "hall")
+        self.assertEqual(pose.position, (1.0, 2.0, 3.0))
+        self.assertEqual(pose.orientation, (0.1, 0.2, 0.3, 0.927))
+        self.assertEqual(len(pose.covariance), 36)
+        self.assertEqual(pose.covariance[7], 0.01 * 7)
+        self.assertEqual(pose.covariance[1], 0.01)
+        self.assertTrue(pose.position_known and pose.heading_known)
+
+    def test_without_metres_or_pose_the_place_is_what_is_known(self):
+        for given in (self.GIVEN | {"unit": "unknown"}, None):
+            self.assertEqual(pose_of(answer() | {"pose": given}).frame_id, "lab/keyframe_17")
+
+    def test_only_localized_gives_it(self):
+        self.assertIsNone(pose_of(answer("ambiguous", keyframe=None) | {"pose": self.GIVEN}))
+
+
 class PoseTest(unittest.TestCase):
     def test_only_localized_gives_a_pose(self):
         given = [verdict for verdict in VERDICTS if pose_of(answer(verdict)) is not None]

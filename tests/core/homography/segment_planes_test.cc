@@ -293,6 +293,25 @@ TEST(SegmentPlanes, WhatMovesByItselfIsRejected) {
   EXPECT_GE(rejected, 16) << "of 20";
 }
 
+// A homology says that one of two is no plane, not which: a true plane isn't given up because most
+// of what is known moves by itself, as long as one plane agrees with it.
+TEST(SegmentPlanes, OneValidHomologyIsEnough) {
+  int kept = 0;
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    Scene scene = CorridorScene(seed);
+    Random random(200 + seed);
+    for (const Box& box : {Box{250, 30, 90, 200}, Box{350, 30, 90, 200}, Box{450, 30, 90, 200}}) {
+      scene.AddPlane(RandomViews(random).HomographyOf(RandomPlane(random)), 60, box, random);
+    }
+    std::vector<PlaneSegment> known = {scene.Segment(0, 0, 60)};
+    for (const int moving : {3, 4, 5}) known.push_back(scene.Segment(moving, 0, 60));
+    const Segmentation found = SegmentPlanes(scene.points, known, {}, seed);
+    kept += std::any_of(found.planes.begin() + 4, found.planes.end(),
+                        [&](const auto& p) { return MajorityOf(p, scene) == 2; });
+  }
+  EXPECT_GE(kept, 19) << "of 20";
+}
+
 TEST(SegmentPlanes, NothingAmongNoiseOrAmongNoMatches) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     Random random(seed);

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/files/given_poses.h"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "cli/files/image_poses.h"
+#include "core/base/error.h"
+#include "core/base/text.h"
+
+namespace waystone {
+namespace {
+
+LengthUnit UnitByName(const std::string& name) {
+  for (const LengthUnit unit : {LengthUnit::kUnknown, LengthUnit::kMetres}) {
+    if (name == NameOf(unit)) return unit;
+  }
+  throw MapError(ErrorCode::kUsage, "unit is " + name + "; it must be metres or unknown");
+}
+
+Eigen::Isometry3d ParseTransform(const std::string& text) {
+  constexpr size_t kNumbers = 7;
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+  if (text.empty()) return transform;
+  std::vector<double> numbers;
+  for (const std::string& word : Words(text, " \t,")) {
+    const auto number = ToNumber(word);
+    if (number && std::isfinite(*number)) numbers.push_back(*number);
+  }
+  const bool complete = numbers.size() == kNumbers && Words(text, " \t,").size() == kNumbers;
+  if (complete) {
+    const Eigen::Quaterniond q(numbers[6], numbers[3], numbers[4], numbers[5]);
+    constexpr double kAboutUnit = 0.01;
+    if (std::abs(q.norm() - 1) <= kAboutUnit) {
+      transform.translation() = Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+      transform.linear() = q.normalized().toRotationMatrix();
+      return transform;
+    }
+  }
+  throw MapError(ErrorCode::kUsage, "body-from-camera is '" + Printable(text) +
+                                        "'; it must be seven numbers x y z qx qy qz qw with a "
+                                        "quaternion of length 1");
+}
+
+}  // namespace
+
+GivenPoses ReadGivenPoses(const PoseFlags& flags, int sources) {
+  std::vector<FilePose> poses = ReadPoseFile(flags.file);
+  for (const FilePose& pose : poses) {
+    if (pose.pose.has_rotation) continue;
+    throw MapError(ErrorCode::kBadRequest,
+                   flags.file +
+                       " has positions without orientations; add the columns qx, qy, qz, "
+                       "qw");
+  }
+  const auto images = std::make_shared<const ImagePoses>(std::move(poses), flags.max_gap_s);
+  if (images->AreNumbered() && sources > 1) {
+    throw MapError(ErrorCode::kBadRequest,
+                   flags.file + " numbers its poses, which doesn't tell the frames of " +
+                       std::to_string(sources) + " sources apart; give poses with names or times");
+  }
+  GivenPoses given;
+  given.frame = flags.frame;
+  given.unit = UnitByName(flags.unit);
+  const Eigen::Isometry3d body_from_camera = ParseTransform(flags.body_from_camera);
+  given.of_keyframe = [images, body_from_camera](
+                          const Sequence& sequence,
+                          const Keyframe& keyframe) -> std::optional<Eigen::Isometry3d> {
+    const auto pose =
+        images->Find(sequence.name + "/" + keyframe.source, keyframe.time_s, keyframe.frame);
+    if (!pose) return std::nullopt;
+    return pose->world_from_camera * body_from_camera;
+  };
+  return given;
+}
+
+}  // namespace waystone

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "cli/files/pose_file.h"
+
+namespace waystone {
+
+// Poses by the image that they are of.
+class ImagePoses {
+ public:
+  // Between poses with time stamps that are at most `max_gap_s` apart, a pose is interpolated.
+  explicit ImagePoses(std::vector<FilePose> poses, double max_gap_s = 0.2);
+  ImagePoses(const ImagePoses&) = delete;
+  ImagePoses& operator=(const ImagePoses&) = delete;
+
+  // By name (also without its folders or its extension), else by time stamp, else by number, where
+  // the poses have no names or stamps. A pose within 20 ms is taken where none can be interpolated.
+  // Nothing where none fits.
+  std::optional<TruePose> Find(const std::string& name, const std::optional<double>& time_s,
+                               int number) const;
+
+  // Whether the poses have neither names nor time stamps.
+  bool AreNumbered() const { return by_name_.empty() && by_time_.empty(); }
+
+ private:
+  const TruePose* FindNamed(const std::string& name) const;
+  std::optional<TruePose> FindTimed(double time_s) const;
+
+  std::vector<FilePose> poses_;
+  double max_gap_s_;
+  std::unordered_map<std::string, const TruePose*> by_name_;  // into poses_, as the following
+  std::unordered_map<int, const TruePose*> by_number_;
+  std::vector<const FilePose*> by_time_;  // ascending
+};
+
+}  // namespace waystone

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/files/pose_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include "cli/files/given_poses.h"
+#include "cli/files/image_poses.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PoseFileTest : public testing::Test {
+ protected:
+  PoseFileTest() : folder_(fs::temp_directory_path() / fs::path(Name())) {
+    fs::create_directories(folder_);
+  }
+  ~PoseFileTest() override { fs::remove_all(folder_); }
+
+  static std::string Name() {
+    return std::string("waystone_poses_") +
+           testing::UnitTest::GetInstance()->current_test_info()->name();
+  }
+  fs::path Write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+  static std::string RefusalOf(const std::function<void()>& run) {
+    try {
+      run();
+    } catch (const MapError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  fs::path folder_;
+};
+
+// A camera at (1, 2, 3) that is turned by 90 degrees about z: q = (0, 0, s, s), s = sqrt(1/2).
+const std::string kHalf = "0.70710678118654752";
+
+void ExpectThePose(const FilePose& pose) {
+  EXPECT_TRUE(pose.pose.has_rotation);
+  const Eigen::Isometry3d& at = pose.pose.world_from_camera;
+  EXPECT_NEAR((at.translation() - Eigen::Vector3d(1, 2, 3)).norm(), 0, 1e-9);
+  EXPECT_NEAR((at * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(1, 3, 3)).norm(), 0, 1e-9);
+}
+
+template <class Value>
+std::string Binary(const Value& value) {
+  std::string bytes(sizeof(value), '\0');
+  std::memcpy(bytes.data(), &value, sizeof(value));
+  return bytes;
+}
+
+// The same pose as COLMAP has it: x_camera = R(q)^T (x - (1, 2, 3)).
+std::string ColmapImages(uint64_t points) {
+  const double half = std::sqrt(0.5);
+  std::string bytes = Binary(uint64_t{1}) + Binary(uint32_t{7});
+  for (const double value : {half, 0.0, 0.0, -half, -2.0, 1.0, -3.0}) bytes += Binary(value);
+  bytes += Binary(uint32_t{1}) + "left/a.jpg" + std::string(1, '\0') + Binary(points);
+  return bytes + std::string(24 * points, 'x');
+}
+
+TEST_F(PoseFileTest, ReadsEachFormat) {
+  const auto tum = ReadPoseFile(Write("t.txt", "# c\n1.5 1 2 3 0 0 " + kHalf + " " + kHalf + "\n"));
+  ASSERT_EQ(tum.size(), 1u);
+  ExpectThePose(tum[0]);
+  EXPECT_EQ(tum[0].time_s, 1.5);
+  ExpectThePose(ReadPoseFile(Write("k.txt", "0 -1 0 1 1 0 0 2 0 0 1 3\n"))[0]);
+  const auto euroc = ReadPoseFile(Write("e.csv", "#timestamp, p_RS_R_x [m]\n1500000000, 1,2,3," +
+                                                     kHalf + ",0,0," + kHalf + ",9,9\n"));
+  ExpectThePose(euroc[0]);
+  EXPECT_NEAR(*euroc[0].time_s, 1.5, 1e-9);
+  const auto g2o =
+      ReadPoseFile(Write("g.g2o", "FIX 0\nVERTEX_SE3:QUAT 12 1 2 3 0 0 " + kHalf + " " + kHalf +
+                                      "\nEDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1\n"));
+  ASSERT_EQ(g2o.size(), 1u);
+  ExpectThePose(g2o[0]);
+  EXPECT_EQ(g2o[0].number, 12);
+  const auto colmap = ReadPoseFile(Write("images.bin", ColmapImages(2)));
+  ASSERT_EQ(colmap.size(), 1u);
+  ExpectThePose(colmap[0]);
+  EXPECT_EQ(colmap[0].name, "left/a.jpg");
+}
+
+TEST_F(PoseFileTest, RefusesABinaryModelThatIsCut) {
+  const std::string whole = ColmapImages(2);
+  for (size_t bytes = 0; bytes < whole.size(); bytes += 5) {
+    const fs::path path = Write("images.bin", whole.substr(0, bytes));
+    EXPECT_NE(RefusalOf([&] { ReadPoseFile(path); }).find("isn't COLMAP's images.bin"),
+              std::string::npos);
+  }
+}
+
+FilePose PoseAt(double time_s, double x, double turn_rad) {
+  FilePose pose;
+  pose.time_s = time_s;
+  pose.pose.has_rotation = true;
+  pose.pose.world_from_camera.translation().x() = x;
+  pose.pose.world_from_camera.linear() =
+      Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return pose;
+}
+
+TEST(ImagePoses, AreInterpolatedBetweenNearTimesAlone) {
+  const ImagePoses poses({PoseAt(2, 5, 0.4), PoseAt(1, 1, 0), PoseAt(1.1, 2, 0.2)}, 0.15);
+  const auto between = poses.Find("a", 1.025, 0);
+  ASSERT_TRUE(between);
+  EXPECT_NEAR(between->world_from_camera.translation().x(), 1.25, 1e-9);
+  EXPECT_NEAR(Eigen::AngleAxisd(between->world_from_camera.linear()).angle(), 0.05, 1e-9);
+  EXPECT_FALSE(poses.Find("a", 1.5, 0));  // 0.9 s between its neighbours
+  EXPECT_TRUE(poses.Find("a", 1.99, 0));  // 10 ms off
+  EXPECT_FALSE(poses.Find("a", 2.05, 0));
+  EXPECT_FALSE(poses.Find("a", 0.9, 0));
+}
+
+TEST(ImagePoses, AreFoundByNameOrNumber) {
+  FilePose named = PoseAt(0, 3, 0);
+  named.time_s.reset();
+  named.name = "b.jpg";
+  const ImagePoses by_name({named});
+  EXPECT_TRUE(by_name.Find("walk/images/b.jpg", 1.0, 0));
+  EXPECT_FALSE(by_name.Find("walk/c.jpg", 1.0, 0));
+  EXPECT_FALSE(by_name.AreNumbered());
+  FilePose numbered = PoseAt(0, 4, 0);
+  numbered.time_s.reset();
+  numbered.number = 8;
+  const ImagePoses by_number({numbered});
+  EXPECT_TRUE(by_number.AreNumbered());
+  EXPECT_TRUE(by_number.Find("x", std::nullopt, 8));
+  EXPECT_TRUE(by_number.Find("x", 2.0, 8));  // images have times, poses haven't
+  EXPECT_FALSE(by_number.Find("x", std::nullopt, 7));
+}
+
+TEST_F(PoseFileTest, GivenPosesAreTheCameras) {
+  PoseFlags flags{.file = Write("t.txt", "0 1 2 3 0 0 " + kHalf + " " + kHalf + "\n").string(),
+                  .frame = "hall",
+                  .unit = "metres",
+                  .body_from_camera = "0.5 0 0 0 0 0 1"};
+  const GivenPoses given = ReadGivenPoses(flags, 1);
+  EXPECT_EQ(given.frame, "hall");
+  EXPECT_EQ(given.unit, LengthUnit::kMetres);
+  Keyframe keyframe;
+  keyframe.time_s = 0.001;
+  const auto pose = given.of_keyframe({}, keyframe);
+  ASSERT_TRUE(pose);
+  EXPECT_NEAR((pose->translation() - Eigen::Vector3d(1, 2.5, 3)).norm(), 0, 1e-9);
+  keyframe.time_s = 9;
+  EXPECT_FALSE(given.of_keyframe({}, keyframe));
+}
+
+TEST_F(PoseFileTest, GivenPosesThatMakeNoSenseAreRefused) {
+  const fs::path tum = Write("t.txt", "0 1 2 3 0 0 0 1\n");
+  const fs::path kitti = Write("k.txt", "0 -1 0 1 1 0 0 2 0 0 1 3\n");
+  const fs::path bare = Write("p.csv", "image,x,y,z\na.jpg,1,2,3\n");
+  const auto refusal = [&](const fs::path& file, const std::string& unit, const std::string& body,
+                           int sources) {
+    return RefusalOf([&] {
+      ReadGivenPoses({.file = file.string(), .unit = unit, .body_from_camera = body}, sources);
+    });
+  };
+  EXPECT_EQ(refusal(tum, "metres", "", 2), "");
+  EXPECT_NE(refusal(tum, "feet", "", 1).find("metres or unknown"), std::string::npos);
+  EXPECT_NE(refusal(tum, "metres", "1 2 3", 1).find("seven numbers"), std::string::npos);
+  EXPECT_NE(refusal(tum, "metres", "0 0 0 1 1 1 1", 1).find("seven numbers"), std::string::npos);
+  EXPECT_NE(refusal(kitti, "metres", "", 2).find("numbers its poses"), std::string::npos);
+  EXPECT_NE(refusal(bare, "metres", "", 1).find("without orientations"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace waystone
