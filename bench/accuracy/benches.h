@@ -10,13 +10,11 @@ namespace waystone::bench {
 
 using Args = std::vector<std::string>;
 
-// all: every bench below; those on real data where WAYSTONE_DATA or ../shared/data has it.
-int RunAll(const Args& args);
-// world [--frames N] [--seed S] [--plan demo|other] [--repeat-poster P] [--bare-walls P]: plane
-// layer against the truth of rendered walks.
+// world [--frames N] [--seed S] [--plan demo|other] [--repeat-poster P] [--bare-walls P] [--set
+// NAME=VALUE]...: plane layer against the truth of rendered walks. --set as of `waystone build`.
 int RunWorld(const Args& args);
-// rgbd DIR [--map A:B] [--queries A:B:STEP]: a TUM RGB-D folder with depth and poses; localization
-// and transfer error against them.
+// rgbd DIR [--map A:B] [--queries A:B:STEP] [--set NAME=VALUE]...: a TUM RGB-D folder with depth
+// and poses; localization and transfer error against them.
 int RunRgbd(const Args& args);
 // negatives DIR [--map A:B] IMAGE_OR_FOLDER...: images that are not in a map of DIR.
 int RunNegatives(const Args& args);
@@ -35,13 +33,17 @@ int RunSegments(const Args& args);
 // relative [DIR]: rotations between places from the essential matrix against poses, and the
 // traversability verdict against what is visible; a rendered walk without a folder.
 int RunRelative(const Args& args);
-// recall [DATA] [--only NAME] [--landmarks N,N,...] [--foreign N] [--search yes|no] [--each
-// yes|no]: places of real data that exhaustive image search finds, and those that maps find, by
-// their size; photos of look-alike places and of other data that are found wrongly.
+// recall [DATA] [--only NAME] [--features TYPE] [--landmarks N,N,...] [--foreign N] [--search
+// yes|no] [--each yes|no]: places of real data that exhaustive image search finds, and those that
+// maps find, by their size; photos of look-alike places and of other data that are found wrongly.
 int RunRecall(const Args& args);
-// look-alikes [--buildings N] [--first SEED] [--each yes|no]: rendered buildings asked for their
-// own places, for the same places a storey higher, where much looks alike, and for other buildings;
-// and the weights of the keyframe's verdict fitted to the answers.
+// peers [DATA] [--only NAME,NAME] [--features sift,orb,akaze] [--foreign N]: maps beside plain
+// image search over the same keyframes with the same features, on one core: found, wrong and
+// foreign answers, milliseconds by stage, and bytes.
+int RunPeers(const Args& args);
+// look-alikes [--buildings N] [--first SEED] [--features TYPE] [--each yes|no]: rendered buildings
+// asked for their own places, for the same places a storey higher, where much looks alike, and for
+// other buildings; and the weights of the keyframe's verdict fitted to the answers.
 int RunLookAlikes(const Args& args);
 // orientation [--buildings N] [--frames N] [--camera rig|pinhole|both]: the whole orientation layer
 // of made buildings against their truth, and its time beside lines and features alone.
@@ -61,6 +63,10 @@ int RunBuild(const Args& args);
 // --queries are frames, and --keyframes the conditions on keyframes), or a folder with map/,
 // query*/ and poses.csv. Every N-th query is also asked of OpenCV's matcher, which is slow.
 int RunGraphs(const Args& args);
+// poses [--buildings N] [--frames N] [--kitchen DIR] [--church DIR]: poses of queries on maps that
+// were built with true poses: errors, recalls, consistency of the covariances (normalised error
+// squared over its expectation) and time.
+int RunPoses(const Args& args);
 // scale [N...]: queries, opening and memory of maps of N features (100000 and 1000000), made from a
 // rendered walk and planes that nobody sees, against the time of extraction alone and against
 // exhaustive search.
@@ -69,11 +75,12 @@ int RunScale(const Args& args);
 // poses.csv and panorama/, by distance, beside a plain compass; times beside their floors.
 int RunCompass(const Args& args);
 // odometry [PLACES] [--walk NAME] [--k1 N] [--span N] [--max-loss X]: shape difference of the
-// appearance layer of rendered walks, by odometry alone and with loops closed, beside simulated
-// wheels; and of a folder as for compass, in the order of its names.
+// appearance layer of rendered walks, by odometry alone and with loops closed, beside the paper's
+// odometry and simulated wheels; and of a folder as for compass, in the order of its names.
 int RunOdometry(const Args& args);
 // study [--out DIR]: the paper's figures 8 to 11: shape difference and time over k1, k2 and steps
-// of 1 to 4 panoramas in the office and the laboratory, as tables and, in DIR, as SVG and CSV.
+// of 1 to 4 panoramas in the office and the laboratory, by the paper's odometry and by ours, as
+// tables and, in DIR, as SVG and CSV.
 int RunStudy(const Args& args);
 // page [N...]: how soon the page can be used on maps of N planes (500 and 10000), and frames a
 // second of their graph, in Chromium without a graphics card.

@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/SVD>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
 #include "bench/accuracy/rgbd_truth.h"
+#include "bench/baseline/scenes.h"
 #include "core/base/error.h"
 #include "core/geometry/angle.h"
+#include "core/geometry/pose2.h"
 #include "core/geometry/rotation.h"
 #include "core/image/decode.h"
-#include "core/manhattan/cube_rotations.h"
 #include "localizer/appearance/appearance.h"
 #include "localizer/orientation/building.h"
 #include "schema/layers/orientation/orientation_trajectory.h"
@@ -25,13 +29,17 @@ namespace {
 using Eigen::Matrix3d;
 using Json = nlohmann::ordered_json;
 
-constexpr double kRight_m = 2.5;  // a place nearer than this is right
+constexpr double kRight_m = 2.5;      // a place nearer than this is right
+constexpr double kRight_px = 20;      // a transfer of the inliers nearer than this is right
+constexpr double kFarOff_rad = 0.35;  // a rotation off by more has another axis, or none
 
-// What came of the answers' rotations (of panoramas: of all answers of a right place, believed or
-// not) and of their axes as a gate.
+// What came of the answers' rotations (of panoramas: of all answers, believed or not) and of their
+// axes as a gate. The rotations that are judged are those at right places.
 struct Score {
   int asked = 0;
   int localized = 0;  // before the gate
+  int right = 0;      // of the answers that were looked at
+  int wrong = 0;
   int with_heading = 0;
   int refused = 0;  // by the gate
   std::vector<double> errors_rad;
@@ -44,11 +52,16 @@ struct Score {
 };
 
 Json ToJson(const Score& s) {
+  const auto far_off =
+      std::ranges::count_if(s.errors_rad, [](double error) { return error > kFarOff_rad; });
   return {{"asked", s.asked},
           {"localized_before_gate", s.localized},
+          {"right", s.right},
+          {"wrong", s.wrong},
           {"with_heading", s.with_heading},
           {"median_error_deg", Quantile(s.errors_rad, 0.5) * kDegreesPerRadian},
           {"p90_error_deg", Quantile(s.errors_rad, 0.9) * kDegreesPerRadian},
+          {"off_by_20_deg", far_off},
           {"refused_by_axes", s.refused},
           {"right_with_clear_lines", s.right_clear},
           {"right_disagreeing", s.right_disagree},
@@ -67,13 +80,16 @@ void Print(const std::string& name, const Score& s) {
 }
 
 void Count(const BuildingView& view, bool right, const BuildingOptions& options, Score& score) {
+  ++(right ? score.right : score.wrong);
   if (!view.disagreement_rad) return;
   const bool disagrees = *view.disagreement_rad > options.max_disagreement_rad;
   ++(right ? score.right_clear : score.wrong_clear);
   (right ? score.right_disagree : score.wrong_disagree) += disagrees ? 1 : 0;
 }
 
-// The rotation that most of building_from_camera world_from_camera^T agree on.
+// The building's axes in the world of the data's poses, where the data doesn't know them: the
+// rotation that the map's reliable frames agree on, one for all of them. What each is off by shows
+// in the queries' errors.
 Matrix3d BuildingFromWorld(const OrientationLayer& layer,
                            const std::function<Matrix3d(int)>& world_from_camera) {
   Matrix3d sum = Matrix3d::Zero();
@@ -84,6 +100,17 @@ Matrix3d BuildingFromWorld(const OrientationLayer& layer,
   }
   const Eigen::JacobiSVD<Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
   return svd.matrixU() * svd.matrixV().transpose();
+}
+
+// By depth and poses; nothing where they don't say.
+std::optional<bool> IsRightPhoto(const RgbdTruth& truth, const MapIndex& index, int frame,
+                                 const Answer& answer) {
+  if (answer.verdict != Verdict::kLocalized) return std::nullopt;
+  const SceneAnswer place = SceneAnswerOf(index, answer);
+  const auto error_px =
+      truth.MedianError(frame, place.query_points, place.reference_frame, place.reference_points);
+  if (!error_px) return std::nullopt;
+  return *error_px <= kRight_px;
 }
 
 // Photos of the kitchen's other half, whose poses are good to some degrees.
@@ -114,8 +141,13 @@ Score AskKitchen(const std::string& folder) {
     score.refused += answer.decided_by == DecidedBy::kBuildingAxes ? 1 : 0;
     if (!answer.building) continue;
     ++score.localized;
-    Count(*answer.building, true, options.building, score);
-    if (!answer.building->heading) continue;
+    // What the gate refused names no place any more: without the camera there is no gate.
+    const bool stands = answer.verdict == Verdict::kLocalized;
+    const std::optional<bool> right = IsRightPhoto(
+        truth, *index, frame, stands ? answer : Localize(*index, bytes, truth.image(frame), {}));
+    if (!right) continue;
+    Count(*answer.building, *right, options.building, score);
+    if (!*right || !answer.building->heading) continue;
     ++score.with_heading;
     score.errors_rad.push_back(
         RotationAngle(answer.building->building_from_query.toRotationMatrix(),
@@ -124,28 +156,39 @@ Score AskKitchen(const std::string& folder) {
   return score;
 }
 
-// Panoramas asked of a map of the others, at their true places.
+int FrameOf(const AppearanceLayer& layer, AppearanceNodeId id) {
+  return std::ranges::find(layer.nodes, id, &AppearanceNode::id)->frame;
+}
+
+// Quarter turns from the world, whose axes are the building's, to the axes as the layer numbers
+// them: one number for the whole layer, that of most of its reliable frames.
+double LayerFromWorld(const OrientationLayer& layer, const std::vector<PanoramaPlace>& places) {
+  constexpr double kQuarter_rad = std::numbers::pi / 2;
+  std::array<int, 4> votes{};
+  for (const OrientationFrame& frame : layer.frames) {
+    const auto heading = frame.reliable ? HeadingOf(*frame.rotation) : std::nullopt;
+    if (!heading) continue;
+    const double turned = *heading - places[frame.frame].yaw_rad;
+    ++votes[static_cast<size_t>(std::lround(turned / kQuarter_rad) + 400) % votes.size()];
+  }
+  const auto most = std::ranges::max_element(votes) - votes.begin();
+  return kQuarter_rad * static_cast<double>(most);
+}
+
+// Panoramas asked of the map that a build makes of them, each without its own node.
 Score AskPlaces(const std::string& folder) {
   const std::vector<PanoramaPlace> places = ReadPlaces(folder);
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(OpenSource(folder + "/panorama", {}));
   BuildOptions build;
   build.appearance.redundancy.max_loss = 0;  // every place is asked for
-  MapData map = BuildMap(sources, build, {}).map;
-  for (AppearanceNode& node : map.appearance->nodes) {
-    const PanoramaPlace& place = places[node.frame];
-    node.pose = {place.position_m.x(), place.position_m.y(), place.yaw_rad};
-  }
-  const auto index = MapIndex::Build(std::move(map));
+  const auto index = MapIndex::Build(BuildMap(sources, build, {}).map);
   const AppearanceLayer& layer = *index->map().appearance;
-  const auto turned = [&](const OrientationFrame& frame) {
-    return HeadingOf(*frame.rotation).value_or(0) - places[frame.frame].yaw_rad;
-  };
+  const double layer_from_world = LayerFromWorld(*index->map().orientation, places);
   Score score;
   LocalizeOptions options;
   for (size_t i = 0; i < layer.nodes.size(); ++i) {
     const PanoramaPlace& place = places[layer.nodes[i].frame];
-    const OrientationFrame* own = index->FindFrame(layer.nodes[i].sequence, layer.nodes[i].frame);
     std::vector<bool> left_out(layer.nodes.size());
     left_out[i] = true;
     const PanoramaQuery query = DescribeQuery(*index, place.grey, options.panorama);
@@ -153,20 +196,18 @@ Score AskPlaces(const std::string& folder) {
     ++score.asked;
     if (!answer.panorama) continue;
     const bool localized = answer.verdict == Verdict::kLocalized;
-    const Eigen::Vector2d at(answer.panorama->pose.x, answer.panorama->pose.y);
-    const bool right = (at - place.position_m).norm() <= kRight_m;
+    const PanoramaPlace& found = places[FrameOf(layer, answer.panorama->node.id)];
+    const bool right = (found.position_m - place.position_m).norm() <= kRight_m;
     // The guess through the place, whether it is believed or not.
     answer.heading = Heading{answer.panorama->pose.theta_rad, 0, HeadingFrame::kLayer};
     const auto guesses = GuessRotation(*index, answer, std::nullopt);
     const ManhattanFrame lines = DetectLines(place.grey, std::nullopt, options.building);
     answer.building = ViewBuilding(guesses, lines, options.building);
     Count(*answer.building, right, options.building, score);
-    if (right && answer.building->heading && own && own->reliable) {
+    if (right && answer.building->heading) {
       ++score.with_heading;
-      // Both are of one layer, whose axes may be turned by quarters against the world's.
-      const double truth = place.yaw_rad + turned(*own);
-      score.errors_rad.push_back(
-          std::abs(std::remainder(answer.building->heading->rad - truth, 2 * std::numbers::pi)));
+      const double truth = place.yaw_rad + layer_from_world;
+      score.errors_rad.push_back(std::abs(WrappedAngle(answer.building->heading->rad - truth)));
     }
     if (!localized) continue;
     ++score.localized;

@@ -2,7 +2,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <complex>
 #include <cstdio>
@@ -14,6 +13,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
+#include "bench/accuracy/stopwatch.h"
 #include "core/base/error.h"
 #include "core/geometry/angle.h"
 #include "core/image/decode.h"
@@ -202,10 +202,9 @@ template <typename Work>
 double MedianMicroseconds(const Work& work) {
   std::vector<double> times;
   for (int run = 0; run < kRuns; ++run) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     work();
-    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
-    times.push_back(took.count());
+    times.push_back(1e6 * watch.cpu_s());
   }
   return Quantile(times, 0.5);
 }
@@ -234,6 +233,10 @@ nlohmann::json Times(const PanoramaPlace& a, const PanoramaPlace& b) {
     std::printf("  %s %.0f", name.c_str(), value.get<double>());
   }
   std::printf("\n");
+  const auto us = [&](const char* name) { return times[name].get<double>(); };
+  times["signature_over_dft"] = us("signature_of_band") / us("dft");
+  times["signature_and_band_over_dft"] = (us("signature_of_band") + us("band")) / us("dft");
+  times["compass_over_decode"] = us("compass") / us("decode");
   return times;
 }
 

@@ -6,7 +6,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/oriented_set.h"
-#include "core/base/clock.h"
+#include "bench/accuracy/stopwatch.h"
 #include "core/geometry/angle.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"
@@ -36,17 +36,17 @@ double SigmasOf(const ManhattanFrame& frame, const Eigen::Matrix3d& truth) {
 Measured Measure(const OrientedSet& set, int i, SegmentDetector detector) {
   const std::vector<cv::Mat> images = set.images(i);
   Measured measured;
-  auto start = Clock::now();
+  const Stopwatch of_segments;
   std::vector<GreatCircle> lines;
   for (size_t c = 0; c < images.size(); ++c) {
     const auto segments = DetectSegments(images[c], {.detector = detector});
     const auto found = FindGreatCircles(set.rig, static_cast<int>(c), segments);
     lines.insert(lines.end(), found.begin(), found.end());
   }
-  measured.segments_ms = MillisecondsSince(start);
-  start = Clock::now();
+  measured.segments_ms = 1e3 * of_segments.cpu_s();
+  const Stopwatch of_frame;
   const ManhattanFrame frame = FindManhattanFrame(lines);
-  measured.frame_ms = MillisecondsSince(start);
+  measured.frame_ms = 1e3 * of_frame.cpu_s();
   measured.worst_deg =
       kDegreesPerRadian * WorstAxisAngle(frame.rig_from_axes, set.rig_from_axes[i]);
   measured.sigma_deg = kDegreesPerRadian * frame.sigma_rad();

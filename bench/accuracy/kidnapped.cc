@@ -2,7 +2,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -11,6 +10,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
+#include "bench/accuracy/stopwatch.h"
 #include "builder/appearance/describe_panorama.h"
 #include "builder/calibration/appearance_calibration.h"
 #include "core/base/error.h"
@@ -216,7 +216,8 @@ nlohmann::json ScoreJson(const std::string& name, const std::vector<Asked>& aske
       "%% precision %.1f %%; localized %d, wrong %d; false accepts %td of %zu\n",
       name.c_str(), in_map, 100 * share, kRight_m, Quantile(errors, 0.5), Quantile(headings, 0.5),
       100 * recall, localized, localized_wrong, false_accepts, foreign.size());
-  return {{"asked", in_map},
+  return {{"places", asked.size()},
+          {"asked", in_map},
           {"right", share},
           {"position_median_m", Quantile(errors, 0.5)},
           {"heading_median_deg", Quantile(headings, 0.5)},
@@ -318,10 +319,9 @@ template <typename Work>
 double MedianMs(int runs, const Work& work) {
   std::vector<double> times;
   for (int run = 0; run < runs; ++run) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     work(run);
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    times.push_back(took.count());
+    times.push_back(1e3 * watch.cpu_s());
   }
   return Quantile(times, 0.5);
 }

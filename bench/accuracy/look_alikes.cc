@@ -117,11 +117,13 @@ bool ShowsTheSame(const World& world, const Camera& camera, const Eigen::Isometr
 
 class BuildingAsked {
  public:
-  explicit BuildingAsked(int building) : building_(building) {
+  BuildingAsked(int building, const FeatureOptions& features)
+      : building_(building), features_(features) {
     std::vector<std::unique_ptr<Source>> sources;
     sources.push_back(std::make_unique<WorldSource>(world_, renderer_, map_walk_));
     BuildOptions options;
     options.images = false;
+    options.features = features_;
     options.planes.landmarks.max_kept = 30 + 10 * (building_ % 8);
     index_ = MapIndex::Build(BuildMap(sources, options, {}).map);
   }
@@ -157,9 +159,8 @@ class BuildingAsked {
     const Walk walk = QueryTour(world, building_);
     std::vector<LookAlikeSample> of_world(walk.frames.size());
     tbb::parallel_for(size_t{0}, of_world.size(), [&](size_t i) {
-      const Features query =
-          ExtractFeatures(Photograph(world, walk.frames[i].world_from_camera, 1000 * building_ + i),
-                          FeatureOptions{});
+      const Features query = ExtractFeatures(
+          Photograph(world, walk.frames[i].world_from_camera, 1000 * building_ + i), features_);
       of_world[i] = AskFrame(query, asked, walk.frames[i].world_from_camera);
     });
     samples.insert(samples.end(), of_world.begin(), of_world.end());
@@ -190,6 +191,7 @@ class BuildingAsked {
   }
 
   int building_;
+  FeatureOptions features_;
   FloorPlan plan_ = building_ % 2 == 0 ? DemoPlan() : OtherPlan();
   WorldOptions options_ = DrawBuilding(building_);
   World world_{plan_, options_};
@@ -219,8 +221,10 @@ Eigen::VectorXd FitSigned(const std::vector<LookAlikeSample>& samples) {
   return FitLogistic(cases, prior);
 }
 
-void PrintCounts(const std::vector<LookAlikeSample>& samples, const char* model,
-                 auto&& probability) {
+// Prints and returns what a model of the probability localizes.
+nlohmann::ordered_json Count(const std::vector<LookAlikeSample>& samples, const char* model,
+                             auto&& probability) {
+  nlohmann::ordered_json json;
   for (const AskedOf asked : {AskedOf::kOwn, AskedOf::kLookAlike, AskedOf::kForeign}) {
     int all = 0;
     int localized = 0;
@@ -232,25 +236,31 @@ void PrintCounts(const std::vector<LookAlikeSample>& samples, const char* model,
       localized += sure;
       right += sure && sample.right;
     }
-    std::printf("%s: %-10s %5d asked, %5d localized, %5d right\n", model,
-                kAskedOfNames[static_cast<int>(asked)], all, localized, right);
+    const char* name = kAskedOfNames[static_cast<int>(asked)];
+    std::printf("%s: %-10s %5d asked, %5d localized, %5d right\n", model, name, all, localized,
+                right);
+    json[name] = {{"asked", all}, {"localized", localized}, {"right", right}};
   }
+  return json;
 }
 
 }  // namespace
 
 int RunLookAlikes(const Args& raw) {
   Args args = raw;
-  const int buildings = std::stoi(TakeOption(args, "buildings", "12"));
+  const int buildings = std::stoi(TakeOption(args, "buildings", "16"));
   const int first = std::stoi(TakeOption(args, "first", "1"));
+  FeatureOptions features;
+  features.type = FeatureTypeByName(TakeOption(args, "features", "sift"));
   const bool each = TakeOption(args, "each", "no") == "yes";
   if (!args.empty()) {
-    throw MapError(ErrorCode::kUsage,
-                   "look-alikes takes --buildings N, --first SEED and --each yes|no");
+    throw MapError(
+        ErrorCode::kUsage,
+        "look-alikes takes --buildings N, --first SEED, --features TYPE and --each yes|no");
   }
   std::vector<LookAlikeSample> samples;
   for (int building = first; building < first + buildings; ++building) {
-    const std::vector<LookAlikeSample> more = BuildingAsked(building).Ask();
+    const std::vector<LookAlikeSample> more = BuildingAsked(building, features).Ask();
     samples.insert(samples.end(), more.begin(), more.end());
     for (const LookAlikeSample& sample : more) {
       if (!each) break;
@@ -262,12 +272,14 @@ int RunLookAlikes(const Args& raw) {
     }
     std::fflush(stdout);
   }
-  PrintCounts(samples, "default", [](const LookAlikeSample& s) { return s.probability; });
+  nlohmann::ordered_json json{
+      {"bench", "look-alikes"}, {"buildings", buildings}, {"samples", samples.size()}};
+  json["default"] =
+      Count(samples, "default", [](const LookAlikeSample& s) { return s.probability; });
   const Eigen::VectorXd fit = FitSigned(samples);
-  PrintCounts(samples, "fitted", [&](const LookAlikeSample& s) {
+  json["fitted"] = Count(samples, "fitted", [&](const LookAlikeSample& s) {
     return s.evidence ? Logistic(fit.dot(KeyframeFactors(*s.evidence))) : s.probability;
   });
-  nlohmann::ordered_json json{{"bench", "look-alikes"}, {"samples", samples.size()}};
   json["fit"] = std::vector<double>(fit.begin(), fit.end());
   std::cout << json.dump() << std::endl;
   return 0;

@@ -9,8 +9,7 @@ namespace {
 
 constexpr char kUsage[] =
     "usage: waystone-bench NAME ARGS\n"
-    "  all                                                all of these\n"
-    "  world [--frames N] [--plan demo|other]               planes against rendered truth\n"
+    "  world [--frames N] [--plan demo|other] [--set N=V]   planes against rendered truth\n"
     "  rgbd DIR [--map 0:499] [--queries 500:990:10]      localization against depth and poses\n"
     "  negatives DIR [--map 0:499] IMAGE_OR_FOLDER...     images that are not in the map\n"
     "  pairs DIR... [--labels OUT]                        planes in two images against labels\n"
@@ -18,12 +17,14 @@ constexpr char kUsage[] =
     "  directions [DIR...] [--photos]                     Manhattan frames against truth\n"
     "  segments IMAGE_OR_FOLDER...                        segment detectors\n"
     "  recall [DATA] [--only NAME] [--landmarks N,N]      found by image search and by maps\n"
+    "  peers [DATA] [--only NAME] [--features sift,orb]   maps beside plain image search\n"
     "  look-alikes [--buildings N] [--first SEED]         storeys that share posters and doors\n"
     "  relative [DIR]                                     rotations between places\n"
     "  orientation [--buildings 3] [--frames 1000]        turns, corridors, loops, nodes\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"
     "  build SOURCE... [--frames 250,500,1000]            whole builds against features alone\n"
     "  graphs [SOURCE...] [--keyframes M:N]               image graph against plane graph\n"
+    "  poses [--buildings N] [--kitchen DIR] [--church DIR]  poses of queries\n"
     "  scale [N...]                                       queries of maps of N features\n"
     "  compass [PLACES] [--csv PREFIX]                    headings between panoramas\n"
     "  page [N...]                                        the page on maps of N planes\n"
@@ -34,14 +35,14 @@ constexpr char kUsage[] =
     "  building KITCHEN DEALERSHIP                        rotation in the building, axes as a "
     "gate\n"
     "  kidnapped [PLACES]                                 panoramas asked of a map of the others\n"
-    "The last line of each is one JSON object.\n";
+    "The last line of each is one JSON object. scripts/bench.py runs those of "
+    "docs/benchmarks.md.\n";
 
 }  // namespace
 
 int main(int argc, char** argv) {
   using waystone::bench::Args;
   const std::map<std::string, int (*)(const Args&)> benches = {
-      {"all", waystone::bench::RunAll},
       {"compass", waystone::bench::RunCompass},
       {"building", waystone::bench::RunBuilding},
       {"kidnapped", waystone::bench::RunKidnapped},
@@ -57,8 +58,10 @@ int main(int argc, char** argv) {
       {"directions", waystone::bench::RunDirections},
       {"segments", waystone::bench::RunSegments},
       {"odometry", waystone::bench::RunOdometry},
+      {"peers", waystone::bench::RunPeers},
       {"recall", waystone::bench::RunRecall},
       {"relative", waystone::bench::RunRelative},
+      {"poses", waystone::bench::RunPoses},
       {"scale", waystone::bench::RunScale},
       {"serve", waystone::bench::RunServe},
       {"study", waystone::bench::RunStudy},

@@ -16,11 +16,13 @@ int RunNegatives(const Args& raw) {
   }
   const auto index = MapIndex::Build(BuildRange(args[0], map_range).map);
   std::map<std::string, int> verdicts;
+  int photos = 0;
   int most_inliers = 0;
   for (size_t i = 1; i < args.size(); ++i) {
     for (const auto& path : ImagesIn(args[i])) {
       const Answer answer = Localize(*index, ReadBytes(path), path.string(), LocalizeOptions{});
       ++verdicts[NameOf(answer.verdict)];
+      ++photos;
       if (answer.planes.runner_up)
         most_inliers = std::max(most_inliers, answer.planes.runner_up->inliers);
       if (answer.verdict != Verdict::kNotInMap) {
@@ -29,8 +31,10 @@ int RunNegatives(const Args& raw) {
       }
     }
   }
-  const nlohmann::ordered_json json = {
-      {"bench", "negatives"}, {"verdicts", verdicts}, {"most_inliers_refused", most_inliers}};
+  const nlohmann::ordered_json json = {{"bench", "negatives"},
+                                       {"photos", photos},
+                                       {"verdicts", verdicts},
+                                       {"most_inliers_refused", most_inliers}};
   std::cout << json.dump() << std::endl;
   return 0;
 }

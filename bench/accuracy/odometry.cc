@@ -10,6 +10,7 @@
 #include "bench/accuracy/panorama_walks.h"
 #include "bench/accuracy/stopwatch.h"
 #include "bench/accuracy/world_source.h"
+#include "bench/baseline/paper_odometry.h"
 #include "builder/appearance/appearance_layer.h"
 #include "builder/frames/frame_pipeline.h"
 #include "core/base/error.h"
@@ -112,6 +113,9 @@ nlohmann::json OfWalk(const std::string& name, const AppearanceOptions& options)
   const double wheels = CompareShapes(PlacesOf(truth), PlacesOf(WheelOdometry(walk.walk))).mu;
   std::printf("%-10s the robot's own odometry (simulated wheels) %.5f\n", name.c_str(), wheels);
   json["wheels"] = wheels;
+  const std::vector<Pose2> by_paper = FollowByPaper(DescribeWalk(walk), options.odometry.k1);
+  json["paper"] = CompareShapes(PlacesOf(truth), PlacesOf(by_paper)).mu;
+  std::printf("%-10s the paper's odometry %.5f\n", name.c_str(), json["paper"].get<double>());
   return json;
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -10,6 +9,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/misclassification.h"
+#include "bench/accuracy/stopwatch.h"
 #include "builder/planes/options.h"
 #include "core/base/error.h"
 
@@ -67,10 +67,9 @@ std::vector<int> Label(const MatchedPoints& points) {
 double MedianMilliseconds(const MatchedPoints& points) {
   std::vector<double> times;
   for (int run = 0; run < kRuns; ++run) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     Label(points);
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    times.push_back(took.count());
+    times.push_back(1e3 * watch.cpu_s());
   }
   return Quantile(times, 0.5);
 }

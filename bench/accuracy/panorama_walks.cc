@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/accuracy/panorama_walks.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 
+#include "bench/accuracy/world_source.h"
 #include "core/base/random.h"
+#include "world/rig.h"
 #include "world/setting.h"
 
 namespace waystone::bench {
@@ -63,6 +67,16 @@ PanoramaWalk PanoramaWalkByName(const std::string& name) {
 }
 
 std::vector<std::string> PanoramaWalkNames() { return {"office", "laboratory", "tour", "uneven"}; }
+
+std::vector<FourierSignature> DescribeWalk(const PanoramaWalk& walk) {
+  const Renderer renderer(PanoramaCamera(kPanoramaWidth));
+  const WorldSource source(walk.world, renderer, walk.walk);
+  std::vector<FourierSignature> signatures(walk.walk.frames.size());
+  tbb::parallel_for(size_t{0}, signatures.size(), [&](size_t i) {
+    signatures[i] = Signature(source.Render(static_cast<int>(i)).grey);
+  });
+  return signatures;
+}
 
 Points2 PlacesOf(const std::vector<Pose2>& poses) {
   Points2 places;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
+#include "core/panorama/fourier_signature.h"
 #include "core/trajectory/shape_difference.h"
 #include "world/walk.h"
 #include "world/world.h"
@@ -25,6 +26,9 @@ inline constexpr int kPanoramaWidth = 512;  // px
 // swings and steps of 10 to 30 cm. Throws MapError(kBadOptions) for another name.
 PanoramaWalk PanoramaWalkByName(const std::string& name);
 std::vector<std::string> PanoramaWalkNames();
+
+// The signatures of all its panoramas, of default options.
+std::vector<FourierSignature> DescribeWalk(const PanoramaWalk& walk);
 
 // The places of poses.
 Points2 PlacesOf(const std::vector<Pose2>& poses);

@@ -53,32 +53,19 @@ struct RecallArgs {
   std::string only;  // part of the sets' names
   std::vector<int> budgets;
   int foreign = 40;
+  FeatureOptions features;
   LocalizeOptions localize;
   bool search = true;
   bool verbose = false;
 };
 
-std::vector<Features> ExtractAll(const std::vector<fs::path>& images) {
+std::vector<Features> ExtractAll(const std::vector<fs::path>& images,
+                                 const FeatureOptions& options) {
   std::vector<Features> features(images.size());
   tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
-    features[i] = ExtractFeatures(DecodeGrey(ReadBytes(images[i])), FeatureOptions{});
+    features[i] = ExtractFeatures(DecodeGrey(ReadBytes(images[i])), options);
   });
   return features;
-}
-
-// Photos of the other sets, every n-th, and their features.
-std::vector<Features> ForeignFeatures(const std::vector<RecallSet>& sets, const RecallSet& own,
-                                      int count) {
-  const auto place = [](const std::string& name) { return name.substr(0, name.find('-')); };
-  std::vector<fs::path> all;
-  for (const RecallSet& set : sets) {
-    if (place(set.name) == place(own.name)) continue;
-    all.insert(all.end(), set.queries.begin(), set.queries.end());
-  }
-  std::vector<fs::path> chosen;
-  const size_t step = std::max<size_t>(1, all.size() / std::max(1, count));
-  for (size_t i = 0; i < all.size(); i += step) chosen.push_back(all[i]);
-  return ExtractAll(chosen);
 }
 
 struct Asked {
@@ -111,6 +98,7 @@ Found AskWaystone(const RecallSet& set, const Asked& asked, int budget, const Re
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(OpenRecallMap(set));
   BuildOptions options;
+  options.features = args.features;
   options.planes.landmarks.max_kept = budget;
   BuildResult built = BuildMap(sources, options, {});
   Found found;
@@ -152,8 +140,9 @@ Found AskWaystone(const RecallSet& set, const Asked& asked, int budget, const Re
   return found;
 }
 
-Found AskImageSearch(const RecallSet& set, const Asked& asked, int kept) {
-  const ImageSearch search(ExtractAll(set.map), kept);
+Found AskImageSearch(const RecallSet& set, const Asked& asked, int kept,
+                     const FeatureOptions& features) {
+  const ImageSearch search(ExtractAll(set.map, features), kept);
   Found found;
   found.features = search.CountFeatures();
   const auto count = [&](const std::vector<Features>& queries, auto&& each) {
@@ -183,6 +172,7 @@ RecallArgs ParseRecallArgs(const Args& raw) {
   RecallArgs parsed;
   parsed.only = TakeOption(args, "only", "");
   parsed.budgets = ParseNumbers(TakeOption(args, "landmarks", "0,100"), ',');
+  parsed.features.type = FeatureTypeByName(TakeOption(args, "features", "sift"));
   parsed.foreign = std::stoi(TakeOption(args, "foreign", "40"));
   parsed.search = TakeOption(args, "search", "yes") == "yes";
   parsed.verbose = TakeOption(args, "each", "no") == "yes";
@@ -190,8 +180,8 @@ RecallArgs ParseRecallArgs(const Args& raw) {
   parsed.localize.planes.max_keyframes = std::stoi(TakeOption(args, "keyframes", "4"));
   if (args.size() > 1 || parsed.budgets.empty()) {
     throw MapError(ErrorCode::kUsage,
-                   "recall takes a folder with data, --only NAME, --landmarks N,N,..., --foreign "
-                   "N, --keyframes N, --search yes|no and --each yes|no");
+                   "recall takes a folder with data, --only NAME, --features TYPE, --landmarks "
+                   "N,N,..., --foreign N, --keyframes N, --search yes|no and --each yes|no");
   }
   parsed.data = args.empty() ? fs::path(WAYSTONE_SOURCE_DIR) / "../shared/data" : fs::path(args[0]);
   return parsed;
@@ -205,8 +195,9 @@ int RunRecall(const Args& raw) {
   nlohmann::ordered_json json{{"bench", "recall"}, {"sets", nlohmann::ordered_json::array()}};
   for (const RecallSet& set : sets) {
     if (set.name.find(args.only) == std::string::npos) continue;
-    const Asked asked{ExtractAll(set.queries), ExtractAll(set.look_alikes),
-                      ForeignFeatures(sets, set, args.foreign)};
+    const Asked asked{ExtractAll(set.queries, args.features),
+                      ExtractAll(set.look_alikes, args.features),
+                      ExtractAll(ChooseForeign(sets, set, args.foreign), args.features)};
     nlohmann::ordered_json curve = nlohmann::ordered_json::array();
     for (const int budget : args.budgets) {
       nlohmann::ordered_json point = AskWaystone(set, asked, budget, args).ToJson();
@@ -217,7 +208,7 @@ int RunRecall(const Args& raw) {
     nlohmann::ordered_json searched = nlohmann::ordered_json::array();
     if (args.search) {
       for (const int kept : {1000, 100, 60}) {
-        nlohmann::ordered_json point = AskImageSearch(set, asked, kept).ToJson();
+        nlohmann::ordered_json point = AskImageSearch(set, asked, kept, args.features).ToJson();
         point["kept"] = kept;
         std::cout << set.name << " image search " << point.dump() << std::endl;
         searched.push_back(std::move(point));

@@ -184,4 +184,18 @@ std::vector<RecallSet> ReadRecallSets(const fs::path& data) {
   return sets;
 }
 
+std::vector<fs::path> ChooseForeign(const std::vector<RecallSet>& sets, const RecallSet& own,
+                                    int count) {
+  const auto place = [](const std::string& name) { return name.substr(0, name.find('-')); };
+  std::vector<fs::path> all;
+  for (const RecallSet& set : sets) {
+    if (place(set.name) == place(own.name)) continue;
+    all.insert(all.end(), set.queries.begin(), set.queries.end());
+  }
+  std::vector<fs::path> chosen;
+  const size_t step = std::max<size_t>(1, all.size() / std::max(1, count));
+  for (size_t i = 0; i < all.size(); i += step) chosen.push_back(all[i]);
+  return chosen;
+}
+
 }  // namespace waystone::bench

@@ -30,4 +30,8 @@ std::unique_ptr<Source> OpenRecallMap(const RecallSet& set);
 // those of them that `data` has.
 std::vector<RecallSet> ReadRecallSets(const std::filesystem::path& data);
 
+// About `count` of the queries of the sets of other places, every n-th.
+std::vector<std::filesystem::path> ChooseForeign(const std::vector<RecallSet>& sets,
+                                                 const RecallSet& own, int count);
+
 }  // namespace waystone::bench

@@ -140,6 +140,14 @@ std::vector<Pair> OfDistance(const std::vector<Pair>& pairs, int apart) {
   return some;
 }
 
+// Those of places that aren't consecutive.
+std::vector<Pair> ApartPairs(const std::vector<Pair>& pairs) {
+  std::vector<Pair> some;
+  std::ranges::copy_if(pairs, std::back_inserter(some),
+                       [](const Pair& pair) { return pair.apart > 1; });
+  return some;
+}
+
 }  // namespace
 
 int RunRelative(const Args& args) {
@@ -170,6 +178,7 @@ int RunRelative(const Args& args) {
   nlohmann::ordered_json json = {{"bench", "relative"},
                                  {"set", set.name},
                                  {"consecutive", RotationSummary(OfDistance(pairs, 1))},
+                                 {"apart", RotationSummary(ApartPairs(pairs))},
                                  {"all", RotationSummary(pairs)},
                                  {"cpu_ms_per_pair", ms_per_pair}};
   if (visibility) {

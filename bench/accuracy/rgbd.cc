@@ -7,6 +7,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/rgbd_truth.h"
+#include "bench/accuracy/settings.h"
 #include "bench/baseline/scenes.h"
 #include "core/base/error.h"
 #include "core/features/features.h"
@@ -117,9 +118,13 @@ int RunRgbd(const Args& raw) {
   Args args = raw;
   const Range map_range = ParseRange(TakeOption(args, "map", "0:499"));
   const Range range = ParseRange(TakeOption(args, "queries", "500:990:10"));
+  const BuildOptions options = TakeBuildSettings(args);
   if (args.size() != 1) throw MapError(ErrorCode::kUsage, "rgbd wants one TUM RGB-D folder");
   const RgbdTruth truth(args[0]);
-  BuildResult built = BuildRange(args[0], map_range);
+  std::vector<std::unique_ptr<Source>> sources;
+  sources.push_back(
+      OpenSource(args[0], {.every = map_range.step, .from = map_range.from, .to = map_range.to}));
+  BuildResult built = BuildMap(sources, options, {});
   PrintMap(built);
   nlohmann::ordered_json json = {{"bench", "rgbd"},
                                  {"frames", built.report.planes.value().frames},

@@ -71,6 +71,10 @@ RgbdTruth::RgbdTruth(const std::filesystem::path& folder) : folder_(folder) {
   }
 }
 
+Eigen::Isometry3d RgbdTruth::world_from_colour(int frame) const {
+  return world_from_camera_[frame] * Eigen::Translation3d(kColourInDepth);
+}
+
 std::optional<Eigen::Vector2d> RgbdTruth::Transfer(int a, const Eigen::Vector2d& x, int b) const {
   if (loaded_ != a) {
     depth_ = cv::imread((folder_ / depths_.at(a)).string(), cv::IMREAD_UNCHANGED);

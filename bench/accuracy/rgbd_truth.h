@@ -23,6 +23,8 @@ class RgbdTruth {
   const std::string& image(int frame) const { return images_[frame]; }
   bool HasDepth(int frame) const { return depths_.contains(frame); }
   const Eigen::Isometry3d& world_from_camera(int frame) const { return world_from_camera_[frame]; }
+  // Of the colour camera, beside the depth camera.
+  Eigen::Isometry3d world_from_colour(int frame) const;
   // Pixel of frame b that shows what pixel x of frame a shows; nothing without depth there.
   std::optional<Eigen::Vector2d> Transfer(int a, const Eigen::Vector2d& x, int b) const;
   // Median distance, px, of points of frame b from where the truth sees those of frame a, row by

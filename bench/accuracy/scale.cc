@@ -245,6 +245,9 @@ nlohmann::ordered_json Measure(const MappedWorld& scene, int64_t features, const
                        {"verify", Quantile(timed.verify_ms, 0.5)},
                        {"total", Quantile(timed.total_ms, 0.5)}};
   json["ratio"] = Quantile(timed.ratio, 0.5);
+  const double floor_ms = Quantile(timed.floor_ms, 0.5);
+  json["shortlist_over_floor"] = Quantile(timed.shortlist_ms, 0.5) / floor_ms;
+  json["verify_over_floor"] = Quantile(timed.verify_ms, 0.5) / floor_ms;
   const Comparison comparison = Compare(scene, *index, timed);
   json["exhaustive"] = {
       {"shortlist_ms", comparison.exhaustive_ms},

@@ -2,13 +2,13 @@
 #include "core/manhattan/segments.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <iostream>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "bench/accuracy/common.h"
+#include "bench/accuracy/stopwatch.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/image/decode.h"
@@ -78,9 +78,9 @@ struct Result {
 
 void Add(Result& result, const cv::Mat& grey, const View& second, SegmentDetector detector) {
   const SegmentOptions options{.detector = detector};
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const std::vector<ImageSegment> first = DetectSegments(grey, options);
-  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  const double ms = 1e3 * watch.cpu_s();
   const std::vector<ImageSegment> again = DetectSegments(second.image, options);
   const cv::Rect2d inside(0, 0, grey.cols - 1, grey.rows - 1);
   for (const ImageSegment& segment : first) {
@@ -95,7 +95,7 @@ void Add(Result& result, const cv::Mat& grey, const View& second, SegmentDetecto
     result.repeated_px += found ? segment.length_px() : 0;
   }
   result.segments += static_cast<int>(first.size());
-  result.ms.push_back(took.count());
+  result.ms.push_back(ms);
 }
 
 }  // namespace

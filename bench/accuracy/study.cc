@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <tbb/parallel_for.h>
-
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -10,11 +7,10 @@
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/heat_map.h"
 #include "bench/accuracy/panorama_walks.h"
-#include "bench/accuracy/world_source.h"
+#include "bench/baseline/paper_odometry.h"
 #include "builder/appearance/visual_odometry.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "world/rig.h"
 #include "world/setting.h"
 
 namespace waystone::bench {
@@ -30,15 +26,9 @@ struct Study {
   HeatMap seconds;
 };
 
-std::vector<FourierSignature> Describe(const PanoramaWalk& walk) {
-  const Renderer renderer(PanoramaCamera(kPanoramaWidth));
-  const WorldSource source(walk.world, renderer, walk.walk);
-  std::vector<FourierSignature> signatures(walk.walk.frames.size());
-  tbb::parallel_for(size_t{0}, signatures.size(), [&](size_t i) {
-    signatures[i] = Signature(source.Render(static_cast<int>(i)).grey);
-  });
-  return signatures;
-}
+// Each panorama against the one before it alone, with the paper's compass and steps straight ahead
+// (baseline/paper_odometry.h), or with ours.
+enum class Method { kPaper, kOurs };
 
 template <class T>
 std::vector<T> Every(const std::vector<T>& all, int step) {
@@ -54,8 +44,8 @@ std::vector<FourierSignature> WithPhases(std::vector<FourierSignature> signature
   return signatures;
 }
 
-// The paper's odometry: each panorama against the one before it alone. `odometry` has k1 of all
-// magnitudes; a smaller one changes the lengths of the steps and nothing else.
+// Ours over steps alone: `trajectory` has k1 of all magnitudes; a smaller one changes the lengths
+// of the steps and nothing else.
 std::vector<Pose2> WithLengths(const std::vector<FourierSignature>& signatures,
                                const VisualOdometry& trajectory, int k1) {
   std::vector<Pose2> poses(1);
@@ -71,25 +61,50 @@ std::vector<Pose2> WithLengths(const std::vector<FourierSignature>& signatures,
   return poses;
 }
 
+// The whole way for each k1.
+using Trajectories = std::vector<std::vector<Pose2>>;
+
+Trajectories FollowOurs(const std::vector<FourierSignature>& signatures,
+                        std::vector<double>& seconds) {
+  VisualOdometryOptions options;
+  options.max_span = 1;
+  const Clock::time_point start = Clock::now();
+  const VisualOdometry trajectory = FollowPanoramas(signatures, options.compass.band, options);
+  const double of_headings = SecondsSince(start);
+  Trajectories all;
+  for (const int k1 : kMagnitudes) {
+    const Clock::time_point lengths = Clock::now();
+    all.push_back(WithLengths(signatures, trajectory, k1));
+    seconds.push_back(of_headings + SecondsSince(lengths));
+  }
+  return all;
+}
+
+Trajectories FollowPaper(const std::vector<FourierSignature>& signatures,
+                         std::vector<double>& seconds) {
+  Trajectories all;
+  for (const int k1 : kMagnitudes) {
+    const Clock::time_point start = Clock::now();
+    all.push_back(FollowByPaper(signatures, k1));
+    seconds.push_back(SecondsSince(start));
+  }
+  return all;
+}
+
 void AddStep(const std::vector<FourierSignature>& all, const std::vector<Pose2>& truth, int step,
-             Study& study) {
+             Method method, Study& study) {
   const std::string title = "step " + std::to_string(step);
   HeatPanel shapes{title, kPhases, kMagnitudes, {}};
   HeatPanel seconds = shapes;
   const Points2 places = PlacesOf(Every(truth, step));
-  VisualOdometryOptions options;
-  options.max_span = 1;
   for (const int k2 : kPhases) {
     const std::vector<FourierSignature> signatures = WithPhases(Every(all, step), k2);
-    const auto start = std::chrono::steady_clock::now();
-    const VisualOdometry trajectory = FollowPanoramas(signatures, options.compass.band, options);
-    const double of_headings = SecondsSince(start);
-    shapes.values.emplace_back();
     seconds.values.emplace_back();
-    for (const int k1 : kMagnitudes) {
-      const auto lengths = std::chrono::steady_clock::now();
-      const std::vector<Pose2> poses = WithLengths(signatures, trajectory, k1);
-      seconds.values.back().push_back(of_headings + SecondsSince(lengths));
+    const Trajectories ways = method == Method::kOurs
+                                  ? FollowOurs(signatures, seconds.values.back())
+                                  : FollowPaper(signatures, seconds.values.back());
+    shapes.values.emplace_back();
+    for (const std::vector<Pose2>& poses : ways) {
       shapes.values.back().push_back(CompareShapes(places, PlacesOf(poses)).mu);
     }
   }
@@ -97,13 +112,13 @@ void AddStep(const std::vector<FourierSignature>& all, const std::vector<Pose2>&
   study.seconds.panels.push_back(std::move(seconds));
 }
 
-Study StudyOf(const std::string& name) {
-  const PanoramaWalk walk = PanoramaWalkByName(name);
-  const std::vector<FourierSignature> signatures = Describe(walk);
-  Study study{{name + ": shape difference", "k2", "k1", 4, {}},
-              {name + ": seconds for the whole way", "k2", "k1", 2, {}}};
+Study StudyOf(const PanoramaWalk& walk, const std::vector<FourierSignature>& signatures,
+              Method method) {
+  const std::string title = walk.name + (method == Method::kOurs ? ", ours" : ", the paper's");
+  Study study{{title + ": shape difference", "k2", "k1", 4, {}},
+              {title + ": seconds for the whole way", "k2", "k1", 2, {}}};
   for (int step = 1; step <= kMostSteps; ++step) {
-    AddStep(signatures, GroundPoses(walk.walk), step, study);
+    AddStep(signatures, GroundPoses(walk.walk), step, method, study);
   }
   return study;
 }
@@ -157,14 +172,20 @@ int RunStudy(const Args& raw) {
   if (!out.empty()) std::filesystem::create_directories(out);
   nlohmann::json json = {{"bench", "study"}, {"k1", kMagnitudes}, {"k2", kPhases}};
   for (const std::string name : {"office", "laboratory"}) {
-    const Study study = StudyOf(name);
-    for (const auto& [what, map] :
-         {std::pair("shape", &study.shapes), std::pair("seconds", &study.seconds)}) {
-      Print(*map);
-      json[name][what] = Json(*map);
-      if (out.empty()) continue;
-      Write(out / (name + "-" + what + ".svg"), HeatMapSvg(*map));
-      WriteTable(out / (name + "-" + what + ".csv"), *map);
+    const PanoramaWalk walk = PanoramaWalkByName(name);
+    const std::vector<FourierSignature> signatures = DescribeWalk(walk);
+    for (const Method method : {Method::kPaper, Method::kOurs}) {
+      const std::string by = method == Method::kOurs ? "ours" : "paper";
+      const Study study = StudyOf(walk, signatures, method);
+      for (const auto& [what, map] :
+           {std::pair("shape", &study.shapes), std::pair("seconds", &study.seconds)}) {
+        Print(*map);
+        json[name][by][what] = Json(*map);
+        if (out.empty()) continue;
+        const std::string file = name + "-" + by + "-" + what;
+        Write(out / (file + ".svg"), HeatMapSvg(*map));
+        WriteTable(out / (file + ".csv"), *map);
+      }
     }
   }
   std::cout << json.dump() << std::endl;

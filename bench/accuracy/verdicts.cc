@@ -21,9 +21,11 @@ namespace fs = std::filesystem;
 constexpr int kBins = 10;
 constexpr int kFewest = 20;  // answers that a bin must have to say anything
 
-// Photos of one kind, with the features that every map is asked for.
+// Photos of one kind, no two of which are the same file or frame, with the features that every map
+// is asked for.
 struct Photos {
   std::string name;
+  bool real = true;  // taken by a camera; the others are rendered, as a map's calibration renders
   std::vector<Features> features;
 };
 
@@ -39,6 +41,7 @@ struct Verdicts {
   int right = 0;
   int ambiguous = 0;
   int outside = 0;  // queries that are not in the map
+  int outside_real = 0;
   int false_localized = 0;
   int false_ambiguous = 0;
   int most_inliers = 0;  // of a query that is not in the map
@@ -58,7 +61,7 @@ Photos ReadPhotos(const std::string& name, const std::vector<fs::path>& folders,
     const std::vector<fs::path> all = ImagesIn(folder);
     for (size_t i = 0; i < all.size(); i += step) paths.push_back(all[i]);
   }
-  Photos photos{name, std::vector<Features>(paths.size())};
+  Photos photos{name, true, std::vector<Features>(paths.size())};
   tbb::parallel_for(size_t{0}, paths.size(), [&](size_t i) {
     photos.features[i] = ExtractFeatures(DecodeGrey(ReadBytes(paths[i]), {}), FeatureOptions{});
   });
@@ -74,7 +77,7 @@ Photos RenderOther(int count) {
   const Renderer renderer(PinholeCamera(640, 480, 1.2));
   const WorldSource source(world, renderer, walk);
   count = std::min(count, source.size());
-  Photos photos{"world", std::vector<Features>(count)};
+  Photos photos{"world", false, std::vector<Features>(count)};
   tbb::parallel_for(0, count, [&](int i) {
     const int frame = static_cast<int>(static_cast<int64_t>(i) * source.size() / count);
     photos.features[i] = ExtractFeatures(source.Render(frame).grey, FeatureOptions{});
@@ -106,6 +109,7 @@ void AskOutside(const Photos& photos, const MapIndex& index, Verdicts& verdicts)
   for (size_t i = 0; i < answers.size(); ++i) {
     const Answer& answer = answers[i];
     ++verdicts.outside;
+    verdicts.outside_real += photos.real;
     verdicts.State(answer.probability, false);
     if (answer.planes.runner_up) {
       verdicts.most_inliers = std::max(verdicts.most_inliers, answer.planes.runner_up->inliers);
@@ -134,6 +138,7 @@ nlohmann::ordered_json JsonOf(const Verdicts& v) {
           {"right", v.right},
           {"ambiguous", v.ambiguous},
           {"outside", v.outside},
+          {"outside_real", v.outside_real},
           {"false_localized", v.false_localized},
           {"false_ambiguous", v.false_ambiguous},
           {"most_inliers_outside", v.most_inliers},
@@ -159,6 +164,22 @@ void Print(const std::string& scene, const VerdictModel& model, const Verdicts& 
   }
 }
 
+// Of the photos that were asked of a map that doesn't show them, each counted once.
+nlohmann::ordered_json CountDistinct(const std::vector<Photos>& photos) {
+  nlohmann::ordered_json json;
+  int real = 0;
+  int rendered = 0;
+  for (const Photos& each : photos) {
+    const int count = static_cast<int>(each.features.size());
+    (each.real ? real : rendered) += count;
+    json["of"][each.name] = count;
+  }
+  json["distinct"] = real + rendered;
+  json["real"] = real;
+  json["rendered"] = rendered;
+  return json;
+}
+
 struct Mapped {
   std::unique_ptr<Scene> scene;
   std::vector<std::string> inside;  // photos that show the scene
@@ -178,9 +199,12 @@ int RunVerdicts(const Args& raw) {
     const fs::path data = raw[0];
     photos.push_back(ReadPhotos("street", {data / "street/image_0"}, 1));
     photos.push_back(ReadPhotos("church", {data / "church/map", data / "church/query_P8"}, 1));
-    photos.push_back(ReadPhotos("kitchen", {data / "kitchen/rgb"}, 4));
+    photos.push_back(ReadPhotos("kitchen", {data / "kitchen/rgb"}, 2));
     photos.push_back(ReadPhotos("york_urban", {data / "york_urban"}, 1));
     photos.push_back(ReadPhotos("dealership", {data / "dealership/rig"}, 1));
+    photos.push_back(ReadPhotos("corridor", {data / "corridor"}, 1));
+    photos.push_back(ReadPhotos("tower", {data / "tower"}, 1));
+    photos.push_back(ReadPhotos("homographies", {data / "homographies"}, 1));
     maps.push_back(
         {OpenRgbdScene(data / "kitchen", {0, 499, 1}, {500, 990, 10}, limits), {"kitchen"}});
     maps.push_back({OpenPhotoScene(data / "church", limits), {"church"}});
@@ -204,6 +228,7 @@ int RunVerdicts(const Args& raw) {
     outside += verdicts.outside;
     false_localized += verdicts.false_localized;
   }
+  json["photos"] = CountDistinct(photos);
   json["outside"] = outside;
   json["false_localized"] = false_localized;
   std::cout << json.dump() << std::endl;

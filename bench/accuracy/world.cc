@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <set>
 
 #include "bench/accuracy/common.h"
+#include "bench/accuracy/settings.h"
+#include "bench/accuracy/world_revisits.h"
 #include "bench/accuracy/world_truth.h"
 #include "core/base/error.h"
 #include "world/rig.h"
@@ -15,7 +19,6 @@ namespace {
 constexpr int kCarried = 40;          // matched features that make a plane count
 constexpr double kTrueShare = 0.9;    // of a plane's features on one true plane; less is false
 constexpr double kWrongView_px = 10;  // a view off by more was fused wrongly
-constexpr double kRevisited = 0.6;    // share of a plane that the other one's reference shows
 
 // Planes of the map that show a true plane in a keyframe.
 using Views = std::set<std::pair<int64_t, int>>;  // keyframe id, true plane
@@ -25,8 +28,7 @@ struct Figures {
   int found = 0;    // of them, are in the map in both keyframes
   int false_planes = 0;
   int wrong_views = 0;
-  int revisits = 0;         // pairs of planes, or of views of one plane, that show a surface again
-  int revisits_joined = 0;  // of them, fused or joined by an edge
+  RevisitFigures revisits;
   std::vector<double> view_errors_px;
 };
 
@@ -43,39 +45,17 @@ void CountFound(const WorldTruth& truth, const MapData& map, const Views& views,
   }
 }
 
-// Fused: views of one plane with keyframes between them that didn't see it. Not fused: two planes
-// of one surface, one of which the other one's reference image shows, seen at different times.
-void CountRevisits(const WorldTruth& truth, const MapData& map,
-                   const std::map<PlaneId, int>& owners, Figures& figures) {
-  std::set<std::pair<PlaneId, PlaneId>> joined;
-  for (const Edge& edge : map.edges) joined.insert({edge.a, edge.b});
-  for (const Plane& plane : map.planes) {
-    for (size_t v = 1; v < plane.views.size(); ++v) {
-      const bool again = plane.views[v].keyframe.value > plane.views[v - 1].keyframe.value + 1;
-      figures.revisits += again;
-      figures.revisits_joined += again;
-    }
-  }
-  for (const Plane& m : map.planes) {
-    for (const Plane& n : map.planes) {
-      if (!(m.id < n.id) || !owners.contains(m.id) || !owners.contains(n.id) ||
-          owners.at(m.id) != owners.at(n.id)) {
-        continue;
-      }
-      const int plane = owners.at(m.id);
-      if (std::min(truth.SharedView(m, n, plane), truth.SharedView(n, m, plane)) < kRevisited) {
-        continue;
-      }
-      ++figures.revisits;
-      const bool is_joined = joined.contains({m.id, n.id});
-      figures.revisits_joined += is_joined;
-      if (!is_joined) {
-        std::printf("not fused: planes %lld and %lld of true plane %d (%zu and %zu features)\n",
-                    static_cast<long long>(m.id.value), static_cast<long long>(n.id.value), plane,
-                    m.features.size(), n.features.size());
+SharedPlanes FindSharedPlanes(const WorldTruth& truth, int keyframes) {
+  SharedPlanes shared(keyframes);
+  tbb::parallel_for(1, keyframes, [&](int b) {
+    shared[b].resize(b);
+    for (int a = 0; a < b; ++a) {
+      for (const auto& [plane, matches] : truth.CarriedMatches(a, b)) {
+        if (matches >= kCarried) shared[b][a].insert(plane);
       }
     }
-  }
+  });
+  return shared;
 }
 
 Figures Measure(const WorldTruth& truth, const MapData& map) {
@@ -107,7 +87,8 @@ Figures Measure(const WorldTruth& truth, const MapData& map) {
     }
   }
   CountFound(truth, map, views, figures);
-  CountRevisits(truth, map, owners, figures);
+  figures.revisits =
+      CountRevisits(FindSharedPlanes(truth, static_cast<int>(map.keyframes.size())), map, owners);
   return figures;
 }
 
@@ -121,10 +102,11 @@ int RunWorld(const Args& raw) {
   world_options.repeat_poster = std::stod(TakeOption(args, "repeat-poster", "0"));
   world_options.bare_walls = std::stod(TakeOption(args, "bare-walls", "0"));
   const std::string plan = TakeOption(args, "plan", "demo");
+  const BuildOptions options = TakeBuildSettings(args);
   if (!args.empty() || (plan != "demo" && plan != "other")) {
     throw MapError(ErrorCode::kUsage,
                    "world takes --frames, --seed, --plan demo|other, "
-                   "--repeat-poster and --bare-walls");
+                   "--repeat-poster, --bare-walls and --set NAME=VALUE");
   }
   const World world(plan == "demo" ? DemoPlan() : OtherPlan(), world_options);
   WalkOptions walk_options;
@@ -134,7 +116,7 @@ int RunWorld(const Args& raw) {
   const Renderer renderer(PinholeCamera(640, 480, 1.2));
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(std::make_unique<WorldSource>(world, renderer, walk));
-  const BuildResult built = BuildMap(sources, BuildOptions{}, {});
+  const BuildResult built = BuildMap(sources, options, {});
   const MapData& map = built.map;
   const WorldTruth truth(world, static_cast<const WorldSource&>(*sources.front()), walk, map);
   const Figures figures = Measure(truth, map);
@@ -160,8 +142,15 @@ int RunWorld(const Args& raw) {
       {"median_view_error_px", Quantile(figures.view_errors_px, 0.5)},
       {"p90_view_error_px", Quantile(figures.view_errors_px, 0.9)},
       {"wrong_views", figures.wrong_views},
-      {"revisits", figures.revisits},
-      {"revisits_joined", figures.revisits_joined},
+      {"revisits",
+       {{"pairs_of_visits", figures.revisits.pairs},
+        {"too_few_matches", figures.revisits.too_few_matches},
+        {"seen_again", figures.revisits.seen_again},
+        {"one_plane", figures.revisits.one_plane},
+        {"joined_by_edge", figures.revisits.joined_by_edge},
+        {"joined", figures.revisits.one_plane + figures.revisits.joined_by_edge},
+        {"no_plane", figures.revisits.no_plane},
+        {"apart", figures.revisits.apart}}},
       {"build_s", built.report.total_s}};
   std::cout << json.dump() << std::endl;
   return 0;

@@ -16,10 +16,6 @@ namespace {
 constexpr int kEdge_px = 3;
 // A match is the plane's if it agrees with the true homography to this. px
 constexpr double kTrueMatch_px = 3;
-// Views are alike for SIFT up to about this factor of scale between them.
-constexpr double kMaxScale = 1.6;
-// ... and this much foreshortening.
-constexpr double kMaxStretch = 1.6;
 
 std::string Key(const uint8_t* descriptor) {
   return {reinterpret_cast<const char*>(descriptor),
@@ -121,24 +117,6 @@ std::vector<double> WorldTruth::ViewErrors(const Plane& plane, const PlaneView& 
         (Apply(view.reference_from_keyframe, x) - Apply(reference_from_keyframe, x)).norm());
   }
   return errors;
-}
-
-double WorldTruth::SharedView(const Plane& m, const Plane& n, int true_plane) const {
-  const Eigen::Matrix3d m_from_n = ToFrom(true_plane, n.reference, m.reference);
-  int shared = 0;
-  for (const PlaneFeature& feature : n.features) {
-    const Eigen::Vector2d x_n = PositionOf(feature.reference);
-    const Eigen::Vector2d x_m = Apply(m_from_n, x_n);
-    if (!IsInImage(x_m, camera_) || PlaneAt(IndexOf(m.reference), x_m) != true_plane) continue;
-    const double step = 1.0;
-    Eigen::Matrix2d local;
-    local.col(0) = Apply(m_from_n, x_n + Eigen::Vector2d(step, 0)) - x_m;
-    local.col(1) = Apply(m_from_n, x_n + Eigen::Vector2d(0, step)) - x_m;
-    const Eigen::Vector2d stretch = local.jacobiSvd().singularValues();
-    const double scale = std::sqrt(stretch(0) * stretch(1));
-    shared += scale < kMaxScale && scale > 1 / kMaxScale && stretch(0) < kMaxStretch * stretch(1);
-  }
-  return n.features.empty() ? 0 : static_cast<double>(shared) / n.features.size();
 }
 
 }  // namespace waystone::bench

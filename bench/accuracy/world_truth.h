@@ -36,10 +36,6 @@ class WorldTruth {
   // reference image.
   std::vector<double> ViewErrors(const Plane& plane, const PlaneView& view, int true_plane) const;
 
-  // Share of n's features that m's reference image shows, by the truth, from a direction and
-  // distance from which features can be recognised.
-  double SharedView(const Plane& m, const Plane& n, int true_plane) const;
-
  private:
   int IndexOf(KeyframeId id) const { return static_cast<int>(id.value) - 1; }
   int PlaneAt(int keyframe, const Eigen::Vector2d& x) const;

@@ -161,7 +161,19 @@ void PrintQueries(const char* name, const QueryFigures& q) {
               q.answered, q.right, q.answered - q.right, q.ambiguous);
 }
 
-Json ToJson(const GraphFigures& g, const QueryFigures& q) {
+Json ToJson(const QueryFigures& q) {
+  return {{"localize_ms", Mean(q.own_ms)},
+          {"localize_median_ms", Quantile(q.own_ms, 0.5)},
+          {"localize_whole_ms", Mean(q.whole_ms)},
+          {"queries", q.own_ms.size()},
+          {"answered", q.answered},
+          {"right", q.right},
+          {"wrong", q.answered - q.right},
+          {"ambiguous", q.ambiguous},
+          {"not_found", static_cast<int>(q.own_ms.size()) - q.answered - q.ambiguous}};
+}
+
+Json ToJson(const GraphFigures& g) {
   return {{"nodes", g.nodes},
           {"edges", g.edges},
           {"features", g.features},
@@ -170,13 +182,8 @@ Json ToJson(const GraphFigures& g, const QueryFigures& q) {
           {"own_cpu_s", g.own.cpu_s},
           {"whole_s", g.whole.wall_s},
           {"whole_cpu_s", g.whole.cpu_s},
-          {"localize_ms", Mean(q.own_ms)},
-          {"localize_median_ms", Quantile(q.own_ms, 0.5)},
-          {"localize_whole_ms", Mean(q.whole_ms)},
-          {"queries", q.own_ms.size()},
-          {"answered", q.answered},
-          {"right", q.right},
-          {"ambiguous", q.ambiguous}};
+          {"features_per_node",
+           static_cast<double>(g.features) / static_cast<double>(std::max<size_t>(1, g.nodes))}};
 }
 
 double Ratio(double images, double planes) { return planes > 0 ? images / planes : 0; }
@@ -189,7 +196,8 @@ Json RatiosOf(const Graphs& g, const Table3& t) {
           {"build_whole_cpu", Ratio(g.images.whole.cpu_s, g.planes.whole.cpu_s)},
           {"localize_own", Ratio(Mean(t.images.own_ms), Mean(t.planes.own_ms))},
           {"localize_whole", Ratio(Mean(t.images.whole_ms), Mean(t.planes.whole_ms))},
-          {"localize_own_opencv", Ratio(Mean(t.opencv.own_ms), Mean(t.planes.own_ms))}};
+          {"localize_own_opencv", Ratio(Mean(t.opencv.own_ms), Mean(t.planes.own_ms))},
+          {"localize_whole_opencv", Ratio(Mean(t.opencv.whole_ms), Mean(t.planes.whole_ms))}};
 }
 
 Json Report(const Scene& scene, const Graphs& g, const Table3& t) {
@@ -218,13 +226,18 @@ Json Report(const Scene& scene, const Graphs& g, const Table3& t) {
   (void)std::fflush(stdout);
   return {{"scene", scene.name()},
           {"keyframes", g.images.nodes},
+          {"kept_one_in", static_cast<double>(g.images.features) /
+                              static_cast<double>(std::max<int64_t>(1, g.planes.features))},
           {"shared_s", g.shared.wall_s},
           {"shared_cpu_s", g.shared.cpu_s},
           {"plane_bytes_with_pictures", g.bytes_with_pictures},
-          {"images", ToJson(g.images, t.images)},
-          {"planes", ToJson(g.planes, t.planes)},
-          {"planes_best_place_right", t.best_place.right},
-          {"opencv_localize_ms", Mean(t.opencv.own_ms)},
+          {"images", ToJson(g.images)},
+          {"planes", ToJson(g.planes)},
+          {"queries",
+           {{"images", ToJson(t.images)},
+            {"planes", ToJson(t.planes)},
+            {"best_place", ToJson(t.best_place)},
+            {"opencv", ToJson(t.opencv)}}},
           {"ratios", ratios}};
 }
 

@@ -11,24 +11,13 @@
 #include <opencv2/features2d.hpp>
 
 #include "core/homography/homography.h"
+#include "localizer/planes/spread.h"
 
 namespace waystone::bench {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
-
-// Inliers that lie at least `apart` from every one counted before.
-int CountDistinct(const std::vector<Vector2d>& points, double apart) {
-  std::vector<Vector2d> counted;
-  for (const Vector2d& x : points) {
-    const bool near = std::any_of(counted.begin(), counted.end(), [&](const Vector2d& other) {
-      return (other - x).squaredNorm() < apart * apart;
-    });
-    if (!near) counted.push_back(x);
-  }
-  return static_cast<int>(counted.size());
-}
 
 // Whether the homography enlarges by less than `max_scale`, and turns nothing over, at a point.
 bool ScalesSensibly(const Matrix3d& h, const Vector2d& x, double max_scale) {
@@ -59,7 +48,7 @@ std::optional<Verified> Verify(const Features& from, const Features& to,
   Verified verified;
   verified.to_from = fit->model.to_from;
   for (int row : fit->inliers) verified.inliers.Add(points.from[row], points.to[row]);
-  verified.distinct = CountDistinct(verified.inliers.a, options.gates.distinct_px);
+  verified.distinct = CountApart(verified.inliers.a, options.gates.distinct_px);
   const bool passes =
       verified.distinct >= min_distinct &&
       verified.distinct >= options.gates.min_inlier_share * static_cast<double>(matches.size()) &&

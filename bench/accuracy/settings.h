@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bench/accuracy/common.h"
+
+namespace waystone::bench {
+
+// Takes every `--set NAME=VALUE` out of the arguments: the options of a build as `waystone build`
+// has them. Throws MapError as that does.
+BuildOptions TakeBuildSettings(Args& args);
+
+}  // namespace waystone::bench

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "bench/baseline/image_search.h"
+#include "core/search/search_index.h"
+
+namespace waystone::bench {
+
+// Image search as a short program does it, to measure against: every feature of a query votes for
+// the image of its nearest feature, the five images with the most votes are matched with the query
+// (nearest by ratio 0.8, mutual and one to one), and it is found in the one with the most inliers
+// of a homography (OpenCV's MAGSAC, 3 px), if these are 15 at least.
+class VoteSearch {
+ public:
+  // All of one type. Votes are exact, or found through lists as a map's are, `probes` of them for
+  // each feature; 0 for exact.
+  VoteSearch(std::vector<Features> images, int probes);
+
+  std::optional<FoundImage> Find(const Features& query) const;
+  // Of descriptors and positions (two bytes a coordinate), without any structure for searching.
+  int64_t CountBytes() const;
+
+ private:
+  std::vector<int> MostVoted(const Features& query) const;
+
+  std::vector<Features> images_;
+  std::vector<int> image_of_row_;
+  SearchIndex index_;
+  int probes_;
+};
+
+}  // namespace waystone::bench

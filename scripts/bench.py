@@ -1,0 +1,176 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""bench.py BUILD [NAME...]: runs the benches that docs/benchmarks.md reports, or those named.
+
+What NAME measured goes to BUILD/bench/results/NAME.json, whole or not at all: the bench's last line
+with its command, commit, machine, date and seconds. A bench whose data is missing (WAYSTONE_DATA, or
+../shared/data) is skipped, and one that fails keeps its earlier result. Exits with 1 when one failed.
+scripts/benchmark_tables.py writes the document from the results.
+"""
+import datetime
+import glob
+import json
+import os
+import platform
+import resource
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+# Name of a result, and what waystone-bench is given for it.
+RUNS = """
+world                world
+world-other          world --plan other --seed 2 --frames 500
+kitchen              rgbd DATA/kitchen
+world-extrapolated   world --set planes.max_extrapolation=1000 --set planes.min_anchored=0
+kitchen-extrapolated rgbd DATA/kitchen --set planes.max_extrapolation=1000 --set planes.min_anchored=0
+pairs                pairs DATA/labelled_pairs/*
+verdicts             verdicts DATA
+negatives            negatives DATA/kitchen DATA/street/image_0 DATA/church/map DATA/church/query_P8
+recall               recall DATA
+peers                peers DATA --only kitchen,corridor
+look-alikes          look-alikes
+look-alikes-others   look-alikes --first 17 --buildings 8
+scale                scale
+linear               linear DATA/kitchen 250 500 1000
+graphs               graphs DATA/kitchen DATA/church world
+density-300          graphs DATA/kitchen --keyframes 300:150 --opencv-every 0
+density-350          graphs DATA/kitchen --keyframes 350:175 --opencv-every 0
+density-365          graphs DATA/kitchen --keyframes 365:180 --opencv-every 0
+density-450          graphs DATA/kitchen --keyframes 450:225 --opencv-every 0
+build                build DATA/kitchen --frames 250,500,1000
+poses                poses --kitchen DATA/kitchen --church DATA/church
+compass              compass DATA/dealership
+directions           directions DATA/york_urban DATA/dealership
+segments             segments DATA/york_urban/images
+relative             relative DATA/dealership
+orientation          orientation --scale 0.75
+orientation-bare     orientation --scale 0.75 --buildings 1 --trim no
+building             building DATA/kitchen DATA/dealership
+odometry             odometry
+study                study
+kidnapped            kidnapped DATA/dealership
+serve                serve
+page                 page 500 10000
+"""
+
+
+def runs():
+    """{name: arguments}, with DATA in them."""
+    return {words[0]: words[1:] for words in map(str.split, RUNS.strip().splitlines())}
+
+
+def data_folder():
+    return os.environ.get("WAYSTONE_DATA", "../shared/data")
+
+
+def with_data(arguments):
+    """The arguments with the folder of the data, or None where it has not got all of them."""
+    filled = []
+    for argument in arguments:
+        paths = [argument]
+        if argument.split("/")[0] == "DATA":
+            paths = sorted(glob.glob(data_folder() + argument[len("DATA"):]))
+        if not paths:
+            return None
+        filled += paths
+    return filled
+
+
+def git(*arguments):
+    return subprocess.run(["git", *arguments], check=True, capture_output=True, text=True).stdout.strip()
+
+
+def sources():
+    """The commit, and whether what the programs are built from is as it says."""
+    changed = git("status", "--porcelain", "--", ":!docs", ":!*.md")
+    return {"commit": git("rev-parse", "--short=9", "HEAD"), "clean": not changed}
+
+
+def machine():
+    def field(path, name):
+        lines = Path(path).read_text(encoding="utf-8").splitlines()
+        found = [line for line in lines if line.split("=")[0].split(":")[0].strip() == name]
+        return found[0].replace(":", "=", 1).split("=", 1)[1].strip().strip('"') if found else "unknown"
+    return {"cpu": field("/proc/cpuinfo", "model name"), "cores": os.cpu_count(),
+            "os": f"{field('/etc/os-release', 'PRETTY_NAME')}, {platform.machine()}"}
+
+
+def rounded(value):
+    """Six digits are more than any of these is known to."""
+    if isinstance(value, float):
+        return float(f"{value:.6g}")
+    if isinstance(value, dict):
+        return {key: rounded(each) for key, each in value.items()}
+    return [rounded(each) for each in value] if isinstance(value, list) else value
+
+
+def last_line(command):
+    """Runs it, shows what it says, and returns its last line."""
+    last = ""
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        for line in process.stdout:
+            print(line if len(line) < 400 else line[:400] + "...\n", end="", flush=True)
+            last = line
+    if process.returncode != 0:
+        raise RuntimeError(f"exit status {process.returncode}")
+    return last
+
+
+def measure(program, arguments, filled, about):
+    """The record of one run. Raises ValueError when its last line is no JSON object."""
+    cpu = resource.getrusage(resource.RUSAGE_CHILDREN)
+    start = time.monotonic()
+    result = json.loads(last_line([program, *filled]))
+    seconds = time.monotonic() - start
+    now = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if not isinstance(result, dict) or result.get("bench") != arguments[0]:
+        raise ValueError(f"the last line is no result of '{arguments[0]}'")
+    return {"command": " ".join(arguments), **about,
+            "date": datetime.datetime.now(datetime.timezone.utc).date().isoformat(),
+            "seconds": round(seconds, 1),
+            "cpu_seconds": round(now.ru_utime + now.ru_stime - cpu.ru_utime - cpu.ru_stime, 1),
+            "result": rounded(result)}
+
+
+def write(path, record):
+    part = path.with_suffix(".part")
+    part.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    os.replace(part, path)
+
+
+def run(program, results, name, arguments, about):
+    """Whether all is well: measured, or skipped because there is no data for it."""
+    print(f"\n== {name}: waystone-bench {' '.join(arguments)}", flush=True)
+    filled = with_data(arguments)
+    if filled is None:
+        print(f"skipped: {data_folder()} has not got its data (set WAYSTONE_DATA to where it is)")
+        return True
+    try:
+        write(results / f"{name}.json", measure(program, arguments, filled, about))
+    except (RuntimeError, ValueError) as error:
+        print(f"bench.py: {name} failed: {error}", file=sys.stderr)
+        return False
+    return True
+
+
+def main(build, names):
+    unknown = [name for name in names if name not in runs()]
+    if unknown:
+        sys.exit(f"bench.py: there is no {', '.join(unknown)}; there are {', '.join(runs())}")
+    results = Path(build) / "bench/results"
+    results.mkdir(parents=True, exist_ok=True)
+    about = {**sources(), "machine": machine()}
+    start = time.monotonic()
+    failed = [name for name in names or runs()
+              if not run(f"{build}/bench/waystone-bench", results, name, runs()[name], about)]
+    print(f"\n{(time.monotonic() - start) / 60:.0f} minutes; results in {results}"
+          + (f"; failed: {', '.join(failed)}" if failed else ""))
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    sys.exit(main(sys.argv[1], sys.argv[2:]))

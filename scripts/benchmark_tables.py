@@ -1,0 +1,180 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""benchmark_tables.py [--check] [RESULTS]: writes docs/benchmarks.md.
+
+The document is docs/benchmarks/benchmarks.md.in with its placeholders filled from the results beside
+it, one file a run of scripts/bench.py. Those in RESULTS, where it is given, replace them first.
+{world.found_share:.1%} is found_share of the run `world`, in percent; elements of lists are taken by
+their number or name. Formats are Python's; `M` and `K` divide by a million and a thousand. What a run
+hasn't measured is a dash. A line below each table gives the date, commit and machine of its runs. With
+--check nothing is written: the exit status is 1 when the document isn't what would be written, or when
+a table has a figure that comes from no result. Columns of targets and the first one, which names the
+rows, are the template's.
+"""
+import difflib
+import json
+import re
+import shutil
+import string
+import sys
+from pathlib import Path
+
+import bench
+
+DOCUMENT = Path("docs/benchmarks.md")
+FOLDER = Path("docs/benchmarks")
+TEMPLATE = FOLDER / "benchmarks.md.in"
+NOTE = ("<!-- Written by scripts/benchmark_tables.py: change docs/benchmarks/benchmarks.md.in, or run "
+        "`make bench`. -->\n")
+
+
+class Figure:
+    """A value of a result, reached by its path and printed by a format."""
+
+    def __init__(self, value, path):
+        self.value, self.path = value, path
+
+    def __getattr__(self, key):
+        return self[key]
+
+    def __getitem__(self, key):
+        path = f"{self.path}.{key}"
+        if self.value is None:
+            return Figure(None, path)
+        if isinstance(self.value, list):
+            found = [each for each in self.value if isinstance(each, dict)
+                     and key in (each.get("name"), each.get("scene"), each.get("set"))]
+            if isinstance(key, int) and key < len(self.value):
+                return Figure(self.value[key], path)
+            if found:
+                return Figure(found[0], path)
+        elif isinstance(self.value, dict) and str(key) in self.value:
+            return Figure(self.value[str(key)], path)
+        raise ValueError(f"there is no {path}")
+
+    def __format__(self, spec):
+        value = self.value
+        if isinstance(value, bool):
+            return "yes" if value else "no"
+        if value is None:
+            return "-"
+        if isinstance(value, (dict, list)):
+            raise ValueError(f"{self.path} is no figure")
+        if spec.endswith(("M", "K")):
+            value, spec = value / {"M": 1e6, "K": 1e3}[spec[-1]], spec[:-1]
+        if isinstance(value, int) and not spec:
+            spec = ","
+        if isinstance(value, float) and not spec:
+            raise ValueError(f"{self.path} wants a format")
+        return format(value, spec).replace("%", " %")
+
+
+class Results(dict):
+    def __missing__(self, name):
+        if name in bench.runs():
+            return Figure(None, name)
+        raise ValueError(f"there is no result of the run '{name}'")
+
+
+def read(folder):
+    return {path.stem: json.loads(path.read_text(encoding="utf-8"))
+            for path in sorted(folder.glob("*.json"))}
+
+
+def runs_of(line):
+    """The runs whose results are in a line, in their order."""
+    names = [re.split(r"[.\[]", field)[0] for _, field, _, _ in string.Formatter().parse(line) if field]
+    return list(dict.fromkeys(names))
+
+
+def stamp(records, names):
+    """Where the figures of a table come from, a line for those of one commit, day and machine."""
+    together = {}
+    for name in names:
+        if name not in records:
+            together.setdefault("not measured yet", []).append(
+                f"`waystone-bench {' '.join(bench.runs()[name])}`")
+            continue
+        record = records[name]
+        machine = record["machine"]
+        commit = record["commit"] + ("" if record["clean"] else " with changes")
+        where = (f"{record['date']}, commit {commit}, {machine['cpu']}, {machine['cores']} cores, "
+                 f"{machine['os']}")
+        if record.get("copied"):
+            where += "; copied from the page as it was then, without the other figures of the run"
+        seconds = f" ({record['cpu_seconds']:.0f} s of CPU time)" if record["seconds"] else ""
+        together.setdefault(where, []).append(f"`waystone-bench {record['command']}`{seconds}")
+    return "".join(f"*{', '.join(commands)}: {where}.*\n" for where, commands in together.items())
+
+
+def is_table(line):
+    return line.startswith("|")
+
+
+def fill(template, records):
+    """The document, whose lines are as long as figures make them.
+
+    Raises ValueError for a placeholder that no result fills.
+    """
+    results = Results({name: Figure(record["result"], name) for name, record in records.items()})
+    timed = [record["cpu_seconds"] for record in records.values() if record["seconds"]]
+    results["all"] = Figure({"cpu_minutes": sum(timed) / 60, "timed": len(timed)}, "all")
+    out, names = [], []
+    for number, line in enumerate(template.splitlines(keepends=True), 1):
+        if names and not is_table(line):
+            out.append("\n" + stamp(records, names))
+            names = []
+        try:
+            out.append(string.Formatter().vformat(line, (), results))
+        except ValueError as error:
+            raise ValueError(f"{TEMPLATE}:{number}: {error}") from error
+        if is_table(line):
+            names += [name for name in runs_of(line) if name not in names]
+    if names:
+        out.append("\n" + stamp(records, names))
+    return NOTE + "".join(out)
+
+
+def cells(line):
+    return [cell.strip() for cell in line.strip().strip("|").split("|")]
+
+
+def unmeasured(template):
+    """Cells of tables with something that neither a result nor a target says."""
+    found, heading = [], None
+    for number, line in enumerate(template.splitlines(), 1):
+        if not is_table(line):
+            heading = None
+            continue
+        if heading is None:
+            heading = cells(line)
+            continue
+        if set(line) <= set("|-: "):
+            continue
+        for name, cell in list(zip(heading, cells(line)))[1:]:
+            said = re.sub(r"{[^}]*}", "", cell)
+            if "target" not in name and cell not in ("", "-") and (said == cell or re.search(r"\d", said)):
+                found.append(f"{TEMPLATE}:{number}: '{cell}' comes from no result")
+    return found
+
+
+def main(arguments):
+    check = "--check" in arguments
+    for path in [Path(each) for each in arguments if each != "--check"]:
+        for result in path.glob("*.json"):
+            shutil.copy(result, FOLDER)
+    template = TEMPLATE.read_text(encoding="utf-8")
+    problems = unmeasured(template)
+    text = fill(template, read(FOLDER))
+    if check:
+        problems += difflib.unified_diff(
+            DOCUMENT.read_text(encoding="utf-8").splitlines(), text.splitlines(),
+            str(DOCUMENT), "what scripts/benchmark_tables.py writes", lineterm="", n=0)
+    elif not problems:
+        DOCUMENT.write_text(text, encoding="utf-8")
+    print("\n".join(problems) if problems else f"{DOCUMENT} says what {FOLDER} has")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

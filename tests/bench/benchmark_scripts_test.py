@@ -1,0 +1,100 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""What scripts/bench.py keeps of a run, and what scripts/benchmark_tables.py makes of it."""
+import contextlib
+import io
+import json
+import os
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import bench  # noqa: E402
+import benchmark_tables  # noqa: E402
+
+ABOUT = {"commit": "abc", "clean": True, "machine": {"cpu": "A processor", "cores": 2, "os": "An OS"}}
+
+
+class BenchTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.enterContext(contextlib.redirect_stdout(io.StringIO()))
+        self.enterContext(contextlib.redirect_stderr(io.StringIO()))
+
+    def run_bench(self, script, arguments=("world", "--frames", "9")):
+        program = self.folder / "program"
+        program.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+        program.chmod(0o755)
+        return bench.run(str(program), self.folder, "name", list(arguments), ABOUT)
+
+    def record(self):
+        return json.loads((self.folder / "name.json").read_text(encoding="utf-8"))
+
+    def test_the_last_line_is_kept_with_where_it_comes_from(self):
+        self.assertTrue(self.run_bench("""echo some text; echo '{"bench": "world", "share": 0.123456789}'"""))
+        record = self.record()
+        self.assertEqual(record["result"], {"bench": "world", "share": 0.123457})
+        self.assertEqual(record["command"], "world --frames 9")
+        self.assertEqual({key: record[key] for key in ABOUT}, ABOUT)
+        self.assertRegex(record["date"], r"^\d{4}-\d\d-\d\d$")
+        self.assertEqual([path.name for path in self.folder.glob("name*")], ["name.json"])
+
+    def test_what_fails_leaves_the_earlier_result(self):
+        self.assertTrue(self.run_bench("""echo '{"bench": "world"}'"""))
+        before = self.record()
+        for script in ("""echo '{"bench": "world"}'; exit 5""", "echo no JSON",
+                       """echo '{"bench": "other"}'""", """echo '{"bench": "world"'""", "true"):
+            self.assertFalse(self.run_bench(script), script)
+            self.assertEqual(self.record(), before)
+
+    def test_missing_data_is_skipped(self):
+        os.environ["WAYSTONE_DATA"] = str(self.folder)
+        self.addCleanup(os.environ.pop, "WAYSTONE_DATA")
+        self.assertTrue(self.run_bench("exit 5", ("world", "DATA/nothing/*")))
+        self.assertFalse((self.folder / "name.json").exists())
+        (self.folder / "photos").mkdir()
+        self.assertEqual(bench.with_data(["x", "DATA/phot*"]), ["x", str(self.folder / "photos")])
+
+
+class TablesTest(unittest.TestCase):
+    RECORDS = {"run": {**ABOUT, "command": "world", "date": "2026-01-02", "seconds": 99.0, "cpu_seconds": 61.0,
+                       "result": {"share": 0.5, "bytes": 2500000, "same": True, "count": 1234,
+                                  "list": [{"name": "a-b", "count": 7}]}}}
+
+    def fill(self, text):
+        return benchmark_tables.fill(text, self.RECORDS)
+
+    def test_placeholders_become_figures(self):
+        self.assertIn("50.0 %, 2.5 MB, yes, 1,234, 7, 7, 1.0 minutes", self.fill(
+            "{run.share:.1%}, {run.bytes:.1fM} MB, {run.same}, {run.count}, {run.list[0].count}, "
+            "{run.list[a-b].count}, {all.cpu_minutes:.1f} minutes"))
+
+    def test_what_no_result_has_is_refused(self):
+        for text in ("{run.nothing}", "{other.share}", "{run.list[1].count}", "{run.list}", "{run.share}"):
+            with self.assertRaises(ValueError, msg=text):
+                self.fill(text)
+
+    def test_what_was_not_measured_is_a_dash(self):
+        text = self.fill("| a | b |\n|---|---|\n| c | {page.maps[0].graph_ms} ms |\n")
+        self.assertIn("| - ms |\n\n*`waystone-bench page 500 10000`: not measured yet.*", text)
+
+    def test_a_table_says_where_it_comes_from(self):
+        text = self.fill("| a | b |\n|---|---|\n| c | {run.count} |\n\nText.\n")
+        self.assertIn("1,234 |\n\n*`waystone-bench world` (61 s of CPU time): 2026-01-02, commit abc, A processor, "
+                      "2 cores, An OS.*\n\nText.", text)
+
+    def test_a_table_at_the_end_says_it_too(self):
+        self.assertIn("commit abc", self.fill("| a | b |\n|---|---|\n| c | {run.count} |\n"))
+
+    def test_figures_of_no_result_are_found(self):
+        rows = {"{run.count} of {run.count}": True, "-": True, "": True, "50 %": False, "all": False,
+                "{run.count} of 50": False}
+        for cell, fine in rows.items():
+            table = f"| 1 | target 2 | measured |\n|---|---|---|\n| 3 | 4 | {cell} |\n"
+            self.assertEqual(benchmark_tables.unmeasured(table) == [], fine, cell)
+
+
+if __name__ == "__main__":
+    unittest.main()
