@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/appearance/describe_panorama.h"
 
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 
 #include "builder/frames/shrink.h"
 #include "core/base/error.h"
+#include "core/image/encode.h"
 
 namespace waystone {
 namespace {
@@ -13,10 +13,7 @@ namespace {
 constexpr int kSmallestImage_px = 16;
 
 std::vector<uint8_t> SmallJpeg(const cv::Mat& grey, const DescribeOptions& options) {
-  std::vector<uint8_t> jpeg;
-  cv::imencode(".jpg", ShrinkToWidth(grey, options.image_width), jpeg,
-               {cv::IMWRITE_JPEG_QUALITY, options.image_quality});
-  return jpeg;
+  return EncodeJpeg(ShrinkToWidth(grey, options.image_width), options.image_quality);
 }
 
 bool IsWholeSphere(const Panorama& panorama) {

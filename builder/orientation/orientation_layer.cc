@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <utility>
 
 #include "builder/orientation/loops.h"
@@ -12,6 +11,7 @@
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/geometry/angle.h"
+#include "core/image/encode.h"
 
 namespace waystone {
 namespace {
@@ -39,7 +39,7 @@ OrientationNode MakeNode(const MappedSequence& mapped, const NodeInWork& work) {
                                             frame.rotation->building_from_rig.toRotationMatrix(),
                                             FindTrajectoryAxis(mapped, work));
   }
-  if (!work.view->thumbnail.empty()) cv::imencode(".jpg", work.view->thumbnail, node.jpeg);
+  if (!work.view->thumbnail.empty()) node.jpeg = EncodeJpeg(work.view->thumbnail);
   return node;
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "builder/planes/plane_features.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/image/encode.h"
 #include "schema/layers/planes/index_features.h"
 
 namespace waystone {
@@ -124,8 +124,7 @@ void PlaneLayerBuilder::AddKeyframe(const ChosenKeyframe& chosen) {
   keyframe.width = chosen.frame.features.width;
   keyframe.height = chosen.frame.features.height;
   if (!chosen.frame.thumbnail.empty()) {
-    cv::imencode(".jpg", chosen.frame.thumbnail, keyframe.jpeg,
-                 {cv::IMWRITE_JPEG_QUALITY, kThumbnailQuality});
+    keyframe.jpeg = EncodeJpeg(chosen.frame.thumbnail, kThumbnailQuality);
   }
   tracker_.AddKeyframe(keyframe.id, chosen.frame.features, chosen.starts_stretch, camera_);
   landmarks_.Add(keyframe.id, chosen.frame.features, chosen.starts_stretch);

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "builder/report/html.h"
 #include "builder/report/overlay.h"
 #include "core/base/error.h"
+#include "core/image/encode.h"
 
 namespace waystone {
 namespace {
@@ -63,8 +63,7 @@ void WriteReport(const MapData& map, const BuildReport& report,
   Save(dir / "index.html",
        ReportHtml(map, report, tables));  // first: the folder is ours from now on
   for (const Keyframe& keyframe : map.keyframes) {
-    std::vector<uint8_t> jpeg;
-    cv::imencode(".jpg", DrawPlanes(map, keyframe), jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+    const std::vector<uint8_t> jpeg = EncodeJpeg(DrawPlanes(map, keyframe), kJpegQuality);
     Save(dir / ImageName(keyframe.id), {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
   }
 }

@@ -5,13 +5,13 @@
 #include <cstdint>
 #include <fstream>
 #include <iomanip>
-#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/image/encode.h"
 #include "world/render.h"
 #include "world/setting.h"
 #include "world/walk.h"
@@ -81,9 +81,7 @@ std::vector<uint8_t> PhotoAfter(const World& world, const Walk& walk, size_t at)
   look.noise_seed = kPhotoNoiseSeed + at;
   const RenderedFrame frame = Render(world, WriteWalkOptions().camera,
                                      PoseBetween(walk.frames.at(at), walk.frames.at(at + 1)), look);
-  std::vector<uint8_t> jpeg;
-  cv::imencode(".jpg", frame.grey, jpeg);
-  return jpeg;
+  return EncodeJpeg(frame.grey);
 }
 
 std::vector<uint8_t> RenderPhoto(const World& world, const Walk& walk) {

@@ -14,6 +14,7 @@
 #include "cli/system/signals.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
+#include "core/image/decode.h"
 #include "server/http/http_server.h"
 #include "server/service/application.h"
 
@@ -103,6 +104,7 @@ void Complete(ServeFlags& flags) {
 int RunServe(ServeFlags flags) {
   BlockSignals();  // before there are threads: one that was made earlier would take them
   Complete(flags);
+  PrepareDecoders();
   ServedFiles files({flags.maps.begin(), flags.maps.end()});
   const ServedFiles::Opened opened = files.OpenAll();
   for (const ServedFiles::Change& refused : opened.refused) Report(refused);

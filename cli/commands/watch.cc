@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <optional>
@@ -20,9 +19,9 @@
 #include "cli/files/map_file.h"
 #include "cli/output/answer_text.h"
 #include "cli/system/signals.h"
-#include "core/base/check.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/image/encode.h"
 #include "localizer/session.h"
 
 namespace waystone {
@@ -101,10 +100,7 @@ class Oracle {
       return ToJson(OverallAnswer(
           Session(std::move(request), {{map_->name, map_->index}}, LocalizeOptions{}).Ask()));
     }
-    constexpr int kQuality = 95;
-    std::vector<uint8_t> bytes;
-    WS_CHECK(cv::imencode(".jpg", grey, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality}),
-             "can't encode a frame");
+    const std::vector<uint8_t> bytes = EncodeJpeg(grey);
     return AskServer(flags_.server, flags_.map, name, std::string(bytes.begin(), bytes.end()));
   }
 

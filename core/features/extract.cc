@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/error.h"
+#include "core/base/memory_reservation.h"
 #include "core/features/features.h"
 
 namespace waystone {
@@ -53,10 +54,20 @@ struct Detected {
   cv::Mat descriptors;  // row i belongs to keypoints[i]
 };
 
+// OpenCV's detectors end the program where memory runs out inside them. SIFT takes the most: six
+// blurred images and five differences of them in float, of twice the width and height, and a third
+// more for the octaves above; and glibc's heaps grow by 64 MB.
+int64_t DetectionBytes(const cv::Mat& grey) {
+  constexpr int64_t kBytesPerPixel = 300;
+  constexpr int64_t kHeap = int64_t{64} << 20;
+  return kBytesPerPixel * static_cast<int64_t>(grey.total()) + kHeap;
+}
+
 // SIFT in one go: its scale space is built once rather than for keypoints and descriptors each, and
 // its own limit keeps as many keypoints as ours but for ties. The others describe only what is
 // kept.
 Detected Detect(const cv::Mat& grey, const FeatureOptions& options) {
+  const MemoryReservation room(DetectionBytes(grey));
   const cv::Ptr<cv::Feature2D> detector = MakeDetector(options);
   Detected found;
   if (options.type == FeatureType::kSift) {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <new>
 #include <opencv2/imgcodecs.hpp>
+#include <string_view>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/image/formats.h"
@@ -83,6 +85,12 @@ void CheckLimits(const ImageHeader& header, const DecodeLimits& limits) {
     RefuseSize("the JPEG has " + std::to_string(header.scans) + " scans, more than the limit of " +
                std::to_string(limits.max_scans) + "; save it again as a baseline JPEG");
   }
+}
+
+void PrepareDecoders() {
+  constexpr std::string_view kPixel = "P5 1 1 255 x";
+  const std::vector<uint8_t> bytes(kPixel.begin(), kPixel.end());
+  DecodeGrey(bytes);
 }
 
 cv::Mat DecodeGrey(std::span<const uint8_t> bytes, const DecodeLimits& limits) {

@@ -63,6 +63,11 @@ ImageHeader ReadImageHeader(std::span<const uint8_t> bytes);
 // Throws MapError(kImageTooLarge), with the claim and the limit, for a header over the limits.
 void CheckLimits(const ImageHeader& header, const DecodeLimits& limits);
 
+// Decodes an image of one pixel. OpenCV sets up all its decoders with the first image of a process,
+// and a library behind one of them (GDAL) ends the process when memory runs out meanwhile: whoever
+// must outlive that does this first. Thread-safe.
+void PrepareDecoders();
+
 // Decodes to 8-bit grey (CV_8UC1), refusing by the header what is over the limits
 // (kImageTooLarge): with the default limits nothing takes more than 2 s and 300 MB. EXIF
 // orientation is not applied: pixels are where the camera put them, which is what calibrations and

@@ -2,11 +2,10 @@
 #include "server/service/shrink_image.h"
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/base/check.h"
 #include "core/image/decode.h"
+#include "core/image/encode.h"
 
 namespace waystone {
 namespace {
@@ -22,10 +21,7 @@ std::vector<uint8_t> ShrunkJpeg(const std::vector<uint8_t>& jpeg, int width) {
   const int height = std::max(1, image.rows * width / image.cols);
   cv::Mat small;
   cv::resize(image, small, {width, height}, 0, 0, cv::INTER_AREA);
-  std::vector<uint8_t> bytes;
-  WS_CHECK(cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}),
-           "can't encode a JPEG");
-  return bytes;
+  return EncodeJpeg(small, kJpegQuality);
 }
 
 }  // namespace waystone

@@ -29,6 +29,18 @@ namespace fs = std::filesystem;
 
 constexpr rlim_t kSpareBytes = 24'000'000;
 
+// Leaves a server this much more than it has; all there is without an amount.
+void SetAddressSpace(Served& served, std::optional<rlim_t> spare_bytes) {
+  const int pid = served.process().pid();
+  std::ifstream sizes("/proc/" + std::to_string(pid) + "/statm");
+  rlim_t pages = 0;
+  sizes >> pages;
+  const rlimit limit{
+      spare_bytes ? pages * static_cast<rlim_t>(getpagesize()) + *spare_bytes : RLIM_INFINITY,
+      RLIM_INFINITY};
+  ASSERT_EQ(prlimit(pid, RLIMIT_AS, &limit, nullptr), 0);
+}
+
 class LimitedServer : public testing::Test {
  protected:
   LimitedServer() {
@@ -48,14 +60,8 @@ class LimitedServer : public testing::Test {
     return result && result->status == 200 ? result->body : "";
   }
 
-  // Leaves the server this much more than it has.
-  void Limit(rlim_t spare_bytes) {
-    std::ifstream sizes("/proc/" + std::to_string(served_->process().pid()) + "/statm");
-    rlim_t pages = 0;
-    sizes >> pages;
-    SetLimit(pages * static_cast<rlim_t>(getpagesize()) + spare_bytes);
-  }
-  void Unlimit() { SetLimit(RLIM_INFINITY); }
+  void Limit(rlim_t spare_bytes) { SetAddressSpace(*served_, spare_bytes); }
+  void Unlimit() { SetAddressSpace(*served_, std::nullopt); }
 
   bool WaitForReloads(const std::string& result, int count) {
     const std::string line = "waystone_reloads_total{result=\"" + result + "\"} ";
@@ -73,12 +79,6 @@ class LimitedServer : public testing::Test {
   const fs::path folder_ = FreshFolder();
   const fs::path map_ = folder_ / "room.db";
   std::optional<Served> served_;
-
- private:
-  void SetLimit(rlim_t bytes) {
-    const rlimit limit{bytes, RLIM_INFINITY};
-    ASSERT_EQ(prlimit(served_->process().pid(), RLIMIT_AS, &limit, nullptr), 0);
-  }
 };
 
 // Of 12 megapixels, noisy: it takes more memory than is left.
@@ -104,6 +104,22 @@ TEST_F(LimitedServer, RefusesWhatDoesNotFitAndLivesOn) {
   Unlimit();
   EXPECT_EQ(Ask(large), 200);
   EXPECT_EQ(Ask(photo), 200);
+}
+
+// A library that a first image sets up, or one that detects features, must not end the server. Each
+// amount needs a server of its own: the memory of a query is kept for the next one.
+TEST(LimitedServers, OutliveTheirFirstQuery) {
+  const std::string photo = ReadFile(TheMap().inside);
+  for (int i = 0; i < 30; ++i) {
+    const double spare_mb = i < 20 ? 2 + 0.7 * i : 60 + 3 * (i - 20);
+    Served served;
+    SetAddressSpace(served, static_cast<rlim_t>(spare_mb * 1e6));
+    const auto result = served.NewClient().Post("/v1/maps/room/localize", photo, "image/jpeg");
+    SetAddressSpace(served, std::nullopt);
+    ASSERT_TRUE(result) << "with " << spare_mb << " MB left";
+    EXPECT_TRUE(result->status == 503 || result->status == 200) << result->status;
+    EXPECT_EQ(served.NewClient().Get("/healthz")->status, 200) << "with " << spare_mb << " MB left";
+  }
 }
 
 TEST_F(LimitedServer, KeepsItsMapWhereTheNewOneDoesNotFit) {
