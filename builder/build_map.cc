@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "builder/calibration/own_images.h"
+#include "builder/calibration/pose_calibration.h"
 #include "builder/frames/frame_pipeline.h"
 #include "builder/layer_options.h"
 #include "core/base/clock.h"
@@ -78,7 +79,11 @@ class MapBuilder {
                      "add planes to --layers");
     }
     progress_.Report("structure", 0, 1);
-    result_.report.poses = AddPoses(planes_.features(), *poses_, options_.poses, result_.map);
+    PoseReport report = AddPoses(planes_.features(), *poses_, options_.poses, result_.map);
+    report.noise = MeasurePoseNoise(result_.map, planes_.features(), options_.poses.neighbours,
+                                    options_.calibration);
+    result_.map.poses->noise = report.noise.noise;
+    result_.report.poses = report;
     progress_.Report("structure", 1, 1);
   }
 

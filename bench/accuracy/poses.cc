@@ -99,10 +99,13 @@ void PrintStructure(const BuildResult& built) {
   const PoseReport& report = built.report.poses.value();
   std::printf(
       "map: %d of %d keyframes posed, %d planes fitted of %zu, %d of %d features placed, "
-      "%d contradict, %.1f %% of matches consistent, %.2f s of %.1f s\n",
+      "%d contradict, %.1f %% of matches consistent, %.2f s of %.1f s\n"
+      "pose noise %.4f, %.3f deg by %d of %d keyframes\n",
       report.posed, report.keyframes, report.planes, built.map.planes.size(), report.placed,
       report.features, report.contradicting, 100 * report.consistent, report.seconds,
-      built.report.total_s);
+      built.report.total_s, report.noise.noise.position_sigma,
+      report.noise.noise.rotation_sigma_rad * kDegreesPerRadian, report.noise.measured,
+      report.noise.asked);
 }
 
 GivenPoses PosesByFrame(std::function<Isometry3d(int)> of_frame) {

@@ -12,6 +12,7 @@ MapData CopyPlanes(const MapData& map) {
   part.edges = map.edges;
   part.index = map.index;
   part.verdict = map.verdict;
+  part.poses = map.poses;
   for (Keyframe& keyframe : part.keyframes) keyframe.jpeg.clear();
   return part;
 }

@@ -147,8 +147,9 @@ PoseReport AddPoses(const std::vector<SampledKeyframe>& features, const GivenPos
   const Clock::time_point start = Clock::now();
   std::vector<PosedView> views = CollectPosedViews(map, features, poses, options);
   const PoseTracks tracks(views, options);
-  PoseReport report{.keyframes = static_cast<int>(map.keyframes.size()),
-                    .posed = static_cast<int>(views.size())};
+  PoseReport report;
+  report.keyframes = static_cast<int>(map.keyframes.size());
+  report.posed = static_cast<int>(views.size());
   report.consistent = RequireConsistency(views, tracks, options);
   const double noise = MeasureNoise(views, tracks);
   for (PosedView& view : views) view.sigma_rad *= noise;

@@ -9,6 +9,15 @@
 
 namespace waystone {
 
+// How far the poses are from one another (builder/calibration/pose_calibration).
+struct PoseNoiseReport {
+  static constexpr int kFewest = 8;  // keyframes to measure it with
+
+  PoseNoise noise;
+  int asked = 0;     // keyframes
+  int measured = 0;  // of them, had a pose by the others
+};
+
 // What became of the poses that were given.
 struct PoseReport {
   int keyframes = 0;      // of the map
@@ -18,6 +27,7 @@ struct PoseReport {
   int placed = 0;         // of them, have a depth
   int contradicting = 0;  // whose sightings contradict the poses
   double consistent = 0;  // share of the matches of neighbouring keyframes that agree
+  PoseNoiseReport noise;
   double seconds = 0;
 };
 

@@ -8,6 +8,8 @@
 #include <iomanip>
 #include <sstream>
 
+#include "core/geometry/angle.h"
+
 namespace waystone {
 namespace {
 
@@ -47,11 +49,13 @@ std::string Plural(size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-std::string Seconds(double seconds) {
+std::string Digits(double value, int count) {
   std::ostringstream text;
-  text << std::fixed << std::setprecision(1) << seconds;
+  text << std::fixed << std::setprecision(count) << value;
   return text.str();
 }
+
+std::string Seconds(double seconds) { return Digits(seconds, 1); }
 
 void Line(std::ostream& out, const std::string& label, const std::string& text) {
   out << "  " << std::left << std::setw(kLabelWidth) << label << Printable(text) << '\n';
@@ -128,6 +132,17 @@ void OrientationLines(std::ostream& out, const OrientationLayer& layer,
            Seconds(report.finish_s));
 }
 
+std::string PoseNoiseText(const PoseNoiseReport& report) {
+  if (report.measured < report.kFewest) {
+    return "not measured: too few keyframes (" + std::to_string(report.measured) +
+           ") see what others show; covariances of answers are of the query's features alone";
+  }
+  return Digits(report.noise.position_sigma, 3) + " and " +
+         Digits(report.noise.rotation_sigma_rad * kDegreesPerRadian, 2) +
+         " degrees between keyframes that aren't neighbours, measured on " +
+         std::to_string(report.measured) + " of " + std::to_string(report.asked);
+}
+
 void PosesLines(std::ostream& out, const PoseReport& report) {
   Line(out, "poses",
        std::to_string(report.posed) + " of " + std::to_string(report.keyframes) + " keyframes, " +
@@ -135,13 +150,22 @@ void PosesLines(std::ostream& out, const PoseReport& report) {
            std::to_string(report.placed) + " of " + std::to_string(report.features) +
            " features placed, " + std::to_string(report.contradicting) + " contradict the poses; " +
            Plural(report.planes, "plane") + " fitted");
+  Line(out, "pose noise", PoseNoiseText(report.noise));
+}
+
+Json PoseNoiseJson(const PoseNoiseReport& report) {
+  return {{"asked", report.asked},
+          {"measured", report.measured},
+          {"position_sigma", report.noise.position_sigma},
+          {"rotation_sigma_deg", report.noise.rotation_sigma_rad * kDegreesPerRadian}};
 }
 
 Json PosesJson(const PoseReport& report) {
   return {{"keyframes", report.keyframes},   {"posed", report.posed},
           {"consistent", report.consistent}, {"features", report.features},
           {"placed", report.placed},         {"contradicting", report.contradicting},
-          {"planes", report.planes},         {"seconds", report.seconds}};
+          {"planes", report.planes},         {"noise", PoseNoiseJson(report.noise)},
+          {"seconds", report.seconds}};
 }
 
 void PlanesLines(std::ostream& out, const PlaneReport& report) {

@@ -10,6 +10,7 @@
 
 #include "core/camera/image_plane.h"
 #include "core/features/keypoint_grid.h"
+#include "localizer/poses/pose_sightings.h"
 
 namespace waystone {
 namespace {
@@ -17,9 +18,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-// A keyframe that looks in another direction shows little of what the query does.
-constexpr double kSameDirectionCosine = 0.5;
 
 const Camera* OwnCamera(const MapIndex& index, const Answer& answer, const Features& query) {
   const Keyframe* keyframe =
@@ -39,51 +37,16 @@ class PoseFinder {
   }
 
   std::optional<AbsolutePose> Find(std::vector<MapMatch> matches) const {
-    auto first = FindAbsolutePose(MakeSightings(std::move(matches)), options_.solve);
+    auto first = FindAbsolutePose(Sightings(std::move(matches)), options_.solve);
     if (!first || options_.keyframes == 0) return first;
-    auto refined = RefineAbsolutePose(MakeSightings(Search(first->world_from_camera)),
+    auto refined = RefineAbsolutePose(Sightings(Search(first->world_from_camera)),
                                       first->world_from_camera, options_.solve);
     return refined && refined->inliers.size() >= first->inliers.size() ? refined : first;
   }
 
  private:
-  // Each match once; those that share a keypoint share its weight.
-  std::vector<PointSighting> MakeSightings(std::vector<MapMatch> matches) const {
-    std::ranges::sort(matches);
-    matches.erase(std::unique(matches.begin(), matches.end()), matches.end());
-    std::map<int, int> of_keypoint;
-    for (const MapMatch& match : matches) {
-      of_keypoint[match.keypoint] += index_.points()[match.row].known() ? 1 : 0;
-    }
-    std::vector<PointSighting> sightings;
-    for (const MapMatch& match : matches) {
-      const MapPoint& point = index_.points()[match.row];
-      if (!point.known()) continue;
-      sightings.push_back({.point = point.x.cast<double>(),
-                           .along = point.along.cast<double>(),
-                           .across = point.depth * sigma_rad_,
-                           .ray = Unproject(camera_, PositionOf(query_.keypoints[match.keypoint])),
-                           .sigma_rad = sigma_rad_,
-                           .weight = 1.0 / of_keypoint[match.keypoint]});
-    }
-    return sightings;
-  }
-
-  // Keyframes with poses that look in much the same direction, the nearest first.
-  std::vector<int> NearestKeyframes(const Isometry3d& frame_from_query) const {
-    std::vector<std::pair<double, int>> near;
-    for (const KeyframePose& pose : index_.map().poses->keyframes) {
-      const Vector3d gaze = pose.rotation * Vector3d::UnitZ();
-      const double cosine = gaze.dot(frame_from_query.linear().col(2));
-      if (cosine < kSameDirectionCosine) continue;
-      const double distance = (pose.position - frame_from_query.translation()).norm();
-      near.emplace_back(distance / cosine, index_.IndexOf(pose.keyframe));
-    }
-    std::ranges::sort(near);
-    near.resize(std::min(near.size(), static_cast<size_t>(options_.keyframes)));
-    std::vector<int> keyframes;
-    for (const auto& [cost, keyframe] : near) keyframes.push_back(keyframe);
-    return keyframes;
+  std::vector<PointSighting> Sightings(std::vector<MapMatch> matches) const {
+    return MakePointSightings(index_, query_, camera_, sigma_rad_, std::move(matches));
   }
 
   // What the query shows of the nearest keyframes' features where a pose puts them.
@@ -92,7 +55,7 @@ class PoseFinder {
     const Isometry3d query_from_frame = frame_from_query.inverse();
     std::vector<MapMatch> matches;
     std::set<int> planes;
-    for (const int keyframe : NearestKeyframes(frame_from_query)) {
+    for (const int keyframe : NearestPosedKeyframes(index_, frame_from_query, options_.keyframes)) {
       SearchRows(grid, query_from_frame, index_.FirstLandmarkRow(keyframe),
                  index_.LandmarkDescriptorsOf(keyframe), matches);
       for (const MapIndex::SeenPlane& seen : index_.PlanesSeenBy(keyframe)) {
@@ -125,6 +88,14 @@ class PoseFinder {
   const PoseQueryOptions& options_;
   double sigma_rad_ = 0;
 };
+
+// Of the errors that the points of one keyframe share.
+Matrix6d CovarianceOf(const PoseNoise& noise) {
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.diagonal().head<3>().setConstant(noise.position_sigma * noise.position_sigma);
+  covariance.diagonal().tail<3>().setConstant(noise.rotation_sigma_rad * noise.rotation_sigma_rad);
+  return covariance;
+}
 
 // Keypoints of the query whose match has a position.
 int CountPlaced(const MapIndex& index, const std::vector<MapMatch>& matches) {
@@ -162,7 +133,7 @@ void AddPose(const MapIndex& index, const Features& query, const std::optional<C
   answer.pose = QueryPose{.frame = layer->frame,
                           .unit = layer->unit,
                           .frame_from_camera = pose->world_from_camera,
-                          .covariance = pose->covariance,
+                          .covariance = pose->covariance + CovarianceOf(layer->noise),
                           .inliers = static_cast<int>(pose->inliers.size()),
                           .by_own_camera = own != nullptr};
 }

@@ -3,7 +3,9 @@
 CREATE TABLE pose_layer (
   id INTEGER PRIMARY KEY CHECK (id = 1),
   frame TEXT NOT NULL,
-  unit INTEGER NOT NULL
+  unit INTEGER NOT NULL,
+  position_sigma REAL NOT NULL,
+  rotation_sigma_rad REAL NOT NULL
 ) STRICT;
 
 CREATE TABLE keyframe_poses (

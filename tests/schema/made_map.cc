@@ -205,6 +205,7 @@ PoseLayer MadePoses(Random& random, const MapData& map) {
   PoseLayer layer;
   layer.frame = OddName(random);
   layer.unit = LengthUnit::kMetres;
+  layer.noise = {random.Uniform(), random.Uniform()};
   const auto depths = [&](size_t count) {
     std::vector<DepthCode> codes(count);
     for (DepthCode& code : codes) {

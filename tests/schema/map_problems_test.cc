@@ -269,6 +269,10 @@ TEST(MapProblems, ASoundMapHasNone) {
 
 const std::vector<Fault>& PoseFaults() {
   static const std::vector<Fault> faults = {
+      {"position sigma below 0", "pose_layer 1",
+       [](MapData& m) { m.poses->noise.position_sigma = -1; }},
+      {"rotation sigma NaN", "pose_layer 1",
+       [](MapData& m) { m.poses->noise.rotation_sigma_rad = kNan; }},
       {"pose of no keyframe", "keyframe_poses 9",
        [](MapData& m) { m.poses->keyframes[1].keyframe = {9}; }},
       {"pose twice", "keyframe_poses 1", [](MapData& m) { m.poses->keyframes[1].keyframe = {1}; }},

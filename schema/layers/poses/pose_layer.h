@@ -71,9 +71,19 @@ struct LandmarkDepths {
   bool operator==(const LandmarkDepths&) const = default;
 };
 
+// How far the given poses are from one another, as builder/calibration/pose_calibration measured:
+// standard deviations on each axis. 0 where it could not be measured.
+struct PoseNoise {
+  double position_sigma = 0;  // in the layer's unit
+  double rotation_sigma_rad = 0;
+
+  bool operator==(const PoseNoise&) const = default;
+};
+
 struct PoseLayer {
   std::string frame;  // name, for whoever knows it: "map", "earth", ...
   LengthUnit unit = LengthUnit::kUnknown;
+  PoseNoise noise;
   std::vector<KeyframePose> keyframes;  // each list is ordered by id
   std::vector<PlanePose> planes;
   std::vector<PlaneDepths> plane_depths;        // of reference keyframes with pose and camera

@@ -11,6 +11,8 @@ namespace {
 // How far a norm may be from 1: rounding.
 constexpr double kNormRounding = 1e-9;
 
+bool IsSigma(double value) { return std::isfinite(value) && value >= 0; }
+
 class PoseProblemFinder {
  public:
   PoseProblemFinder(const MapData& map, std::vector<MapProblem>& problems)
@@ -24,6 +26,9 @@ class PoseProblemFinder {
   }
 
   void Find() {
+    const PoseNoise& noise = layer_.noise;
+    Require(IsSigma(noise.position_sigma) && IsSigma(noise.rotation_sigma_rad), "pose_layer 1",
+            "its standard deviations are not finite and 0 or more");
     CheckEach("keyframe_poses", layer_.keyframes, &KeyframePose::keyframe,
               [&](const auto& pose, const auto& where) { CheckPose(pose, where); });
     CheckEach("plane_poses", layer_.planes, &PlanePose::plane,

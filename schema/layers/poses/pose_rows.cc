@@ -51,6 +51,8 @@ class PoseReader {
       row.Int64(1, 1);
       layer_.frame = row.Text();
       layer_.unit = static_cast<LengthUnit>(row.Int(0, kLastUnit));
+      layer_.noise.position_sigma = row.Real();
+      layer_.noise.rotation_sigma_rad = row.Real();
       found_ = true;
     });
     ReadKeyframePoses();
@@ -116,7 +118,8 @@ std::optional<PoseLayer> ReadPoses(SQLite::Database& database, std::vector<MapPr
 }
 
 void WritePoses(const PoseLayer& layer, RowSink& sink) {
-  TableWriter<kPoseLayerTable>(sink).Row(1, layer.frame, layer.unit);
+  TableWriter<kPoseLayerTable>(sink).Row(1, layer.frame, layer.unit, layer.noise.position_sigma,
+                                         layer.noise.rotation_sigma_rad);
   TableWriter<kKeyframePosesTable> keyframes(sink);
   for (const KeyframePose& pose : layer.keyframes) {
     const Eigen::Quaterniond& q = pose.rotation;

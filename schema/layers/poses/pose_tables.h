@@ -7,7 +7,9 @@
 namespace waystone {
 
 inline constexpr TableDescriptor kPoseLayerTable{
-    "pose_layer", 1, std::array{IntegerColumn("id"), TextColumn("frame"), IntegerColumn("unit")}};
+    "pose_layer", 1,
+    std::array{IntegerColumn("id"), TextColumn("frame"), IntegerColumn("unit"),
+               RealColumn("position_sigma"), RealColumn("rotation_sigma_rad")}};
 
 inline constexpr TableDescriptor kKeyframePosesTable{
     "keyframe_poses", 1,
