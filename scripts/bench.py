@@ -27,7 +27,6 @@ world-extrapolated   world --set planes.max_extrapolation=1000 --set planes.min_
 kitchen-extrapolated rgbd DATA/kitchen --set planes.max_extrapolation=1000 --set planes.min_anchored=0
 pairs                pairs DATA/labelled_pairs/*
 verdicts             verdicts DATA
-negatives            negatives DATA/kitchen DATA/street/image_0 DATA/church/map DATA/church/query_P8
 recall               recall DATA
 peers                peers DATA --only kitchen,corridor
 look-alikes          look-alikes

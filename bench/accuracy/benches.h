@@ -16,8 +16,6 @@ int RunWorld(const Args& args);
 // rgbd DIR [--map A:B] [--queries A:B:STEP] [--set NAME=VALUE]...: a TUM RGB-D folder with depth
 // and poses; localization and transfer error against them.
 int RunRgbd(const Args& args);
-// negatives DIR [--map A:B] IMAGE_OR_FOLDER...: images that are not in a map of DIR.
-int RunNegatives(const Args& args);
 // pairs DIR... [--labels OUT]: planes in two images against labelled matches (matches.csv in each
 // folder); writes the labels it gave to OUT/NAME.txt.
 int RunPairs(const Args& args);

@@ -11,7 +11,6 @@ constexpr char kUsage[] =
     "usage: waystone-bench NAME ARGS\n"
     "  world [--frames N] [--plan demo|other] [--set N=V]   planes against rendered truth\n"
     "  rgbd DIR [--map 0:499] [--queries 500:990:10]      localization against depth and poses\n"
-    "  negatives DIR [--map 0:499] IMAGE_OR_FOLDER...     images that are not in the map\n"
     "  pairs DIR... [--labels OUT]                        planes in two images against labels\n"
     "  verdicts [DATA]                                    false answers, reliability\n"
     "  directions [DIR...] [--photos]                     Manhattan frames against truth\n"
@@ -48,7 +47,6 @@ int main(int argc, char** argv) {
       {"kidnapped", waystone::bench::RunKidnapped},
       {"world", waystone::bench::RunWorld},
       {"rgbd", waystone::bench::RunRgbd},
-      {"negatives", waystone::bench::RunNegatives},
       {"look-alikes", waystone::bench::RunLookAlikes},
       {"linear", waystone::bench::RunLinear},
       {"build", waystone::bench::RunBuild},
