@@ -105,7 +105,7 @@ Camera ReadKalibrCamera(const CameraSection& file) {
   std::vector<double> distortion;
   if (file.Has(kCoefficients)) distortion = file.Numbers(kCoefficients);
   const auto side = [](double px) {
-    return static_cast<int>(std::clamp(px, 0.0, static_cast<double>(INT32_MAX)));
+    return px > 0 ? static_cast<int>(std::min(px, static_cast<double>(INT32_MAX))) : 0;  // NaN, too
   };
   Camera camera{.model = CameraModel::kPinhole,
                 .width = side(resolution[0]),

@@ -41,10 +41,9 @@ double RoundStep(double step) {
 
 std::vector<double> Multiples(double step, double from, double to) {
   std::vector<double> multiples;
-  const auto last = static_cast<int>(std::floor(to / step));
-  for (auto i = static_cast<int>(std::ceil(from / step)); i <= last; ++i) {
-    multiples.push_back(i * step);
-  }
+  const double first = std::ceil(from / step);
+  const double last = std::floor(to / step);
+  for (int i = 0; first + i <= last; ++i) multiples.push_back((first + i) * step);
   return multiples;
 }
 

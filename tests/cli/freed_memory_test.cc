@@ -29,7 +29,7 @@ int64_t CountFaultsOfPyramids() {
 }
 
 TEST(KeepFreedMemory, ImagesGetTheMemoryOfTheOnesBefore) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef WAYSTONE_SANITIZED
   GTEST_SKIP() << "AddressSanitizer has an allocator of its own";
 #endif
   const int64_t before = CountFaultsOfPyramids();

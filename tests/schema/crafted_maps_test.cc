@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef WAYSTONE_SANITIZED
 constexpr bool kMeasured = false;  // a sanitizer needs memory and time of its own
 #else
 constexpr bool kMeasured = true;

@@ -113,4 +113,10 @@ inline BuiltAppearance BuildAppearance(const std::vector<Source*>& sources,
   return {std::move(*map.appearance), std::move(map.sequences), builder.report()};
 }
 
+inline BuiltAppearance BuildFromImages(const std::vector<cv::Mat>& images,
+                                       const AppearanceOptions& options = ShortDrive()) {
+  MemorySource source = ImagesSource(images);
+  return BuildAppearance({&source}, options);
+}
+
 }  // namespace waystone

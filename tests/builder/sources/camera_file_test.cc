@@ -123,6 +123,12 @@ TEST_F(CameraFileTest, KalibrsFirstCamera) {
   ExpectRefusal(Kalibr("ds", "none"), {"'ds'"});
   ExpectRefusal(Kalibr("pinhole", "fov"), {"'fov'"});
   ExpectRefusal("cam0: 5\n", {"camera_model"});
+  for (const auto& [side, part] :
+       {std::pair{".nan", "not a number"}, {"-5", "0x48 pixels"}, {"1e300", "each side"}}) {
+    std::string text = Kalibr("pinhole", "radtan");
+    text.replace(text.find("[64,"), 3, std::string("[") + side);
+    ExpectRefusal(text, {part});
+  }
 }
 
 TEST_F(CameraFileTest, OwnKeys) {

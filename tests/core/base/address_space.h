@@ -10,7 +10,7 @@
 namespace waystone {
 
 constexpr bool CanLimitAddressSpace() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef WAYSTONE_SANITIZED
   return false;
 #else
   return true;

@@ -214,7 +214,7 @@ TEST_F(MapServiceTest, PagesFeaturesAndViews) {
   const Json features = GetJson("/v1/maps/lab/planes/2/features", {{"limit", "4"}});
   EXPECT_EQ(features["features"].size(), 4u);
   EXPECT_EQ(GetJson("/v1/maps/lab/planes/2/features", {{"cursor", features["next"]}})["features"],
-            Json({GetJson("/v1/maps/lab/planes/2")["features"][4]}));
+            Json::array({GetJson("/v1/maps/lab/planes/2")["features"][4]}));
   EXPECT_EQ(GetJson("/v1/maps/lab/planes/2/views")["views"][1]["keyframe"], 2);
   EXPECT_EQ(Get("/v1/maps/lab/planes/99/views").status, 404);
 }
