@@ -54,7 +54,7 @@ TEST_F(RigSourceTest, ChainsWithGapsAreRefused) {
   ExpectError(read(text), ErrorCode::kBadCamera, {"T_cn_cnm1 must be a rotation"});
   text = Camchain();
   text.replace(text.find("[64,"), 4, "[.nan,");
-  ExpectError(read(text), ErrorCode::kBadCamera, {"0x48 pixels"});
+  ExpectError(read(text), ErrorCode::kBadCamera, {"not a number"});
   text = Camchain();
   text.replace(text.find("[0, 1, 0, 0]"), 12, "[0, 1, 0]");
   ExpectError(read(text), ErrorCode::kBadCamera, {"T_cn_cnm1 must be 4 rows of 4"});
