@@ -80,8 +80,8 @@ class MapBuilder {
     }
     progress_.Report("structure", 0, 1);
     PoseReport report = AddPoses(planes_.features(), *poses_, options_.poses, result_.map);
-    report.noise = MeasurePoseNoise(result_.map, planes_.features(), options_.poses.neighbours,
-                                    options_.calibration);
+    report.noise = MeasurePoseNoise(result_.map, planes_.samples(), options_.poses.neighbours,
+                                    options_.calibration.localize.pose);
     result_.map.poses->noise = report.noise.noise;
     result_.report.poses = report;
     progress_.Report("structure", 1, 1);

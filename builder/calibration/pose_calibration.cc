@@ -108,29 +108,18 @@ double EstimateSigma(const std::vector<Disagreement>& all, double Disagreement::
   return high;
 }
 
-// At most `count` of them, evenly spread.
-std::vector<const SampledKeyframe*> Spread(const MapData& map,
-                                           const std::vector<SampledKeyframe>& features,
-                                           int count) {
-  std::vector<const SampledKeyframe*> posed;
-  for (const SampledKeyframe& one : features) {
-    if (map.poses->Find(one.keyframe)) posed.push_back(&one);
-  }
-  const size_t kept = std::min(posed.size(), static_cast<size_t>(count));
-  std::vector<const SampledKeyframe*> spread;
-  for (size_t i = 0; i < kept; ++i) spread.push_back(posed[i * posed.size() / kept]);
-  return spread;
-}
-
 }  // namespace
 
-PoseNoiseReport MeasurePoseNoise(const MapData& map, const std::vector<SampledKeyframe>& features,
-                                 int neighbours, const CalibrationOptions& options) {
-  const std::vector<const SampledKeyframe*> asked = Spread(map, features, options.max_keyframes);
+PoseNoiseReport MeasurePoseNoise(const MapData& map, const std::vector<SampledKeyframe>& samples,
+                                 int neighbours, const PoseQueryOptions& options) {
+  std::vector<const SampledKeyframe*> asked;
+  for (const SampledKeyframe& sample : samples) {
+    if (map.poses->Find(sample.keyframe)) asked.push_back(&sample);
+  }
   const auto index = MapIndex::Build(CopyPlanes(map));
   std::vector<std::optional<Disagreement>> found(asked.size());
   tbb::parallel_for(size_t{0}, asked.size(), [&](size_t i) {
-    found[i] = AskOthers(*index, *asked[i], neighbours, options.localize.pose);
+    found[i] = AskOthers(*index, *asked[i], neighbours, options);
   });
   std::vector<Disagreement> measured;
   for (const auto& one : found) {

@@ -26,7 +26,6 @@ constexpr double kCauchySigmas = 2;
 constexpr double kLargestSigma_rad = 0.5;
 
 using Eigen::Isometry3d;
-using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;

@@ -30,7 +30,7 @@ int64_t CountFaultsOfPyramids() {
 
 TEST(KeepFreedMemory, ImagesGetTheMemoryOfTheOnesBefore) {
 #ifdef WAYSTONE_SANITIZED
-  GTEST_SKIP() << "AddressSanitizer has an allocator of its own";
+  GTEST_SKIP() << "sanitizers have allocators of their own";
 #endif
   const int64_t before = CountFaultsOfPyramids();
   KeepFreedMemory();

@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/core/base/address_space.h"
 #include "tests/e2e/served_map.h"
 #include "tests/e2e/shared_map.h"
 #include "tests/server/http/raw_client.h"
@@ -29,16 +30,8 @@ namespace fs = std::filesystem;
 
 constexpr rlim_t kSpareBytes = 24'000'000;
 
-// Leaves a server this much more than it has; all there is without an amount.
 void SetAddressSpace(Served& served, std::optional<rlim_t> spare_bytes) {
-  const int pid = served.process().pid();
-  std::ifstream sizes("/proc/" + std::to_string(pid) + "/statm");
-  rlim_t pages = 0;
-  sizes >> pages;
-  const rlimit limit{
-      spare_bytes ? pages * static_cast<rlim_t>(getpagesize()) + *spare_bytes : RLIM_INFINITY,
-      RLIM_INFINITY};
-  ASSERT_EQ(prlimit(pid, RLIMIT_AS, &limit, nullptr), 0);
+  ASSERT_TRUE(LimitAddressSpace(served.process().pid(), spare_bytes));
 }
 
 class LimitedServer : public testing::Test {

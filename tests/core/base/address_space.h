@@ -4,8 +4,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <cstdint>
 #include <fstream>
+#include <optional>
+#include <string>
 
 namespace waystone {
 
@@ -17,14 +18,15 @@ constexpr bool CanLimitAddressSpace() {
 #endif
 }
 
-// Leaves this process this much more than it has.
-inline void LimitAddressSpace(int64_t spare_bytes) {
-  std::ifstream sizes("/proc/self/statm");
+// Leaves a process this much more than it has; all there is without an amount. Whether it could.
+inline bool LimitAddressSpace(pid_t process, std::optional<rlim_t> spare_bytes) {
+  std::ifstream sizes("/proc/" + std::to_string(process) + "/statm");
   rlim_t pages = 0;
   sizes >> pages;
-  const rlimit limit{pages * static_cast<rlim_t>(getpagesize()) + static_cast<rlim_t>(spare_bytes),
-                     RLIM_INFINITY};
-  setrlimit(RLIMIT_AS, &limit);
+  const rlimit limit{
+      spare_bytes ? pages * static_cast<rlim_t>(getpagesize()) + *spare_bytes : RLIM_INFINITY,
+      RLIM_INFINITY};
+  return prlimit(process, RLIMIT_AS, &limit, nullptr) == 0;
 }
 
 }  // namespace waystone

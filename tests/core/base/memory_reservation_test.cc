@@ -22,8 +22,8 @@ bool HasRoomFor(int64_t bytes) {
 
 // Ends the process: 0 where all is as it should be.
 [[noreturn]] void ReserveWithin100MB() {
-  LimitAddressSpace(100'000'000);
-  bool right = HasRoomFor(80'000'000) && !HasRoomFor(120'000'000) && HasRoomFor(80'000'000);
+  bool right = LimitAddressSpace(getpid(), 100'000'000) && HasRoomFor(80'000'000) &&
+               !HasRoomFor(120'000'000) && HasRoomFor(80'000'000);
   {
     const MemoryReservation room(60'000'000);
     right = right && !HasRoomFor(60'000'000) && HasRoomFor(20'000'000);
