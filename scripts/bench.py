@@ -25,10 +25,16 @@ world-other          world --plan other --seed 2 --frames 500
 kitchen              rgbd DATA/kitchen
 world-extrapolated   world --set planes.max_extrapolation=1000 --set planes.min_anchored=0
 kitchen-extrapolated rgbd DATA/kitchen --set planes.max_extrapolation=1000 --set planes.min_anchored=0
+world-greedy         world --set planes.segmentation.greedy=true
+kitchen-greedy       rgbd DATA/kitchen --set planes.segmentation.greedy=true
+world-paper          world --set planes.segmentation.greedy=true --set planes.max_extrapolation=1000 --set planes.min_anchored=0
+kitchen-paper        rgbd DATA/kitchen --set planes.segmentation.greedy=true --set planes.max_extrapolation=1000 --set planes.min_anchored=0
 pairs                pairs DATA/labelled_pairs/*
+pairs-greedy         pairs DATA/labelled_pairs/* --set planes.segmentation.greedy=true
 verdicts             verdicts DATA
 recall               recall DATA
 peers                peers DATA --only kitchen,corridor
+cameras              cameras DATA
 look-alikes          look-alikes
 look-alikes-others   look-alikes --first 17 --buildings 8
 scale                scale
@@ -45,6 +51,7 @@ directions           directions DATA/york_urban DATA/dealership
 segments             segments DATA/york_urban/images
 relative             relative DATA/dealership
 orientation          orientation --scale 0.75
+orientation-paper    orientation --scale 0.75 --camera rig --set orientation.turns.use_motions=false
 orientation-bare     orientation --scale 0.75 --buildings 1 --trim no
 building             building DATA/kitchen DATA/dealership
 odometry             odometry

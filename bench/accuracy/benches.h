@@ -16,8 +16,8 @@ int RunWorld(const Args& args);
 // rgbd DIR [--map A:B] [--queries A:B:STEP] [--set NAME=VALUE]...: a TUM RGB-D folder with depth
 // and poses; localization and transfer error against them.
 int RunRgbd(const Args& args);
-// pairs DIR... [--labels OUT]: planes in two images against labelled matches (matches.csv in each
-// folder); writes the labels it gave to OUT/NAME.txt.
+// pairs DIR... [--labels OUT] [--set NAME=VALUE]...: planes in two images against labelled matches
+// (matches.csv in each folder); writes the labels it gave to OUT/NAME.txt.
 int RunPairs(const Args& args);
 // verdicts [DATA]: localized, right and false answers and the reliability of the stated
 // probability, on maps of the world and, where DATA has them, kitchen and church, asked for photos
@@ -39,12 +39,17 @@ int RunRecall(const Args& args);
 // image search over the same keyframes with the same features, on one core: found, wrong and
 // foreign answers, milliseconds by stage, and bytes.
 int RunPeers(const Args& args);
+// cameras [DATA] [--only NAME] [--foreign N]: maps beside exhaustive image search, asked by photos
+// of the same places that are changed as another camera, hand or light would, and by cameras of
+// other focal lengths in rendered buildings.
+int RunCameras(const Args& args);
 // look-alikes [--buildings N] [--first SEED] [--features TYPE] [--each yes|no]: rendered buildings
 // asked for their own places, for the same places a storey higher, where much looks alike, and for
 // other buildings; and the weights of the keyframe's verdict fitted to the answers.
 int RunLookAlikes(const Args& args);
-// orientation [--buildings N] [--frames N] [--camera rig|pinhole|both]: the whole orientation layer
-// of made buildings against their truth, and its time beside lines and features alone.
+// orientation [--buildings N] [--frames N] [--camera rig|pinhole|both] [--set NAME=VALUE]...: the
+// whole orientation layer of made buildings against their truth, and its time beside lines and
+// features alone.
 int RunOrientation(const Args& args);
 // building KITCHEN DEALERSHIP: the query's rotation in the building, and its axes as a gate, asked
 // of maps with an orientation layer.

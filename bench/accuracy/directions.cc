@@ -7,6 +7,7 @@
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/oriented_set.h"
 #include "bench/accuracy/stopwatch.h"
+#include "bench/baseline/paper_directions.h"
 #include "core/geometry/angle.h"
 #include "core/manhattan/cube_rotations.h"
 #include "core/manhattan/great_circles.h"
@@ -23,6 +24,8 @@ struct Measured {
   double sigmas = 0;     // of the rotation, in those its covariance states
   double segments_ms = 0;
   double frame_ms = 0;
+  double paper_worst_deg = 0;  // of the paper's method on the same lines
+  double paper_ms = 0;
   FrameError error = FrameError::kNone;
 };
 
@@ -52,6 +55,12 @@ Measured Measure(const OrientedSet& set, int i, SegmentDetector detector) {
   measured.sigma_deg = kDegreesPerRadian * frame.sigma_rad();
   measured.sigmas = SigmasOf(frame, set.rig_from_axes[i]);
   measured.error = frame.error;
+  const Stopwatch of_paper;
+  const auto by_votes = FindDirectionsByVotes(lines);
+  measured.paper_ms = 1e3 * of_paper.cpu_s();
+  measured.paper_worst_deg =
+      kDegreesPerRadian *
+      WorstAxisAngle(by_votes.value_or(Eigen::Matrix3d::Identity()), set.rig_from_axes[i]);
   return measured;
 }
 
@@ -71,6 +80,17 @@ std::vector<double> Collect(const std::vector<Measured>& all, double Measured::*
   std::vector<double> values;
   for (const Measured& measured : all) values.push_back(measured.*field);
   return values;
+}
+
+// The paper's method: the most voted vanishing point first.
+nlohmann::ordered_json PaperSummary(const std::vector<Measured>& all) {
+  const std::vector<double> errors = Collect(all, &Measured::paper_worst_deg);
+  return {{"worst_axis_median_deg", Quantile(errors, 0.5)},
+          {"worst_axis_max_deg", Quantile(errors, 1)},
+          {"below_1_deg", ShareBelow(errors, 1)},
+          {"below_2_deg", ShareBelow(errors, 2)},
+          {"below_5_deg", ShareBelow(errors, kWrong)},
+          {"frame_ms_median", Quantile(Collect(all, &Measured::paper_ms), 0.5)}};
 }
 
 nlohmann::ordered_json Summary(const OrientedSet& set, const std::vector<Measured>& all) {
@@ -95,7 +115,8 @@ nlohmann::ordered_json Summary(const OrientedSet& set, const std::vector<Measure
           {"deviations_median", Quantile(Collect(all, &Measured::sigmas), 0.5)},
           {"deviations_95", Quantile(Collect(all, &Measured::sigmas), 0.95)},
           {"segments_ms_median", Quantile(Collect(all, &Measured::segments_ms), 0.5)},
-          {"frame_ms_median", Quantile(Collect(all, &Measured::frame_ms), 0.5)}};
+          {"frame_ms_median", Quantile(Collect(all, &Measured::frame_ms), 0.5)},
+          {"paper", PaperSummary(all)}};
 }
 
 void PrintRow(const nlohmann::ordered_json& row) {
@@ -108,6 +129,12 @@ void PrintRow(const nlohmann::ordered_json& row) {
               100 * value("recall_area_10_deg"), row["unreliable"].get<int>(),
               row["reliable_above_5_deg"].get<int>(), value("segments_ms_median"),
               value("frame_ms_median"));
+  const nlohmann::ordered_json& paper = row["paper"];
+  std::printf("%-18s %6s %7.3f %7.2f %6.1f %6.1f %6.1f %54.1f\n", "  as in the paper", "",
+              paper["worst_axis_median_deg"].get<double>(),
+              paper["worst_axis_max_deg"].get<double>(), 100 * paper["below_1_deg"].get<double>(),
+              100 * paper["below_2_deg"].get<double>(), 100 * paper["below_5_deg"].get<double>(),
+              paper["frame_ms_median"].get<double>());
 }
 
 std::vector<Measured> MeasureAll(const OrientedSet& set, SegmentDetector detector, bool verbose) {

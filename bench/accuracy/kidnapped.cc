@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -148,15 +149,28 @@ std::shared_ptr<const MapIndex> Without(const MapIndex& index, const PlaceMap& m
   return MapIndex::Build(std::move(data));
 }
 
-// Each place asked for without itself.
+// Every third place calibrates the verdict, and the others are asked for.
+constexpr size_t kCalibrateEvery = 3;
+
+std::vector<size_t> ListAsked(size_t places) {
+  std::vector<size_t> asked;
+  for (size_t i = 0; i < places; ++i) {
+    if (i % kCalibrateEvery != 0) asked.push_back(i);
+  }
+  return asked;
+}
+
+// Places asked for, each without itself.
 std::vector<Asked> LeaveOneOut(const MapIndex& index, const PlaceMap& map,
                                const std::vector<PanoramaPlace>& places,
                                const PanoramaQueryOptions& options) {
-  std::vector<Asked> asked(places.size());
-  tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
+  const std::vector<size_t> which = ListAsked(places.size());
+  std::vector<Asked> asked(which.size());
+  tbb::parallel_for(size_t{0}, which.size(), [&](size_t q) {
+    const size_t i = which[q];
     std::vector<bool> left_out(places.size(), false);
     left_out[i] = true;
-    Asked& result = asked[i];
+    Asked& result = asked[q];
     result.answer =
         LocatePanorama(*Without(index, map, i), map.Query(i, options.verify), options, left_out);
     result.in_map = HasNeighbour(places, i);
@@ -230,10 +244,9 @@ nlohmann::json ScoreJson(const std::string& name, const std::vector<Asked>& aske
 }
 
 // The map's own panoramas, spread over it, as a build calibrates by them.
-std::vector<AppearanceSampleFrame> SamplesOf(const PlaceMap& map, int count) {
+std::vector<AppearanceSampleFrame> SamplesOf(const PlaceMap& map) {
   std::vector<AppearanceSampleFrame> samples;
-  const size_t every = std::max<size_t>(1, map.features.size() / count);
-  for (size_t i = 0; i < map.features.size(); i += every) {
+  for (size_t i = 0; i < map.features.size(); i += kCalibrateEvery) {
     const AppearanceNode& node = map.layer.nodes[i];
     samples.push_back({node.signature, map.features[i], node.pose, static_cast<int>(i)});
   }
@@ -248,24 +261,65 @@ nlohmann::json ModelJson(const AppearanceVerdict& model) {
   return json;
 }
 
-nlohmann::json ScoreMap(const std::string& name, const std::vector<PanoramaPlace>& places,
-                        const PlaceMap& map, const PlaceMap& foreign) {
+// The layer with its verdict, as a build calibrates it.
+MapData Calibrate(const PlaceMap& map) {
   MapData data = DataOf(map.layer);
   const AppearanceCalibrationOptions calibration;
   ProgressReporter silent;
-  CalibrateAppearanceLayer(data, SamplesOf(map, calibration.max_nodes), calibration, silent);
+  CalibrateAppearanceLayer(data, SamplesOf(map), calibration, silent);
+  return data;
+}
+
+PanoramaQueryOptions QueryOptions(bool verify) {
+  PanoramaQueryOptions options;
+  options.verify = verify;
+  return options;
+}
+
+const char* KindOf(bool verify) { return verify ? "verified" : "appearance"; }
+
+nlohmann::json ScoreMap(const std::string& name, const std::vector<PanoramaPlace>& places,
+                        const PlaceMap& map, const PlaceMap& foreign) {
+  MapData data = Calibrate(map);
   const AppearanceVerdict models[] = {*data.appearance->verdict,
                                       *data.appearance->verified_verdict};
   const auto index = MapIndex::Build(std::move(data));
   std::printf("%s: a place is %.2f m large\n", name.c_str(), index->appearance().spacing());
   nlohmann::json json;
   for (const bool verify : {false, true}) {
-    PanoramaQueryOptions options;
-    options.verify = verify;
-    const char* kind = verify ? "verified" : "appearance";
+    const PanoramaQueryOptions options = QueryOptions(verify);
+    const char* kind = KindOf(verify);
     json[kind] = ScoreJson(name + ", " + kind, LeaveOneOut(*index, map, places, options),
                            AskForeign(*index, foreign, options));
     json[kind]["model"] = ModelJson(models[verify]);
+  }
+  return json;
+}
+
+// Made flats, each a map of its own and asked for the places of the one before too. Nothing was
+// chosen by these seeds.
+nlohmann::json ScoreFlats() {
+  constexpr uint64_t kFlats = 6;
+  constexpr uint64_t kFirstFlat = 101;
+  std::vector<Asked> asked[2];
+  std::vector<Answer> answers[2];
+  PlaceMap before = MapOf(InWalkOrder(RenderFlatPlaces(kFirstFlat + kFlats)));
+  for (uint64_t seed = kFirstFlat; seed < kFirstFlat + kFlats; ++seed) {
+    const std::vector<PanoramaPlace> places = InWalkOrder(RenderFlatPlaces(seed));
+    PlaceMap map = MapOf(places);
+    const auto index = MapIndex::Build(Calibrate(map));
+    for (const bool verify : {false, true}) {
+      const PanoramaQueryOptions options = QueryOptions(verify);
+      std::ranges::move(LeaveOneOut(*index, map, places, options),
+                        std::back_inserter(asked[verify]));
+      std::ranges::move(AskForeign(*index, before, options), std::back_inserter(answers[verify]));
+    }
+    before = std::move(map);
+  }
+  nlohmann::json json;
+  for (const bool verify : {false, true}) {
+    const char* kind = KindOf(verify);
+    json[kind] = ScoreJson(std::string("flats, ") + kind, asked[verify], answers[verify]);
   }
   return json;
 }
@@ -290,17 +344,15 @@ Camera PhotoCamera(int width_px) {
 nlohmann::json ScorePhotos(const std::string& name, const std::vector<PanoramaPlace>& places,
                            const PlaceMap& map, const std::vector<PanoramaPlace>& foreign,
                            const std::filesystem::path& rigs) {
-  MapData data = DataOf(map.layer);
-  const AppearanceCalibrationOptions calibration;
-  ProgressReporter silent;
-  CalibrateAppearanceLayer(data, SamplesOf(map, calibration.max_nodes), calibration, silent);
-  const auto index = MapIndex::Build(std::move(data));
-  std::vector<Asked> asked(places.size());
-  tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
+  const auto index = MapIndex::Build(Calibrate(map));
+  const std::vector<size_t> which = ListAsked(places.size());
+  std::vector<Asked> asked(which.size());
+  tbb::parallel_for(size_t{0}, which.size(), [&](size_t q) {
+    const size_t i = which[q];
     std::vector<bool> left_out(places.size(), false);
     left_out[i] = true;
     const cv::Mat photo = FrontOf(places[i], rigs);
-    Asked& result = asked[i];
+    Asked& result = asked[q];
     result.answer =
         LocalizePhoto(*Without(*index, map, i), photo, PhotoCamera(photo.cols), {}, {}, left_out);
     result.in_map = HasNeighbour(places, i);
@@ -390,6 +442,7 @@ int RunKidnapped(const Args& args) {
         ScorePhotos("places", places, map, rendered, std::filesystem::path(args[0]) / "rig");
     json["world"] = ScoreMap("world", rendered, world, map);
   }
+  json["flats"] = ScoreFlats();
   json["times"] = Times(rendered, world.layer);
   std::cout << json.dump() << std::endl;
   return 0;

@@ -11,12 +11,13 @@ constexpr char kUsage[] =
     "usage: waystone-bench NAME ARGS\n"
     "  world [--frames N] [--plan demo|other] [--set N=V]   planes against rendered truth\n"
     "  rgbd DIR [--map 0:499] [--queries 500:990:10]      localization against depth and poses\n"
-    "  pairs DIR... [--labels OUT]                        planes in two images against labels\n"
+    "  pairs DIR... [--labels OUT] [--set N=V]            planes in two images against labels\n"
     "  verdicts [DATA]                                    false answers, reliability\n"
     "  directions [DIR...] [--photos]                     Manhattan frames against truth\n"
     "  segments IMAGE_OR_FOLDER...                        segment detectors\n"
     "  recall [DATA] [--only NAME] [--landmarks N,N]      found by image search and by maps\n"
     "  peers [DATA] [--only NAME] [--features sift,orb]   maps beside plain image search\n"
+    "  cameras [DATA] [--only NAME] [--foreign N]         photos of other cameras, in other light\n"
     "  look-alikes [--buildings N] [--first SEED]         storeys that share posters and doors\n"
     "  relative [DIR]                                     rotations between places\n"
     "  orientation [--buildings 3] [--frames 1000]        turns, corridors, loops, nodes\n"
@@ -44,6 +45,7 @@ int main(int argc, char** argv) {
   const std::map<std::string, int (*)(const Args&)> benches = {
       {"compass", waystone::bench::RunCompass},
       {"building", waystone::bench::RunBuilding},
+      {"cameras", waystone::bench::RunCameras},
       {"kidnapped", waystone::bench::RunKidnapped},
       {"world", waystone::bench::RunWorld},
       {"rgbd", waystone::bench::RunRgbd},

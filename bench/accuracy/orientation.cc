@@ -12,6 +12,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/orientation_world.h"
+#include "bench/accuracy/settings.h"
 #include "bench/accuracy/stopwatch.h"
 #include "builder/frames/frame_pipeline.h"
 #include "builder/orientation/follow.h"
@@ -311,6 +312,7 @@ struct Runs {
   int frames = 1000;
   bool trim = true;
   double scale = 1;  // of the pictures
+  OrientationOptions options;
 };
 
 Json RunOne(int building, bool rig_wanted, const Runs& runs) {
@@ -319,11 +321,10 @@ Json RunOne(int building, bool rig_wanted, const Runs& runs) {
       rig_wanted ? CubeRig(pixels(320)) : RigOfOne(PinholeCamera(pixels(640), pixels(480), 1.1));
   const OrientationWorld made = MakeOrientationWorld(building, runs.frames, runs.trim);
   const RigFiles files = RenderAll(made, rig);
-  const OrientationOptions options;
-  const double look_s = ObserveSeconds(rig, files, options);
+  const double look_s = ObserveSeconds(rig, files, runs.options);
   MemorySource source(RigSequenceInMemory(rig, files));
   const Stopwatch watch;
-  OrientationLayerBuilder builder(options);
+  OrientationLayerBuilder builder(runs.options);
   const MapData map = BuildLayer({&source}, builder);
   const OrientationLayer& layer = map.orientation.value();
   const double cpu_s = watch.cpu_s();
@@ -355,6 +356,7 @@ int RunOrientation(const Args& all) {
   const int buildings = std::stoi(TakeOption(args, "buildings", "3"));
   const int first = std::stoi(TakeOption(args, "first", "0"));
   Runs runs;
+  runs.options = TakeBuildSettings(args).orientation;
   runs.frames = std::stoi(TakeOption(args, "frames", "1000"));
   runs.trim = TakeOption(args, "trim", "yes") != "no";
   runs.scale = std::stod(TakeOption(args, "scale", "1"));
@@ -363,7 +365,8 @@ int RunOrientation(const Args& all) {
       runs.scale < 0.25 || runs.scale > 4) {
     throw MapError(ErrorCode::kUsage,
                    "orientation takes --buildings 1 to 3, --first 0 to 2, --frames of 100 or "
-                   "more, --camera rig, pinhole or both, --trim yes or no, --scale 0.25 to 4");
+                   "more, --camera rig, pinhole or both, --trim yes or no, --scale 0.25 to 4, "
+                   "--set NAME=VALUE");
   }
   Json results = Json::array();
   for (int building = first; building < first + buildings; ++building) {

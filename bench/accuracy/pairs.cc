@@ -9,6 +9,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/misclassification.h"
+#include "bench/accuracy/settings.h"
 #include "bench/accuracy/stopwatch.h"
 #include "builder/planes/options.h"
 #include "core/base/error.h"
@@ -54,8 +55,7 @@ LabelledPair ReadPair(const fs::path& folder) {
 }
 
 // Label of each match: 1 + index of its plane, 0 for none.
-std::vector<int> Label(const MatchedPoints& points) {
-  const PlaneLayerOptions options;
+std::vector<int> Label(const MatchedPoints& points, const PlaneLayerOptions& options) {
   const Segmentation segmentation = SegmentPlanes(points, {}, options.segmentation, options.seed);
   std::vector<int> labels(points.size(), 0);
   for (size_t p = 0; p < segmentation.planes.size(); ++p) {
@@ -64,11 +64,11 @@ std::vector<int> Label(const MatchedPoints& points) {
   return labels;
 }
 
-double MedianMilliseconds(const MatchedPoints& points) {
+double MedianMilliseconds(const MatchedPoints& points, const PlaneLayerOptions& options) {
   std::vector<double> times;
   for (int run = 0; run < kRuns; ++run) {
     const Stopwatch watch;
-    Label(points);
+    Label(points, options);
     times.push_back(1e3 * watch.cpu_s());
   }
   return Quantile(times, 0.5);
@@ -86,6 +86,7 @@ void WriteLabels(const fs::path& folder, const std::string& name, const std::vec
 
 int RunPairs(const Args& raw) {
   Args args = raw;
+  const PlaneLayerOptions options = TakeBuildSettings(args).planes;
   const std::string labels_folder = TakeOption(args, "labels", "");
   if (args.empty()) throw MapError(ErrorCode::kUsage, "pairs wants folders with a matches.csv");
   std::vector<double> errors;
@@ -95,9 +96,9 @@ int RunPairs(const Args& raw) {
   std::printf("%-14s %8s %7s %7s %8s %9s\n", "pair", "matches", "planes", "found", "error", "ms");
   for (const std::string& folder : args) {
     const LabelledPair pair = ReadPair(folder);
-    const std::vector<int> labels = Label(pair.points);
+    const std::vector<int> labels = Label(pair.points, options);
     const double error = Misclassification(pair.truth, labels);
-    const double ms = MedianMilliseconds(pair.points);
+    const double ms = MedianMilliseconds(pair.points, options);
     if (!labels_folder.empty()) WriteLabels(labels_folder, pair.name, labels);
     std::printf("%-14s %8d %7d %7d %7.1f%% %9.1f\n", pair.name.c_str(), pair.points.size(),
                 *std::max_element(pair.truth.begin(), pair.truth.end()),

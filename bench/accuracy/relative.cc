@@ -5,10 +5,12 @@
 #include <array>
 #include <cstdio>
 #include <iostream>
+#include <optional>
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/oriented_set.h"
 #include "bench/accuracy/stopwatch.h"
+#include "bench/baseline/paper_motion.h"
 #include "core/base/error.h"
 #include "core/geometry/angle.h"
 #include "core/geometry/rotation.h"
@@ -51,7 +53,13 @@ struct Pair {
   double direction_deg = 0;  // of the motion, off the truth
   double sigmas = 0;         // of the rotation, in those its covariance states
   double inliers = 0;
+  std::optional<double> paper_rotation_deg = {};  // of the paper's method, where it accepts
+  double paper_direction_deg = 0;
 };
+
+double DirectionError(const Eigen::Vector3d& direction, const Eigen::Vector3d& truth) {
+  return kDegreesPerRadian * std::atan2(truth.cross(direction).norm(), truth.dot(direction));
+}
 
 Pair Judge(const OrientedSet& set, const std::vector<Place>& places, int a, int apart) {
   Pair pair{.a = a, .b = a + apart, .apart = apart};
@@ -63,8 +71,7 @@ Pair Judge(const OrientedSet& set, const std::vector<Place>& places, int a, int 
   const Eigen::Isometry3d truth = set.world_from_rig[pair.b].inverse() * set.world_from_rig[pair.a];
   pair.rotation_deg = kDegreesPerRadian * RotationAngle(pose.b_from_a, truth.linear());
   const Eigen::Vector3d direction = truth.translation().normalized();
-  pair.direction_deg = kDegreesPerRadian * std::atan2(direction.cross(pose.translation).norm(),
-                                                      direction.dot(pose.translation));
+  pair.direction_deg = DirectionError(pose.translation, direction);
   if (pair.accepted) {
     const Eigen::AngleAxisd turn(truth.linear() * pose.b_from_a.transpose());
     const Eigen::Vector3d w = turn.angle() * turn.axis();
@@ -79,6 +86,36 @@ Pair Judge(const OrientedSet& set, const std::vector<Place>& places, int a, int 
   pair.visible = !set.visible.empty() &&
                  (set.visible[pair.a].contains(pair.b) || set.visible[pair.b].contains(pair.a));
   return pair;
+}
+
+// The same pair by the paper's method, on the same matches.
+void AddPaper(const OrientedSet& set, const std::vector<Place>& places, Pair& pair) {
+  const auto found =
+      FindMotionByEightPoints(MatchBearings(places[pair.a].features, places[pair.b].features));
+  if (!found) return;
+  const Eigen::Isometry3d truth = set.world_from_rig[pair.b].inverse() * set.world_from_rig[pair.a];
+  pair.paper_rotation_deg =
+      kDegreesPerRadian * RotationAngle(found->motion.b_from_a, truth.linear());
+  pair.paper_direction_deg =
+      DirectionError(found->motion.translation, truth.translation().normalized());
+}
+
+// The paper's method: eight points, and ten inliers are enough.
+nlohmann::ordered_json PaperSummary(const std::vector<Pair>& pairs) {
+  std::vector<double> rotation;
+  std::vector<double> direction;
+  for (const Pair& pair : pairs) {
+    if (!pair.paper_rotation_deg) continue;
+    rotation.push_back(*pair.paper_rotation_deg);
+    direction.push_back(pair.paper_direction_deg);
+  }
+  return {{"accepted", rotation.size()},
+          {"rotation_median_deg", Quantile(rotation, 0.5)},
+          {"rotation_95_deg", Quantile(rotation, 0.95)},
+          {"rotation_max_deg", Quantile(rotation, 1)},
+          {"direction_median_deg", Quantile(direction, 0.5)},
+          {"accepted_above_5_deg",
+           std::ranges::count_if(rotation, [](double deg) { return deg > kWrong; })}};
 }
 
 nlohmann::ordered_json RotationSummary(const std::vector<Pair>& pairs) {
@@ -99,7 +136,8 @@ nlohmann::ordered_json RotationSummary(const std::vector<Pair>& pairs) {
           {"direction_median_deg", Quantile(direction, 0.5)},
           {"deviations_median", Quantile(sigmas, 0.5)},
           {"accepted_above_5_deg",
-           std::ranges::count_if(rotation, [](double deg) { return deg > kWrong; })}};
+           std::ranges::count_if(rotation, [](double deg) { return deg > kWrong; })},
+          {"paper", PaperSummary(pairs)}};
 }
 
 nlohmann::ordered_json VerdictSummary(const std::vector<Pair>& pairs) {
@@ -131,6 +169,12 @@ void Print(const char* title, const std::vector<Pair>& pairs, bool visibility) {
                 verdict["precision"].get<double>(), verdict["recall"].get<double>());
   }
   std::printf("\n");
+  const auto& paper = rotation["paper"];
+  std::printf("%-14s %8d %7.3f %7.3f %7.2f %7.2f %6d\n", "  eight points",
+              paper["accepted"].get<int>(), paper["rotation_median_deg"].get<double>(),
+              paper["rotation_95_deg"].get<double>(), paper["rotation_max_deg"].get<double>(),
+              paper["direction_median_deg"].get<double>(),
+              paper["accepted_above_5_deg"].get<int>());
 }
 
 std::vector<Pair> OfDistance(const std::vector<Pair>& pairs, int apart) {
@@ -167,6 +211,7 @@ int RunRelative(const Args& args) {
     pairs[i] = Judge(set, places, wanted[i].first, wanted[i].second);
   });
   const double ms_per_pair = 1000 * watch.cpu_s() / static_cast<double>(pairs.size());
+  tbb::parallel_for(size_t{0}, pairs.size(), [&](size_t i) { AddPaper(set, places, pairs[i]); });
   const bool visibility = !set.visible.empty();
   std::printf("%-8s %5s %8s %7s %7s %7s %7s %6s %6s%s\n", "apart", "pairs", "accepted", "median",
               "95 %", "max", "direct.", "wrong", "trav.",

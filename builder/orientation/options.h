@@ -101,6 +101,7 @@ struct TurnOptions {
   int reach = 5;
   double settled_rad = 0.35;
   int settled_motions = 3;
+  bool use_motions = true;
 
   static constexpr auto Fields() {
     return std::tuple{
@@ -118,7 +119,11 @@ struct TurnOptions {
         OptionField{"settled_motions", &TurnOptions::settled_motions, Closed(1, 100), "",
                     "Motions in a row along the same axis before the trajectory counts as "
                     "following it. More leave out short detours and short stretches between two "
-                    "turns."}};
+                    "turns."},
+        OptionField{"use_motions", &TurnOptions::use_motions, AnyValue(), "",
+                    "Decide turns by the axes that the motion follows; false leaves it to the "
+                    "paper's test alone, whether the frames before and after a jump are connected.",
+                    OptionUse::kInternal}};
   }
   void Check() const { CheckFields("turns", *this); }  // throws MapError(kBadOptions)
 };

@@ -150,13 +150,13 @@ std::vector<DecidedTurn> DecideTurns(std::span<const TestedJump> jumps,
                      .confirmed = false,
                      .axis_after = AxisAfter(tested.jump, motions)});
   }
-  for (size_t i = 0; i + 1 < motions.size(); ++i) {
+  for (size_t i = 0; options.use_motions && i + 1 < motions.size(); ++i) {
     ConfirmAround(motions[i], motions[i + 1], options, turns);
   }
   for (size_t i = 0; i < turns.size(); ++i) {
     const int frame = turns[i].jump.frame;
-    const bool known =
-        !motions.empty() && motions.front().first < frame && motions.back().last > frame;
+    const bool known = options.use_motions && !motions.empty() && motions.front().first < frame &&
+                       motions.back().last > frame;
     if (!known && !jumps[i].connected) turns[i].confirmed = true;
   }
   return turns;

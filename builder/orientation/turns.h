@@ -64,9 +64,10 @@ struct DecidedTurn {
 
 // Which jumps are turns (sec. II-B.1): a jump is one where the motion settles along another axis
 // around it, in the sense in which the rig turned. The paper's test alone, not connected means
-// turned, decides where the motion isn't known before or after it: cameras that see all around stay
-// connected through a turn. `headings` are the camera's, in order of frames; a turn's angle is the
-// change of their median over the frames along an axis within 4 reaches before and after it. Pure.
+// turned, decides where the motion isn't known before or after it (with options.use_motions false,
+// everywhere): cameras that see all around stay connected through a turn. `headings` are the
+// camera's, in order of frames; a turn's angle is the change of their median over the frames along
+// an axis within 4 reaches before and after it. Pure.
 std::vector<DecidedTurn> DecideTurns(std::span<const TestedJump> jumps,
                                      std::span<const SettledMotion> motions,
                                      std::span<const HeadingSample> headings,

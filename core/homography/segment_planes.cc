@@ -196,6 +196,105 @@ class Segmenter {
   Segmentation result_;
 };
 
+// Extraction as in the paper, for comparison: one plane after the other takes the matches that are
+// left and support it (sec. II-A), and is tested against those before it (sec. II-B).
+class GreedyExtractor {
+ public:
+  GreedyExtractor(const MatchedPoints& points, std::vector<PlaneSegment> known,
+                  const SegmentationOptions& options, uint64_t seed)
+      : points_{points.from, points.to, {}},
+        options_(options),
+        neighbourhoods_(points_.from, 2 * options.ransac.neighbourhood),
+        random_(seed),
+        known_(static_cast<int>(known.size())),
+        taken_(points_.size(), false) {
+    result_.planes = std::move(known);
+  }
+
+  Segmentation Run() {
+    for (PlaneSegment& plane : result_.planes) {
+      std::erase_if(plane.rows, [&](int row) { return taken_[row]; });
+      Take(plane.rows);
+    }
+    for (PlaneSegment& plane : result_.planes) AddSupport(plane);
+    while (static_cast<int>(result_.planes.size()) < known_ + options_.max_planes && Extract()) {
+    }
+    return std::move(result_);
+  }
+
+ private:
+  std::vector<int> Free() const {
+    std::vector<int> rows;
+    for (int row = 0; row < points_.size(); ++row) {
+      if (!taken_[row]) rows.push_back(row);
+    }
+    return rows;
+  }
+
+  void Take(const std::vector<int>& rows) {
+    for (const int row : rows) taken_[row] = true;
+  }
+
+  // The features that a known plane's homography finds among those of no plane.
+  void AddSupport(PlaneSegment& plane) {
+    const PlaneModel model{plane.to_from.b_from_a, Eigen::Matrix3d::Identity()};
+    const PlaneModel inverse = Inverse(model);
+    const double bound = ErrorBound(plane.to_from.sigma_px, options_.ransac);
+    std::vector<int> found;
+    for (const int row : Free()) {
+      if (PlaneError2(points_, model, inverse, row) < bound * bound) found.push_back(row);
+    }
+    AddRows(plane, found);
+  }
+
+  void AddRows(PlaneSegment& plane, const std::vector<int>& rows) {
+    plane.rows.insert(plane.rows.end(), rows.begin(), rows.end());
+    std::ranges::sort(plane.rows);
+    Take(rows);
+  }
+
+  // One more plane, or matches that another one gets, or matches that are none; false at the end.
+  bool Extract() {
+    const std::vector<int> free = Free();
+    if (static_cast<int>(free.size()) < options_.min_inliers) return false;
+    const std::optional<PlaneFit> fit =
+        FindPlane(points_, free, neighbourhoods_, options_.ransac, random_);
+    if (!fit || static_cast<int>(fit->inliers.size()) < options_.min_inliers) return false;
+    PointPairs pairs;
+    for (const int row : fit->inliers) pairs.Add(points_.from[row], points_.to[row]);
+    const auto estimate = RefineHomography(pairs, fit->model.to_from);
+    Take(fit->inliers);
+    if (!estimate) {
+      ++result_.rejected;
+      return true;
+    }
+    bool valid = result_.planes.empty();
+    for (PlaneSegment& plane : result_.planes) {
+      const HomologyKind kind = TestHomology(plane.to_from, *estimate, options_.homology).kind;
+      if (kind == HomologyKind::kSamePlane) {
+        AddRows(plane, fit->inliers);
+        ++result_.merged;
+        return true;
+      }
+      valid = valid || kind == HomologyKind::kTwoPlanes;
+    }
+    if (valid) {
+      result_.planes.push_back({*estimate, fit->inliers});
+    } else {
+      ++result_.rejected;
+    }
+    return true;
+  }
+
+  const MatchedPoints points_;
+  const SegmentationOptions& options_;
+  const Neighbourhoods neighbourhoods_;
+  Random random_;
+  const int known_;
+  std::vector<bool> taken_;  // matches of a plane, or of a candidate that was turned down
+  Segmentation result_;
+};
+
 }  // namespace
 
 void SegmentationOptions::Check() const {
@@ -208,6 +307,7 @@ Segmentation SegmentPlanes(const MatchedPoints& points, std::vector<PlaneSegment
                            const SegmentationOptions& options, uint64_t seed) {
   options.Check();
   WS_CHECK(points.from.size() == points.to.size(), "matches of different lengths");
+  if (options.greedy) return GreedyExtractor(points, std::move(known), options, seed).Run();
   return Segmenter(points, std::move(known), options, seed).Run();
 }
 

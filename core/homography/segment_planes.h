@@ -19,6 +19,7 @@ struct SegmentationOptions {
   int min_inliers = 14;
   int max_planes = 24;
   int patch = 16;
+  bool greedy = false;
 
   static constexpr auto Fields() {
     return std::tuple{
@@ -32,7 +33,11 @@ struct SegmentationOptions {
                     "Maximum number of new planes per pair of images."},
         OptionField{"patch", &SegmentationOptions::patch, AtLeast(5), "",
                     "Neighbouring matches from which a second plane within a plane is proposed. "
-                    "Fewer find smaller planes; more determine them better."}};
+                    "Fewer find smaller planes; more determine them better."},
+        OptionField{"greedy", &SegmentationOptions::greedy, AnyValue(), "",
+                    "Extract planes one after the other, each with all matches that support it, as "
+                    "in the paper, instead of labelling all matches anew with each plane.",
+                    OptionUse::kInternal}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -56,7 +61,9 @@ struct Segmentation {
 // of the other planes is valid or there is none; with the identity, two become one (sec. II-B).
 // `known` are planes that are already found (tracked ones): they keep their homographies (but for
 // a second part of theirs that is found) and never disappear, but lose matches to planes that
-// explain them better and get others. Deterministic for a seed; thread-safe.
+// explain them better and get others. With options.greedy as in the paper instead: a plane takes
+// all matches that support it and belong to none before it, and keeps them. Deterministic for a
+// seed; thread-safe.
 Segmentation SegmentPlanes(const MatchedPoints& points, std::vector<PlaneSegment> known,
                            const SegmentationOptions& options, uint64_t seed);
 

@@ -123,6 +123,20 @@ TEST(Turns, TheTestDecidesWhereNoMotionIsKnown) {
   }
 }
 
+// The paper's test alone, for comparison: a camera that sees all around stays connected.
+TEST(Turns, TheTestAloneDecidesWhereMotionsAreLeftOut) {
+  TurnOptions options;
+  options.use_motions = false;
+  const auto along = [](int i) { return kPi / 2 * Bend(i, 100); };
+  Drive drive = Along(along, along, options);
+  for (const bool connected : {false, true}) {
+    for (TestedJump& jump : drive.jumps) jump.connected = connected;
+    const auto turns = drive.Decide(options);
+    ASSERT_FALSE(turns.empty());
+    for (const DecidedTurn& turn : turns) EXPECT_EQ(turn.confirmed, !connected);
+  }
+}
+
 TEST(Turns, ACameraOnTheDiagonalDoesNotSwitchBackAndForth) {
   JumpWatch watch({});
   int jumps = 0;

@@ -322,6 +322,39 @@ TEST(SegmentPlanes, NothingAmongNoiseOrAmongNoMatches) {
   EXPECT_TRUE(SegmentPlanes({}, {}, {}, 1).planes.empty());
 }
 
+// The paper's extraction, kept for comparison: the same scenes, with more matches at wrong planes.
+TEST(GreedySegmentation, FindsThreePlanesOneAfterTheOther) {
+  SegmentationOptions greedy;
+  greedy.greedy = true;
+  int found_planes = 0;
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    const Scene scene = CorridorScene(seed);
+    const Segmentation found = SegmentPlanes(scene.points, {}, greedy, seed);
+    LabelsOf(found, scene.points.size());
+    std::set<int> true_planes;
+    for (const PlaneSegment& segment : found.planes) {
+      EXPECT_GE(static_cast<int>(segment.rows.size()), greedy.min_inliers);
+      true_planes.insert(MajorityOf(segment, scene));
+    }
+    true_planes.erase(kOutlier);
+    found_planes += static_cast<int>(true_planes.size());
+  }
+  EXPECT_GE(found_planes, 54) << "of 60";
+}
+
+TEST(GreedySegmentation, KnownPlanesComeFirstAndTakeTheMatchesThatSupportThem) {
+  SegmentationOptions greedy;
+  greedy.greedy = true;
+  const Scene scene = CorridorScene(2);
+  const PlaneSegment known = scene.Segment(1, 0, 20);
+  const Segmentation found = SegmentPlanes(scene.points, {known, known}, greedy, 2);
+  LabelsOf(found, scene.points.size());
+  ASSERT_GE(found.planes.size(), 2U);
+  EXPECT_EQ(found.planes[0].to_from.b_from_a, known.to_from.b_from_a);
+  EXPECT_GT(found.planes[0].rows.size(), 40U);
+  EXPECT_EQ(MajorityOf(found.planes[0], scene), 1);
+}
+
 TEST(SegmentPlanes, RefusesMatchesOfDifferentLengths) {
   MatchedPoints points;
   points.from.resize(3);
