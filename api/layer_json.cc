@@ -177,6 +177,14 @@ Json LayerJson(const std::string& map_name, const MapData& map, const Orientatio
   for (size_t i = 0; i < layer.corridors.size(); ++i) {
     json["corridors"].push_back(CorridorJson(layer, i));
   }
+  json["corridors_unknown"] = Json::array();
+  for (const Sequence& sequence : map.sequences) {
+    const bool has_frames = std::ranges::find(layer.frames, sequence.id,
+                                              &OrientationFrame::sequence) != layer.frames.end();
+    if (has_frames && !SeesAllAround(sequence)) {
+      json["corridors_unknown"].push_back(sequence.id.value);
+    }
+  }
   return json;
 }
 

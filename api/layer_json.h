@@ -26,7 +26,8 @@ const OrientationLayer& OrientationOf(const MapIndex& index);
 //   schema/orientation_trajectory.h,
 //                heading_rad, reliable, lines_x, lines_y, lines_z),
 //                nodes {id, keyframe, kind, heading_rad, corridor, directions, image},
-//                edges {a, b, kind, matches}, turns, corridors
+//                edges {a, b, kind, matches}, turns, corridors, corridors_unknown (ids of
+//                sequences of one camera, whose corridors can't be told)
 Json LayerJson(const MapData& map, const AppearanceLayer& layer);
 Json LayerJson(const std::string& map_name, const MapData& map, const OrientationLayer& layer);
 

@@ -13,6 +13,7 @@
 #include "schema/layers/orientation/orientation_layer.h"
 #include "schema/layers/planes/plane_layer.h"
 #include "schema/layers/poses/pose_layer.h"
+#include "schema/sequence_kinds.h"
 
 // A map as values: what the builder hands to MapStore and what the localizer gets from it.
 // FORMAT.md says how each field is stored.
@@ -29,6 +30,14 @@ struct Sequence {
 
   bool operator==(const Sequence&) const = default;
 };
+
+// Whether a sequence's images see all around: panoramas and rigs. One camera that looks ahead sees
+// as many lines across a corridor as along it, in floor and ceiling, so that the orientation layer
+// can't tell corridors from rooms with it.
+inline bool SeesAllAround(const Sequence& sequence) {
+  return sequence.kind == kRigKind || sequence.kind == kCamerasKind || !sequence.camera ||
+         sequence.camera->model == CameraModel::kEquirectangular;
+}
 
 struct MapInfo {
   std::string name;     // for people; the file's name without extension by default

@@ -141,6 +141,8 @@ void OrientationLayerBuilder::Add(std::unique_ptr<Observation> observation, Prog
 void OrientationLayerBuilder::FinishSequence(const FrameReport& sequence) {
   report_.Append(sequence);
   mapped_.push_back(mapper_->Finish());
+  // One camera can't tell corridors from rooms (SeesAllAround).
+  if (rig_->rig.cameras.size() == 1) mapped_.back().corridors.clear();
   report_.tests += mapped_.back().tests;
   mapper_.reset();
 }

@@ -118,14 +118,18 @@ void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
            Seconds(report.calibrate_s));
 }
 
-void OrientationLines(std::ostream& out, const OrientationLayer& layer,
-                      const OrientationReport& report) {
+void OrientationLines(std::ostream& out, const MapData& map, const OrientationReport& report) {
+  const OrientationLayer& layer = *map.orientation;
+  const bool corridors_known =
+      !layer.corridors.empty() || std::ranges::all_of(map.sequences, SeesAllAround);
   FramesLines(out, "orientation", report,
               ", " + std::to_string(report.unreliable) + " without reliable axes");
   Line(out, "trajectory",
        Plural(TurnCount(layer), "turn") + " in " + Plural(layer.turns.size(), "heading change") +
            ", " + Plural(layer.nodes.size(), "node") + ", " +
-           Plural(layer.corridors.size(), "corridor") + ", " + Plural(LoopCount(layer), "loop"));
+           (corridors_known ? Plural(layer.corridors.size(), "corridor")
+                            : std::string("corridors unknown (one camera)")) +
+           ", " + Plural(LoopCount(layer), "loop"));
   Line(out, "seconds",
        "lines and features " + Seconds(report.observe_s) +
            " (total over threads), axes and turns " + Seconds(report.add_s) + ", edges and loops " +
@@ -301,8 +305,7 @@ std::string SummaryText(const BuildSummary& summary) {
        << BytesText(summary.bytes) << " in " << Seconds(report.total_s) << " s\n";
   if (report.planes) PlanesLines(text, *report.planes);
   if (report.appearance) AppearanceLines(text, *report.appearance);
-  if (report.orientation)
-    OrientationLines(text, *summary.result->map.orientation, *report.orientation);
+  if (report.orientation) OrientationLines(text, summary.result->map, *report.orientation);
   if (report.poses) PosesLines(text, *report.poses);
   Line(text, "version", summary.version);
   text << TablesText(summary.tables);

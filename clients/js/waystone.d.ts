@@ -455,6 +455,8 @@ export interface Orientation {
   edges: OrientationEdge[];
   turns: Turn[];
   corridors: Corridor[];
+  /** Sequences taken by one camera that does not see all around, in which corridors can't be told from rooms. */
+  corridors_unknown: Id[];
 }
 
 /** All frames in columns. x and y are the trajectory reconstructed from turns, with unit steps per frame along the Manhattan axes, starting at 0 in each sequence; lines are counts along the x, y and z axes. */

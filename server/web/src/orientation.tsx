@@ -211,7 +211,9 @@ function Lists({ map, layer }: { map: string; layer: Orientation }) {
         name="Corridors"
         heads={["Corridor", "Axis", "Frames"]}
         rows={layer.corridors.map((c) => [c.id, c.axis, <>{link(c.first)} to {link(c.last)}</>])}
-        none="No corridors."
+        none={layer.corridors_unknown.length > 0
+          ? "Unknown: corridors can be told from rooms only by rigs and panoramas, which see all around."
+          : "No corridors."}
       />
       <Table
         name="Loop closures"

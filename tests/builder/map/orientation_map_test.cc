@@ -41,6 +41,22 @@ TEST(OrientationMapTest, FindsTheTurnTheHeadingsAndTheWay) {
   EXPECT_TRUE(problems.empty()) << problems[0].where << ": " << problems[0].message;
 }
 
+// Both legs of this walk are corridors, which one camera can't tell from rooms: it doesn't guess.
+TEST(OrientationMapTest, OneCameraNamesNoCorridors) {
+  EXPECT_TRUE(BuildOrientation(Corner().images).layer.corridors.empty());
+  const Sequence narrow{
+      .id = {1}, .name = "corner", .kind = kFolderKind, .camera = Corner().camera};
+  EXPECT_FALSE(SeesAllAround(narrow));
+  Sequence wide = narrow;
+  wide.camera = PanoramaCamera(512);
+  EXPECT_TRUE(SeesAllAround(wide));
+  wide.camera.reset();
+  EXPECT_TRUE(SeesAllAround(wide));
+  Sequence rig = narrow;
+  rig.kind = kRigKind;
+  EXPECT_TRUE(SeesAllAround(rig));
+}
+
 // The camera turns the corner in the dark: which way it looks then can't be told from axes alone.
 TEST(OrientationMapTest, AQuarterTurnIsNotGuessedOverAGap) {
   std::vector<cv::Mat> images = Corner().images;
