@@ -172,12 +172,17 @@ void AddSourceFlags(CLI::App* command, BuildFlags& flags) {
 void AddPoseFlags(CLI::App* command, PoseFlags& flags) {
   command->add_option(
       "--poses", flags.file,
-      "Poses of the images: TUM, KITTI, EuRoC, COLMAP (images.txt, images.bin), g2o "
-      "or CSV; with --camera, queries are answered with their pose");
+      "Poses of the images: TUM, KITTI, EuRoC, COLMAP (images.txt, images.bin), g2o, "
+      "nav_msgs/Odometry as CSV, or CSV; with --camera, queries are answered with their pose");
   command->add_option("--frame", flags.frame, "Name of the frame of the poses")
       ->capture_default_str();
   command->add_option("--unit", flags.unit, "Unit of the poses: metres or unknown")
       ->capture_default_str();
+  command
+      ->add_option("--scale-by", flags.scale_by,
+                   "Two images and the distance of their cameras in metres: A B METRES. Scales "
+                   "poses of unknown unit")
+      ->expected(3);
   command->add_option("--body-from-camera", flags.body_from_camera,
                       "Where the camera is on the body that the poses are of: \"x y z qx qy qz "
                       "qw\"");

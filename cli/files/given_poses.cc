@@ -44,6 +44,35 @@ Eigen::Isometry3d ParseTransform(const std::string& text) {
                                         "quaternion of length 1");
 }
 
+// The pose of an image that the user names as the poses do: by name, time or number.
+Eigen::Vector3d FindPosition(const ImagePoses& images, const std::string& image,
+                             const std::string& file) {
+  const auto number = ToInteger(image);
+  const auto pose = images.Find(image, ToNumber(image), number ? static_cast<int>(*number) : -1);
+  if (pose) return pose->world_from_camera.translation();
+  throw MapError(ErrorCode::kBadRequest,
+                 "--scale-by: " + file + " has no pose of '" + Printable(image) +
+                     "'; name two images as the poses do (by name, time or number)");
+}
+
+// What positions are multiplied by, so that two of them have a known distance.
+double FindScale(const ImagePoses& images, const PoseFlags& flags) {
+  if (flags.scale_by.empty()) return 1;
+  const auto metres = ToNumber(flags.scale_by.at(2));
+  if (!metres || !(*metres > 0) || !std::isfinite(*metres)) {
+    throw MapError(ErrorCode::kUsage, "--scale-by: '" + Printable(flags.scale_by[2]) +
+                                          "' is no distance in metres above 0");
+  }
+  const double distance = (FindPosition(images, flags.scale_by[0], flags.file) -
+                           FindPosition(images, flags.scale_by[1], flags.file))
+                              .norm();
+  if (distance > 0) return *metres / distance;
+  throw MapError(ErrorCode::kBadRequest, "--scale-by: the poses of '" +
+                                             Printable(flags.scale_by[0]) + "' and '" +
+                                             Printable(flags.scale_by[1]) +
+                                             "' are at one position; name two that are far apart");
+}
+
 }  // namespace
 
 GivenPoses ReadGivenPoses(const PoseFlags& flags, int sources) {
@@ -63,15 +92,18 @@ GivenPoses ReadGivenPoses(const PoseFlags& flags, int sources) {
   }
   GivenPoses given;
   given.frame = flags.frame;
-  given.unit = UnitByName(flags.unit);
+  given.unit = flags.scale_by.empty() ? UnitByName(flags.unit) : LengthUnit::kMetres;
+  const double scale = FindScale(*images, flags);
   const Eigen::Isometry3d body_from_camera = ParseTransform(flags.body_from_camera);
-  given.of_keyframe = [images, body_from_camera](
+  given.of_keyframe = [images, body_from_camera, scale](
                           const Sequence& sequence,
                           const Keyframe& keyframe) -> std::optional<Eigen::Isometry3d> {
     const auto pose =
         images->Find(sequence.name + "/" + keyframe.source, keyframe.time_s, keyframe.frame);
     if (!pose) return std::nullopt;
-    return pose->world_from_camera * body_from_camera;
+    Eigen::Isometry3d world_from_body = pose->world_from_camera;
+    world_from_body.translation() *= scale;
+    return world_from_body * body_from_camera;
   };
   return given;
 }

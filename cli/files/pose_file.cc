@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <initializer_list>
+#include <string_view>
 #include <utility>
 
 #include "api/tum_pose.h"
@@ -104,6 +106,109 @@ std::vector<FilePose> ReadEurocPoses(const fs::path& path) {
     pose.time_s = (*n)[0] * kNanosecond_s;
     pose.number = static_cast<int>(poses.size());
     pose.pose = {PoseOf({(*n)[1], (*n)[2], (*n)[3]}, {(*n)[4], (*n)[5], (*n)[6], (*n)[7]}), true};
+    poses.push_back(std::move(pose));
+  }
+  return poses;
+}
+
+// Rows of cells that may be empty; quotes are not expected in odometry.
+std::vector<std::string> SplitCells(std::string line) {
+  if (line.ends_with('\r')) line.pop_back();
+  std::vector<std::string> cells(1);
+  for (const char c : line) {
+    if (c == ',') {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+// Where nav_msgs/Odometry's fields are in a row: seconds, nanoseconds, position, quaternion x y z
+// w.
+struct OdometryColumns {
+  std::optional<size_t> seconds;  // nothing where nanoseconds are those of the whole stamp
+  size_t nanoseconds = 0;
+  std::array<size_t, 7> pose{};
+
+  size_t last() const { return std::ranges::max(pose); }
+};
+
+std::optional<size_t> FindEnding(const std::vector<std::string>& cells,
+                                 std::initializer_list<std::string_view> endings) {
+  for (size_t i = 0; i < cells.size(); ++i) {
+    for (const std::string_view ending : endings) {
+      if (cells[i].ends_with(ending)) return i;
+    }
+  }
+  return std::nullopt;
+}
+
+// The columns that a header names, or those of `ros2 topic echo --csv`, which prints none: seconds,
+// nanoseconds, two frames' names, position, quaternion. Nothing for what isn't odometry.
+std::optional<OdometryColumns> FindOdometry(const std::vector<std::string>& first) {
+  constexpr std::array kEndings{"pose.pose.position.x",    "pose.pose.position.y",
+                                "pose.pose.position.z",    "pose.pose.orientation.x",
+                                "pose.pose.orientation.y", "pose.pose.orientation.z",
+                                "pose.pose.orientation.w"};
+  OdometryColumns columns;
+  if (FindEnding(first, {kEndings[0]})) {
+    for (size_t i = 0; i < kEndings.size(); ++i) {
+      const auto column = FindEnding(first, {kEndings[i]});
+      if (!column) return std::nullopt;
+      columns.pose[i] = *column;
+    }
+    columns.seconds = FindEnding(first, {"header.stamp.sec", "header.stamp.secs"});
+    const auto nanoseconds = columns.seconds
+                                 ? FindEnding(first, {"header.stamp.nanosec", "header.stamp.nsecs"})
+                                 : FindEnding(first, {"header.stamp"});
+    if (!nanoseconds) return std::nullopt;
+    columns.nanoseconds = *nanoseconds;
+    return columns;
+  }
+  columns = {.seconds = 0, .nanoseconds = 1, .pose = {4, 5, 6, 7, 8, 9, 10}};
+  if (first.size() <= columns.last() || ToNumber(first[2]) || ToNumber(first[3])) {
+    return std::nullopt;
+  }
+  const bool numbers =
+      ToInteger(first[0]) && ToInteger(first[1]) &&
+      std::ranges::all_of(columns.pose, [&](size_t i) { return ToNumber(first[i]).has_value(); });
+  return numbers ? std::optional(columns) : std::nullopt;
+}
+
+std::optional<OdometryColumns> FindOdometry(const fs::path& path) {
+  std::ifstream in(path);
+  std::string first;
+  std::getline(in, first);
+  return FindOdometry(SplitCells(first));
+}
+
+std::vector<FilePose> ReadOdometry(const fs::path& path, const OdometryColumns& columns) {
+  constexpr double kNanosecond_s = 1e-9;
+  std::ifstream in(path);
+  std::vector<FilePose> poses;
+  std::string text;
+  for (int line = 1; std::getline(in, text); ++line) {
+    const std::vector<std::string> cells = SplitCells(text);
+    const bool header =
+        line == 1 && cells.size() > columns.last() && !ToNumber(cells[columns.pose.front()]);
+    if (header || text.empty()) continue;
+    std::vector<std::string> fields;
+    if (cells.size() > std::max(columns.last(), columns.nanoseconds)) {
+      for (const size_t column : columns.pose) fields.push_back(cells[column]);
+      fields.push_back(cells[columns.nanoseconds]);
+      fields.push_back(columns.seconds ? cells[*columns.seconds] : "0");
+    }
+    const auto n = ParseNumbers(fields);
+    if (!n || n->size() != columns.pose.size() + 2) {
+      throw MapError(ErrorCode::kBadRequest, path.string() + ", line " + std::to_string(line) +
+                                                 ": not a row of nav_msgs/Odometry");
+    }
+    FilePose pose;
+    pose.time_s = (*n)[8] + (*n)[7] * kNanosecond_s;
+    pose.number = static_cast<int>(poses.size());
+    pose.pose = {PoseOf({(*n)[0], (*n)[1], (*n)[2]}, {(*n)[6], (*n)[3], (*n)[4], (*n)[5]}), true};
     poses.push_back(std::move(pose));
   }
   return poses;
@@ -233,6 +338,7 @@ namespace {
 std::vector<FilePose> ReadAnyPoses(const fs::path& path) {
   if (path.extension() == ".bin") return ReadColmapImages(path);
   if (path.extension() != ".csv") return TextPoses(path).Read();
+  if (const auto odometry = FindOdometry(path)) return ReadOdometry(path, *odometry);
   return IsEurocPoses(path) ? ReadEurocPoses(path) : ReadCsvPoses(path);
 }
 

@@ -37,7 +37,9 @@ class PoseColumns {
 // Reads poses of images, recognised by extension and content:
 //   .csv           columns x, y, z, optionally qx, qy, qz, qw, and one of image, keyframe, id,
 //                  frame or time_s; or EuRoC's ground truth ("#timestamp" in ns, p_x, p_y, p_z,
-//                  q_w, q_x, q_y, q_z, of the body)
+//                  q_w, q_x, q_y, q_z, of the body); or odometry as nav_msgs/Odometry (columns that
+//                  end in pose.pose.position.x and so on, and header.stamp, or its seconds and
+//                  nanoseconds), also as `ros2 topic echo --csv` prints it, without a header
 //   .bin           COLMAP's images.bin
 //   TUM            "time x y z qx qy qz qw" a line
 //   KITTI          12 numbers a line, 3x4 by rows

@@ -94,6 +94,38 @@ TEST_F(PoseFileTest, ReadsEachFormat) {
   EXPECT_EQ(colmap[0].name, "left/a.jpg");
 }
 
+// nav_msgs/Odometry as the tools of ROS 1 and 2 and of bags write it.
+TEST_F(PoseFileTest, ReadsOdometry) {
+  const std::string pose = "1,2,3,0,0," + kHalf + "," + kHalf;
+  const std::string fields =
+      "pose.pose.position.x,P.pose.pose.position.y,P.pose.pose.position.z,P.pose.pose.orientation."
+      "x,"
+      "P.pose.pose.orientation.y,P.pose.pose.orientation.z,P.pose.pose.orientation.w";
+  std::string ros1 = "%time,field.header.seq,field.header.stamp,field.header.frame_id,P." + fields;
+  for (size_t at = 0; (at = ros1.find("P.", at)) != std::string::npos;)
+    ros1.replace(at, 2, "field.");
+  std::string bag = "Time,header.stamp.secs,header.stamp.nsecs,header.frame_id,P." + fields;
+  for (size_t at = 0; (at = bag.find("P.", at)) != std::string::npos;) bag.replace(at, 2, "");
+  const std::string texts[] = {
+      ros1 + ",twist\n9,1,2500000000,odom," + pose + ",7\n9,1,2600000000,," + pose + ",7\n",
+      bag + "\r\n9,2,500000000,odom," + pose + "\r\n9,2,600000000,," + pose + "\r\n",
+      "2,500000000,odom,base_link," + pose + ",0,0\n2,600000000,odom,base_link," + pose + ",0,0\n"};
+  for (const std::string& text : texts) {
+    const auto poses = ReadPoseFile(Write("odometry.csv", text));
+    ASSERT_EQ(poses.size(), 2U) << text;
+    ExpectThePose(poses[0]);
+    EXPECT_NEAR(*poses[0].time_s, 2.5, 1e-9) << text;
+    EXPECT_NEAR(*poses[1].time_s, 2.6, 1e-9) << text;
+  }
+  const std::string cut = texts[2] + "3,1,odom,base_link,1,2\n";
+  EXPECT_NE(
+      RefusalOf([&] { ReadPoseFile(Write("cut.csv", cut)); }).find("line 3: not a row of nav"),
+      std::string::npos);
+  const std::string words = texts[2] + "3,1,odom,base_link,1,2,x,0,0,0,1,0,0\n";
+  EXPECT_NE(RefusalOf([&] { ReadPoseFile(Write("words.csv", words)); }).find("line 3"),
+            std::string::npos);
+}
+
 TEST_F(PoseFileTest, RefusesABinaryModelThatIsCut) {
   const std::string whole = ColmapImages(2);
   for (size_t bytes = 0; bytes < whole.size(); bytes += 5) {
@@ -158,6 +190,30 @@ TEST_F(PoseFileTest, GivenPosesAreTheCameras) {
   EXPECT_NEAR((pose->translation() - Eigen::Vector3d(1, 2.5, 3)).norm(), 0, 1e-9);
   keyframe.time_s = 9;
   EXPECT_FALSE(given.of_keyframe({}, keyframe));
+}
+
+TEST_F(PoseFileTest, AKnownDistanceGivesTheScale) {
+  const fs::path file =
+      Write("p.csv", "image,x,y,z,qw,qx,qy,qz\na.jpg,1,2,3,1,0,0,0\nb.jpg,1,2,7,1,0,0,0\n");
+  const auto read = [&](const std::vector<std::string>& scale_by) {
+    return ReadGivenPoses({.file = file.string(), .scale_by = scale_by}, 1);
+  };
+  const GivenPoses given = read({"a.jpg", "b.jpg", "2"});
+  EXPECT_EQ(given.unit, LengthUnit::kMetres);
+  Keyframe keyframe;
+  keyframe.source = "b.jpg";
+  EXPECT_NEAR(
+      (given.of_keyframe({}, keyframe)->translation() - Eigen::Vector3d(0.5, 1, 3.5)).norm(), 0,
+      1e-9);
+  EXPECT_EQ(read({}).unit, LengthUnit::kUnknown);
+  const auto refusal = [&](const std::vector<std::string>& scale_by) {
+    return RefusalOf([&] { read(scale_by); });
+  };
+  EXPECT_NE(refusal({"a.jpg", "c", "2"}).find("no pose of 'c'"), std::string::npos);
+  EXPECT_NE(refusal({"a.jpg", "a.jpg", "2"}).find("at one position"), std::string::npos);
+  for (const char* metres : {"0", "-1", "inf", "two"}) {
+    EXPECT_NE(refusal({"a.jpg", "b.jpg", metres}).find("no distance"), std::string::npos) << metres;
+  }
 }
 
 TEST_F(PoseFileTest, GivenPosesThatMakeNoSenseAreRefused) {
