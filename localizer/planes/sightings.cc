@@ -59,30 +59,30 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
                                               const PlaneQueryOptions& options,
                                               const Deadline& deadline) {
   if (!index.HasLandmarks()) return {};
-  std::vector<int> wanted;
-  const std::vector<Place> places = FindPlaces(index, query, tried, {}, options);
-  for (const Place& place : places) {
-    if (std::ssize(wanted) == options.max_keyframes) break;
-    if (CountInliers(place) < options.gates.ambiguous_share * CountInliers(places.front())) break;
-    wanted.push_back(index.IndexOf(NearestKeyframe(index, place, query)));
-  }
-  if (places.empty() || places.front().probability < options.gates.min_probability) {
-    for (const ShortlistedKeyframe& candidate : shortlist.keyframes) {
-      if (std::ranges::find(wanted, candidate.keyframe) == wanted.end()) {
-        wanted.push_back(candidate.keyframe);
-      }
-    }
-  }
   std::vector<VerifiedKeyframe> verified;
-  for (const int keyframe : wanted) {
-    if (HasPassed(deadline)) break;
+  std::vector<int> asked;
+  const auto verify = [&](int keyframe) {
+    if (HasPassed(deadline) || std::ranges::find(asked, keyframe) != asked.end()) return;
+    asked.push_back(keyframe);
     if (auto one = VerifyKeyframe(index, query, keyframe, options)) {
       verified.push_back(std::move(*one));
     }
+  };
+  const auto sort = [&] {
+    std::ranges::stable_sort(verified, std::greater<>(), &VerifiedKeyframe::distinct);
+  };
+  const std::vector<Place> places = FindPlaces(index, query, tried, {}, options);
+  for (const Place& place : places) {
+    if (std::ssize(asked) == options.max_keyframes) break;
+    if (CountInliers(place) < options.gates.ambiguous_share * CountInliers(places.front())) break;
+    verify(index.IndexOf(NearestKeyframe(index, place, query)));
   }
-  std::ranges::stable_sort(verified, [](const VerifiedKeyframe& a, const VerifiedKeyframe& b) {
-    return a.distinct > b.distinct;
-  });
+  sort();
+  const std::vector<Place> joined = FindPlaces(index, query, tried, verified, options);
+  if (joined.empty() || joined.front().probability < options.gates.min_probability) {
+    for (const ShortlistedKeyframe& candidate : shortlist.keyframes) verify(candidate.keyframe);
+    sort();
+  }
   return verified;
 }
 
