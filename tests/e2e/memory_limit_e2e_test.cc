@@ -165,7 +165,8 @@ int MegabytesForBodies(const std::string& body, const std::set<std::string>& sta
   return StatusMegabytes(served, "VmHWM") - before;
 }
 
-// 450 MB for bodies and 120 MB for parsing one of them: docs/operating.md.
+// 450 MB for bodies, 120 MB for parsing one of them, and the decoded 15 MB of the image that each of
+// the two query threads has in work: docs/operating.md. Usually 505 MB.
 TEST(ServerMemory, HasABoundHoweverManyBodiesWait) {
   const std::string image = R"({"images":[{"data":")" + std::string(19'900'000, 'A') + R"("}]})";
   std::string values = R"({"images":[[])";
@@ -175,7 +176,7 @@ TEST(ServerMemory, HasABoundHoweverManyBodiesWait) {
   const int values_mb = MegabytesForBodies(values, {"HTTP/1.1 400", "HTTP/1.1 429", ""});
   std::cout << "bodies of one image " << images_mb << " MB, of many values " << values_mb
             << " MB\n";
-  EXPECT_LT(images_mb, 600);
+  EXPECT_LT(images_mb, 620);
   EXPECT_LT(values_mb, 500);
 }
 
