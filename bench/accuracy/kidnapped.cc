@@ -215,6 +215,11 @@ nlohmann::json ScoreJson(const std::string& name, const std::vector<Asked>& aske
     const bool said = one.answer.verdict == Verdict::kLocalized;
     localized += said && one.in_map;
     localized_wrong += said && !one.right;
+    if (said && !one.right) {
+      std::printf("wrong: node %s, %.2f m off, sigma %.2f m, %.2f stated; another place %s near\n",
+                  one.answer.panorama->node.source.c_str(), one.error_m, one.answer.panorama->sigma,
+                  one.answer.probability, one.in_map ? "is" : "isn't");
+    }
     in_map += one.in_map;
     if (!one.in_map || !one.right) continue;
     ++right;
