@@ -165,8 +165,8 @@ int MegabytesForBodies(const std::string& body, const std::set<std::string>& sta
   return StatusMegabytes(served, "VmHWM") - before;
 }
 
-// 450 MB for bodies, 120 MB for parsing one of them, and the decoded 15 MB of the image that each of
-// the two query threads has in work: docs/operating.md. Usually 505 MB.
+// 450 MB for bodies, 120 MB for parsing one of them, and the decoded 15 MB of the image that each
+// of the two query threads has in work: docs/operating.md. Usually 505 MB.
 TEST(ServerMemory, HasABoundHoweverManyBodiesWait) {
   const std::string image = R"({"images":[{"data":")" + std::string(19'900'000, 'A') + R"("}]})";
   std::string values = R"({"images":[[])";
