@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "schema/layers/orientation/orientation_trajectory.h"
+#include "schema/layers/orientation/unknown_corridors.h"
 
 namespace waystone {
 namespace {
@@ -178,12 +179,8 @@ Json LayerJson(const std::string& map_name, const MapData& map, const Orientatio
     json["corridors"].push_back(CorridorJson(layer, i));
   }
   json["corridors_unknown"] = Json::array();
-  for (const Sequence& sequence : map.sequences) {
-    const bool has_frames = std::ranges::find(layer.frames, sequence.id,
-                                              &OrientationFrame::sequence) != layer.frames.end();
-    if (has_frames && !SeesAllAround(sequence)) {
-      json["corridors_unknown"].push_back(sequence.id.value);
-    }
+  for (const SequenceId sequence : ListSequencesWithUnknownCorridors(map)) {
+    json["corridors_unknown"].push_back(sequence.value);
   }
   return json;
 }

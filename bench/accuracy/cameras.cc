@@ -139,16 +139,6 @@ Json MeasureSet(const RecallSet& set, const std::vector<fs::path>& foreign) {
   return {{"name", set.name}, {"rows", rows}};
 }
 
-// `count` frames of a walk, spread over all of it.
-Walk Thin(const Walk& walk, int count) {
-  Walk thin;
-  const auto all = static_cast<double>(walk.frames.size());
-  for (int i = 0; i < count; ++i) {
-    thin.frames.push_back(walk.frames[static_cast<size_t>(all * (i + 0.5) / count)]);
-  }
-  return thin;
-}
-
 // A rendered building, where the query's lens can be any: the same poses, by cameras of other focal
 // lengths on a sensor of the map's size.
 class Building {
@@ -199,7 +189,7 @@ class Building {
     options.gaze_rad = 0.5;
     options.gaze_period_m = 5;
     options.seed = 7;
-    return Thin(DemoWalk(plan, options), kQueries);
+    return SpreadOver(DemoWalk(plan, options), kQueries);
   }
 
   bool IsNear(int query, int frame) const {

@@ -60,19 +60,10 @@ WorldOptions DrawBuilding(uint64_t seed) {
   return options;
 }
 
-Walk EveryNth(const Walk& walk, int count) {
-  Walk chosen;
-  const auto all = static_cast<double>(walk.frames.size());
-  for (int i = 0; i < count; ++i) {
-    chosen.frames.push_back(walk.frames[static_cast<size_t>(all * (i + 0.5) / count)]);
-  }
-  return chosen;
-}
-
 Walk MapTour(const World& world) {
   WalkOptions options;
   options.gaze_rad = 0.4;
-  return EveryNth(DemoWalk(world.plan(), options), kMapFrames);
+  return SpreadOver(DemoWalk(world.plan(), options), kMapFrames);
 }
 
 // A step aside and a look elsewhere, where there is room for it.
@@ -92,7 +83,7 @@ Walk QueryTour(const World& world, uint64_t seed) {
   options.gaze_rad = random.Uniform(0.2, 0.8);
   options.gaze_period_m = random.Uniform(4, 9);
   options.seed = seed + 100;
-  Walk tour = EveryNth(DemoWalk(world.plan(), options), kQueries);
+  Walk tour = SpreadOver(DemoWalk(world.plan(), options), kQueries);
   for (WalkFrame& frame : tour.frames) {
     frame.world_from_camera = StepAside(world, frame.world_from_camera, random);
   }

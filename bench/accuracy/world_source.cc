@@ -3,6 +3,15 @@
 
 namespace waystone::bench {
 
+Walk SpreadOver(const Walk& walk, int count) {
+  Walk chosen;
+  const auto all = static_cast<double>(walk.frames.size());
+  for (int i = 0; i < count; ++i) {
+    chosen.frames.push_back(walk.frames[static_cast<size_t>(all * (i + 0.5) / count)]);
+  }
+  return chosen;
+}
+
 RenderedFrame WorldSource::Render(int frame) const {
   RenderOptions options;
   options.lens_blur_px = 0.6;

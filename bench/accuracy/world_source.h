@@ -11,6 +11,9 @@
 
 namespace waystone::bench {
 
+// `count` frames of a walk, spread over all of it.
+Walk SpreadOver(const Walk& walk, int count);
+
 // A rendered walk as a source: frames are rendered where they would be decoded.
 class WorldSource : public Source {
  public:

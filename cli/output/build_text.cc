@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "core/geometry/angle.h"
+#include "schema/layers/orientation/unknown_corridors.h"
 
 namespace waystone {
 namespace {
@@ -121,7 +122,7 @@ void AppearanceLines(std::ostream& out, const AppearanceReport& report) {
 void OrientationLines(std::ostream& out, const MapData& map, const OrientationReport& report) {
   const OrientationLayer& layer = *map.orientation;
   const bool corridors_known =
-      !layer.corridors.empty() || std::ranges::all_of(map.sequences, SeesAllAround);
+      !layer.corridors.empty() || ListSequencesWithUnknownCorridors(map).empty();
   FramesLines(out, "orientation", report,
               ", " + std::to_string(report.unreliable) + " without reliable axes");
   Line(out, "trajectory",

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "schema/file/map_problems.h"
+#include "schema/layers/orientation/unknown_corridors.h"
 #include "tests/builder/orientation/corner.h"
 
 namespace waystone {
@@ -55,6 +56,19 @@ TEST(OrientationMapTest, OneCameraNamesNoCorridors) {
   Sequence rig = narrow;
   rig.kind = kRigKind;
   EXPECT_TRUE(SeesAllAround(rig));
+}
+
+TEST(OrientationMapTest, CorridorsAreUnknownOnlyWhereOneCameraHasFramesOfTheLayer) {
+  MapData map = MapWith({});
+  map.sequences[0].camera = Corner().camera;
+  EXPECT_TRUE(ListSequencesWithUnknownCorridors(map).empty());
+  map.orientation->frames.push_back(
+      {.id = {1}, .sequence = {1}, .source = "0", .time_s = {}, .rotation = {}});
+  EXPECT_EQ(ListSequencesWithUnknownCorridors(map), std::vector{SequenceId{1}});
+  map.sequences[0].kind = kRigKind;
+  EXPECT_TRUE(ListSequencesWithUnknownCorridors(map).empty());
+  map.orientation.reset();
+  EXPECT_TRUE(ListSequencesWithUnknownCorridors(map).empty());
 }
 
 // The camera turns the corner in the dark: which way it looks then can't be told from axes alone.
