@@ -28,55 +28,55 @@ constexpr int kClients = 4;
 constexpr int kTimeoutS = 60;
 constexpr auto kInspectionPause = std::chrono::milliseconds(10);
 
-struct Scene {
+struct AskedMap {
   std::shared_ptr<const MapIndex> index;
   std::vector<std::string> photos;  // encoded
 };
 
-Scene MadeScene() {
+AskedMap RenderAskedMap() {
   const World world(DemoPlan());
   const Renderer renderer(PinholeCamera(640, 480, 1.2));
   Walk walk = DemoWalk(world.plan());
   if (std::ssize(walk.frames) > kMapFrames) walk.frames.resize(kMapFrames);
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(std::make_unique<WorldSource>(world, renderer, walk));
-  Scene scene{MapIndex::Build(BuildMap(sources, {}, {}).map), {}};
+  AskedMap asked{MapIndex::Build(BuildMap(sources, {}, {}).map), {}};
   const WorldSource photos(world, renderer, walk);
   for (int frame = 1; frame < photos.size(); frame += kPhotoStep) {
     std::vector<uint8_t> bytes;
     cv::imencode(".jpg", photos.Render(frame).grey, bytes);
-    scene.photos.emplace_back(bytes.begin(), bytes.end());
+    asked.photos.emplace_back(bytes.begin(), bytes.end());
   }
-  return scene;
+  return asked;
 }
 
-Scene GivenScene(const Args& args) {
-  Scene scene{MapIndex::Build(ReadMap(args[0])), {}};
+AskedMap ReadAskedMap(const Args& args) {
+  AskedMap asked{MapIndex::Build(ReadMap(args[0])), {}};
   for (size_t i = 1; i < args.size(); ++i) {
     for (const auto& path : ImagesIn(args[i])) {
       const std::vector<uint8_t> bytes = ReadBytes(path);
-      scene.photos.emplace_back(bytes.begin(), bytes.end());
+      asked.photos.emplace_back(bytes.begin(), bytes.end());
     }
   }
-  if (scene.photos.empty()) throw MapError(ErrorCode::kUsage, "serve MAP wants photos");
-  return scene;
+  if (asked.photos.empty()) throw MapError(ErrorCode::kUsage, "serve MAP wants photos");
+  return asked;
 }
 
 // Seconds for one query after the other without HTTP, each.
-double SingleQueryS(const Scene& scene) {
+double SingleQueryS(const AskedMap& asked) {
   const Clock::time_point start = Clock::now();
-  for (const std::string& photo : scene.photos) {
-    Localize(*scene.index, {reinterpret_cast<const uint8_t*>(photo.data()), photo.size()}, "", {});
+  for (const std::string& photo : asked.photos) {
+    Localize(*asked.index, {reinterpret_cast<const uint8_t*>(photo.data()), photo.size()}, "", {});
   }
-  return MillisecondsSince(start) / 1e3 / static_cast<double>(scene.photos.size());
+  return MillisecondsSince(start) / 1e3 / static_cast<double>(asked.photos.size());
 }
 
-// A server of the scene's map, and its clients.
+// A server of the map, and its clients.
 class Served {
  public:
-  explicit Served(const Scene& scene)
-      : scene_(scene),
-        application_({{"map", scene.index}}, {}, {}),
+  explicit Served(const AskedMap& asked)
+      : asked_(asked),
+        application_({{"map", asked.index}}, {}, {}),
         server_(AnyPort(), [this](const HttpRequest& in) { return application_.Answer(in); }) {
     server_.Start();
   }
@@ -85,7 +85,7 @@ class Served {
   std::vector<double> OverheadMs() const {
     httplib::Client client = NewClient();
     std::vector<double> overhead;
-    for (const std::string& photo : scene_.photos) {
+    for (const std::string& photo : asked_.photos) {
       const Clock::time_point start = Clock::now();
       const std::string body = Post(client, photo);
       const double ms = MillisecondsSince(start);
@@ -96,7 +96,7 @@ class Served {
 
   // Queries a second of four clients that ask without a pause.
   double Throughput(int rounds) const {
-    const int queries = rounds * static_cast<int>(scene_.photos.size());
+    const int queries = rounds * static_cast<int>(asked_.photos.size());
     std::atomic<int> next = 0;
     std::vector<std::thread> clients;
     const Clock::time_point start = Clock::now();
@@ -104,7 +104,7 @@ class Served {
       clients.emplace_back([&] {
         httplib::Client client = NewClient();
         for (int i = next++; i < queries; i = next++) {
-          Post(client, scene_.photos[i % scene_.photos.size()]);
+          Post(client, asked_.photos[i % asked_.photos.size()]);
         }
       });
     }
@@ -147,7 +147,7 @@ class Served {
     return result->body;
   }
 
-  const Scene& scene_;
+  const AskedMap& asked_;
   Application application_;
   HttpServer server_;
 };
@@ -157,9 +157,9 @@ class Served {
 int RunServe(const Args& raw) {
   Args args = raw;
   const int rounds = std::stoi(TakeOption(args, "rounds", "4"));
-  const Scene scene = args.empty() ? MadeScene() : GivenScene(args);
-  const Served served(scene);
-  const double before_s = SingleQueryS(scene);
+  const AskedMap asked = args.empty() ? RenderAskedMap() : ReadAskedMap(args);
+  const Served served(asked);
+  const double before_s = SingleQueryS(asked);
   const std::vector<double> overhead = served.OverheadMs();
   const double alone = served.Throughput(rounds);
   std::atomic<bool> stop = false;
@@ -169,13 +169,13 @@ int RunServe(const Args& raw) {
   stop = true;
   inspector.join();
   // The machine's other work changes: the mean of before and after is what the rest is beside.
-  const double single_s = (before_s + SingleQueryS(scene)) / 2;
+  const double single_s = (before_s + SingleQueryS(asked)) / 2;
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   const double share = alone * single_s / cores;
   std::printf(
       "%zu photos, %d cores: one query %.1f ms; %d clients %.1f queries/s, %.2f of cores "
       "/ time\nHTTP adds %.2f ms (median); inspection p50 %.2f, p99 %.2f ms\n",
-      scene.photos.size(), cores, 1e3 * single_s, kClients, alone, share, Quantile(overhead, 0.5),
+      asked.photos.size(), cores, 1e3 * single_s, kClients, alone, share, Quantile(overhead, 0.5),
       Quantile(inspection, 0.5), Quantile(inspection, 0.99));
   const nlohmann::ordered_json json = {{"bench", "serve"},
                                        {"cores", cores},

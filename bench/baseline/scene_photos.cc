@@ -93,8 +93,8 @@ class PhotoScene : public Scene {
     const PosedCamera& named = PoseOf(map_.at(answer.image_frame));
     const double cosine = asked.world_from_camera.col(2).dot(named.world_from_camera.col(2));
     if (cosine < std::cos(limits_.church_angle_rad)) return false;
-    return EpipolarError(asked, PoseOf(map_.at(answer.reference_frame)), answer.query_points,
-                         answer.reference_points) <= limits_.church_px;
+    return MedianEpipolarError(asked, PoseOf(map_.at(answer.reference_frame)), answer.query_points,
+                               answer.reference_points) <= limits_.church_px;
   }
   std::string Criterion() const override {
     return "looks within 30 degrees of the named photo's direction, and the median epipolar error "
@@ -117,8 +117,8 @@ class PhotoScene : public Scene {
 
 }  // namespace
 
-double EpipolarError(const PosedCamera& a, const PosedCamera& b, const std::vector<Vector2d>& x_a,
-                     const std::vector<Vector2d>& x_b) {
+double MedianEpipolarError(const PosedCamera& a, const PosedCamera& b,
+                           const std::vector<Vector2d>& x_a, const std::vector<Vector2d>& x_b) {
   if (x_a.empty()) return std::numeric_limits<double>::infinity();
   // The epipolar line of x_a in b joins b's images of a's centre and of a point on x_a's ray.
   const auto in_b = [&](const Vector3d& direction) -> Vector3d {

@@ -83,8 +83,8 @@ struct PosedCamera {
 };
 // Median distance of x_b to the epipolar lines of x_a, px; infinite when fewer than half of the
 // points lie in front of both cameras.
-double EpipolarError(const PosedCamera& a, const PosedCamera& b,
-                     const std::vector<Eigen::Vector2d>& x_a,
-                     const std::vector<Eigen::Vector2d>& x_b);
+double MedianEpipolarError(const PosedCamera& a, const PosedCamera& b,
+                           const std::vector<Eigen::Vector2d>& x_a,
+                           const std::vector<Eigen::Vector2d>& x_b);
 
 }  // namespace waystone::bench

@@ -45,14 +45,14 @@ struct Views {
 
 TEST(EpipolarError, IsNoneForTheSamePoints) {
   const Views views;
-  EXPECT_LT(EpipolarError(views.a, views.b, views.in_a, views.in_b), 1e-6);
+  EXPECT_LT(MedianEpipolarError(views.a, views.b, views.in_a, views.in_b), 1e-6);
 }
 
 TEST(EpipolarError, IsTheDistanceToTheLine) {
   Views views;
   // The baseline is nearly horizontal, and so are the lines.
   for (Vector2d& x : views.in_b) x.y() += 10;
-  const double error = EpipolarError(views.a, views.b, views.in_a, views.in_b);
+  const double error = MedianEpipolarError(views.a, views.b, views.in_a, views.in_b);
   EXPECT_GT(error, 8);
   EXPECT_LT(error, 10.1);
 }
@@ -60,7 +60,7 @@ TEST(EpipolarError, IsTheDistanceToTheLine) {
 TEST(EpipolarError, OtherPointsAreOff) {
   Views views;
   std::rotate(views.in_b.begin(), views.in_b.begin() + 7, views.in_b.end());
-  EXPECT_GT(EpipolarError(views.a, views.b, views.in_a, views.in_b), 10);
+  EXPECT_GT(MedianEpipolarError(views.a, views.b, views.in_a, views.in_b), 10);
 }
 
 TEST(EpipolarError, PointsBehindACameraAreNotSeenByBoth) {
@@ -68,8 +68,8 @@ TEST(EpipolarError, PointsBehindACameraAreNotSeenByBoth) {
   views.b.world_from_camera =
       views.b.world_from_camera * Eigen::AngleAxisd(M_PI, Vector3d::UnitY()).toRotationMatrix();
   for (size_t i = 0; i < views.in_b.size(); ++i) views.in_b[i].x() = 640 - views.in_b[i].x();
-  EXPECT_TRUE(std::isinf(EpipolarError(views.a, views.b, views.in_a, views.in_b)));
-  EXPECT_TRUE(std::isinf(EpipolarError(views.a, views.b, {}, {})));
+  EXPECT_TRUE(std::isinf(MedianEpipolarError(views.a, views.b, views.in_a, views.in_b)));
+  EXPECT_TRUE(std::isinf(MedianEpipolarError(views.a, views.b, {}, {})));
 }
 
 TEST(WorldScene, JudgesByTheRenderedPlanes) {
