@@ -200,12 +200,6 @@ std::string ResultLines(const PoseGraph& graph) {
   return out.str();
 }
 
-std::string Colmap(const PoseGraph&) {
-  CannotGive(
-      "a COLMAP model requires camera intrinsics and 3D points and has no panoramas; this map has "
-      "planar poses only, use tum, g2o or ply");
-}
-
 struct PoseFormat {
   const char* name;
   const char* media_type;
@@ -216,7 +210,6 @@ constexpr PoseFormat kFormats[] = {
     {"geojson", "application/geo+json", GeoJson},
     {"ply", "text/plain; charset=utf-8", Ply},
     {"tum", "text/plain; charset=utf-8", Tum},
-    {"colmap", "text/plain; charset=utf-8", Colmap},
     {"poses", "text/plain; charset=utf-8", ResultLines},
 };
 

@@ -10,7 +10,7 @@
 
 namespace waystone {
 
-// "g2o", "geojson", "ply", "tum", "colmap", "poses".
+// "g2o", "geojson", "ply", "tum", "poses".
 std::vector<std::string> PoseFormatNames();
 
 // The poses of a map's appearance layer in a format that other programs read. Lengths are metres
@@ -26,8 +26,6 @@ std::vector<std::string> PoseFormatNames();
 //   poses    "name qw qx qy qz tx ty tz" a node, as visuallocalization.net takes results:
 //            camera_from_world of the panorama's front, x right, y down, z forward. Metres: needs
 //            a known scale.
-//   colmap   always MapError(kNotAvailable): its models have camera intrinsics and points in space,
-//            and it knows no panoramas.
 // Nothing for another name. Throws MapError(kNotAvailable) for a map without an appearance layer
 // and for what a layer can't give. Deterministic; thread-safe.
 std::optional<GraphText> FormatPoses(const MapData& map, const std::string& format);

@@ -46,6 +46,7 @@ density-365          graphs DATA/kitchen --keyframes 365:180 --opencv-every 0
 density-450          graphs DATA/kitchen --keyframes 450:225 --opencv-every 0
 build                build DATA/kitchen --frames 250,500,1000
 poses                poses --kitchen DATA/kitchen --church DATA/church
+reconstruction       reconstruction DATA/kitchen
 compass              compass DATA/dealership
 directions           directions DATA/york_urban DATA/dealership
 segments             segments DATA/york_urban/images

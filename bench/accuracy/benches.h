@@ -70,6 +70,10 @@ int RunGraphs(const Args& args);
 // were built with true poses: errors, recalls, consistency of the covariances (normalised error
 // squared over its expectation) and time.
 int RunPoses(const Args& args);
+// reconstruction KITCHEN: the kitchen's first half as a plain video: its map, exported to COLMAP,
+// whose mapper reconstructs poses of the keyframes, and the map with these poses, asked for the
+// second half.
+int RunReconstruction(const Args& args);
 // scale [N...]: queries, opening and memory of maps of N features (100000 and 1000000), made from a
 // rendered walk and planes that nobody sees, against the time of extraction alone and against
 // exhaustive search.

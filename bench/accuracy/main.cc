@@ -25,6 +25,7 @@ constexpr char kUsage[] =
     "  build SOURCE... [--frames 250,500,1000]            whole builds against features alone\n"
     "  graphs [SOURCE...] [--keyframes M:N]               image graph against plane graph\n"
     "  poses [--buildings N] [--kitchen DIR] [--church DIR]  poses of queries\n"
+    "  reconstruction KITCHEN                             poses by COLMAP from an exported map\n"
     "  scale [N...]                                       queries of maps of N features\n"
     "  compass [PLACES] [--csv PREFIX]                    headings between panoramas\n"
     "  page [N...]                                        the page on maps of N planes\n"
@@ -62,6 +63,7 @@ int main(int argc, char** argv) {
       {"recall", waystone::bench::RunRecall},
       {"relative", waystone::bench::RunRelative},
       {"poses", waystone::bench::RunPoses},
+      {"reconstruction", waystone::bench::RunReconstruction},
       {"scale", waystone::bench::RunScale},
       {"serve", waystone::bench::RunServe},
       {"study", waystone::bench::RunStudy},

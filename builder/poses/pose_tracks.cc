@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
+#include "builder/poses/keyframe_matches.h"
 #include "core/base/error.h"
 #include "core/camera/image_plane.h"
 
@@ -74,18 +76,8 @@ PoseTracks::PoseTracks(const std::vector<PosedView>& views, const PoseOptions& o
   tbb::parallel_for(size_t{0}, pairs_.size(), [&](size_t p) {
     const Features& a = *views_[pairs_[p].a].features;
     const Features& b = *views_[pairs_[p].b].features;
-    const std::vector<Match> matches =
-        MatchDescriptors(a.descriptors, b.descriptors, a.type, options_.match);
-    std::vector<Eigen::Vector2d> in_a;
-    std::vector<Eigen::Vector2d> in_b;
-    for (const Match& match : matches) {
-      in_a.push_back(PositionOf(a.keypoints[match.a]));
-      in_b.push_back(PositionOf(b.keypoints[match.b]));
-    }
-    const auto fit = FindEpipolarGeometry(in_a, in_b, options_.epipolar);
-    if (!fit) return;
-    for (const int row : fit->inliers) {
-      pairs_[p].features.emplace_back(matches[row].a, matches[row].b);
+    if (auto matches = MatchImages(a, b, options_.match, options_.epipolar)) {
+      pairs_[p].features = std::move(matches->features);
     }
   });
   Link(pairs_);

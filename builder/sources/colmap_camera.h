@@ -5,10 +5,11 @@
 
 #include "core/camera/camera.h"
 
-// COLMAP's cameras.txt: inside builder/sources only.
+// COLMAP's cameras.txt and cameras.bin: inside builder/sources only.
 namespace waystone {
 
-// Whether the first line that says something reads like "1 PINHOLE 640 480 ...".
+// Whether the file is called .bin or its first line that says something reads like
+// "1 PINHOLE 640 480 ...".
 // Throws MapError(kBadCamera) when the file can't be read.
 bool LooksLikeColmap(const std::filesystem::path& path);
 

@@ -138,7 +138,7 @@ std::unique_ptr<Source> OpenSource(const std::string& path, const SourceOptions&
 
 // Reads one camera file, recognising by their keys: OpenCV's YAML (`camera_matrix`), ROS
 // camera_info (the file or a dumped message), Kalibr's camchain (its cam0), EuRoC's sensor.yaml,
-// COLMAP's cameras.txt (with one camera) and our own:
+// COLMAP's cameras.txt or cameras.bin (with one camera) and our own:
 //   camera_model: OPENCV           # a name of COLMAP's, see core/camera/camera.h
 //   image_width: 640
 //   image_height: 480

@@ -6,24 +6,109 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "api/graph_formats.h"
+#include "builder/poses/keyframe_matches.h"
+#include "builder/poses/keyframe_reader.h"
+#include "builder/sources/source.h"
 #include "cli/commands/commands.h"
+#include "cli/files/colmap_database.h"
 #include "cli/files/map_file.h"
+#include "cli/output/printable_output.h"
+#include "cli/output/progress.h"
+#include "cli/system/signals.h"
 #include "core/base/error.h"
 #include "schema/file/file_replacer.h"
 
 namespace waystone {
 namespace {
 
+namespace fs = std::filesystem;
+
+constexpr const char* kColmap = "colmap";
+constexpr const char* kColmapDatabase = "database.db";
+
 struct ExportFlags {
   std::string map;
   std::string format = "graphml";
   std::string output;
+  std::vector<std::string> images;
+  int max_features = FeatureOptions().max_features;
   bool force = false;
+  bool quiet = false;
+  std::string progress = "auto";
 };
 
+std::vector<std::unique_ptr<Source>> OpenImages(const ExportFlags& flags) {
+  std::vector<std::unique_ptr<Source>> sources;
+  for (const std::string& path : flags.images) sources.push_back(OpenSource(path, {}));
+  return sources;
+}
+
+// The list of the images that COLMAP's commands take by --image_list_path.
+void WriteImageList(const MapData& map, const fs::path& path, bool overwrite) {
+  FileReplacer file(path, overwrite);
+  std::ofstream out(file.temporary(), std::ios::binary);
+  for (const Keyframe& keyframe : map.keyframes) out << ColmapImageName(map, keyframe) << '\n';
+  if (!out.flush()) throw UnwritableError(path, std::strerror(errno), 0);
+  file.Commit();
+}
+
+void CheckColmapFlags(const ExportFlags& flags, const MapData& map) {
+  if (flags.images.empty() || flags.output.empty()) {
+    throw MapError(ErrorCode::kUsage,
+                   "the format colmap writes features of the map's images into a folder; specify "
+                   "them with --images and the folder with -o");
+  }
+  if (map.keyframes.empty()) {
+    throw MapError(ErrorCode::kNotAvailable,
+                   flags.map +
+                       " has no keyframes, and COLMAP knows no panoramas; use tum, g2o or "
+                       "ply for the poses of panoramas");
+  }
+}
+
+// Throws for a folder that can't be written to before an hour of work, not after.
+void CheckColmapFolder(const fs::path& folder, bool overwrite) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw UnwritableError(folder, error.message(), 0);
+  const FileReplacer writable(folder / kColmapDatabase, overwrite);
+}
+
+// A project for `colmap mapper`: the map's keyframes and their verified matches.
+int RunColmapExport(const ExportFlags& flags) {
+  const OpenMap open = OpenMapFile(flags.map, false);
+  const MapData& map = open.index->map();
+  CheckColmapFlags(flags, map);
+  const std::vector<std::unique_ptr<Source>> images = OpenImages(flags);
+  const fs::path folder = flags.output;
+  CheckColmapFolder(folder, flags.force);
+  NoteInterrupts();
+  ProgressMeter meter(RawErrors(), ProgressStyleByName(flags.progress, flags.quiet),
+                      ColoursWelcome());
+  const auto show = [&meter](const BuildProgress& now) {
+    meter.Update({now.stage, now.done, now.total, ""});
+    return !Interrupted();
+  };
+  FeatureOptions features;
+  features.type = map.info.feature_type;
+  features.max_features = flags.max_features;
+  ColmapProject project{&map, ReadKeyframes(map, images, features, show), {}};
+  project.matches = MatchKeyframes(*open.index, project.features, {}, show);
+  meter.Finish();
+  WriteColmapDatabase(project, folder / kColmapDatabase, flags.force);
+  WriteImageList(map, folder / "image_list.txt", true);
+  if (!flags.quiet) {
+    std::cout << (folder / kColmapDatabase).string() << ": " << map.keyframes.size() << " images, "
+              << project.matches.size() << " matched pairs\n";
+  }
+  return 0;
+}
+
 int RunExport(const ExportFlags& flags) {
+  if (flags.format == kColmap) return RunColmapExport(flags);
   const OpenMap map = OpenMapFile(flags.map, false);
   const GraphText text = FormatGraph(*map.index, flags.format);
   if (flags.output.empty()) {
@@ -42,6 +127,12 @@ int RunExport(const ExportFlags& flags) {
   return 0;
 }
 
+std::vector<std::string> FormatNames() {
+  std::vector<std::string> names = GraphFormatNames();
+  names.emplace_back(kColmap);
+  return names;
+}
+
 }  // namespace
 
 void AddExport(CLI::App& app, Run& run) {
@@ -50,13 +141,23 @@ void AddExport(CLI::App& app, Run& run) {
   command->add_option("map", flags->map, "Map file")->required();
   command->add_option("--format", flags->format, "Output format")
       ->capture_default_str()
-      ->check(CLI::IsMember(GraphFormatNames()));
-  command->add_option("-o,--output", flags->output, "Output file; default: stdout");
+      ->check(CLI::IsMember(FormatNames()));
+  command->add_option("-o,--output", flags->output,
+                      "Output file, default: stdout; for colmap a folder");
+  command->add_option("--images", flags->images,
+                      "colmap: what the map was built from, in the order of the build");
+  command->add_option("--max-features", flags->max_features, "colmap: maximum features per image")
+      ->capture_default_str();
+  command->add_flag("--quiet", flags->quiet, "Print errors only");
+  command->add_option("--progress", flags->progress, "Progress on stderr: auto, none or json")
+      ->capture_default_str();
   command->add_flag("--force", flags->force, "Overwrite an existing file");
   command->footer(
       "graphml and dot contain the graph of planes; g2o, tum, ply, geojson and poses contain the\n"
-      "poses of the appearance layer (maps of panoramas).\n"
-      "Example: waystone export lab.db --format graphml -o lab.graphml");
+      "poses of the appearance layer (maps of panoramas). colmap writes a project for `colmap\n"
+      "mapper`, which reconstructs poses of the keyframes (docs/poses.md).\n"
+      "Example: waystone export lab.db --format graphml -o lab.graphml\n"
+      "         waystone export walk.db --format colmap --images walk.mp4 -o walk-colmap");
   command->callback([flags, &run] { run = [flags] { return RunExport(*flags); }; });
 }
 

@@ -26,6 +26,10 @@ TruePose InterpolatePose(const FilePose& before, const FilePose& after, double t
   return pose;
 }
 
+std::string WithoutExtension(const std::string& name) {
+  return std::filesystem::path(name).replace_extension().string();
+}
+
 }  // namespace
 
 ImagePoses::ImagePoses(std::vector<FilePose> poses, double max_gap_s)
@@ -34,6 +38,10 @@ ImagePoses::ImagePoses(std::vector<FilePose> poses, double max_gap_s)
     if (!pose.name.empty()) by_name_.emplace(pose.name, &pose.pose);
     if (pose.time_s) by_time_.push_back(&pose);
     by_number_.emplace(pose.number, &pose.pose);
+  }
+  // Without extension too, where no other name is the same: a video's frames have none.
+  for (const FilePose& pose : poses_) {
+    if (!pose.name.empty()) by_name_.emplace(WithoutExtension(pose.name), &pose.pose);
   }
   std::ranges::stable_sort(by_time_, {}, [](const FilePose* pose) { return *pose->time_s; });
 }

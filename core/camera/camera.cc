@@ -9,6 +9,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "core/geometry/angle.h"
 
 namespace waystone {
@@ -245,6 +246,13 @@ std::optional<CameraModel> CameraModelByName(std::string_view name) {
 int ParameterCount(CameraModel model) { return RowOf(model).parameters; }
 
 std::string_view ParameterNames(CameraModel model) { return RowOf(model).parameter_names; }
+
+void MovePrincipalPoint(Camera& camera, double px) {
+  const std::vector<std::string> names = Words(ParameterNames(camera.model));
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == "cx" || names[i] == "cy") camera.params[i] += px;
+  }
+}
 
 void CheckCamera(const Camera& camera) {
   const auto row = std::ranges::find(kModels, camera.model, &ModelRow::model);

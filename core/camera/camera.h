@@ -46,6 +46,11 @@ std::optional<CameraModel> CameraModelByName(std::string_view name);
 int ParameterCount(CameraModel model);
 std::string_view ParameterNames(CameraModel model);
 
+// What COLMAP's pixel coordinates are larger by than ours, in x and y.
+inline constexpr double kColmapOffset_px = 0.5;
+// Adds `px` to cx and cy.
+void MovePrincipalPoint(Camera& camera, double px);
+
 // Throws MapError(kBadCamera) unless size, parameter count and parameters are sensible (1 to
 // 100,000 px a side, all finite, focal lengths above zero). What follows is for cameras that pass
 // it, and is thread-safe.

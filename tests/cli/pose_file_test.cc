@@ -135,6 +135,18 @@ TEST_F(PoseFileTest, RefusesABinaryModelThatIsCut) {
   }
 }
 
+// A video's frames have no extension; the images that another program saw have.
+TEST_F(PoseFileTest, FindsNamesWithoutTheirExtension) {
+  const std::string line = " 1 0 0 0 0 0 0 1 ";
+  const fs::path path =
+      Write("images.txt", "1" + line + "walk/frame 12.jpg\n\n2" + line + "walk/b.x\n\n");
+  const ImagePoses poses(ReadPoseFile(path), 0.2);
+  EXPECT_TRUE(poses.Find("walk.mp4/walk/frame 12", {}, 0));
+  EXPECT_TRUE(poses.Find("walk/frame 12.jpg", {}, 0));
+  EXPECT_TRUE(poses.Find("walk/b", {}, 0));
+  EXPECT_FALSE(poses.Find("walk/frame 1", {}, 0));
+}
+
 FilePose PoseAt(double time_s, double x, double turn_rad) {
   FilePose pose;
   pose.time_s = time_s;

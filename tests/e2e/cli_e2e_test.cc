@@ -355,5 +355,29 @@ TEST(Export, WritesWhatTheMapHas) {
   EXPECT_EQ(RunWaystone({"export", TheMap().map, "--format", "svg"}).code, 2);
 }
 
+TEST_F(CliTest, ExportToColmapIsWholeAndTheSameEachTime) {
+  const auto export_to = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"export", TheMap().map, "--format",
+                                          "colmap", "-o",         folder_ / name};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunWaystone(arguments);
+  };
+  const std::vector<std::string> images = {"--images", TheMap().images};
+  const RunResult done = export_to("a", images);
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_NE(done.out.find("matched pairs"), std::string::npos) << done.out;
+  EXPECT_EQ(FilesIn(folder_ / "a"), 2U);
+  EXPECT_NE(ReadFile(folder_ / "a" / "image_list.txt").find(".jpg\n"), std::string::npos);
+  ASSERT_EQ(export_to("b", images).code, 0);
+  const std::string database = ReadFile(folder_ / "a" / "database.db");
+  EXPECT_TRUE(database == ReadFile(folder_ / "b" / "database.db"));
+  ExpectFailure(export_to("a", images), 3, "--force");
+  EXPECT_TRUE(database == ReadFile(folder_ / "a" / "database.db"));
+  EXPECT_EQ(export_to("a", {"--images", TheMap().images, "--force"}).code, 0);
+  ExpectFailure(export_to("c", {}), 2, "--images");
+  ExpectFailure(export_to("c", {"--images", TheMap().inside}), 3, "");
+  EXPECT_FALSE(fs::exists(folder_ / "c"));
+}
+
 }  // namespace
 }  // namespace waystone

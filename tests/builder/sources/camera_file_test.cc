@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstring>
+
 #include "tests/builder/sources/temporary_folder.h"
 
 namespace waystone {
@@ -200,6 +202,50 @@ TEST_F(CameraFileTest, MatricesThatAreWrong) {
                 {"skew"});
   ExpectRefusal("image_width: 64\nimage_height: 48\ncamera_matrix: [50, x, 3, 0, 5, 6, 0, 0, 1]\n",
                 {"position 2"});
+}
+
+template <class Value>
+std::string Binary(const Value& value) {
+  std::string bytes(sizeof(value), '\0');
+  std::memcpy(bytes.data(), &value, sizeof(value));
+  return bytes;
+}
+
+// COLMAP's cameras.bin with `count` cameras of a model.
+std::string ColmapCameras(uint64_t count, int32_t model, const std::vector<double>& parameters) {
+  std::string bytes = Binary(count);
+  for (uint64_t i = 0; i < count; ++i) {
+    bytes += Binary(uint32_t{7}) + Binary(model) + Binary(uint64_t{640}) + Binary(uint64_t{480});
+    for (const double parameter : parameters) bytes += Binary(parameter);
+  }
+  return bytes;
+}
+
+TEST_F(CameraFileTest, ColmapBinary) {
+  const auto read = [&](const std::string& bytes) {
+    return ReadCameraFile(Write("cameras.bin", bytes));
+  };
+  const std::string sound = ColmapCameras(1, 2, {515, 320, 240, 0.1});
+  EXPECT_EQ(read(sound), (Camera{CameraModel::kSimpleRadial, 640, 480, {515, 319.5, 239.5, 0.1}}));
+  for (size_t bytes = 0; bytes < sound.size(); ++bytes) {
+    ExpectError([&] { read(sound.substr(0, bytes)); }, ErrorCode::kBadCamera,
+                {"cameras.bin", "isn't COLMAP's"});
+  }
+  ExpectError(
+      [&] {
+        read(ColmapCameras(2, 2, {515, 320, 240, 0.1}));
+      },
+      ErrorCode::kBadCamera, {"cameras.bin", "2 cameras"});
+  ExpectError(
+      [&] {
+        read(ColmapCameras(1, 7, {1, 2, 3, 4, 5}));
+      },
+      ErrorCode::kBadCamera, {"with number 7 is not supported"});
+  ExpectError(
+      [&] {
+        read(ColmapCameras(1, 0, {-1, 320, 240}));
+      },
+      ErrorCode::kBadCamera, {"cameras.bin"});
 }
 
 }  // namespace

@@ -303,7 +303,6 @@ TEST(PoseFormats, WhatAMapCantGiveIsSaid) {
   for (const std::string& format : PoseFormatNames()) {
     EXPECT_THROW(FormatPoses(MadeMap(1), format), MapError) << format;
   }
-  EXPECT_THROW(FormatPoses(MadeLayeredMap(0, 0.5), "colmap"), MapError);
   EXPECT_FALSE(FormatPoses(MadeMap(1), "svg").has_value());
 }
 

@@ -233,7 +233,7 @@ TEST_F(MapServiceTest, GraphForOtherPrograms) {
             std::string::npos);
   EXPECT_EQ(Get("/v1/maps/lab/graph", {{"format", "svg"}}).status, 400);
   // What needs poses isn't made up.
-  for (const char* format : {"g2o", "geojson", "ply", "tum", "colmap", "poses"}) {
+  for (const char* format : {"g2o", "geojson", "ply", "tum", "poses"}) {
     EXPECT_EQ(Get("/v1/maps/lab/graph", {{"format", format}}).status, 422) << format;
   }
 }

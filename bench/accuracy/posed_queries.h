@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "builder/build_map.h"
+#include "core/camera/camera.h"
+#include "localizer/index/map_index.h"
+
+namespace waystone::bench {
+
+// The errors of the poses of one set of queries.
+struct PoseErrors {
+  int asked = 0;
+  int localized = 0;
+  std::vector<double> metres;
+  std::vector<double> degrees;
+  std::vector<double> nees;  // normalised error squared over its expectation, 6
+  std::vector<double> ms;
+  std::vector<double> inliers;
+};
+
+// Asks a map with poses for an image of known pose (map_from_camera), prints the errors, and adds
+// them.
+void AskPose(const MapIndex& index, const cv::Mat& grey, const Camera& camera,
+             const Eigen::Isometry3d& truth, const std::string& name, PoseErrors& errors);
+
+nlohmann::ordered_json SummarisePoses(const std::string& name, const PoseErrors& errors);
+
+// Poses in metres by the number of the frame.
+GivenPoses PosesByFrame(std::function<std::optional<Eigen::Isometry3d>(int)> of_frame);
+
+// The map of one source, with these poses or without; prints what became of them.
+BuildResult BuildPosed(std::unique_ptr<Source> source, const std::optional<GivenPoses>& poses);
+
+}  // namespace waystone::bench

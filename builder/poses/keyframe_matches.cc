@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/poses/keyframe_matches.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <set>
+
+#include "core/base/check.h"
+#include "localizer/planes/shortlist.h"
+
+namespace waystone {
+namespace {
+
+using Pairs = std::set<std::pair<int, int>>;
+
+void AddNeighbours(const std::vector<Keyframe>& keyframes, int neighbours, Pairs& pairs) {
+  const int count = static_cast<int>(keyframes.size());
+  for (int a = 0; a < count; ++a) {
+    for (int b = a + 1; b < count && b <= a + neighbours; ++b) {
+      const bool together = keyframes[a].sequence == keyframes[b].sequence &&
+                            keyframes[a].stretch == keyframes[b].stretch;
+      if (together) pairs.insert({a, b});
+    }
+  }
+}
+
+void AddRevisits(const MapIndex& index, const std::vector<SampledKeyframe>& features, int revisits,
+                 Pairs& pairs) {
+  PlaneQueryOptions query;
+  query.max_keyframes = revisits;
+  std::vector<Shortlist> proposed(features.size());
+  tbb::parallel_for(size_t{0}, features.size(), [&](size_t i) {
+    proposed[i] = VoteForPlaces(index, features[i].features, query);
+  });
+  for (int a = 0; a < std::ssize(proposed); ++a) {
+    for (const ShortlistedKeyframe& other : proposed[a].keyframes) {
+      if (other.keyframe != a) pairs.insert(std::minmax(a, other.keyframe));
+    }
+  }
+}
+
+}  // namespace
+
+std::optional<VerifiedMatches> MatchImages(const Features& a, const Features& b,
+                                           const MatchOptions& match,
+                                           const EpipolarOptions& epipolar) {
+  const std::vector<Match> matches = MatchDescriptors(a.descriptors, b.descriptors, a.type, match);
+  std::vector<Eigen::Vector2d> in_a;
+  std::vector<Eigen::Vector2d> in_b;
+  for (const Match& found : matches) {
+    in_a.push_back(PositionOf(a.keypoints[found.a]));
+    in_b.push_back(PositionOf(b.keypoints[found.b]));
+  }
+  auto fit = FindEpipolarGeometry(in_a, in_b, epipolar);
+  if (!fit) return std::nullopt;
+  VerifiedMatches verified;
+  for (const int row : fit->inliers) {
+    verified.features.emplace_back(matches[row].a, matches[row].b);
+  }
+  verified.fit = std::move(*fit);
+  return verified;
+}
+
+std::vector<MatchedKeyframes> MatchKeyframes(const MapIndex& index,
+                                             const std::vector<SampledKeyframe>& features,
+                                             const KeyframeMatchOptions& options,
+                                             const ProgressCallback& progress) {
+  options.Check();
+  WS_CHECK(features.size() == index.map().keyframes.size(), "features of some keyframes only");
+  Pairs pairs;
+  AddNeighbours(index.map().keyframes, options.neighbours, pairs);
+  AddRevisits(index, features, options.revisits, pairs);
+  const std::vector<std::pair<int, int>> todo(pairs.begin(), pairs.end());
+  std::vector<MatchedKeyframes> matched(todo.size());
+  ProgressReporter reporter(progress);
+  std::atomic<int> done = 0;
+  tbb::parallel_for(size_t{0}, todo.size(), [&](size_t i) {
+    const auto [a, b] = todo[i];
+    auto matches =
+        MatchImages(features[a].features, features[b].features, options.match, options.epipolar);
+    if (matches) matched[i] = {a, b, std::move(*matches)};
+    reporter.Report("matches", ++done, static_cast<int>(todo.size()));
+  });
+  std::erase_if(matched, [&](const MatchedKeyframes& pair) {
+    return std::ssize(pair.matches.features) < options.min_inliers;
+  });
+  return matched;
+}
+
+}  // namespace waystone

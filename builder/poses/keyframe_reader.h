@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "builder/frames/progress.h"
+#include "builder/planes/keyframe_sample.h"
+#include "builder/sources/source.h"
+#include "schema/map_data.h"
+
+namespace waystone {
+
+// The features of a map's keyframes, extracted anew from what the map was built from: the source of
+// each of map.sequences, in their order, opened without options that leave frames out. In the order
+// of map.keyframes; deterministic on any number of threads. Throws MapError: kBadSource for sources
+// that aren't the map's (their number, a keyframe's name or its size differs) or can't be read;
+// kInterrupted.
+std::vector<SampledKeyframe> ReadKeyframes(const MapData& map,
+                                           std::span<const std::unique_ptr<Source>> sources,
+                                           const FeatureOptions& options,
+                                           const ProgressCallback& progress = {});
+
+}  // namespace waystone

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "core/base/error.h"
+
+namespace waystone {
+
+static_assert(std::endian::native == std::endian::little);
+
+// Little-endian values from the front of bytes that others wrote to their back. Not thread-safe.
+class ByteReader {
+ public:
+  // `cut` is thrown where the bytes end too early. They must outlive the reader.
+  ByteReader(std::span<const uint8_t> bytes, MapError cut) : left_(bytes), cut_(std::move(cut)) {}
+
+  template <class Value>
+  Value Take() {
+    Value value;
+    std::memcpy(&value, Skip(sizeof(value)).data(), sizeof(value));
+    return value;
+  }
+
+  // Up to a byte of 0, which is skipped.
+  std::string TakeText() {
+    const auto end = std::ranges::find(left_, uint8_t{0});
+    if (end == left_.end()) throw cut_;
+    std::string text(left_.begin(), end);
+    Skip(text.size() + 1);
+    return text;
+  }
+
+  std::span<const uint8_t> Skip(size_t bytes) {
+    if (bytes > left_.size()) throw cut_;
+    const std::span<const uint8_t> skipped = left_.first(bytes);
+    left_ = left_.subspan(bytes);
+    return skipped;
+  }
+
+  // A count of things that follow, of at least `bytes` each: never more than there is room for.
+  uint64_t TakeCount(size_t bytes) {
+    const auto count = Take<uint64_t>();
+    if (count > left_.size() / bytes) throw cut_;
+    return count;
+  }
+
+ private:
+  std::span<const uint8_t> left_;
+  MapError cut_;
+};
+
+}  // namespace waystone
