@@ -77,22 +77,32 @@ Model ReadLargestModel(const fs::path& folder, int& models) {
   return largest;
 }
 
-// Turns, scales and shifts the poses onto the true ones by least squares over the positions
-// (Umeyama 1991).
+// Turns the poses onto the true ones by the mean of all turns, then scales and shifts them by least
+// squares over the positions. Positions alone hardly say how a walk along a line is turned about
+// it.
 void AlignToTruth(const RgbdTruth& truth, Model& model) {
-  Eigen::Matrix3Xd estimated(3, model.model_from_camera.size());
-  Eigen::Matrix3Xd wanted(3, model.model_from_camera.size());
-  Eigen::Index column = 0;
+  const auto count = static_cast<double>(model.model_from_camera.size());
+  Eigen::Affine3d turns(Eigen::Matrix3d::Zero().eval());
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  Eigen::Vector3d true_middle = Eigen::Vector3d::Zero();
   for (const auto& [frame, pose] : model.model_from_camera) {
-    estimated.col(column) = pose.translation();
-    wanted.col(column++) = truth.world_from_colour(frame).translation();
+    const Isometry3d right = truth.world_from_colour(frame);
+    turns.linear() += right.linear() * pose.linear().transpose();
+    middle += pose.translation() / count;
+    true_middle += right.translation() / count;
   }
-  const Eigen::Matrix4d similarity = Eigen::umeyama(estimated, wanted, true);
-  const double scale = std::cbrt(similarity.topLeftCorner<3, 3>().determinant());
+  const Eigen::Matrix3d turn = turns.rotation();  // the nearest one
+  double along = 0;
+  double length = 0;
+  for (const auto& [frame, pose] : model.model_from_camera) {
+    const Eigen::Vector3d turned = turn * (pose.translation() - middle);
+    along += turned.dot(truth.world_from_colour(frame).translation() - true_middle);
+    length += turned.squaredNorm();
+  }
   for (auto& [frame, pose] : model.model_from_camera) {
-    const Eigen::Vector3d position = (similarity * pose.translation().homogeneous()).hnormalized();
-    pose.linear() = similarity.topLeftCorner<3, 3>() / scale * pose.linear();
-    pose.translation() = position;
+    pose.translation() =
+        true_middle + along / length * (turn * (pose.translation() - middle)).eval();
+    pose.linear() = turn * pose.linear();
   }
 }
 
@@ -125,7 +135,8 @@ int RunReconstruction(const Args& args) {
   const Stopwatch exporting;
   ColmapProject project{&index->map(), {}, {}};
   const std::unique_ptr<Source> sources[] = {OpenHalf(folder, truth, {})};
-  project.features = ReadKeyframes(index->map(), sources, {});
+  project.features =
+      ReadKeyframes(index->map(), sources, {.max_features = kReconstructionFeatures});
   project.matches = MatchKeyframes(*index, project.features, {});
   WriteColmapDatabase(project, work / "database.db", true);
   const double export_s = exporting.wall_s();

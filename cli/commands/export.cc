@@ -34,7 +34,7 @@ struct ExportFlags {
   std::string format = "graphml";
   std::string output;
   std::vector<std::string> images;
-  int max_features = FeatureOptions().max_features;
+  int max_features = kReconstructionFeatures;
   bool force = false;
   bool quiet = false;
   std::string progress = "auto";
