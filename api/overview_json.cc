@@ -74,6 +74,7 @@ Json LayersJson(const MapData& map) {
   if (!map.planes.empty()) layers.push_back("planes");
   if (map.appearance) layers.push_back("appearance");
   if (map.orientation) layers.push_back("orientation");
+  if (map.poses) layers.push_back("poses");
   return layers;
 }
 

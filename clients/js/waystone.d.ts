@@ -75,6 +75,8 @@ export declare class Client {
   getKeyframeSpace(map: string, id: number): Promise<Space>;
   /** The complete map in columns, for visualization. */
   getOverview(map: string): Promise<Overview>;
+  /** The pose layer, for visualization. 404 with the code no_layer for maps without poses. */
+  getPoses(map: string): Promise<PoseLayer>;
   /** Weak spots of the map. The first request takes seconds and counts as a query. */
   getAudit(map: string): Promise<Audit>;
   /** The appearance layer, for visualization. 404 with the code no_layer for maps without one, as the following. */
@@ -379,10 +381,36 @@ export interface ExplainedCandidate {
 }
 
 export interface Overview {
-  layers: ("planes" | "appearance" | "orientation")[];
+  layers: ("planes" | "appearance" | "orientation" | "poses")[];
   keyframes: { id: number[]; sequence: number[]; stretch: number[]; frame: number[]; planes: number[]; features: number[] };
   planes: { id: number[]; reference: number[]; stretch: (number | null)[]; features: number[]; keyframes: number[][] };
   edges: { a: number[]; b: number[]; third_eigenvalue: number[] };
+}
+
+/** Keyframes and planes in the frame of the poses that the map was built with; lengths in its unit. `up` points upwards: the mean direction of the tops of the images, null where they differ too much. `noise` is that of the given poses on each axis, null where none was measured. */
+export interface PoseLayer {
+  frame: string;
+  unit: "metres" | "unknown";
+  noise: { position_deviation: number | null; rotation_deviation_rad: number | null };
+  up: null | Vector;
+  keyframes: PosedKeyframes;
+  planes: PosedPlane[];
+}
+
+/** The keyframes with a pose in columns, by id. orientation is the quaternion x, y, z, w that turns the axes of the camera (x right, y down, z forward) into those of the frame. */
+export interface PosedKeyframes {
+  id: Id[];
+  position: Vector[];
+  orientation: [number, number, number, number][];
+}
+
+/** Points X with normal . X = distance; the normal points away from the camera of the reference keyframe. `outline` is that of its features, such points in order around, but for those that the reference image shows too flatly. */
+export interface PosedPlane {
+  id: Id;
+  reference: Id;
+  normal: Vector;
+  distance: number;
+  outline: Vector[];
 }
 
 /** Positions in map units; headings counter-clockwise. */

@@ -196,6 +196,10 @@ export class Client {
     return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/overview`, {});
   }
 
+  getPoses(map) {
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/poses`, {});
+  }
+
   getAudit(map) {
     return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/audit`, {});
   }

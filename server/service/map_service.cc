@@ -14,6 +14,7 @@
 #include "api/lines_json.h"
 #include "api/map_json.h"
 #include "api/overview_json.h"
+#include "api/pose_layer_json.h"
 #include "api/space_json.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
@@ -170,6 +171,9 @@ void MapService::AddSingles(Router& router) {
   });
   AddShow(router, "/overview", [](const auto&, const ServedMap& map, const auto&) {
     return JsonResponse(OverviewJson(map.index()));
+  });
+  AddShow(router, "/poses", [](const auto&, const ServedMap& map, const auto&) {
+    return JsonResponse(PoseLayerJson(map.index(), PosesOf(map.index())));
   });
   AddShow(router, "/audit", [this](const auto&, const ServedMap& map, const auto&) {
     return JsonResponse(AuditJson(map.index(), map.Audit(gate_)));

@@ -11,7 +11,8 @@
 namespace waystone {
 
 // What is in the maps over HTTP: summary, planes with features and views, graph, keyframes with
-// images, audit, the two layers. Lists come in pages. A handler finds and renders. Thread-safe.
+// images, poses, audit, the layers of panoramas and orientations. Lists come in pages. A handler
+// finds and renders. Thread-safe.
 class MapService {
  public:
   // Both must outlive the service. Audits and what is found in pictures take a turn of

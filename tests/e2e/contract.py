@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """contract.py URL OPENAPI MAP LAYERED CALIBRATED INSIDE ELSEWHERE: holds a running server to its contract.
 
-LAYERED is a map with an appearance and an orientation layer, MAP one without, CALIBRATED one of planes that
+LAYERED is a map with an appearance, an orientation and a pose layer, MAP one without, CALIBRATED one of planes that
 several views of a calibrated camera saw.
 
 Records the responses of every route and of requests that hypothesis makes, and validates each
@@ -150,7 +150,7 @@ def every_layer(without):
     base = "/v1/maps/" + urllib.parse.quote(LAYERED)
     lists = ["/appearance/nodes", "/appearance/loops", "/orientation/frames", "/orientation/turns",
              "/orientation/corridors"]
-    singles = ["/appearance", "/orientation", "/appearance/nodes/1", "/appearance/nodes/1/signature",
+    singles = ["/appearance", "/orientation", "/poses", "/appearance/nodes/1", "/appearance/nodes/1/signature",
                "/appearance/nodes/1/image", "/orientation/nodes/3/image", "/overview",
                "/orientation/frames/1", "/orientation/nodes/3/lines", "/keyframes/1/lines",
                "/graph?format=g2o", "/graph?format=geojson", "/graph?format=ply", "/graph?format=tum"]
@@ -160,7 +160,7 @@ def every_layer(without):
         assert ask("GET", base + part, headers={"If-None-Match": fields["ETag"]})[0] == 304, part
     for part in lists:
         assert len(json.loads(ask("GET", base + part + "?limit=1")[2])[part.rsplit("/", 1)[-1]]) == 1, part
-    for part in lists + singles[:2]:
+    for part in lists + singles[:3]:
         status, _, data = ask("GET", without + part)
         assert (status, json.loads(data)["code"]) == (404, "no_layer"), part
 

@@ -236,6 +236,7 @@ TEST_F(HttpTest, KeepsItsContract) {
   layered.sequences[0].camera = MadeCamera();
   layered.keyframes[0].jpeg = MadePicture();
   layered.orientation->nodes[1].jpeg = MadePicture();
+  AddMadePoses(layered);
   layered.edges.clear();  // whose homologies are made up: a file is checked
   WriteMap(layered, folder / "layered.db", {});
   const Served served({(folder / "layered.db").string(), TheCorner().map.string()});

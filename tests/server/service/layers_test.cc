@@ -29,12 +29,33 @@ MapData PicturedMap() {
   return map;
 }
 
+// Of two planes; the outline of the floor has a point close to the horizon.
+MapData PosedMap() {
+  MapData map = MadeMap(2);
+  map.sequences[0].camera = MadeCamera();
+  map.planes[1].outline = {{319.5, 489.5}, {319.5, 249.5}, {419.5, 489.5}};
+  AddMadePoses(map);
+  return map;
+}
+
+// The same without a camera, and with one keyframe upside down.
+MapData TumblingMap() {
+  MapData map = PosedMap();
+  map.sequences[0].camera.reset();
+  Eigen::Isometry3d pose = map.poses->keyframes[1].frame_from_camera();
+  pose.linear() = pose.linear() * Eigen::DiagonalMatrix<double, 3>(-1, -1, 1);
+  map.poses->keyframes[1] = MakeKeyframePose(KeyframeId{2}, pose);
+  return map;
+}
+
 class LayersTest : public testing::Test {
  protected:
   LayersTest()
       : app_({{"both", MapIndex::Build(MadeLayeredMap(2))},
               {"pictured", MapIndex::Build(PicturedMap())},
               {"planes", MapIndex::Build(MadeMap(1))},
+              {"posed", MapIndex::Build(PosedMap())},
+              {"tumbling", MapIndex::Build(TumblingMap())},
               {"panoramas", MapIndex::Build(MadeLayeredMap(0))}},
              {}, {}) {}
 
@@ -59,6 +80,7 @@ class LayersTest : public testing::Test {
 TEST_F(LayersTest, OverviewNamesWhatThereIs) {
   EXPECT_EQ(GetJson("both/overview")["layers"], Json({"planes", "appearance", "orientation"}));
   EXPECT_EQ(GetJson("planes/overview")["layers"], Json({"planes"}));
+  EXPECT_EQ(GetJson("posed/overview")["layers"], Json({"planes", "poses"}));
   EXPECT_EQ(GetJson("panoramas/overview")["layers"], Json({"appearance", "orientation"}));
 }
 
@@ -130,6 +152,35 @@ TEST_F(LayersTest, OrientationFramesByColumns) {
   EXPECT_EQ(frames["heading_rad"], Json({0.0, 0.0, 1.5708, nullptr}));
   EXPECT_EQ(frames["reliable"], Json({true, true, true, false}));
   EXPECT_EQ(frames["lines_y"], Json({20, 20, 20, 20}));
+}
+
+TEST_F(LayersTest, PosesForDrawing) {
+  const Json json = GetJson("posed/poses");
+  EXPECT_EQ(json["frame"], "hall");
+  EXPECT_EQ(json["unit"], "metres");
+  EXPECT_EQ(json["noise"],
+            Json::parse(R"({"position_deviation":0.01,"rotation_deviation_rad":null})"));
+  EXPECT_EQ(json["up"], Json({0.0, 0.0, 1.0}));
+  EXPECT_EQ(json["keyframes"]["id"], Json({1, 2}));
+  EXPECT_EQ(json["keyframes"]["position"], Json::parse("[[1.0,2.0,1.5],[2.0,2.0,1.5]]"));
+  EXPECT_EQ(json["keyframes"]["orientation"][1], Json({-0.5, 0.5, -0.5, 0.5}));
+}
+
+// The wall is 4 m ahead of its reference keyframe, whose camera has a focal length of 500 px.
+TEST_F(LayersTest, PosedPlanesHaveTheirOutlineInTheFrame) {
+  const Json planes = GetJson("posed/poses")["planes"];
+  ASSERT_EQ(planes.size(), 2u);
+  EXPECT_EQ(planes[0], Json::parse(R"({"id":1,"reference":1,"normal":[1.0,0.0,0.0],"distance":5.0,
+      "outline":[[5.0,4.556,3.416],[5.0,3.755016,3.416],[5.0,3.756,3.012]]})"));
+  EXPECT_EQ(planes[1]["outline"], Json::parse("[[4.0,2.0,0.0],[4.0,1.4,0.0]]"))
+      << "but for the point near the horizon";
+}
+
+TEST_F(LayersTest, PosesThatSayNothingOfUpOrOutlines) {
+  const Json json = GetJson("tumbling/poses");
+  EXPECT_TRUE(json["up"].is_null()) << "one keyframe is upside down";
+  ASSERT_EQ(json["planes"].size(), 2u);
+  EXPECT_EQ(json["planes"][0]["outline"], Json::array()) << "no camera";
 }
 
 // How many lines run along an axis.
@@ -210,7 +261,7 @@ TEST_F(LayersTest, WithoutTheLayerThereIsNothing) {
   for (const char* path :
        {"planes/appearance", "planes/appearance/nodes", "planes/appearance/loops",
         "planes/appearance/nodes/1/signature", "planes/orientation", "planes/orientation/frames",
-        "planes/orientation/turns", "planes/orientation/corridors"}) {
+        "planes/orientation/turns", "planes/orientation/corridors", "planes/poses"}) {
     const HttpResponse response = Get(path);
     EXPECT_EQ(response.status, 404) << path;
     const Json json = Json::parse(response.body);

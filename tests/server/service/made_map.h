@@ -116,4 +116,21 @@ inline MapData MadeLayeredMap(int planes, std::optional<double> metres_per_unit 
   return map;
 }
 
+// Gives a made map of two planes or more poses in metres: both keyframes 1.5 m above the floor
+// z = 0, looking along x. Plane 1 is the wall x = 5, plane 2 the floor.
+inline void AddMadePoses(MapData& map) {
+  PoseLayer& poses = map.poses.emplace();
+  poses.frame = "hall";
+  poses.unit = LengthUnit::kMetres;
+  poses.noise = {0.01, 0};
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  for (const Keyframe& keyframe : map.keyframes) {
+    pose.translation() << static_cast<double>(keyframe.id.value), 2, 1.5;
+    poses.keyframes.push_back(MakeKeyframePose(keyframe.id, pose));
+  }
+  poses.planes = {{PlaneId{1}, Eigen::Vector3d::UnitX(), 5, Eigen::Matrix4d::Identity()},
+                  {PlaneId{2}, -Eigen::Vector3d::UnitZ(), 0, Eigen::Matrix4d::Identity()}};
+}
+
 }  // namespace waystone
