@@ -16,7 +16,8 @@ const [program, folder] = process.argv.slice(2).map((path) => resolve(path));
 if (!folder) throw new Error("usage: node make_pictures.mjs WAYSTONE FOLDER");
 const photo = (name) => join(folder, "walk/queries", `${name}.jpg`);
 
-// The maps room (photos), both (the same, with revisits) and office (panoramas) of rendered buildings.
+// The maps room (photos), both (the same, with revisits), hall (the same, with poses) and office
+// (panoramas) of rendered buildings.
 function makeMaps() {
   mkdirSync(folder, { recursive: true });
   const run = (...args) => execFileSync(program, args, { cwd: folder, stdio: "inherit" });
@@ -24,11 +25,13 @@ function makeMaps() {
   if (!existsSync(join(folder, "office"))) run("demo", "--write", "office", "--setting", "office");
   if (!existsSync(join(folder, "room.db"))) run("build", "walk", "-o", "room.db");
   if (!existsSync(join(folder, "both.db"))) run("build", "walk", "walk", "-o", "both.db", "--every", "2");
+  const poses = ["--camera", "walk/camera.yaml", "--poses", "walk/poses.csv", "--unit", "metres", "--frame", "hall"];
+  if (!existsSync(join(folder, "hall.db"))) run("build", "walk/images", "-o", "hall.db", ...poses);
   if (!existsSync(join(folder, "office.db"))) run("build", "office/panorama", "-o", "office.db");
 }
 
 async function serve() {
-  const server = spawn(program, ["serve", "room.db", "both.db", "office.db", "--port", "0"], { cwd: folder });
+  const server = spawn(program, ["serve", "room.db", "both.db", "hall.db", "office.db", "--port", "0"], { cwd: folder });
   for await (const line of createInterface({ input: server.stdout })) {
     const url = /http:\/\/\S+/.exec(line);
     if (url) return { server, url: url[0] };
@@ -41,8 +44,8 @@ async function show(page, url, view) {
   await page.getByRole("heading", { level: 1 }).waitFor();
 }
 
-async function localize(page, url, name) {
-  await show(page, url, "room/ask");
+async function localize(page, url, name, map = "room") {
+  await show(page, url, `${map}/ask`);
   await page.setInputFiles(".chooser input >> nth=0", photo(name));
   await page.locator(".verdict").waitFor();
 }
@@ -80,6 +83,13 @@ async function shootRoom(page, url) {
   await shoot(page, "coverage");
 }
 
+async function shootHall(page, url) {
+  await localize(page, url, "124", "hall");
+  await show(page, url, "hall/layers");
+  await page.locator(".pose-map .query").waitFor();
+  await shoot(page, "poses");
+}
+
 async function shootOffice(page, url) {
   await page.setViewportSize({ width: 1280, height: 900 });
   await show(page, url, "office/layers");
@@ -110,6 +120,7 @@ const browser = await chromium.launch({
 try {
   const desktop = await browser.newPage({ viewport: { width: 1280, height: 800 } });
   await shootRoom(desktop, url);
+  await shootHall(desktop, url);
   await shootOffice(desktop, url);
   const phone = { viewport: { width: 360, height: 740 }, isMobile: true, hasTouch: true, colorScheme: "dark" };
   await shootPhone(await browser.newPage(phone), url);

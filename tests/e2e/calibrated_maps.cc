@@ -106,6 +106,17 @@ fs::path MakeTurns() {
   return map;
 }
 
+PosedHall MakePosedHall() {
+  PosedHall hall{TheMap().folder / "hall.db", TheMap().folder / "hall"};
+  const RunResult written = RunWaystone({"demo", "--write", hall.walk});
+  EXPECT_EQ(written.code, 0) << written.err;
+  const RunResult built = RunWaystone(
+      {"build", hall.walk / "images", "-o", hall.map, "--camera", hall.walk / "camera.yaml",
+       "--poses", hall.walk / "poses.csv", "--unit", "metres", "--frame", "hall"});
+  EXPECT_EQ(built.code, 0) << built.err;
+  return hall;
+}
+
 }  // namespace
 
 const CornerWalk& TheCorner() {
@@ -116,6 +127,11 @@ const CornerWalk& TheCorner() {
 const fs::path& TheTurns() {
   static const fs::path map = MakeTurns();
   return map;
+}
+
+const PosedHall& ThePosedHall() {
+  static const PosedHall hall = MakePosedHall();
+  return hall;
 }
 
 }  // namespace waystone

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "cli/system/child_process.h"
 #include "tests/e2e/calibrated_maps.h"
@@ -12,25 +13,46 @@
 namespace waystone {
 namespace {
 
-TEST(WebTest, EveryViewInABrowser) {
-  const char* wanted = std::getenv("BROWSER");
-  if (wanted != nullptr && std::string(wanted) == "no") GTEST_SKIP() << "BROWSER=no";
+class WebTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const char* wanted = std::getenv("BROWSER");
+    if (wanted != nullptr && std::string(wanted) == "no") GTEST_SKIP() << "BROWSER=no";
+  }
+
+  // The address that a server says first.
+  static std::string AddressOf(ChildProcess& server) {
+    const std::string line = server.ReadLine();
+    const size_t at = line.find("http://");
+    EXPECT_NE(at, std::string::npos) << line;
+    return at == std::string::npos ? "" : line.substr(at);
+  }
+
+  // Runs a script of tests/web, which says what failed.
+  static void RunScript(const std::string& name, const std::vector<std::string>& arguments) {
+    std::vector<std::string> command = {"/usr/bin/env", "node",
+                                        std::string(WAYSTONE_SOURCE_DIR) + "/tests/web/" + name};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    ChildProcess node(command, true);
+    std::string said;
+    for (std::string out = node.ReadLine(); !out.empty(); out = node.ReadLine()) said += out + "\n";
+    EXPECT_EQ(node.Wait(), 0) << said << "`make browser` installs what the test needs, "
+                              << "and BROWSER=no leaves it out";
+  }
+};
+
+TEST_F(WebTest, EveryViewInABrowser) {
   ChildProcess server(
       {WAYSTONE_PROGRAM, "serve", TheMap().map, TheCorner().map, TheTurns(), "--port", "0"}, true);
-  const std::string line = server.ReadLine();
-  const size_t at = line.find("http://");
-  ASSERT_NE(at, std::string::npos) << line;
-  ChildProcess browser(
-      {"/usr/bin/env", "node", std::string(WAYSTONE_SOURCE_DIR) + "/tests/web/page_test.mjs",
-       line.substr(at), TheMap().inside, TheMap().elsewhere},
-      true);
-  std::string said;
-  for (std::string out = browser.ReadLine(); !out.empty(); out = browser.ReadLine()) {
-    said += out + "\n";
-  }
-  EXPECT_EQ(browser.Wait(), 0) << said << "`make browser` installs what the test needs, "
-                               << "and BROWSER=no leaves it out";
+  RunScript("page_test.mjs", {AddressOf(server), TheMap().inside, TheMap().elsewhere});
 }
+
+TEST_F(WebTest, AMapWithPosesInABrowser) {
+  ChildProcess server({WAYSTONE_PROGRAM, "serve", ThePosedHall().map, "--port", "0"}, true);
+  RunScript("pose_page_test.mjs", {AddressOf(server), ThePosedHall().walk});
+}
+
+TEST_F(WebTest, MapsWithPosesAreSeenFromAbove) { RunScript("pose_view_test.mjs", {}); }
 
 }  // namespace
 }  // namespace waystone

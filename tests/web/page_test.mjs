@@ -3,85 +3,13 @@
 // at URL with the maps room, walls (of a calibrated camera) and turns (of a rig), in Debian's Chromium.
 // Exit status: 0 on success, 1 after a message about what failed or is missing.
 import assert from "node:assert/strict";
-import { existsSync, readFileSync } from "node:fs";
-import { createRequire } from "node:module";
-import { join } from "node:path";
+import { readFileSync } from "node:fs";
+import { ask, checkAccess, go as goTo, json, startBrowser } from "./browser.mjs";
 
-const kChromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
-const kModules = new URL("../../server/web/", import.meta.url);
-const require = createRequire(kModules);
-
-function missing(what) {
-  console.log(what);
-  process.exit(1);
-}
-
-if (Number(process.versions.node.split(".")[0]) < 18) missing("Node is older than 18");
-if (!existsSync(new URL("node_modules/playwright-core", kModules))) {
-  missing("server/web/node_modules is missing; 'make browser' installs it");
-}
-if (!existsSync(kChromium)) missing(`there is no ${kChromium}; apt-get install chromium`);
-
-const { chromium } = require("playwright-core");
-const axeSource = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
 const [url, inside, elsewhere, screenshots] = process.argv.slice(2);
-const patience = 20_000;
+const { open, shoot, shootWhole, run } = await startBrowser(url, screenshots);
 
-const browser = await chromium.launch({
-  executablePath: kChromium,
-  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync"],
-});
-
-// A page that fails the test for whatever it complains about or asks of others.
-async function open(options) {
-  const context = await browser.newContext(options);
-  const page = await context.newPage();
-  page.setDefaultTimeout(patience);
-  const complaints = [];
-  page.on("console", (m) => {
-    // Software WebGL says that reading pixels is slow. It is asked to by the test alone.
-    const own = !/GPU stall due to ReadPixels/.test(m.text());
-    if (["error", "warning"].includes(m.type()) && own) complaints.push(m.text());
-  });
-  page.on("pageerror", (e) => complaints.push(e.message));
-  page.on("request", (request) => {
-    const target = request.url();
-    const ours = target.startsWith(url) || /^(blob|data):/.test(target);
-    if (!ours) complaints.push(`a request for ${target}`);
-  });
-  return { page, complaints, close: () => context.close() };
-}
-
-async function shoot(page, name) {
-  if (screenshots) await page.screenshot({ path: join(screenshots, `${name}.png`) });
-}
-
-async function shootWhole(page, name) {
-  if (screenshots) await page.screenshot({ path: join(screenshots, `${name}.png`), fullPage: true });
-}
-
-// Serious or not: the page has no violation at all.
-async function checkAccess(page, where) {
-  await page.evaluate(axeSource);
-  const result = await page.evaluate(() => window.axe.run(document));
-  const found = result.violations.map((v) =>
-    `${v.id}: ${v.help} (${v.nodes.map((n) => n.target.join(" ")).slice(0, 3).join("; ")})`);
-  assert.deepEqual(found, [], `axe in ${where}`);
-}
-
-const go = async (page, view, heading, map = "room") => {
-  await page.evaluate((hash) => { location.hash = hash; }, `#/${map}/${view}`);
-  await page.getByRole("heading", { level: 1, name: heading }).waitFor();
-};
-
-async function ask(page, photo) {
-  await page.setInputFiles(".chooser input >> nth=0", photo);
-  await page.locator(".verdict").waitFor();
-  return page.locator(".verdict h2").innerText();
-}
-
-const json = (value) => ({ contentType: "application/json", body: JSON.stringify(value) });
+const go = (page, view, heading, map = "room") => goTo(page, map, view, heading);
 
 async function overview() {
   return (await fetch(`${url}/v1/maps/room/overview`)).json();
@@ -265,6 +193,7 @@ async function testLayers(page) {
   await go(page, "layers", "Trajectory");
   await page.getByText("has no appearance layer").waitFor();
   await page.getByText("has no orientation layer").waitFor();
+  assert.equal(await page.locator(".pose-map").count(), 0, "no poses, no drawing of them");
   await shoot(page, "layers");
   await checkAccess(page, "layers");
 }
@@ -473,7 +402,7 @@ async function testPhone() {
   await close();
 }
 
-try {
+await run(async () => {
   const { page, complaints, close } = await open({ viewport: { width: 1280, height: 800 } });
   await page.goto(`${url}/`);
   for (const test of [testAsk, testWhy, testPlanes, testKeyframes, testLayers, testOrientation,
@@ -490,9 +419,4 @@ try {
   await testTurnedPhoto();
   await testTokens();
   await testPhone();
-  await browser.close();
-} catch (error) {
-  console.log(String(error.stack ?? error).replace(/\n\s*\n/g, "\n"));
-  await browser.close();
-  process.exit(1);
-}
+});

@@ -11,7 +11,7 @@ import {
 
 export type {
   Appearance, AppearanceNode, Audit, DirectedLines, ExplainedKeyframe, Explanation, Keyframe, Orientation,
-  OrientationFrame, Overview, Plane, Space,
+  OrientationFrame, Overview, Plane, Pose, PoseLayer, Space,
 } from "../../../clients/js/waystone.js";
 export type { Answer, MapSummary };
 export type Candidate = ExplainedCandidate;

@@ -8,6 +8,8 @@ import { Overlay, type Shape } from "./figure";
 import { MatchFigure } from "./match_figure";
 import type { Query, ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, PlaneLink, PlaneLinks, Swatch } from "./parts";
+import { poseRows } from "./pose_answer";
+import { PoseFigure } from "./pose_map";
 import { href } from "./route";
 import { usePicture } from "./use";
 import { confidence, counted, degrees, verdictInWords } from "./words";
@@ -121,6 +123,7 @@ function Numbers({ map, answer }: { map: string; answer: Answer }) {
         ["Runner-up", runnerUp
           ? <>keyframe <KeyframeLink map={map} id={runnerUp.keyframe.id} />, {confidence(runnerUp.probability)}</>
           : "none"],
+        ...poseRows(answer),
         ["Time", <Timing answer={answer} />],
       ]}
     />
@@ -278,6 +281,7 @@ export function AskView({ map, query, setQuery }: ViewProps) {
           <Verdict map={map.name} query={query} />
           <Found map={map.name} query={query} />
           <Numbers map={map.name} answer={query.answer} />
+          {query.answer.pose && <PoseFigure map={map.name} answer={query.answer} />}
         </section>
       )}
       {!query && (

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// View: the trajectory, layer by layer: revisits, and the poses of the appearance layer.
+// View: the trajectory, layer by layer: poses, revisits, and the poses of the appearance layer.
 import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
 import { type Appearance, type AppearanceNode, mapPath, type Overview } from "./api";
 import { colourOf } from "./colours";
 import type { ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, Panorama, PlaneLink, Swatch, Waiting } from "./parts";
+import { PoseFigure } from "./pose_map";
 import { href } from "./route";
 import { useGet } from "./use";
 import { counted, degrees } from "./words";
@@ -66,7 +67,7 @@ function SeenAgain({ map, overview }: { map: string; overview: Overview }) {
       <h2>Revisits (plane layer)</h2>
       <p class="quiet">
         A plane seen again after {kFewSteps} or more keyframes connects two passes through one place.
-        The plane layer has no positions, so none are drawn.
+        Keyframes are drawn in their order, not at their places.
       </p>
       {found.length > 0 && <Arcs overview={overview} found={found} />}
       {found.length === 0
@@ -176,7 +177,17 @@ function Layer(props: { name: string; has: boolean; children: ComponentChildren;
   );
 }
 
-export function LayersView({ map }: ViewProps) {
+function Poses({ map, query }: { map: string; query: ViewProps["query"] }) {
+  return (
+    <section>
+      <h2>Poses</h2>
+      <p class="quiet">Click on a keyframe or a plane to open it.</p>
+      <PoseFigure map={map} answer={query?.answer ?? null} />
+    </section>
+  );
+}
+
+export function LayersView({ map, query }: ViewProps) {
   const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
   if (overview.error) return <Failure error={overview.error} />;
   if (!overview.value) return <Waiting what="the layers" />;
@@ -184,11 +195,12 @@ export function LayersView({ map }: ViewProps) {
   return (
     <>
       <h1>Trajectory</h1>
+      {layers.includes("poses") && <Poses map={map.name} query={query} />}
       {map.planes > 0 && <SeenAgain map={map.name} overview={overview.value} />}
       <Layer
-        name="Poses (appearance layer)"
+        name="Panoramas (appearance layer)"
         has={layers.includes("appearance")}
-        missing="This map has no appearance layer and therefore no poses. Build a map from panoramas or from a rig that covers the full circle to get one."
+        missing="This map has no appearance layer. Build a map from panoramas or from a rig that covers the full circle to get one."
       >
         <AppearanceLayer map={map.name} />
       </Layer>

@@ -51,7 +51,7 @@ function viewsOf(map: MapSummary, layers: string[]): View[] {
     why: map.keyframes > 0,
     planes: map.planes > 0,
     keyframes: map.keyframes > 0,
-    layers: map.planes > 0 || layers.includes("appearance"),
+    layers: map.planes > 0 || layers.includes("appearance") || layers.includes("poses"),
     orientation: layers.includes("orientation"),
     coverage: map.planes > 0,
   };

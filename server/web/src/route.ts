@@ -41,6 +41,7 @@ export function useRoute(): Route {
   useEffect(() => {
     const update = () => setRoute(parseRoute(location.hash));
     addEventListener("hashchange", update);
+    update(); // it may have changed since the first rendering
     return () => removeEventListener("hashchange", update);
   }, []);
   return route;

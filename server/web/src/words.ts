@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers, verdicts and outcomes as text.
-import { type Answer, type Candidate, type Explanation } from "./api";
+import { type Answer, type Candidate, type Explanation, type Pose } from "./api";
 
 // Four matches always fit a homography, and a fifth one easily does.
 const kByChance = 5;
@@ -18,6 +18,15 @@ export const degrees = (rad: number, digits = 0): string =>
 
 export const counted = (n: number, what: string): string =>
   `${n.toLocaleString("en")} ${what}${n === 1 ? "" : "s"}`;
+
+// The unit of a frame, behind a number.
+export const unitOf = (unit: Pose["unit"]): string => (unit === "metres" ? "m" : "map units");
+
+// A value and its standard deviation, to two digits of the latter.
+export function withDeviation(value: number, sigma: number): string {
+  const digits = sigma > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(sigma)))) : 3;
+  return `${value.toFixed(digits)} ± ${sigma.toFixed(digits)}`;
+}
 
 export function verdictInWords(answer: Answer): string {
   switch (answer.verdict) {

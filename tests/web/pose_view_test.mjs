@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// node pose_view_test.mjs: how the page sees maps with poses from above (server/web/src/pose_view.ts),
+// and how it writes their numbers. Exit status: 0 on success, 1 after a message about what failed.
+import assert from "node:assert/strict";
+import { createRequire } from "node:module";
+import { fileURLToPath } from "node:url";
+
+const kWeb = new URL("../../server/web/", import.meta.url);
+
+async function load() {
+  const esbuild = createRequire(kWeb)("esbuild");
+  const built = esbuild.buildSync({
+    stdin: {
+      contents: 'export * from "./pose_view"; export { unitOf, withDeviation } from "./words";',
+      resolveDir: fileURLToPath(new URL("src", kWeb)),
+    },
+    bundle: true,
+    format: "esm",
+    write: false,
+  });
+  return import(`data:text/javascript;base64,${Buffer.from(built.outputFiles[0].contents).toString("base64")}`);
+}
+
+function near(actual, expected, tolerance = 1e-9) {
+  const [a, b] = [[actual].flat(Infinity), [expected].flat(Infinity)];
+  assert.equal(a.length, b.length, `${JSON.stringify(actual)} is not ${JSON.stringify(expected)}`);
+  const all = a.every((v, i) => Math.abs(v - b[i]) <= tolerance);
+  assert.ok(all, `${JSON.stringify(actual)} is not ${JSON.stringify(expected)}`);
+}
+
+const kHalf = Math.SQRT1_2;
+
+function testTurned({ turned }) {
+  near(turned([0, 0, kHalf, kHalf], [1, 0, 0]), [0, 1, 0]); // a quarter about z
+  near(turned([kHalf, 0, 0, kHalf], [0, 1, 0]), [0, 0, 1]);
+  near(turned([-0.5, 0.5, -0.5, 0.5], [0, 0, 1]), [1, 0, 0]); // a camera upright, looking along x
+}
+
+function testViews({ axesSeen, seen, viewFromAbove }) {
+  const p = [1, 2, 3];
+  near(seen(viewFromAbove([0, 0, 1]), p), [1, 2]);
+  near(seen(viewFromAbove(null), p), [1, 2]);
+  near(seen(viewFromAbove([0.1, 0.25, 0.95]), p), [1, 2]); // the camera was pitched
+  near(seen(viewFromAbove([0, -1, 0]), p), [1, 3]); // as the first camera of a sequence: y down
+  near(seen(viewFromAbove([0, 0, -1]), p), [1, -2]);
+  near(seen(viewFromAbove([1, 0, 0]), p), [2, 3]); // x is up, so y is to the right
+  const kAslant = [1, 1, 1].map((v) => v / Math.sqrt(3));
+  const { right, top, up } = viewFromAbove(kAslant);
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  near([dot(right, top), dot(top, up), dot(up, right)], [0, 0, 0]);
+  near(up, kAslant);
+  const axes = (known) => axesSeen(viewFromAbove(known)).map((a) => a.name).join("");
+  assert.equal(axes([0, 0, 1]), "xy");
+  assert.equal(axes([0, -1, 0]), "xz");
+  assert.equal(axes(kAslant), "", "none lies in the picture");
+}
+
+function testHeadings({ headingSeen, viewFromAbove }) {
+  const above = viewFromAbove([0, 0, 1]);
+  near(headingSeen(above, [-0.5, 0.5, -0.5, 0.5]), [1, 0]);
+  assert.equal(headingSeen(above, [1, 0, 0, 0]), null, "straight down");
+}
+
+function testEllipses({ ellipseSeen, viewFromAbove }) {
+  const above = viewFromAbove([0, 0, 1]);
+  const covariance = (xx, xy, yy) => [[xx, xy, 0, 9, 9, 9], [xy, yy, 0, 9, 9, 9], [0, 0, 100, 9, 9, 9]];
+  const along = ellipseSeen(above, covariance(0.04, 0, 0.01));
+  near([along.long, along.short, along.angle_rad], [0.4, 0.2, 0]);
+  const across = ellipseSeen(above, covariance(0.01, 0, 0.04));
+  near([across.long, across.short, Math.abs(across.angle_rad)], [0.4, 0.2, Math.PI / 2]);
+  const aslant = ellipseSeen(above, covariance(1, 0.5, 1));
+  near([aslant.long, aslant.short, aslant.angle_rad], [2 * Math.sqrt(1.5), 2 * Math.sqrt(0.5), Math.PI / 4]);
+  near(ellipseSeen(viewFromAbove([0, -1, 0]), covariance(0.04, 0, 0.01)).long, 20); // z is seen
+}
+
+function testPlanes({ planeSeen, viewFromAbove }) {
+  const above = viewFromAbove([0, 0, 1]);
+  const wall = { normal: [1, 0, 0], outline: [[5, 1, 0], [5, 4, 1], [5, 2, 2]] };
+  near(planeSeen(above, wall).sort((a, b) => a[1] - b[1]), [[5, 1], [5, 4]]);
+  const aslant = { normal: [kHalf, kHalf, 0], outline: [[4, 0, 0], [0, 4, 0], [2, 2, 3]] };
+  near(planeSeen(above, aslant).sort((a, b) => a[1] - b[1]), [[4, 0], [0, 4]]);
+  const floor = { normal: [0, 0, -1], outline: [[0, 0, 0], [1, 0, 0], [1, 1, 0]] };
+  near(planeSeen(above, floor), [[0, 0], [1, 0], [1, 1]]);
+  assert.deepEqual(planeSeen(above, { ...floor, outline: floor.outline.slice(0, 2) }), []);
+  assert.deepEqual(planeSeen(above, { ...wall, outline: [] }), []);
+}
+
+function testLayout({ barLength, boxOf, layOut }) {
+  const far = Array.from({ length: 99 }, (_, i) => [i / 10, 0]).concat([[500, 900]]);
+  const box = boxOf([[-1, 0], [2, 3]], far);
+  near([box.low, box.high], [[-1, 0], [9.7, 3]]);
+  near(boxOf([[1, 2]], []).high, [1, 2]);
+  const room = { width: 300, height: 200, margin: 10, strip: 30 };
+  const wide = layOut({ low: [0, 0], high: [28, 7] }, room);
+  near([wide.scale, wide.height, wide.at([0, 7]), wide.at([28, 0])], [10, 120, 10, 10, 290, 80]);
+  const high = layOut({ low: [0, 0], high: [1, 15] }, room);
+  near([high.scale, high.height, high.at([0, 15])], [10, 200, 145, 10]);
+  const point = layOut({ low: [3, 3], high: [3, 3] }, room);
+  assert.ok(point.at([3, 3]).every(Number.isFinite) && point.height <= room.height, "a single place");
+  near([barLength(40, 120), barLength(12, 120), barLength(7, 120), barLength(0.01, 120)], [2, 10, 10, 10000]);
+  near([barLength(1000, 120), barLength(24, 120)], [0.1, 5]);
+}
+
+function testNumbers({ unitOf, withDeviation }) {
+  assert.equal(withDeviation(1.23456, 0.0123), "1.235 ± 0.012");
+  assert.equal(withDeviation(123.456, 12.3), "123 ± 12");
+  assert.equal(withDeviation(-4.2, 0.3), "-4.20 ± 0.30");
+  assert.equal(withDeviation(1, 0), "1.000 ± 0.000");
+  assert.deepEqual([unitOf("metres"), unitOf("unknown")], ["m", "map units"]);
+}
+
+try {
+  const module = await load();
+  const tests = [testTurned, testViews, testHeadings, testEllipses, testPlanes, testLayout, testNumbers];
+  for (const test of tests) test(module);
+} catch (error) {
+  console.log(String(error.stack ?? error).replace(/\n\s*\n/g, "\n"));
+  process.exit(1);
+}
