@@ -5,7 +5,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
-import { ask, checkAccess, go, startBrowser } from "./browser.mjs";
+import { ask, checkAccess, go, json, startBrowser } from "./browser.mjs";
 
 const [url, hall, screenshots] = process.argv.slice(2);
 const { open, shoot, shootWhole, run } = await startBrowser(url, screenshots);
@@ -117,6 +117,34 @@ async function testNoPose(page) {
   assert.equal(await page.locator(".pose-map").count(), 0);
 }
 
+// The same map with a floor, of unknown unit and not knowing what is up, and an uncertain answer.
+async function testUncertain() {
+  const { page, complaints, close } = await open({ viewport: { width: 1280, height: 900 }, colorScheme: "dark" });
+  await page.route("**/maps/hall/poses", async (route) => {
+    const layer = await (await route.fetch()).json();
+    const outline = [[1, 9, 0], [4, 9, 0], [4, 11, 0], [1, 11, 0]];
+    layer.planes.push({ id: 900, reference: 1, normal: [0, 0, -1], distance: 0, outline });
+    await route.fulfill(json({ ...layer, unit: "unknown", up: null }));
+  });
+  await page.route("**/localize?*", async (route) => {
+    const answer = await (await route.fetch()).json();
+    answer.pose.covariance[0] = [0.25, 0, 0, 0, 0, 0];
+    await route.fulfill(json({ ...answer, pose: { ...answer.pose, unit: "unknown" } }));
+  });
+  await page.goto(`${url}/`);
+  await ask(page, photoOf(kInside));
+  await page.locator(".pose-map .surface").waitFor();
+  const { scale } = await measureDrawing(page);
+  const drawn = Number(await page.locator(".pose-map .query ellipse").getAttribute("rx"));
+  assert.ok(Math.abs(drawn - 2 * 0.5 * scale) < 0.1, `an ellipse of ${drawn} px for 1 unit of ${scale} px`);
+  assert.match(await page.locator(".facts").innerText(), / ± 0\.50, .* map units/);
+  await page.getByText("the images don’t tell what is up").waitFor();
+  await shootWhole(page, "pose_uncertain");
+  await checkAccess(page, "an uncertain pose");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
 async function testPhone() {
   const { page, complaints, close } = await open({
     viewport: { width: 360, height: 740 }, isMobile: true, hasTouch: true, colorScheme: "dark",
@@ -144,5 +172,6 @@ await run(async () => {
     assert.deepEqual(complaints, [], test.name);
   }
   await close();
+  await testUncertain();
   await testPhone();
 });
