@@ -60,7 +60,7 @@ export declare class Client {
   /** Keyframes with the plane in view. */
   listViews(map: string, id: number, options?: { limit?: number; cursor?: string }): Promise<ViewList>;
   /** Graph of planes, or poses in other formats. */
-  getGraph(map: string, options?: { format?: "json" | "graphml" | "dot" | "g2o" | "geojson" | "ply" | "tum" | "colmap" | "poses" }): Promise<Graph | string>;
+  getGraph(map: string, options?: { format?: "json" | "graphml" | "dot" | "g2o" | "geojson" | "ply" | "tum" | "poses" }): Promise<Graph | string>;
   /** List of keyframes. */
   listKeyframes(map: string, options?: { limit?: number; cursor?: string }): Promise<KeyframeList>;
   /** A keyframe. */
