@@ -12,8 +12,8 @@
 
 namespace waystone {
 
-// Features of an image that a reconstruction takes: with the 1,000 that a query has, COLMAP left the
-// keyframes of `waystone demo --write` in three models; with these they are one.
+// Features of an image that a reconstruction takes: with the 1,000 that a query has, COLMAP left
+// the keyframes of `waystone demo --write` in three models; with these they are one.
 inline constexpr int kReconstructionFeatures = 4000;
 
 // The features of a map's keyframes, extracted anew from what the map was built from: the source of

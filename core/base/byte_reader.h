@@ -31,14 +31,14 @@ class ByteReader {
   // Up to a byte of 0, which is skipped.
   std::string TakeText() {
     const auto end = std::ranges::find(left_, uint8_t{0});
-    if (end == left_.end()) throw cut_;
+    if (end == left_.end()) Fail();
     std::string text(left_.begin(), end);
     Skip(text.size() + 1);
     return text;
   }
 
   std::span<const uint8_t> Skip(size_t bytes) {
-    if (bytes > left_.size()) throw cut_;
+    if (bytes > left_.size()) Fail();
     const std::span<const uint8_t> skipped = left_.first(bytes);
     left_ = left_.subspan(bytes);
     return skipped;
@@ -47,11 +47,13 @@ class ByteReader {
   // A count of things that follow, of at least `bytes` each: never more than there is room for.
   uint64_t TakeCount(size_t bytes) {
     const auto count = Take<uint64_t>();
-    if (count > left_.size() / bytes) throw cut_;
+    if (count > left_.size() / bytes) Fail();
     return count;
   }
 
  private:
+  [[noreturn]] void Fail() const { throw MapError(cut_.code(), cut_.what()); }
+
   std::span<const uint8_t> left_;
   MapError cut_;
 };
