@@ -31,14 +31,16 @@ FilePose TakeImage(ByteReader& reader, const fs::path& path) {
   FilePose pose;
   pose.name = reader.TakeText();
   reader.Skip(reader.TakeCount(kPointBytes) * kPointBytes);
-  if (!q.allFinite() || !t.allFinite() || q.norm() == 0) {
-    throw NotImages(path, "has a pose that is no pose");
-  }
   Eigen::Isometry3d camera_from_world = Eigen::Isometry3d::Identity();
+  // Stable: a quaternion far from unit length is no reason for one that isn't a rotation.
+  const Eigen::Vector4d unit = q.stableNormalized();
   camera_from_world.linear() =
-      Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
+      Eigen::Quaterniond(unit[0], unit[1], unit[2], unit[3]).toRotationMatrix();
   camera_from_world.translation() = t;
   pose.pose = {camera_from_world.inverse(), true};
+  if (q.isZero(0) || !q.allFinite() || !pose.pose.world_from_camera.matrix().allFinite()) {
+    throw NotImages(path, "has a pose that is no pose");
+  }
   return pose;
 }
 

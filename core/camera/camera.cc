@@ -15,7 +15,8 @@
 namespace waystone {
 namespace {
 
-constexpr int kMaxSide = 100'000;  // px
+constexpr int kMaxSide = 100'000;      // px
+constexpr double kMaxParameter = 1e9;  // of either sign; beyond it pixels overflow
 
 struct ModelRow {
   CameraModel model;
@@ -273,9 +274,10 @@ void CheckCamera(const Camera& camera) {
   for (size_t i = 0; i < camera.params.size(); ++i) {
     const double value = camera.params[i];
     const bool focal = static_cast<int>(i) < row->focal_lengths;
-    if (!std::isfinite(value) || (focal && value <= 0)) {
+    const bool sensible = std::abs(value) <= kMaxParameter;  // false for NaN
+    if (!sensible || (focal && value <= 0)) {
       Refuse("parameter " + std::to_string(i + 1) + " of " + name + " is " + std::to_string(value) +
-             (focal ? "; it must be positive" : "; it must be finite"));
+             (focal ? "; it must be above 0 and at most 1e9" : "; it must be from -1e9 to 1e9"));
     }
   }
 }

@@ -8,7 +8,9 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <string>
+#include <utility>
 
 #include "cli/files/given_poses.h"
 #include "cli/files/image_poses.h"
@@ -145,6 +147,31 @@ TEST_F(PoseFileTest, FindsNamesWithoutTheirExtension) {
   EXPECT_TRUE(poses.Find("walk/frame 12.jpg", {}, 0));
   EXPECT_TRUE(poses.Find("walk/b", {}, 0));
   EXPECT_FALSE(poses.Find("walk/frame 1", {}, 0));
+}
+
+// The pose of ColmapImages with its quaternion scaled and its position moved.
+std::string ColmapImagesWith(double scale, double x) {
+  std::string bytes = ColmapImages(0);
+  const double half = scale * std::sqrt(0.5);
+  const double values[] = {half, 0, 0, -half, x};
+  std::memcpy(bytes.data() + sizeof(uint64_t) + sizeof(uint32_t), values, sizeof(values));
+  return bytes;
+}
+
+TEST_F(PoseFileTest, ABinaryModelsPoseIsOneOrRefused) {
+  const auto read = [&](double scale, double x) {
+    return ReadPoseFile(Write("images.bin", ColmapImagesWith(scale, x)));
+  };
+  ExpectThePose(read(1, -2)[0]);
+  ExpectThePose(read(1e-160, -2)[0]);
+  ExpectThePose(read(1e160, -2)[0]);
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  for (const auto& [scale, x] :
+       {std::pair(0.0, -2.0), {kInfinite, -2.0}, {std::nan(""), -2.0}, {1.0, kInfinite}}) {
+    EXPECT_NE(RefusalOf([&] { read(scale, x); }).find("has a pose that is no pose"),
+              std::string::npos)
+        << scale << " " << x;
+  }
 }
 
 FilePose PoseAt(double time_s, double x, double turn_rad) {

@@ -19,17 +19,22 @@ void CheckRays(const Camera& camera) {
   }
 }
 
-}  // namespace
-
-// A camera is sound, and written in our own format it is read to the same.
-void FuzzCameraFile(FuzzInput input) {
-  const auto path = WriteInput("camera.yaml", TextOf(input));
+void CheckCameraFile(const std::filesystem::path& path) {
   const auto camera = ReadOrRefuse([&] { return ReadCameraFile(path); });
   if (!camera) return;
   CheckRays(*camera);
   const auto written = WriteInput("written.yaml", CameraYaml(*camera, ""));
   const Camera again = ReadBack([&] { return ReadCameraFile(written); }, "a camera");
   Require(again == *camera, "a camera is written and read to the same");
+}
+
+}  // namespace
+
+// As text and as COLMAP's binary file. A camera is sound, and written in our own format it is read
+// to the same.
+void FuzzCameraFile(FuzzInput input) {
+  CheckCameraFile(WriteInput("camera.yaml", TextOf(input)));
+  CheckCameraFile(WriteInput("cameras.bin", TextOf(input)));
 }
 
 }  // namespace waystone

@@ -44,11 +44,12 @@ void CheckTrajectory(const std::filesystem::path& path) {
 
 }  // namespace
 
-// The input's first byte says whether it is a CSV file ('c'). Poses are finite, and written as a
-// TUM trajectory they are read to the same.
+// The input's first byte says whether it is a CSV file ('c') or COLMAP's images.bin ('b'). Poses
+// are finite, and written as a TUM trajectory they are read to the same.
 void FuzzPoseFile(FuzzInput input) {
   if (input.empty()) return;
-  const char* const name = input[0] == 'c' ? "poses.csv" : "poses.txt";
+  const char* const name =
+      input[0] == 'c' ? "poses.csv" : (input[0] == 'b' ? "images.bin" : "poses.txt");
   const auto path = WriteInput(name, TextOf(input.subspan(1)));
   CheckTrajectory(path);
   const auto poses = ReadOrRefuse([&] { return ReadPoseFile(path); });
