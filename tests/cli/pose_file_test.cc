@@ -159,18 +159,19 @@ std::string ColmapImagesWith(double scale, double x) {
 }
 
 TEST_F(PoseFileTest, ABinaryModelsPoseIsOneOrRefused) {
-  const auto read = [&](double scale, double x) {
-    return ReadPoseFile(Write("images.bin", ColmapImagesWith(scale, x)));
+  const auto read = [&](double quaternion_scale, double x) {
+    return ReadPoseFile(Write("images.bin", ColmapImagesWith(quaternion_scale, x)));
   };
   ExpectThePose(read(1, -2)[0]);
   ExpectThePose(read(1e-160, -2)[0]);
   ExpectThePose(read(1e160, -2)[0]);
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  for (const auto& [scale, x] :
-       {std::pair(0.0, -2.0), {kInfinite, -2.0}, {std::nan(""), -2.0}, {1.0, kInfinite}}) {
-    EXPECT_NE(RefusalOf([&] { read(scale, x); }).find("has a pose that is no pose"),
-              std::string::npos)
-        << scale << " " << x;
+  using Bad = std::pair<double, double>;
+  for (const Bad& bad :
+       {Bad(0, -2), Bad(kInfinite, -2), Bad(std::nan(""), -2), Bad(1, kInfinite)}) {
+    const std::string refusal = RefusalOf([&] { read(bad.first, bad.second); });
+    EXPECT_NE(refusal.find("has a pose that is no pose"), std::string::npos)
+        << bad.first << " " << bad.second << ": " << refusal;
   }
 }
 
