@@ -28,7 +28,8 @@ Eigen::Isometry3d PoseOf(const Eigen::Vector3d& at, const Eigen::Quaterniond& ro
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = at;
   // Stable: a quaternion far from unit length is no reason for one that isn't a rotation.
-  pose.linear() = Eigen::Quaterniond(rotation.coeffs().stableNormalized()).toRotationMatrix();
+  pose.linear() =
+      Eigen::Quaterniond(rotation.coeffs().stableNormalized().normalized()).toRotationMatrix();
   return pose;
 }
 

@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kMaxSide = 100'000;      // px
 constexpr double kMaxParameter = 1e9;  // of either sign; beyond it pixels overflow
+constexpr double kMinFocal_px = 1e-6;  // below it rays overflow
 
 struct ModelRow {
   CameraModel model;
@@ -275,9 +276,9 @@ void CheckCamera(const Camera& camera) {
     const double value = camera.params[i];
     const bool focal = static_cast<int>(i) < row->focal_lengths;
     const bool sensible = std::abs(value) <= kMaxParameter;  // false for NaN
-    if (!sensible || (focal && value <= 0)) {
+    if (!sensible || (focal && value < kMinFocal_px)) {
       Refuse("parameter " + std::to_string(i + 1) + " of " + name + " is " + std::to_string(value) +
-             (focal ? "; it must be above 0 and at most 1e9" : "; it must be from -1e9 to 1e9"));
+             (focal ? "; it must be from 1e-6 to 1e9" : "; it must be from -1e9 to 1e9"));
     }
   }
 }

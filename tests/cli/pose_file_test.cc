@@ -164,6 +164,7 @@ TEST_F(PoseFileTest, ABinaryModelsPoseIsOneOrRefused) {
   };
   ExpectThePose(read(1, -2)[0]);
   ExpectThePose(read(1e-160, -2)[0]);
+  EXPECT_TRUE(read(1e-315, -2)[0].pose.world_from_camera.linear().isUnitary(1e-9));
   ExpectThePose(read(1e160, -2)[0]);
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   using Bad = std::pair<double, double>;

@@ -155,7 +155,7 @@ TEST_F(CameraFileTest, OwnKeysThatAreWrong) {
   ExpectRefusal("camera_model: PINHOLE\n" + size + "fx: 9\nfy: 9\ncx: 3\ncy: 2\nk1: 0.3\n",
                 {"k1 is not a parameter of PINHOLE"});
   ExpectRefusal("camera_model: PINHOLE\n" + size + "fx: -9\nfy: 9\ncx: 3\ncy: 2\n",
-                {"parameter 1", "must be above 0"});
+                {"parameter 1", "from 1e-6 to 1e9"});
   // Pixels would be infinite.
   ExpectRefusal("1 SIMPLE_RADIAL 640 480 500.5 320 240 0.1e308\n",
                 {"parameter 4", "from -1e9 to 1e9"});
