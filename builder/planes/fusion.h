@@ -26,6 +26,7 @@ struct FusionResult {
   std::vector<Plane> planes;  // by id
   std::vector<Edge> edges;    // by (a, b)
   int fused = 0;              // planes that were merged into another
+  int joined = 0;             // pairs that stay and got an edge as one surface
 };
 
 // Lines 15 to 19 of Algorithm 1: merges planes that were seen again (eq. 6). The lower id stays,
