@@ -198,7 +198,7 @@ async function testNames(page) {
   assert.match(await page.locator(".grid li").first().innerText(), /Door <&>/);
   await go(page, "names", "Named places");
   assert.equal(await page.locator(".names tbody tr").count(), 1);
-  const fill = (label, text) => page.getByLabel(label).fill(String(text));
+  const fill = (label, text) => page.getByLabel(label, { exact: true }).fill(String(text));
   await fill("First keyframe", fourth);
   await fill("Name", "x".repeat(201));
   await page.getByRole("button", { name: "Add" }).click();
