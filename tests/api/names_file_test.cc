@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "api/layer_json.h"
 #include "api/pose_formats.h"
 #include "core/base/error.h"
 #include "localizer/index/named_places.h"
@@ -231,6 +232,24 @@ TEST(NamedPlaces, FindsTheNarrowest) {
                 {.keyframe = KeyframeId{6}, .node = {}, .plane = PlaneId{3}, .position = {}})),
             "Poster");
   EXPECT_EQ(NamedPlaces(WalkedMap()).OfKeyframe({1}), nullptr);
+}
+
+// Panoramas on a map without given poses, by id and by their own positions.
+TEST(NamedPlaces, NameTheRowsOfPanoramas) {
+  MapData map = WalkedMap();
+  map.poses.reset();
+  map.appearance.emplace();
+  for (int64_t id = 1; id <= 3; ++id) {
+    AppearanceNode& node = map.appearance->nodes.emplace_back();
+    node.id = {id};
+    node.sequence = {1};
+    node.pose = {static_cast<double>(id), 0.5, 0};
+  }
+  map.names = Canonical({{"Carpet", {}, {kSquare}}, {"Door", {{NamedKind::kNodes, 2, 2}}, {}}});
+  const NodeRows rows("lab", map);
+  EXPECT_EQ(rows.Row(map.appearance->nodes[0])["place"], "Carpet");
+  EXPECT_EQ(rows.Row(map.appearance->nodes[1])["place"], "Door");
+  EXPECT_EQ(rows.Row(map.appearance->nodes[2])["place"], nullptr);
 }
 
 TEST(GeoJson, HasKeyframesNamesAndAreas) {
