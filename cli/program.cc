@@ -101,6 +101,7 @@ int RunProgram(int argc, char** argv) {
   AddInfo(app, run);
   AddCheck(app, run);
   AddMigrate(app, run);
+  AddName(app, run);
   AddOptions(app, run);
   AddUnwrap(app, run);
   AddCompass(app, run);
