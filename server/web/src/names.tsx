@@ -63,7 +63,7 @@ function Places({ places, remove }: { places: NamesFilePlace[]; remove: (name: s
   return (
     <div class="scroll" tabIndex={0} role="region" aria-label="Named places">
       <table class="names">
-        <thead><tr><th>Name</th><th>Images</th><th /></tr></thead>
+        <thead><tr><th>Name</th><th>Images</th><th>Remove</th></tr></thead>
         <tbody>
           {places.map((place) => (
             <tr key={place.name}>
