@@ -153,6 +153,7 @@ Json ToJson(const AnsweredPlace& place) {
   Json json;
   json["layer"] = NameOf(place.layer);
   json["id"] = place.id;
+  json["name"] = OrNull(place.name);
   json["image"] = place.image;
   json["sequence"] = place.sequence;
   json["time_s"] = OrNull(place.time_s);

@@ -202,6 +202,8 @@ Json NodeRows::Row(const AppearanceNode& node) const {
   json["id"] = node.id.value;
   json["sequence"] = NameOf(map_, node.sequence);
   json["source"] = node.source;
+  const std::string* place = names_.OfNode(node);
+  json["place"] = place ? Json(*place) : Json(nullptr);
   json["time_s"] = OrNull(node.time_s);
   json["frame"] = node.frame;
   json["keyframe"] = KeyframeOf(node.sequence, node.frame);

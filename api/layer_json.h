@@ -48,6 +48,7 @@ class NodeRows {
  private:
   const std::string name_;
   const MapData& map_;
+  const NamedPlaces names_{map_};
   std::map<std::pair<SequenceId, int>, KeyframeId> keyframes_;
 };
 

@@ -83,6 +83,7 @@ Json MapJson(const std::string& name, const MapIndex& index) {
   json["planes"] = map.planes.size();
   json["edges"] = map.edges.size();
   json["features"] = features;
+  json["names"] = map.names.size();
   json["sequences"] = Json::array();
   for (const Sequence& sequence : map.sequences)
     json["sequences"].push_back(SequenceJson(sequence));
@@ -154,6 +155,8 @@ Json KeyframeJson(const std::string& map_name, const MapIndex& index, const Keyf
   json["id"] = keyframe.id.value;
   json["sequence"] = SequenceName(index, keyframe.sequence);
   json["source"] = keyframe.source;
+  const std::string* place = index.names().OfKeyframe(keyframe.id);
+  json["place"] = place ? Json(*place) : Json(nullptr);
   json["time_s"] = OrNull(keyframe.time_s);
   json["stretch"] = keyframe.stretch;
   json["frame"] = keyframe.frame;

@@ -23,10 +23,12 @@ std::unordered_map<KeyframeId, Seen> SeenByKeyframe(const MapData& map) {
   return seen;
 }
 
-Json KeyframesJson(const MapData& map) {
+Json KeyframesJson(const MapIndex& index) {
+  const MapData& map = index.map();
   const std::unordered_map<KeyframeId, Seen> seen = SeenByKeyframe(map);
   Json json = {{"id", Json::array()},    {"sequence", Json::array()}, {"stretch", Json::array()},
-               {"frame", Json::array()}, {"planes", Json::array()},   {"features", Json::array()}};
+               {"frame", Json::array()}, {"planes", Json::array()},   {"features", Json::array()},
+               {"place", Json::array()}};
   for (const Keyframe& keyframe : map.keyframes) {
     const auto it = seen.find(keyframe.id);
     const Seen what = it == seen.end() ? Seen{} : it->second;
@@ -36,6 +38,8 @@ Json KeyframesJson(const MapData& map) {
     json["frame"].push_back(keyframe.frame);
     json["planes"].push_back(what.planes);
     json["features"].push_back(what.features);
+    const std::string* place = index.names().OfKeyframe(keyframe.id);
+    json["place"].push_back(place ? Json(*place) : Json(nullptr));
   }
   return json;
 }
@@ -83,7 +87,7 @@ Json LayersJson(const MapData& map) {
 Json OverviewJson(const MapIndex& index) {
   Json json;
   json["layers"] = LayersJson(index.map());
-  json["keyframes"] = KeyframesJson(index.map());
+  json["keyframes"] = KeyframesJson(index);
   json["planes"] = PlanesJson(index);
   json["edges"] = EdgesJson(index.map());
   return json;

@@ -11,6 +11,8 @@
 
 #include "api/json.h"
 #include "core/base/error.h"
+#include "localizer/index/named_places.h"
+#include "schema/layers/poses/horizontal.h"
 
 namespace waystone {
 namespace {
@@ -101,8 +103,81 @@ std::string G2o(const PoseGraph& graph) {
 
 Json PointJson(const Pose2& pose) { return {Rounded(pose.x, 4), Rounded(pose.y, 4)}; }
 
+// Counter-clockwise, as RFC 7946 has rings, and closed.
+Json RingJson(NamedPolygon polygon, double scale) {
+  double twice = 0;
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d a = polygon[i] - polygon[0];
+    const Eigen::Vector2d b = polygon[(i + 1) % polygon.size()] - polygon[0];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  if (twice < 0) std::reverse(polygon.begin(), polygon.end());
+  polygon.push_back(polygon.front());
+  Json ring = Json::array();
+  for (const Eigen::Vector2d& corner : polygon) {
+    ring.push_back({Rounded(scale * corner.x(), 4), Rounded(scale * corner.y(), 4)});
+  }
+  return ring;
+}
+
+// The polygons of named places.
+void AddPlaces(const MapData& map, double scale, Json& features) {
+  for (const NamedPlace& place : map.names) {
+    for (const NamedPolygon& polygon : place.polygons) {
+      features.push_back(
+          {{"type", "Feature"},
+           {"geometry",
+            {{"type", "Polygon"}, {"coordinates", Json::array({RingJson(polygon, scale)})}}},
+           {"properties", {{"kind", "place"}, {"place", place.name}}}});
+    }
+  }
+}
+
+// The name of what is at a point, on maps with names.
+void AddPlaceName(const NamedPlaces& names, const std::string* name, Json& properties) {
+  if (!names.empty()) properties["place"] = name ? Json(*name) : Json(nullptr);
+}
+
+std::string CollectionText(const std::string& frame_name, const std::string& unit, Json features) {
+  const Json frame = {{"name", frame_name},
+                      {"unit", unit},
+                      {"note", "coordinates are x and y of the map's own frame, not degrees"}};
+  const Json json = {
+      {"type", "FeatureCollection"}, {"frame", frame}, {"features", std::move(features)}};
+  return Dump(json) + "\n";
+}
+
+// A map with poses alone: its keyframes, from above.
+std::string KeyframesGeoJson(const MapData& map, const PoseLayer& layer) {
+  const Horizontal view = HorizontalOf(layer);
+  const NamedPlaces names(map);
+  Json features = Json::array();
+  for (const KeyframePose& pose : layer.keyframes) {
+    const auto keyframe =
+        std::lower_bound(map.keyframes.begin(), map.keyframes.end(), pose.keyframe,
+                         [](const Keyframe& one, KeyframeId id) { return one.id < id; });
+    if (keyframe == map.keyframes.end() || keyframe->id != pose.keyframe) continue;
+    const Eigen::Vector2d at = view.Of(pose.position);
+    const Eigen::Vector2d ahead = view.Of(pose.rotation * Eigen::Vector3d::UnitZ());
+    Json properties = {{"sequence", SequenceName(map, keyframe->sequence)},
+                       {"source", keyframe->source},
+                       {"time_s", OrNull(keyframe->time_s)},
+                       {"heading_rad", Rounded(std::atan2(ahead.y(), ahead.x()), 5)}};
+    AddPlaceName(names, names.OfKeyframe(keyframe->id), properties);
+    const Json point = {Rounded(at.x(), 4), Rounded(at.y(), 4)};
+    features.push_back({{"type", "Feature"},
+                        {"id", keyframe->id.value},
+                        {"geometry", {{"type", "Point"}, {"coordinates", point}}},
+                        {"properties", std::move(properties)}});
+  }
+  AddPlaces(map, 1, features);
+  return CollectionText(layer.frame, layer.unit == LengthUnit::kMetres ? "m" : "unit",
+                        std::move(features));
+}
+
 std::string GeoJson(const PoseGraph& graph) {
   Json features = Json::array();
+  const NamedPlaces names(graph.map);
   std::unordered_map<AppearanceNodeId, Json> points;
   for (const AppearanceNode& node : graph.layer.nodes) {
     const Json& point = points[node.id] = PointJson(graph.Scaled(node.pose));
@@ -110,6 +185,7 @@ std::string GeoJson(const PoseGraph& graph) {
                        {"source", node.source},
                        {"time_s", OrNull(node.time_s)},
                        {"heading_rad", Rounded(node.pose.theta_rad, 5)}};
+    AddPlaceName(names, names.OfNode(node), properties);
     features.push_back({{"type", "Feature"},
                         {"id", node.id.value},
                         {"geometry", {{"type", "Point"}, {"coordinates", point}}},
@@ -122,11 +198,9 @@ std::string GeoJson(const PoseGraph& graph) {
                         {"geometry", {{"type", "LineString"}, {"coordinates", line}}},
                         {"properties", {{"kind", loop ? "loop" : "odometry"}}}});
   }
-  const Json frame = {{"name", "layer"},
-                      {"unit", graph.unit},
-                      {"note", "coordinates are x and y of the map's own frame, not degrees"}};
-  const Json json = {{"type", "FeatureCollection"}, {"frame", frame}, {"features", features}};
-  return Dump(json) + "\n";
+  // Polygons of a map that has both are in the frame of its poses.
+  if (!graph.map.poses) AddPlaces(graph.map, graph.scale, features);
+  return CollectionText("layer", graph.unit, std::move(features));
 }
 
 std::string Ply(const PoseGraph& graph) {
@@ -223,8 +297,11 @@ std::vector<std::string> PoseFormatNames() {
 
 std::optional<GraphText> FormatPoses(const MapData& map, const std::string& format) {
   for (const PoseFormat& known : kFormats) {
-    if (format == known.name)
-      return GraphText{known.write(CollectPoseGraph(map)), known.media_type};
+    if (format != known.name) continue;
+    if (known.write == GeoJson && map.poses && !map.appearance) {
+      return GraphText{KeyframesGeoJson(map, *map.poses), known.media_type};
+    }
+    return GraphText{known.write(CollectPoseGraph(map)), known.media_type};
   }
   return std::nullopt;
 }

@@ -18,7 +18,9 @@ std::vector<std::string> PoseFormatNames();
 //   g2o      VERTEX_SE2 a node, EDGE_SE2 a measured edge. The layer keeps the sigma of headings
 //            alone: positions are given half the edge's length, a tenth of the mean edge at least.
 //   geojson  nodes as points, edges as lines, x and y in the layer's frame. That is not on the
-//            earth, as RFC 7946 has it without an agreement: the member `frame` says so.
+//            earth, as RFC 7946 has it without an agreement: the member `frame` says so. Of a map
+//            with given poses and no appearance layer, keyframes as seen from above (HorizontalOf).
+//            Points of a map with named places say theirs in `place`, and polygons are added.
 //   ply      nodes as vertices at height 0, and edges, ASCII.
 //   tum      "time x y z qx qy qz qw" a node, as the tools of the TUM RGB-D benchmark read it; x is
 //            ahead of the camera, z up. The frame's number stands for the time where a node of the

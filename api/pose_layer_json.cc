@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/camera/camera.h"
+#include "schema/layers/poses/horizontal.h"
 
 namespace waystone {
 namespace {
@@ -23,15 +24,6 @@ Json QuaternionJson(const Eigen::Quaterniond& q) {
 
 // Where none was measured, 0 is stored.
 Json DeviationJson(double sigma) { return sigma > 0 ? Json(sigma) : Json(nullptr); }
-
-std::optional<Eigen::Vector3d> EstimateUp(const PoseLayer& layer) {
-  constexpr double kLeastMean = 0.5;  // length of the mean; shorter, the images have no common top
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const KeyframePose& pose : layer.keyframes) sum -= pose.rotation * Eigen::Vector3d::UnitY();
-  const double least = kLeastMean * static_cast<double>(layer.keyframes.size());
-  if (layer.keyframes.empty() || sum.norm() < least) return std::nullopt;
-  return sum.normalized();
-}
 
 Json KeyframePosesJson(const PoseLayer& layer) {
   Json json = {{"id", Json::array()}, {"position", Json::array()}, {"orientation", Json::array()}};

@@ -103,6 +103,7 @@ int RunProgram(int argc, char** argv) {
   AddCheck(app, run);
   AddMigrate(app, run);
   AddMerge(app, run);
+  AddName(app, run);
   AddOptions(app, run);
   AddUnwrap(app, run);
   AddCompass(app, run);

@@ -12,6 +12,7 @@
 #include "localizer/orientation/building.h"
 #include "localizer/planes/locate.h"
 #include "localizer/poses/locate_pose.h"
+#include "localizer/verdict/answered_place.h"
 
 namespace waystone {
 namespace {
@@ -67,6 +68,24 @@ void AddTimedPose(const MapIndex& index, const Features& features, const Localiz
   answer.timing.total_ms += ms;
 }
 
+// What people named the place of a localized answer.
+void NamePlace(const MapIndex& index, Answer& answer) {
+  const std::optional<AnsweredPlace> place = PlaceOf(answer);
+  const NamedPlaces& names = index.names();
+  if (!place || names.empty()) return;
+  PlaceEvidence evidence;
+  if (place->layer == PlaceLayer::kPlanes) {
+    evidence.keyframe = KeyframeId{place->id};
+    if (!answer.planes.recognised.empty()) evidence.plane = answer.planes.recognised.front().id;
+    evidence.position = answer.pose ? names.PositionOf(answer.pose->frame_from_camera.translation())
+                                    : names.PositionOf(*evidence.keyframe);
+  } else {
+    evidence.node = AppearanceNodeId{place->id};
+    evidence.position = names.PositionOf(answer.panorama->pose);
+  }
+  if (const std::string* name = names.Find(evidence)) answer.place_name = *name;
+}
+
 Features ExtractQuery(const cv::Mat& grey, FeatureType type, const LocalizeOptions& options) {
   return ExtractFeatures(grey,
                          {type, options.planes.max_features, options.planes.contrast_threshold});
@@ -113,6 +132,7 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, FeatureCache& cache
     const auto& [features, ms] = cache.Extract(index.map().info.feature_type, options);
     AddTimedPose(index, features, options, answer);
   }
+  NamePlace(index, answer);
   Sign(index, answer);
   return answer;
 }

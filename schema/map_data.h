@@ -10,6 +10,7 @@
 #include "core/features/features.h"
 #include "core/search/inverted_file.h"
 #include "schema/layers/appearance/appearance_layer.h"
+#include "schema/layers/names/place_names.h"
 #include "schema/layers/orientation/orientation_layer.h"
 #include "schema/layers/planes/plane_layer.h"
 #include "schema/layers/poses/pose_layer.h"
@@ -62,6 +63,7 @@ struct MapData {
   std::optional<AppearanceLayer> appearance;    // nothing for a map without panoramas
   std::optional<OrientationLayer> orientation;  // nothing for a map without a calibrated camera
   std::optional<PoseLayer> poses;               // nothing for a map that was built without poses
+  std::vector<NamedPlace> names;                // canonical (Canonical)
 
   bool operator==(const MapData&) const = default;
 };

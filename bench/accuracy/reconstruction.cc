@@ -123,6 +123,33 @@ nlohmann::ordered_json AskSecondHalf(const fs::path& folder, const RgbdTruth& tr
   return SummarisePoses("kitchen", errors);
 }
 
+// The map's keyframes and verified matches, as `waystone export --format colmap` writes them.
+size_t WriteProject(const MapIndex& index, std::unique_ptr<Source> images, const fs::path& folder) {
+  const std::unique_ptr<Source> sources[] = {std::move(images)};
+  ColmapProject project{&index.map(), {}, {}};
+  project.features = ReadKeyframes(index.map(), sources, {.max_features = kReconstructionFeatures});
+  project.matches = MatchKeyframes(index, project.features);
+  WriteColmapDatabase(project, folder / "database.db", true);
+  return project.matches.size();
+}
+
+// Of the model's keyframes, once it is aligned to the truth.
+nlohmann::ordered_json PoseErrorsOf(const Model& model, const RgbdTruth& truth) {
+  std::vector<double> metres;
+  std::vector<double> degrees;
+  for (const auto& [frame, pose] : model.model_from_camera) {
+    const Isometry3d right = truth.world_from_colour(frame);
+    metres.push_back((pose.translation() - right.translation()).norm());
+    degrees.push_back(RotationAngle(pose.linear(), right.linear()) * kDegreesPerRadian);
+  }
+  return {{"registered", metres.size()},
+          {"focal_px", model.camera.params.at(0)},
+          {"position_median_cm", 100 * Quantile(metres, 0.5)},
+          {"position_p90_cm", 100 * Quantile(metres, 0.9)},
+          {"rotation_median_deg", Quantile(degrees, 0.5)},
+          {"rotation_p90_deg", Quantile(degrees, 0.9)}};
+}
+
 }  // namespace
 
 int RunReconstruction(const Args& args) {
@@ -133,12 +160,7 @@ int RunReconstruction(const Args& args) {
   const fs::path work = fs::temp_directory_path() / ("waystone-" + std::to_string(getpid()));
   fs::create_directories(work);
   const Stopwatch exporting;
-  ColmapProject project{&index->map(), {}, {}};
-  const std::unique_ptr<Source> sources[] = {OpenHalf(folder, truth, {})};
-  project.features =
-      ReadKeyframes(index->map(), sources, {.max_features = kReconstructionFeatures});
-  project.matches = MatchKeyframes(*index, project.features, {});
-  WriteColmapDatabase(project, work / "database.db", true);
+  const size_t pairs = WriteProject(*index, OpenHalf(folder, truth, {}), work);
   const double export_s = exporting.wall_s();
   const Stopwatch mapping;
   RunMapper(work);
@@ -146,27 +168,16 @@ int RunReconstruction(const Args& args) {
   int models = 0;
   Model model = ReadLargestModel(work, models);
   fs::remove_all(work);
+  if (models == 0) throw MapError(ErrorCode::kNotAvailable, "colmap mapper made no model");
   AlignToTruth(truth, model);
-  std::vector<double> metres;
-  std::vector<double> degrees;
-  for (const auto& [frame, pose] : model.model_from_camera) {
-    const Isometry3d right = truth.world_from_colour(frame);
-    metres.push_back((pose.translation() - right.translation()).norm());
-    degrees.push_back(RotationAngle(pose.linear(), right.linear()) * kDegreesPerRadian);
-  }
-  const nlohmann::ordered_json json = {{"bench", "reconstruction"},
-                                       {"keyframes", index->map().keyframes.size()},
-                                       {"pairs", project.matches.size()},
-                                       {"export_s", export_s},
-                                       {"mapper_s", mapper_s},
-                                       {"models", models},
-                                       {"registered", metres.size()},
-                                       {"focal_px", model.camera.params.at(0)},
-                                       {"position_median_cm", 100 * Quantile(metres, 0.5)},
-                                       {"position_p90_cm", 100 * Quantile(metres, 0.9)},
-                                       {"rotation_median_deg", Quantile(degrees, 0.5)},
-                                       {"rotation_p90_deg", Quantile(degrees, 0.9)},
-                                       {"queries", AskSecondHalf(folder, truth, model)}};
+  nlohmann::ordered_json json = {{"bench", "reconstruction"},
+                                 {"keyframes", index->map().keyframes.size()},
+                                 {"pairs", pairs},
+                                 {"export_s", export_s},
+                                 {"mapper_s", mapper_s},
+                                 {"models", models}};
+  json.update(PoseErrorsOf(model, truth));
+  json["queries"] = AskSecondHalf(folder, truth, model);
   std::cout << json.dump() << std::endl;
   return 0;
 }

@@ -10,6 +10,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "schema/layers/names/place_names.h"
 #include "schema/sessions.h"
 
 namespace waystone {
@@ -35,6 +36,13 @@ class NewIds {
  private:
   std::map<IdType, IdType> ids_;
 };
+
+// Ranges hold what they held: new ids are in the order of the old ones, without others between.
+template <class IdType>
+void Renumber(const NewIds<IdType>& ids, NamedRange& range) {
+  range.first = ids({range.first}).value;
+  range.last = ids({range.last}).value;
+}
 
 // Stretches without gaps, after those of `to`.
 void RenumberStretches(const MapData& to, std::vector<Keyframe>& keyframes) {
@@ -87,6 +95,14 @@ void AppendMap(MapData from, MapData& to) {
     row.from = keyframe(row.from);
     row.to = keyframe(row.to);
   }
+  for (NamedPlace& place : from.names) {
+    for (NamedRange& range : place.ranges) {
+      if (range.kind == NamedKind::kKeyframes) Renumber(keyframe, range);
+      if (range.kind == NamedKind::kPlanes) Renumber(plane, range);
+    }
+  }
+  MoveBehind(from.names, to.names);
+  to.names = Canonical(std::move(to.names));
   MoveBehind(from.sequences, to.sequences);
   MoveBehind(from.keyframes, to.keyframes);
   MoveBehind(from.planes, to.planes);

@@ -67,10 +67,12 @@ void Fuse(const MapOfPlane& origin, const PlaneLayerOptions& options, MapData& m
                 [&](const FusionCandidate& pair) { return !origin.AreApart(pair.m, pair.n); });
   std::map<PlaneId, size_t> feature_count;
   for (const Plane& plane : map.planes) feature_count[plane.id] = plane.features.size();
+  const NamedBefore named(map);
   FusionResult fused = FusePairs(std::move(map.planes), std::move(map.edges), map.keyframes, pairs,
                                  map.info.feature_type, options);
   map.planes = std::move(fused.planes);
   map.edges = std::move(fused.edges);
+  named.KeepNames(map, fused.merged_into);
   report.planes_fused = fused.fused;
   report.surfaces_joined = fused.joined;
   for (Plane& plane : map.planes) {

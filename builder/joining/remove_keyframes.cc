@@ -247,8 +247,10 @@ RemoveResult RemoveKeyframes(MapData map, const std::set<KeyframeId>& removed,
   for (const Keyframe& keyframe : map.keyframes) {
     if (removed.contains(keyframe.id)) touched.insert(keyframe.sequence);
   }
+  const NamedBefore named(map);
   RemoveFrom(map.keyframes, removed);
   RemoveFromPlanes(removed, options.planes.min_features, map, result.report);
+  result.report.names = named.KeepNames(map);
   result.report.sequences = RemoveSequences(touched, map);
   CompleteJoined(options, map);
   result.map = std::move(map);

@@ -193,6 +193,7 @@ class Fuser {
   FusionResult Finish() {
     FusionResult result;
     result.fused = static_cast<int>(merged_into_.size());
+    for (const auto& [id, into] : merged_into_) result.merged_into.emplace(id, Root(into));
     result.joined = joined_;
     for (auto& [id, entry] : planes_) result.planes.push_back(std::move(entry.plane));
     std::sort(edges_.begin(), edges_.end(), [](const Edge& x, const Edge& y) {

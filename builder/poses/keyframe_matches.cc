@@ -13,12 +13,16 @@
 namespace waystone {
 namespace {
 
+constexpr int kNeighbours = 8;
+constexpr int kRevisits = 20;
+constexpr int kMinMatches = 15;
+
 using Pairs = std::set<std::pair<int, int>>;
 
-void AddNeighbours(const std::vector<Keyframe>& keyframes, int neighbours, Pairs& pairs) {
+void AddNeighbours(const std::vector<Keyframe>& keyframes, Pairs& pairs) {
   const int count = static_cast<int>(keyframes.size());
   for (int a = 0; a < count; ++a) {
-    for (int b = a + 1; b < count && b <= a + neighbours; ++b) {
+    for (int b = a + 1; b < count && b <= a + kNeighbours; ++b) {
       const bool together = keyframes[a].sequence == keyframes[b].sequence &&
                             keyframes[a].stretch == keyframes[b].stretch;
       if (together) pairs.insert({a, b});
@@ -26,10 +30,10 @@ void AddNeighbours(const std::vector<Keyframe>& keyframes, int neighbours, Pairs
   }
 }
 
-void AddRevisits(const MapIndex& index, const std::vector<SampledKeyframe>& features, int revisits,
+void AddRevisits(const MapIndex& index, const std::vector<SampledKeyframe>& features,
                  Pairs& pairs) {
   PlaneQueryOptions query;
-  query.max_keyframes = revisits;
+  query.max_keyframes = kRevisits;
   std::vector<Shortlist> proposed(features.size());
   tbb::parallel_for(size_t{0}, features.size(), [&](size_t i) {
     proposed[i] = VoteForPlaces(index, features[i].features, query);
@@ -65,26 +69,23 @@ std::optional<VerifiedMatches> MatchImages(const Features& a, const Features& b,
 
 std::vector<MatchedKeyframes> MatchKeyframes(const MapIndex& index,
                                              const std::vector<SampledKeyframe>& features,
-                                             const KeyframeMatchOptions& options,
                                              const ProgressCallback& progress) {
-  options.Check();
   WS_CHECK(features.size() == index.map().keyframes.size(), "features of some keyframes only");
   Pairs pairs;
-  AddNeighbours(index.map().keyframes, options.neighbours, pairs);
-  AddRevisits(index, features, options.revisits, pairs);
+  AddNeighbours(index.map().keyframes, pairs);
+  AddRevisits(index, features, pairs);
   const std::vector<std::pair<int, int>> todo(pairs.begin(), pairs.end());
   std::vector<MatchedKeyframes> matched(todo.size());
   ProgressReporter reporter(progress);
   std::atomic<int> done = 0;
   tbb::parallel_for(size_t{0}, todo.size(), [&](size_t i) {
     const auto [a, b] = todo[i];
-    auto matches =
-        MatchImages(features[a].features, features[b].features, options.match, options.epipolar);
+    auto matches = MatchImages(features[a].features, features[b].features, {}, {});
     if (matches) matched[i] = {a, b, std::move(*matches)};
     reporter.Report("matches", ++done, static_cast<int>(todo.size()));
   });
   std::erase_if(matched, [&](const MatchedKeyframes& pair) {
-    return std::ssize(pair.matches.features) < options.min_inliers;
+    return std::ssize(pair.matches.features) < kMinMatches;
   });
   return matched;
 }

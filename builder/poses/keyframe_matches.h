@@ -2,13 +2,11 @@
 #pragma once
 
 #include <optional>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "builder/frames/progress.h"
 #include "builder/planes/keyframe_sample.h"
-#include "core/base/options.h"
 #include "core/features/match.h"
 #include "core/two_view/fundamental.h"
 #include "localizer/index/map_index.h"
@@ -26,28 +24,6 @@ std::optional<VerifiedMatches> MatchImages(const Features& a, const Features& b,
                                            const MatchOptions& match,
                                            const EpipolarOptions& epipolar);
 
-struct KeyframeMatchOptions {
-  int neighbours = 8;
-  int revisits = 20;
-  int min_inliers = 15;
-  MatchOptions match;
-  EpipolarOptions epipolar;
-
-  static constexpr auto Fields() {
-    using Self = KeyframeMatchOptions;
-    return std::tuple{
-        OptionField{"neighbours", &Self::neighbours, Closed(1, 1000), "",
-                    "Keyframes before and after that each one is matched with."},
-        OptionField{"revisits", &Self::revisits, Closed(1, 1000), "",
-                    "Keyframes anywhere in the map that each one is matched with: those that share "
-                    "most of its planes and landmarks."},
-        OptionField{"min_inliers", &Self::min_inliers, Closed(8, 10'000), "",
-                    "Fewest matches that two keyframes keep."},
-        OptionGroup{"match", &Self::match}, OptionGroup{"epipolar", &Self::epipolar}};
-  }
-  void Check() const { CheckFields("keyframe_matches", *this); }  // throws MapError(kBadOptions)
-};
-
 // Two keyframes that show the same, as indices in the map's keyframes.
 struct MatchedKeyframes {
   int a = 0;  // < b
@@ -55,13 +31,12 @@ struct MatchedKeyframes {
   VerifiedMatches matches;
 };
 
-// Matches all keyframes of a map, `features` being theirs (ReadKeyframes), with those beside them
-// and with those that the map itself proposes for them (VoteForPlaces), so that loops close.
-// Ordered by (a, b). Deterministic on any number of threads. Throws MapError: kBadOptions;
-// kInterrupted.
+// Matches all keyframes of a map, `features` being theirs (ReadKeyframes), with the 8 before and
+// after them in their sequence, and with the 20 that the map itself proposes for them
+// (VoteForPlaces), so that loops close. Pairs with fewer than 15 matches are left out.
+// Ordered by (a, b). Deterministic on any number of threads. Throws MapError(kInterrupted).
 std::vector<MatchedKeyframes> MatchKeyframes(const MapIndex& index,
                                              const std::vector<SampledKeyframe>& features,
-                                             const KeyframeMatchOptions& options,
                                              const ProgressCallback& progress = {});
 
 }  // namespace waystone

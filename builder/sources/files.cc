@@ -2,7 +2,6 @@
 #include "builder/sources/files.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -15,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 7> kImageExtensions{".jpg", ".jpeg", ".png", ".bmp",
-                                                           ".pgm", ".ppm",  ".pnm"};
 constexpr int64_t kMaxTextBytes = 64 << 20;  // a list of a million frames
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
@@ -53,22 +50,6 @@ bool NaturalLess(std::string_view a, std::string_view b) {
   }
   if (rest_a.empty() != rest_b.empty()) return rest_a.empty();
   return a < b;  // img01 and img1: equal as numbers, so by their bytes
-}
-
-bool HasImageExtension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c; });
-  return std::ranges::find(kImageExtensions, extension) != kImageExtensions.end();
-}
-
-std::string ImageExtensions() {
-  std::string all;
-  for (const std::string_view extension : kImageExtensions) {
-    if (!all.empty()) all += ' ';
-    all += extension;
-  }
-  return all;
 }
 
 std::vector<uint8_t> ReadFile(const fs::path& path, int64_t max_bytes, ErrorCode code) {

@@ -21,11 +21,6 @@ inline constexpr const char* kCameraFile = "camera.yaml";
 // before those of a folder whose name goes on. A strict weak order.
 bool NaturalLess(std::string_view a, std::string_view b);
 
-// Whether the name ends like an image that core/image decodes (.jpg, .PNG, ...).
-bool HasImageExtension(const std::filesystem::path& path);
-// ".jpg .jpeg .png ...", for messages.
-std::string ImageExtensions();
-
 // Whole file. Throws MapError(code) when it isn't there, isn't a file, can't be read or has more
 // than `max_bytes`.
 std::vector<uint8_t> ReadFile(const std::filesystem::path& path, int64_t max_bytes, ErrorCode code);

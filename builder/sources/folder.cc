@@ -6,6 +6,7 @@
 #include "builder/sources/files.h"
 #include "builder/sources/recognise.h"
 #include "core/base/error.h"
+#include "core/image/extensions.h"
 #include "schema/sequence_kinds.h"
 
 namespace waystone {
@@ -66,7 +67,7 @@ std::string FoldersText(const std::vector<std::string>& folders) {
   if (contents.other_files > 0) {
     message += std::to_string(contents.other_files) +
                (contents.other_files == 1 ? " file" : " files") + " found, none of type " +
-               ImageExtensions();
+               ImageExtensionsText();
   } else {
     message += contents.folders.empty() ? "it is empty" : "it contains no files";
   }
@@ -151,7 +152,7 @@ ImageList ListPattern(const std::string& pattern) {
     throw MapError(ErrorCode::kBadSource, "no image matches '" + pattern + "': it matches " +
                                               std::to_string(matches.size()) +
                                               " files and folders, none of type " +
-                                              ImageExtensions() + "; check the pattern");
+                                              ImageExtensionsText() + "; check the pattern");
   }
   ImageList list{.kind = kFolderKind,
                  .title = "Images matching '" + pattern + "'",

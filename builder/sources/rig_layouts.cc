@@ -8,6 +8,7 @@
 #include "builder/sources/files.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
+#include "core/image/extensions.h"
 
 namespace waystone {
 namespace {

@@ -4,6 +4,7 @@
 #include "builder/sources/files.h"
 #include "builder/sources/recognise.h"
 #include "core/base/error.h"
+#include "core/image/extensions.h"
 
 namespace waystone {
 namespace {

@@ -14,6 +14,7 @@
 #include "cli/commands/commands.h"
 #include "cli/commands/settings.h"
 #include "cli/files/given_poses.h"
+#include "cli/files/kept_names.h"
 #include "cli/files/map_file.h"
 #include "cli/files/panorama_file.h"
 #include "cli/output/build_text.h"
@@ -131,18 +132,27 @@ void PrintSummary(const BuildFlags& flags, const BuildResult& result) {
   }
 }
 
+void KeepOldNames(const std::string& names, const std::string& path, MapData& map) {
+  const std::optional<std::filesystem::path> kept_apart = KeepNames(names, path, map);
+  if (!kept_apart) return;
+  std::cerr << "waystone: the new map has only some of the named places of the old one; all are in "
+            << kept_apart->string() << " (waystone name " << path << " --from FILE lists them)\n";
+}
+
 int RunBuild(const BuildFlags& flags) {
   const WriteOptions write{.overwrite = flags.force};
   const BuildOptions options = MakeBuildOptions(flags);
   CheckWritable(flags.output, write);
   if (!flags.report_folder.empty()) CheckReportFolder(flags.report_folder);
+  const std::optional<std::string> names = NamesOfOldMap(flags.output);
   NoteInterrupts();
-  const BuildResult result = BuildWithProgress(flags, options);
+  BuildResult result = BuildWithProgress(flags, options);
   const bool directions_alone = result.map.orientation && !result.report.planes;
   if (result.map.planes.empty() && !HasLandmarks(result.map) && !result.map.appearance &&
       !directions_alone) {
     return ReportNoPlanes(result);
   }
+  if (names) KeepOldNames(*names, flags.output, result.map);
   WriteMap(result.map, flags.output, write);
   if (!flags.report_folder.empty()) {
     WriteReport(result.map, result.report, TableSizes(flags.output), flags.report_folder);

@@ -30,6 +30,7 @@ void AddInfo(CLI::App& app, Run& run);
 void AddCheck(CLI::App& app, Run& run);
 void AddMigrate(CLI::App& app, Run& run);
 void AddMerge(CLI::App& app, Run& run);
+void AddName(CLI::App& app, Run& run);
 void AddOptions(CLI::App& app, Run& run);
 void AddUnwrap(CLI::App& app, Run& run);
 void AddCompass(CLI::App& app, Run& run);

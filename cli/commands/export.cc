@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kColmap = "colmap";
 constexpr const char* kColmapDatabase = "database.db";
+constexpr const char* kColmapImageList = "image_list.txt";
 
 struct ExportFlags {
   std::string map;
@@ -74,7 +75,9 @@ void CheckColmapFolder(const fs::path& folder, bool overwrite) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw UnwritableError(folder, error.message(), 0);
-  const FileReplacer writable(folder / kColmapDatabase, overwrite);
+  for (const char* file : {kColmapDatabase, kColmapImageList}) {
+    const FileReplacer writable(folder / file, overwrite);
+  }
 }
 
 // A project for `colmap mapper`: the map's keyframes and their verified matches.
@@ -96,10 +99,10 @@ int RunColmapExport(const ExportFlags& flags) {
   features.type = map.info.feature_type;
   features.max_features = flags.max_features;
   ColmapProject project{&map, ReadKeyframes(map, images, features, show), {}};
-  project.matches = MatchKeyframes(*open.index, project.features, {}, show);
+  project.matches = MatchKeyframes(*open.index, project.features, show);
   meter.Finish();
   WriteColmapDatabase(project, folder / kColmapDatabase, flags.force);
-  WriteImageList(map, folder / "image_list.txt", true);
+  WriteImageList(map, folder / kColmapImageList, flags.force);
   if (!flags.quiet) {
     std::cout << (folder / kColmapDatabase).string() << ": " << map.keyframes.size() << " images, "
               << project.matches.size() << " matched pairs\n";
@@ -151,7 +154,7 @@ void AddExport(CLI::App& app, Run& run) {
   command->add_flag("--quiet", flags->quiet, "Print errors only");
   command->add_option("--progress", flags->progress, "Progress on stderr: auto, none or json")
       ->capture_default_str();
-  command->add_flag("--force", flags->force, "Overwrite an existing file");
+  command->add_flag("--force", flags->force, "Overwrite existing files");
   command->footer(
       "graphml and dot contain the graph of planes; g2o, tum, ply, geojson and poses contain the\n"
       "poses of the appearance layer (maps of panoramas). colmap writes a project for `colmap\n"

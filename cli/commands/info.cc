@@ -47,6 +47,9 @@ void PrintInfo(const OpenMap& map, const std::vector<TableSize>& sizes, uint64_t
               << "): " << sequence.frames << " frames, " << sequence.skipped
               << " of them skipped\n";
   }
+  for (const NamedPlace& place : data.names) {
+    std::cout << "  place     " << Printable(place.name) << '\n';
+  }
   std::cout << HistoryText(data) << TablesText(sizes);
 }
 

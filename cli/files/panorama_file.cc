@@ -6,6 +6,7 @@
 #include "core/camera/cube_faces.h"
 #include "core/geometry/angle.h"
 #include "core/image/decode.h"
+#include "core/image/extensions.h"
 
 namespace waystone {
 namespace {
@@ -18,8 +19,8 @@ ElevationBand BandOfDegrees(const std::vector<double>& top_and_bottom) {
 
 // The face's image in a rig's folder; empty when there is none.
 cv::Mat ReadFace(const fs::path& folder, CubeFace face) {
-  for (const char* extension : {".jpg", ".jpeg", ".png"}) {
-    const fs::path path = folder / (std::string(NameOf(face)) + extension);
+  for (const std::string_view extension : ImageExtensions()) {
+    const fs::path path = folder / (std::string(NameOf(face)).append(extension));
     if (fs::exists(path)) return DecodeGrey(ReadBytes(path));
   }
   return {};

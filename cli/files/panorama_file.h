@@ -26,7 +26,7 @@ PanoramaOptions PanoramaOptionsOf(const PanoramaFlags& flags);
 SignatureOptions SignatureOptionsOf(const PanoramaFlags& flags);
 
 // A panorama from a file (equirectangular, a strip of it, or a mirror's image) or from a folder
-// with the faces of a rig: front, right, back, left and, if there, up and down, as .jpg or .png.
+// with the faces of a rig: front, right, back, left and, if there, up and down, in any format.
 // Throws MapError, its message beginning with the path.
 Panorama ReadPanorama(const std::filesystem::path& path, const PanoramaOptions& options);
 

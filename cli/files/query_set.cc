@@ -2,8 +2,6 @@
 #include "cli/files/query_set.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -13,6 +11,7 @@
 #include "cli/files/csv_file.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
+#include "core/image/extensions.h"
 
 namespace waystone {
 namespace {
@@ -191,13 +190,6 @@ fs::path ImageIn(const CsvFile& file, const CsvFile::Row& row, size_t column) {
                                                  "; paths are relative to the CSV file");
 }
 
-bool IsImage(const fs::path& path) {
-  static constexpr std::array kEndings = {".jpg", ".jpeg", ".png", ".bmp", ".pgm", ".ppm", ".pnm"};
-  std::string ending = path.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
-}
-
 }  // namespace
 
 std::vector<LabelledQuery> ReadQuerySet(const fs::path& path, const MapIndex& index) {
@@ -222,7 +214,7 @@ std::vector<LabelledQuery> ReadNegatives(const fs::path& folder) {
   fs::recursive_directory_iterator at(folder, error);
   for (; !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
     std::error_code unknown;
-    if (at->is_regular_file(unknown) && IsImage(at->path()))
+    if (at->is_regular_file(unknown) && HasImageExtension(at->path()))
       queries.push_back({at->path(), {}, {}});
   }
   if (error) {
@@ -231,7 +223,7 @@ std::vector<LabelledQuery> ReadNegatives(const fs::path& folder) {
   }
   if (queries.empty()) {
     throw MapError(ErrorCode::kBadSource,
-                   folder.string() + " contains no images; expected JPEG, PNG, BMP or PNM files");
+                   folder.string() + " contains no images; expected " + ImageExtensionsText());
   }
   std::sort(queries.begin(), queries.end(),
             [](const LabelledQuery& a, const LabelledQuery& b) { return a.image < b.image; });

@@ -30,10 +30,12 @@ double NumberAt(const Json& json, std::initializer_list<const char*> path) {
   return value.is_number() ? value.get<double>() : 0;
 }
 
-// " near 7.jpg at (1.20, -3.45), heading 31 deg"; the heading with a position alone.
+// " in Kitchen near 7.jpg at (1.20, -3.45), heading 31 deg"; the heading with a position alone.
 std::string Where(const Json& answer) {
+  const std::string name = TextAt(answer, {"place", "name"});
   const std::string image = TextAt(answer, {"place", "image"});
-  std::string line = image.empty() ? "" : " near " + image;
+  std::string line = name.empty() ? "" : " in " + name;
+  if (!image.empty()) line += " near " + image;
   if (!At(answer, {"place", "position"}).is_object()) return line;
   char text[100];
   (void)std::snprintf(text, sizeof text, " at (%.2f, %.2f)",

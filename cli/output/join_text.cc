@@ -105,8 +105,11 @@ std::string RemovalText(const std::string& path, const RemoveResult& result) {
       << "  removed   " << Counted(report.keyframes, "keyframe") << ", "
       << Counted(report.planes, "plane") << ", " << Counted(report.edges, "edge") << ", "
       << Counted(report.sequences, "sequence") << "; " << Counted(report.planes_anchored, "plane")
-      << " with another reference image\n"
-      << HistoryText(result.map);
+      << " with another reference image\n";
+  for (const std::string& name : report.names) {
+    out << "  warning   nothing is left of the place " << Printable(name) << '\n';
+  }
+  out << HistoryText(result.map);
   return out.str();
 }
 
@@ -120,6 +123,7 @@ Json RemovalJson(const std::string& path, const RemoveResult& result) {
                      {"planes", result.report.planes},
                      {"edges", result.report.edges},
                      {"sequences", result.report.sequences}};
+  json["removed"]["names"] = result.report.names;
   json["planes_anchored"] = result.report.planes_anchored;
   json["sessions"] = SessionsJson(result.map);
   json["parts"] = PartsJson(result.map);

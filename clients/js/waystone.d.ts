@@ -77,6 +77,8 @@ export declare class Client {
   getOverview(map: string): Promise<Overview>;
   /** The pose layer, for visualization. 404 with the code no_layer for maps without poses. */
   getPoses(map: string): Promise<PoseLayer>;
+  /** The named places, as the file that `waystone name MAP --from` reads. Names are given by that command, never by the server. */
+  getNames(map: string): Promise<NamesFile>;
   /** Weak spots of the map. The first request takes seconds and counts as a query. */
   getAudit(map: string): Promise<Audit>;
   /** The appearance layer, for visualization. 404 with the code no_layer for maps without one, as the following. */
@@ -174,12 +176,16 @@ export interface KeyframeRef {
 export interface AnsweredPlace {
   layer: "planes" | "appearance";
   id: Id;
+  name: PlaceName;
   image: string;
   sequence: string;
   time_s: number | null;
   position: null | PlacePosition;
   heading: null | Heading;
 }
+
+/** What people called the place (`waystone name`), null where they did not: the narrowest of the named places that hold it. */
+export type PlaceName = string | null;
 
 /** In the frame and units of the appearance layer; `deviation` along the worst direction. `metres_per_unit` is null where the scale is unknown. */
 export interface PlacePosition {
@@ -382,9 +388,56 @@ export interface ExplainedCandidate {
 
 export interface Overview {
   layers: ("planes" | "appearance" | "orientation" | "poses")[];
-  keyframes: { id: number[]; sequence: number[]; stretch: number[]; frame: number[]; planes: number[]; features: number[] };
+  keyframes: { id: number[]; sequence: number[]; stretch: number[]; frame: number[]; planes: number[]; features: number[]; place: PlaceName[] };
   planes: { id: number[]; reference: number[]; stretch: (number | null)[]; features: number[]; keyframes: number[][] };
   edges: { a: number[]; b: number[]; third_eigenvalue: number[] };
+}
+
+/** Named places by the images that they were made of, so that they can be used on a map built again of the same images. */
+export interface NamesFile {
+  format: "waystone-names";
+  format_version: "1";
+  map: { name: string; version: string; sequences: string[] };
+  places: NamesFilePlace[];
+}
+
+export interface NamesFilePlace {
+  name: string;
+  keyframes: ImageRange[];
+  nodes: ImageRange[];
+  planes: PlaneInImage[];
+  polygons: NamedArea[];
+}
+
+/** Images of a sequence from the first to the last. `sequence_number` is that among the sequences of this name, 1 where it is missing. */
+export interface ImageRange {
+  sequence: string;
+  sequence_number?: number;
+  first: ImageInSequence;
+  last: ImageInSequence;
+}
+
+export interface ImageInSequence {
+  image: string;
+  frame: number;
+}
+
+/** The plane that an image shows at a pixel. */
+export interface PlaneInImage {
+  sequence: string;
+  sequence_number?: number;
+  image: string;
+  frame: number;
+  at_px: [number, number];
+}
+
+/** A polygon seen from above. `right` and `top` are the unit vectors of the frame that its x and y are along; without them and `unit` it is in the frame of the appearance layer, called layer. */
+export interface NamedArea {
+  frame: string;
+  unit?: "metres" | "unknown";
+  right?: Vector;
+  top?: Vector;
+  corners: [number, number][];
 }
 
 /** Keyframes and planes in the frame of the poses that the map was built with; lengths in its unit. `up` points upwards: the mean direction of the tops of the images, null where they differ too much. `noise` is that of the given poses on each axis, null where none was measured. */
@@ -441,6 +494,7 @@ export interface AppearanceNode {
   id: Id;
   sequence: string;
   source: string;
+  place: PlaceName;
   time_s: number | null;
   frame: Count;
   keyframe: null | Id;
@@ -609,6 +663,8 @@ export interface Map {
   planes: Count;
   edges: Count;
   features: Count;
+  /** Named places. */
+  names: number;
   sequences: Sequence[];
 }
 
@@ -705,6 +761,7 @@ export interface Keyframe {
   id: Id;
   sequence: string;
   source: string;
+  place: PlaceName;
   time_s: number | null;
   stretch: Count;
   frame: Count;

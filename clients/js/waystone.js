@@ -200,6 +200,10 @@ export class Client {
     return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/poses`, {});
   }
 
+  getNames(map) {
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/names`, {});
+  }
+
   getAudit(map) {
     return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/audit`, {});
   }

@@ -98,6 +98,7 @@ class AnsweredPlace(TypedDict):
 
     layer: Literal["planes", "appearance"]
     id: int
+    name: str | None  # what people called it
     image: str
     sequence: str
     time_s: float | None
@@ -533,6 +534,8 @@ def _line(answer: Answer) -> str:
     if answer["verdict"] == "localized":
         line += f" in {answer['map']}"
         if place := answer["place"]:
+            if place.get("name"):
+                line += f" in {place['name']}"
             line += f" near {place['image']}"
         if planes := answer["planes"]:
             facts = [f"plane {planes[0]['id']}", f"{planes[0]['inliers']} inliers"] + facts

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
 
 #include "core/base/check.h"
 #include "core/base/error.h"
@@ -277,8 +278,10 @@ void CheckCamera(const Camera& camera) {
     const bool focal = static_cast<int>(i) < row->focal_lengths;
     const bool sensible = std::abs(value) <= kMaxParameter;  // false for NaN
     if (!sensible || (focal && value < kMinFocal_px)) {
-      Refuse("parameter " + std::to_string(i + 1) + " of " + name + " is " + std::to_string(value) +
-             (focal ? "; it must be from 1e-6 to 1e9" : "; it must be from -1e9 to 1e9"));
+      std::ostringstream error;
+      error << "parameter " << i + 1 << " of " << name << " is " << value
+            << (focal ? "; it must be from 1e-6 to 1e9" : "; it must be from -1e9 to 1e9");
+      Refuse(error.str());
     }
   }
 }

@@ -52,8 +52,8 @@ inline constexpr double kColmapOffset_px = 0.5;
 void MovePrincipalPoint(Camera& camera, double px);
 
 // Throws MapError(kBadCamera) unless size, parameter count and parameters are sensible (1 to
-// 100,000 px a side, at most 1e9 of either sign, focal lengths above zero). What follows is for
-// cameras that pass it, and is thread-safe.
+// 100,000 px a side, parameters at most 1e9 in magnitude, focal lengths at least 1e-6). What
+// follows is for cameras that pass it, and is thread-safe.
 void CheckCamera(const Camera& camera);
 
 // The pixel of a point or ray in the camera's frame (any length), or nothing when it lies behind

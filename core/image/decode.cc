@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/image/formats.h"
+#include "core/image/heic.h"
 
 namespace waystone {
 namespace {
@@ -26,10 +27,13 @@ cv::Mat Decode(std::span<const uint8_t> bytes, const DecodeLimits& limits, int f
   }
   const ImageHeader header = ReadImageHeader(bytes);
   CheckLimits(header, limits);
-  std::vector<uint8_t> png;
+  if (header.format == "heic") return DecodeHeic(ReadHeic(bytes), flags == cv::IMREAD_COLOR);
+  std::vector<uint8_t> reduced;
   if (header.format == "png") {
     CheckPngBlocks(bytes);
-    if (HasPngTexts(bytes)) bytes = png = WithoutPngTexts(bytes);
+    if (HasPngTexts(bytes)) bytes = reduced = WithoutPngTexts(bytes);
+  } else if (header.format == "webp") {
+    bytes = reduced = BareWebp(bytes);
   }
   cv::Mat image;
   std::string cause = "its pixels can't be decoded";
@@ -65,10 +69,18 @@ void CheckLimits(const ImageHeader& header, const DecodeLimits& limits) {
                "; downscale it");
   }
   if (header.decode_bytes > limits.max_decode_bytes) {
-    RefuseSize("the progressive JPEG takes " + std::to_string(header.decode_bytes / 1'000'000) +
+    const std::string name = header.format == "heic"   ? "HEIC"
+                             : header.format == "webp" ? "lossless WebP"
+                                                       : "progressive JPEG";
+    RefuseSize("the " + name + " takes " + std::to_string(header.decode_bytes / 1'000'000) +
                " MB to decode, more than the limit of " +
                std::to_string(limits.max_decode_bytes / 1'000'000) +
                "; save it again as a baseline JPEG");
+  }
+  if (header.hevc_bytes > limits.max_hevc_bytes) {
+    RefuseSize("the HEIC has " + std::to_string(header.hevc_bytes) +
+               " bytes of pictures, more than the limit of " +
+               std::to_string(limits.max_hevc_bytes) + "; save it as JPEG");
   }
   if (header.inflated_bytes > limits.max_inflated_bytes) {
     RefuseSize("the PNG has " + std::to_string(header.inflated_bytes / 1'000'000) +

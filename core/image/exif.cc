@@ -6,10 +6,13 @@
 #include <cstddef>
 #include <string_view>
 
+#include "core/base/error.h"
+#include "core/image/decode.h"
+#include "core/image/formats.h"
+#include "core/image/heic.h"
+
 namespace waystone {
 namespace {
-
-using Bytes = std::span<const uint8_t>;
 
 constexpr double kFilmDiagonalMm = 43.266615305567875;  // of 24 x 36 mm
 constexpr double kMinFocalMm = 3;
@@ -83,8 +86,15 @@ bool StandsAlone(int marker) {
   return marker <= 0x01 || (marker >= 0xD0 && marker <= 0xDA) || marker == 0xFF;
 }
 
+constexpr std::string_view kExif("Exif\0\0", 6);
+
+bool IsNamedExif(Bytes bytes) {
+  return bytes.size() > kExif.size() &&
+         std::equal(kExif.begin(), kExif.end(), bytes.begin(),
+                    [](char a, uint8_t b) { return static_cast<uint8_t>(a) == b; });
+}
+
 Segments ReadSegments(Bytes bytes) {
-  constexpr std::string_view kExif("Exif\0\0", 6);
   Segments found;
   size_t at = 2;
   while (bytes.size() > at && bytes.size() - at >= 4 && bytes[at] == 0xFF) {
@@ -101,13 +111,30 @@ Segments ReadSegments(Bytes bytes) {
       found.width = segment[3] * 256 + segment[4];
       break;
     }
-    const bool exif = marker == 0xE1 && segment.size() > kExif.size() &&
-                      std::equal(kExif.begin(), kExif.end(), segment.begin(),
-                                 [](char a, uint8_t b) { return static_cast<uint8_t>(a) == b; });
+    const bool exif = marker == 0xE1 && IsNamedExif(segment);
     if (exif && found.exif.empty()) found.exif = segment.subspan(kExif.size());
     at += 2 + length;
   }
   return found;
+}
+
+// The same of a WebP or HEIC, whose header is read whole; nothing of what can't be read.
+Segments ReadContainer(Bytes bytes) {
+  const bool webp = bytes[0] == 'R' && bytes[1] == 'I';
+  const bool heic = bytes.size() >= 8 && bytes[4] == 'f' && bytes[5] == 't';
+  if (!webp && !heic) return {};
+  try {
+    const ImageHeader header = ReadImageHeader(bytes);
+    Segments found;
+    found.width = header.width;
+    found.height = header.height;
+    if (header.format == "webp") found.exif = WebpExif(bytes);
+    if (header.format == "heic") found.exif = HeicExif(bytes);
+    if (IsNamedExif(found.exif)) found.exif = found.exif.subspan(kExif.size());
+    return found;
+  } catch (const MapError&) {
+    return {};
+  }
 }
 
 bool SameShape(double width, double height, double other_width, double other_height) {
@@ -118,8 +145,9 @@ bool SameShape(double width, double height, double other_width, double other_hei
 }  // namespace
 
 std::optional<ExifCamera> ReadExifCamera(Bytes bytes) {
-  if (bytes.size() < 4 || bytes[0] != 0xFF || bytes[1] != 0xD8) return std::nullopt;
-  const Segments segments = ReadSegments(bytes);
+  if (bytes.size() < 4) return std::nullopt;
+  const bool jpeg = bytes[0] == 0xFF && bytes[1] == 0xD8;
+  const Segments segments = jpeg ? ReadSegments(bytes) : ReadContainer(bytes);
   if (segments.exif.empty() || segments.width < 1 || segments.height < 1) return std::nullopt;
   Tiff tiff(segments.exif);
   if (!tiff.ReadStart()) return std::nullopt;

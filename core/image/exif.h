@@ -14,12 +14,12 @@ struct ExifCamera {
   double focal_px = 0;  // of a camera without distortion, pixels of this image
 };
 
-// Reads a JPEG's focal length as of 35 mm film (tag FocalLengthIn35mmFilm), which stands for the
-// diagonal of 24 x 36 mm whatever the sensor's shape. Looks at the segments before the image data
-// alone: a photo costs microseconds. Nothing for other formats, for photos without the tag or with
-// a value outside 3 to 3000 mm, for data that is damaged, and for a photo that was cropped or
-// turned after it was taken: its pixels aren't of the shape that EXIF tells. Never throws, never
-// reads outside `bytes`. Thread-safe.
+// Reads a JPEG's, WebP's or HEIC's focal length as of 35 mm film (tag FocalLengthIn35mmFilm), which
+// stands for the diagonal of 24 x 36 mm whatever the sensor's shape. Looks at the segments before a
+// JPEG's image data alone: a photo costs microseconds. Nothing for other formats, for photos
+// without the tag or with a value outside 3 to 3000 mm, for data that is damaged, and for a photo
+// that was cropped or turned after it was taken: its pixels aren't of the shape that EXIF tells.
+// Never throws, never reads outside `bytes`. Thread-safe.
 std::optional<ExifCamera> ReadExifCamera(std::span<const uint8_t> bytes);
 
 }  // namespace waystone

@@ -25,6 +25,12 @@ void CheckPngBlocks(Bytes bytes);
 // up to its end without them.
 bool HasPngTexts(Bytes bytes);
 std::vector<uint8_t> WithoutPngTexts(Bytes bytes);
+ImageHeader ReadWebpHeader(Bytes bytes);
+// The EXIF data of a WebP; empty without.
+Bytes WebpExif(Bytes bytes);
+// A WebP of the image alone: no alpha beside it, which is coded losslessly, and no colour profile.
+std::vector<uint8_t> BareWebp(Bytes bytes);
+ImageHeader ReadHeicHeader(Bytes bytes);
 ImageHeader ReadBmpHeader(Bytes bytes);
 ImageHeader ReadPnmHeader(Bytes bytes);
 

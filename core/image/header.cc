@@ -43,12 +43,11 @@ std::string LooksLike(Bytes bytes) {
     std::string_view name;
   };
   static constexpr std::array kRows{
-      Row{0, "GIF8", "a GIF"},           Row{8, "WEBP", "a WebP image"},
-      Row{0, "II*", "a TIFF"},           Row{0, "MM", "a TIFF"},
-      Row{4, "ftyp", "HEIC or a video"}, Row{0, "%PDF", "a PDF"},
-      Row{0, "PK", "a zip archive"},     Row{0, "SQLite format 3", "an SQLite database"},
-      Row{0, "P1", "a plain-text PNM"},  Row{0, "P2", "a plain-text PNM"},
-      Row{0, "P3", "a plain-text PNM"},  Row{0, "P4", "a black-and-white bitmap"},
+      Row{0, "GIF8", "a GIF"},          Row{0, "II*", "a TIFF"},
+      Row{0, "MM", "a TIFF"},           Row{0, "%PDF", "a PDF"},
+      Row{0, "PK", "a zip archive"},    Row{0, "SQLite format 3", "an SQLite database"},
+      Row{0, "P1", "a plain-text PNM"}, Row{0, "P2", "a plain-text PNM"},
+      Row{0, "P3", "a plain-text PNM"}, Row{0, "P4", "a black-and-white bitmap"},
   };
   for (const Row& row : kRows) {
     if (StartsWith(bytes, row.signature, row.offset)) return std::string(row.name);
@@ -169,11 +168,15 @@ ImageHeader ReadImageHeader(Bytes bytes) {
     header = ReadPngHeader(bytes);
   } else if (StartsWith(bytes, "BM")) {
     header = ReadBmpHeader(bytes);
+  } else if (StartsWith(bytes, "RIFF") && StartsWith(bytes, "WEBP", 8)) {
+    header = ReadWebpHeader(bytes);
+  } else if (StartsWith(bytes, "ftyp", 4)) {
+    header = ReadHeicHeader(bytes);
   } else if (StartsWith(bytes, "P5") || StartsWith(bytes, "P6")) {
     header = ReadPnmHeader(bytes);
   } else {
     RefuseImage("the " + std::to_string(bytes.size()) + " bytes are " + LooksLike(bytes) +
-                "; supported formats are JPEG, PNG, BMP and PNM (P5, P6)");
+                "; supported formats are JPEG, PNG, WebP, HEIC, BMP and PNM (P5, P6)");
   }
   if (header.width < 1 || header.height < 1) {
     RefuseImage("the " + header.format + " claims " + std::to_string(header.width) + "x" +

@@ -8,6 +8,7 @@
 #include <opencv2/core/eigen.hpp>
 
 #include "core/base/check.h"
+#include "core/robust/false_alarms.h"
 
 namespace waystone {
 namespace {
@@ -64,14 +65,6 @@ std::vector<int> FindPlanarInliers(const std::vector<cv::Point2d>& a,
   return inliers;
 }
 
-// ln of n over k.
-double LogBinomial(int n, int k) {
-  const int fewer = std::min(k, n - k);
-  double sum = 0;  // not by lgamma, which writes a global variable
-  for (int i = 1; i <= fewer; ++i) sum += std::log((n - fewer + i) / static_cast<double>(i));
-  return sum;
-}
-
 }  // namespace
 
 double SampsonError(const Matrix3d& fundamental, const Vector2d& x_a, const Vector2d& x_b) {
@@ -82,13 +75,9 @@ double SampsonError(const Matrix3d& fundamental, const Vector2d& x_a, const Vect
 }
 
 double EpipolarSignificance(int matches, int inliers, double max_error_px, int width, int height) {
-  constexpr int kSample = 7;
-  if (inliers <= kSample || matches < inliers) return 0;
   const double alpha =
       std::min(1.0, 2 * max_error_px * std::hypot(width, height) / (1.0 * width * height));
-  const double expected = std::log(matches - kSample) + LogBinomial(matches, inliers) +
-                          LogBinomial(inliers, kSample) + (inliers - kSample) * std::log(alpha);
-  return std::max(0.0, -expected);
+  return std::max(0.0, -LogFalseAlarms(matches, inliers, alpha, {.sample = 7}));
 }
 
 std::optional<EpipolarFit> FindEpipolarGeometry(std::span<const Vector2d> a,

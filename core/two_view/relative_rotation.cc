@@ -10,6 +10,7 @@
 #include "core/geometry/decompose_homography.h"
 #include "core/geometry/linear_algebra.h"
 #include "core/geometry/rotation.h"
+#include "core/robust/false_alarms.h"
 #include "core/robust/lo_ransac.h"
 #include "core/two_view/epipolar.h"
 #include "core/two_view/five_point.h"
@@ -186,18 +187,34 @@ class MotionEstimator {
   const RelativeOptions& options_;
 };
 
-// Bound on the chance that `inliers` of `matches` unrelated ones fit some of the motions tried
-// (Chernoff's for the binomial tail). A ray lies within e of a given plane with chance sin e.
-double Log10Chance(int matches, int inliers, double max_error, int samples) {
-  constexpr double kSolutions = 10;
-  const int free = matches - kSample;
-  const double share = std::min(1.0, static_cast<double>(inliers - kSample) / std::max(free, 1));
+// The probability that an unrelated match fits the motion: the share that does of these very rays
+// when those of a are paired with those of other matches in b. Rays aren't spread evenly over the
+// sphere: near the horizon, or on one object, many more fit than the bound's own share of it.
+double ChanceOfFitting(const MatchedRays& rays, const Motion& motion, double max_error) {
+  constexpr int kPairings = 64;
+  const Eigen::Matrix3d essential = EssentialMatrix(motion);
+  const int n = rays.size();
+  int fits = 0;
+  int pairs = 0;
+  for (int k = 0; k < std::min(kPairings, n - 1); ++k) {
+    const int shift = 1 + static_cast<int>(int64_t{k} * (n - 1) / std::min(kPairings, n - 1));
+    for (int i = 0; i < n; ++i) {
+      const int j = (i + shift) % n;
+      if ((rays.b[i] - rays.b[j]).norm() <= max_error) continue;  // the same point twice
+      ++pairs;
+      if (EpipolarError(essential, rays.a[i], rays.b[j]) <= max_error) ++fits;
+    }
+  }
   // Sampson's distance halves the square: each of two rays moves, so the band is wider by sqrt 2.
-  const double chance = std::sin(std::min(1.0, std::sqrt(2.0) * max_error));
-  if (share <= chance) return 0;
-  double divergence = share * std::log(share / chance);
-  if (share < 1) divergence += (1 - share) * std::log((1 - share) / (1 - chance));
-  return std::min(0.0, (std::log(kSolutions * samples) - free * divergence) / std::log(10.0));
+  const double even = std::sin(std::min(1.0, std::sqrt(2.0) * max_error));
+  return pairs == 0 ? 1 : std::max(even, fits / static_cast<double>(pairs));
+}
+
+double Log10Chance(const MatchedRays& rays, const Fit& fit, double max_error) {
+  const double alpha = ChanceOfFitting(rays, fit.motion, max_error);
+  const double expected = LogFalseAlarms(rays.size(), static_cast<int>(fit.inliers.size()), alpha,
+                                         {.sample = kSample, .solutions = 10});
+  return std::min(0.0, expected / std::log(10.0));
 }
 
 // The errors' variance is measured, but no better than a hundredth of the bound: with few inliers
@@ -300,8 +317,7 @@ RelativePose FindRelativePose(const MatchedRays& rays, const RelativeOptions& op
   pose.b_from_a = best.motion.b_from_a;
   pose.translation = best.motion.translation;
   pose.inliers = best.inliers;
-  pose.log10_chance = Log10Chance(rays.size(), static_cast<int>(best.inliers.size()),
-                                  options.max_error_rad, pose.samples);
+  pose.log10_chance = Log10Chance(rays, best, options.max_error_rad);
   pose.covariance = EstimateCovariance(rays, best, options.max_error_rad);
   if (static_cast<int>(best.inliers.size()) >= options.min_inliers) {
     pose.rival = FindRival(rays, best, options);

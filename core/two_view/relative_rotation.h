@@ -43,8 +43,8 @@ struct RelativeOptions {
         OptionField{"min_inliers", &RelativeOptions::min_inliers, Closed(5, 10'000), "",
                     "Correspondences that the rotation requires; the paper uses 10 (sec. III-C)."},
         OptionField{"max_log10_chance", &RelativeOptions::max_log10_chance, Closed(-300, 0), "",
-                    "Largest probability, as a power of ten, that unrelated matches give as many "
-                    "inliers. Lower refuses more."},
+                    "Largest number of motions, as a power of ten, that as many unrelated matches "
+                    "are expected to fit. Lower refuses more."},
         OptionField{"max_sigma_rad", &RelativeOptions::max_sigma_rad, Closed(1e-5, 1), "rad",
                     "Largest standard deviation of the rotation about its worst-known direction."},
         OptionField{
@@ -78,8 +78,10 @@ struct RelativePose {
   // known.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   std::vector<int> inliers;  // rows of the matched rays, ascending
-  double log10_chance = 0;   // of as many inliers without any true motion
-  int samples = 0;           // that were drawn
+  // log10 of the number of motions that as many matches would fit if none were right
+  // (LogFalseAlarms); 0 for one or more.
+  double log10_chance = 0;
+  int samples = 0;  // that were drawn
   // The other motion that a plane allows (Faugeras and Lustman 1988), where it can't be told from
   // the best one by these matches; the covariance holds for either.
   struct Rival {

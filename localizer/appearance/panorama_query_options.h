@@ -33,7 +33,8 @@ struct PanoramaQueryOptions {
   int photo_poses = 10;
   int photo_witnesses = 2;
   double photo_agreement_rad = 0.06;
-  RelativeOptions relative{.max_samples = 200};
+  // Of a few candidates that look alike already, for a verdict that judges them by more than this.
+  RelativeOptions relative{.max_samples = 200, .max_log10_chance = -1};
   double interpolation_cost = 0.1;
   double direction_sigma_rad = 0.03;
   double elsewhere_spacings = 4;

@@ -38,6 +38,7 @@ MapIndex::MapIndex(MapData map) : map_(std::move(map)) {
   }
   CheckReferences();
   points_ = LocateMapPoints(map_);
+  names_ = NamedPlaces(map_);
   TakeDescriptors();
   CollectViews();
   if (map_.appearance) TakeAppearance();

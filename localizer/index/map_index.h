@@ -11,6 +11,7 @@
 #include "core/search/search_index.h"
 #include "localizer/index/appearance_index.h"
 #include "localizer/index/map_points.h"
+#include "localizer/index/named_places.h"
 #include "localizer/index/node_feature_index.h"
 #include "schema/map_data.h"
 
@@ -48,6 +49,8 @@ class MapIndex {
   int FirstLandmarkRow(int keyframe) const { return first_landmark_row_[keyframe]; }
   // Where the features of search() are in the frame of the pose layer, by row; empty without one.
   const std::vector<MapPoint>& points() const { return points_; }
+  // Which place that people named something is in.
+  const NamedPlaces& names() const { return names_; }
   // Descriptors of map().planes[plane], row i belonging to its feature i.
   Descriptors DescriptorsOf(int plane) const;
   bool HasLandmarks() const { return first_landmark_row_.front() < first_landmark_row_.back(); }
@@ -102,6 +105,7 @@ class MapIndex {
   std::vector<int> first_landmark_row_;  // of each keyframe, and one more for the end
   std::vector<std::vector<SeenPlane>> seen_;
   std::vector<MapPoint> points_;
+  NamedPlaces names_;
   std::unordered_map<PlaneId, int> plane_index_;
   std::unordered_map<KeyframeId, int> keyframe_index_;
   std::unordered_map<SequenceId, int> sequence_index_;

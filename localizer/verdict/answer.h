@@ -210,6 +210,7 @@ struct Answer {
   std::optional<PanoramaAnswer> panorama;  // where the appearance layer answered
   std::optional<QueryPose> pose;           // of a localized photo of known camera
   std::string pose_reason;                 // why a map with poses gives none
+  std::optional<std::string> place_name;   // what people named the place of a localized query
   // What the next panorama of a series is asked with: the likeliest nodes, by index. Empty as long
   // as none looked like a place of the map.
   FilterState belief;

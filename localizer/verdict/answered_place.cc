@@ -8,8 +8,9 @@ namespace {
 
 // A keyframe or a node.
 template <typename Ref>
-AnsweredPlace PlaceAt(PlaceLayer layer, const Ref& ref, const std::optional<Heading>& heading) {
-  return {layer, ref.id.value, ref.source, ref.sequence, ref.time_s, std::nullopt, heading};
+AnsweredPlace PlaceAt(PlaceLayer layer, const Ref& ref, const Answer& answer) {
+  return {layer,      ref.id.value, ref.source,     ref.sequence,
+          ref.time_s, std::nullopt, answer.heading, answer.place_name};
 }
 
 }  // namespace
@@ -27,11 +28,11 @@ const char* NameOf(PlaceLayer layer) {
 std::optional<AnsweredPlace> PlaceOf(const Answer& answer) {
   if (answer.verdict != Verdict::kLocalized) return std::nullopt;
   if (answer.planes.keyframe) {
-    return PlaceAt(PlaceLayer::kPlanes, *answer.planes.keyframe, answer.heading);
+    return PlaceAt(PlaceLayer::kPlanes, *answer.planes.keyframe, answer);
   }
   if (!answer.panorama) return std::nullopt;
   const PanoramaAnswer& panorama = *answer.panorama;
-  AnsweredPlace place = PlaceAt(PlaceLayer::kAppearance, panorama.node, answer.heading);
+  AnsweredPlace place = PlaceAt(PlaceLayer::kAppearance, panorama.node, answer);
   place.position =
       PlacePosition{panorama.pose.x, panorama.pose.y, panorama.sigma, panorama.metres_per_unit};
   return place;

@@ -30,6 +30,7 @@ struct AnsweredPlace {
   std::optional<double> time_s;
   std::optional<PlacePosition> position;  // of the query; nothing where the map has no positions
   std::optional<Heading> heading;         // of the query
+  std::optional<std::string> name;        // what people called it, if they did
 };
 
 // Nothing unless the answer is localized. Thread-safe.

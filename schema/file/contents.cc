@@ -18,6 +18,7 @@
 #include "schema/file/map_database.h"
 #include "schema/file/map_tables.h"
 #include "schema/file/plain_objects.h"
+#include "schema/layers/layers.h"
 #include "schema/tables/blob.h"
 #include "schema/tables/memory.h"
 #include "schema/tables/table_writer.h"
@@ -116,6 +117,16 @@ void CompareContents(SQLite::Database& database, const std::string& table,
   }
 }
 
+// The table may be missing, if it was when `contents` was filled.
+void CompareOptionalContents(SQLite::Database& database, const std::string& table,
+                             std::vector<MapProblem>& problems) {
+  if (database.tableExists(table)) {
+    CompareContents(database, table, problems);
+  } else if (StoredContents(database, table).rows >= 0) {
+    problems.push_back({table, "this table is missing"});
+  }
+}
+
 bool HasContents(const SchemaObject& object) {
   return object.type == "table" && object.name != kContentsTable.name;
 }
@@ -185,6 +196,19 @@ bool Contains(const std::vector<SchemaObject>& objects, const SchemaObject& obje
   return std::ranges::find(objects, object) != objects.end();
 }
 
+std::vector<SchemaObject> OptionalObjects() {
+  std::vector<SchemaObject> objects;
+  for (const auto& [table, sql] : OptionalTables()) {
+    objects.push_back({"table", std::string(table.name), sql});
+  }
+  return objects;
+}
+
+bool IsOptionalName(const std::string& name) {
+  return std::ranges::any_of(OptionalTables(),
+                             [&](const OptionalTable& one) { return one.table.name == name; });
+}
+
 }  // namespace
 
 std::vector<SchemaObject> ExpectedObjects(std::span<const Migration> steps) {
@@ -204,8 +228,16 @@ std::vector<MapProblem> FindAlteredObjects(SQLite::Database& database,
       if (Contains(found, object)) continue;
       problems.push_back({object.name, "this " + object.type + " is missing or has been modified"});
     }
+    const std::vector<SchemaObject> optional = OptionalObjects();
     for (const SchemaObject& object : found) {
-      if (Contains(expected, object) || IsPlainObject(object)) continue;
+      if (Contains(expected, object) || Contains(optional, object)) continue;
+      if (IsOptionalName(object.name)) {
+        problems.push_back({object.name, "this " + Printable(object.type) +
+                                             " has the name of a table of Waystone's and another "
+                                             "definition; rename it"});
+        continue;
+      }
+      if (IsPlainObject(object)) continue;
       problems.push_back({Printable(object.name), "this " + Printable(object.type) +
                                                       " is not part of a map; drop it (only plain "
                                                       "tables and indexes may be added)"});
@@ -214,11 +246,20 @@ std::vector<MapProblem> FindAlteredObjects(SQLite::Database& database,
   return problems;
 }
 
+std::vector<SchemaObject> WithOptionalObjects(SQLite::Database& database,
+                                              std::vector<SchemaObject> objects) {
+  const std::vector<SchemaObject> found = ObjectsOf(database);
+  for (const SchemaObject& object : OptionalObjects()) {
+    if (Contains(found, object)) objects.push_back(object);
+  }
+  return objects;
+}
+
 void WriteContents(SQLite::Database& database, const std::vector<SchemaObject>& objects) {
   database.exec("DELETE FROM contents");
   RowSink sink(database);
   TableWriter<kContentsTable> writer(sink);
-  for (const SchemaObject& object : objects) {
+  for (const SchemaObject& object : WithOptionalObjects(database, objects)) {
     if (!HasContents(object)) continue;
     const TableContents contents = SummariseTable(database, object.name);
     writer.Row(object.name, contents.rows, contents.crc);
@@ -231,6 +272,11 @@ std::vector<MapProblem> FindAlteredContents(SQLite::Database& database,
   for (const SchemaObject& object : objects) {
     if (!HasContents(object)) continue;
     Guarded(object.name, problems, [&] { CompareContents(database, object.name, problems); });
+  }
+  if (objects.empty()) return problems;  // a database that nothing was put into has no contents
+  for (const SchemaObject& object : OptionalObjects()) {
+    Guarded(object.name, problems,
+            [&] { CompareOptionalContents(database, object.name, problems); });
   }
   return problems;
 }

@@ -87,11 +87,15 @@ std::vector<SchemaObject> ExpectedObjects(std::span<const Migration> steps);
 std::vector<MapProblem> FindAlteredObjects(SQLite::Database& database,
                                            const std::vector<SchemaObject>& expected);
 
-// Fills the table `contents` from the other tables of `objects`.
+// `objects` and those optional tables (schema/tables/optional_table.h) that the database has.
+std::vector<SchemaObject> WithOptionalObjects(SQLite::Database& database,
+                                              std::vector<SchemaObject> objects);
+
+// Fills the table `contents` from the other tables of `objects` and the optional ones.
 void WriteContents(SQLite::Database& database, const std::vector<SchemaObject>& objects);
 
-// Tables of `objects` whose rows aren't those that `contents` was filled from. Blobs are left to
-// the CRC beside each. Doesn't throw.
+// Tables of `objects`, and optional ones, whose rows aren't those that `contents` was filled from.
+// Blobs are left to the CRC beside each. Doesn't throw.
 std::vector<MapProblem> FindAlteredContents(SQLite::Database& database,
                                             const std::vector<SchemaObject>& objects);
 

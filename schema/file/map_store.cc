@@ -6,6 +6,7 @@
 #include <SQLiteCpp/Statement.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 #include <map>
 #include <string>
@@ -112,7 +113,7 @@ std::vector<TableSize> SizesOf(SQLite::Database& database) {
   std::map<std::string, int64_t> bytes;
   if (dbstat) bytes = BytesByTable(database);
   std::vector<TableSize> sizes;
-  for (const SchemaObject& object : CurrentObjects()) {
+  for (const SchemaObject& object : WithOptionalObjects(database, CurrentObjects())) {
     if (object.type != "table") continue;
     const int64_t rows = database.execAndGet("SELECT count(*) FROM " + object.name).getInt64();
     sizes.push_back(
@@ -138,6 +139,38 @@ void CheckReplacesMap(const fs::path& path) {
   }
 }
 
+void CheckSound(const MapData& map, const fs::path& path) {
+  const std::vector<MapProblem> problems = FindMapProblems(map);
+  if (problems.empty()) return;
+  throw MapError(ErrorCode::kMapDamaged, path.string() +
+                                             " was not written because the map is inconsistent: " +
+                                             Summary(problems) + "; please report this");
+}
+
+// Copies the file that a map was read from.
+void CopyRead(const MapData& map, const fs::path& from, const fs::path& to) {
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing);
+  if (Sha256(OpenReadOnly(to).bytes) == map.info.version) return;
+  throw MapError(ErrorCode::kFileUnreadable,
+                 from.string() + " was replaced by another program meanwhile; try again");
+}
+
+void ReplaceOptionalTables(const MapData& map, const fs::path& copy) {
+  SQLite::Database database = OpenForWriting(copy);
+  database.exec("BEGIN");  // after an error the file is thrown away
+  RowSink sink(database);
+  for (const StoredLayer& layer : StoredLayers()) {
+    if (layer.optional_tables.empty()) continue;
+    for (const OptionalTable& table : layer.optional_tables) {
+      database.exec("DROP TABLE IF EXISTS " + std::string(table.table.name));
+    }
+    layer.write(map, sink);
+  }
+  WriteContents(database, CurrentObjects());
+  database.exec("COMMIT");
+  database.exec("VACUUM");
+}
+
 }  // namespace
 
 void CheckWritable(const fs::path& path, const WriteOptions& options) {
@@ -146,12 +179,7 @@ void CheckWritable(const fs::path& path, const WriteOptions& options) {
 }
 
 void WriteMap(const MapData& map, const fs::path& path, const WriteOptions& options) {
-  const std::vector<MapProblem> problems = FindMapProblems(map);
-  if (!problems.empty()) {
-    throw MapError(ErrorCode::kMapDamaged,
-                   path.string() + " was not written because the map is inconsistent: " +
-                       Summary(problems) + "; please report this");
-  }
+  CheckSound(map, path);
   try {
     FileReplacer file(path, options.overwrite);
     CheckReplacesMap(path);
@@ -161,6 +189,22 @@ void WriteMap(const MapData& map, const fs::path& path, const WriteOptions& opti
   } catch (const SQLite::Exception& error) {
     CheckMemory(error);
     // The temporary file is gone by now, so that what is free is all that is.
+    throw UnwritableError(path, error.what(), EstimateBytes(map));
+  }
+}
+
+void RewriteOptionalTables(const MapData& map, const fs::path& path) {
+  CheckSound(map, path);
+  try {
+    FileReplacer file(path, true);
+    CopyRead(map, path, file.temporary());
+    ReplaceOptionalTables(map, file.temporary());
+    VerifyWritten(map, file.temporary(), path);
+    file.Commit();
+  } catch (const fs::filesystem_error& error) {
+    throw UnwritableError(path, error.code().message(), EstimateBytes(map));
+  } catch (const SQLite::Exception& error) {
+    CheckMemory(error);
     throw UnwritableError(path, error.what(), EstimateBytes(map));
   }
 }

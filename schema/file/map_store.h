@@ -40,6 +40,13 @@ struct ReadOptions {
 // Throws MapError: kFileUnreadable, kNotAMap, kMapDamaged, kMapVersion.
 MapData ReadMap(const std::filesystem::path& path, const ReadOptions& options = {});
 
+// Writes what optional tables hold of `map` (its named places) into a copy of the file that it was
+// read from, with its images, checks and reopens the copy, and renames it into place. All else of
+// the map is as it was, and tables of one's own stay. The same file and names give the same bytes.
+// Throws MapError: kFileUnreadable for a file that was replaced since it was read, kFileUnwritable,
+// kMapDamaged, also for names that don't fit the map (FindMapProblems).
+void RewriteOptionalTables(const MapData& map, const std::filesystem::path& path);
+
 // Everything that is wrong with a map, not the first thing alone: SQLite's integrity and foreign
 // keys, blob lengths and CRCs, homographies finite and invertible, adjacency symmetric (a < b, both
 // there, no self loops) and with a homology that has the double eigenvalue, references that exist.

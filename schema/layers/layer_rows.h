@@ -23,10 +23,14 @@ std::optional<AppearanceLayer> ReadAppearance(SQLite::Database& database, Featur
 std::optional<OrientationLayer> ReadOrientation(SQLite::Database& database, bool images,
                                                 std::vector<MapProblem>& problems);
 std::optional<PoseLayer> ReadPoses(SQLite::Database& database, std::vector<MapProblem>& problems);
+// Nothing where the map has no table of them.
+std::vector<NamedPlace> ReadNames(SQLite::Database& database, std::vector<MapProblem>& problems);
 
 void WritePlaneLayer(const MapData& map, RowSink& sink);
 void WriteAppearance(const AppearanceLayer& layer, RowSink& sink);
 void WriteOrientation(const OrientationLayer& layer, RowSink& sink);
 void WritePoses(const PoseLayer& layer, RowSink& sink);
+// Makes the tables that it fills.
+void WriteNames(const std::vector<NamedPlace>& places, RowSink& sink);
 
 }  // namespace waystone

@@ -6,6 +6,7 @@
 #include "schema/layers/appearance/appearance_tables.h"
 #include "schema/layers/layer_problems.h"
 #include "schema/layers/layer_rows.h"
+#include "schema/layers/names/name_tables.h"
 #include "schema/layers/orientation/orientation_tables.h"
 #include "schema/layers/planes/plane_tables.h"
 #include "schema/layers/poses/pose_tables.h"
@@ -29,6 +30,7 @@ StoredLayer StoredPlanes() {
   return {.tables = {kKeyframesTable, kKeyframeImagesTable, kKeyframeLandmarksTable, kPlanesTable,
                      kPlaneFeaturesTable, kPlaneViewsTable, kEdgesTable, kSearchIndexTable,
                      kVerdictModelTable},
+          .optional_tables = {},
           .read = ReadPlaneLayer,
           .write = WritePlaneLayer,
           .find_problems = FindPlaneProblems,
@@ -39,6 +41,7 @@ StoredLayer StoredAppearance() {
   return {.tables = {kAppearanceLayerTable, kAppearanceMirrorTable, kAppearanceNodesTable,
                      kAppearanceSignaturesTable, kAppearanceFeaturesTable, kAppearanceImagesTable,
                      kAppearanceEdgesTable, kAppearanceVerdictTable, kAppearanceVerdictTermsTable},
+          .optional_tables = {},
           .read =
               [](SQLite::Database& database, bool images, MapData& map,
                  std::vector<MapProblem>& problems) {
@@ -60,6 +63,7 @@ StoredLayer StoredOrientation() {
       .tables = {kOrientationLayerTable, kOrientationFramesTable, kOrientationTurnsTable,
                  kOrientationNodesTable, kOrientationImagesTable, kOrientationEdgesTable,
                  kCorridorsTable},
+      .optional_tables = {},
       .read =
           [](SQLite::Database& database, bool images, MapData& map,
              std::vector<MapProblem>& problems) {
@@ -80,6 +84,7 @@ StoredLayer StoredPoses() {
   return {
       .tables = {kPoseLayerTable, kKeyframePosesTable, kPlanePosesTable, kPlaneDepthsTable,
                  kLandmarkDepthsTable},
+      .optional_tables = {},
       .read = [](SQLite::Database& database, bool /*images*/, MapData& map,
                  std::vector<MapProblem>& problems) { map.poses = ReadPoses(database, problems); },
       .write =
@@ -93,12 +98,35 @@ StoredLayer StoredPoses() {
       .equal = [](const MapData& a, const MapData& b) { return a.poses == b.poses; }};
 }
 
+StoredLayer StoredNames() {
+  return {
+      .tables = {},
+      .optional_tables = {{kPlaceRangesTable, kPlaceRangesSql},
+                          {kPlacePolygonsTable, kPlacePolygonsSql}},
+      .read = [](SQLite::Database& database, bool /*images*/, MapData& map,
+                 std::vector<MapProblem>& problems) { map.names = ReadNames(database, problems); },
+      .write = [](const MapData& map, RowSink& sink) { WriteNames(map.names, sink); },
+      .find_problems = FindNameProblems,
+      .equal = [](const MapData& a, const MapData& b) { return a.names == b.names; }};
+}
+
 }  // namespace
 
 const std::vector<StoredLayer>& StoredLayers() {
   static const std::vector<StoredLayer> layers{StoredPlanes(), StoredAppearance(),
-                                               StoredOrientation(), StoredPoses()};
+                                               StoredOrientation(), StoredPoses(), StoredNames()};
   return layers;
+}
+
+const std::vector<OptionalTable>& OptionalTables() {
+  static const std::vector<OptionalTable> tables = [] {
+    std::vector<OptionalTable> all;
+    for (const StoredLayer& layer : StoredLayers()) {
+      all.insert(all.end(), layer.optional_tables.begin(), layer.optional_tables.end());
+    }
+    return all;
+  }();
+  return tables;
 }
 
 }  // namespace waystone

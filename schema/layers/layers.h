@@ -7,6 +7,7 @@
 
 #include "schema/map_data.h"
 #include "schema/tables/map_problem.h"
+#include "schema/tables/optional_table.h"
 #include "schema/tables/table.h"
 #include "schema/tables/table_writer.h"
 
@@ -14,12 +15,14 @@ namespace waystone {
 
 // A layer as the map file holds it.
 struct StoredLayer {
-  std::vector<TableView> tables;  // in the order of FORMAT.md
+  std::vector<TableView> tables;               // in the order of FORMAT.md
+  std::vector<OptionalTable> optional_tables;  // the same
   // Fills what the layer has in `map`, whose info is read already, with pictures where `images`
   // says so. What is wrong with a row goes to `problems`.
   void (*read)(SQLite::Database& database, bool images, MapData& map,
                std::vector<MapProblem>& problems);
-  // Writes the layer where the map has it. Throws SQLite::Exception.
+  // Writes the layer where the map has it. All its tables are optional, or none is. Throws
+  // SQLite::Exception.
   void (*write)(const MapData& map, RowSink& sink);
   // Adds what doesn't fit together, where the map has the layer; FORMAT.md lists the rules.
   void (*find_problems)(const MapData& map, std::vector<MapProblem>& problems);
@@ -30,5 +33,8 @@ struct StoredLayer {
 // The layers of this version, in the order in which they are read and written. A new layer is added
 // here and to MapData; docs/extending.md has the rest. Thread-safe.
 const std::vector<StoredLayer>& StoredLayers();
+
+// The optional tables of all layers. Thread-safe.
+const std::vector<OptionalTable>& OptionalTables();
 
 }  // namespace waystone

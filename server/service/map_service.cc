@@ -13,6 +13,7 @@
 #include "api/layer_json.h"
 #include "api/lines_json.h"
 #include "api/map_json.h"
+#include "api/names_file.h"
 #include "api/overview_json.h"
 #include "api/pose_layer_json.h"
 #include "api/space_json.h"
@@ -171,6 +172,9 @@ void MapService::AddSingles(Router& router) {
   });
   AddShow(router, "/overview", [](const auto&, const ServedMap& map, const auto&) {
     return JsonResponse(OverviewJson(map.index()));
+  });
+  AddShow(router, "/names", [](const auto&, const ServedMap& map, const auto&) {
+    return JsonResponse(NamesFileJson(map.name(), map.index().map()));
   });
   AddShow(router, "/poses", [](const auto&, const ServedMap& map, const auto&) {
     return JsonResponse(PoseLayerJson(map.index(), PosesOf(map.index())));

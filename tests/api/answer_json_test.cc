@@ -38,7 +38,7 @@ TEST(AnswerJson, LocalizedIsAsDocumented) {
       Dump(ToJson(Localized())),
       R"({"verdict":"localized","probability":0.98,"image":"q.jpg","map":"lab",)"
       R"("map_version":"sha256:00",)"
-      R"("place":{"layer":"planes","id":17,"image":"rgb/000120.jpg","sequence":"kitchen",)"
+      R"("place":{"layer":"planes","id":17,"name":null,"image":"rgb/000120.jpg","sequence":"kitchen",)"
       R"("time_s":4.0,"position":null,"heading":{"rad":0.31,"deviation_rad":0.02,"of":"keyframe"}},)"
       R"("keyframe":{"id":17,"sequence":"kitchen","source":"rgb/000120.jpg","time_s":4.0},)"
       R"("heading":{"rad":0.31,"deviation_rad":0.02,"of":"keyframe"},)"
@@ -87,10 +87,11 @@ TEST(AnswerJson, APanoramaHasItsPlace) {
 }
 
 TEST(AnswerJson, EveryLayerHasOnePlace) {
-  EXPECT_EQ(Dump(ToJson(LocalizedPanorama())["place"]),
-            R"({"layer":"appearance","id":7,"image":"7.jpg","sequence":"walk","time_s":null,)"
-            R"("position":{"x":1.5,"y":-2.0,"deviation":0.25,"metres_per_unit":0.5},)"
-            R"("heading":{"rad":0.31,"deviation_rad":0.02,"of":"layer"}})");
+  EXPECT_EQ(
+      Dump(ToJson(LocalizedPanorama())["place"]),
+      R"({"layer":"appearance","id":7,"name":null,"image":"7.jpg","sequence":"walk","time_s":null,)"
+      R"("position":{"x":1.5,"y":-2.0,"deviation":0.25,"metres_per_unit":0.5},)"
+      R"("heading":{"rad":0.31,"deviation_rad":0.02,"of":"layer"}})");
   EXPECT_EQ(ToJson(Localized())["place"]["layer"], "planes");
 }
 

@@ -16,6 +16,7 @@
 
 #include "api/json.h"
 #include "cli/system/child_process.h"
+#include "tests/core/image/made_heic.h"
 #include "tests/e2e/shared_map.h"
 
 namespace waystone {
@@ -144,6 +145,27 @@ TEST_F(CliTest, LocalizeSaysWhere) {
   EXPECT_EQ(result.code, 0) << result.err;
   EXPECT_NE(result.out.find("inside.jpg: localized near "), std::string::npos) << result.out;
   EXPECT_NE(result.out.find(" inliers, "), std::string::npos) << result.out;
+}
+
+TEST_F(CliTest, APhotoIsAnsweredTheSameInAnyFormat) {
+  const cv::Mat photo = cv::imread(TheMap().inside, cv::IMREAD_GRAYSCALE);
+  const cv::Mat blocks = photo(cv::Rect(0, 0, photo.cols / 16 * 16, photo.rows / 16 * 16));
+  cv::imwrite(folder_ / "a.png", blocks);
+  cv::imwrite(folder_ / "b.webp", blocks, {cv::IMWRITE_WEBP_QUALITY, 98});
+  const std::vector<uint8_t> heic = MakeHeic(blocks, {.turned = true});
+  WriteFile(folder_ / "c.heic", std::string(heic.begin(), heic.end()));
+  const RunResult result = RunWaystone({"localize", TheMap().map, folder_ / "a.png",
+                                        folder_ / "b.webp", folder_ / "c.heic", "--json"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  std::istringstream lines(result.out);
+  std::vector<Json> answers;
+  for (std::string line; std::getline(lines, line);) answers.push_back(Json::parse(line));
+  ASSERT_EQ(answers.size(), 3U);
+  for (const Json& answer : answers) {
+    EXPECT_EQ(answer["verdict"], "localized");
+    EXPECT_EQ(answer["place"]["image"], answers[0]["place"]["image"]);
+  }
+  EXPECT_EQ(answers[2]["planes"], answers[0]["planes"]) << "the same pixels";
 }
 
 TEST_F(CliTest, LocalizeTakesOptionsOfQueries) {

@@ -126,7 +126,7 @@ def every_route():
     lists = ["/planes", "/keyframes", "/planes/1/features", "/planes/1/views"]
     singles = ["", "/planes/1", "/graph", "/graph?format=graphml", "/graph?format=dot", "/audit",
                "/keyframes/1", "/keyframes/1/image", "/keyframes/1/image?width=64",
-               "/keyframes/1/thumbnail", "/overview"]
+               "/keyframes/1/thumbnail", "/overview", "/names"]
     for path in ["/v1/maps"] + [base + part for part in lists + singles]:
         status, fields, _ = ask("GET", path)
         assert status == 200, path

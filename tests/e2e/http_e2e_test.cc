@@ -65,7 +65,7 @@ TEST_F(HttpTest, AnswerHasTheDocumentedFields) {
   EXPECT_EQ(answer["image"], "q.jpg");
   EXPECT_EQ(answer["map"], "room");
   EXPECT_EQ(KeysOf(answer["place"]),
-            (Keys{"layer", "id", "image", "sequence", "time_s", "position", "heading"}));
+            (Keys{"layer", "id", "name", "image", "sequence", "time_s", "position", "heading"}));
   EXPECT_EQ(answer["place"]["id"], answer["keyframe"]["id"]);
   EXPECT_EQ(KeysOf(answer["keyframe"]), (Keys{"id", "sequence", "source", "time_s"}));
   EXPECT_EQ(KeysOf(answer["timing_ms"]),

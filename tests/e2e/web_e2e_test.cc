@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -42,8 +43,11 @@ class WebTest : public testing::Test {
 };
 
 TEST_F(WebTest, EveryViewInABrowser) {
-  ChildProcess server(
-      {WAYSTONE_PROGRAM, "serve", TheMap().map, TheCorner().map, TheTurns(), "--port", "0"}, true);
+  const std::filesystem::path room = FreshFolder() / "room.db";
+  std::filesystem::copy_file(TheMap().map, room);
+  ASSERT_EQ(RunWaystone({"name", room, "--keyframes", "1:3", "Door <&>"}).code, 0);
+  ChildProcess server({WAYSTONE_PROGRAM, "serve", room, TheCorner().map, TheTurns(), "--port", "0"},
+                      true);
   RunScript("page_test.mjs", {AddressOf(server), TheMap().inside, TheMap().elsewhere});
 }
 

@@ -16,6 +16,7 @@ std::span<const FuzzTarget> FuzzTargets() {
       FuzzTarget{"localize_request", FuzzLocalizeRequest, 20'000, 4096},
       FuzzTarget{"map", FuzzMap, 50, 65'536, MutateMap},
       FuzzTarget{"multipart", FuzzMultipart, 50'000, 4096},
+      FuzzTarget{"names_file", FuzzNamesFile, 5000, 4096},
       FuzzTarget{"pose_file", FuzzPoseFile, 10'000, 4096},
       FuzzTarget{"query_log", FuzzQueryLog, 5000, 4096},
       FuzzTarget{"request_json", FuzzRequestJson, 20'000, 4096},

@@ -22,6 +22,7 @@ void FuzzImage(FuzzInput input);
 void FuzzLocalizeRequest(FuzzInput input);
 void FuzzMap(FuzzInput input);
 void FuzzMultipart(FuzzInput input);
+void FuzzNamesFile(FuzzInput input);
 void FuzzPoseFile(FuzzInput input);
 void FuzzQueryLog(FuzzInput input);
 void FuzzRequestJson(FuzzInput input);

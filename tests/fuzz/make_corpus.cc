@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// make_corpus FOLDER: writes the inputs of tests/fuzz/corpus that aren't text into that folder.
+// make_corpus FOLDER: writes the inputs of tests/fuzz/corpus that aren't text into that folder, all
+// but image/coded.heic, which is what heif-enc -q 50 (libheif-examples) makes of image/grey.png.
 #include <fstream>
 #include <iostream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "schema/file/map_store.h"
+#include "tests/core/image/made_heic.h"
 #include "tests/fuzz/compressed.h"
 #include "tests/schema/made_map.h"
 
@@ -48,9 +50,9 @@ void PutBig(Encoded& bytes, uint32_t value, int size) {
   for (int i = size - 1; i >= 0; --i) bytes.push_back(static_cast<uint8_t>(value >> 8 * i));
 }
 
-// A JPEG with an APP1 segment: a focal length of 28 mm on film, of 3200 by 2400 pixels.
-Encoded WithExif(Encoded jpeg) {
-  Encoded tiff = {'E', 'x', 'i', 'f', 0, 0, 'M', 'M', 0, 42, 0, 0, 0, 8};
+// A focal length of 28 mm on film, of 3200 by 2400 pixels.
+Encoded FocalTiff() {
+  Encoded tiff = {'M', 'M', 0, 42, 0, 0, 0, 8};
   const auto entry = [&tiff](uint32_t tag, uint32_t type, uint32_t value) {
     constexpr uint32_t kShortType = 3;
     PutBig(tiff, tag, 2);
@@ -66,6 +68,19 @@ Encoded WithExif(Encoded jpeg) {
   entry(0xA003, 3, 2400);
   entry(0xA405, 3, 28);
   PutBig(tiff, 0, 4);
+  return tiff;
+}
+
+Encoded NamedExif() {
+  Encoded exif = {'E', 'x', 'i', 'f', 0, 0};
+  const Encoded tiff = FocalTiff();
+  exif.insert(exif.end(), tiff.begin(), tiff.end());
+  return exif;
+}
+
+// A JPEG with an APP1 segment.
+Encoded WithExif(Encoded jpeg) {
+  const Encoded tiff = NamedExif();
   Encoded segment = {0xFF, 0xE1};
   PutBig(segment, static_cast<uint32_t>(tiff.size()) + 2, 2);
   segment.insert(segment.end(), tiff.begin(), tiff.end());
@@ -83,7 +98,34 @@ Encoded WithHiddenFrame(Encoded jpeg) {
   return jpeg;
 }
 
+// A WebP in its extended form, with EXIF data.
+Encoded ExtendedWebp() {
+  const Encoded webp = Encode(".webp", CV_8UC3, {cv::IMWRITE_WEBP_QUALITY, 80});
+  const Encoded exif = NamedExif();
+  Encoded file = {'R', 'I', 'F', 'F', 0, 0, 0, 0, 'W', 'E', 'B', 'P', 'V', 'P', '8',
+                  'X', 10,  0,   0,   0, 8, 0, 0, 0,   31,  0,   0,   23,  0,   0};
+  file.insert(file.end(), webp.begin() + 12, webp.end());
+  file.insert(file.end(), {'E', 'X', 'I', 'F', static_cast<uint8_t>(exif.size()), 0, 0, 0});
+  file.insert(file.end(), exif.begin(), exif.end());
+  file[4] = static_cast<uint8_t>((file.size() - 8) & 255);
+  file[5] = static_cast<uint8_t>((file.size() - 8) >> 8);
+  return file;
+}
+
+void SaveHeics(const fs::path& folder) {
+  const cv::Mat icon = Picture(CV_8UC1)(cv::Rect(0, 0, 32, 16));
+  Save(folder / "image/stored.heic", MakeHeic(icon));
+  Save(folder / "image/deep.heic", MakeHeic(icon, {.bits = 10, .chroma = true, .turned = true}));
+  Save(folder / "image/grid.heic",
+       MakeHeic(cv::Mat(64, 128, CV_8UC1, cv::Scalar(9)), {.columns = 2}));
+  Save(folder / "exif/photo.heic", MakeHeic(icon, {.exif = FocalTiff()}));
+}
+
 void SaveImages(const fs::path& folder) {
+  Save(folder / "image/lossy.webp", Encode(".webp", CV_8UC3, {cv::IMWRITE_WEBP_QUALITY, 80}));
+  Save(folder / "image/lossless.webp", Encode(".webp", CV_8UC3));
+  Save(folder / "image/extended.webp", ExtendedWebp());
+  Save(folder / "exif/photo.webp", ExtendedWebp());
   const std::vector<int> progressive{cv::IMWRITE_JPEG_PROGRESSIVE, 1};
   const std::vector<int> restarts{cv::IMWRITE_JPEG_RST_INTERVAL, 2};
   Save(folder / "image/grey.jpg", Encode(".jpg", CV_8UC1));
@@ -123,6 +165,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   waystone::SaveImages(argv[1]);
+  waystone::SaveHeics(argv[1]);
   waystone::SaveMaps(argv[1]);
   return 0;
 }

@@ -12,6 +12,7 @@
 
 #include "schema/file/map_database.h"
 #include "schema/file/map_tables.h"
+#include "schema/layers/layers.h"
 #include "schema/tables/blob.h"
 #include "tests/fuzz/compressed.h"
 #include "tests/fuzz/mutate_bytes.h"
@@ -49,7 +50,7 @@ class OpenMutant {
   }
 
   void RepairChecksums() {
-    for (const TableView& table : AllTables()) {
+    for (const TableView& table : Tables()) {
       for (const Column& column : table.columns) {
         if (column.type != ColumnType::kBlob) continue;
         const std::string name(column.name);
@@ -63,7 +64,7 @@ class OpenMutant {
 
   // A random row of a random table that has any.
   void ChangeRow(Random& random, const MutateBytes& mutate) {
-    const std::vector<TableView>& tables = AllTables();
+    const std::vector<TableView> tables = Tables();
     for (int attempt = 0; attempt < 20; ++attempt) {
       const TableView& table = tables[random.Below(static_cast<int>(tables.size()))];
       const std::string name(table.name);
@@ -89,6 +90,14 @@ class OpenMutant {
   }
 
  private:
+  std::vector<TableView> Tables() {
+    std::vector<TableView> tables = AllTables();
+    for (const OptionalTable& one : OptionalTables()) {
+      if (database_.tableExists(std::string(one.table.name))) tables.push_back(one.table);
+    }
+    return tables;
+  }
+
   // " WHERE a = 3 AND b = 4", of the n-th row.
   std::string KeyOfRow(const TableView& table, int n) {
     std::string keys;

@@ -16,7 +16,9 @@
 #include "core/camera/camera.h"
 #include "schema/file/map_tables.h"
 #include "schema/file/migrate.h"
+#include "schema/file/plain_objects.h"
 #include "schema/layers/appearance/appearance_layer.h"
+#include "schema/layers/layers.h"
 #include "schema/layers/orientation/orientation_layer.h"
 #include "schema/layers/planes/plane_tables.h"
 #include "schema/map_data.h"
@@ -77,6 +79,7 @@ std::vector<std::string> Split(const std::string& text, const std::string& separ
 SQLite::Database MakeDatabase() {
   SQLite::Database database(":memory:", SQLite::OPEN_READWRITE);
   for (const Migration& step : Migrations()) database.exec(step.sql);
+  for (const OptionalTable& table : OptionalTables()) database.exec(table.sql);
   return database;
 }
 
@@ -101,10 +104,17 @@ std::vector<std::string> KeyOf(SQLite::Database& database, const std::string& ta
   return key;
 }
 
+// Those that every map has, and the optional ones.
+std::vector<TableView> DescribedTables() {
+  std::vector<TableView> tables = AllTables();
+  for (const OptionalTable& one : OptionalTables()) tables.push_back(one.table);
+  return tables;
+}
+
 TEST(Tables, AreWhatTheMigrationsMake) {
   SQLite::Database database = MakeDatabase();
   std::set<std::string> described;
-  for (const TableView& table : AllTables()) {
+  for (const TableView& table : DescribedTables()) {
     const std::string name(table.name);
     described.insert(name);
     EXPECT_EQ(DescribedColumns(table), StoredColumnTypes(database, name)) << name;
@@ -140,11 +150,24 @@ std::map<std::string, TypeByColumn> DocumentedTables(const std::string& text) {
   return tables;
 }
 
+// As sqlite_schema has it, and such that older programs leave it alone.
+TEST(Tables, AreOptionalOnlyIfPlain) {
+  SQLite::Database database = MakeDatabase();
+  ASSERT_FALSE(OptionalTables().empty());
+  for (const auto& [table, sql] : OptionalTables()) {
+    SQLite::Statement row(database, "SELECT sql FROM sqlite_schema WHERE name = ?");
+    row.bind(1, std::string(table.name));
+    ASSERT_TRUE(row.executeStep());
+    EXPECT_EQ(row.getColumn(0).getString(), sql);
+    EXPECT_TRUE(IsPlainObject({"table", std::string(table.name), sql})) << table.name;
+  }
+}
+
 TEST(Tables, AreInFormatMd) {
   const std::map<std::string, TypeByColumn> documented =
       DocumentedTables(ReadText("schema/FORMAT.md"));
-  EXPECT_EQ(documented.size(), AllTables().size());
-  for (const TableView& table : AllTables()) {
+  EXPECT_EQ(documented.size(), DescribedTables().size());
+  for (const TableView& table : DescribedTables()) {
     const auto found = documented.find(std::string(table.name));
     ASSERT_NE(found, documented.end()) << table.name;
     EXPECT_EQ(found->second, DescribedColumns(table)) << table.name;
@@ -199,7 +222,7 @@ int Stored(Enum value) {
 
 TEST(Tables, StoredEnumsAreInFormatMd) {
   const auto enums = DocumentedEnums(ReadText("schema/FORMAT.md"));
-  ASSERT_EQ(enums.size(), 6u);
+  ASSERT_EQ(enums.size(), 7u);
   const std::map<int, std::string>& features = enums.at("feature_type");
   EXPECT_EQ(features.size(), 3u);
   EXPECT_TRUE(features.at(Stored(FeatureType::kSift)).starts_with("SIFT"));
@@ -225,6 +248,10 @@ TEST(Tables, StoredEnumsAreInFormatMd) {
   const std::map<int, std::string>& units = enums.at("unit of pose_layer");
   EXPECT_EQ(units.at(Stored(LengthUnit::kUnknown)), NameOf(LengthUnit::kUnknown));
   EXPECT_EQ(units.at(Stored(LengthUnit::kMetres)), NameOf(LengthUnit::kMetres));
+  const std::map<int, std::string>& kinds = enums.at("kind of place_ranges");
+  for (const NamedKind kind : {NamedKind::kKeyframes, NamedKind::kNodes, NamedKind::kPlanes}) {
+    EXPECT_EQ(kinds.at(Stored(kind)), NameOf(kind));
+  }
 }
 
 TEST(Tables, SequenceKindsAreInFormatMd) {

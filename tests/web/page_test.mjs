@@ -189,6 +189,48 @@ async function testCoverage(page) {
   await checkAccess(page, "coverage");
 }
 
+// The walk's map has one named place, its first three keyframes; another is composed and downloaded.
+async function testNames(page) {
+  const { keyframes } = await overview();
+  const [first, second, third, fourth] = keyframes.id;
+  assert.deepEqual(keyframes.place.slice(0, 4), ["Door <&>", "Door <&>", "Door <&>", null]);
+  await go(page, "keyframes", "Keyframes");
+  assert.match(await page.locator(".grid li").first().innerText(), /Door <&>/);
+  await go(page, "names", "Named places");
+  assert.equal(await page.locator(".names tbody tr").count(), 1);
+  const fill = (label, text) => page.getByLabel(label, { exact: true }).fill(String(text));
+  await fill("First keyframe", fourth);
+  await fill("Name", "x".repeat(201));
+  await page.getByRole("button", { name: "Add" }).click();
+  assert.match(await page.locator(".failure").innerText(), /at most 200 bytes/);
+  await fill("Name", "Window");
+  await fill("First keyframe", 1_000_000);
+  await page.getByRole("button", { name: "Add" }).click();
+  assert.match(await page.locator(".failure").innerText(), /no keyframe 1000000/);
+  await fill("First keyframe", fourth);
+  await fill("Last keyframe", second);  // backwards, as people may give them
+  await page.getByRole("button", { name: "Add" }).click();
+  await page.locator(".names tbody tr").nth(1).waitFor();
+  assert.equal(await page.locator(".failure").count(), 0);
+  await shoot(page, "names");
+  await checkAccess(page, "names");
+  const waiting = page.waitForEvent("download");
+  await page.getByRole("link", { name: "Download room-names.json" }).click();
+  const file = JSON.parse(readFileSync(await (await waiting).path(), "utf8"));
+  const stored = await getJson("/v1/maps/room/names");
+  assert.deepEqual(file.places[0], stored.places[0]);
+  const [a, b] = await Promise.all([second, fourth].map((id) => getJson(`/v1/maps/room/keyframes/${id}`)));
+  assert.deepEqual(file.places[1], {
+    name: "Window",
+    keyframes: [{ sequence: a.sequence, first: { image: a.source, frame: a.frame }, last: { image: b.source, frame: b.frame } }],
+    nodes: [], planes: [], polygons: [],
+  });
+  assert.equal(a.place, "Door <&>");
+  await page.getByRole("button", { name: "Remove Door" }).click();
+  assert.equal(await page.locator(".names tbody tr").count(), 1);
+  assert.ok(first < second && second < third);
+}
+
 async function testLayers(page) {
   await go(page, "layers", "Trajectory");
   await page.getByText("has no appearance layer").waitFor();
@@ -387,7 +429,7 @@ async function testPhone() {
   await page.goto(`${url}/`);
   await ask(page, inside);
   const views = [["ask", /Where/], ["why", /Why/], ["planes", /Plane graph/], ["keyframes", /Keyframes/],
-    ["layers", /Trajectory/], ["orientation", /Turns/], ["coverage", /Coverage/], ["layers", /Trajectory/, "turns"],
+    ["layers", /Trajectory/], ["orientation", /Turns/], ["coverage", /Coverage/], ["names", /Named places/], ["layers", /Trajectory/, "turns"],
     ["orientation", /Turns/, "turns"], ["keyframes/2", /Keyframe 2/, "walls"]];
   for (const [view, heading, map] of views) {
     await go(page, view, heading, map);
@@ -405,7 +447,7 @@ async function testPhone() {
 await run(async () => {
   const { page, complaints, close } = await open({ viewport: { width: 1280, height: 800 } });
   await page.goto(`${url}/`);
-  for (const test of [testAsk, testWhy, testPlanes, testKeyframes, testLayers, testOrientation,
+  for (const test of [testAsk, testWhy, testPlanes, testKeyframes, testNames, testLayers, testOrientation,
     testSpace, testCoverage, testKeyboard]) {
     await test(page);
     assert.deepEqual(complaints, [], test.name);

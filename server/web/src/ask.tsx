@@ -138,7 +138,7 @@ function Verdict({ map, query }: { map: string; query: Query }) {
       <h2>{verdictInWords(answer)}</h2>
       <p>
         {answer.verdict === "localized"
-          ? <>{near?.source} of sequence {near?.sequence}, confidence {confidence(answer.probability)}.</>
+          ? <>{answer.place?.name && <><strong>{answer.place.name}</strong>: </>}{near?.source} of sequence {near?.sequence}, confidence {confidence(answer.probability)}.</>
           : answer.message}{" "}
         {answer.explanation && answer.verdict !== "bad_image" && <a href={href(map, "why")}>Why?</a>}
       </p>

@@ -68,7 +68,7 @@ function Show({ map, id }: { map: MapSummary; id: number }) {
   const lines = useGet<DirectedLines>(withLines ? `${mapPath(map.name)}/keyframes/${id}/lines` : null);
   if (keyframe.error) return <Failure error={keyframe.error} />;
   if (!keyframe.value) return <Waiting what={`keyframe ${id}`} />;
-  const { width, height, image, planes, source, sequence, frame, stretch, time_s } = keyframe.value;
+  const { width, height, image, planes, place, source, sequence, frame, stretch, time_s } = keyframe.value;
   const camera = cameraOf(map, keyframe.value);
   const panorama = camera?.model === "EQUIRECTANGULAR";
   const shown = (plane: number) => !hidden.includes(plane);
@@ -96,6 +96,7 @@ function Show({ map, id }: { map: MapSummary; id: number }) {
         <div>
           <Facts
             rows={[
+              ...(place ? [["Place", place] as [string, string]] : []),
               ["Source", `${source} of sequence ${sequence}`],
               ["Frame", time_s === null ? frame : `${frame} at ${time_s.toFixed(2)} s`],
               ["Stretch", stretch + 1],
@@ -114,14 +115,14 @@ function Show({ map, id }: { map: MapSummary; id: number }) {
 
 function Grid({ map, overview }: { map: MapSummary; overview: Overview }) {
   const [count, setCount] = useState(kPage);
-  const { id, planes, features } = overview.keyframes;
+  const { id, place, planes, features } = overview.keyframes;
   return (
     <>
       <ul class="grid">
         {id.slice(0, count).map((keyframe, i) => (
           <li key={keyframe}>
             <Thumbnail map={map} id={keyframe} />
-            <span><strong>{keyframe}</strong> {counted(planes[i], "plane")}, {counted(features[i], "inlier")}</span>
+            <span><strong>{keyframe}</strong> {place[i] && <>{place[i]}, </>}{counted(planes[i], "plane")}, {counted(features[i], "inlier")}</span>
           </li>
         ))}
       </ul>

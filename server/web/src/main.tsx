@@ -19,6 +19,7 @@ const kTitles: Record<View, string> = {
   layers: "Trajectory",
   orientation: "Orientation",
   coverage: "Coverage",
+  names: "Names",
 };
 
 // Every view but the first is loaded on demand.
@@ -29,6 +30,7 @@ const kLater: Record<Exclude<View, "ask">, () => Promise<ComponentType<ViewProps
   layers: async () => (await import("./layers")).LayersView,
   orientation: async () => (await import("./orientation")).OrientationView,
   coverage: async () => (await import("./coverage")).CoverageView,
+  names: async () => (await import("./names")).NamesView,
 };
 
 function useView(view: View): ComponentType<ViewProps> | null {
@@ -54,6 +56,7 @@ function viewsOf(map: MapSummary, layers: string[]): View[] {
     layers: map.planes > 0 || layers.includes("appearance") || layers.includes("poses"),
     orientation: layers.includes("orientation"),
     coverage: map.planes > 0,
+    names: map.keyframes > 0 || layers.includes("appearance"),
   };
   return (Object.keys(kTitles) as View[]).filter((view) => needs[view]);
 }

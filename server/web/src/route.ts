@@ -3,7 +3,7 @@
 import { useEffect, useState } from "preact/hooks";
 
 export const kViews = [
-  "ask", "why", "planes", "keyframes", "layers", "orientation", "coverage",
+  "ask", "why", "planes", "keyframes", "layers", "orientation", "coverage", "names",
 ] as const;
 export type View = (typeof kViews)[number];
 

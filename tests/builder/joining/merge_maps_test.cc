@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <set>
 
 #include "builder/calibration/rendered_negatives.h"
 #include "core/base/error.h"
@@ -93,6 +94,41 @@ TEST(MergeMaps, RecordsItsSessions) {
   EXPECT_EQ(sessions[1].sequences, std::vector{SequenceId{2}});
   const bool first_leads = sessions[0].name == "first";
   EXPECT_EQ(sessions[0].version, (first_leads ? FirstHalf() : SecondHalf()).info.version);
+}
+
+TEST(MergeMaps, KeepsNamedPlaces) {
+  MapData first = FirstHalf();
+  MapData second = SecondHalf();
+  const int64_t last = second.planes.back().id.value;
+  first.names = {{"Hall", {{NamedKind::kKeyframes, 1, 3}}, {}}};
+  second.names = {{"Hall", {{NamedKind::kKeyframes, 2, 2}}, {}},
+                  {"Walls", {{NamedKind::kPlanes, 1, last}}, {}}};
+  const MapData joined = MergeMaps({first, second}, "joined", {}).map;
+  ASSERT_EQ(joined.names.size(), 2u);
+  const auto shift = static_cast<int64_t>(
+      SessionsOf(joined)[0].name == "first" ? first.keyframes.size() : second.keyframes.size());
+  const bool first_leads = SessionsOf(joined)[0].name == "first";
+  const NamedPlace hall{
+      "Hall",
+      first_leads ? std::vector<NamedRange>{{NamedKind::kKeyframes, 1, 3},
+                                            {NamedKind::kKeyframes, 2 + shift, 2 + shift}}
+                  : std::vector<NamedRange>{{NamedKind::kKeyframes, 2, 2},
+                                            {NamedKind::kKeyframes, 1 + shift, 3 + shift}},
+      {}};
+  EXPECT_EQ(joined.names[0], hall);
+  // Each plane of the second map is in it, as itself or as part of the one that it was fused with.
+  std::set<int64_t> held;
+  for (const NamedRange& range : joined.names[1].ranges) {
+    for (int64_t id = range.first; id <= range.last; ++id) held.insert(id);
+  }
+  for (const Plane& plane : joined.planes) {
+    const bool seen_by_second = std::ranges::any_of(plane.views, [&](const PlaneView& view) {
+      return joined.keyframes[static_cast<size_t>(view.keyframe.value - 1)].sequence ==
+             SequenceId{first_leads ? 2 : 1};
+    });
+    EXPECT_EQ(held.contains(plane.id.value), seen_by_second) << plane.id.value;
+  }
+  EXPECT_EQ(WrittenAndRead(joined).names, joined.names);
 }
 
 TEST(MergeMaps, JoinsAJoinedMapToAThird) {

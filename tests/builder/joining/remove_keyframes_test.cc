@@ -77,6 +77,16 @@ TEST(RemoveKeyframes, ExpressesPlanesInAnotherReference) {
   EXPECT_EQ(WrittenAndRead(left.map).edges, left.map.edges);
 }
 
+TEST(RemoveKeyframes, KeepsWhatIsLeftOfNamedPlaces) {
+  MapData map = TheMap().map;
+  map.names = {{"Begin", {{NamedKind::kKeyframes, 1, 1}}, {}},
+               {"Hall", {{NamedKind::kKeyframes, 1, 4}}, {}}};
+  const RemoveResult left = RemoveKeyframes(map, {{1}, {3}}, {});
+  EXPECT_EQ(left.report.names, std::vector<std::string>{"Begin"});
+  ASSERT_EQ(left.map.names.size(), 1u);
+  EXPECT_EQ(left.map.names[0], (NamedPlace{"Hall", {{NamedKind::kKeyframes, 2, 4}}, {}}));
+}
+
 TEST(RemoveKeyframes, ParesAStretchInTwo) {
   const MapData& map = TheMap().map;
   const size_t middle = map.keyframes.size() / 2;

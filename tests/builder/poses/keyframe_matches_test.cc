@@ -80,7 +80,7 @@ TEST(KeyframeMatches, AgreeWithTheTruePoses) {
   const auto index = MapIndex::Build(TheMap().map);
   const MapData& map = index->map();
   const auto features = ReadKeyframes(map, OpenSources(1), {});
-  const auto matched = MatchKeyframes(*index, features, {});
+  const auto matched = MatchKeyframes(*index, features);
   std::set<std::pair<int, int>> pairs;
   int right = 0;
   int all = 0;
@@ -107,7 +107,7 @@ TEST(KeyframeMatches, JoinVisitsOfOnePlace) {
   const MapData& map = index->map();
   const auto features = ReadKeyframes(map, OpenSources(2), {});
   int between = 0;
-  for (const MatchedKeyframes& pair : MatchKeyframes(*index, features, {})) {
+  for (const MatchedKeyframes& pair : MatchKeyframes(*index, features)) {
     between += map.keyframes[pair.a].sequence != map.keyframes[pair.b].sequence;
   }
   EXPECT_GE(between, std::ssize(map.keyframes) / 2);
@@ -118,7 +118,7 @@ TEST(KeyframeMatches, AreTheSameOnAnyNumberOfThreads) {
   const auto features = ReadKeyframes(index->map(), OpenSources(1), {});
   const auto match = [&](int threads) {
     std::vector<MatchedKeyframes> matched;
-    tbb::task_arena(threads).execute([&] { matched = MatchKeyframes(*index, features, {}); });
+    tbb::task_arena(threads).execute([&] { matched = MatchKeyframes(*index, features); });
     return matched;
   };
   const auto one = match(1);

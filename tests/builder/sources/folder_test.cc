@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fstream>
 #include <thread>
 
 #include "builder/sources/files.h"
 #include "tests/builder/sources/temporary_folder.h"
+#include "tests/core/image/made_heic.h"
 
 namespace waystone {
 namespace {
@@ -64,9 +66,18 @@ TEST_F(FolderTest, GivesItsImagesInNaturalOrder) {
 
 TEST_F(FolderTest, TakesAllExtensionsInAnyCase) {
   for (const char* name : {"a.jpg", "b.JPEG", "c.png", "d.BMP", "e.pgm", "f.pnm"}) {
-    WriteImage(name);
+    WriteImage(name, 0, {16, 16});
   }
-  EXPECT_EQ(Open()->size(), 6);
+  WriteImage("g.webp", 0, {16, 16});
+  const std::vector<uint8_t> heic = MakeHeic(cv::Mat(16, 16, CV_8UC1, cv::Scalar(70)));
+  std::ofstream(folder_ / "h.HEIC", std::ios::binary)
+      .write(reinterpret_cast<const char*>(heic.data()), std::ssize(heic));
+  const auto source = Open();
+  EXPECT_EQ(source->size(), 8);
+  const std::vector<Frame> frames = AllFrames(*source);
+  EXPECT_EQ(frames[7].info.source, "h.HEIC");
+  ASSERT_EQ(frames[7].grey.size(), cv::Size(16, 16)) << frames[7].error;
+  EXPECT_EQ(frames[7].grey.at<uint8_t>(3, 3), 70);
 }
 
 TEST_F(FolderTest, NameOfAPathWithASlashOrDots) {

@@ -155,6 +155,27 @@ TEST(RelativePose, RefusesMatchesOfNothing) {
   EXPECT_EQ(FindRelativePose(few.rays).error, RelativeError::kFewInliers);
 }
 
+// Most of what a robot sees lies near the horizon. Rays that are spread over it alone fit a wrong
+// motion far more often than rays that are spread over the sphere.
+TEST(RelativePose, UnrelatedMatchesNearTheHorizonAreChance) {
+  Random random(8);
+  const auto near_horizon = [&] {
+    const double azimuth = random.Uniform(-std::numbers::pi, std::numbers::pi);
+    return Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0.02 * random.Normal())
+        .normalized();
+  };
+  for (int trial = 0; trial < 60; ++trial) {
+    MatchedRays rays;
+    for (int i = 0; i < 100; ++i) {
+      rays.a.push_back(near_horizon());
+      rays.b.push_back(near_horizon());
+    }
+    const RelativePose pose = FindRelativePose(rays);
+    EXPECT_FALSE(pose.accepted());
+    EXPECT_GT(pose.log10_chance, -2) << trial << ": " << pose.inliers.size() << " inliers";
+  }
+}
+
 TEST(RelativePose, SameSeedSamePose) {
   Random random(7);
   const Scene scene = MakeScene(random, 40, 60, 0.001, 1);

@@ -11,7 +11,7 @@
 #include <cstring>
 #include <unordered_set>
 
-// NOLINTBEGIN(readability-identifier-naming): the C library's names
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the C library's names
 extern "C" {
 // Its own, by their second names.
 void* __libc_malloc(size_t size);
@@ -19,7 +19,7 @@ void* __libc_calloc(size_t count, size_t size);
 void* __libc_realloc(void* memory, size_t size);
 void* __libc_memalign(size_t alignment, size_t size);
 }
-// NOLINTEND(readability-identifier-naming)
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
 namespace waystone {
 namespace {

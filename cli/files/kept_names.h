@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "schema/map_data.h"
+
+// Names that people gave to places outlive the map that they were given to.
+namespace waystone {
+
+// The names of the map at `path` as a names file; nothing where there is no map that can be read,
+// or none with names.
+std::optional<std::string> NamesOfOldMap(const std::filesystem::path& path);
+
+// Puts the places of a names file that `map` has into it. Where it hasn't got all of them, the file
+// is written beside `path`, where the map goes, under a name that is free, and that name returned.
+// Throws MapError(kFileUnwritable).
+std::optional<std::filesystem::path> KeepNames(const std::string& names,
+                                               const std::filesystem::path& path, MapData& map);
+
+}  // namespace waystone

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "schema/layers/poses/pose_layer.h"
+
+namespace waystone {
+
+// The mean direction of the tops of a layer's images, of unit length, in its frame; nothing where
+// they have none in common.
+std::optional<Eigen::Vector3d> EstimateUp(const PoseLayer& layer);
+
+// The frame of a pose layer as seen from above: unit vectors that point to the right, to the top
+// and out of the picture.
+struct Horizontal {
+  Eigen::Vector3d right = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d top = Eigen::Vector3d::UnitY();
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+
+  Eigen::Vector2d Of(const Eigen::Vector3d& point) const {
+    return {right.dot(point), top.dot(point)};
+  }
+};
+
+// Up is the axis of the frame within 20 degrees of EstimateUp, where there is one, and z where it
+// isn't known; x is to the right unless it is near up. In a frame with z up these are x and y.
+Horizontal HorizontalOf(const PoseLayer& layer);
+
+}  // namespace waystone
