@@ -59,6 +59,12 @@ std::string RecordFields(const Options& options) {
   return record + options_record_internal::JsonBetween(last, "");
 }
 
+// The options of a build as a record holds them, for building more of the same: those of features,
+// keyframes, planes and layers, and of the pictures kept. All others, and those that the record
+// doesn't name, have their defaults. Throws MapError(kMapDamaged) for a value that its option can't
+// have.
+BuildOptions OptionsOfRecord(const std::string& options_json);
+
 // All options of a build but those that it doesn't depend on, as MapInfo::options_json holds them.
 std::string RecordOptions(const BuildOptions& options);
 

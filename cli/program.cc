@@ -92,6 +92,7 @@ int RunProgram(int argc, char** argv) {
   app.failure_message(UsageMessage);
   Run run;
   AddBuild(app, run);
+  AddAdd(app, run);
   AddServe(app, run);
   AddLocalize(app, run);
   AddWatch(app, run);
@@ -101,11 +102,13 @@ int RunProgram(int argc, char** argv) {
   AddInfo(app, run);
   AddCheck(app, run);
   AddMigrate(app, run);
+  AddMerge(app, run);
   AddName(app, run);
   AddOptions(app, run);
   AddUnwrap(app, run);
   AddCompass(app, run);
   AddExport(app, run);
+  AddRemove(app, run);
   AddReplay(app, run);
   AddDemo(app, run);
   ThrowOpenCvErrors();

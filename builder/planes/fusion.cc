@@ -13,6 +13,7 @@
 
 #include "builder/planes/plane_features.h"
 #include "core/homography/estimate_homography.h"
+#include "schema/layers/layer_blobs.h"
 
 namespace waystone {
 namespace {
@@ -89,8 +90,9 @@ void MergeInto(Plane& m, const Plane& n, const FusionMatch& match) {
   const Matrix3d& m_from_n = match.m_from_n.b_from_a;
   std::set<int> same;
   for (const Match& inlier : match.inliers) {
-    m.features[inlier.a].votes += n.features[inlier.b].votes;
-    m.features[inlier.a].visible += n.features[inlier.b].visible;
+    PlaneFeature& feature = m.features[inlier.a];
+    feature.votes = std::min(feature.votes + n.features[inlier.b].votes, kMaxVotes);
+    feature.visible = std::min(feature.visible + n.features[inlier.b].visible, kMaxVotes);
     same.insert(inlier.b);
   }
   for (int f = 0; f < static_cast<int>(n.features.size()); ++f) {
@@ -191,6 +193,8 @@ class Fuser {
   FusionResult Finish() {
     FusionResult result;
     result.fused = static_cast<int>(merged_into_.size());
+    for (const auto& [id, into] : merged_into_) result.merged_into.emplace(id, Root(into));
+    result.joined = joined_;
     for (auto& [id, entry] : planes_) result.planes.push_back(std::move(entry.plane));
     std::sort(edges_.begin(), edges_.end(), [](const Edge& x, const Edge& y) {
       return std::pair(x.a, x.b) < std::pair(y.a, y.b);
@@ -224,6 +228,7 @@ class Fuser {
     const Keyframe& reference = *keyframes_.at(entry_m.plane.reference);
     if (ShareWithinReach(plane_n, *match, reference, options_) < options_.fusion.min_within_reach) {
       edges_.push_back(SameSurface(entry_m.plane, plane_n));
+      ++joined_;
     } else {
       MergeInto(entry_m.plane, plane_n, *match);
       entry_m.packed = PackedRows(type_, entry_m.plane.descriptors);
@@ -245,6 +250,7 @@ class Fuser {
   std::map<PlaneId, PlaneId> merged_into_;
   std::vector<Edge> edges_;
   std::set<PlanePair> covisible_;
+  int joined_ = 0;
   FeatureType type_;
   const PlaneLayerOptions& options_;
 };

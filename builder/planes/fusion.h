@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -23,9 +24,11 @@ std::optional<FusionMatch> MatchPlanes(const Plane& m, const PackedRows& packed_
                                        const PlaneLayerOptions& options);
 
 struct FusionResult {
-  std::vector<Plane> planes;  // by id
-  std::vector<Edge> edges;    // by (a, b)
-  int fused = 0;              // planes that were merged into another
+  std::vector<Plane> planes;               // by id
+  std::vector<Edge> edges;                 // by (a, b)
+  int fused = 0;                           // planes that were merged into another
+  std::map<PlaneId, PlaneId> merged_into;  // each of them, and the plane that it is part of now
+  int joined = 0;                          // pairs that stay and got an edge as one surface
 };
 
 // Lines 15 to 19 of Algorithm 1: merges planes that were seen again (eq. 6). The lower id stays,

@@ -17,6 +17,7 @@ void AddSetFlag(CLI::App& command, std::vector<std::string>& settings);
 // Each adds its subcommand to the program and, when that is the one that was given, puts what it
 // does into `run`, which must outlive the parsing.
 void AddBuild(CLI::App& app, Run& run);
+void AddAdd(CLI::App& app, Run& run);
 void AddServe(CLI::App& app, Run& run);
 void AddLocalize(CLI::App& app, Run& run);
 void AddWatch(CLI::App& app, Run& run);
@@ -28,11 +29,13 @@ void AddAudit(CLI::App& app, Run& run);
 void AddInfo(CLI::App& app, Run& run);
 void AddCheck(CLI::App& app, Run& run);
 void AddMigrate(CLI::App& app, Run& run);
+void AddMerge(CLI::App& app, Run& run);
 void AddName(CLI::App& app, Run& run);
 void AddOptions(CLI::App& app, Run& run);
 void AddUnwrap(CLI::App& app, Run& run);
 void AddCompass(CLI::App& app, Run& run);
 void AddExport(CLI::App& app, Run& run);
+void AddRemove(CLI::App& app, Run& run);
 void AddReplay(CLI::App& app, Run& run);
 void AddDemo(CLI::App& app, Run& run);
 

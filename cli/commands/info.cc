@@ -9,8 +9,10 @@
 #include "cli/commands/commands.h"
 #include "cli/files/map_file.h"
 #include "cli/output/build_text.h"
+#include "cli/output/join_text.h"
 #include "core/base/text.h"
 #include "schema/file/map_store.h"
+#include "schema/sessions.h"
 
 namespace waystone {
 namespace {
@@ -25,8 +27,11 @@ Json InfoJson(const OpenMap& map, const std::vector<TableSize>& sizes, uint64_t 
   json["bytes"] = bytes;
   json["appearance"] = AppearanceJson(map.index->map());
   json["orientation"] = OrientationJson(map.index->map());
+  json["sessions"] = SessionsJson(map.index->map());
+  json["parts"] = PartsJson(map.index->map());
   json["tables"] = TablesJson(sizes);
-  json["options"] = Json::parse(map.index->map().info.options_json, nullptr, false);
+  const std::string options = WithoutSessions(map.index->map().info.options_json);
+  json["options"] = Json::parse(options, nullptr, false);
   if (json["options"].is_discarded()) json["options"] = nullptr;
   return json;
 }
@@ -45,7 +50,7 @@ void PrintInfo(const OpenMap& map, const std::vector<TableSize>& sizes, uint64_t
   for (const NamedPlace& place : data.names) {
     std::cout << "  place     " << Printable(place.name) << '\n';
   }
-  std::cout << TablesText(sizes);
+  std::cout << HistoryText(data) << TablesText(sizes);
 }
 
 int RunInfo(const InfoFlags& flags) {

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "core/base/error.h"
+#include "schema/file/file_replacer.h"
 #include "schema/file/map_store.h"
 
 namespace waystone {
@@ -17,6 +18,17 @@ OpenMap OpenMapFile(const std::filesystem::path& path, bool images) {
   ReadOptions options;
   options.images = images;
   return {MapNameOf(path), MapIndex::Build(ReadMap(path, options))};
+}
+
+void ReplaceMap(const MapData& map, const std::filesystem::path& path, bool keep) {
+  CheckWritable(path, {.overwrite = true});
+  if (keep) {
+    FileReplacer previous(path.string() + ".previous", true);
+    std::filesystem::copy_file(path, previous.temporary(),
+                               std::filesystem::copy_options::overwrite_existing);
+    previous.Commit();
+  }
+  WriteMap(map, path, {.overwrite = true});
 }
 
 std::vector<uint8_t> ReadBytes(const std::filesystem::path& path, const std::string& wanted) {

@@ -23,6 +23,11 @@ std::string MapNameOf(const std::filesystem::path& path);
 // Reads a map file and makes it ready for queries. Throws as ReadMap does.
 OpenMap OpenMapFile(const std::filesystem::path& path, bool images);
 
+// Writes a map over the file that it came from, as a whole or not at all. With `keep`, what was
+// there is then in PATH.previous, which replaces one that is there. Throws as WriteMap and
+// FileReplacer do.
+void ReplaceMap(const MapData& map, const std::filesystem::path& path, bool keep);
+
 // The bytes of a file. Throws MapError(kFileUnreadable) with the cause, and `wanted` as what to
 // give.
 std::vector<uint8_t> ReadBytes(const std::filesystem::path& path,

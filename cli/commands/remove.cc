@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <iostream>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "builder/joining/remove_keyframes.h"
+#include "cli/commands/commands.h"
+#include "cli/commands/settings.h"
+#include "cli/files/keyframe_choice.h"
+#include "cli/files/map_file.h"
+#include "cli/output/join_text.h"
+#include "core/base/error.h"
+#include "schema/file/map_store.h"
+
+namespace waystone {
+namespace {
+
+struct RemoveFlags {
+  std::string map;
+  std::vector<std::string> sessions;
+  std::string keyframes;
+  std::vector<std::string> settings;  // of --set
+  bool keep = false;
+  bool json = false;
+  bool quiet = false;
+};
+
+int RunRemove(const RemoveFlags& flags) {
+  BuildOptions options;
+  ApplySettings(flags.settings, options);
+  options.Check();
+  MapData map = ReadMap(flags.map);
+  std::set<KeyframeId> removed;
+  for (const std::string& session : flags.sessions) {
+    removed.merge(KeyframesOfSession(map, session));
+  }
+  if (!flags.keyframes.empty()) removed.merge(KeyframesInRanges(map, flags.keyframes));
+  if (removed.empty()) {
+    throw MapError(ErrorCode::kUsage,
+                   "nothing to remove; give --session or --keyframes (waystone info lists them)");
+  }
+  const RemoveResult result = RemoveKeyframes(std::move(map), removed, options);
+  ReplaceMap(result.map, flags.map, flags.keep);
+  if (flags.json) {
+    std::cout << Dump(RemovalJson(flags.map, result)) << '\n';
+  } else if (!flags.quiet) {
+    std::cout << RemovalText(flags.map, result);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void AddRemove(CLI::App& app, Run& run) {
+  auto flags = std::make_shared<RemoveFlags>();
+  CLI::App* command =
+      app.add_subcommand("remove", "Remove sessions or keyframes from a map, without its sources");
+  command->add_option("map", flags->map, "Map file, which is replaced")->required();
+  command->add_option("--session", flags->sessions,
+                      "Number or name of a session, as `waystone info` lists them; repeatable");
+  command->add_option("--keyframes", flags->keyframes, "Ids of keyframes, with ranges: 3,7,10-20");
+  command->add_flag("--keep", flags->keep, "Keep the previous version as MAP.previous");
+  AddSetFlag(*command, flags->settings);
+  command->add_flag("--json", flags->json, "Print the summary as one JSON object");
+  command->add_flag("--quiet", flags->quiet, "Print errors only");
+  command->footer("Example: waystone remove floor.db --session 2 --keep");
+  command->callback([flags, &run] { run = [flags] { return RunRemove(*flags); }; });
+}
+
+}  // namespace waystone

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/output/join_text.h"
+
+#include <algorithm>
+#include <optional>
+#include <sstream>
+
+#include "cli/output/build_text.h"
+#include "core/base/text.h"
+#include "schema/sessions.h"
+
+namespace waystone {
+namespace {
+
+std::string Counted(int count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+std::string NameOfSequence(const MapData& map, SequenceId id) {
+  return Printable(std::ranges::find(map.sequences, id, &Sequence::id)->name);
+}
+
+// "kitchen (1), hall (2)"
+std::string SequencesText(const MapData& map, const std::vector<SequenceId>& ids) {
+  std::string text;
+  for (const SequenceId id : ids) {
+    text += (text.empty() ? "" : ", ") + NameOfSequence(map, id) + " (" + std::to_string(id.value) +
+            ")";
+  }
+  return text;
+}
+
+// Times are those of its keyframes.
+Json SessionJson(const MapData& map, const MapSession& session) {
+  int64_t keyframes = 0;
+  std::optional<double> from_s;
+  std::optional<double> to_s;
+  for (const Keyframe& keyframe : map.keyframes) {
+    if (!std::ranges::binary_search(session.sequences, keyframe.sequence)) continue;
+    ++keyframes;
+    if (!keyframe.time_s) continue;
+    from_s = std::min(from_s.value_or(*keyframe.time_s), *keyframe.time_s);
+    to_s = std::max(to_s.value_or(*keyframe.time_s), *keyframe.time_s);
+  }
+  Json json;
+  json["name"] = session.name;
+  json["program"] = session.program;
+  json["version"] = session.version.empty() ? Json(nullptr) : Json(session.version);
+  json["sequences"] = ToJson(session.sequences);
+  json["keyframes"] = keyframes;
+  json["from_s"] = OrNull(from_s);
+  json["to_s"] = OrNull(to_s);
+  return json;
+}
+
+}  // namespace
+
+Json SessionsJson(const MapData& map) {
+  Json list = Json::array();
+  for (const MapSession& session : SessionsOf(map)) list.push_back(SessionJson(map, session));
+  return list;
+}
+
+Json PartsJson(const MapData& map) {
+  Json list = Json::array();
+  for (const std::vector<SequenceId>& part : FindParts(map)) list.push_back(ToJson(part));
+  return list;
+}
+
+std::string HistoryText(const MapData& map) {
+  const auto parts = FindParts(map);
+  std::ostringstream out;
+  if (HasHistory(map)) {
+    int number = 0;
+    for (const MapSession& session : SessionsOf(map)) {
+      out << "  session " << ++number << " " << Printable(session.name) << ": "
+          << SequencesText(map, session.sequences) << '\n';
+    }
+  }
+  if (parts.size() > 1) {
+    out << "  warning   the map has " << parts.size()
+        << " parts that show nothing in common; add a walk that leads from one to another\n";
+    int number = 0;
+    for (const auto& part : parts) {
+      out << "  part " << ++number << "    " << SequencesText(map, part) << '\n';
+    }
+  }
+  return out.str();
+}
+
+std::string JoinText(const std::string& path, const JoinResult& result) {
+  std::ostringstream out;
+  out << path << ": " << CountsText(result.map) << ", "
+      << Counted(result.report.sessions, "session") << '\n'
+      << "  joined    " << Counted(result.report.planes_fused, "plane") << " fused, "
+      << Counted(result.report.surfaces_joined, "pair") << " of planes joined as one surface\n"
+      << HistoryText(result.map);
+  return out.str();
+}
+
+std::string RemovalText(const std::string& path, const RemoveResult& result) {
+  const RemoveReport& report = result.report;
+  std::ostringstream out;
+  out << path << ": " << CountsText(result.map) << '\n'
+      << "  removed   " << Counted(report.keyframes, "keyframe") << ", "
+      << Counted(report.planes, "plane") << ", " << Counted(report.edges, "edge") << ", "
+      << Counted(report.sequences, "sequence") << "; " << Counted(report.planes_anchored, "plane")
+      << " with another reference image\n";
+  for (const std::string& name : report.names) {
+    out << "  warning   nothing is left of the place " << Printable(name) << '\n';
+  }
+  out << HistoryText(result.map);
+  return out.str();
+}
+
+Json RemovalJson(const std::string& path, const RemoveResult& result) {
+  Json json;
+  json["map"] = path;
+  json["keyframes"] = result.map.keyframes.size();
+  json["planes"] = result.map.planes.size();
+  json["edges"] = result.map.edges.size();
+  json["removed"] = {{"keyframes", result.report.keyframes},
+                     {"planes", result.report.planes},
+                     {"edges", result.report.edges},
+                     {"sequences", result.report.sequences}};
+  json["removed"]["names"] = result.report.names;
+  json["planes_anchored"] = result.report.planes_anchored;
+  json["sessions"] = SessionsJson(result.map);
+  json["parts"] = PartsJson(result.map);
+  return json;
+}
+
+Json JoinJson(const std::string& path, const JoinResult& result) {
+  Json json;
+  json["map"] = path;
+  json["keyframes"] = result.map.keyframes.size();
+  json["planes"] = result.map.planes.size();
+  json["edges"] = result.map.edges.size();
+  json["planes_fused"] = result.report.planes_fused;
+  json["surfaces_joined"] = result.report.surfaces_joined;
+  json["sessions"] = SessionsJson(result.map);
+  json["parts"] = PartsJson(result.map);
+  return json;
+}
+
+}  // namespace waystone

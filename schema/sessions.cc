@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "schema/sessions.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
+
+namespace waystone {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSessionsKey = "sessions";
+
+// Deeper than any record of options: writing one takes stack for each level.
+constexpr int kMaxDepth = 32;
+
+// The record as an object; an empty one where it is none.
+Json ParseRecord(const std::string& options_json) {
+  const auto is_shallow = [](int depth, Json::parse_event_t, const Json&) {
+    return depth <= kMaxDepth;
+  };
+  Json record = Json::parse(options_json, is_shallow, false);
+  return record.is_object() ? record : Json::object();
+}
+
+std::string Text(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+std::optional<MapSession> ReadSession(const Json& json) {
+  if (!json.is_object()) return std::nullopt;
+  MapSession session{Text(json, "name"), Text(json, "program"), Text(json, "version"), {}};
+  const auto ids = json.find("sequences");
+  if (ids == json.end() || !ids->is_array()) return std::nullopt;
+  for (const Json& id : *ids) {
+    if (!id.is_number_integer()) return std::nullopt;
+    session.sequences.push_back({id.get<int64_t>()});
+  }
+  if (!std::ranges::is_sorted(session.sequences)) return std::nullopt;
+  return session;
+}
+
+// Nothing where the record has no history, or one that isn't of these sequences.
+std::optional<std::vector<MapSession>> ReadSessions(const MapData& map) {
+  const Json record = ParseRecord(map.info.options_json);
+  const auto list = record.find(kSessionsKey);
+  if (list == record.end() || !list->is_array()) return std::nullopt;
+  std::vector<MapSession> sessions;
+  std::vector<SequenceId> named;
+  for (const Json& json : *list) {
+    std::optional<MapSession> session = ReadSession(json);
+    if (!session) return std::nullopt;
+    named.insert(named.end(), session->sequences.begin(), session->sequences.end());
+    sessions.push_back(std::move(*session));
+  }
+  std::vector<SequenceId> all;
+  for (const Sequence& sequence : map.sequences) all.push_back(sequence.id);
+  std::ranges::sort(named);
+  std::ranges::sort(all);
+  if (named != all) return std::nullopt;
+  return sessions;
+}
+
+// Sets that grow together.
+class Union {
+ public:
+  explicit Union(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+  size_t Root(size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  // The lower root stays.
+  void Join(size_t a, size_t b) {
+    const auto [low, high] = std::minmax({Root(a), Root(b)});
+    parent_[high] = low;
+  }
+
+ private:
+  std::vector<size_t> parent_;
+};
+
+}  // namespace
+
+std::vector<MapSession> SessionsOf(const MapData& map) {
+  if (auto sessions = ReadSessions(map)) return *sessions;
+  MapSession own{map.info.name, map.info.program, map.info.version, {}};
+  for (const Sequence& sequence : map.sequences) own.sequences.push_back(sequence.id);
+  std::ranges::sort(own.sequences);
+  return {own};
+}
+
+bool HasHistory(const MapData& map) { return ReadSessions(map).has_value(); }
+
+std::string WithSessions(const std::string& options_json, const std::vector<MapSession>& sessions) {
+  Json record = ParseRecord(options_json);
+  Json list = Json::array();
+  for (const MapSession& session : sessions) {
+    Json json;
+    json["name"] = session.name;
+    json["program"] = session.program;
+    json["version"] = session.version;
+    json["sequences"] = Json::array();
+    for (const SequenceId id : session.sequences) json["sequences"].push_back(id.value);
+    list.push_back(std::move(json));
+  }
+  record[kSessionsKey] = std::move(list);
+  return record.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string WithoutSessions(const std::string& options_json) {
+  Json record = ParseRecord(options_json);
+  if (record.erase(kSessionsKey) == 0) return options_json;
+  return record.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::vector<std::vector<SequenceId>> FindParts(const MapData& map) {
+  std::map<SequenceId, size_t> number;
+  for (const Sequence& sequence : map.sequences) number.emplace(sequence.id, number.size());
+  std::map<KeyframeId, size_t> of_keyframe;
+  for (const Keyframe& keyframe : map.keyframes) {
+    of_keyframe[keyframe.id] = number.at(keyframe.sequence);
+  }
+  Union parts(number.size());
+  std::map<PlaneId, size_t> of_plane;
+  for (const Plane& plane : map.planes) {
+    of_plane[plane.id] = of_keyframe.at(plane.reference);
+    for (const PlaneView& view : plane.views) {
+      parts.Join(of_plane[plane.id], of_keyframe.at(view.keyframe));
+    }
+  }
+  for (const Edge& edge : map.edges) parts.Join(of_plane.at(edge.a), of_plane.at(edge.b));
+  std::map<size_t, std::vector<SequenceId>> by_root;
+  for (const auto& [id, i] : number) by_root[parts.Root(i)].push_back(id);
+  std::vector<std::vector<SequenceId>> found;
+  for (auto& [root, sequences] : by_root) found.push_back(std::move(sequences));
+  return found;
+}
+
+}  // namespace waystone

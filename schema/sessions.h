@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "schema/map_data.h"
+
+// The history of a map that was joined from others: which sequences came together, and from where.
+namespace waystone {
+
+// The sequences that one build put into a map.
+struct MapSession {
+  std::string name;                   // of the map that was joined, or of the walk that was added
+  std::string program;                // "waystone 0.1.0": what built it
+  std::string version;                // "sha256:..." of that map's file; empty for an added walk
+  std::vector<SequenceId> sequences;  // ascending; some sequence of the map
+
+  bool operator==(const MapSession&) const = default;
+};
+
+// The sessions of a map, each sequence in one of them. A map without a history is one session: its
+// own. So is one whose history can't be read, or doesn't name each sequence once.
+std::vector<MapSession> SessionsOf(const MapData& map);
+// Whether the map has a history of its own.
+bool HasHistory(const MapData& map);
+
+// The record of options with this history in place of the one that it had.
+std::string WithSessions(const std::string& options_json, const std::vector<MapSession>& sessions);
+// The record without a history: the options alone.
+std::string WithoutSessions(const std::string& options_json);
+
+// The parts of a map: sequences that have planes in common, or planes that an edge joins, are of
+// one part. From one part to another nothing leads. Ordered by their first sequence, sequences
+// ascending. Sequences without a keyframe are parts of their own.
+std::vector<std::vector<SequenceId>> FindParts(const MapData& map);
+
+}  // namespace waystone

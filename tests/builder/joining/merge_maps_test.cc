@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/joining/merge_maps.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <set>
+
+#include "builder/calibration/rendered_negatives.h"
+#include "core/base/error.h"
+#include "schema/sessions.h"
+#include "tests/builder/joining/walked_maps.h"
+
+namespace waystone {
+namespace {
+
+// Two walks that share a stretch, and a third one of another part of the building.
+const MapData& FirstHalf() {
+  static const MapData map = MapOfFrames(0, 25, "first");
+  return map;
+}
+const MapData& SecondHalf() {
+  static const MapData map = MapOfFrames(18, 44, "second");
+  return map;
+}
+const JoinResult& Joined() {
+  static const JoinResult joined = MergeMaps({FirstHalf(), SecondHalf()}, "joined", {});
+  return joined;
+}
+
+std::string MessageOf(const std::function<void()>& run) {
+  try {
+    run();
+  } catch (const MapError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kBadRequest);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(MergeMaps, HasWhatBothHadAndFusesWhatBothSaw) {
+  const MapData& map = Joined().map;
+  EXPECT_EQ(map.info.name, "joined");
+  EXPECT_EQ(map.sequences.size(), 2u);
+  EXPECT_EQ(map.keyframes.size(), FirstHalf().keyframes.size() + SecondHalf().keyframes.size());
+  EXPECT_GT(Joined().report.planes_fused, 0);
+  EXPECT_EQ(map.planes.size() + Joined().report.planes_fused,
+            FirstHalf().planes.size() + SecondHalf().planes.size());
+  EXPECT_EQ(FindParts(map).size(), 1u);
+  ASSERT_TRUE(map.verdict);
+  EXPECT_GT(map.verdict->positives, 0);
+  EXPECT_EQ(WrittenAndRead(map).planes, map.planes);
+}
+
+TEST(MergeMaps, AnswersAsTheMapOfTheWholeDoes) {
+  const auto whole = MapIndex::Build(TheMap().map);
+  const auto joined = MapIndex::Build(Joined().map);
+  std::vector<Features> queries = FeaturesOfFrames();
+  const size_t inside = queries.size();
+  for (Features& outside : RenderedNegatives(15, FeatureOptions{})) {
+    queries.push_back(std::move(outside));
+  }
+  int same = 0;
+  int localized = 0;
+  int near = 0;
+  for (size_t i = 0; i < queries.size(); ++i) {
+    const Answer expected = LocalizeFeatures(*whole, queries[i], {});
+    const Answer answer = LocalizeFeatures(*joined, queries[i], {});
+    same += answer.verdict == expected.verdict;
+    if (answer.verdict != Verdict::kLocalized) continue;
+    ASSERT_LT(i, inside) << "another building";
+    ++localized;
+    const int frame = joined->FindKeyframe(answer.planes.keyframe->id)->frame;
+    near += std::abs(frame - static_cast<int>(i)) <= 12;
+  }
+  EXPECT_GE(same, std::ceil(0.98 * static_cast<double>(queries.size())));
+  EXPECT_GE(localized, 40);
+  // Two photos of what both halves show ahead are answered with a keyframe of the other half.
+  EXPECT_GE(near, localized - 2);
+}
+
+TEST(MergeMaps, DoesNotDependOnTheOrder) {
+  EXPECT_TRUE(MergeMaps({SecondHalf(), FirstHalf()}, "joined", {}).map == Joined().map);
+}
+
+TEST(MergeMaps, RecordsItsSessions) {
+  const std::vector<MapSession> sessions = SessionsOf(Joined().map);
+  ASSERT_EQ(sessions.size(), 2u);
+  std::vector<std::string> names{sessions[0].name, sessions[1].name};
+  std::ranges::sort(names);
+  EXPECT_EQ(names, (std::vector<std::string>{"first", "second"}));
+  EXPECT_EQ(sessions[0].sequences, std::vector{SequenceId{1}});
+  EXPECT_EQ(sessions[1].sequences, std::vector{SequenceId{2}});
+  const bool first_leads = sessions[0].name == "first";
+  EXPECT_EQ(sessions[0].version, (first_leads ? FirstHalf() : SecondHalf()).info.version);
+}
+
+TEST(MergeMaps, KeepsNamedPlaces) {
+  MapData first = FirstHalf();
+  MapData second = SecondHalf();
+  const int64_t last = second.planes.back().id.value;
+  first.names = {{"Hall", {{NamedKind::kKeyframes, 1, 3}}, {}}};
+  second.names = {{"Hall", {{NamedKind::kKeyframes, 2, 2}}, {}},
+                  {"Walls", {{NamedKind::kPlanes, 1, last}}, {}}};
+  const MapData joined = MergeMaps({first, second}, "joined", {}).map;
+  ASSERT_EQ(joined.names.size(), 2u);
+  const auto shift = static_cast<int64_t>(
+      SessionsOf(joined)[0].name == "first" ? first.keyframes.size() : second.keyframes.size());
+  const bool first_leads = SessionsOf(joined)[0].name == "first";
+  const NamedPlace hall{
+      "Hall",
+      first_leads ? std::vector<NamedRange>{{NamedKind::kKeyframes, 1, 3},
+                                            {NamedKind::kKeyframes, 2 + shift, 2 + shift}}
+                  : std::vector<NamedRange>{{NamedKind::kKeyframes, 2, 2},
+                                            {NamedKind::kKeyframes, 1 + shift, 3 + shift}},
+      {}};
+  EXPECT_EQ(joined.names[0], hall);
+  // Each plane of the second map is in it, as itself or as part of the one that it was fused with.
+  std::set<int64_t> held;
+  for (const NamedRange& range : joined.names[1].ranges) {
+    for (int64_t id = range.first; id <= range.last; ++id) held.insert(id);
+  }
+  for (const Plane& plane : joined.planes) {
+    const bool seen_by_second = std::ranges::any_of(plane.views, [&](const PlaneView& view) {
+      return joined.keyframes[static_cast<size_t>(view.keyframe.value - 1)].sequence ==
+             SequenceId{first_leads ? 2 : 1};
+    });
+    EXPECT_EQ(held.contains(plane.id.value), seen_by_second) << plane.id.value;
+  }
+  EXPECT_EQ(WrittenAndRead(joined).names, joined.names);
+}
+
+TEST(MergeMaps, JoinsAJoinedMapToAThird) {
+  const MapData third = MapOfFrames(30, 40, "third");
+  const MapData joined = MergeMaps({WrittenAndRead(Joined().map), third}, "all", {}).map;
+  EXPECT_EQ(SessionsOf(joined).size(), 3u);
+  EXPECT_EQ(FindParts(joined).size(), 1u);
+}
+
+TEST(MergeMaps, WhatDoesNotMeetStaysApart) {
+  const MapData begin = MapOfFrames(0, 8, "begin");
+  const MapData end = MapOfFrames(36, 44, "end");
+  const MapData joined = MergeMaps({begin, end}, "apart", {}).map;
+  EXPECT_EQ(joined.planes.size(), begin.planes.size() + end.planes.size());
+  EXPECT_EQ(FindParts(joined), (std::vector<std::vector<SequenceId>>{{{1}}, {{2}}}));
+}
+
+TEST(MergeMaps, RefusesWhatCannotBeJoined) {
+  EXPECT_EQ(MessageOf([] { MergeMaps({FirstHalf()}, "one", {}); }),
+            "1 map given; joining takes two or more");
+  const MapData orb = MapOfFrames(0, 8, "orb", FeatureType::kOrb);
+  EXPECT_EQ(MessageOf([&] {
+              MergeMaps({FirstHalf(), orb}, "both", {});
+            }),
+            "map 'first' has sift features and map 'orb' has orb; build them with the same "
+            "--features");
+  EXPECT_EQ(MessageOf([] {
+              MergeMaps({Joined().map, FirstHalf()}, "twice", {});
+            }),
+            "session 'first' is in map 'joined' and again in map 'first'; give each session once");
+  MapData posed = SecondHalf();
+  posed.poses.emplace();
+  EXPECT_NE(MessageOf([&] {
+              MergeMaps({FirstHalf(), posed}, "posed", {});
+            }).find("has poses"),
+            std::string::npos);
+}
+
+TEST(MergeMaps, RefusesIdsThatCannotBeCountedOn) {
+  MapData last = FirstHalf();
+  last.info.version = "";  // the first of the two
+  last.planes.back().id = {INT64_MAX};
+  last.edges.clear();
+  EXPECT_THROW(MergeMaps({last, SecondHalf()}, "full", {}), MapError);
+}
+
+}  // namespace
+}  // namespace waystone
