@@ -14,7 +14,7 @@ MapData OfSequences(int count) {
   map.info.program = "waystone 0.1.0";
   map.info.version = "sha256:1";
   map.info.options_json = R"({"planes":{"seed":1},"share":0.5})";
-  for (int64_t id = 1; id <= count; ++id) map.sequences.push_back({.id = {id}});
+  for (int64_t id = 1; id <= count; ++id) map.sequences.emplace_back().id = {id};
   return map;
 }
 
@@ -66,13 +66,17 @@ TEST(Sessions, DeepRecordsTakeNoStack) {
 TEST(FindParts, FollowsPlanesAndEdges) {
   MapData map = OfSequences(4);
   for (int64_t id = 1; id <= 4; ++id) {
-    map.keyframes.push_back({.id = {10 * id}, .sequence = {id}});
-    map.planes.push_back({.id = {id}, .reference = {10 * id}});
-    map.planes.back().views.push_back({.keyframe = {10 * id}});
+    Keyframe& keyframe = map.keyframes.emplace_back();
+    keyframe.id = {10 * id};
+    keyframe.sequence = {id};
+    Plane& plane = map.planes.emplace_back();
+    plane.id = {id};
+    plane.reference = keyframe.id;
+    plane.views.emplace_back().keyframe = keyframe.id;
   }
   using Parts = std::vector<std::vector<SequenceId>>;
   EXPECT_EQ(FindParts(map), (Parts{{{1}}, {{2}}, {{3}}, {{4}}}));
-  map.planes[0].views.push_back({.keyframe = {30}});
+  map.planes[0].views.emplace_back().keyframe = {30};
   EXPECT_EQ(FindParts(map), (Parts{{{1}, {3}}, {{2}}, {{4}}}));
   map.edges.push_back({.a = {3}, .b = {4}, .from = {30}, .to = {40}});
   EXPECT_EQ(FindParts(map), (Parts{{{1}, {3}, {4}}, {{2}}}));

@@ -190,7 +190,7 @@ async function testCoverage(page) {
 }
 
 // The walk's map has one named place, its first three keyframes; another is composed and downloaded.
-async function testNames(page) {
+async function testNames(page, complaints) {
   const { keyframes } = await overview();
   const [first, second, third, fourth] = keyframes.id;
   assert.deepEqual(keyframes.place.slice(0, 4), ["Door <&>", "Door <&>", "Door <&>", null]);
@@ -207,6 +207,7 @@ async function testNames(page) {
   await fill("First keyframe", 1_000_000);
   await page.getByRole("button", { name: "Add" }).click();
   assert.match(await page.locator(".failure").innerText(), /no keyframe 1000000/);
+  assert.match(complaints.pop() ?? "", /404/, "the browser logs the answer");
   await fill("First keyframe", fourth);
   await fill("Last keyframe", second);  // backwards, as people may give them
   await page.getByRole("button", { name: "Add" }).click();
@@ -449,7 +450,7 @@ await run(async () => {
   await page.goto(`${url}/`);
   for (const test of [testAsk, testWhy, testPlanes, testKeyframes, testNames, testLayers, testOrientation,
     testSpace, testCoverage, testKeyboard]) {
-    await test(page);
+    await test(page, complaints);
     assert.deepEqual(complaints, [], test.name);
   }
   await close();
