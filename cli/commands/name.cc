@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -99,7 +100,7 @@ NamedPolygon PolygonIn(const std::string& text) {
 // At each colon, since names of images may have some.
 void AddImages(const MapData& map, const std::string& text, const std::string& sequence,
                NamedPlace& place) {
-  std::optional<MapError> refusal;
+  std::exception_ptr refusal;
   for (size_t colon = text.find(':'); colon != std::string::npos;
        colon = text.find(':', colon + 1)) {
     try {
@@ -108,10 +109,10 @@ void AddImages(const MapData& map, const std::string& text, const std::string& s
       place.ranges.insert(place.ranges.end(), found.ranges.begin(), found.ranges.end());
       return;
     } catch (const MapError& error) {
-      if (!refusal || error.code() != ErrorCode::kNotFound) refusal = error;
+      if (!refusal || error.code() != ErrorCode::kNotFound) refusal = std::current_exception();
     }
   }
-  if (refusal) throw *refusal;
+  if (refusal) std::rethrow_exception(refusal);
   AddImages(map, text + ":" + text, sequence, place);
 }
 

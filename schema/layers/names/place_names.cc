@@ -150,8 +150,9 @@ std::vector<NamedPlace> Canonical(std::vector<NamedPlace> places) {
     place.name = name;
     place.ranges = JoinRanges(std::move(place.ranges));
     std::ranges::sort(place.polygons, LessPolygon);
-    const auto repeated = std::ranges::unique(place.polygons);
-    place.polygons.erase(repeated.begin(), repeated.end());
+    // Not std::ranges::unique, whose subrange clang 14 doesn't read.
+    place.polygons.erase(std::unique(place.polygons.begin(), place.polygons.end()),
+                         place.polygons.end());
     canonical.push_back(std::move(place));
   }
   return canonical;
