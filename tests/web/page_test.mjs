@@ -327,7 +327,7 @@ async function testPanoramaMap() {
   await page.goto(`${url}/`);
   await page.getByRole("navigation").getByRole("link", { name: "Trajectory" }).waitFor();
   const tabs = await page.getByRole("navigation").getByRole("link").allTextContents();
-  assert.deepEqual(tabs, ["Localize", "Trajectory"]);
+  assert.deepEqual(tabs, ["Localize", "Trajectory", "Names"]);
   await go(page, "coverage", "Coverage");
   await page.getByText("This map has no planes").waitFor();
   assert.equal(await page.getByText("Every keyframe").count(), 0);
