@@ -191,12 +191,17 @@ Json CornersJson(const NamedPolygon& polygon) {
   return corners;
 }
 
+// A place that holds nothing yet.
+Json EmptyPlaceJson(const std::string& name) {
+  return {{"name", name},
+          {"keyframes", Json::array()},
+          {"nodes", Json::array()},
+          {"planes", Json::array()},
+          {"polygons", Json::array()}};
+}
+
 Json PlaceJson(const MapData& map, const NamedPlace& place) {
-  Json json = {{"name", place.name},
-               {"keyframes", Json::array()},
-               {"nodes", Json::array()},
-               {"planes", Json::array()},
-               {"polygons", Json::array()}};
+  Json json = EmptyPlaceJson(place.name);
   for (const NamedRange& range : place.ranges) {
     Json& list = json[std::string(NameOf(range.kind))];
     range.kind == NamedKind::kPlanes ? AddPlanes(map, range, list)
@@ -513,11 +518,7 @@ ReadNames ReadNamesFile(std::string_view text, const MapData& map) {
 Json NamedPlacesJson(const std::vector<NamedPlace>& places) {
   Json list = Json::array();
   for (const NamedPlace& place : places) {
-    Json json = {{"name", place.name},
-                 {"keyframes", Json::array()},
-                 {"nodes", Json::array()},
-                 {"planes", Json::array()},
-                 {"polygons", Json::array()}};
+    Json json = EmptyPlaceJson(place.name);
     for (const NamedRange& range : place.ranges) {
       json[std::string(NameOf(range.kind))].push_back({range.first, range.last});
     }

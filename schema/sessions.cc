@@ -2,9 +2,9 @@
 #include "schema/sessions.h"
 
 #include <algorithm>
+#include <boost/pending/disjoint_sets.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <optional>
 
 namespace waystone {
@@ -65,25 +65,6 @@ std::optional<std::vector<MapSession>> ReadSessions(const MapData& map) {
   return sessions;
 }
 
-// Sets that grow together.
-class Union {
- public:
-  explicit Union(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-  size_t Root(size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  // The lower root stays.
-  void Join(size_t a, size_t b) {
-    const auto [low, high] = std::minmax({Root(a), Root(b)});
-    parent_[high] = low;
-  }
-
- private:
-  std::vector<size_t> parent_;
-};
-
 }  // namespace
 
 std::vector<MapSession> SessionsOf(const MapData& map) {
@@ -125,19 +106,22 @@ std::vector<std::vector<SequenceId>> FindParts(const MapData& map) {
   for (const Keyframe& keyframe : map.keyframes) {
     of_keyframe[keyframe.id] = number.at(keyframe.sequence);
   }
-  Union parts(number.size());
+  boost::disjoint_sets_with_storage<> parts(number.size());
   std::map<PlaneId, size_t> of_plane;
   for (const Plane& plane : map.planes) {
     of_plane[plane.id] = of_keyframe.at(plane.reference);
     for (const PlaneView& view : plane.views) {
-      parts.Join(of_plane[plane.id], of_keyframe.at(view.keyframe));
+      parts.union_set(of_plane[plane.id], of_keyframe.at(view.keyframe));
     }
   }
-  for (const Edge& edge : map.edges) parts.Join(of_plane.at(edge.a), of_plane.at(edge.b));
-  std::map<size_t, std::vector<SequenceId>> by_root;
-  for (const auto& [id, i] : number) by_root[parts.Root(i)].push_back(id);
+  for (const Edge& edge : map.edges) parts.union_set(of_plane.at(edge.a), of_plane.at(edge.b));
+  std::map<size_t, size_t> part_of_set;
   std::vector<std::vector<SequenceId>> found;
-  for (auto& [root, sequences] : by_root) found.push_back(std::move(sequences));
+  for (const auto& [id, i] : number) {
+    const auto [part, is_new] = part_of_set.emplace(parts.find_set(i), found.size());
+    if (is_new) found.emplace_back();
+    found[part->second].push_back(id);
+  }
   return found;
 }
 

@@ -52,7 +52,6 @@ directions           directions DATA/york_urban DATA/dealership
 segments             segments DATA/york_urban/images
 relative             relative DATA/dealership
 orientation          orientation --scale 0.75
-orientation-paper    orientation --scale 0.75 --camera rig --set orientation.turns.use_motions=false
 orientation-bare     orientation --scale 0.75 --buildings 1 --trim no
 building             building DATA/kitchen DATA/dealership
 odometry             odometry
@@ -60,6 +59,7 @@ study                study
 kidnapped            kidnapped DATA/dealership
 serve                serve
 page                 page 500 10000
+orientation-paper    orientation --scale 0.75 --camera rig --set orientation.turns.use_motions=false
 """
 
 

@@ -176,7 +176,8 @@ struct OrientationLoopOptions {
                     "Verified correspondences that a loop requires (the paper's loop had 46)."},
         OptionField{"max_log10_chance", &OrientationLoopOptions::max_log10_chance, Closed(-300, 0),
                     "",
-                    "Largest probability, as a power of ten, that as many matches fit by chance."},
+                    "Largest number of motions, as a power of ten, that as many unrelated matches "
+                    "are expected to fit."},
         OptionField{"max_turn_rad", &OrientationLoopOptions::max_turn_rad, Closed(0.05, 3.2), "rad",
                     "Largest difference between the two orientations."},
         OptionField{"max_disagreement_rad", &OrientationLoopOptions::max_disagreement_rad,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/build_map.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -10,7 +9,7 @@
 #include <vector>
 
 #include "builder/report/report.h"
-#include "builder/sources/source.h"
+#include "cli/commands/build_sources.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/settings.h"
 #include "cli/files/given_poses.h"
@@ -18,8 +17,6 @@
 #include "cli/files/map_file.h"
 #include "cli/files/panorama_file.h"
 #include "cli/output/build_text.h"
-#include "cli/output/printable_output.h"
-#include "cli/output/progress.h"
 #include "cli/system/signals.h"
 #include "core/base/error.h"
 #include "schema/file/map_store.h"
@@ -27,53 +24,20 @@
 namespace waystone {
 namespace {
 
-// Exit status for a map without any layer that can answer.
-constexpr int kBelowQualityGate = 4;
-
 struct BuildFlags {
-  std::vector<std::string> sources;
+  SourceFlags sources;
   std::string output;
   std::string report_folder;
   std::string features = "sift";
-  std::string progress = "auto";
-  std::string camera;
   std::string layers = "auto";
   std::vector<std::string> settings;  // of --set
   PanoramaFlags panorama;
   PoseFlags poses;
-  SourceOptions source;
-  int to = -1;
   BuildOptions build;
   bool no_images = false;
   bool force = false;
-  bool json = false;
-  bool quiet = false;
+  BuildOutputFlags printed;
 };
-
-// Appended to an announcement; empty for the plane layer.
-std::string LayerText(const Source& source, const LayerChoice& layers) {
-  std::string text;
-  for (const LayerKind layer : ChooseLayers(source, layers)) {
-    if (layer == LayerKind::kAppearance) text += ", panoramas (appearance layer)";
-    if (layer == LayerKind::kOrientation) text += ", calibrated (orientation layer)";
-  }
-  return text;
-}
-
-std::vector<std::unique_ptr<Source>> OpenSources(const BuildFlags& flags) {
-  SourceOptions options = flags.source;
-  if (flags.to >= 0) options.to = flags.to;
-  if (!flags.camera.empty()) options.camera_file = flags.camera;
-  options.Check();
-  std::vector<std::unique_ptr<Source>> sources;
-  for (const std::string& path : flags.sources) {
-    sources.push_back(OpenSource(path, options));
-    if (flags.quiet) continue;
-    std::cerr << path << ": " << sources.back()->Announcement()
-              << LayerText(*sources.back(), LayerChoiceByNames(flags.layers)) << '\n';
-  }
-  return sources;
-}
 
 BuildOptions MakeBuildOptions(const BuildFlags& flags) {
   BuildOptions options = flags.build;
@@ -88,34 +52,13 @@ BuildOptions MakeBuildOptions(const BuildFlags& flags) {
   return options;
 }
 
-BuildResult BuildWithProgress(const BuildFlags& flags, const BuildOptions& options) {
+BuildResult BuildFrom(const BuildFlags& flags, const BuildOptions& options) {
   std::optional<GivenPoses> poses;
   if (!flags.poses.file.empty()) {
-    poses = ReadGivenPoses(flags.poses, static_cast<int>(flags.sources.size()));
+    poses = ReadGivenPoses(flags.poses, static_cast<int>(flags.sources.paths.size()));
   }
-  const std::vector<std::unique_ptr<Source>> sources = OpenSources(flags);
-  ProgressMeter meter(RawErrors(), ProgressStyleByName(flags.progress, flags.quiet),
-                      ColoursWelcome());
-  const auto show = [&meter](const BuildProgress& now) {
-    meter.Update({now.stage, now.done, now.total,
-                  now.panoramas > 0 ? std::to_string(now.panoramas) + " panoramas"
-                                    : std::to_string(now.keyframes) + " keyframes, " +
-                                          std::to_string(now.planes) + " planes"});
-    return !Interrupted();
-  };
-  return BuildMap(sources, options, show, poses);
-}
-
-bool HasLandmarks(const MapData& map) {
-  return std::ranges::any_of(
-      map.keyframes, [](const Keyframe& keyframe) { return keyframe.landmarks.size() > 0; });
-}
-
-int ReportNoPlanes(const BuildResult& result) {
-  std::cerr << "waystone: no plane or landmark found in " << result.map.keyframes.size()
-            << " keyframes; no map was written. Record textured walls or floors while moving "
-               "sideways, or try --max-features 2000\n";
-  return kBelowQualityGate;
+  return BuildWithProgress(OpenSources(flags.sources, options.layers, flags.printed.quiet), options,
+                           flags.printed, poses);
 }
 
 void PrintSummary(const BuildFlags& flags, const BuildResult& result) {
@@ -125,9 +68,9 @@ void PrintSummary(const BuildFlags& flags, const BuildResult& result) {
   summary.bytes = std::filesystem::file_size(flags.output);
   summary.tables = TableSizes(flags.output);
   summary.result = &result;
-  if (flags.json) {
+  if (flags.printed.json) {
     std::cout << Dump(SummaryJson(summary)) << '\n';
-  } else if (!flags.quiet) {
+  } else if (!flags.printed.quiet) {
     std::cout << SummaryText(summary);
   }
 }
@@ -146,11 +89,10 @@ int RunBuild(const BuildFlags& flags) {
   if (!flags.report_folder.empty()) CheckReportFolder(flags.report_folder);
   const std::optional<std::string> names = NamesOfOldMap(flags.output);
   NoteInterrupts();
-  BuildResult result = BuildWithProgress(flags, options);
+  BuildResult result = BuildFrom(flags, options);
   const bool directions_alone = result.map.orientation && !result.report.planes;
-  if (result.map.planes.empty() && !HasLandmarks(result.map) && !result.map.appearance &&
-      !directions_alone) {
-    return ReportNoPlanes(result);
+  if (!HasPlanesOrLandmarks(result.map) && !result.map.appearance && !directions_alone) {
+    return ReportNoPlanes(result.map);
   }
   if (names) KeepOldNames(*names, flags.output, result.map);
   WriteMap(result.map, flags.output, write);
@@ -159,24 +101,6 @@ int RunBuild(const BuildFlags& flags) {
   }
   PrintSummary(flags, result);
   return 0;
-}
-
-void AddSourceFlags(CLI::App* command, BuildFlags& flags) {
-  command
-      ->add_option("sources", flags.sources,
-                   "Image folders, quoted globs, videos, TUM, KITTI or EuRoC sequences, "
-                   "panorama folders or rig folders")
-      ->required();
-  command->add_option("-o,--output", flags.output, "Output map file")->required();
-  command->add_option("--every", flags.source.every, "Use every N-th frame")->capture_default_str();
-  command->add_option("--from", flags.source.from, "Index of the first frame, starting at 0")
-      ->capture_default_str();
-  command->add_option("--to", flags.to, "Index of the last frame, inclusive")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option(
-      "--camera", flags.camera,
-      "Camera calibration: OpenCV, ROS, Kalibr or COLMAP file; required by the orientation "
-      "layer");
 }
 
 void AddPoseFlags(CLI::App* command, PoseFlags& flags) {
@@ -233,21 +157,10 @@ void AddMapFlags(CLI::App* command, BuildFlags& flags) {
       ->capture_default_str();
   AddPanoramaFlags(*command, flags.panorama);
   command->add_flag("--no-images", flags.no_images, "Do not store keyframe images in the map");
-  command
-      ->add_option("--threads", flags.build.threads,
-                   "Number of threads, 0 for one per core; does not affect the map")
-      ->capture_default_str();
+  AddThreadsFlag(*command, flags.build.threads);
   AddSetFlag(*command, flags.settings);
   command->add_flag("--force", flags.force,
                     "Overwrite an existing map file; no other file is overwritten");
-}
-
-void AddOutputFlags(CLI::App* command, BuildFlags& flags) {
-  command->add_option("--report", flags.report_folder, "Write an HTML report to this folder");
-  command->add_flag("--json", flags.json, "Print the summary as one JSON object");
-  command->add_flag("--quiet", flags.quiet, "Print errors only");
-  command->add_option("--progress", flags.progress, "Progress on stderr: auto, none or json")
-      ->capture_default_str();
 }
 
 }  // namespace
@@ -255,10 +168,15 @@ void AddOutputFlags(CLI::App* command, BuildFlags& flags) {
 void AddBuild(CLI::App& app, Run& run) {
   auto flags = std::make_shared<BuildFlags>();
   CLI::App* command = app.add_subcommand("build", "Build a map from image sequences");
-  AddSourceFlags(command, *flags);
+  AddSourceFlags(*command,
+                 "Image folders, quoted globs, videos, TUM, KITTI or EuRoC sequences, "
+                 "panorama folders or rig folders",
+                 flags->sources);
+  command->add_option("-o,--output", flags->output, "Output map file")->required();
   AddPoseFlags(command, flags->poses);
   AddMapFlags(command, *flags);
-  AddOutputFlags(command, *flags);
+  command->add_option("--report", flags->report_folder, "Write an HTML report to this folder");
+  AddBuildOutputFlags(*command, flags->printed);
   command->footer(
       "Example: waystone build kitchen.mp4 -o kitchen.db --report kitchen-report\n"
       "         waystone build panoramas/ -o lab.db --layers appearance\n"

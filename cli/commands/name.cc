@@ -14,6 +14,7 @@
 #include "api/names_file.h"
 #include "api/query_request_json.h"
 #include "cli/commands/commands.h"
+#include "cli/files/chosen_ids.h"
 #include "cli/files/map_file.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
@@ -38,45 +39,11 @@ struct NameFlags {
   throw MapError(ErrorCode::kUsage, cause);
 }
 
-// "keyframe" of "keyframes".
-std::string Singular(NamedKind kind) {
-  const std::string_view name = NameOf(kind);
-  return std::string(name.substr(0, name.size() - 1));
-}
-
-int64_t IdIn(const std::string& text, NamedKind kind, const std::vector<int64_t>& ids) {
-  const std::optional<int64_t> id = ToInteger(text);
-  if (!id) {
-    RefuseUsage("--" + std::string(NameOf(kind)) + ": " + QuoteShortened(text) +
-                " is not an id; give ids as 12, 120:180 or 3,5,9:12");
-  }
-  if (std::ranges::binary_search(ids, *id)) return *id;
-  throw MapError(ErrorCode::kNotFound,
-                 "the map has no " + Singular(kind) + " " + std::to_string(*id) + "; " +
-                     (ids.empty() ? "it has no " + std::string(NameOf(kind))
-                                  : "its ids are from " + std::to_string(ids.front()) + " to " +
-                                        std::to_string(ids.back())));
-}
-
-// "120:180,200".
 void AddIds(const MapData& map, NamedKind kind, const std::vector<std::string>& texts,
             NamedPlace& place) {
-  if (texts.empty()) return;
-  const std::vector<int64_t> ids = IdsOf(map, kind);
   for (const std::string& text : texts) {
-    const std::vector<std::string> words = Words(text, ",");
-    if (words.empty()) IdIn(text, kind, ids);
-    for (const std::string& word : words) {
-      const size_t colon = word.find(':');
-      const int64_t first = IdIn(word.substr(0, colon), kind, ids);
-      const int64_t last =
-          colon == std::string::npos ? first : IdIn(word.substr(colon + 1), kind, ids);
-      if (first > last) {
-        RefuseUsage("--" + std::string(NameOf(kind)) + ": " + QuoteShortened(word) +
-                    " ends before it begins");
-      }
-      place.ranges.push_back({kind, first, last});
-    }
+    const std::vector<NamedRange> ranges = RangesOfIds(map, kind, text);
+    place.ranges.insert(place.ranges.end(), ranges.begin(), ranges.end());
   }
 }
 

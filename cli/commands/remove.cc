@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "builder/joining/joinable.h"
 #include "builder/joining/remove_keyframes.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/settings.h"
-#include "cli/files/keyframe_choice.h"
+#include "cli/files/chosen_ids.h"
 #include "cli/files/map_file.h"
 #include "cli/output/join_text.h"
 #include "core/base/error.h"
@@ -20,7 +21,7 @@ namespace {
 struct RemoveFlags {
   std::string map;
   std::vector<std::string> sessions;
-  std::string keyframes;
+  std::vector<std::string> keyframes;
   std::vector<std::string> settings;  // of --set
   bool keep = false;
   bool json = false;
@@ -32,11 +33,11 @@ int RunRemove(const RemoveFlags& flags) {
   ApplySettings(flags.settings, options);
   options.Check();
   MapData map = ReadMap(flags.map);
-  std::set<KeyframeId> removed;
+  CheckLayersAreJoinable(map);
+  std::set<KeyframeId> removed = KeyframesOfIds(map, flags.keyframes);
   for (const std::string& session : flags.sessions) {
     removed.merge(KeyframesOfSession(map, session));
   }
-  if (!flags.keyframes.empty()) removed.merge(KeyframesInRanges(map, flags.keyframes));
   if (removed.empty()) {
     throw MapError(ErrorCode::kUsage,
                    "nothing to remove; give --session or --keyframes (waystone info lists them)");
@@ -60,7 +61,10 @@ void AddRemove(CLI::App& app, Run& run) {
   command->add_option("map", flags->map, "Map file, which is replaced")->required();
   command->add_option("--session", flags->sessions,
                       "Number or name of a session, as `waystone info` lists them; repeatable");
-  command->add_option("--keyframes", flags->keyframes, "Ids of keyframes, with ranges: 3,7,10-20");
+  command
+      ->add_option("--keyframes", flags->keyframes,
+                   "Ids of keyframes: 12, 120:180 or 3,5,9:12; repeatable")
+      ->allow_extra_args(false);
   command->add_flag("--keep", flags->keep, "Keep the previous version as MAP.previous");
   AddSetFlag(*command, flags->settings);
   command->add_flag("--json", flags->json, "Print the summary as one JSON object");

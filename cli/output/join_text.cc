@@ -53,6 +53,14 @@ Json SessionJson(const MapData& map, const MapSession& session) {
   return json;
 }
 
+// What a changed map holds now.
+Json CountsJson(const std::string& path, const MapData& map) {
+  return {{"map", path},
+          {"keyframes", map.keyframes.size()},
+          {"planes", map.planes.size()},
+          {"edges", map.edges.size()}};
+}
+
 }  // namespace
 
 Json SessionsJson(const MapData& map) {
@@ -114,16 +122,12 @@ std::string RemovalText(const std::string& path, const RemoveResult& result) {
 }
 
 Json RemovalJson(const std::string& path, const RemoveResult& result) {
-  Json json;
-  json["map"] = path;
-  json["keyframes"] = result.map.keyframes.size();
-  json["planes"] = result.map.planes.size();
-  json["edges"] = result.map.edges.size();
+  Json json = CountsJson(path, result.map);
   json["removed"] = {{"keyframes", result.report.keyframes},
                      {"planes", result.report.planes},
                      {"edges", result.report.edges},
-                     {"sequences", result.report.sequences}};
-  json["removed"]["names"] = result.report.names;
+                     {"sequences", result.report.sequences},
+                     {"names", result.report.names}};
   json["planes_anchored"] = result.report.planes_anchored;
   json["sessions"] = SessionsJson(result.map);
   json["parts"] = PartsJson(result.map);
@@ -131,11 +135,7 @@ Json RemovalJson(const std::string& path, const RemoveResult& result) {
 }
 
 Json JoinJson(const std::string& path, const JoinResult& result) {
-  Json json;
-  json["map"] = path;
-  json["keyframes"] = result.map.keyframes.size();
-  json["planes"] = result.map.planes.size();
-  json["edges"] = result.map.edges.size();
+  Json json = CountsJson(path, result.map);
   json["planes_fused"] = result.report.planes_fused;
   json["surfaces_joined"] = result.report.surfaces_joined;
   json["sessions"] = SessionsJson(result.map);

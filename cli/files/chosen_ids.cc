@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/files/chosen_ids.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "api/query_request_json.h"
+#include "core/base/error.h"
+#include "core/base/text.h"
+#include "schema/sessions.h"
+
+namespace waystone {
+namespace {
+
+[[noreturn]] void RefuseIds(NamedKind kind, const std::string& cause) {
+  throw MapError(ErrorCode::kUsage, "--" + std::string(NameOf(kind)) + ": " + cause);
+}
+
+// "keyframe" of "keyframes".
+std::string Singular(NamedKind kind) {
+  const std::string_view name = NameOf(kind);
+  return std::string(name.substr(0, name.size() - 1));
+}
+
+int64_t IdIn(const std::string& text, NamedKind kind, const std::vector<int64_t>& ids) {
+  const std::optional<int64_t> id = ToInteger(text);
+  if (!id) {
+    RefuseIds(kind, QuoteShortened(text) + " is not an id; give ids as 12, 120:180 or 3,5,9:12");
+  }
+  if (std::ranges::binary_search(ids, *id)) return *id;
+  throw MapError(ErrorCode::kNotFound,
+                 "the map has no " + Singular(kind) + " " + std::to_string(*id) + "; " +
+                     (ids.empty() ? "it has no " + std::string(NameOf(kind))
+                                  : "its ids are from " + std::to_string(ids.front()) + " to " +
+                                        std::to_string(ids.back())));
+}
+
+const MapSession& FindSession(const std::vector<MapSession>& sessions, const std::string& text) {
+  std::vector<const MapSession*> named;
+  for (const MapSession& session : sessions) {
+    if (session.name == text) named.push_back(&session);
+  }
+  if (named.size() == 1) return *named.front();
+  if (named.size() > 1) {
+    throw MapError(ErrorCode::kNotFound, std::to_string(named.size()) + " sessions are named " +
+                                             QuoteShortened(text) + "; give the number of one");
+  }
+  const std::optional<int64_t> number = ToInteger(text);
+  if (number && *number >= 1 && *number <= std::ssize(sessions)) {
+    return sessions[static_cast<size_t>(*number - 1)];
+  }
+  throw MapError(ErrorCode::kNotFound, "the map has no session " + QuoteShortened(text) +
+                                           "; it has " + std::to_string(sessions.size()) +
+                                           ", which waystone info lists");
+}
+
+}  // namespace
+
+std::vector<NamedRange> RangesOfIds(const MapData& map, NamedKind kind, const std::string& text) {
+  const std::vector<int64_t> ids = IdsOf(map, kind);
+  const std::vector<std::string> words = Words(text, ",");
+  if (words.empty()) IdIn(text, kind, ids);
+  std::vector<NamedRange> ranges;
+  for (const std::string& word : words) {
+    const size_t colon = word.find(':');
+    const int64_t first = IdIn(word.substr(0, colon), kind, ids);
+    const int64_t last =
+        colon == std::string::npos ? first : IdIn(word.substr(colon + 1), kind, ids);
+    if (first > last) RefuseIds(kind, QuoteShortened(word) + " ends before it begins");
+    ranges.push_back({kind, first, last});
+  }
+  return ranges;
+}
+
+std::set<KeyframeId> KeyframesOfIds(const MapData& map, const std::vector<std::string>& texts) {
+  std::set<KeyframeId> chosen;
+  for (const std::string& text : texts) {
+    for (const NamedRange& range : RangesOfIds(map, NamedKind::kKeyframes, text)) {
+      for (const Keyframe& keyframe : map.keyframes) {
+        const int64_t id = keyframe.id.value;
+        if (range.first <= id && id <= range.last) chosen.insert(keyframe.id);
+      }
+    }
+  }
+  return chosen;
+}
+
+std::set<KeyframeId> KeyframesOfSession(const MapData& map, const std::string& session) {
+  const std::vector<MapSession> sessions = SessionsOf(map);
+  const MapSession& chosen = FindSession(sessions, session);
+  std::set<KeyframeId> ids;
+  for (const Keyframe& keyframe : map.keyframes) {
+    if (std::ranges::binary_search(chosen.sequences, keyframe.sequence)) ids.insert(keyframe.id);
+  }
+  return ids;
+}
+
+}  // namespace waystone

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "schema/map_data.h"
+
+// What of a map the command line names by ids.
+namespace waystone {
+
+// "3,5,9:12": ids, and ranges with both their ends, each of which the map has. Throws MapError:
+// kUsage for what is no list of ids or a range that ends before it begins, kNotFound for an id that
+// the map hasn't got; both say `--` and the kind's name, as the flag is called.
+std::vector<NamedRange> RangesOfIds(const MapData& map, NamedKind kind, const std::string& text);
+
+// The keyframes in such lists.
+std::set<KeyframeId> KeyframesOfIds(const MapData& map, const std::vector<std::string>& texts);
+
+// Those of a session, by its number (from 1, in the order of `waystone info`) or by its name.
+// Throws MapError(kNotFound) where there is none, or several have the name.
+std::set<KeyframeId> KeyframesOfSession(const MapData& map, const std::string& session);
+
+}  // namespace waystone
