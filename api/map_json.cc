@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 
+#include "api/history_json.h"
 #include "core/base/text.h"
 #include "core/features/features.h"
 #include "localizer/planes/outline.h"
@@ -87,6 +88,8 @@ Json MapJson(const std::string& name, const MapIndex& index) {
   json["sequences"] = Json::array();
   for (const Sequence& sequence : map.sequences)
     json["sequences"].push_back(SequenceJson(sequence));
+  json["sessions"] = SessionsJson(map);
+  json["parts"] = PartsJson(map);
   return json;
 }
 

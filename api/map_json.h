@@ -10,7 +10,8 @@
 // [x, y] in pixels, links are by id.
 namespace waystone {
 
-// name, version, program, feature_type, sequences, keyframes, planes, edges, features (counts).
+// name, version, program, feature_type, keyframes, planes, edges, features, names (counts),
+// sequences, sessions and parts (SessionsJson, PartsJson).
 Json MapJson(const std::string& name, const MapIndex& index);
 
 // A plane in a list: id, reference, features, views (counts), neighbours, outline.

@@ -10,6 +10,7 @@
 #include "core/features/features.h"
 #include "core/search/inverted_file.h"
 #include "schema/layers/appearance/appearance_layer.h"
+#include "schema/layers/links/keyframe_link.h"
 #include "schema/layers/names/place_names.h"
 #include "schema/layers/orientation/orientation_layer.h"
 #include "schema/layers/planes/plane_layer.h"
@@ -55,7 +56,8 @@ struct MapData {
   std::vector<Sequence> sequences;  // each list is ordered by id
   std::vector<Keyframe> keyframes;
   std::vector<Plane> planes;
-  std::vector<Edge> edges;  // ordered by (a, b)
+  std::vector<Edge> edges;          // ordered by (a, b)
+  std::vector<KeyframeLink> links;  // ordered, each once; only maps of several sessions have any
   // The descriptors of all planes and landmarks sorted for searching (IndexFeatures). Nothing for a
   // map that is small or whose index has a format that this program doesn't know.
   std::optional<InvertedFile> index;

@@ -115,6 +115,9 @@ std::vector<std::vector<SequenceId>> FindParts(const MapData& map) {
     }
   }
   for (const Edge& edge : map.edges) parts.union_set(of_plane.at(edge.a), of_plane.at(edge.b));
+  for (const KeyframeLink& link : map.links) {
+    parts.union_set(of_keyframe.at(link.a), of_keyframe.at(link.b));
+  }
   std::map<size_t, size_t> part_of_set;
   std::vector<std::vector<SequenceId>> found;
   for (const auto& [id, i] : number) {

@@ -47,6 +47,7 @@ density-450          graphs DATA/kitchen --keyframes 450:225 --opencv-every 0
 build                build DATA/kitchen --frames 250,500,1000
 poses                poses --kitchen DATA/kitchen --church DATA/church
 reconstruction       reconstruction DATA/kitchen
+joining              joining DATA
 compass              compass DATA/dealership
 directions           directions DATA/york_urban DATA/dealership
 segments             segments DATA/york_urban/images

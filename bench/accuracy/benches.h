@@ -54,6 +54,10 @@ int RunOrientation(const Args& args);
 // building KITCHEN DEALERSHIP: the query's rotation in the building, and its axes as a gate, asked
 // of maps with an orientation layer.
 int RunBuilding(const Args& args);
+// joining DATA [--only NAME] [--frames N]: maps of two halves beside the map of the whole, asked
+// the same; maps of look-alike places joined; and what a walk of 500 frames costs when it is added
+// to a rendered map of N (0: not measured).
+int RunJoining(const Args& args);
 // linear DIR N...: seconds per frame of builds over the first N frames.
 int RunLinear(const Args& args);
 // build SOURCE... [--frames N,N,...]: seconds of features alone and of whole builds, and the

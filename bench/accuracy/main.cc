@@ -21,6 +21,7 @@ constexpr char kUsage[] =
     "  look-alikes [--buildings N] [--first SEED]         storeys that share posters and doors\n"
     "  relative [DIR]                                     rotations between places\n"
     "  orientation [--buildings 3] [--frames 1000]        turns, corridors, loops, nodes\n"
+    "  joining DATA [--only NAME] [--frames 5000]         maps of halves beside the whole\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"
     "  build SOURCE... [--frames 250,500,1000]            whole builds against features alone\n"
     "  graphs [SOURCE...] [--keyframes M:N]               image graph against plane graph\n"
@@ -63,6 +64,7 @@ int main(int argc, char** argv) {
       {"recall", waystone::bench::RunRecall},
       {"relative", waystone::bench::RunRelative},
       {"poses", waystone::bench::RunPoses},
+      {"joining", waystone::bench::RunJoining},
       {"reconstruction", waystone::bench::RunReconstruction},
       {"scale", waystone::bench::RunScale},
       {"serve", waystone::bench::RunServe},

@@ -10,6 +10,7 @@ MapData CopyPlanes(const MapData& map) {
   part.keyframes = map.keyframes;
   part.planes = map.planes;
   part.edges = map.edges;
+  part.links = map.links;
   part.index = map.index;
   part.verdict = map.verdict;
   part.poses = map.poses;

@@ -31,8 +31,10 @@ std::vector<const Keyframe*> ChoosePictures(const std::vector<Keyframe>& keyfram
   return chosen;
 }
 
-// Nothing for bytes that are no picture of the keyframe.
+}  // namespace
+
 std::optional<Features> FeaturesOfPicture(const Keyframe& keyframe, const FeatureOptions& options) {
+  if (keyframe.jpeg.empty()) return std::nullopt;
   cv::Mat picture;
   try {
     picture = DecodeGrey(keyframe.jpeg);
@@ -51,8 +53,6 @@ std::optional<Features> FeaturesOfPicture(const Keyframe& keyframe, const Featur
   features.height = keyframe.height;
   return features;
 }
-
-}  // namespace
 
 std::vector<SampledKeyframe> FeaturesOfPictures(const std::vector<Keyframe>& keyframes,
                                                 int max_keyframes, const FeatureOptions& options) {

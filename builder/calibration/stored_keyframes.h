@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "builder/calibration/plane_calibration.h"
@@ -11,9 +12,12 @@
 // Calibrating a finished map, whose images are gone.
 namespace waystone {
 
-// The features of the pictures that a map keeps of its keyframes, in the pixels of the keyframes:
-// at most `max_keyframes`, evenly spread over those that have a picture that can be decoded and
-// that isn't larger than its keyframe. Deterministic, on any number of threads.
+// The features of the picture that a map keeps of a keyframe, in the pixels of the keyframe.
+// Nothing where it has none, or one that can't be decoded or is larger than the keyframe.
+std::optional<Features> FeaturesOfPicture(const Keyframe& keyframe, const FeatureOptions& options);
+
+// The same of a map's keyframes: at most `max_keyframes`, evenly spread over those that have such a
+// picture. Deterministic, on any number of threads.
 std::vector<SampledKeyframe> FeaturesOfPictures(const std::vector<Keyframe>& keyframes,
                                                 int max_keyframes, const FeatureOptions& options);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,6 +67,21 @@ void MoveBehind(std::vector<Row>& added, std::vector<Row>& to) {
   std::ranges::move(added, std::back_inserter(to));
 }
 
+// Of one frame. Errors are at most those of the worse one.
+void AppendPoses(PoseLayer from, std::optional<PoseLayer>& to) {
+  if (!to) {
+    to = std::move(from);
+    return;
+  }
+  PoseNoise& noise = to->noise;
+  noise.position_sigma = std::max(noise.position_sigma, from.noise.position_sigma);
+  noise.rotation_sigma_rad = std::max(noise.rotation_sigma_rad, from.noise.rotation_sigma_rad);
+  MoveBehind(from.keyframes, to->keyframes);
+  MoveBehind(from.planes, to->planes);
+  MoveBehind(from.plane_depths, to->plane_depths);
+  MoveBehind(from.landmark_depths, to->landmark_depths);
+}
+
 }  // namespace
 
 void AppendMap(MapData from, MapData& to) {
@@ -95,6 +111,14 @@ void AppendMap(MapData from, MapData& to) {
     row.from = keyframe(row.from);
     row.to = keyframe(row.to);
   }
+  for (KeyframeLink& link : from.links) link = {keyframe(link.a), keyframe(link.b)};
+  if (from.poses) {
+    for (KeyframePose& row : from.poses->keyframes) row.keyframe = keyframe(row.keyframe);
+    for (PlanePose& row : from.poses->planes) row.plane = plane(row.plane);
+    for (PlaneDepths& row : from.poses->plane_depths) row.plane = plane(row.plane);
+    for (LandmarkDepths& row : from.poses->landmark_depths) row.keyframe = keyframe(row.keyframe);
+    AppendPoses(std::move(*from.poses), to.poses);
+  }
   for (NamedPlace& place : from.names) {
     for (NamedRange& range : place.ranges) {
       if (range.kind == NamedKind::kKeyframes) Renumber(keyframe, range);
@@ -107,6 +131,7 @@ void AppendMap(MapData from, MapData& to) {
   MoveBehind(from.keyframes, to.keyframes);
   MoveBehind(from.planes, to.planes);
   MoveBehind(from.edges, to.edges);
+  MoveBehind(from.links, to.links);
   to.info.options_json = WithSessions(to.info.options_json, sessions);
   to.index.reset();
   to.verdict.reset();

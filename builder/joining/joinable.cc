@@ -17,14 +17,13 @@ namespace waystone {
 std::string Named(const MapData& map) { return "map '" + Printable(map.info.name) + "'"; }
 
 void CheckLayersAreJoinable(const MapData& map) {
-  const char* layer = map.poses         ? "poses"
-                      : map.appearance  ? "an appearance layer"
+  const char* layer = map.appearance    ? "an appearance layer"
                       : map.orientation ? "an orientation layer"
                                         : nullptr;
   if (layer == nullptr) return;
-  throw MapError(ErrorCode::kBadRequest,
-                 Named(map) + " has " + layer +
-                     "; only maps of planes alone can be changed; build a new map of the sources");
+  throw MapError(ErrorCode::kBadRequest, Named(map) + " has " + layer +
+                                             "; only maps of planes, with or without poses, can be "
+                                             "changed; build a new map of the sources");
 }
 
 NamedBefore::NamedBefore(const MapData& map) {

@@ -4,10 +4,15 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
+#include <set>
+#include <string_view>
 #include <utility>
 
 #include "builder/joining/append_map.h"
+#include "builder/joining/join_frames.h"
 #include "builder/joining/joinable.h"
+#include "builder/joining/kept_poses.h"
+#include "builder/joining/recognise_keyframes.h"
 #include "builder/planes/fusion.h"
 #include "builder/planes/plane_features.h"
 #include "core/base/error.h"
@@ -31,6 +36,40 @@ class MapOfPlane {
 
   std::vector<PlaneId> firsts_;
 };
+
+std::string_view BytesOf(const std::vector<uint8_t>& jpeg) {
+  return {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()};
+}
+
+// Sessions of the map whose pictures are all in `known` came of images that another map has.
+void CheckNotKnown(const MapData& map, const std::set<std::string_view>& known,
+                   const std::string& holder) {
+  for (const MapSession& session : SessionsOf(map)) {
+    int pictures = 0;
+    int seen = 0;
+    for (const Keyframe& keyframe : map.keyframes) {
+      if (keyframe.jpeg.empty()) continue;
+      if (!std::ranges::binary_search(session.sequences, keyframe.sequence)) continue;
+      ++pictures;
+      seen += known.contains(BytesOf(keyframe.jpeg));
+    }
+    if (pictures == 0 || seen < pictures) continue;
+    throw MapError(ErrorCode::kBadRequest, "session '" + Printable(session.name) +
+                                               "' has the same " + std::to_string(pictures) +
+                                               " pictures as " + holder + "; give each walk once");
+  }
+}
+
+// The same images may have been built into two maps.
+void CheckPictures(const std::vector<MapData>& maps) {
+  for (size_t i = 0; i < maps.size(); ++i) {
+    std::set<std::string_view> known;
+    for (const Keyframe& keyframe : maps[i].keyframes) known.insert(BytesOf(keyframe.jpeg));
+    for (size_t j = 0; j < maps.size(); ++j) {
+      if (i != j) CheckNotKnown(maps[j], known, Named(maps[i]));
+    }
+  }
+}
 
 void CheckJoinable(const std::vector<MapData>& maps) {
   if (maps.size() < 2) {
@@ -56,6 +95,7 @@ void CheckJoinable(const std::vector<MapData>& maps) {
                                                  "; give each session once");
     }
   }
+  CheckPictures(maps);
 }
 
 // Fuses planes of different maps, and counts what it does.
@@ -68,6 +108,7 @@ void Fuse(const MapOfPlane& origin, const PlaneLayerOptions& options, MapData& m
   std::map<PlaneId, size_t> feature_count;
   for (const Plane& plane : map.planes) feature_count[plane.id] = plane.features.size();
   const NamedBefore named(map);
+  const PosesBefore poses(map);
   FusionResult fused = FusePairs(std::move(map.planes), std::move(map.edges), map.keyframes, pairs,
                                  map.info.feature_type, options);
   map.planes = std::move(fused.planes);
@@ -80,19 +121,61 @@ void Fuse(const MapOfPlane& origin, const PlaneLayerOptions& options, MapData& m
     DropSparseFeatures(options.plenty_of_features, options.votes_in_plenty, plane);
     plane.outline = ComputeOutline(plane.features);
   }
+  poses.KeepPoses(map);
+}
+
+// Which of the maps are asked by the keyframes of which.
+enum class Asked { kAll, kFirst };
+
+std::vector<Recognition> RecogniseEachOther(const std::vector<MapData>& maps, Asked asked,
+                                            FeatureOptions features) {
+  features.type = maps.front().info.feature_type;
+  std::vector<Recognition> recognitions;
+  for (size_t i = 0; i < (asked == Asked::kAll ? maps.size() : 1); ++i) {
+    for (size_t j = 0; j < maps.size(); ++j) {
+      if (i == j) continue;
+      recognitions.push_back({i, j, RecogniseKeyframes(maps[i], maps[j], features)});
+    }
+  }
+  return recognitions;
+}
+
+// Links recognised keyframes with the nearest ones. `firsts` are the places of the maps' first
+// keyframes in the joined map. Returns how many were recognised.
+int Link(const std::vector<Recognition>& recognitions, const std::vector<size_t>& firsts,
+         MapData& map) {
+  std::set<size_t> recognised;
+  std::set<KeyframeLink> links(map.links.begin(), map.links.end());
+  for (const Recognition& recognition : recognitions) {
+    for (const RecognisedKeyframe& one : recognition.keyframes) {
+      const size_t asking = firsts[recognition.asking] + one.asking;
+      const size_t found = firsts[recognition.asked] + one.found;
+      recognised.insert(asking);
+      const auto [a, b] = std::minmax(map.keyframes[asking].id, map.keyframes[found].id);
+      links.insert({a, b});
+    }
+  }
+  map.links.assign(links.begin(), links.end());
+  return static_cast<int>(recognised.size());
 }
 
 // One after the other.
-JoinResult Join(std::vector<MapData> maps, const std::string& name, const BuildOptions& options) {
+JoinResult Join(std::vector<MapData> maps, const std::string& name, Asked asked,
+                const BuildOptions& options) {
+  const std::vector<Recognition> recognitions = RecogniseEachOther(maps, asked, options.features);
+  JoinFrames(recognitions, maps);
   JoinResult result;
   result.map = std::move(maps.front());
   MapOfPlane origin;
+  std::vector<size_t> first_keyframes{0};
   for (size_t i = 1; i < maps.size(); ++i) {
+    first_keyframes.push_back(result.map.keyframes.size());
     const size_t planes = result.map.planes.size();
     AppendMap(std::move(maps[i]), result.map);
     if (planes < result.map.planes.size()) origin.StartMap(result.map.planes[planes].id);
   }
   result.map.info.name = name;
+  result.report.keyframes_recognised = Link(recognitions, first_keyframes, result.map);
   Fuse(origin, options.planes, result.map, result.report);
   CompleteJoined(options, result.map);
   result.report.sessions = static_cast<int>(SessionsOf(result.map).size());
@@ -106,7 +189,7 @@ JoinResult MergeMaps(std::vector<MapData> maps, const std::string& name,
   options.Check();
   CheckJoinable(maps);
   std::ranges::stable_sort(maps, {}, [](const MapData& map) { return map.info.version; });
-  return Join(std::move(maps), name, options);
+  return Join(std::move(maps), name, Asked::kAll, options);
 }
 
 JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options) {
@@ -116,7 +199,7 @@ JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options) {
   maps.push_back(std::move(map));
   maps.push_back(std::move(added));
   CheckJoinable(maps);
-  return Join(std::move(maps), name, options);
+  return Join(std::move(maps), name, Asked::kFirst, options);
 }
 
 }  // namespace waystone

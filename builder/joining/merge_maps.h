@@ -14,6 +14,8 @@ struct JoinReport {
   int planes_fused = 0;     // of different maps, by eq. (6)
   int surfaces_joined = 0;  // pairs of planes of different maps that an edge joins as one surface
   int sessions = 0;         // of the joined map
+  // Keyframes of one map that were localized in another, and are linked with the nearest one there.
+  int keyframes_recognised = 0;
 };
 
 struct JoinResult {
@@ -22,21 +24,22 @@ struct JoinResult {
 };
 
 // One map of several that were built apart, as if the sequences of all had been built together:
-// planes that were seen in several of them are fused by eq. (6) or joined by an edge, and the
-// verdict is calibrated anew by what the maps hold. Maps that show nothing in common stay apart:
-// the joined map has several parts. Each map is a session of the joined one, or as many as it has
-// itself. The result doesn't depend on the order of `maps`: they are ordered by their versions
-// (MapInfo::version), and ids count on from one map to the next.
-// `options` say how planes are fused and the verdict calibrated; the features' type is the maps'.
-// Deterministic, on any number of threads.
-// Throws MapError(kBadRequest) for fewer than two maps, maps of different feature types, a session
-// that is in several of them, and layers that can't be joined; kMapDamaged for ids that can't be
-// counted on; kBadOptions.
+// keyframes of each are localized in the others (RecogniseKeyframes), planes that were seen in
+// several of them are fused by eq. (6) or joined by an edge, and the verdict is calibrated anew by
+// what the maps hold. Maps that show nothing in common stay apart: the joined map has several
+// parts. Each map is a session of the joined one, or as many as it has itself. The result doesn't
+// depend on the order of `maps`: they are ordered by their versions (MapInfo::version), and ids
+// count on from one map to the next. `options` say how planes are fused and the verdict calibrated;
+// the features' type is the maps'. Deterministic, on any number of threads. Throws
+// MapError(kBadRequest) for fewer than two maps, maps of different feature types, a session that is
+// in several of them or whose pictures are all in another, and layers that can't be joined;
+// kMapDamaged for ids that can't be counted on; kBadOptions.
 JoinResult MergeMaps(std::vector<MapData> maps, const std::string& name,
                      const BuildOptions& options);
 
 // The same of a map and another one, which was built for it and becomes its last session or
-// sessions: what `map` holds keeps its ids, its name and the record of its options.
+// sessions: what `map` holds keeps its ids, its name and the record of its options. Only keyframes
+// of `added` are localized in `map`, so that the cost doesn't grow with the keyframes of `map`.
 JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options);
 
 }  // namespace waystone

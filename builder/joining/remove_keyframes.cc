@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "builder/joining/joinable.h"
+#include "builder/joining/kept_poses.h"
 #include "builder/planes/plane_features.h"
 #include "core/base/error.h"
 #include "core/homography/homography.h"
@@ -248,8 +249,13 @@ RemoveResult RemoveKeyframes(MapData map, const std::set<KeyframeId>& removed,
     if (removed.contains(keyframe.id)) touched.insert(keyframe.sequence);
   }
   const NamedBefore named(map);
+  const PosesBefore poses(map);
   RemoveFrom(map.keyframes, removed);
+  std::erase_if(map.links, [&](const KeyframeLink& link) {
+    return removed.contains(link.a) || removed.contains(link.b);
+  });
   RemoveFromPlanes(removed, options.planes.min_features, map, result.report);
+  poses.KeepPoses(map);
   result.report.names = named.KeepNames(map);
   result.report.sequences = RemoveSequences(touched, map);
   CompleteJoined(options, map);

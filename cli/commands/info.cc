@@ -27,8 +27,6 @@ Json InfoJson(const OpenMap& map, const std::vector<TableSize>& sizes, uint64_t 
   json["bytes"] = bytes;
   json["appearance"] = AppearanceJson(map.index->map());
   json["orientation"] = OrientationJson(map.index->map());
-  json["sessions"] = SessionsJson(map.index->map());
-  json["parts"] = PartsJson(map.index->map());
   json["tables"] = TablesJson(sizes);
   const std::string options = WithoutSessions(map.index->map().info.options_json);
   json["options"] = Json::parse(options, nullptr, false);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <sstream>
 
+#include "api/history_json.h"
 #include "cli/output/build_text.h"
 #include "core/base/text.h"
 #include "schema/sessions.h"
@@ -30,29 +31,6 @@ std::string SequencesText(const MapData& map, const std::vector<SequenceId>& ids
   return text;
 }
 
-// Times are those of its keyframes.
-Json SessionJson(const MapData& map, const MapSession& session) {
-  int64_t keyframes = 0;
-  std::optional<double> from_s;
-  std::optional<double> to_s;
-  for (const Keyframe& keyframe : map.keyframes) {
-    if (!std::ranges::binary_search(session.sequences, keyframe.sequence)) continue;
-    ++keyframes;
-    if (!keyframe.time_s) continue;
-    from_s = std::min(from_s.value_or(*keyframe.time_s), *keyframe.time_s);
-    to_s = std::max(to_s.value_or(*keyframe.time_s), *keyframe.time_s);
-  }
-  Json json;
-  json["name"] = session.name;
-  json["program"] = session.program;
-  json["version"] = session.version.empty() ? Json(nullptr) : Json(session.version);
-  json["sequences"] = ToJson(session.sequences);
-  json["keyframes"] = keyframes;
-  json["from_s"] = OrNull(from_s);
-  json["to_s"] = OrNull(to_s);
-  return json;
-}
-
 // What a changed map holds now.
 Json CountsJson(const std::string& path, const MapData& map) {
   return {{"map", path},
@@ -62,18 +40,6 @@ Json CountsJson(const std::string& path, const MapData& map) {
 }
 
 }  // namespace
-
-Json SessionsJson(const MapData& map) {
-  Json list = Json::array();
-  for (const MapSession& session : SessionsOf(map)) list.push_back(SessionJson(map, session));
-  return list;
-}
-
-Json PartsJson(const MapData& map) {
-  Json list = Json::array();
-  for (const std::vector<SequenceId>& part : FindParts(map)) list.push_back(ToJson(part));
-  return list;
-}
 
 std::string HistoryText(const MapData& map) {
   const auto parts = FindParts(map);
@@ -100,8 +66,10 @@ std::string JoinText(const std::string& path, const JoinResult& result) {
   std::ostringstream out;
   out << path << ": " << CountsText(result.map) << ", "
       << Counted(result.report.sessions, "session") << '\n'
-      << "  joined    " << Counted(result.report.planes_fused, "plane") << " fused, "
-      << Counted(result.report.surfaces_joined, "pair") << " of planes joined as one surface\n"
+      << "  joined    " << Counted(result.report.keyframes_recognised, "keyframe")
+      << " recognised in another session, " << Counted(result.report.planes_fused, "plane")
+      << " fused, " << Counted(result.report.surfaces_joined, "pair")
+      << " of planes joined as one surface\n"
       << HistoryText(result.map);
   return out.str();
 }
@@ -136,6 +104,7 @@ Json RemovalJson(const std::string& path, const RemoveResult& result) {
 
 Json JoinJson(const std::string& path, const JoinResult& result) {
   Json json = CountsJson(path, result.map);
+  json["keyframes_recognised"] = result.report.keyframes_recognised;
   json["planes_fused"] = result.report.planes_fused;
   json["surfaces_joined"] = result.report.surfaces_joined;
   json["sessions"] = SessionsJson(result.map);

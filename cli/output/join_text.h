@@ -21,11 +21,5 @@ Json RemovalJson(const std::string& path, const RemoveResult& result);
 // A line a session, and a line a part where there are several: what `info` adds for a map with a
 // history or of several parts. Empty for others.
 std::string HistoryText(const MapData& map);
-// Where the sequences came from: name, program and version of the map that a session was (version
-// null for an added walk), its sequences, how many keyframes it has and the times of the first and
-// the last of them (null without any). A map without a history is one session.
-Json SessionsJson(const MapData& map);
-// Which sequences hang together: a list of sequences for each part (FindParts).
-Json PartsJson(const MapData& map);
 
 }  // namespace waystone

@@ -666,6 +666,24 @@ export interface Map {
   /** Named places. */
   names: number;
   sequences: Sequence[];
+  sessions: Session[];
+  /** Sequences that hang together, a list for each part of the map: from one part to another nothing leads. */
+  parts: Id[][];
+}
+
+/** What one build put into the map. A map that was never joined with another is one session. */
+export interface Session {
+  /** Of the map that was joined */
+  name: string;
+  program: string;
+  /** Of that map's file; null for an added walk. */
+  version: string | null;
+  sequences: Id[];
+  keyframes: Count;
+  /** Time of the first keyframe. */
+  from_s: number | null;
+  /** Time of the last one. */
+  to_s: number | null;
 }
 
 export interface Sequence {

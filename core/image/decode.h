@@ -79,7 +79,8 @@ void CheckLimits(const ImageHeader& header, const DecodeLimits& limits);
 void PrepareDecoders();
 
 // Decodes to 8-bit grey (CV_8UC1), refusing by the header what is over the limits
-// (kImageTooLarge): with the default limits nothing takes more than 2 s and 300 MB. EXIF
+// (kImageTooLarge): with the default limits nothing takes more than 300 MB, and a HEIC of 49
+// megapixels and 5.8 MB, the slowest that was measured, 2 s. EXIF
 // orientation is not applied, nor are a HEIC's rotation, mirroring and cropping: pixels are where
 // the camera put them, which is what calibrations and answers refer to. 16-bit images become 8-bit
 // ones, by their upper bytes. Throws MapError(kBadImage) when it can't be decoded, and nothing

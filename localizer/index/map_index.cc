@@ -47,6 +47,12 @@ MapIndex::MapIndex(MapData map) : map_(std::move(map)) {
     neighbours_[edge.b].push_back(edge.a);
   }
   for (auto& [id, ids] : neighbours_) std::sort(ids.begin(), ids.end());
+  linked_.resize(map_.keyframes.size());
+  for (const KeyframeLink& link : map_.links) {
+    linked_[IndexOf(link.a)].push_back(IndexOf(link.b));
+    linked_[IndexOf(link.b)].push_back(IndexOf(link.a));
+  }
+  for (std::vector<int>& keyframes : linked_) std::ranges::sort(keyframes);
 }
 
 // Their descriptors come after the planes'.

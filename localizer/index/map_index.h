@@ -64,6 +64,8 @@ class MapIndex {
   };
   // What map().keyframes[keyframe] saw, by plane.
   const std::vector<SeenPlane>& PlanesSeenBy(int keyframe) const { return seen_[keyframe]; }
+  // The keyframes that a link joins with this one, ascending; indices in map().keyframes.
+  const std::vector<int>& LinkedTo(int keyframe) const { return linked_[keyframe]; }
   // Index in map().keyframes; the keyframe is in the map (WS_CHECK).
   int IndexOf(KeyframeId id) const;
 
@@ -104,6 +106,7 @@ class MapIndex {
   std::vector<int> first_row_;           // of each plane, and one more for the end
   std::vector<int> first_landmark_row_;  // of each keyframe, and one more for the end
   std::vector<std::vector<SeenPlane>> seen_;
+  std::vector<std::vector<int>> linked_;  // of each keyframe
   std::vector<MapPoint> points_;
   NamedPlaces names_;
   std::unordered_map<PlaneId, int> plane_index_;

@@ -20,6 +20,16 @@ const Plane& PlaneOf(const MapIndex& index, const VerifiedPlane& verified) {
   return index.map().planes[verified.plane];
 }
 
+// Whether a keyframe that saw the one plane is linked with one that saw the other.
+bool LinkedKeyframesSaw(const MapIndex& index, const Plane& a, const Plane& b) {
+  return std::ranges::any_of(a.views, [&](const PlaneView& view_a) {
+    const std::vector<int>& linked = index.LinkedTo(index.IndexOf(view_a.keyframe));
+    return std::ranges::any_of(b.views, [&](const PlaneView& view_b) {
+      return std::ranges::binary_search(linked, index.IndexOf(view_b.keyframe));
+    });
+  });
+}
+
 }  // namespace
 
 bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b) {
@@ -28,6 +38,7 @@ bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b) {
       if (view_a.keyframe == view_b.keyframe) return true;
     }
   }
+  if (!index.map().links.empty() && LinkedKeyframesSaw(index, a, b)) return true;
   const std::vector<PlaneId>& of_a = index.Neighbours(a.id);
   const std::vector<PlaneId>& of_b = index.Neighbours(b.id);
   if (std::binary_search(of_a.begin(), of_a.end(), b.id)) return true;

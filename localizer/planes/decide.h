@@ -26,8 +26,8 @@ struct Place {
 // the query.
 int CountInliers(const Place& place);
 
-// Whether two planes are parts of one surrounding: a keyframe saw both, or an edge or a common
-// neighbour joins them.
+// Whether two planes are parts of one surrounding: a keyframe saw both, or a link joins keyframes
+// that saw them, or an edge or a common neighbour joins the planes.
 bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b);
 
 // Groups accepted planes into places, best first. Planes of one place were seen together and agree

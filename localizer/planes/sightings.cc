@@ -22,6 +22,38 @@ double ShareOf(int part, int all) {
   return std::min(1.0, static_cast<double>(part) / std::max(1, all));
 }
 
+// Within one session.
+bool ShowOneSurrounding(const MapIndex& index, int a, int b) {
+  const Keyframe& x = index.map().keyframes[a];
+  const Keyframe& y = index.map().keyframes[b];
+  const int near = x.stretch == y.stretch ? kNearKeyframes : kNextKeyframes;
+  if (x.sequence == y.sequence && std::abs(a - b) <= near) return true;
+  return std::ranges::any_of(index.PlanesSeenBy(a), [&](const MapIndex::SeenPlane& in_a) {
+    return std::ranges::any_of(index.PlanesSeenBy(b), [&](const MapIndex::SeenPlane& in_b) {
+      return in_a.plane == in_b.plane;
+    });
+  });
+}
+
+// The linked keyframes that show one surrounding with `keyframe`, each once or more often.
+std::vector<int> LinkedKeyframesAround(const MapIndex& index, int keyframe) {
+  std::vector<int> around;
+  const auto add = [&](int other) {
+    if (!index.LinkedTo(other).empty()) around.push_back(other);
+  };
+  const int last = static_cast<int>(index.map().keyframes.size()) - 1;
+  for (int other = std::max(0, keyframe - kNearKeyframes);
+       other <= std::min(last, keyframe + kNearKeyframes); ++other) {
+    if (ShowOneSurrounding(index, keyframe, other)) add(other);
+  }
+  for (const MapIndex::SeenPlane& seen : index.PlanesSeenBy(keyframe)) {
+    for (const PlaneView& view : index.map().planes[seen.plane].views) {
+      add(index.IndexOf(view.keyframe));
+    }
+  }
+  return around;
+}
+
 // Planes recognise a surface from farther aside than a keyframe is, so that their inliers count as
 // found too.
 KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified, const Place& place,
@@ -87,14 +119,11 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
 }
 
 bool KeyframesAreNear(const MapIndex& index, int a, int b) {
-  const Keyframe& x = index.map().keyframes[a];
-  const Keyframe& y = index.map().keyframes[b];
-  const int near = x.stretch == y.stretch ? kNearKeyframes : kNextKeyframes;
-  if (x.sequence == y.sequence && std::abs(a - b) <= near) return true;
-  return std::ranges::any_of(index.PlanesSeenBy(a), [&](const MapIndex::SeenPlane& in_a) {
-    return std::ranges::any_of(index.PlanesSeenBy(b), [&](const MapIndex::SeenPlane& in_b) {
-      return in_a.plane == in_b.plane;
-    });
+  if (ShowOneSurrounding(index, a, b)) return true;
+  if (index.map().links.empty()) return false;
+  return std::ranges::any_of(LinkedKeyframesAround(index, a), [&](int linked) {
+    return std::ranges::any_of(index.LinkedTo(linked),
+                               [&](int other) { return ShowOneSurrounding(index, other, b); });
   });
 }
 

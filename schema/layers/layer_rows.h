@@ -24,13 +24,15 @@ std::optional<OrientationLayer> ReadOrientation(SQLite::Database& database, bool
                                                 std::vector<MapProblem>& problems);
 std::optional<PoseLayer> ReadPoses(SQLite::Database& database, std::vector<MapProblem>& problems);
 // Nothing where the map has no table of them.
+std::vector<KeyframeLink> ReadLinks(SQLite::Database& database, std::vector<MapProblem>& problems);
 std::vector<NamedPlace> ReadNames(SQLite::Database& database, std::vector<MapProblem>& problems);
 
 void WritePlaneLayer(const MapData& map, RowSink& sink);
 void WriteAppearance(const AppearanceLayer& layer, RowSink& sink);
 void WriteOrientation(const OrientationLayer& layer, RowSink& sink);
 void WritePoses(const PoseLayer& layer, RowSink& sink);
-// Makes the tables that it fills.
+// These make the tables that they fill.
+void WriteLinks(const std::vector<KeyframeLink>& links, RowSink& sink);
 void WriteNames(const std::vector<NamedPlace>& places, RowSink& sink);
 
 }  // namespace waystone

@@ -6,6 +6,7 @@
 #include "schema/layers/appearance/appearance_tables.h"
 #include "schema/layers/layer_problems.h"
 #include "schema/layers/layer_rows.h"
+#include "schema/layers/links/link_tables.h"
 #include "schema/layers/names/name_tables.h"
 #include "schema/layers/orientation/orientation_tables.h"
 #include "schema/layers/planes/plane_tables.h"
@@ -98,6 +99,17 @@ StoredLayer StoredPoses() {
       .equal = [](const MapData& a, const MapData& b) { return a.poses == b.poses; }};
 }
 
+StoredLayer StoredLinks() {
+  return {
+      .tables = {},
+      .optional_tables = {{kKeyframeLinksTable, kKeyframeLinksSql}},
+      .read = [](SQLite::Database& database, bool /*images*/, MapData& map,
+                 std::vector<MapProblem>& problems) { map.links = ReadLinks(database, problems); },
+      .write = [](const MapData& map, RowSink& sink) { WriteLinks(map.links, sink); },
+      .find_problems = FindLinkProblems,
+      .equal = [](const MapData& a, const MapData& b) { return a.links == b.links; }};
+}
+
 StoredLayer StoredNames() {
   return {
       .tables = {},
@@ -113,8 +125,9 @@ StoredLayer StoredNames() {
 }  // namespace
 
 const std::vector<StoredLayer>& StoredLayers() {
-  static const std::vector<StoredLayer> layers{StoredPlanes(), StoredAppearance(),
-                                               StoredOrientation(), StoredPoses(), StoredNames()};
+  static const std::vector<StoredLayer> layers{StoredPlanes(),      StoredAppearance(),
+                                               StoredOrientation(), StoredPoses(),
+                                               StoredLinks(),       StoredNames()};
   return layers;
 }
 

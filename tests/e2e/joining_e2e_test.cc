@@ -62,11 +62,21 @@ TEST_F(JoiningTest, RemoveRefusesWhatTheMapHasNot) {
   ExpectRefusal({"remove", map_, "--session", "night"}, 3, "no session 'night'");
 }
 
-TEST_F(JoiningTest, MapsWithPosesAreRefused) {
-  const std::string posed = ThePosedHall().map;
-  ExpectRefusal({"remove", posed, "--keyframes", "1"}, 3, "has poses");
-  ExpectRefusal({"merge", map_, posed, "-o", folder_ / "both.db"}, 3, "has poses");
+TEST_F(JoiningTest, MapsWithAnOrientationLayerAreRefused) {
+  const std::string corner = TheCorner().map;
+  ExpectRefusal({"remove", corner, "--keyframes", "1"}, 3, "has an orientation layer");
+  ExpectRefusal({"merge", map_, corner, "-o", folder_ / "both.db"}, 3, "has an orientation layer");
   EXPECT_FALSE(fs::exists(folder_ / "both.db"));
+}
+
+TEST_F(JoiningTest, WhatIsLeftOfAMapWithPosesAnswersWithThem) {
+  fs::copy_file(ThePosedHall().map, map_, fs::copy_options::overwrite_existing);
+  ASSERT_EQ(RunWaystone({"remove", map_, "--keyframes", "1"}).code, 0);
+  EXPECT_EQ(RunWaystone({"check", map_}).code, 0);
+  const fs::path photo = ThePosedHall().walk / "queries" / "20.jpg";
+  const Json answer = Json::parse(RunWaystone({"localize", map_, photo, "--json"}).out);
+  ASSERT_EQ(answer["verdict"], "localized");
+  EXPECT_TRUE(answer["pose"].is_object()) << answer;
 }
 
 TEST_F(JoiningTest, PanoramasAreRefusedBeforeTheyAreBuilt) {

@@ -236,9 +236,37 @@ async function testLayers(page) {
   await go(page, "layers", "Trajectory");
   await page.getByText("has no appearance layer").waitFor();
   await page.getByText("has no orientation layer").waitFor();
+  assert.equal(await page.getByRole("heading", { name: "Sessions" }).count(), 0, "one session, no table");
   assert.equal(await page.locator(".pose-map").count(), 0, "no poses, no drawing of them");
   await shoot(page, "layers");
   await checkAccess(page, "layers");
+}
+
+// A map that was joined of two, as the endpoints answer.
+async function testSessions() {
+  const { page, complaints, close } = await open({});
+  const session = { program: "waystone 0.1.0", sequences: [1], keyframes: 12 };
+  await page.route(/\/v1\/maps(\?.*)?$/, async (route) => {
+    const answer = await route.fetch();
+    const list = await answer.json();
+    list.maps = list.maps.map((map) => ({
+      ...map,
+      sessions: [{ ...session, name: "morning", version: `sha256:${"ab".repeat(32)}`, from_s: 0, to_s: 61.26 },
+        { ...session, name: "evening <&>", version: null, from_s: null, to_s: null }],
+      parts: [[1], [1]],
+    }));
+    await route.fulfill(json(list));
+  });
+  await page.goto(`${url}/#/room/layers`);
+  await page.getByRole("heading", { name: "Sessions" }).waitFor();
+  await page.getByText("2 parts that show nothing in common").waitFor();
+  const rows = page.locator("section", { hasText: "Built with" }).locator("tbody tr");
+  assert.match(await rows.nth(0).innerText(), /^morning\s.*\(1\)\s12\s0 to 61\.3\swaystone 0\.1\.0\ssha256:abababab$/);
+  assert.match(await rows.nth(1).innerText(), /^evening <&>\s.*added walk$/);
+  await shoot(page, "sessions");
+  await checkAccess(page, "sessions");
+  assert.deepEqual(complaints, []);
+  await close();
 }
 
 // A trajectory with a loop, as the endpoints answer.
@@ -454,6 +482,7 @@ await run(async () => {
     assert.deepEqual(complaints, [], test.name);
   }
   await close();
+  await testSessions();
   await testOtherLayers();
   await testCorridors();
   await testPanorama();

@@ -8,6 +8,7 @@ import type { ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, Panorama, PlaneLink, Swatch, Waiting } from "./parts";
 import { PoseFigure } from "./pose_map";
 import { href } from "./route";
+import { Sessions } from "./sessions";
 import { useGet } from "./use";
 import { counted, degrees } from "./words";
 
@@ -196,6 +197,7 @@ export function LayersView({ map, query }: ViewProps) {
     <>
       <h1>Trajectory</h1>
       {layers.includes("poses") && <Poses map={map.name} query={query} />}
+      <Sessions map={map} />
       {map.planes > 0 && <SeenAgain map={map.name} overview={overview.value} />}
       <Layer
         name="Panoramas (appearance layer)"

@@ -8,7 +8,9 @@
 #include <set>
 
 #include "builder/calibration/rendered_negatives.h"
+#include "builder/joining/remove_keyframes.h"
 #include "core/base/error.h"
+#include "localizer/planes/sightings.h"
 #include "schema/sessions.h"
 #include "tests/builder/joining/walked_maps.h"
 
@@ -80,6 +82,44 @@ TEST(MergeMaps, AnswersAsTheMapOfTheWholeDoes) {
   EXPECT_GE(near, localized - 2);
 }
 
+// Nine frames at the beginning of a walk and nine at its end, from where the same room is seen: too
+// few features are alike for fusing planes, but the keyframes are recognised.
+TEST(MergeMaps, LinksKeyframesThatShowOnePlace) {
+  const MapData begin = MapOfFrames(0, 8, "begin");
+  const MapData end = MapOfFrames(36, 44, "end");
+  const JoinResult joined = MergeMaps({begin, end}, "joined", {});
+  EXPECT_GT(joined.report.keyframes_recognised, 0);
+  ASSERT_FALSE(joined.map.links.empty());
+  EXPECT_EQ(WrittenAndRead(joined.map).links, joined.map.links);
+  EXPECT_EQ(FindParts(joined.map).size(), 1u);
+  const auto index = MapIndex::Build(joined.map);
+  for (const KeyframeLink& link : joined.map.links) {
+    const int a = index->IndexOf(link.a);
+    const int b = index->IndexOf(link.b);
+    EXPECT_NE(joined.map.keyframes[a].sequence, joined.map.keyframes[b].sequence);
+    EXPECT_TRUE(KeyframesAreNear(*index, a, b));
+    EXPECT_TRUE(KeyframesAreNear(*index, b, a));
+  }
+  for (int i = 0; i <= 44; ++i) {
+    EXPECT_NE(LocalizeFeatures(*index, FeaturesOfFrames()[i], {}).verdict, Verdict::kAmbiguous)
+        << i;
+  }
+  // Without the second walk the links go, too.
+  std::set<KeyframeId> second;
+  for (const Keyframe& keyframe : joined.map.keyframes) {
+    if (keyframe.sequence == SequenceId{2}) second.insert(keyframe.id);
+  }
+  EXPECT_TRUE(RemoveKeyframes(joined.map, second, {}).map.links.empty());
+}
+
+// The keyframes of an added walk are asked in the map, and none of the map in the walk.
+TEST(AddToMap, LinksTheAddedKeyframes) {
+  const JoinResult joined = AddToMap(FirstHalf(), SecondHalf(), {});
+  EXPECT_GT(joined.report.keyframes_recognised, 0);
+  EXPECT_LE(joined.report.keyframes_recognised,
+            static_cast<int>(joined.map.keyframes.size() - FirstHalf().keyframes.size()));
+}
+
 TEST(MergeMaps, DoesNotDependOnTheOrder) {
   EXPECT_TRUE(MergeMaps({SecondHalf(), FirstHalf()}, "joined", {}).map == Joined().map);
 }
@@ -139,11 +179,12 @@ TEST(MergeMaps, JoinsAJoinedMapToAThird) {
 }
 
 TEST(MergeMaps, WhatDoesNotMeetStaysApart) {
-  const MapData begin = MapOfFrames(0, 8, "begin");
-  const MapData end = MapOfFrames(36, 44, "end");
-  const MapData joined = MergeMaps({begin, end}, "apart", {}).map;
-  EXPECT_EQ(joined.planes.size(), begin.planes.size() + end.planes.size());
-  EXPECT_EQ(FindParts(joined), (std::vector<std::vector<SequenceId>>{{{1}}, {{2}}}));
+  const MapData elsewhere = MapOfAnotherBuilding();
+  const JoinResult joined = MergeMaps({FirstHalf(), elsewhere}, "apart", {});
+  EXPECT_EQ(joined.report.keyframes_recognised, 0);
+  EXPECT_EQ(joined.map.planes.size(), FirstHalf().planes.size() + elsewhere.planes.size());
+  EXPECT_TRUE(joined.map.links.empty());
+  EXPECT_EQ(FindParts(joined.map), (std::vector<std::vector<SequenceId>>{{{1}}, {{2}}}));
 }
 
 TEST(MergeMaps, RefusesWhatCannotBeJoined) {
@@ -159,11 +200,19 @@ TEST(MergeMaps, RefusesWhatCannotBeJoined) {
               MergeMaps({Joined().map, FirstHalf()}, "twice", {});
             }),
             "session 'first' is in map 'joined' and again in map 'first'; give each session once");
-  MapData posed = SecondHalf();
-  posed.poses.emplace();
+  const MapData part = MapOfFrames(0, 12, "part");
+  EXPECT_TRUE(MessageOf([&] {
+                AddToMap(FirstHalf(), part, {});
+              }).ends_with("pictures as map 'first'; give each walk once"));
   EXPECT_NE(MessageOf([&] {
-              MergeMaps({FirstHalf(), posed}, "posed", {});
-            }).find("has poses"),
+              MergeMaps({part, FirstHalf()}, "both", {});
+            }).find("session 'part' has the same "),
+            std::string::npos);
+  MapData panoramas = SecondHalf();
+  panoramas.appearance.emplace();
+  EXPECT_NE(MessageOf([&] {
+              MergeMaps({FirstHalf(), panoramas}, "panoramas", {});
+            }).find("has an appearance layer"),
             std::string::npos);
 }
 

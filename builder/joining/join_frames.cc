@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/joining/join_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "builder/joining/align_frames.h"
+#include "builder/joining/joinable.h"
+#include "core/base/error.h"
+
+namespace waystone {
+namespace {
+
+// The map whose frame is kept; nothing where no map has poses.
+std::optional<size_t> ChooseFrame(const std::vector<MapData>& maps) {
+  std::optional<size_t> chosen;
+  for (size_t i = 0; i < maps.size(); ++i) {
+    if (!maps[i].poses) continue;
+    if (maps[i].poses->unit == LengthUnit::kMetres) return i;
+    if (!chosen) chosen = i;
+  }
+  return chosen;
+}
+
+// Of the position, on each axis.
+double PositionSigma(const QueryPose& pose) {
+  return std::sqrt(std::max(0.0, pose.covariance.topLeftCorner<3, 3>().trace() / 3));
+}
+
+// Cameras of keyframes of either map in the frames of both, in which `to` is expressed already.
+std::vector<CameraInFrames> CommonCameras(const std::vector<Recognition>& recognitions,
+                                          const std::vector<MapData>& maps, size_t to,
+                                          size_t from) {
+  std::vector<CameraInFrames> cameras;
+  for (const Recognition& recognition : recognitions) {
+    const bool forth = recognition.asked == to && recognition.asking == from;
+    const bool back = recognition.asked == from && recognition.asking == to;
+    if (!forth && !back) continue;
+    const MapData& asking = maps[recognition.asking];
+    for (const RecognisedKeyframe& one : recognition.keyframes) {
+      const KeyframePose* own = asking.poses->Find(asking.keyframes[one.asking].id);
+      if (own == nullptr || !one.pose) continue;
+      const Eigen::Isometry3d given = own->frame_from_camera();
+      const Eigen::Isometry3d& found = one.pose->frame_from_camera;
+      cameras.push_back({forth ? found : given, forth ? given : found, PositionSigma(*one.pose)});
+    }
+  }
+  return cameras;
+}
+
+// The change into the frame of the maps that are `done`, by the first of them that gives one.
+std::optional<FrameChange> FindChange(const std::vector<Recognition>& recognitions,
+                                      const std::vector<MapData>& maps,
+                                      const std::vector<size_t>& done, size_t from) {
+  for (const size_t to : done) {
+    const bool same_unit = maps[to].poses->unit == LengthUnit::kMetres &&
+                           maps[from].poses->unit == LengthUnit::kMetres;
+    auto change = AlignFrames(CommonCameras(recognitions, maps, to, from), same_unit);
+    if (change) return change;
+  }
+  return std::nullopt;
+}
+
+// Poses in the changed map's frame that its answers gave change with it.
+void ChangeAnswers(const FrameChange& change, size_t map, std::vector<Recognition>& recognitions) {
+  for (Recognition& recognition : recognitions) {
+    if (recognition.asked != map) continue;
+    for (RecognisedKeyframe& one : recognition.keyframes) {
+      if (!one.pose) continue;
+      Eigen::Isometry3d& pose = one.pose->frame_from_camera;
+      pose.linear() = change.rotation * pose.linear();
+      pose.translation() = change.scale * change.rotation * pose.translation() + change.translation;
+      one.pose->covariance.topRows<3>() *= change.scale;
+      one.pose->covariance.leftCols<3>() *= change.scale;
+    }
+  }
+}
+
+}  // namespace
+
+void JoinFrames(const std::vector<Recognition>& given, std::vector<MapData>& maps) {
+  const std::optional<size_t> kept = ChooseFrame(maps);
+  if (!kept) return;
+  std::vector<Recognition> recognitions = given;
+  std::vector<size_t> done{*kept};
+  std::vector<size_t> left;
+  for (size_t i = 0; i < maps.size(); ++i) {
+    if (i != *kept && maps[i].poses) left.push_back(i);
+  }
+  while (!left.empty()) {
+    std::optional<FrameChange> change;
+    const auto aligned = std::ranges::find_if(left, [&](size_t i) {
+      change = FindChange(recognitions, maps, done, i);
+      return change.has_value();
+    });
+    if (aligned == left.end()) {
+      throw MapError(
+          ErrorCode::kBadRequest,
+          Named(maps[left.front()]) + " and " + Named(maps[*kept]) +
+              " have poses in frames that can't be aligned: fewer than 3 keyframes, or "
+              "less than half, agree on how they lie; build one of them without --poses");
+    }
+    const size_t map = *aligned;
+    ChangeFrame(*change, *maps[map].poses);
+    ChangeAnswers(*change, map, recognitions);
+    maps[map].poses->frame = maps[*kept].poses->frame;
+    maps[map].poses->unit = maps[*kept].poses->unit;
+    left.erase(aligned);
+    done.push_back(map);
+  }
+}
+
+}  // namespace waystone

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "builder/joining/recognise_keyframes.h"
+#include "schema/map_data.h"
+
+namespace waystone {
+
+// Keyframes of one map that were localized in another; both by their places in the list of maps.
+struct Recognition {
+  size_t asked = 0;
+  size_t asking = 0;
+  std::vector<RecognisedKeyframe> keyframes;
+};
+
+// Expresses the pose layers of all maps that have one in the frame of one of them: of the first
+// whose unit is metres, or else of the first. Two frames are aligned by the keyframes of either map
+// whose pose the other one answered with, and by way of a third map where these don't suffice.
+// Throws MapError(kBadRequest) for a map that can't be aligned.
+void JoinFrames(const std::vector<Recognition>& recognitions, std::vector<MapData>& maps);
+
+}  // namespace waystone

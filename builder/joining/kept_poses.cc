@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/joining/kept_poses.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "core/camera/camera.h"
+
+namespace waystone {
+namespace {
+
+using Eigen::Vector3d;
+
+std::pair<float, float> PositionKey(const PlaneFeature& feature) {
+  return {feature.reference.x_px, feature.reference.y_px};
+}
+
+// The camera of a keyframe with a pose.
+struct PosedCamera {
+  Eigen::Isometry3d frame_from_camera;
+  const Camera* camera = nullptr;
+};
+
+std::optional<PosedCamera> CameraOf(const MapData& map, KeyframeId id) {
+  const KeyframePose* pose = map.poses->Find(id);
+  const auto keyframe = std::ranges::lower_bound(map.keyframes, id, {}, &Keyframe::id);
+  if (pose == nullptr || keyframe == map.keyframes.end() || keyframe->id != id) return std::nullopt;
+  const auto sequence =
+      std::ranges::lower_bound(map.sequences, keyframe->sequence, {}, &Sequence::id);
+  if (!sequence->camera) return std::nullopt;
+  return PosedCamera{pose->frame_from_camera(), &*sequence->camera};
+}
+
+// Where the ray of a pixel meets the plane, with its relative error by the plane's covariance.
+DepthCode DepthOnPlane(const PosedCamera& posed, const PlanePose& plane, const Keypoint& keypoint) {
+  const Vector3d ray =
+      posed.frame_from_camera.linear() *
+      Unproject(*posed.camera, {static_cast<double>(keypoint.x_px), keypoint.y_px}).normalized();
+  const Vector3d centre = posed.frame_from_camera.translation();
+  const double along = plane.normal.dot(ray);
+  const double depth = (plane.distance - plane.normal.dot(centre)) / along;
+  if (!std::isfinite(depth) || !(depth > 0)) return {};
+  // depth = (d - n . c) / (n . r): its derivatives by n and d.
+  Eigen::Vector4d by_plane;
+  by_plane << -(centre + depth * ray) / along, 1 / along;
+  const double variance = by_plane.dot(plane.covariance * by_plane);
+  if (!std::isfinite(variance) || variance < 0) return {};
+  return EncodeDepth(depth, std::sqrt(variance) / depth);
+}
+
+// Normals point away from the camera of the reference keyframe.
+void TurnAway(const PosedCamera& posed, PlanePose& plane) {
+  if (plane.distance >= plane.normal.dot(posed.frame_from_camera.translation())) return;
+  plane.normal = -plane.normal;
+  plane.distance = -plane.distance;
+}
+
+template <class Item, class Id, class Has>
+void KeepThose(std::vector<Item>& items, Id Item::*id, const Has& has) {
+  std::erase_if(items, [&](const Item& item) { return !has.contains(item.*id); });
+}
+
+}  // namespace
+
+PosesBefore::PosesBefore(const MapData& map) {
+  if (!map.poses) return;
+  for (const Plane& plane : map.planes) {
+    const auto known =
+        std::ranges::lower_bound(map.poses->plane_depths, plane.id, {}, &PlaneDepths::plane);
+    if (known == map.poses->plane_depths.end() || known->plane != plane.id) continue;
+    PlaneBefore& before = planes_[plane.id];
+    before.reference = plane.reference;
+    for (size_t f = 0; f < plane.features.size(); ++f) {
+      before.depths.emplace(PositionKey(plane.features[f]), known->features[f]);
+    }
+  }
+}
+
+void PosesBefore::KeepPoses(MapData& map) const {
+  if (!map.poses) return;
+  PoseLayer& layer = *map.poses;
+  std::set<KeyframeId> keyframes;
+  for (const Keyframe& keyframe : map.keyframes) keyframes.insert(keyframe.id);
+  std::set<PlaneId> planes;
+  for (const Plane& plane : map.planes) planes.insert(plane.id);
+  KeepThose(layer.keyframes, &KeyframePose::keyframe, keyframes);
+  KeepThose(layer.landmark_depths, &LandmarkDepths::keyframe, keyframes);
+  KeepThose(layer.planes, &PlanePose::plane, planes);
+  if (layer.keyframes.empty()) {
+    map.poses.reset();
+    return;
+  }
+  layer.plane_depths.clear();
+  for (const Plane& plane : map.planes) {
+    const std::optional<PosedCamera> posed = CameraOf(map, plane.reference);
+    if (!posed) continue;
+    const auto fitted = std::ranges::lower_bound(layer.planes, plane.id, {}, &PlanePose::plane);
+    const bool has_fit = fitted != layer.planes.end() && fitted->plane == plane.id;
+    if (has_fit) TurnAway(*posed, *fitted);
+    const auto before = planes_.find(plane.id);
+    const bool as_before = before != planes_.end() && before->second.reference == plane.reference;
+    PlaneDepths depths{plane.id, {}};
+    for (const PlaneFeature& feature : plane.features) {
+      const DepthCode* known = nullptr;
+      if (as_before) {
+        const auto found = before->second.depths.find(PositionKey(feature));
+        if (found != before->second.depths.end()) known = &found->second;
+      }
+      depths.features.push_back(known     ? *known
+                                : has_fit ? DepthOnPlane(*posed, *fitted, feature.reference)
+                                          : DepthCode{});
+    }
+    layer.plane_depths.push_back(std::move(depths));
+  }
+}
+
+}  // namespace waystone

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// Maps with poses that are joined, and that keyframes are removed from.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "builder/joining/merge_maps.h"
+#include "builder/joining/remove_keyframes.h"
+#include "core/base/error.h"
+#include "core/geometry/angle.h"
+#include "core/geometry/rotation.h"
+#include "localizer/poses/locate_pose.h"
+#include "tests/builder/joining/walked_maps.h"
+
+namespace waystone {
+namespace {
+
+MadeFrame Metres() { return {{}, LengthUnit::kMetres}; }
+
+MadeFrame Turned() {
+  MadeFrame frame;
+  frame.from_world = {0.4, RotationByVector({0.3, -0.8, 1.1}), {7, -3, 2}, 0};
+  return frame;
+}
+
+const MapData& InMetres() {
+  static const MapData map = PosedMapOfFrames(0, 25, "metric", Metres());
+  return map;
+}
+
+const MapData& InAnotherFrame() {
+  static const MapData map = PosedMapOfFrames(16, 44, "turned", Turned());
+  return map;
+}
+
+struct PoseErrors {
+  int posed = 0;
+  int near = 0;  // within 3 cm and half a degree
+};
+
+// Of every frame of the stage, against its true pose in the world.
+PoseErrors AskAll(const MapData& map) {
+  const auto index = MapIndex::Build(map);
+  PoseErrors errors;
+  for (size_t i = 0; i < FeaturesOfFrames().size(); ++i) {
+    const Features& query = FeaturesOfFrames()[i];
+    Answer answer = LocalizeFeatures(*index, query, {});
+    AddPose(*index, query, TheStage().renderer.camera(), {}, answer);
+    if (!answer.pose) continue;
+    ++errors.posed;
+    const Eigen::Isometry3d& truth = TheStage().walk.frames[i].world_from_camera;
+    const Eigen::Isometry3d& pose = answer.pose->frame_from_camera;
+    errors.near += (pose.translation() - truth.translation()).norm() < 0.03 &&
+                   RotationAngle(pose.linear(), truth.linear()) < 0.5 / kDegreesPerRadian;
+  }
+  return errors;
+}
+
+// Features of planes whose depth isn't known, and all of them.
+std::pair<int, int> CountUnknownDepths(const MapData& map) {
+  int unknown = 0;
+  int all = 0;
+  for (const PlaneDepths& depths : map.poses->plane_depths) {
+    for (const DepthCode& code : depths.features) {
+      ++all;
+      unknown += !code.known();
+    }
+  }
+  return {unknown, all};
+}
+
+TEST(JoinPoses, FramesOfTwoMapsBecomeOne) {
+  const JoinResult joined = MergeMaps({InAnotherFrame(), InMetres()}, "joined", {});
+  const MapData& map = joined.map;
+  ASSERT_TRUE(map.poses);
+  EXPECT_EQ(map.poses->frame, "metric's");
+  EXPECT_EQ(map.poses->unit, LengthUnit::kMetres);
+  EXPECT_EQ(map.poses->keyframes.size(), map.keyframes.size());
+  for (const KeyframePose& pose : map.poses->keyframes) {
+    const auto keyframe = std::ranges::find(map.keyframes, pose.keyframe, &Keyframe::id);
+    const Eigen::Isometry3d truth = TheStage().walk.frames[keyframe->frame].world_from_camera;
+    EXPECT_LT((pose.position - truth.translation()).norm(), 0.03) << keyframe->source;
+    EXPECT_LT(RotationAngle(pose.rotation.toRotationMatrix(), truth.linear()),
+              0.5 / kDegreesPerRadian);
+  }
+  EXPECT_EQ(WrittenAndRead(map).poses, map.poses);
+  const PoseErrors errors = AskAll(map);
+  EXPECT_GE(errors.posed, 40);
+  EXPECT_GE(errors.near, errors.posed - 3);
+  EXPECT_TRUE(MergeMaps({InMetres(), InAnotherFrame()}, "joined", {}).map == map);
+}
+
+TEST(JoinPoses, AMapWithoutPosesLeavesTheOthersAsTheyAre) {
+  const MapData joined = MergeMaps({InMetres(), MapOfFrames(16, 44, "plain")}, "joined", {}).map;
+  ASSERT_TRUE(joined.poses);
+  EXPECT_EQ(joined.poses->keyframes.size(), InMetres().poses->keyframes.size());
+  EXPECT_EQ(WrittenAndRead(joined).poses, joined.poses);
+  EXPECT_GE(AskAll(joined).near, 20);
+}
+
+TEST(JoinPoses, FramesThatNothingTiesTogetherAreRefused) {
+  const World world(DemoPlan(), {.seed = 77, .texture_richness = 0.5});
+  std::vector<cv::Mat> frames;
+  for (int i = 0; i < 15; ++i) {
+    frames.push_back(
+        TheStage().renderer.Render(world, TheStage().walk.frames[i].world_from_camera).grey);
+  }
+  GivenPoses poses;
+  poses.of_keyframe = [](const Sequence&, const Keyframe& keyframe) {
+    return TheStage().walk.frames[keyframe.frame].world_from_camera;
+  };
+  const MapData elsewhere = MapOfImages(frames, 0, 14, "elsewhere", FeatureType::kSift, poses);
+  try {
+    MergeMaps({InMetres(), elsewhere}, "both", {});
+    FAIL() << "joined";
+  } catch (const MapError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kBadRequest);
+    EXPECT_EQ(std::string(error.what()),
+              "map 'elsewhere' and map 'metric' have poses in frames that can't be aligned: fewer "
+              "than 3 keyframes, or less than half, agree on how they lie; build one of them "
+              "without --poses");
+  }
+}
+
+TEST(RemoveKeyframes, LeavesThePosesOfTheOthers) {
+  const MapData& before = InMetres();
+  const KeyframeId first = before.keyframes.front().id;
+  const RemoveResult left = RemoveKeyframes(before, {first}, {});
+  ASSERT_TRUE(left.map.poses);
+  EXPECT_GT(left.report.planes_anchored, 0);
+  EXPECT_EQ(left.map.poses->keyframes.size() + 1, before.poses->keyframes.size());
+  EXPECT_EQ(left.map.poses->Find(first), nullptr);
+  EXPECT_EQ(WrittenAndRead(left.map).poses, left.map.poses);
+  // Planes that are expressed in another image still know where their features are.
+  const auto [unknown_before, all_before] = CountUnknownDepths(before);
+  const auto [unknown, all] = CountUnknownDepths(left.map);
+  EXPECT_GT(all, all_before / 2);
+  EXPECT_LE(unknown, unknown_before);
+  const PoseErrors errors = AskAll(left.map);
+  EXPECT_GE(errors.near, AskAll(before).near - 4);
+}
+
+TEST(RemoveKeyframes, NoPosesAreLeftWithoutPosedKeyframes) {
+  const MapData joined = MergeMaps({InMetres(), MapOfFrames(16, 44, "plain")}, "joined", {}).map;
+  std::set<KeyframeId> posed;
+  for (const KeyframePose& pose : joined.poses->keyframes) posed.insert(pose.keyframe);
+  const MapData left = RemoveKeyframes(joined, posed, {}).map;
+  EXPECT_FALSE(left.poses);
+  EXPECT_FALSE(left.keyframes.empty());
+}
+
+}  // namespace
+}  // namespace waystone
