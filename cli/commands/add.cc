@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "cli/commands/build_sources.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/settings.h"
+#include "cli/files/given_poses.h"
 #include "cli/files/map_file.h"
 #include "cli/output/join_text.h"
 #include "cli/system/signals.h"
@@ -25,6 +27,7 @@ namespace {
 struct AddFlags {
   std::string map;
   SourceFlags sources;
+  PoseFlags poses;
   std::string name;
   std::vector<std::string> settings;  // of --set
   int threads = 0;
@@ -59,7 +62,11 @@ int RunAdd(const AddFlags& flags) {
   NoteInterrupts();
   const auto sources = OpenSources(flags.sources, options.layers, flags.printed.quiet);
   CheckSourcesAreJoinable(sources, options.layers);
-  MapData added = BuildWithProgress(sources, options, flags.printed, {}).map;
+  std::optional<GivenPoses> poses;
+  if (!flags.poses.file.empty()) {
+    poses = ReadGivenPoses(flags.poses, static_cast<int>(sources.size()));
+  }
+  MapData added = BuildWithProgress(sources, options, flags.printed, poses).map;
   if (!HasPlanesOrLandmarks(added)) return ReportNoPlanes(added);
   added.info.name = flags.name.empty() ? added.sequences.front().name : flags.name;
   const JoinResult result = AddToMap(std::move(map), std::move(added), options);
@@ -80,6 +87,7 @@ void AddAdd(CLI::App& app, Run& run) {
   command->add_option("map", flags->map, "Map file, which is replaced")->required();
   AddSourceFlags(*command, "Image folders, quoted globs, videos, TUM, KITTI or EuRoC sequences",
                  flags->sources);
+  AddPoseFlags(*command, flags->poses);
   command->add_option("--name", flags->name, "Name of the session; by default its source's");
   command->add_flag("--keep", flags->keep, "Keep the previous version as MAP.previous");
   AddThreadsFlag(*command, flags->threads);

@@ -103,30 +103,6 @@ int RunBuild(const BuildFlags& flags) {
   return 0;
 }
 
-void AddPoseFlags(CLI::App* command, PoseFlags& flags) {
-  command->add_option(
-      "--poses", flags.file,
-      "Poses of the images: TUM, KITTI, EuRoC, COLMAP (images.txt, images.bin), g2o, "
-      "nav_msgs/Odometry as CSV, or CSV; with --camera, queries are answered with their pose");
-  command->add_option("--frame", flags.frame, "Name of the frame of the poses")
-      ->capture_default_str();
-  command->add_option("--unit", flags.unit, "Unit of the poses: metres or unknown")
-      ->capture_default_str();
-  command
-      ->add_option("--scale-by", flags.scale_by,
-                   "Two images and the distance of their cameras in metres: A B METRES. Scales "
-                   "poses of unknown unit")
-      ->expected(3);
-  command->add_option("--body-from-camera", flags.body_from_camera,
-                      "Where the camera is on the body that the poses are of: \"x y z qx qy qz "
-                      "qw\"");
-  command
-      ->add_option("--max-pose-gap", flags.max_gap_s,
-                   "Longest time between two poses to interpolate between, s")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-}
-
 void AddMapFlags(CLI::App* command, BuildFlags& flags) {
   command->add_option("--features", flags.features, "Feature type: sift, orb or akaze")
       ->capture_default_str();
@@ -173,7 +149,7 @@ void AddBuild(CLI::App& app, Run& run) {
                  "panorama folders or rig folders",
                  flags->sources);
   command->add_option("-o,--output", flags->output, "Output map file")->required();
-  AddPoseFlags(command, flags->poses);
+  AddPoseFlags(*command, flags->poses);
   AddMapFlags(command, *flags);
   command->add_option("--report", flags->report_folder, "Write an HTML report to this folder");
   AddBuildOutputFlags(*command, flags->printed);

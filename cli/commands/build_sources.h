@@ -9,6 +9,7 @@
 
 #include "builder/build_map.h"
 #include "builder/sources/source.h"
+#include "cli/files/given_poses.h"
 
 // What `build` and `add` have in common: sources, and building with progress.
 namespace waystone {
@@ -32,6 +33,8 @@ struct BuildOutputFlags {
 // `kinds` says which sources are taken.
 void AddSourceFlags(CLI::App& command, const std::string& kinds, SourceFlags& flags);
 void AddThreadsFlag(CLI::App& command, int& threads);
+// --poses and what says how they are meant.
+void AddPoseFlags(CLI::App& command, PoseFlags& flags);
 // --json, --quiet and --progress.
 void AddBuildOutputFlags(CLI::App& command, BuildOutputFlags& flags);
 

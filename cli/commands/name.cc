@@ -47,23 +47,6 @@ void AddIds(const MapData& map, NamedKind kind, const std::vector<std::string>& 
   }
 }
 
-// "0,0 4.5,0 4.5,3".
-NamedPolygon PolygonIn(const std::string& text) {
-  NamedPolygon polygon;
-  for (const std::string& word : Words(text)) {
-    const size_t comma = word.find(',');
-    const auto x = ToNumber(word.substr(0, comma));
-    const auto y = comma == std::string::npos ? std::nullopt : ToNumber(word.substr(comma + 1));
-    if (!x || !y) {
-      RefuseUsage("--polygon: " + QuoteShortened(word) +
-                  " is not a corner; give corners as \"0,0 4.5,0 4.5,3\"");
-    }
-    polygon.emplace_back(*x, *y);
-  }
-  if (const auto problem = FindPolygonProblem(polygon)) RefuseUsage("--polygon " + *problem);
-  return polygon;
-}
-
 // At each colon, since names of images may have some.
 void AddImages(const MapData& map, const std::string& text, const std::string& sequence,
                NamedPlace& place) {
@@ -98,7 +81,9 @@ NamedPlace PlaceIn(const NameFlags& flags, const MapData& map) {
                        " has no positions for a polygon; build it with --poses or from panoramas, "
                        "or name keyframes");
   }
-  for (const std::string& text : flags.polygons) place.polygons.push_back(PolygonIn(text));
+  for (const std::string& text : flags.polygons) {
+    place.polygons.push_back(ReadPolygon("--polygon", text));
+  }
   if (place.ranges.empty() && place.polygons.empty()) {
     RefuseUsage(
         "specify what has this name: --keyframes, --nodes, --planes, --images or --polygon");

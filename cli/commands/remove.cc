@@ -22,6 +22,8 @@ struct RemoveFlags {
   std::string map;
   std::vector<std::string> sessions;
   std::vector<std::string> keyframes;
+  std::vector<std::string> regions;
+  std::vector<std::string> places;
   std::vector<std::string> settings;  // of --set
   bool keep = false;
   bool json = false;
@@ -38,9 +40,14 @@ int RunRemove(const RemoveFlags& flags) {
   for (const std::string& session : flags.sessions) {
     removed.merge(KeyframesOfSession(map, session));
   }
+  for (const std::string& text : flags.regions) {
+    removed.merge(KeyframesInPolygon(map, ReadPolygon("--region", text)));
+  }
+  for (const std::string& name : flags.places) removed.merge(KeyframesOfPlace(map, name));
   if (removed.empty()) {
     throw MapError(ErrorCode::kUsage,
-                   "nothing to remove; give --session or --keyframes (waystone info lists them)");
+                   "nothing to remove; give --session, --keyframes, --place or --region with a "
+                   "keyframe in it (waystone info lists sessions)");
   }
   const RemoveResult result = RemoveKeyframes(std::move(map), removed, options);
   ReplaceMap(result.map, flags.map, flags.keep);
@@ -64,6 +71,14 @@ void AddRemove(CLI::App& app, Run& run) {
   command
       ->add_option("--keyframes", flags->keyframes,
                    "Ids of keyframes: 12, 120:180 or 3,5,9:12; repeatable")
+      ->allow_extra_args(false);
+  command->add_option("--place", flags->places,
+                      "Named place whose keyframes are removed; repeatable");
+  command
+      ->add_option(
+          "--region", flags->regions,
+          "Polygon on a map with poses, as seen from above: \"0,0 4.5,0 4.5,3\". Keyframes "
+          "taken in it are removed; repeatable")
       ->allow_extra_args(false);
   command->add_flag("--keep", flags->keep, "Keep the previous version as MAP.previous");
   AddSetFlag(*command, flags->settings);

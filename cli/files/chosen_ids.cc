@@ -7,6 +7,7 @@
 #include "api/query_request_json.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
+#include "localizer/index/named_places.h"
 #include "schema/sessions.h"
 
 namespace waystone {
@@ -33,6 +34,19 @@ int64_t IdIn(const std::string& text, NamedKind kind, const std::vector<int64_t>
                      (ids.empty() ? "it has no " + std::string(NameOf(kind))
                                   : "its ids are from " + std::to_string(ids.front()) + " to " +
                                         std::to_string(ids.back())));
+}
+
+std::set<KeyframeId> KeyframesIn(const MapData& map, const NamedPlace& place) {
+  MapData part;  // what the place may hold, without pictures and planes
+  part.poses = map.poses;
+  part.names = {place};
+  for (const Keyframe& keyframe : map.keyframes) part.keyframes.emplace_back().id = keyframe.id;
+  const NamedPlaces places(part);
+  std::set<KeyframeId> held;
+  for (const Keyframe& keyframe : map.keyframes) {
+    if (places.OfKeyframe(keyframe.id) != nullptr) held.insert(keyframe.id);
+  }
+  return held;
 }
 
 const MapSession& FindSession(const std::vector<MapSession>& sessions, const std::string& text) {
@@ -83,6 +97,42 @@ std::set<KeyframeId> KeyframesOfIds(const MapData& map, const std::vector<std::s
     }
   }
   return chosen;
+}
+
+NamedPolygon ReadPolygon(const std::string& flag, const std::string& text) {
+  NamedPolygon polygon;
+  for (const std::string& word : Words(text)) {
+    const size_t comma = word.find(',');
+    const auto x = ToNumber(word.substr(0, comma));
+    const auto y = comma == std::string::npos ? std::nullopt : ToNumber(word.substr(comma + 1));
+    if (!x || !y) {
+      throw MapError(ErrorCode::kUsage,
+                     flag + ": " + QuoteShortened(word) +
+                         " is not a corner; give corners as \"0,0 4.5,0 4.5,3\"");
+    }
+    polygon.emplace_back(*x, *y);
+  }
+  if (const auto problem = FindPolygonProblem(polygon)) {
+    throw MapError(ErrorCode::kUsage, flag + " " + *problem);
+  }
+  return polygon;
+}
+
+std::set<KeyframeId> KeyframesInPolygon(const MapData& map, const NamedPolygon& polygon) {
+  if (!map.poses) {
+    throw MapError(ErrorCode::kNoLayer,
+                   "the map has no positions for a region; build it with --poses, or give "
+                   "keyframes");
+  }
+  return KeyframesIn(map, {"region", {}, {polygon}});
+}
+
+std::set<KeyframeId> KeyframesOfPlace(const MapData& map, const std::string& name) {
+  const auto found = std::ranges::find(map.names, name, &NamedPlace::name);
+  if (found != map.names.end()) return KeyframesIn(map, *found);
+  throw MapError(ErrorCode::kNotFound, "the map has no place named " + QuoteShortened(name) +
+                                           "; it has " + std::to_string(map.names.size()) +
+                                           ", which waystone name lists");
 }
 
 std::set<KeyframeId> KeyframesOfSession(const MapData& map, const std::string& session) {

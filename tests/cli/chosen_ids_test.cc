@@ -72,6 +72,37 @@ TEST(KeyframesOfIds, JoinsListsAndPassesOverIdsThatRangesSpan) {
   EXPECT_EQ(KeyframesOfIds(MapOfFour(), {}), Keyframes({}));
 }
 
+// Keyframes 1, 2, 5 and 9 stand at x = 0, 1, 2, 3 in a frame with z up.
+MapData PosedMapOfFour() {
+  MapData map = MapOfFour();
+  map.poses.emplace();
+  Eigen::Isometry3d level = Eigen::Isometry3d::Identity();
+  level.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;  // looks along x, its top is up
+  for (const Keyframe& keyframe : map.keyframes) {
+    level.translation().x() = static_cast<double>(map.poses->keyframes.size());
+    map.poses->keyframes.push_back(MakeKeyframePose(keyframe.id, level));
+  }
+  return map;
+}
+
+TEST(KeyframesInPolygon, AreThoseThatStandInIt) {
+  const NamedPolygon polygon = ReadPolygon("--region", "0.5,-1 2.5,-1 2.5,1 0.5,1");
+  EXPECT_EQ(KeyframesInPolygon(PosedMapOfFour(), polygon), Keyframes({2, 5}));
+  EXPECT_EQ(KeyframesInPolygon(PosedMapOfFour(), {{8, 8}, {9, 8}, {9, 9}}), Keyframes({}));
+  ExpectRefusal([&] { KeyframesInPolygon(MapOfFour(), polygon); }, ErrorCode::kNoLayer,
+                "the map has no positions for a region; build it with --poses, or give keyframes");
+  ExpectRefusal([] { ReadPolygon("--region", "1,2 3;4"); }, ErrorCode::kUsage,
+                "--region: '3;4' is not a corner; give corners as \"0,0 4.5,0 4.5,3\"");
+}
+
+TEST(KeyframesOfPlace, AreThoseThatItHolds) {
+  MapData map = PosedMapOfFour();
+  map.names = {{"Door", {{kKeyframes, 1, 2}}, {{{2.5, -1}, {3.5, -1}, {3.5, 1}, {2.5, 1}}}}};
+  EXPECT_EQ(KeyframesOfPlace(map, "Door"), Keyframes({1, 2, 9}));
+  ExpectRefusal([&] { KeyframesOfPlace(map, "Hall"); }, ErrorCode::kNotFound,
+                "the map has no place named 'Hall'; it has 1, which waystone name lists");
+}
+
 TEST(KeyframesOfSession, FindsByNumberAndByName) {
   MapData map = MapOfFour();
   map.info.options_json =
