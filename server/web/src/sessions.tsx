@@ -8,8 +8,12 @@ const namesOf = (map: MapSummary, ids: number[]) =>
 
 const seconds = (s: number) => s.toLocaleString("en", { maximumFractionDigits: 1 });
 
+const spanOf = ({ from_s, to_s }: MapSummary["sessions"][number]) =>
+  from_s === null || to_s === null ? "" : `${seconds(from_s)} to ${seconds(to_s)}`;
+
 export function Sessions({ map }: { map: MapSummary }) {
   if (map.sessions.length < 2 && map.parts.length < 2) return null;
+  const timed = map.sessions.some((session) => session.from_s !== null);
   return (
     <section>
       <h2>Sessions</h2>
@@ -19,24 +23,26 @@ export function Sessions({ map }: { map: MapSummary }) {
           one to another: {map.parts.map((part) => namesOf(map, part)).join(" · ")}.
         </p>
       )}
-      <table>
-        <thead>
-          <tr><th scope="col">Session</th><th scope="col">Sequences</th><th scope="col">Keyframes</th>
-            <th scope="col">Time, s</th><th scope="col">Built with</th><th scope="col">Version</th></tr>
-        </thead>
-        <tbody>
-          {map.sessions.map((session, i) => (
-            <tr key={i}>
-              <th scope="row">{session.name}</th>
-              <td>{namesOf(map, session.sequences)}</td>
-              <td class="number">{session.keyframes.toLocaleString("en")}</td>
-              <td>{session.from_s !== null && session.to_s !== null && `${seconds(session.from_s)} to ${seconds(session.to_s)}`}</td>
-              <td>{session.program}</td>
-              <td>{session.version ? <code title={session.version}>{session.version.slice(0, 15)}</code> : "added walk"}</td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
+      <div class="scroll" tabIndex={0} role="region" aria-label="Sessions">
+        <table>
+          <thead>
+            <tr><th scope="col">Session</th><th scope="col">Sequences</th><th scope="col">Keyframes</th>
+              {timed && <th scope="col">Time, s</th>}<th scope="col">Built with</th><th scope="col">Version</th></tr>
+          </thead>
+          <tbody>
+            {map.sessions.map((session, i) => (
+              <tr key={i}>
+                <th scope="row">{session.name}</th>
+                <td>{namesOf(map, session.sequences)}</td>
+                <td class="number">{session.keyframes.toLocaleString("en")}</td>
+                {timed && <td>{spanOf(session)}</td>}
+                <td>{session.program}</td>
+                <td>{session.version ? <code title={session.version}>{session.version.slice(0, 15)}</code> : "added walk"}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
     </section>
   );
 }
