@@ -3,7 +3,7 @@
 
 #include "schema/map_data.h"
 
-// Parts of a map that are asked while it is built: inside builder/calibration only.
+// Parts of a map that are asked while it is built or joined.
 namespace waystone {
 
 // The map as far as its planes are asked for, without the pictures of keyframes.

@@ -14,11 +14,11 @@ namespace waystone {
 namespace {
 
 // The map whose frame is kept; nothing where no map has poses.
-std::optional<size_t> ChooseFrame(const std::vector<MapData>& maps) {
+std::optional<size_t> ChooseFrame(const std::vector<MapData>& maps, bool keep_first) {
   std::optional<size_t> chosen;
   for (size_t i = 0; i < maps.size(); ++i) {
     if (!maps[i].poses) continue;
-    if (maps[i].poses->unit == LengthUnit::kMetres) return i;
+    if (keep_first || maps[i].poses->unit == LengthUnit::kMetres) return i;
     if (!chosen) chosen = i;
   }
   return chosen;
@@ -80,8 +80,9 @@ void ChangeAnswers(const FrameChange& change, size_t map, std::vector<Recognitio
 
 }  // namespace
 
-void JoinFrames(const std::vector<Recognition>& given, std::vector<MapData>& maps) {
-  const std::optional<size_t> kept = ChooseFrame(maps);
+void JoinFrames(const std::vector<Recognition>& given, bool keep_first,
+                std::vector<MapData>& maps) {
+  const std::optional<size_t> kept = ChooseFrame(maps, keep_first);
   if (!kept) return;
   std::vector<Recognition> recognitions = given;
   std::vector<size_t> done{*kept};

@@ -16,10 +16,12 @@ struct Recognition {
   std::vector<RecognisedKeyframe> keyframes;
 };
 
-// Expresses the pose layers of all maps that have one in the frame of one of them: of the first
-// whose unit is metres, or else of the first. Two frames are aligned by the keyframes of either map
-// whose pose the other one answered with, and by way of a third map where these don't suffice.
-// Throws MapError(kBadRequest) for a map that can't be aligned.
-void JoinFrames(const std::vector<Recognition>& recognitions, std::vector<MapData>& maps);
+// Expresses the pose layers of all maps that have one in the frame of one of them: with
+// `keep_first` of the first that has one, and else of the first whose unit is metres, where there
+// is one. Two frames are aligned by the keyframes of either map whose pose the other one answered
+// with, and by way of a third map where these don't suffice. Throws MapError(kBadRequest) for a map
+// that can't be aligned.
+void JoinFrames(const std::vector<Recognition>& recognitions, bool keep_first,
+                std::vector<MapData>& maps);
 
 }  // namespace waystone

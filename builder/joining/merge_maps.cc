@@ -163,7 +163,7 @@ int Link(const std::vector<Recognition>& recognitions, const std::vector<size_t>
 JoinResult Join(std::vector<MapData> maps, const std::string& name, Asked asked,
                 const BuildOptions& options) {
   const std::vector<Recognition> recognitions = RecogniseEachOther(maps, asked, options.features);
-  JoinFrames(recognitions, maps);
+  JoinFrames(recognitions, asked == Asked::kFirst, maps);
   JoinResult result;
   result.map = std::move(maps.front());
   MapOfPlane origin;

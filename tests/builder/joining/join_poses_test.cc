@@ -91,6 +91,25 @@ TEST(JoinPoses, FramesOfTwoMapsBecomeOne) {
   EXPECT_TRUE(MergeMaps({InMetres(), InAnotherFrame()}, "joined", {}).map == map);
 }
 
+// Whoever has stored positions of a map finds them again.
+TEST(JoinPoses, AnAddedWalkComesIntoTheFrameOfTheMap) {
+  const MapData& before = InAnotherFrame();
+  const MapData map = AddToMap(before, InMetres(), {}).map;
+  ASSERT_TRUE(map.poses);
+  EXPECT_EQ(map.poses->frame, "turned's");
+  EXPECT_EQ(map.poses->unit, LengthUnit::kUnknown);
+  EXPECT_EQ(map.poses->keyframes.size(), map.keyframes.size());
+  for (const KeyframePose& pose : before.poses->keyframes) {
+    EXPECT_EQ(*map.poses->Find(pose.keyframe), pose);
+  }
+  for (const KeyframePose& pose : map.poses->keyframes) {
+    const auto keyframe = std::ranges::find(map.keyframes, pose.keyframe, &Keyframe::id);
+    const Eigen::Isometry3d truth =
+        Turned().Of(TheStage().walk.frames[keyframe->frame].world_from_camera);
+    EXPECT_LT((pose.position - truth.translation()).norm(), 0.4 * 0.03) << keyframe->source;
+  }
+}
+
 TEST(JoinPoses, AMapWithoutPosesLeavesTheOthersAsTheyAre) {
   const MapData joined = MergeMaps({InMetres(), MapOfFrames(16, 44, "plain")}, "joined", {}).map;
   ASSERT_TRUE(joined.poses);
