@@ -46,7 +46,7 @@ async function firstView() {
 // Frames a second while the graph is dragged about.
 async function dragged(page) {
   const box = await page.locator(".graph .canvas").boundingBox();
-  await page.getByRole("button", { name: "All" }).click(); // the last drag threw it off
+  await page.getByRole("button", { name: "Fit" }).click(); // the last drag threw it off
   await page.waitForTimeout(500);
   const at = (angle) => [
     box.x + box.width * (0.5 + 0.15 * Math.cos(angle)),

@@ -5,6 +5,7 @@ import contextlib
 import io
 import json
 import os
+import re
 import sys
 import tempfile
 import unittest
@@ -56,6 +57,17 @@ class BenchTest(unittest.TestCase):
         self.assertFalse((self.folder / "name.json").exists())
         (self.folder / "photos").mkdir()
         self.assertEqual(bench.with_data(["x", "DATA/phot*"]), ["x", str(self.folder / "photos")])
+
+
+class PageTest(unittest.TestCase):
+    def test_the_page_has_the_buttons_that_its_bench_presses(self):
+        root = Path(__file__).resolve().parents[2]
+        bench_script = (root / "bench/web/measure_page.mjs").read_text(encoding="utf-8")
+        page = "".join(path.read_text(encoding="utf-8") for path in (root / "server/web/src").glob("*.tsx"))
+        names = re.findall(r'getByRole\("button", \{ name: "([^"]+)" \}\)', bench_script)
+        self.assertTrue(names)
+        for name in names:
+            self.assertRegex(page, rf">{re.escape(name)}</button>")
 
 
 class TablesTest(unittest.TestCase):
