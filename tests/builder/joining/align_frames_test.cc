@@ -106,10 +106,13 @@ TEST(ChangeFrame, MovesPosesPlanesAndDepthsTogether) {
   const Isometry3d camera = RandomPose(random);
   const Vector3d ray = RandomVector(random, 1).normalized();
   const double depth = 2.5;
-  PoseLayer layer{.frame = "map"};
+  PoseLayer layer;
+  layer.frame = "map";
   layer.noise.position_sigma = 0.02;
   layer.keyframes.push_back(MakeKeyframePose({1}, camera));
-  PlanePose plane{.plane = {1}, .normal = RandomVector(random, 1).normalized()};
+  PlanePose plane;
+  plane.plane = {1};
+  plane.normal = RandomVector(random, 1).normalized();
   plane.distance = plane.normal.dot(camera * (depth * ray));
   plane.covariance = Eigen::Vector4d(1e-4, 2e-4, 3e-4, 1e-3).asDiagonal();
   layer.planes.push_back(plane);
