@@ -114,7 +114,7 @@ bool HasPlanesOrLandmarks(const MapData& map) {
 int ReportNoPlanes(const MapData& map) {
   std::cerr << "waystone: no plane or landmark found in " << map.keyframes.size()
             << " keyframes; nothing was written. Record textured walls or floors while moving "
-               "sideways, or try --max-features 2000\n";
+               "sideways, or try --set features.max_features=2000\n";
   return kBelowQualityGate;
 }
 
