@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/camera/camera.h"
+#include "schema/layers/planes/keyframe_camera.h"
 #include "schema/layers/poses/horizontal.h"
 
 namespace waystone {
@@ -35,11 +36,6 @@ Json KeyframePosesJson(const PoseLayer& layer) {
   return json;
 }
 
-const Camera* CameraOfKeyframe(const MapIndex& index, const Keyframe& keyframe) {
-  const Sequence* sequence = index.FindSequence(keyframe.sequence);
-  return sequence && sequence->camera ? &*sequence->camera : nullptr;
-}
-
 // Where the rays of the outline's pixels meet the plane.
 Json PosedOutlineJson(const MapIndex& index, const PoseLayer& layer, const Plane& plane,
                       const PlanePose& placed) {
@@ -47,9 +43,8 @@ Json PosedOutlineJson(const MapIndex& index, const PoseLayer& layer, const Plane
   // the point so far that its place says nothing.
   constexpr double kLeastSine = 0.05;
   Json outline = Json::array();
-  const Keyframe* reference = index.FindKeyframe(plane.reference);
   const KeyframePose* pose = layer.Find(plane.reference);
-  const Camera* camera = reference ? CameraOfKeyframe(index, *reference) : nullptr;
+  const std::optional<Camera> camera = CameraOfKeyframe(index.map(), plane.reference);
   if (!pose || !camera) return outline;
   const double ahead = placed.distance - placed.normal.dot(pose->position);
   for (const Eigen::Vector2d& px : plane.outline) {

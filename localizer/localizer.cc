@@ -86,28 +86,26 @@ void NamePlace(const MapIndex& index, Answer& answer) {
   if (const std::string* name = names.Find(evidence)) answer.place_name = *name;
 }
 
-Features ExtractQuery(const cv::Mat& grey, FeatureType type, const LocalizeOptions& options) {
-  return ExtractFeatures(grey,
-                         {type, options.planes.max_features, options.planes.contrast_threshold});
-}
-
-// Features of an image, by their type, and how long they took.
+// Features of an image, by how they are extracted, and how long they took.
 class FeatureCache {
  public:
   explicit FeatureCache(const cv::Mat& grey) : grey_(grey) {}
 
-  const std::pair<Features, double>& Extract(FeatureType type, const LocalizeOptions& options) {
-    const auto it = cache_.find(type);
+  const std::pair<Features, double>& Extract(const MapIndex& index,
+                                             const LocalizeOptions& options) {
+    const FeatureOptions how = QueryFeatureOptions(index, options.planes);
+    const auto key = std::pair(how.type, how.working_pixels);
+    const auto it = cache_.find(key);
     if (it != cache_.end()) return it->second;
     LapTimer timer;
-    Features features = ExtractQuery(grey_, type, options);
+    Features features = ExtractFeatures(grey_, how);
     const double ms = timer.Lap();
-    return cache_.emplace(type, std::pair(std::move(features), ms)).first->second;
+    return cache_.emplace(key, std::pair(std::move(features), ms)).first->second;
   }
 
  private:
   const cv::Mat& grey_;
-  std::map<FeatureType, std::pair<Features, double>> cache_;
+  std::map<std::pair<FeatureType, int>, std::pair<Features, double>> cache_;
 };
 
 // Where a decoded image was taken, by the layer that answers such images.
@@ -119,17 +117,18 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, FeatureCache& cache
     answer = AskPanoramas(index, grey, options);
     if (options.deadline && !answer.last_stage) answer.last_stage = Stage::kDecide;
   } else {
-    const auto& [features, extract_ms] = cache.Extract(index.map().info.feature_type, options);
+    const auto& [features, extract_ms] = cache.Extract(index, options);
     options.Finish(Stage::kExtract);
     answer =
         options.TooLate() ? Undecided(Stage::kExtract) : LocalizeFeatures(index, features, options);
+    ToImagePixels(features, answer.planes);
     answer.timing.extract_ms = extract_ms;
     answer.timing.total_ms += extract_ms;
   }
   AddTimedBuilding(index, grey, options, answer);
   // Last, since lines may still refuse the place.
   if (index.map().poses && !by_panoramas && !options.TooLate()) {
-    const auto& [features, ms] = cache.Extract(index.map().info.feature_type, options);
+    const auto& [features, ms] = cache.Extract(index, options);
     AddTimedPose(index, features, options, answer);
   }
   NamePlace(index, answer);

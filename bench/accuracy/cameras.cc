@@ -69,12 +69,12 @@ Named AskBoth(const CameraPeers& peers, const std::vector<cv::Mat>& photos,
               std::vector<std::optional<int>>(photos.size())};
   tbb::parallel_for(size_t{0}, photos.size(), [&](size_t q) {
     Random random(q + 1);
-    const Features query = ExtractFeatures(change.apply(photos[q], random), {});
-    const Answer answer = LocalizeFeatures(*peers.index, query, {});
+    const cv::Mat photo = change.apply(photos[q], random);
+    const Answer answer = LocalizeImage(*peers.index, photo, {});
     if (answer.verdict == Verdict::kLocalized) {
       named.waystone[q] = peers.index->FindKeyframe(answer.planes.keyframe->id)->frame;
     }
-    if (const auto found = peers.search->Find(query)) {
+    if (const auto found = peers.search->Find(ExtractFeatures(photo, {}))) {
       named.search[q] = peers.frames[found->image];
     }
   });

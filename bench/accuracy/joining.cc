@@ -15,6 +15,7 @@
 #include "core/base/error.h"
 #include "core/image/decode.h"
 #include "localizer/localizer.h"
+#include "localizer/planes/locate.h"
 #include "schema/sessions.h"
 #include "world/rig.h"
 
@@ -65,7 +66,8 @@ struct Asked {
 void Ask(const RecallSet& set, const std::vector<RecallSet>& sets, const MapIndex& whole,
          const MapIndex& joined, Asked& asked) {
   const auto ask = [&](const fs::path& image) {
-    const Features features = ExtractFeatures(DecodeGrey(ReadBytes(image)), FeatureOptions{});
+    const Features features = ExtractFeatures(DecodeGrey(ReadBytes(image)),
+                                              QueryFeatureOptions(whole, PlaneQueryOptions{}));
     ++asked.queries;
     std::pair answers{LocalizeFeatures(whole, features, {}),
                       LocalizeFeatures(joined, features, {})};

@@ -148,7 +148,7 @@ Json ComparePeers(const RecallSet& set, const std::vector<fs::path>& foreign, Fe
   }
   // From here on as on a single core: building isn't timed.
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-  const PeerQueries queries = ExtractQueries(set, foreign, features);
+  const PeerQueries queries = ExtractQueries(set, foreign, QueryOptionsOf(set, features));
   const std::string kind(NameOf(type));
   Json rows = Json::array();
   rows.push_back(AskPeer("waystone-" + kind, set, queries, map.bytes,

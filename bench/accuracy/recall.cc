@@ -195,9 +195,9 @@ int RunRecall(const Args& raw) {
   nlohmann::ordered_json json{{"bench", "recall"}, {"sets", nlohmann::ordered_json::array()}};
   for (const RecallSet& set : sets) {
     if (set.name.find(args.only) == std::string::npos) continue;
-    const Asked asked{ExtractAll(set.queries, args.features),
-                      ExtractAll(set.look_alikes, args.features),
-                      ExtractAll(ChooseForeign(sets, set, args.foreign), args.features)};
+    const FeatureOptions features = QueryOptionsOf(set, args.features);
+    const Asked asked{ExtractAll(set.queries, features), ExtractAll(set.look_alikes, features),
+                      ExtractAll(ChooseForeign(sets, set, args.foreign), features)};
     nlohmann::ordered_json curve = nlohmann::ordered_json::array();
     for (const int budget : args.budgets) {
       nlohmann::ordered_json point = AskWaystone(set, asked, budget, args).ToJson();

@@ -10,6 +10,7 @@
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/rgbd_truth.h"
 #include "core/base/error.h"
+#include "core/image/decode.h"
 
 namespace waystone::bench {
 namespace {
@@ -182,6 +183,13 @@ std::vector<RecallSet> ReadRecallSets(const fs::path& data) {
     for (RecallSet& set : ReadTower(data / "tower")) sets.push_back(std::move(set));
   }
   return sets;
+}
+
+FeatureOptions QueryOptionsOf(const RecallSet& set, FeatureOptions features) {
+  const ImageHeader header = ReadImageHeader(ReadBytes(set.map.front()));
+  const cv::Size size = WorkingSize({header.width, header.height}, features.working_pixels);
+  features.working_pixels = size.area();
+  return features;
 }
 
 std::vector<fs::path> ChooseForeign(const std::vector<RecallSet>& sets, const RecallSet& own,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "builder/sources/source.h"
+#include "core/features/features.h"
 
 // Data with places that were seen twice, of which it is known which map image a query may be
 // answered with.
@@ -29,6 +30,9 @@ std::unique_ptr<Source> OpenRecallMap(const RecallSet& set);
 // corridor, kitchen, church, pavilion-midday, -sunset, -night, and tower-FLOOR for each floor:
 // those of them that `data` has.
 std::vector<RecallSet> ReadRecallSets(const std::filesystem::path& data);
+
+// How features of a set's queries are extracted: as QueryFeatureOptions has it for its map.
+FeatureOptions QueryOptionsOf(const RecallSet& set, FeatureOptions features);
 
 // About `count` of the queries of the sets of other places, every n-th.
 std::vector<std::filesystem::path> ChooseForeign(const std::vector<RecallSet>& sets,

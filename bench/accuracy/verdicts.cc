@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 
 #include "bench/accuracy/common.h"
@@ -21,12 +22,11 @@ namespace fs = std::filesystem;
 constexpr int kBins = 10;
 constexpr int kFewest = 20;  // answers that a bin must have to say anything
 
-// Photos of one kind, no two of which are the same file or frame, with the features that every map
-// is asked for.
+// Photos of one kind, no two of which are the same file or frame.
 struct Photos {
   std::string name;
   bool real = true;  // taken by a camera; the others are rendered, as a map's calibration renders
-  std::vector<Features> features;
+  std::vector<std::function<cv::Mat()>> decode;
 };
 
 struct Bin {
@@ -61,10 +61,10 @@ Photos ReadPhotos(const std::string& name, const std::vector<fs::path>& folders,
     const std::vector<fs::path> all = ImagesIn(folder);
     for (size_t i = 0; i < all.size(); i += step) paths.push_back(all[i]);
   }
-  Photos photos{name, true, std::vector<Features>(paths.size())};
-  tbb::parallel_for(size_t{0}, paths.size(), [&](size_t i) {
-    photos.features[i] = ExtractFeatures(DecodeGrey(ReadBytes(paths[i]), {}), FeatureOptions{});
-  });
+  Photos photos{name, true, {}};
+  for (const fs::path& path : paths) {
+    photos.decode.emplace_back([path] { return DecodeGrey(ReadBytes(path), {}); });
+  }
   return photos;
 }
 
@@ -77,11 +77,15 @@ Photos RenderOther(int count) {
   const Renderer renderer(PinholeCamera(640, 480, 1.2));
   const WorldSource source(world, renderer, walk);
   count = std::min(count, source.size());
-  Photos photos{"world", false, std::vector<Features>(count)};
+  std::vector<cv::Mat> pictures(count);
   tbb::parallel_for(0, count, [&](int i) {
     const int frame = static_cast<int>(static_cast<int64_t>(i) * source.size() / count);
-    photos.features[i] = ExtractFeatures(source.Render(frame).grey, FeatureOptions{});
+    pictures[i] = source.Render(frame).grey;
   });
+  Photos photos{"world", false, {}};
+  for (const cv::Mat& picture : pictures) {
+    photos.decode.emplace_back([picture] { return picture; });
+  }
   return photos;
 }
 
@@ -102,9 +106,9 @@ void AskScene(const Scene& scene, const MapIndex& index, Verdicts& verdicts) {
 }
 
 void AskOutside(const Photos& photos, const MapIndex& index, Verdicts& verdicts) {
-  std::vector<Answer> answers(photos.features.size());
+  std::vector<Answer> answers(photos.decode.size());
   tbb::parallel_for(size_t{0}, answers.size(), [&](size_t i) {
-    answers[i] = LocalizeFeatures(index, photos.features[i], LocalizeOptions{});
+    answers[i] = LocalizeImage(index, photos.decode[i](), LocalizeOptions{});
   });
   for (size_t i = 0; i < answers.size(); ++i) {
     const Answer& answer = answers[i];
@@ -170,7 +174,7 @@ nlohmann::ordered_json CountDistinct(const std::vector<Photos>& photos) {
   int real = 0;
   int rendered = 0;
   for (const Photos& each : photos) {
-    const int count = static_cast<int>(each.features.size());
+    const int count = static_cast<int>(each.decode.size());
     (each.real ? real : rendered) += count;
     json["of"][each.name] = count;
   }

@@ -13,6 +13,7 @@
 #include "bench/baseline/make_graphs.h"
 #include "bench/baseline/scenes.h"
 #include "core/base/error.h"
+#include "localizer/planes/locate.h"
 
 namespace waystone::bench {
 namespace {
@@ -63,9 +64,10 @@ BuildOptions KeyframesAsTold(const std::string& text) {
   return options;
 }
 
-SceneAnswer AnswerOf(const Graphs& graphs, const ImageAnswer& answer) {
+SceneAnswer AnswerOf(const Graphs& graphs, const Features& query, const ImageAnswer& answer) {
   const int frame = graphs.image_graph.nodes[answer.node].frame;
-  return {frame, frame, answer.query_points, MoveAll(answer.node_from_query, answer.query_points)};
+  return {frame, frame, MoveAll(ImageFromWorking(query), answer.query_points),
+          MoveAll(answer.node_from_query, answer.query_points)};
 }
 
 struct Table3 {
@@ -107,13 +109,13 @@ Table3 Ask(const Scene& scene, const Graphs& graphs, int opencv_every) {
   for (int q = 0; q < scene.queries(); ++q) {
     Features features;
     const double shared_ms = Ms([&] {
-      features = ExtractFeatures(
-          scene.Decode(q), {graphs.index->map().info.feature_type, options.planes.max_features,
-                            options.planes.contrast_threshold});
+      features =
+          ExtractFeatures(scene.Decode(q), QueryFeatureOptions(*graphs.index, options.planes));
     });
     const auto ask_planes = [&](const LocalizeOptions& with, QueryFigures& figures) {
       Answer by_planes;
       const double ms = Ms([&] { by_planes = LocalizeFeatures(*graphs.index, features, with); });
+      ToImagePixels(features, by_planes.planes);
       std::optional<SceneAnswer> answer;
       if (by_planes.verdict == Verdict::kLocalized)
         answer = SceneAnswerOf(*graphs.index, by_planes);
@@ -126,7 +128,7 @@ Table3 Ask(const Scene& scene, const Graphs& graphs, int opencv_every) {
     ImageAnswer by_images;
     const auto found = [&]() -> std::optional<SceneAnswer> {
       if (by_images.node < 0) return std::nullopt;
-      return AnswerOf(graphs, by_images);
+      return AnswerOf(graphs, features, by_images);
     };
     const double images_ms = Ms(
         [&] { by_images = LocalizeInImages(graphs.image_graph, features, graphs.image_options); });

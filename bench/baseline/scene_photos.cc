@@ -9,6 +9,7 @@
 
 #include "bench/baseline/scenes.h"
 #include "core/base/error.h"
+#include "core/features/features.h"
 #include "core/homography/homography.h"
 #include "core/image/decode.h"
 
@@ -82,6 +83,7 @@ class PhotoScene : public Scene {
       queries_.insert(queries_.end(), images.begin(), images.end());
     }
     std::sort(queries_.begin(), queries_.end());
+    for (const fs::path& image : map_) ToWorkingPixels(image);
   }
 
   const std::string& name() const override { return name_; }
@@ -103,6 +105,17 @@ class PhotoScene : public Scene {
   }
 
  private:
+  // Answers are in pixels of the queries and of the map's working images.
+  void ToWorkingPixels(const fs::path& image) {
+    const ImageHeader header = ReadImageHeader(ReadBytes(image));
+    const cv::Size size(header.width, header.height);
+    const double scale = WorkingSize(size, FeatureOptions{}.working_pixels).width /
+                         static_cast<double>(header.width);
+    Eigen::Matrix3d& k = poses_.at(image.filename().string()).k;
+    k.topRightCorner<2, 1>().array() += 0.5;
+    k.topRows<2>() *= scale;
+    k.topRightCorner<2, 1>().array() -= 0.5;
+  }
   const PosedCamera& PoseOf(const fs::path& image) const {
     return poses_.at(image.filename().string());
   }

@@ -64,7 +64,8 @@ std::optional<Disagreement> AskOthers(const MapIndex& index, const SampledKeyfra
   const Features& query = asked.features;
   const int at = index.IndexOf(asked.keyframe);
   const Isometry3d given = index.map().poses->Find(asked.keyframe)->frame_from_camera();
-  const Camera& camera = *index.FindSequence(index.map().keyframes[at].sequence)->camera;
+  const Camera camera =
+      ScaledCamera(*index.FindSequence(index.map().keyframes[at].sequence)->camera, query.width);
   std::vector<MapMatch> matches;
   const auto is_other = [&](int other) { return !AreNeighbours(index, at, other, neighbours); };
   for (const int other : NearestPosedKeyframes(index, given, options.keyframes, is_other)) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/camera/camera.h"
+#include "schema/layers/planes/keyframe_camera.h"
 
 namespace waystone {
 namespace {
@@ -22,24 +23,21 @@ std::pair<float, float> PositionKey(const PlaneFeature& feature) {
 // The camera of a keyframe with a pose.
 struct PosedCamera {
   Eigen::Isometry3d frame_from_camera;
-  const Camera* camera = nullptr;
+  Camera camera;
 };
 
 std::optional<PosedCamera> CameraOf(const MapData& map, KeyframeId id) {
   const KeyframePose* pose = map.poses->Find(id);
-  const auto keyframe = std::ranges::lower_bound(map.keyframes, id, {}, &Keyframe::id);
-  if (pose == nullptr || keyframe == map.keyframes.end() || keyframe->id != id) return std::nullopt;
-  const auto sequence =
-      std::ranges::lower_bound(map.sequences, keyframe->sequence, {}, &Sequence::id);
-  if (!sequence->camera) return std::nullopt;
-  return PosedCamera{pose->frame_from_camera(), &*sequence->camera};
+  std::optional<Camera> camera = CameraOfKeyframe(map, id);
+  if (pose == nullptr || !camera) return std::nullopt;
+  return PosedCamera{pose->frame_from_camera(), std::move(*camera)};
 }
 
 // Where the ray of a pixel meets the plane, with its relative error by the plane's covariance.
 DepthCode DepthOnPlane(const PosedCamera& posed, const PlanePose& plane, const Keypoint& keypoint) {
   const Vector3d ray =
       posed.frame_from_camera.linear() *
-      Unproject(*posed.camera, {static_cast<double>(keypoint.x_px), keypoint.y_px}).normalized();
+      Unproject(posed.camera, {static_cast<double>(keypoint.x_px), keypoint.y_px}).normalized();
   const Vector3d centre = posed.frame_from_camera.translation();
   const double along = plane.normal.dot(ray);
   const double depth = (plane.distance - plane.normal.dot(centre)) / along;

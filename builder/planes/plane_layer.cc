@@ -11,6 +11,7 @@
 #include "builder/planes/plane_features.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/camera/image_plane.h"
 #include "core/image/encode.h"
 #include "schema/layers/planes/index_features.h"
 
@@ -126,7 +127,9 @@ void PlaneLayerBuilder::AddKeyframe(const ChosenKeyframe& chosen) {
   if (!chosen.frame.thumbnail.empty()) {
     keyframe.jpeg = EncodeJpeg(chosen.frame.thumbnail, kThumbnailQuality);
   }
-  tracker_.AddKeyframe(keyframe.id, chosen.frame.features, chosen.starts_stretch, camera_);
+  const std::optional<Camera> camera =
+      camera_ ? std::optional(ScaledCamera(*camera_, keyframe.width)) : std::nullopt;
+  tracker_.AddKeyframe(keyframe.id, chosen.frame.features, chosen.starts_stretch, camera);
   landmarks_.Add(keyframe.id, chosen.frame.features, chosen.starts_stretch);
   sample_.Add(keyframe.id, chosen.frame.features);
   if (options_.keep_features) features_.push_back({keyframe.id, chosen.frame.features});

@@ -16,9 +16,10 @@ namespace {
 
 PosedView MakeView(const Keyframe& keyframe, const Camera& camera, const Features& features,
                    const Eigen::Isometry3d& pose, double sigma_px) {
-  PosedView view{&keyframe, &camera, &features, pose, {}, sigma_px * RadiansPerPixel(camera)};
+  PosedView view{&keyframe, ScaledCamera(camera, features.width), &features, pose, {}, 0};
+  view.sigma_rad = sigma_px * RadiansPerPixel(view.camera);
   for (const Keypoint& keypoint : features.keypoints) {
-    view.rays.push_back(Unproject(camera, PositionOf(keypoint)));
+    view.rays.push_back(Unproject(view.camera, PositionOf(keypoint)));
   }
   return view;
 }

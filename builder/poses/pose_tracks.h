@@ -17,7 +17,7 @@ namespace waystone {
 // A keyframe of known pose and camera, with all its features. Refers to the map and the sample.
 struct PosedView {
   const Keyframe* keyframe = nullptr;
-  const Camera* camera = nullptr;
+  Camera camera;  // of the features: of the working image
   const Features* features = nullptr;
   Eigen::Isometry3d frame_from_camera = Eigen::Isometry3d::Identity();
   std::vector<Eigen::Vector3d> rays;  // unit, of each feature

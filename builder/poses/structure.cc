@@ -114,7 +114,7 @@ StructureEstimator::Anchored StructureEstimator::Anchor(
     int view, const Vector2d& x, const uint8_t* descriptor,
     const std::vector<FeatureLink>& links) const {
   Anchored anchored;
-  const Camera& camera = *views_[view].camera;
+  const Camera& camera = views_[view].camera;
   anchored.ray = Unproject(camera, x);
   const auto back = Project(camera, anchored.ray);
   anchored.sees = back && (*back - x).norm() < kSamePixel_px;
@@ -153,8 +153,7 @@ std::vector<FeatureLink> StructureEstimator::SearchViews(
     const bool linked =
         std::ranges::any_of(links, [&](const FeatureLink& link) { return link.view == other; });
     if (linked) continue;
-    const auto pixel =
-        Project(*views_[other].camera, views_[other].frame_from_camera.inverse() * x);
+    const auto pixel = Project(views_[other].camera, views_[other].frame_from_camera.inverse() * x);
     const int feature = pixel ? grids_[other].MostAlike(*pixel, descriptor, limit) : -1;
     if (feature >= 0) found.push_back({other, feature});
   }

@@ -64,21 +64,32 @@ class RowWriter {
   SQLite::Statement row_;
 };
 
-Camera GuessCamera(const Keyframe& keyframe) {
+Camera GuessCamera(const Features& features) {
   constexpr double kFocalOfSide = 1.2;
+  const cv::Size size = ImageSize(features);
   return {CameraModel::kSimpleRadial,
-          keyframe.width,
-          keyframe.height,
-          {kFocalOfSide * std::max(keyframe.width, keyframe.height), (keyframe.width - 1) / 2.0,
-           (keyframe.height - 1) / 2.0, 0}};
+          size.width,
+          size.height,
+          {kFocalOfSide * std::max(size.width, size.height), (size.width - 1) / 2.0,
+           (size.height - 1) / 2.0, 0}};
 }
 
-void WriteCameras(const MapData& map, SQLite::Database& database) {
+// Pixels of the keyframe's image, as COLMAP counts them, from those of the features.
+Eigen::Matrix3d ColmapFromWorking(const Features& features) {
+  Eigen::Matrix3d colmap_from_working = ImageFromWorking(features);
+  colmap_from_working.topRightCorner<2, 1>().array() += kColmapOffset_px;
+  return colmap_from_working;
+}
+
+void WriteCameras(const ColmapProject& project, SQLite::Database& database) {
+  const MapData& map = *project.map;
   RowWriter writer(database, "INSERT INTO cameras VALUES (?, ?, ?, ?, ?, ?)");
   for (const Sequence& sequence : map.sequences) {
     const auto first = std::ranges::find(map.keyframes, sequence.id, &Keyframe::sequence);
     if (first == map.keyframes.end()) continue;
-    Camera camera = sequence.camera ? *sequence.camera : GuessCamera(*first);
+    const auto keyframe = static_cast<size_t>(first - map.keyframes.begin());
+    Camera camera =
+        sequence.camera ? *sequence.camera : GuessCamera(project.features[keyframe].features);
     MovePrincipalPoint(camera, kColmapOffset_px);
     writer.row().bind(1, sequence.id.value);
     writer.row().bind(2, static_cast<int>(camera.model));
@@ -104,9 +115,11 @@ void WriteKeypoints(const std::vector<SampledKeyframe>& keyframes, SQLite::Datab
   RowWriter writer(database, "INSERT INTO keypoints VALUES (?, ?, 2, ?)");
   for (const SampledKeyframe& keyframe : keyframes) {
     std::vector<float> positions;
+    const Eigen::Matrix3d colmap_from_working = ColmapFromWorking(keyframe.features);
     for (const Keypoint& keypoint : keyframe.features.keypoints) {
-      positions.push_back(keypoint.x_px + static_cast<float>(kColmapOffset_px));
-      positions.push_back(keypoint.y_px + static_cast<float>(kColmapOffset_px));
+      const Eigen::Vector3d x = colmap_from_working * PositionOf(keypoint).homogeneous();
+      positions.push_back(static_cast<float>(x.x()));
+      positions.push_back(static_cast<float>(x.y()));
     }
     writer.row().bind(1, keyframe.keyframe.value);
     writer.row().bind(2, keyframe.features.size());
@@ -130,12 +143,11 @@ void WriteDescriptors(const std::vector<SampledKeyframe>& keyframes, SQLite::Dat
   }
 }
 
-// In COLMAP's pixels, by rows.
-std::vector<double> MovedFundamental(const Eigen::Matrix3d& fundamental) {
-  Eigen::Matrix3d ours_from_colmap = Eigen::Matrix3d::Identity();
-  ours_from_colmap.topRightCorner<2, 1>().setConstant(-kColmapOffset_px);
+// In COLMAP's pixels, by rows: x_b^T F x_a = 0.
+std::vector<double> MovedFundamental(const Eigen::Matrix3d& fundamental, const Features& a,
+                                     const Features& b) {
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> moved =
-      ours_from_colmap.transpose() * fundamental * ours_from_colmap;
+      ColmapFromWorking(b).inverse().transpose() * fundamental * ColmapFromWorking(a).inverse();
   return {moved.data(), moved.data() + moved.size()};
 }
 
@@ -161,7 +173,11 @@ void WriteMatches(const ColmapProject& project, SQLite::Database& database) {
       BindBlob<uint32_t>(writer->row(), 3, rows);
     }
     geometries.row().bind(4, fit.planar ? kPlanarOrPanoramic : kUncalibrated);
-    if (!fit.planar) BindBlob<double>(geometries.row(), 5, MovedFundamental(fit.fundamental));
+    if (!fit.planar) {
+      BindBlob<double>(geometries.row(), 5,
+                       MovedFundamental(fit.fundamental, project.features[pair.a].features,
+                                        project.features[pair.b].features));
+    }
     matches.Write();
     geometries.Write();
   }
@@ -172,7 +188,7 @@ void WriteAll(const ColmapProject& project, const std::filesystem::path& path) {
   try {
     database.exec("BEGIN");
     database.exec(kSchema);
-    WriteCameras(*project.map, database);
+    WriteCameras(project, database);
     WriteImages(*project.map, database);
     WriteKeypoints(project.features, database);
     WriteDescriptors(project.features, database);

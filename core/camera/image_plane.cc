@@ -44,6 +44,7 @@ Eigen::Matrix3d ImageFromCamera(const Camera& camera) {
 
 Camera ScaledCamera(const Camera& camera, int width) {
   WS_CHECK(width >= 1, "a camera without pixels");
+  if (width == camera.width) return camera;
   const double scale = static_cast<double>(width) / camera.width;
   Camera scaled = camera;
   scaled.width = width;

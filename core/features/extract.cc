@@ -94,24 +94,18 @@ void AppendRootSift(const float* sift, Descriptors& out) {
   out.Append(bytes.data());
 }
 
-// The image at the size at which features are detected.
-cv::Mat Reduced(const cv::Mat& grey, int working_pixels) {
-  const double scale = std::sqrt(working_pixels / static_cast<double>(grey.total()));
-  if (scale >= 1) return grey;
-  const cv::Size size(std::max(1, cvRound(scale * grey.cols)),
-                      std::max(1, cvRound(scale * grey.rows)));
+// cv::resize takes the same factor for both directions, not the ratios of the rounded sizes.
+cv::Mat Reduced(const cv::Mat& grey, const cv::Size& size) {
+  if (size == grey.size()) return grey;
+  const double scale = size.width / static_cast<double>(grey.cols);
   cv::Mat reduced;
-  cv::resize(grey, reduced, size, 0, 0, cv::INTER_AREA);
+  cv::resize(grey, reduced, {}, scale, scale, cv::INTER_AREA);
   return reduced;
 }
 
-// `enlarge`: width and height of an image over those of the one that the keypoint was found in.
-// The centre of the top left pixel is (0, 0) in both.
-Keypoint ToKeypoint(const cv::KeyPoint& k, const cv::Size2f& enlarge) {
+Keypoint ToKeypoint(const cv::KeyPoint& k) {
   const float angle = k.angle < 0 ? 0.0f : k.angle * std::numbers::pi_v<float> / 180.0f;
-  return {k.pt.x * enlarge.width + 0.5f * (enlarge.width - 1),
-          k.pt.y * enlarge.height + 0.5f * (enlarge.height - 1), k.size * std::sqrt(enlarge.area()),
-          angle};
+  return {k.pt.x, k.pt.y, k.size, angle};
 }
 
 }  // namespace
@@ -156,6 +150,29 @@ int DescriptorBytes(FeatureType type) {
   WS_CHECK(false, "unknown feature type");
 }
 
+// By one factor in both directions, which a camera's calibration can follow (ScaledCamera).
+cv::Size WorkingSize(const cv::Size& image, int working_pixels) {
+  const double share = std::sqrt(working_pixels / std::max(1.0, image.area() * 1.0));
+  if (share >= 1) return image;
+  const int width = std::max(1, cvRound(share * image.width));
+  const double scale = width / static_cast<double>(image.width);
+  return {width, std::max(1, cvRound(scale * image.height))};
+}
+
+cv::Size ImageSize(const Features& features) {
+  if (features.image_width == 0) return {features.width, features.height};
+  return {features.image_width, features.image_height};
+}
+
+Eigen::Matrix3d ImageFromWorking(const Features& features) {
+  const int width = ImageSize(features).width;
+  const double scale = width == features.width ? 1 : width / static_cast<double>(features.width);
+  Eigen::Matrix3d image_from_working = Eigen::Matrix3d::Identity();
+  image_from_working(0, 0) = image_from_working(1, 1) = scale;
+  image_from_working(0, 2) = image_from_working(1, 2) = 0.5 * (scale - 1);
+  return image_from_working;
+}
+
 void FeatureOptions::Check() const { CheckFields("features", *this); }
 
 Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options) {
@@ -163,20 +180,20 @@ Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options) {
   WS_CHECK(grey.empty() || grey.type() == CV_8UC1, "features want an 8-bit grey image");
   Features features;
   features.type = options.type;
-  features.width = grey.cols;
-  features.height = grey.rows;
+  features.width = features.image_width = grey.cols;
+  features.height = features.image_height = grey.rows;
   features.descriptors = Descriptors(DescriptorBytes(options.type));
   if (std::min(grey.cols, grey.rows) < kMinSide_px) return features;
 
-  const cv::Mat working = Reduced(grey, options.working_pixels);
-  const cv::Size2f enlarge(static_cast<float>(grey.cols) / static_cast<float>(working.cols),
-                           static_cast<float>(grey.rows) / static_cast<float>(working.rows));
+  const cv::Mat working = Reduced(grey, WorkingSize(grey.size(), options.working_pixels));
+  features.width = working.cols;
+  features.height = working.rows;
   Detected found = Detect(working, options);
   const std::vector<int> order = StrongestFirst(found.keypoints, options.max_features);
   features.keypoints.reserve(order.size());
   features.descriptors.Reserve(static_cast<int>(order.size()));
   for (int i : order) {
-    features.keypoints.push_back(ToKeypoint(found.keypoints[i], enlarge));
+    features.keypoints.push_back(ToKeypoint(found.keypoints[i]));
     if (options.type == FeatureType::kSift) {
       AppendRootSift(found.descriptors.ptr<float>(i), features.descriptors);
     } else {

@@ -83,10 +83,15 @@ struct DescriptorsView {
 
 // What one image gave: keypoints[i] has descriptors.row(i). Strongest first, ties by position, so
 // that the same image gives the same features whatever the thread.
+// Keypoints, and all that is computed from them, are in pixels of the working image: the given one,
+// or a smaller copy of it. How precisely a feature is found is a matter of these pixels, and so is
+// every tolerance in px.
 struct Features {
   FeatureType type = FeatureType::kSift;
-  int width = 0;   // px, of the image
-  int height = 0;  // px
+  int width = 0;         // px, of the working image
+  int height = 0;        // px
+  int image_width = 0;   // px, of the given image; 0 where it is the working image
+  int image_height = 0;  // px
   std::vector<Keypoint> keypoints;
   Descriptors descriptors;
 
@@ -112,14 +117,24 @@ struct FeatureOptions {
         OptionField{"working_pixels", &FeatureOptions::working_pixels, Closed(10'000, 50'000'000),
                     "",
                     "Larger images are reduced to this many pixels before detection, which bounds "
-                    "time and memory: SIFT takes about 240 bytes per pixel."}};
+                    "time and memory: SIFT takes about 240 bytes per pixel. Maps are in pixels of "
+                    "the reduced images."}};
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Features of an 8-bit grey image, in its pixels, whatever size they were detected at.
-// Deterministic; thread-safe. An image too small or too plain for features gives none, not an
-// error.
+// Of the copy of an image in which its features are found.
+cv::Size WorkingSize(const cv::Size& image, int working_pixels);
+
+// Of the given image, px.
+cv::Size ImageSize(const Features& features);
+
+// Homogeneous pixels of the given image from those of the working image. The centre of the top left
+// pixel is (0, 0) in both.
+Eigen::Matrix3d ImageFromWorking(const Features& features);
+
+// Features of an 8-bit grey image, found in a copy of at most working_pixels. Deterministic;
+// thread-safe. An image too small or too plain for features gives none, not an error.
 Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options);
 
 }  // namespace waystone

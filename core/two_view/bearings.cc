@@ -6,6 +6,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/camera/image_plane.h"
 
 namespace waystone {
 namespace {
@@ -33,9 +34,10 @@ std::vector<int> Bucketed(const Features& features, const BearingFeatureOptions&
 
 void Append(BearingFeatures& all, const RigCamera& seen, int camera, const Features& features,
             const BearingFeatureOptions& options) {
+  const Camera working = ScaledCamera(seen.camera, features.width);
   for (const int i : Bucketed(features, options)) {
     const Keypoint& keypoint = features.keypoints[i];
-    const Eigen::Vector3d ray = Unproject(seen.camera, PositionOf(keypoint));
+    const Eigen::Vector3d ray = Unproject(working, PositionOf(keypoint));
     all.rays.emplace_back(seen.rig_from_camera.linear() * ray);
     all.camera.push_back(camera);
     all.keypoints.push_back(keypoint);

@@ -37,8 +37,8 @@ struct BearingFeatureOptions {
 struct BearingFeatures {
   FeatureType type = FeatureType::kSift;
   std::vector<Eigen::Vector3d> rays;
-  std::vector<int> camera;  // index in the rig
-  std::vector<Keypoint> keypoints;
+  std::vector<int> camera;          // index in the rig
+  std::vector<Keypoint> keypoints;  // in px of the working images (Features)
   Descriptors descriptors;
 
   int size() const { return static_cast<int>(rays.size()); }

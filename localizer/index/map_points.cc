@@ -2,6 +2,9 @@
 #include "localizer/index/map_points.h"
 
 #include <algorithm>
+#include <optional>
+
+#include "schema/layers/planes/keyframe_camera.h"
 
 namespace waystone {
 namespace {
@@ -9,13 +12,8 @@ namespace {
 // The ray of a pixel of a posed keyframe.
 class PosedRays {
  public:
-  PosedRays(const MapData& map, KeyframeId id) : pose_(map.poses->Find(id)) {
-    const auto keyframe = std::ranges::lower_bound(map.keyframes, id, {}, &Keyframe::id);
-    if (keyframe == map.keyframes.end() || keyframe->id != id) return;
-    const auto sequence =
-        std::ranges::lower_bound(map.sequences, keyframe->sequence, {}, &Sequence::id);
-    if (sequence != map.sequences.end() && sequence->camera) camera_ = &*sequence->camera;
-  }
+  PosedRays(const MapData& map, KeyframeId id)
+      : pose_(map.poses->Find(id)), camera_(CameraOfKeyframe(map, id)) {}
 
   MapPoint PointAt(const Eigen::Vector2d& pixel, const DepthCode& code) const {
     if (!pose_ || !camera_ || !code.known()) return {};
@@ -28,7 +26,7 @@ class PosedRays {
 
  private:
   const KeyframePose* pose_ = nullptr;
-  const Camera* camera_ = nullptr;
+  std::optional<Camera> camera_;
 };
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "core/geometry/rotation.h"
 #include "core/manhattan/cube_rotations.h"
 #include "schema/layers/orientation/orientation_trajectory.h"
+#include "schema/layers/planes/keyframe_camera.h"
 
 namespace waystone {
 namespace {
@@ -75,7 +76,7 @@ void AddThroughPlane(const MapIndex& index, const RecognisedPlane& plane, const 
   const Sequence& sequence = *index.FindSequence(keyframe.sequence);
   const OrientationFrame* frame = index.FindFrame(keyframe.sequence, keyframe.frame);
   if (!sequence.camera || !frame || !frame->reliable) return;
-  const Camera& reference = *sequence.camera;
+  const Camera reference = *CameraOfKeyframe(sequence, keyframe);
   const std::vector<Matrix3d> odd = DecomposeRotations(ComputeRays(plane, camera, reference, 1, 2));
   const std::vector<Matrix3d> even =
       DecomposeRotations(ComputeRays(plane, camera, reference, 0, 2));

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/camera/image_plane.h"
+#include "schema/layers/planes/keyframe_camera.h"
 
 namespace waystone {
 namespace {
@@ -26,7 +27,7 @@ std::optional<Camera> PerspectiveCamera(const MapIndex& index, const Keyframe& k
   const Sequence* sequence = index.FindSequence(keyframe.sequence);
   if (!sequence || !sequence->camera) return std::nullopt;
   if (sequence->camera->model == CameraModel::kEquirectangular) return std::nullopt;
-  return sequence->camera;
+  return CameraOfKeyframe(*sequence, keyframe);
 }
 
 // The planes of each keyframe that shares one with `keyframe`, itself among them.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localizer/planes/locate.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 
 #include "core/base/check.h"
@@ -14,6 +15,8 @@
 namespace waystone {
 
 namespace {
+
+constexpr int64_t kFewestWorkingPixels = 76'800;  // 320 x 240, for maps of tiny images
 
 // The inliers of the answered place: of its planes, and of the keyframes that were verified near
 // the answered one.
@@ -37,6 +40,45 @@ std::vector<MapMatch> CollectMatches(const MapIndex& index, const Answer& answer
 }
 
 }  // namespace
+
+FeatureOptions QueryFeatureOptions(const MapIndex& index, const PlaneQueryOptions& options) {
+  FeatureOptions features{.type = index.map().info.feature_type,
+                          .max_features = options.max_features,
+                          .contrast_threshold = options.contrast_threshold};
+  int64_t largest = 0;
+  for (const Keyframe& keyframe : index.map().keyframes) {
+    largest = std::max(largest, int64_t{keyframe.width} * keyframe.height);
+  }
+  if (largest > 0) {
+    features.working_pixels = static_cast<int>(
+        std::clamp<int64_t>(largest, kFewestWorkingPixels, features.working_pixels));
+  }
+  return features;
+}
+
+void ToImagePixels(const Features& query, PlaneAnswer& answer) {
+  const cv::Size image = ImageSize(query);
+  if (image.width == query.width) return;
+  const Eigen::Matrix3d image_from_working = ImageFromWorking(query);
+  const Eigen::Matrix3d working_from_image = image_from_working.inverse();
+  const auto move = [&](std::vector<Eigen::Vector2d>& points) {
+    for (Eigen::Vector2d& x : points) x = (image_from_working * x.homogeneous()).head<2>();
+  };
+  for (RecognisedPlane& plane : answer.recognised) {
+    plane.reference_from_query *= working_from_image;
+    plane.reference_from_query /= plane.reference_from_query(2, 2);
+    move(plane.outline);
+    move(plane.query_points);
+  }
+  if (answer.epipolar) move(answer.epipolar->query_points);
+  if (!answer.explanation) return;
+  answer.explanation->width = image.width;
+  answer.explanation->height = image.height;
+  for (ExplainedCandidate& candidate : answer.explanation->candidates) {
+    move(candidate.query_points);
+  }
+  for (ExplainedKeyframe& keyframe : answer.explanation->keyframes) move(keyframe.query_points);
+}
 
 Answer LocateByPlanes(const MapIndex& index, const Features& query,
                       const PlaneQueryOptions& options, const Deadline& deadline, bool explain) {

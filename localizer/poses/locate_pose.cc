@@ -24,7 +24,7 @@ const Camera* OwnCamera(const MapIndex& index, const Answer& answer, const Featu
       answer.planes.keyframe ? index.FindKeyframe(answer.planes.keyframe->id) : nullptr;
   if (!keyframe) return nullptr;
   const std::optional<Camera>& camera = index.FindSequence(keyframe->sequence)->camera;
-  const bool same_size = camera && camera->width == query.width && camera->height == query.height;
+  const bool same_size = camera && cv::Size(camera->width, camera->height) == ImageSize(query);
   return same_size ? &*camera : nullptr;
 }
 
@@ -122,8 +122,8 @@ void AddPose(const MapIndex& index, const Features& query, const std::optional<C
         "the camera isn't known; send fx, fy, cx and cy, fov or the name of a camera of the map";
     return;
   }
-  const auto pose =
-      PoseFinder(index, query, camera ? *camera : *own, options).Find(answer.planes.matches);
+  const Camera working = ScaledCamera(camera ? *camera : *own, query.width);
+  const auto pose = PoseFinder(index, query, working, options).Find(answer.planes.matches);
   if (!pose) {
     answer.pose_reason = std::to_string(CountPlaced(index, answer.planes.matches)) +
                          " of the matches have a position in the map's frame, and no pose fits " +

@@ -32,6 +32,8 @@ class ColmapDatabaseTest : public testing::Test {
       keyframe.height = 480;
       map_.keyframes.push_back(keyframe);
       Features features;
+      features.width = 640;
+      features.height = 480;
       features.keypoints = {{10, 20, 4, 0}, {30.0F + static_cast<float>(i), 40, 4, 0}};
       features.descriptors = Descriptors(128, std::vector<uint8_t>(2 * 128, 127));
       project_.features.push_back({keyframe.id, features});
@@ -113,6 +115,27 @@ TEST_F(ColmapDatabaseTest, GuessesACameraThatTheMapDoesNotKnow) {
   EXPECT_EQ(Text("SELECT model || ' ' || prior_focal_length FROM cameras"), "1 1");
   EXPECT_EQ(Blob<double>("SELECT params FROM cameras"),
             (std::vector<double>{500, 501, 319.5, 239.5}));
+}
+
+// Features are found in smaller copies of large images, and COLMAP is asked about the images.
+TEST_F(ColmapDatabaseTest, IsInPixelsOfTheOriginalImages) {
+  for (SampledKeyframe& keyframe : project_.features) {
+    keyframe.features.image_width = 1920;
+    keyframe.features.image_height = 1440;
+  }
+  Write();
+  // The middle of a pixel of the copy is that of three by three: 3 x + 1, and COLMAP adds a half.
+  EXPECT_EQ(Blob<float>("SELECT data FROM keypoints WHERE image_id = 11"),
+            (std::vector<float>{31.5, 61.5, 94.5, 121.5}));
+  EXPECT_EQ(Text("SELECT width || ' ' || height FROM cameras"), "1920 1440");
+  const std::vector<double> f = Blob<double>("SELECT F FROM two_view_geometries");
+  const Eigen::Matrix3d fundamental =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(f.data());
+  EXPECT_NEAR(Eigen::Vector3d(94.5, 121.5, 1).dot(fundamental * Eigen::Vector3d(31.5, 121.5, 1)), 0,
+              1e-9);
+  EXPECT_GT(
+      std::abs(Eigen::Vector3d(94.5, 121.5, 1).dot(fundamental * Eigen::Vector3d(31.5, 124.5, 1))),
+      0.1);
 }
 
 TEST_F(ColmapDatabaseTest, NamesTheSequencesOfSeveral) {

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "builder/planes/fusion.h"
@@ -103,6 +105,77 @@ TEST(BuildMap, AFrameBetweenKeyframesIsLocalizedBesideThem) {
   }
   ASSERT_GT(asked, 5);
   EXPECT_GE(near, asked - 1);
+}
+
+// A frame of the stage as a camera with `factor` times the pixels a side would take it.
+cv::Mat Enlarged(const cv::Mat& frame, int factor) {
+  cv::Mat enlarged;
+  cv::resize(frame, enlarged, {}, factor, factor, cv::INTER_CUBIC);
+  return enlarged;
+}
+
+double WorstOf(const std::vector<double>& errors) {
+  return errors.empty() ? 1e9 : *std::ranges::max_element(errors);
+}
+
+TEST(BuildMap, APhotoOfManyMorePixelsIsLocalizedAsItsSmallVersionIs) {
+  const auto index = MapIndex::Build(TheMap().map);
+  constexpr int kFactor = 8;  // 2560 x 1920
+  for (int frame = 2; frame < 44; frame += 6) {
+    LocalizeOptions options;
+    options.explain = true;
+    const Answer small = LocalizeImage(*index, TheStage().frames[frame], options);
+    const Answer large =
+        LocalizeImage(*index, Enlarged(TheStage().frames[frame], kFactor), options);
+    ASSERT_EQ(small.verdict, Verdict::kLocalized);
+    ASSERT_EQ(large.verdict, Verdict::kLocalized) << frame << ": " << large.message;
+    EXPECT_GT(CountBestInliers(large.planes), 0.7 * CountBestInliers(small.planes));
+    EXPECT_EQ(large.planes.explanation->width, kFactor * 320);
+    // All of the answer is in the large photo's own pixels.
+    for (const RecognisedPlane& plane : large.planes.recognised) {
+      std::vector<double> errors;
+      for (size_t i = 0; i < plane.query_points.size(); ++i) {
+        const Eigen::Vector2d there = Apply(plane.reference_from_query, plane.query_points[i]);
+        errors.push_back((there - plane.reference_points[i]).norm());
+      }
+      EXPECT_LT(WorstOf(errors), 10);
+      EXPECT_EQ(plane.reference_from_query(2, 2), 1);
+    }
+    double right = 0;
+    double bottom = 0;
+    for (const Eigen::Vector2d& x : large.planes.epipolar->query_points) {
+      right = std::max(right, x.x());
+      bottom = std::max(bottom, x.y());
+    }
+    EXPECT_GT(right, kFactor * 200);
+    EXPECT_LT(right, kFactor * 320);
+    EXPECT_LT(bottom, kFactor * 240);
+  }
+}
+
+TEST(BuildMap, AWalkOfManyMorePixelsGivesAMapInPixelsOfItsWorkingImages) {
+  constexpr int kFactor = 4;
+  MemorySequence sequence{.name = "large"};
+  for (int i = 0; i < 45; ++i) {
+    sequence.frames.emplace_back(FrameInfo{i, "frame " + std::to_string(i), i / 15.0},
+                                 [=] { return Enlarged(TheStage().frames[i], kFactor); });
+  }
+  BuildOptions options;
+  options.features.working_pixels = 320 * 240;
+  std::vector<std::unique_ptr<Source>> sources;
+  sources.push_back(std::make_unique<MemorySource>(std::move(sequence)));
+  const BuildResult large = BuildMap(sources, options, {});
+  EXPECT_EQ(large.map.keyframes[0].width, 320);
+  EXPECT_EQ(large.map.keyframes[0].height, 240);
+  EXPECT_NEAR(static_cast<double>(large.map.keyframes.size()),
+              static_cast<double>(TheMap().map.keyframes.size()), 2);
+  EXPECT_GE(large.map.planes.size(), TheMap().map.planes.size() / 2);
+  const auto index = MapIndex::Build(large.map);
+  for (int frame = 2; frame < 44; frame += 6) {
+    const cv::Mat& photo = TheStage().frames[frame];
+    EXPECT_EQ(LocalizeImage(*index, photo, {}).verdict, Verdict::kLocalized) << frame;
+    EXPECT_EQ(LocalizeImage(*index, Enlarged(photo, 3), {}).verdict, Verdict::kLocalized) << frame;
+  }
 }
 
 TEST(BuildMap, UndecodableFramesAreNamedAndCounted) {

@@ -118,7 +118,8 @@ TEST(PosedMap, HoldsTheTruePlanesAndPoints) {
 }
 
 // The walk of the stage with an ordinary camera.
-std::shared_ptr<const MapIndex> BuildSharpMap(const Renderer& renderer) {
+std::shared_ptr<const MapIndex> BuildSharpMap(
+    const Renderer& renderer, int working_pixels = FeatureOptions{}.working_pixels) {
   MemorySequence sequence{.name = "sharp", .camera = renderer.camera()};
   for (int i = 0; i < 45; ++i) {
     sequence.frames.emplace_back(
@@ -126,6 +127,7 @@ std::shared_ptr<const MapIndex> BuildSharpMap(const Renderer& renderer) {
         [&renderer, i] { return renderer.Render(TheStage().world, *TruePoseOf(i)).grey; });
   }
   BuildOptions options;
+  options.features.working_pixels = working_pixels;
   options.threads = 2;
   options.images = false;
   std::vector<std::unique_ptr<Source>> sources;
@@ -176,6 +178,41 @@ TEST(PosedMap, TakesItsOwnCameraForImagesOfItsSize) {
   ASSERT_TRUE(named.pose && own.pose);
   EXPECT_TRUE(own.pose->by_own_camera);
   EXPECT_EQ(own.pose->frame_from_camera.matrix(), named.pose->frame_from_camera.matrix());
+}
+
+TEST(PosedMap, APhotoOfManyMorePixelsHasTheSamePose) {
+  const auto index = MapIndex::Build(PosedMap().map);
+  const Renderer renderer(PinholeCamera(1280, 960, 1.2));
+  for (const int frame : {8, 20, 32}) {
+    const Isometry3d truth = BesideFrame(frame);
+    LocalizeOptions options;
+    options.camera = renderer.camera();
+    const Answer answer =
+        LocalizeImage(*index, renderer.Render(TheStage().world, truth).grey, options);
+    ASSERT_EQ(answer.verdict, Verdict::kLocalized) << answer.message;
+    ASSERT_TRUE(answer.pose) << answer.pose_reason;
+    EXPECT_LT((answer.pose->frame_from_camera.translation() - truth.translation()).norm(), 0.05);
+    EXPECT_LT(RotationAngle(answer.pose->frame_from_camera.linear(), truth.linear()), 0.02);
+  }
+}
+
+// The cameras are those of the images, the working images a third as wide.
+TEST(PosedMap, IsAsPreciseFromReducedImages) {
+  const Renderer renderer(PinholeCamera(960, 720, 1.2));
+  const auto index = BuildSharpMap(renderer, 320 * 240);
+  EXPECT_EQ(index->map().keyframes[0].width, 320);
+  EXPECT_EQ(index->map().sequences[0].camera->width, 960);
+  std::vector<double> metres;
+  for (int frame = 5; frame < 42; frame += 6) {
+    const cv::Mat photo = renderer.Render(TheStage().world, BesideFrame(frame)).grey;
+    const Answer answer = LocalizeImage(*index, photo, {});
+    ASSERT_EQ(answer.verdict, Verdict::kLocalized) << answer.message;
+    ASSERT_TRUE(answer.pose) << answer.pose_reason;
+    EXPECT_TRUE(answer.pose->by_own_camera);
+    metres.push_back(
+        (answer.pose->frame_from_camera.translation() - BesideFrame(frame).translation()).norm());
+  }
+  EXPECT_LT(Median(metres), 0.02);
 }
 
 TEST(PosedMap, SaysWhyThereIsNoPose) {

@@ -97,26 +97,47 @@ TEST_P(Extraction, APartOfALargerImageGivesWhatACopyOfItGives) {
              ExtractFeatures(part.clone(), OptionsOf(GetParam())));
 }
 
-TEST_P(Extraction, LargeImagesAreReducedAndTheirFeaturesAreInTheirOwnPixels) {
+TEST_P(Extraction, LargeImagesAreReducedAndTheirFeaturesAreInPixelsOfTheSmallerCopy) {
   const cv::Mat small = MadeImage(320, 240, 5);
   cv::Mat large;
   cv::resize(small, large, {1280, 960}, 0, 0, cv::INTER_CUBIC);
   FeatureOptions options = OptionsOf(GetParam());
   const Features expected = ExtractFeatures(small, options);
+  EXPECT_EQ(ImageSize(expected), small.size());
+  EXPECT_EQ(ImageFromWorking(expected), Eigen::Matrix3d::Identity());
   options.working_pixels = 320 * 240;
   const Features found = ExtractFeatures(large, options);
-  EXPECT_EQ(found.width, 1280);
-  // Most features of the small image are where they should be in the large one.
+  EXPECT_EQ(found.width, 320);
+  EXPECT_EQ(found.height, 240);
+  EXPECT_EQ(ImageSize(found), large.size());
+  // Most features of the small image are found there again.
   int same = 0;
   for (const Keypoint& keypoint : expected.keypoints) {
     same += std::any_of(found.keypoints.begin(), found.keypoints.end(), [&](const Keypoint& k) {
-      return std::hypot(k.x_px - 4 * keypoint.x_px - 1.5, k.y_px - 4 * keypoint.y_px - 1.5) < 2 &&
-             std::abs(k.scale_px / (4 * keypoint.scale_px) - 1) < 0.1;
+      return std::hypot(k.x_px - keypoint.x_px, k.y_px - keypoint.y_px) < 0.5 &&
+             std::abs(k.scale_px / keypoint.scale_px - 1) < 0.1;
     });
   }
   EXPECT_GT(same, 0.6 * expected.size());
+  // The middle of a pixel of the small image is that of four by four of the large one.
+  const Eigen::Vector3d there = ImageFromWorking(found) * Eigen::Vector3d(10, 20, 1);
+  EXPECT_EQ(there, Eigen::Vector3d(41.5, 81.5, 1));
   options.working_pixels = 50'000'000;
   ExpectSame(ExtractFeatures(small, options), expected);
+}
+
+TEST_P(Extraction, OneFactorReducesAnImageOfAnySize) {
+  FeatureOptions options = OptionsOf(GetParam());
+  options.working_pixels = 20'000;
+  for (const cv::Size size : {cv::Size(331, 217), cv::Size(217, 331), cv::Size(1000, 40)}) {
+    const Features found = ExtractFeatures(MadeImage(size.width, size.height, 6), options);
+    EXPECT_EQ(ImageSize(found), size);
+    EXPECT_NEAR(found.width * found.height, options.working_pixels, 400);
+    const double scale = static_cast<double>(size.width) / found.width;
+    EXPECT_NEAR(found.height * scale, size.height, 0.6 * scale);
+    EXPECT_EQ(ImageFromWorking(found)(0, 0), scale);
+    EXPECT_EQ(ImageFromWorking(found)(1, 1), scale);
+  }
 }
 
 TEST_P(Extraction, AtMostMaxFeatures) {

@@ -56,7 +56,7 @@ bool IsSeen(const Vector2d& x) { return x.x() >= 0 && x.y() >= 0 && x.x() < 640 
 // What the points give a camera that has moved by `shift`, noisy by 0.3 px, and `clutter`.
 Features Look(const std::vector<Point>& points, const Vector3d& shift, int clutter, uint64_t seed) {
   Random random(5000 + seed);
-  Features features{FeatureType::kSift, 640, 480, {}, Descriptors(128)};
+  Features features{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128)};
   const auto add = [&](const Vector2d& x, const std::vector<uint8_t>& descriptor) {
     if (!IsSeen(x)) return;
     features.keypoints.push_back({static_cast<float>(x.x()), static_cast<float>(x.y()), 8, 0});
