@@ -12,6 +12,7 @@
 #include "localizer/orientation/building.h"
 #include "localizer/planes/locate.h"
 #include "localizer/poses/locate_pose.h"
+#include "localizer/poses/node_pose.h"
 #include "localizer/verdict/answered_place.h"
 
 namespace waystone {
@@ -128,7 +129,9 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, FeatureCache& cache
   }
   AddTimedBuilding(index, grey, options, answer);
   // Last, since lines may still refuse the place.
-  if (index.map().poses && !by_panoramas && !options.TooLate()) {
+  if (by_panoramas) {
+    AddNodePose(index, answer);
+  } else if (index.map().poses && !options.TooLate()) {
     const auto& [features, ms] = cache.Extract(index.map().info.feature_type, options);
     AddTimedPose(index, features, options, answer);
   }
