@@ -44,6 +44,10 @@ PoseGraph CollectPoseGraph(const MapData& map) {
   return {map, *map.appearance, metres.value_or(1), metres ? "m" : "unit"};
 }
 
+// Whether the appearance layer is in the frame of given poses, which some formats write in full;
+// nodes without one are left out of these.
+bool IsInGivenFrame(const MapData& map) { return map.poses && !map.poses->nodes.empty(); }
+
 std::string SequenceName(const MapData& map, SequenceId id) {
   for (const Sequence& sequence : map.sequences) {
     if (sequence.id == id) return sequence.name;
@@ -147,29 +151,32 @@ std::string CollectionText(const std::string& frame_name, const std::string& uni
   return Dump(json) + "\n";
 }
 
-// A map with poses alone: its keyframes, from above.
-std::string KeyframesGeoJson(const MapData& map, const PoseLayer& layer) {
+// The keyframes of a map with poses, from above.
+void AddKeyframes(const MapData& map, const PoseLayer& layer, Json& features) {
   const Horizontal view = HorizontalOf(layer);
   const NamedPlaces names(map);
-  Json features = Json::array();
   for (const KeyframePose& pose : layer.keyframes) {
     const auto keyframe =
         std::lower_bound(map.keyframes.begin(), map.keyframes.end(), pose.keyframe,
                          [](const Keyframe& one, KeyframeId id) { return one.id < id; });
     if (keyframe == map.keyframes.end() || keyframe->id != pose.keyframe) continue;
-    const Eigen::Vector2d at = view.Of(pose.position);
-    const Eigen::Vector2d ahead = view.Of(pose.rotation * Eigen::Vector3d::UnitZ());
+    const Pose2 at = view.Of(pose);
     Json properties = {{"sequence", SequenceName(map, keyframe->sequence)},
                        {"source", keyframe->source},
                        {"time_s", OrNull(keyframe->time_s)},
-                       {"heading_rad", Rounded(std::atan2(ahead.y(), ahead.x()), 5)}};
+                       {"heading_rad", Rounded(at.theta_rad, 5)}};
     AddPlaceName(names, names.OfKeyframe(keyframe->id), properties);
-    const Json point = {Rounded(at.x(), 4), Rounded(at.y(), 4)};
     features.push_back({{"type", "Feature"},
                         {"id", keyframe->id.value},
-                        {"geometry", {{"type", "Point"}, {"coordinates", point}}},
+                        {"geometry", {{"type", "Point"}, {"coordinates", PointJson(at)}}},
                         {"properties", std::move(properties)}});
   }
+}
+
+// A map with poses alone.
+std::string KeyframesGeoJson(const MapData& map, const PoseLayer& layer) {
+  Json features = Json::array();
+  AddKeyframes(map, layer, features);
   AddPlaces(map, 1, features);
   return CollectionText(layer.frame, layer.unit == LengthUnit::kMetres ? "m" : "unit",
                         std::move(features));
@@ -198,9 +205,12 @@ std::string GeoJson(const PoseGraph& graph) {
                         {"geometry", {{"type", "LineString"}, {"coordinates", line}}},
                         {"properties", {{"kind", loop ? "loop" : "odometry"}}}});
   }
-  // Polygons of a map that has both are in the frame of its poses.
-  if (!graph.map.poses) AddPlaces(graph.map, graph.scale, features);
-  return CollectionText("layer", graph.unit, std::move(features));
+  // Keyframes and polygons of a map that has both are in the frame of its poses.
+  const bool in_given_frame = IsInGivenFrame(graph.map);
+  if (in_given_frame) AddKeyframes(graph.map, *graph.map.poses, features);
+  if (in_given_frame || !graph.map.poses) AddPlaces(graph.map, graph.scale, features);
+  return CollectionText(in_given_frame ? graph.map.poses->frame : "layer", graph.unit,
+                        std::move(features));
 }
 
 std::string Ply(const PoseGraph& graph) {
@@ -215,8 +225,10 @@ std::string Ply(const PoseGraph& graph) {
   std::unordered_map<AppearanceNodeId, size_t> row;
   for (const AppearanceNode& node : graph.layer.nodes) {
     row.emplace(node.id, row.size());
+    const NodePose* given = graph.map.poses ? graph.map.poses->Find(node.id) : nullptr;
     const Pose2 pose = graph.Scaled(node.pose);
-    out << pose.x << ' ' << pose.y << " 0 " << node.id.value << '\n';
+    const Eigen::Vector3d at = given ? given->position : Eigen::Vector3d(pose.x, pose.y, 0);
+    out << at.x() << ' ' << at.y() << ' ' << at.z() << ' ' << node.id.value << '\n';
   }
   for (const AppearanceEdge& edge : graph.layer.edges) {
     out << row.at(edge.a) << ' ' << row.at(edge.b) << ' '
@@ -225,25 +237,38 @@ std::string Ply(const PoseGraph& graph) {
   return out.str();
 }
 
+// Of a node by its pose in the layer: x ahead, y to the left, z up.
+CameraPose BodyPose(const Pose2& pose) {
+  const Eigen::Quaterniond q(Eigen::AngleAxisd(pose.theta_rad, Eigen::Vector3d::UnitZ()));
+  return {q, Eigen::Vector3d(pose.x, pose.y, 0)};
+}
+
 std::string Tum(const PoseGraph& graph) {
   const std::vector<AppearanceNode>& nodes = graph.layer.nodes;
+  const bool given = IsInGivenFrame(graph.map);
   const bool timed =
       std::all_of(nodes.begin(), nodes.end(), [](const auto& n) { return n.time_s.has_value(); });
   std::ostringstream out;
   out.exceptions(std::ios::badbit);  // for memory that runs out
   out << "# " << (timed ? "time_s" : "frame number (not all nodes have a time)")
-      << " x y z qx qy qz qw; x forward, z up; lengths in " << graph.UnitText() << '\n';
+      << " x y z qx qy qz qw; "
+      << (given ? "the camera's x right, y down, z forward" : "x forward, z up") << "; lengths in "
+      << graph.UnitText() << '\n';
   SequenceId sequence;
   for (const AppearanceNode& node : nodes) {
     if (node.sequence != sequence) {
       out << "# sequence " << Word(SequenceName(graph.map, node.sequence)) << '\n';
       sequence = node.sequence;
     }
-    const Pose2 pose = graph.Scaled(node.pose);
-    char line[200];
-    (void)std::snprintf(line, sizeof line, "%.6f %.6f %.6f 0 0 0 %.9f %.9f\n",
-                        timed ? *node.time_s : node.frame, pose.x, pose.y,
-                        std::sin(pose.theta_rad / 2), std::cos(pose.theta_rad / 2));
+    const NodePose* known = given ? graph.map.poses->Find(node.id) : nullptr;
+    if (given && !known) continue;
+    const CameraPose pose = known ? CameraPose(*known) : BodyPose(graph.Scaled(node.pose));
+    const Eigen::Vector3d& at = pose.position;
+    const Eigen::Quaterniond& q = pose.rotation;
+    char line[300];
+    (void)std::snprintf(line, sizeof line, "%.6f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n",
+                        timed ? *node.time_s : node.frame, at.x(), at.y(), at.z(), q.x(), q.y(),
+                        q.z(), q.w());
     out << line;
   }
   return out.str();
@@ -258,16 +283,20 @@ std::string ResultLines(const PoseGraph& graph) {
   // The front camera's axes in the node's frame: x right, y down, z forward of x ahead, y left.
   Eigen::Matrix3d node_from_camera;
   node_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  const bool given = IsInGivenFrame(graph.map);
   std::ostringstream out;
   out.exceptions(std::ios::badbit);  // for memory that runs out
   out.precision(9);
   for (const AppearanceNode& node : graph.layer.nodes) {
-    const Pose2 pose = graph.Scaled(node.pose);
+    const NodePose* known = given ? graph.map.poses->Find(node.id) : nullptr;
+    if (given && !known) continue;
+    const CameraPose body = BodyPose(graph.Scaled(node.pose));
     const Eigen::Matrix3d world_from_camera =
-        Eigen::AngleAxisd(pose.theta_rad, Eigen::Vector3d::UnitZ()) * node_from_camera;
+        known ? known->rotation.toRotationMatrix()
+              : Eigen::Matrix3d(body.rotation.toRotationMatrix() * node_from_camera);
     Eigen::Quaterniond q(Eigen::Matrix3d(world_from_camera.transpose()));
     if (q.w() < 0) q.coeffs() *= -1;
-    const Eigen::Vector3d t = -(q * Eigen::Vector3d(pose.x, pose.y, 0));
+    const Eigen::Vector3d t = -(q * (known ? known->position : body.position));
     out << Word(node.source) << ' ' << q.w() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << ' '
         << t.x() << ' ' << t.y() << ' ' << t.z() << '\n';
   }

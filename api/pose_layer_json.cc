@@ -26,10 +26,12 @@ Json QuaternionJson(const Eigen::Quaterniond& q) {
 // Where none was measured, 0 is stored.
 Json DeviationJson(double sigma) { return sigma > 0 ? Json(sigma) : Json(nullptr); }
 
-Json KeyframePosesJson(const PoseLayer& layer) {
+// In columns.
+template <class Pose, class Id>
+Json CameraPosesJson(const std::vector<Pose>& poses, Id Pose::*id) {
   Json json = {{"id", Json::array()}, {"position", Json::array()}, {"orientation", Json::array()}};
-  for (const KeyframePose& pose : layer.keyframes) {
-    json["id"].push_back(pose.keyframe.value);
+  for (const Pose& pose : poses) {
+    json["id"].push_back((pose.*id).value);
     json["position"].push_back(DirectionOrPointJson(pose.position));
     json["orientation"].push_back(QuaternionJson(pose.rotation));
   }
@@ -72,8 +74,8 @@ Json PosedPlaneJson(const MapIndex& index, const PoseLayer& layer, const Plane& 
 const PoseLayer& PosesOf(const MapIndex& index) {
   if (index.map().poses) return *index.map().poses;
   throw MapError(ErrorCode::kNoLayer,
-                 "this map has no poses; build it from the images of a calibrated camera with "
-                 "--poses FILE");
+                 "this map has no poses; build it from the images of a calibrated camera or from "
+                 "panoramas with --poses FILE");
 }
 
 Json PoseLayerJson(const MapIndex& index, const PoseLayer& layer) {
@@ -84,7 +86,8 @@ Json PoseLayerJson(const MapIndex& index, const PoseLayer& layer) {
   json["noise"] = {{"position_deviation", DeviationJson(layer.noise.position_sigma)},
                    {"rotation_deviation_rad", DeviationJson(layer.noise.rotation_sigma_rad)}};
   json["up"] = up ? DirectionOrPointJson(*up) : Json(nullptr);
-  json["keyframes"] = KeyframePosesJson(layer);
+  json["keyframes"] = CameraPosesJson(layer.keyframes, &KeyframePose::keyframe);
+  json["nodes"] = CameraPosesJson(layer.nodes, &NodePose::node);
   json["planes"] = Json::array();
   for (const PlanePose& placed : layer.planes) {
     const Plane* plane = index.FindPlane(placed.plane);

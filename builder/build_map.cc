@@ -6,6 +6,7 @@
 #include <array>
 #include <utility>
 
+#include "builder/calibration/node_pose_calibration.h"
 #include "builder/calibration/own_images.h"
 #include "builder/calibration/pose_calibration.h"
 #include "builder/frames/frame_pipeline.h"
@@ -41,7 +42,11 @@ class MapBuilder {
       }
       if (used) Finish(kind);
     }
-    if (poses_) PutIntoFrame();
+    if (poses_ && !result_.map.poses) {
+      throw MapError(ErrorCode::kBadRequest,
+                     "poses were given, but no source has a layer to put into their frame; add "
+                     "planes or appearance to --layers");
+    }
     return std::move(result_);
   }
 
@@ -64,26 +69,32 @@ class MapBuilder {
     BuilderOf(kind)->Finish(result_.map, progress_);
     switch (kind) {
       case LayerKind::kPlanes:
-        return CalibratePlanes();
+        CalibratePlanes();
+        if (poses_) PutPlanesIntoFrame();
+        return;
       case LayerKind::kAppearance:
+        if (poses_) PutPanoramasIntoFrame();
         return CalibrateAppearance();
       case LayerKind::kOrientation:
         result_.report.orientation = orientation_.report();
     }
   }
 
-  void PutIntoFrame() {
-    if (!result_.report.planes) {
-      throw MapError(ErrorCode::kBadRequest,
-                     "poses were given, but no source has a plane layer to put into their frame; "
-                     "add planes to --layers");
-    }
+  void PutPlanesIntoFrame() {
     progress_.Report("structure", 0, 1);
     PoseReport report = AddPoses(planes_.features(), *poses_, options_.poses, result_.map);
     report.noise = MeasurePoseNoise(result_.map, planes_.samples(), options_.poses.neighbours,
                                     options_.calibration.localize.pose);
     result_.map.poses->noise = report.noise.noise;
     result_.report.poses = report;
+    progress_.Report("structure", 1, 1);
+  }
+
+  // Before the verdict is calibrated, which goes by where nodes are.
+  void PutPanoramasIntoFrame() {
+    progress_.Report("structure", 0, 1);
+    result_.report.node_poses =
+        AddNodePoses(*poses_, options_.poses, result_.map, appearance_.samples());
     progress_.Report("structure", 1, 1);
   }
 
@@ -100,6 +111,10 @@ class MapBuilder {
     const Clock::time_point start = Clock::now();
     const OwnImages own = CalibrateAppearanceLayer(result_.map, appearance_.samples(),
                                                    options_.appearance_calibration, progress_);
+    if (result_.map.poses && !result_.map.poses->nodes.empty()) {
+      MeasureNodePoseErrors(appearance_.samples(), options_.appearance_calibration.query,
+                            result_.map, *result_.report.node_poses);
+    }
     result_.report.appearance = appearance_.report();
     result_.report.appearance->own = own;
     result_.report.appearance->calibrate_s = SecondsSince(start);

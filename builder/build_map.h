@@ -10,6 +10,7 @@
 #include "builder/frames/progress.h"
 #include "builder/orientation/orientation_layer.h"
 #include "builder/planes/plane_layer.h"
+#include "builder/poses/add_node_poses.h"
 #include "builder/poses/add_poses.h"
 #include "builder/sources/source.h"
 #include "schema/map_data.h"
@@ -21,8 +22,9 @@ struct BuildReport {
   std::optional<PlaneReport> planes;
   std::optional<AppearanceReport> appearance;
   std::optional<OrientationReport> orientation;
-  std::optional<PoseReport> poses;
-  double total_s = 0;  // wall clock
+  std::optional<PoseReport> poses;           // of keyframes
+  std::optional<NodePoseReport> node_poses;  // of panoramas
+  double total_s = 0;                        // wall clock
 };
 
 struct BuildResult {
@@ -36,8 +38,9 @@ struct BuildResult {
 // MapError(kInterrupted).
 // Throws MapError(kBadSource) when a source has no usable frame, or none fits a layer chosen;
 // kUnreadableFrames when too few are usable (max_skipped_share); kBadCamera when the orientation
-// layer is chosen and no source is calibrated; kBadOptions. With `poses` the plane layer is put
-// into their frame, for which it must be built and calibrated; AddPoses says what is thrown.
+// layer is chosen and no source is calibrated; kBadOptions. With `poses` the plane and the
+// appearance layer are put into their frame, of which one must be built; the plane layer must be
+// calibrated. AddPoses and AddNodePoses say what is thrown.
 BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
                      const BuildOptions& options, const ProgressCallback& progress,
                      const std::optional<GivenPoses>& poses = std::nullopt);

@@ -12,6 +12,7 @@
 #include "localizer/orientation/building.h"
 #include "localizer/planes/locate.h"
 #include "localizer/poses/locate_pose.h"
+#include "localizer/poses/node_pose.h"
 #include "localizer/verdict/answered_place.h"
 
 namespace waystone {
@@ -127,7 +128,9 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, FeatureCache& cache
   }
   AddTimedBuilding(index, grey, options, answer);
   // Last, since lines may still refuse the place.
-  if (index.map().poses && !by_panoramas && !options.TooLate()) {
+  if (by_panoramas) {
+    AddNodePose(index, answer);
+  } else if (index.map().poses && !options.TooLate()) {
     const auto& [features, ms] = cache.Extract(index, options);
     AddTimedPose(index, features, options, answer);
   }

@@ -38,10 +38,17 @@ Eigen::Isometry3d ComputeMotion(const Answer& answer,
       metres_per_unit.value_or(0));
 }
 
-// The same by the answer's pose; nothing where the answer or its keyframe has none.
-std::optional<Eigen::Isometry3d> ComputePosedMotion(const Answer& answer, KeyframeId keyframe,
+// The same by the answer's pose; nothing where the answer or the image of its place has none.
+std::optional<Eigen::Isometry3d> ComputePosedMotion(const Answer& answer,
+                                                    const AnsweredPlace& place,
                                                     const std::optional<PoseLayer>& layer) {
-  const KeyframePose* pose = layer && answer.pose ? layer->Find(keyframe) : nullptr;
+  if (!layer || !answer.pose) return std::nullopt;
+  const CameraPose* pose = nullptr;
+  if (place.layer == PlaceLayer::kPlanes) {
+    pose = layer->Find(KeyframeId{place.id});
+  } else {
+    pose = layer->Find(AppearanceNodeId{place.id});
+  }
   if (!pose) return std::nullopt;
   return pose->frame_from_camera().inverse() * answer.pose->frame_from_camera;
 }
@@ -81,7 +88,7 @@ std::optional<PoseError> ComparePose(const Answer& answer, const PlacePoses& pos
   const auto at = poses.find({place->layer, place->id});
   if (at == poses.end()) return std::nullopt;
   const TruePose& image = at->second;
-  const auto posed = ComputePosedMotion(answer, {place->id}, layer);
+  const auto posed = ComputePosedMotion(answer, *place, layer);
   Eigen::Isometry3d motion = posed ? *posed : ComputeMotion(answer, metres_per_unit);
   if (!image.has_rotation) motion.translation().setZero();  // not known in which direction
   const Eigen::Isometry3d estimate = image.world_from_camera * motion;
@@ -99,6 +106,9 @@ PlacePoses PosesOfLayer(const MapData& map) {
   if (!map.poses) return poses;
   for (const KeyframePose& pose : map.poses->keyframes) {
     poses[PlaceIdOf(pose.keyframe)] = {pose.frame_from_camera(), true};
+  }
+  for (const NodePose& pose : map.poses->nodes) {
+    poses[PlaceIdOf(pose.node)] = {pose.frame_from_camera(), true};
   }
   return poses;
 }

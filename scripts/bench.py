@@ -45,7 +45,7 @@ density-350          graphs DATA/kitchen --keyframes 350:175 --opencv-every 0
 density-365          graphs DATA/kitchen --keyframes 365:180 --opencv-every 0
 density-450          graphs DATA/kitchen --keyframes 450:225 --opencv-every 0
 build                build DATA/kitchen --frames 250,500,1000
-poses                poses --kitchen DATA/kitchen --church DATA/church
+poses                poses --kitchen DATA/kitchen --church DATA/church --panoramas DATA/dealership
 reconstruction       reconstruction DATA/kitchen
 joining              joining DATA
 compass              compass DATA/dealership

@@ -70,7 +70,8 @@ int RunBuild(const Args& args);
 // --queries are frames, and --keyframes the conditions on keyframes), or a folder with map/,
 // query*/ and poses.csv. Every N-th query is also asked of OpenCV's matcher, which is slow.
 int RunGraphs(const Args& args);
-// poses [--buildings N] [--frames N] [--kitchen DIR] [--church DIR]: poses of queries on maps that
+// poses [--buildings N] [--frames N] [--kitchen DIR] [--church DIR] [--flats N] [--first-flat SEED]
+// [--panoramas DIR]: poses of queries on maps that
 // were built with true poses: errors, recalls, consistency of the covariances (normalised error
 // squared over its expectation) and time.
 int RunPoses(const Args& args);

@@ -95,26 +95,6 @@ PlaceMap MapOf(const std::vector<PanoramaPlace>& places) {
   return map;
 }
 
-// The places as a walk goes through them: from each to the nearest that is left.
-std::vector<PanoramaPlace> InWalkOrder(std::vector<PanoramaPlace> places) {
-  for (size_t i = 1; i < places.size(); ++i) {
-    const auto apart = [&](const PanoramaPlace& place) {
-      return (place.position_m - places[i - 1].position_m).norm();
-    };
-    const auto next = std::ranges::min_element(places.begin() + static_cast<std::ptrdiff_t>(i),
-                                               places.end(), {}, apart);
-    const auto other = static_cast<size_t>(next - places.begin());
-    std::swap(places[i], places[other]);
-    for (PanoramaPlace& place : places) {
-      if (place.hidden.empty()) continue;
-      const bool hidden = place.hidden[i];
-      place.hidden[i] = place.hidden[other];
-      place.hidden[other] = hidden;
-    }
-  }
-  return places;
-}
-
 struct Asked {
   Answer answer;
   bool in_map = false;  // another place is near enough
@@ -253,7 +233,8 @@ std::vector<AppearanceSampleFrame> SamplesOf(const PlaceMap& map) {
   std::vector<AppearanceSampleFrame> samples;
   for (size_t i = 0; i < map.features.size(); i += kCalibrateEvery) {
     const AppearanceNode& node = map.layer.nodes[i];
-    samples.push_back({node.signature, map.features[i], node.pose, static_cast<int>(i)});
+    samples.push_back({node.signature, map.features[i], node.pose, static_cast<int>(i),
+                       node.sequence, FrameInfo{node.frame, node.source, node.time_s}});
   }
   return samples;
 }

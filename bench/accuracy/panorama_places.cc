@@ -47,7 +47,9 @@ PanoramaPlace ReadPlace(const fs::path& folder, const std::string& line) {
                                                    text.substr(0, 40) +
                                                    "' is no line of id,x,y,z,qx,qy,qz,qw");
   }
-  place.yaw_rad = YawOf(turn.normalized().toRotationMatrix());
+  place.world_from_camera.linear() = turn.normalized().toRotationMatrix();
+  place.world_from_camera.translation() << place.position_m, z;
+  place.yaw_rad = YawOf(place.world_from_camera.linear());
   place.grey = DecodeGrey(ReadBytes(folder / "panorama" / (place.name + ".jpg")));
   return place;
 }
@@ -105,7 +107,8 @@ std::vector<PanoramaPlace> RenderPlaces(int count, uint64_t seed) {
     render.noise_seed = random.Next();
     render.exposure_gain = random.Uniform(0.7, 1.2);
     options.push_back(render);
-    places.push_back({std::to_string(places.size()), {}, at, YawOf(poses.back().linear()), {}});
+    places.push_back(
+        {std::to_string(places.size()), {}, at, YawOf(poses.back().linear()), {}, poses.back()});
   }
   tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
     places[i].grey = renderer.Render(world, poses[i], options[i]).grey;
@@ -130,10 +133,30 @@ std::vector<PanoramaPlace> RenderFlatPlaces(uint64_t seed) {
     place.grey = panorama.grey;
     place.position_m = panorama.place.at.head<2>();
     place.yaw_rad = YawOf(panorama.world_from_camera.linear());
+    place.world_from_camera = panorama.world_from_camera;
     for (const FlatPanorama& other : panoramas) {
       place.hidden.push_back(!SeesThrough(flat.scene, panorama.place.at, other.place.at));
     }
     places.push_back(std::move(place));
+  }
+  return places;
+}
+
+std::vector<PanoramaPlace> InWalkOrder(std::vector<PanoramaPlace> places) {
+  for (size_t i = 1; i < places.size(); ++i) {
+    const auto apart = [&](const PanoramaPlace& place) {
+      return (place.position_m - places[i - 1].position_m).norm();
+    };
+    const auto next = std::ranges::min_element(places.begin() + static_cast<std::ptrdiff_t>(i),
+                                               places.end(), {}, apart);
+    const auto other = static_cast<size_t>(next - places.begin());
+    std::swap(places[i], places[other]);
+    for (PanoramaPlace& place : places) {
+      if (place.hidden.empty()) continue;
+      const bool hidden = place.hidden[i];
+      place.hidden[i] = place.hidden[other];
+      place.hidden[other] = hidden;
+    }
   }
   return places;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -17,6 +18,8 @@ struct PanoramaPlace {
   Eigen::Vector2d position_m;  // in the world, seen from above
   double yaw_rad = 0;          // of the front, counter-clockwise from the x axis
   std::vector<bool> hidden;    // by place: whether a wall is between; empty when not known
+  // The same in full: metres, z up; the camera has x right, y down, z forward.
+  Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
 };
 
 // poses.csv (id,x,y,z,qx,qy,qz,qw,...: rig to world, z up; rig z forward, y down) and
@@ -29,6 +32,9 @@ std::vector<PanoramaPlace> RenderPlaces(int count, uint64_t seed);
 
 // The places of a made flat (world/flat.h) on two visits with other lights; walls hide.
 std::vector<PanoramaPlace> RenderFlatPlaces(uint64_t seed);
+
+// The places as a walk goes through them: from each to the nearest that is left.
+std::vector<PanoramaPlace> InWalkOrder(std::vector<PanoramaPlace> places);
 
 // Where the front of b points against that of a, and in which direction of a's frame b lies;
 // counter-clockwise, radians.

@@ -22,6 +22,26 @@ double ComputeNees(const QueryPose& pose, const Isometry3d& truth) {
   return error.dot(pose.covariance.ldlt().solve(error)) / 6;
 }
 
+void PrintErrors(const char* of, const std::optional<NodePoseErrors>& errors, int measured) {
+  if (!errors) {
+    std::printf("%s: errors not measured (%d answers)\n", of, measured);
+    return;
+  }
+  std::printf("%s: position x %.2f, height %.3f, heading %.2f deg, tilt %.2f deg on %d answers\n",
+              of, errors->position_factor, errors->height_sigma,
+              errors->heading_sigma_rad * kDegreesPerRadian,
+              errors->tilt_sigma_rad * kDegreesPerRadian, measured);
+}
+
+void PrintNodes(const BuildResult& built) {
+  const NodePoseReport& report = built.report.node_poses.value();
+  std::printf("map: %d of %d panoramas posed, %.1f %% of motions consistent, %.1f s\n",
+              report.posed, report.nodes, 100 * report.consistent.value_or(-0.01),
+              built.report.total_s);
+  PrintErrors("by appearance", built.map.poses->appearance_errors, report.measured_by_appearance);
+  PrintErrors("by features", built.map.poses->verified_errors, report.measured_by_features);
+}
+
 void PrintStructure(const BuildResult& built) {
   const PoseReport& report = built.report.poses.value();
   std::printf(
@@ -37,7 +57,7 @@ void PrintStructure(const BuildResult& built) {
 
 }  // namespace
 
-void AskPose(const MapIndex& index, const cv::Mat& grey, const Camera& camera,
+void AskPose(const MapIndex& index, const cv::Mat& grey, const std::optional<Camera>& camera,
              const Isometry3d& truth, const std::string& name, PoseErrors& errors) {
   LocalizeOptions options;
   options.camera = camera;
@@ -91,12 +111,11 @@ nlohmann::ordered_json SummarisePoses(const std::string& name, const PoseErrors&
 }
 
 GivenPoses PosesByFrame(std::function<std::optional<Isometry3d>(int)> of_frame) {
-  return {
-      .frame = "truth",
-      .unit = LengthUnit::kMetres,
-      .of_keyframe = [of_frame = std::move(of_frame)](const Sequence&, const Keyframe& keyframe) {
-        return of_frame(keyframe.frame);
-      }};
+  return {.frame = "truth",
+          .unit = LengthUnit::kMetres,
+          .of_image = [of_frame = std::move(of_frame)](const Sequence&, const FrameInfo& image) {
+            return of_frame(image.number);
+          }};
 }
 
 BuildResult BuildPosed(std::unique_ptr<Source> source, const std::optional<GivenPoses>& poses) {
@@ -106,6 +125,7 @@ BuildResult BuildPosed(std::unique_ptr<Source> source, const std::optional<Given
   options.images = false;
   BuildResult built = BuildMap(sources, options, {}, poses);
   if (built.report.poses) PrintStructure(built);
+  if (built.report.node_poses) PrintNodes(built);
   return built;
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,8 @@ struct PoseErrors {
 };
 
 // Asks a map with poses for an image of known pose (map_from_camera), prints the errors, and adds
-// them.
-void AskPose(const MapIndex& index, const cv::Mat& grey, const Camera& camera,
+// them. Panoramas need no camera.
+void AskPose(const MapIndex& index, const cv::Mat& grey, const std::optional<Camera>& camera,
              const Eigen::Isometry3d& truth, const std::string& name, PoseErrors& errors);
 
 nlohmann::ordered_json SummarisePoses(const std::string& name, const PoseErrors& errors);

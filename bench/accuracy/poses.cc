@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "bench/accuracy/common.h"
+#include "bench/accuracy/posed_panoramas.h"
 #include "bench/accuracy/posed_queries.h"
 #include "bench/accuracy/rgbd_truth.h"
 #include "bench/accuracy/world_source.h"
@@ -108,9 +109,13 @@ int RunPoses(const Args& raw) {
   const int frames = std::stoi(TakeOption(args, "frames", "150"));
   const std::string kitchen = TakeOption(args, "kitchen", "");
   const std::string church = TakeOption(args, "church", "");
+  const int flats = std::stoi(TakeOption(args, "flats", "4"));
+  const int first_flat = std::stoi(TakeOption(args, "first-flat", "101"));
+  const std::string panoramas = TakeOption(args, "panoramas", "");
   if (!args.empty()) {
     throw MapError(ErrorCode::kUsage,
-                   "poses takes --buildings N, --frames N, --kitchen DIR and --church DIR");
+                   "poses takes --buildings N, --frames N, --kitchen DIR, --church DIR, --flats N, "
+                   "--first-flat SEED and --panoramas DIR");
   }
   nlohmann::ordered_json json = {{"bench", "poses"}, {"sets", nlohmann::ordered_json::array()}};
   for (int seed = 1; seed <= buildings; ++seed) {
@@ -118,6 +123,8 @@ int RunPoses(const Args& raw) {
   }
   if (!kitchen.empty()) json["sets"].push_back(MeasureKitchen(kitchen));
   if (!church.empty()) json["sets"].push_back(MeasureChurch(church));
+  if (flats > 0) json["sets"].push_back(MeasurePosedFlats(first_flat, flats));
+  if (!panoramas.empty()) json["sets"].push_back(MeasurePosedPlaces(panoramas));
   std::cout << json.dump() << std::endl;
   return 0;
 }

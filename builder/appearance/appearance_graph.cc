@@ -57,7 +57,8 @@ class GraphMaker {
       const bool is_node = kept != kept_.end() && *kept == i;
       graph_.samples.push_back({taken_.frames[i].signature, std::move(sample.features),
                                 poses_.poses[i],
-                                is_node ? static_cast<int>(kept - kept_.begin()) : -1});
+                                is_node ? static_cast<int>(kept - kept_.begin()) : -1,
+                                taken_.sequences[taken_.StretchOf(i)], taken_.frames[i].info});
     }
   }
 

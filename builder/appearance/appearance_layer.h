@@ -40,6 +40,8 @@ struct AppearanceSampleFrame {
   BearingFeatures features;  // all that were found; none where the layer keeps none
   Pose2 pose;                // layer_from_node
   int node = -1;             // index in the layer's nodes; -1 when it was left out
+  SequenceId sequence;
+  FrameInfo info;
 };
 
 // The appearance layer of sequences of panoramas (Fernandez et al. 2011): signatures (eq. 1),
@@ -64,8 +66,8 @@ class AppearanceLayerBuilder : public LayerBuilder {
   void Finish(MapData& map, ProgressReporter& progress) override;
 
   const AppearanceReport& report() const { return report_; }
-  // Panoramas whose features stayed whole, for calibration; after Finish.
-  const std::vector<AppearanceSampleFrame>& samples() const { return samples_; }
+  // Panoramas whose features stayed whole, for calibration; after Finish. AddNodePoses moves them.
+  std::vector<AppearanceSampleFrame>& samples() { return samples_; }
 
  private:
   AppearanceOptions options_;

@@ -23,6 +23,7 @@ MapData CopyPanoramas(const MapData& map) {
   part.info = map.info;
   part.sequences = map.sequences;
   part.appearance = map.appearance;
+  part.poses = map.poses;
   for (AppearanceNode& node : part.appearance->nodes) node.jpeg.clear();
   return part;
 }

@@ -4,10 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 
+#include "builder/poses/misreadings.h"
 #include "builder/poses/pose_tracks.h"
 #include "builder/poses/structure.h"
 #include "core/base/clock.h"
@@ -17,42 +17,6 @@ namespace waystone {
 namespace {
 
 using Eigen::Isometry3d;
-using Eigen::Vector3d;
-
-std::string SharePercent(double share) { return std::to_string(std::lround(100 * share)) + "%"; }
-
-// Ways in which poses are often mistaken.
-struct Misreading {
-  const char* text;
-  Isometry3d (*corrected)(const Isometry3d&);
-};
-
-Isometry3d WithAxes(const Isometry3d& pose, const Vector3d& axes) {
-  Isometry3d turned = pose;
-  turned.linear() = pose.linear() * axes.asDiagonal();
-  return turned;
-}
-
-Isometry3d WithBodyAxes(const Isometry3d& pose) {
-  Eigen::Matrix3d body_from_camera;  // body: x forward, y left, z up
-  body_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  Isometry3d turned = pose;
-  turned.linear() = pose.linear() * body_from_camera;
-  return turned;
-}
-
-constexpr std::array<Misreading, 3> kMisreadings{{
-    {"they fit as camera-from-world transforms; invert them",
-     [](const Isometry3d& pose) { return pose.inverse(); }},
-    {"they fit with the camera's y up and z backward, as OpenGL has them; turn the camera's axes "
-     "to x right, y down, z forward",
-     [](const Isometry3d& pose) {
-       return WithAxes(pose, {1, -1, -1});
-     }},
-    {"they fit as poses of a body with x forward, y left, z up; turn the axes to x right, y down, "
-     "z forward",
-     [](const Isometry3d& pose) { return WithBodyAxes(pose); }},
-}};
 
 std::vector<Isometry3d> PosesOf(const std::vector<PosedView>& views) {
   std::vector<Isometry3d> poses;
@@ -66,22 +30,15 @@ double RequireConsistency(const std::vector<PosedView>& views, const PoseTracks&
   const double max_sigmas = options.depth.max_sigmas;
   const double share = tracks.ConsistentShare(poses, max_sigmas);
   if (share >= options.min_consistent) return share;
-  std::string remedy =
-      "check that they are of this sequence, that times and names match, and that the calibration "
-      "is right";
-  for (const Misreading& misreading : kMisreadings) {
-    std::vector<Isometry3d> read;
-    for (const Isometry3d& pose : poses) read.push_back(misreading.corrected(pose));
-    if (tracks.ConsistentShare(read, max_sigmas) >= std::max(options.min_consistent, 2 * share)) {
-      remedy = misreading.text;
-      break;
-    }
-  }
-  throw MapError(ErrorCode::kBadRequest, "the poses contradict the images: only " +
-                                             SharePercent(share) +
-                                             " of the matches between neighbouring keyframes agree "
-                                             "with them; " +
-                                             remedy);
+  const auto share_of = [&](const PoseReading& read) {
+    std::vector<Isometry3d> corrected;
+    for (const Isometry3d& pose : poses) corrected.push_back(read(pose));
+    return tracks.ConsistentShare(corrected, max_sigmas);
+  };
+  throw MapError(ErrorCode::kBadRequest,
+                 "the poses contradict the images: only " + SharePercent(share) +
+                     " of the matches between neighbouring keyframes agree with them; " +
+                     RemedyFor(share_of, std::max(options.min_consistent, 2 * share)));
 }
 
 // By how much the poses' own errors enlarge those of keypoints: the factor on their sigma at which

@@ -7,6 +7,7 @@
 #include <string>
 #include <tuple>
 
+#include "builder/sources/source.h"
 #include "core/base/options.h"
 #include "core/camera_pose/inverse_depth.h"
 #include "core/features/match.h"
@@ -19,9 +20,9 @@ namespace waystone {
 struct GivenPoses {
   std::string frame = "map";  // its name
   LengthUnit unit = LengthUnit::kUnknown;
-  // frame_from_camera of a keyframe (camera: x right, y down, z forward); nothing where it isn't
-  // known. Any thread.
-  std::function<std::optional<Eigen::Isometry3d>(const Sequence&, const Keyframe&)> of_keyframe;
+  // frame_from_camera of an image of a sequence; nothing where it isn't known. The camera has x
+  // right, y down, z forward; a panorama's looks ahead where its middle column does. Any thread.
+  std::function<std::optional<Eigen::Isometry3d>(const Sequence&, const FrameInfo&)> of_image;
 };
 
 struct PoseOptions {
@@ -31,6 +32,9 @@ struct PoseOptions {
   double max_descriptor_distance = 0.5;
   double min_consistent = 0.5;
   double min_posed = 0.5;
+  int compared_steps = 100;
+  double max_turn_error_rad = 0.05;
+  double max_direction_error_rad = 0.5;
   MatchOptions match;
   EpipolarOptions epipolar{.max_error_px = 1.5};
   DepthOptions depth;
@@ -58,7 +62,19 @@ struct PoseOptions {
                     "the poses. With fewer, the poses are refused.",
                     OptionUse::kInternal},
         OptionField{"min_posed", &Self::min_posed, Closed(0, 1), "",
-                    "Smallest share of the keyframes that must have a pose.", OptionUse::kInternal},
+                    "Smallest share of the keyframes, and of the panoramas, that must have a pose.",
+                    OptionUse::kInternal},
+        OptionField{"compared_steps", &Self::compared_steps, Closed(1, 100'000), "",
+                    "Steps from a panorama to the next whose motion is compared with the poses, "
+                    "spread evenly over all. A few ms each.",
+                    OptionUse::kInternal},
+        OptionField{
+            "max_turn_error_rad", &Self::max_turn_error_rad, Closed(0.001, 1), "rad",
+            "By how much the turn of such a step may differ. A turn of twice as much is one "
+            "that poses must show.",
+            OptionUse::kInternal},
+        OptionField{"max_direction_error_rad", &Self::max_direction_error_rad, Closed(0.01, 3),
+                    "rad", "By how much its direction may differ.", OptionUse::kInternal},
         OptionGroup{"match", &Self::match},
         OptionGroup{"epipolar", &Self::epipolar},
         OptionGroup{"depth", &Self::depth}};

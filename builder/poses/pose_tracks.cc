@@ -51,7 +51,7 @@ std::vector<PosedView> CollectPosedViews(const MapData& map,
     const Sequence& sequence =
         *std::ranges::lower_bound(map.sequences, keyframe.sequence, {}, &Sequence::id);
     const Camera& camera = CameraOf(sequence);
-    const auto pose = poses.of_keyframe(sequence, keyframe);
+    const auto pose = poses.of_image(sequence, {keyframe.frame, keyframe.source, keyframe.time_s});
     const auto found =
         std::ranges::lower_bound(features, keyframe.id, {}, &SampledKeyframe::keyframe);
     if (pose && found != features.end() && found->keyframe == keyframe.id) {

@@ -95,11 +95,10 @@ GivenPoses ReadGivenPoses(const PoseFlags& flags, int sources) {
   given.unit = flags.scale_by.empty() ? UnitByName(flags.unit) : LengthUnit::kMetres;
   const double scale = FindScale(*images, flags);
   const Eigen::Isometry3d body_from_camera = ParseTransform(flags.body_from_camera);
-  given.of_keyframe = [images, body_from_camera, scale](
-                          const Sequence& sequence,
-                          const Keyframe& keyframe) -> std::optional<Eigen::Isometry3d> {
-    const auto pose =
-        images->Find(sequence.name + "/" + keyframe.source, keyframe.time_s, keyframe.frame);
+  given.of_image = [images, body_from_camera, scale](
+                       const Sequence& sequence,
+                       const FrameInfo& image) -> std::optional<Eigen::Isometry3d> {
+    const auto pose = images->Find(sequence.name + "/" + image.source, image.time_s, image.number);
     if (!pose) return std::nullopt;
     Eigen::Isometry3d world_from_body = pose->world_from_camera;
     world_from_body.translation() *= scale;

@@ -158,6 +158,57 @@ void PosesLines(std::ostream& out, const PoseReport& report) {
   Line(out, "pose noise", PoseNoiseText(report.noise));
 }
 
+// Lengths are in the unit of the frame.
+std::string NodeErrorsText(const std::optional<NodePoseErrors>& errors, int measured) {
+  if (!errors) {
+    return "not measured: too few panoramas (" + std::to_string(measured) +
+           ") are found without themselves; answers take the program's own";
+  }
+  return "stated positions times " + Digits(errors->position_factor, 2) + ", height " +
+         Digits(errors->height_sigma, 3) + ", heading " +
+         Digits(errors->heading_sigma_rad * kDegreesPerRadian, 2) + " and tilt " +
+         Digits(errors->tilt_sigma_rad * kDegreesPerRadian, 2) + " degrees, on " +
+         Plural(measured, "panorama");
+}
+
+void NodePosesLines(std::ostream& out, const NodePoseReport& report, const MapData& map) {
+  std::string text =
+      std::to_string(report.posed) + " of " + std::to_string(report.nodes) + " panoramas";
+  if (!report.first_without.empty()) text += " (first without: " + report.first_without + ")";
+  if (report.posed > 0) {
+    text += report.consistent ? ", " + std::to_string(std::lround(100 * *report.consistent)) +
+                                    "% of the motions between them agree"
+                              : ", not compared with what they show: too few see the same or turn";
+  }
+  Line(out, "poses", text);
+  if (report.posed == 0) return;
+  Line(out, "errors",
+       "with features: " + NodeErrorsText(map.poses->verified_errors, report.measured_by_features));
+  Line(out, "",
+       "by appearance: " +
+           NodeErrorsText(map.poses->appearance_errors, report.measured_by_appearance));
+}
+
+Json NodeErrorsJson(const std::optional<NodePoseErrors>& errors, int measured) {
+  Json json = {{"measured", measured}};
+  if (!errors) return json;
+  json["position_factor"] = errors->position_factor;
+  json["height_sigma"] = errors->height_sigma;
+  json["heading_sigma_deg"] = errors->heading_sigma_rad * kDegreesPerRadian;
+  json["tilt_sigma_deg"] = errors->tilt_sigma_rad * kDegreesPerRadian;
+  return json;
+}
+
+Json NodePosesJson(const NodePoseReport& report, const MapData& map) {
+  Json json = {{"nodes", report.nodes}, {"posed", report.posed}};
+  json["consistent"] = report.consistent ? Json(*report.consistent) : Json(nullptr);
+  if (report.posed == 0) return json;
+  json["errors"] = {
+      {"features", NodeErrorsJson(map.poses->verified_errors, report.measured_by_features)},
+      {"appearance", NodeErrorsJson(map.poses->appearance_errors, report.measured_by_appearance)}};
+  return json;
+}
+
 Json PoseNoiseJson(const PoseNoiseReport& report) {
   return {{"asked", report.asked},
           {"measured", report.measured},
@@ -271,7 +322,9 @@ std::string CountsText(const MapData& map) {
     parts.push_back(Plural(map.orientation->frames.size(), "orientation frame") + " with " +
                     Plural(TurnCount(*map.orientation), "turn"));
   }
-  if (map.poses) parts.push_back(Plural(map.poses->keyframes.size(), "pose"));
+  if (map.poses) {
+    parts.push_back(Plural(map.poses->keyframes.size() + map.poses->nodes.size(), "pose"));
+  }
   std::string text;
   for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
   return text;
@@ -308,6 +361,7 @@ std::string SummaryText(const BuildSummary& summary) {
   if (report.appearance) AppearanceLines(text, *report.appearance);
   if (report.orientation) OrientationLines(text, summary.result->map, *report.orientation);
   if (report.poses) PosesLines(text, *report.poses);
+  if (report.node_poses) NodePosesLines(text, *report.node_poses, summary.result->map);
   Line(text, "version", summary.version);
   text << TablesText(summary.tables);
   return text.str();
@@ -349,6 +403,7 @@ Json SummaryJson(const BuildSummary& summary) {
     json["orientation"]["report"] = OrientationReportJson(*report.orientation);
   }
   if (report.poses) json["poses"] = PosesJson(*report.poses);
+  if (report.node_poses) json["node_poses"] = NodePosesJson(*report.node_poses, map);
   json["tables"] = TablesJson(summary.tables);
   return json;
 }

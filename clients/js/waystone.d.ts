@@ -296,7 +296,7 @@ export interface Answer {
   unused?: ("camera" | "prior" | "previous" | "odometry")[];
 }
 
-/** The camera of the query in the frame of the poses that the map was built with. The camera has x right, y down, z forward; orientation is the quaternion x, y, z, w that turns its axes into those of the frame. The covariance is that of the position and of a small rotation about the axes of the frame, in the order of ROS: x, y, z, about x, about y, about z. `camera` says whose calibration was used. */
+/** The camera of the query in the frame of the poses that the map was built with. The camera has x right, y down, z forward; orientation is the quaternion x, y, z, w that turns its axes into those of the frame. The covariance is that of the position and of a small rotation about the axes of the frame, in the order of ROS: x, y, z, about x, about y, about z. `inliers` is 0 for a panorama that was localized by its appearance alone. `camera` says whose calibration was used; a panorama has its own. */
 export interface Pose {
   frame: string;
   unit: "metres" | "unknown";
@@ -440,18 +440,19 @@ export interface NamedArea {
   corners: [number, number][];
 }
 
-/** Keyframes and planes in the frame of the poses that the map was built with; lengths in its unit. `up` points upwards: the mean direction of the tops of the images, null where they differ too much. `noise` is that of the given poses on each axis, null where none was measured. */
+/** Keyframes, panoramas (nodes of the appearance layer) and planes in the frame of the poses that the map was built with; lengths in its unit. `up` points upwards: the mean direction of the tops of the images, null where they differ too much. `noise` is that of the given poses on each axis, null where none was measured. */
 export interface PoseLayer {
   frame: string;
   unit: "metres" | "unknown";
   noise: { position_deviation: number | null; rotation_deviation_rad: number | null };
   up: null | Vector;
-  keyframes: PosedKeyframes;
+  keyframes: PosedImages;
+  nodes: PosedImages;
   planes: PosedPlane[];
 }
 
-/** The keyframes with a pose in columns, by id. orientation is the quaternion x, y, z, w that turns the axes of the camera (x right, y down, z forward) into those of the frame. */
-export interface PosedKeyframes {
+/** Those with a pose in columns, by id. orientation is the quaternion x, y, z, w that turns the axes of the camera (x right, y down, z forward) into those of the frame. */
+export interface PosedImages {
   id: Id[];
   position: Vector[];
   orientation: [number, number, number, number][];

@@ -188,6 +188,7 @@ Answer JudgeNodes(const MapIndex& index, const FourierSignature& query,
   answer.panorama->node = RefOf(index, layer.nodes[FindNearest(index, nodes, options)]);
   answer.panorama->pose = placed.pose;
   answer.panorama->sigma = placed.sigma;
+  answer.panorama->covariance = placed.covariance;
   answer.panorama->metres_per_unit = layer.metres_per_unit;
   if (answer.verdict == Verdict::kLocalized) {
     answer.heading = Heading{placed.pose.theta_rad, nodes.front().sigma_rad, HeadingFrame::kLayer};

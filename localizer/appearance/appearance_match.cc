@@ -224,8 +224,11 @@ PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& n
     pull += weights * PositionOf(NodeAt(index, compared.node));
   }
   const Eigen::Vector2d position = SolveSymmetric(information, pull);
-  const double least = DecomposeSymmetric(information).values(0);
-  return {{position.x(), position.y(), best.heading_rad}, 1 / std::sqrt(least)};
+  PlacedQuery placed;
+  placed.pose = {position.x(), position.y(), best.heading_rad};
+  placed.covariance = information.inverse();
+  placed.sigma = 1 / std::sqrt(DecomposeSymmetric(information).values(0));
+  return placed;
 }
 
 }  // namespace waystone

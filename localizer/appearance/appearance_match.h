@@ -61,8 +61,9 @@ NodeRef RefOf(const MapIndex& index, const AppearanceNode& node);
 bool AreElsewhere(const MapIndex& index, int a, int b, const PanoramaQueryOptions& options);
 
 struct PlacedQuery {
-  Pose2 pose;        // in the layer's frame
-  double sigma = 0;  // of the position, along its worst direction
+  Pose2 pose;                                            // in the layer's frame
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // of the position
+  double sigma = 0;                                      // along its worst direction
 };
 
 // The position among the nodes that agree with nodes[at]; its heading is the pose's.

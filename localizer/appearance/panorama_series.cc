@@ -68,7 +68,9 @@ void TakeBelief(const MapIndex& index, const FilterState& state, const SeriesOpt
   answer.decided_by = DecidedBy::kSeries;
   const Eigen::Vector2d at = sum / here;
   answer.panorama->pose = {at.x(), at.y(), best.heading_rad};
-  answer.panorama->sigma = options.position_spacings * index.appearance().spacing();
+  const double sigma = options.position_spacings * index.appearance().spacing();
+  answer.panorama->sigma = sigma;
+  answer.panorama->covariance = sigma * sigma * Eigen::Matrix2d::Identity();
   answer.panorama->node = RefOf(index, layer.nodes[best.node]);
   const bool sure = answer.probability >= options.query.min_probability;
   answer.verdict = sure ? Verdict::kLocalized : Verdict::kAmbiguous;

@@ -38,6 +38,7 @@ MapIndex::MapIndex(MapData map) : map_(std::move(map)) {
   }
   CheckReferences();
   points_ = LocateMapPoints(map_);
+  if (map_.poses) horizontal_ = HorizontalOf(*map_.poses);
   names_ = NamedPlaces(map_);
   TakeDescriptors();
   CollectViews();

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "localizer/index/map_points.h"
 #include "localizer/index/named_places.h"
 #include "localizer/index/node_feature_index.h"
+#include "schema/layers/poses/horizontal.h"
 #include "schema/map_data.h"
 
 namespace waystone {
@@ -49,6 +51,8 @@ class MapIndex {
   int FirstLandmarkRow(int keyframe) const { return first_landmark_row_[keyframe]; }
   // Where the features of search() are in the frame of the pose layer, by row; empty without one.
   const std::vector<MapPoint>& points() const { return points_; }
+  // The frame of the pose layer from above; nothing without one.
+  const std::optional<Horizontal>& horizontal() const { return horizontal_; }
   // Which place that people named something is in.
   const NamedPlaces& names() const { return names_; }
   // Descriptors of map().planes[plane], row i belonging to its feature i.
@@ -108,6 +112,7 @@ class MapIndex {
   std::vector<std::vector<SeenPlane>> seen_;
   std::vector<std::vector<int>> linked_;  // of each keyframe
   std::vector<MapPoint> points_;
+  std::optional<Horizontal> horizontal_;
   NamedPlaces names_;
   std::unordered_map<PlaneId, int> plane_index_;
   std::unordered_map<KeyframeId, int> keyframe_index_;

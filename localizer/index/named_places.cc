@@ -59,6 +59,8 @@ NamedPlaces::NamedPlaces(const MapData& map) {
       points.push_back(view_->Of(pose.position));
       positions_.emplace(pose.keyframe, points.back());
     }
+    for (const NodePose& pose : map.poses->nodes) points.push_back(view_->Of(pose.position));
+    nodes_are_in_view_ = !map.poses->nodes.empty();
   } else if (map.appearance) {
     for (const AppearanceNode& node : map.appearance->nodes) {
       points.emplace_back(node.pose.x, node.pose.y);
@@ -127,7 +129,7 @@ std::optional<Eigen::Vector2d> NamedPlaces::PositionOf(const Eigen::Vector3d& in
 }
 
 std::optional<Eigen::Vector2d> NamedPlaces::PositionOf(const Pose2& in_appearance_layer) const {
-  if (view_) return std::nullopt;
+  if (view_ && !nodes_are_in_view_) return std::nullopt;
   return Eigen::Vector2d(in_appearance_layer.x, in_appearance_layer.y);
 }
 

@@ -46,6 +46,7 @@ class NamedPlaces {
  private:
   std::vector<NamedPlace> places_;                             // the narrowest first
   std::optional<Horizontal> view_;                             // nothing without a pose layer
+  bool nodes_are_in_view_ = false;                             // their poses are in that layer
   std::unordered_map<KeyframeId, Eigen::Vector2d> positions_;  // of keyframes
 };
 

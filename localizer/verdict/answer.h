@@ -154,7 +154,7 @@ struct QueryPose {
   // Of the position, x y z, and of a small rotation about the frame's x, y and z,
   // exp(delta) frame_from_camera: unit^2, unit rad, rad^2.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  int inliers = 0;
+  int inliers = 0;  // matches that support it; 0 for a panorama by its appearance alone
   // The request didn't say what the camera is; that of the map's images, of the same size, was
   // taken.
   bool by_own_camera = false;
@@ -178,9 +178,11 @@ int CountBestInliers(const PlaneAnswer& answer);
 // What the appearance layer makes of a query: where it was taken, which is to be believed only when
 // the answer is localized.
 struct PanoramaAnswer {
-  NodeRef node;                           // the nearest
-  Pose2 pose;                             // of the query, in the layer's frame and units
-  double sigma = 0;                       // of the position, in the layer's units
+  NodeRef node;      // the nearest
+  Pose2 pose;        // of the query, in the layer's frame and units
+  double sigma = 0;  // of the position, in the layer's units
+  // Of the position, in the layer's frame; `sigma` is along its worst direction.
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
   std::optional<double> metres_per_unit;  // nothing when the layer's scale isn't known
   // The nodes that were considered, best first; those near the best are there as well.
   std::vector<NodeCandidate> candidates;
@@ -208,7 +210,7 @@ struct Answer {
   std::optional<BuildingView> building;  // of a localized query of known camera, or a panorama
   PlaneAnswer planes;
   std::optional<PanoramaAnswer> panorama;  // where the appearance layer answered
-  std::optional<QueryPose> pose;           // of a localized photo of known camera
+  std::optional<QueryPose> pose;           // of a localized photo of known camera, or a panorama
   std::string pose_reason;                 // why a map with poses gives none
   std::optional<std::string> place_name;   // what people named the place of a localized query
   // What the next panorama of a series is asked with: the likeliest nodes, by index. Empty as long

@@ -23,6 +23,10 @@ std::optional<AppearanceLayer> ReadAppearance(SQLite::Database& database, Featur
 std::optional<OrientationLayer> ReadOrientation(SQLite::Database& database, bool images,
                                                 std::vector<MapProblem>& problems);
 std::optional<PoseLayer> ReadPoses(SQLite::Database& database, std::vector<MapProblem>& problems);
+// Adds the panoramas' part of the pose layer, which is read already, where the map has tables of
+// it.
+void ReadNodePoses(SQLite::Database& database, std::optional<PoseLayer>& poses,
+                   std::vector<MapProblem>& problems);
 // Nothing where the map has no table of them.
 std::vector<KeyframeLink> ReadLinks(SQLite::Database& database, std::vector<MapProblem>& problems);
 std::vector<NamedPlace> ReadNames(SQLite::Database& database, std::vector<MapProblem>& problems);
@@ -32,6 +36,7 @@ void WriteAppearance(const AppearanceLayer& layer, RowSink& sink);
 void WriteOrientation(const OrientationLayer& layer, RowSink& sink);
 void WritePoses(const PoseLayer& layer, RowSink& sink);
 // These make the tables that they fill.
+void WriteNodePoses(const PoseLayer& layer, RowSink& sink);
 void WriteLinks(const std::vector<KeyframeLink>& links, RowSink& sink);
 void WriteNames(const std::vector<NamedPlace>& places, RowSink& sink);
 

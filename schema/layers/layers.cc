@@ -99,6 +99,24 @@ StoredLayer StoredPoses() {
       .equal = [](const MapData& a, const MapData& b) { return a.poses == b.poses; }};
 }
 
+// A part of the pose layer, whose rules and comparison hold for it; apart because it is all that is
+// written where optional tables are written anew.
+StoredLayer StoredNodePoses() {
+  return {
+      .tables = {},
+      .optional_tables = {{kNodePosesTable, kNodePosesSql},
+                          {kNodePoseErrorsTable, kNodePoseErrorsSql}},
+      .read =
+          [](SQLite::Database& database, bool /*images*/, MapData& map,
+             std::vector<MapProblem>& problems) { ReadNodePoses(database, map.poses, problems); },
+      .write =
+          [](const MapData& map, RowSink& sink) {
+            if (map.poses) WriteNodePoses(*map.poses, sink);
+          },
+      .find_problems = [](const MapData&, std::vector<MapProblem>&) {},
+      .equal = [](const MapData&, const MapData&) { return true; }};
+}
+
 StoredLayer StoredLinks() {
   return {
       .tables = {},
@@ -125,9 +143,9 @@ StoredLayer StoredNames() {
 }  // namespace
 
 const std::vector<StoredLayer>& StoredLayers() {
-  static const std::vector<StoredLayer> layers{StoredPlanes(),      StoredAppearance(),
-                                               StoredOrientation(), StoredPoses(),
-                                               StoredLinks(),       StoredNames()};
+  static const std::vector<StoredLayer> layers{
+      StoredPlanes(),    StoredAppearance(), StoredOrientation(), StoredPoses(),
+      StoredNodePoses(), StoredLinks(),      StoredNames()};
   return layers;
 }
 

@@ -224,13 +224,13 @@ TEST_F(PoseFileTest, GivenPosesAreTheCameras) {
   const GivenPoses given = ReadGivenPoses(flags, 1);
   EXPECT_EQ(given.frame, "hall");
   EXPECT_EQ(given.unit, LengthUnit::kMetres);
-  Keyframe keyframe;
-  keyframe.time_s = 0.001;
-  const auto pose = given.of_keyframe({}, keyframe);
+  FrameInfo image;
+  image.time_s = 0.001;
+  const auto pose = given.of_image({}, image);
   ASSERT_TRUE(pose);
   EXPECT_NEAR((pose->translation() - Eigen::Vector3d(1, 2.5, 3)).norm(), 0, 1e-9);
-  keyframe.time_s = 9;
-  EXPECT_FALSE(given.of_keyframe({}, keyframe));
+  image.time_s = 9;
+  EXPECT_FALSE(given.of_image({}, image));
 }
 
 TEST_F(PoseFileTest, AKnownDistanceGivesTheScale) {
@@ -241,11 +241,10 @@ TEST_F(PoseFileTest, AKnownDistanceGivesTheScale) {
   };
   const GivenPoses given = read({"a.jpg", "b.jpg", "2"});
   EXPECT_EQ(given.unit, LengthUnit::kMetres);
-  Keyframe keyframe;
-  keyframe.source = "b.jpg";
-  EXPECT_NEAR(
-      (given.of_keyframe({}, keyframe)->translation() - Eigen::Vector3d(0.5, 1, 3.5)).norm(), 0,
-      1e-9);
+  FrameInfo image;
+  image.source = "b.jpg";
+  EXPECT_NEAR((given.of_image({}, image)->translation() - Eigen::Vector3d(0.5, 1, 3.5)).norm(), 0,
+              1e-9);
   EXPECT_EQ(read({}).unit, LengthUnit::kUnknown);
   const auto refusal = [&](const std::vector<std::string>& scale_by) {
     return RefusalOf([&] { read(scale_by); });

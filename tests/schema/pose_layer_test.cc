@@ -38,10 +38,10 @@ TEST(PoseLayer, FindsTheKeyframesThatHavePoses) {
   PoseLayer layer;
   layer.keyframes = {MakeKeyframePose({3}, pose), MakeKeyframePose({7}, pose)};
   EXPECT_GE(layer.keyframes[0].rotation.w(), 0);
-  ASSERT_NE(layer.Find({7}), nullptr);
-  EXPECT_TRUE(layer.Find({7})->frame_from_camera().isApprox(pose, 1e-12));
-  EXPECT_EQ(layer.Find({5}), nullptr);
-  EXPECT_EQ(layer.Find({8}), nullptr);
+  ASSERT_NE(layer.Find(KeyframeId{7}), nullptr);
+  EXPECT_TRUE(layer.Find(KeyframeId{7})->frame_from_camera().isApprox(pose, 1e-12));
+  EXPECT_EQ(layer.Find(KeyframeId{5}), nullptr);
+  EXPECT_EQ(layer.Find(KeyframeId{8}), nullptr);
 }
 
 }  // namespace

@@ -11,12 +11,12 @@ What the two kinds of maps give, and what they can't give:
   publishes them as static transforms. The distance from the keyframe isn't known: homographies
   between uncalibrated images have no scale. The position's covariance is what the options say, and
   unknown unless they do.
-- A map of planes that was built with poses in metres: the camera's pose in their frame, in six
-  degrees of freedom, with its whole covariance. The camera has x right, y down, z forward, as
-  optical frames of ROS have.
+- A map that was built with poses in metres: the camera's pose in their frame, in six degrees of
+  freedom, with its whole covariance. The camera has x right, y down, z forward, as optical frames
+  of ROS have; a panorama's looks ahead where its middle column does.
 - A heading only where the answer has one. Without it, and always for roll and pitch, the angle is
-  unknown: its variance is that of an angle which is equally likely everywhere, pi^2 / 3. Neither
-  kind of map knows the height.
+  unknown: its variance is that of an angle which is equally likely everywhere, pi^2 / 3. Maps
+  without poses don't know the height.
 """
 import dataclasses
 import math

@@ -22,10 +22,17 @@ Eigen::Vector3d NearAxis(const Eigen::Vector3d& up) {
 std::optional<Eigen::Vector3d> EstimateUp(const PoseLayer& layer) {
   constexpr double kLeastMean = 0.5;  // length of the mean; shorter, the images have no common top
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const KeyframePose& pose : layer.keyframes) sum -= pose.rotation * Eigen::Vector3d::UnitY();
-  const double least = kLeastMean * static_cast<double>(layer.keyframes.size());
-  if (layer.keyframes.empty() || sum.norm() < least) return std::nullopt;
+  for (const CameraPose& pose : layer.keyframes) sum -= pose.rotation * Eigen::Vector3d::UnitY();
+  for (const CameraPose& pose : layer.nodes) sum -= pose.rotation * Eigen::Vector3d::UnitY();
+  const size_t images = layer.keyframes.size() + layer.nodes.size();
+  if (images == 0 || sum.norm() < kLeastMean * static_cast<double>(images)) return std::nullopt;
   return sum.normalized();
+}
+
+Pose2 Horizontal::Of(const CameraPose& pose) const {
+  const Eigen::Vector2d at = Of(pose.position);
+  const Eigen::Vector2d ahead = Of(pose.rotation * Eigen::Vector3d::UnitZ());
+  return {at.x(), at.y(), std::atan2(ahead.y(), ahead.x())};
 }
 
 Horizontal HorizontalOf(const PoseLayer& layer) {

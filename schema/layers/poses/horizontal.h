@@ -4,12 +4,13 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "core/geometry/pose2.h"
 #include "schema/layers/poses/pose_layer.h"
 
 namespace waystone {
 
-// The mean direction of the tops of a layer's images, of unit length, in its frame; nothing where
-// they have none in common.
+// The mean direction of the tops of a layer's keyframes and panoramas, of unit length, in its
+// frame; nothing where they have none in common.
 std::optional<Eigen::Vector3d> EstimateUp(const PoseLayer& layer);
 
 // The frame of a pose layer as seen from above: unit vectors that point to the right, to the top
@@ -22,6 +23,9 @@ struct Horizontal {
   Eigen::Vector2d Of(const Eigen::Vector3d& point) const {
     return {right.dot(point), top.dot(point)};
   }
+  // A camera's position, and the direction in which it looks as the angle from the right towards
+  // the top.
+  Pose2 Of(const CameraPose& pose) const;
 };
 
 // Up is the axis of the frame within 20 degrees of EstimateUp, where there is one, and z where it

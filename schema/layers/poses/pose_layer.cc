@@ -33,28 +33,40 @@ double RelativeSigmaOf(const DepthCode& code) {
   return static_cast<double>(code.sigma) / kLargestCode;
 }
 
-Eigen::Isometry3d KeyframePose::frame_from_camera() const {
+Eigen::Isometry3d CameraPose::frame_from_camera() const {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = rotation.toRotationMatrix();
   pose.translation() = position;
   return pose;
 }
 
-bool KeyframePose::operator==(const KeyframePose& other) const {
-  return keyframe == other.keyframe && rotation.coeffs() == other.rotation.coeffs() &&
-         position == other.position;
+bool CameraPose::operator==(const CameraPose& other) const {
+  return rotation.coeffs() == other.rotation.coeffs() && position == other.position;
+}
+
+CameraPose MakeCameraPose(const Eigen::Isometry3d& frame_from_camera) {
+  CameraPose pose{Eigen::Quaterniond(frame_from_camera.linear()).normalized(),
+                  frame_from_camera.translation()};
+  if (pose.rotation.w() < 0) pose.rotation.coeffs() *= -1;
+  return pose;
 }
 
 KeyframePose MakeKeyframePose(KeyframeId keyframe, const Eigen::Isometry3d& frame_from_camera) {
-  KeyframePose pose{keyframe, Eigen::Quaterniond(frame_from_camera.linear()).normalized(),
-                    frame_from_camera.translation()};
-  if (pose.rotation.w() < 0) pose.rotation.coeffs() *= -1;
-  return pose;
+  return {MakeCameraPose(frame_from_camera), keyframe};
+}
+
+NodePose MakeNodePose(AppearanceNodeId node, const Eigen::Isometry3d& frame_from_camera) {
+  return {MakeCameraPose(frame_from_camera), node};
 }
 
 const KeyframePose* PoseLayer::Find(KeyframeId id) const {
   const auto found = std::ranges::lower_bound(keyframes, id, {}, &KeyframePose::keyframe);
   return found == keyframes.end() || found->keyframe != id ? nullptr : &*found;
+}
+
+const NodePose* PoseLayer::Find(AppearanceNodeId id) const {
+  const auto found = std::ranges::lower_bound(nodes, id, {}, &NodePose::node);
+  return found == nodes.end() || found->node != id ? nullptr : &*found;
 }
 
 }  // namespace waystone

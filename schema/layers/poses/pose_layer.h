@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,15 +35,41 @@ double DepthOf(const DepthCode& code);          // distance from the camera, in 
 double RelativeSigmaOf(const DepthCode& code);  // in [0, 1]
 
 // x_frame = rotation x_camera + position; the camera has x right, y down, z forward.
-struct KeyframePose {
-  KeyframeId keyframe;
+struct CameraPose {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // unit, w of 0 or more
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
 
   Eigen::Isometry3d frame_from_camera() const;
-  bool operator==(const KeyframePose& other) const;
+  bool operator==(const CameraPose& other) const;
+};
+CameraPose MakeCameraPose(const Eigen::Isometry3d& frame_from_camera);
+
+struct KeyframePose : CameraPose {
+  KeyframeId keyframe;
+
+  bool operator==(const KeyframePose&) const = default;
 };
 KeyframePose MakeKeyframePose(KeyframeId keyframe, const Eigen::Isometry3d& frame_from_camera);
+
+// Of a panorama, whose camera looks ahead where its middle column does. The node's own pose
+// (AppearanceNode::pose) is this one as Horizontal sees it.
+struct NodePose : CameraPose {
+  AppearanceNodeId node;
+
+  bool operator==(const NodePose&) const = default;
+};
+NodePose MakeNodePose(AppearanceNodeId node, const Eigen::Isometry3d& frame_from_camera);
+
+// How far answers about panoramas are from the given poses, beyond what an answer says of itself:
+// as builder/calibration/node_pose_calibration measured on panoramas of the map.
+struct NodePoseErrors {
+  double position_factor = 1;    // on the standard deviation of the position on the ground
+  double height_sigma = 0;       // in the layer's unit
+  double heading_sigma_rad = 0;  // beside that of the answer's heading
+  double tilt_sigma_rad = 0;     // about each level axis
+
+  bool operator==(const NodePoseErrors&) const = default;
+};
 
 // The plane n . x = d of the frame, fitted to its features in all views. n is of unit length and
 // points away from the camera of its reference keyframe.
@@ -88,9 +115,16 @@ struct PoseLayer {
   std::vector<PlanePose> planes;
   std::vector<PlaneDepths> plane_depths;        // of reference keyframes with pose and camera
   std::vector<LandmarkDepths> landmark_depths;  // of keyframes with pose and camera
+  // Of panoramas. Where there are any, the appearance layer is in this frame as seen from above.
+  std::vector<NodePose> nodes;
+  // Of answers by appearance alone, and of those that were verified by features; nothing where they
+  // could not be measured.
+  std::optional<NodePoseErrors> appearance_errors;
+  std::optional<NodePoseErrors> verified_errors;
 
-  // The pose of a keyframe; null where it has none.
+  // The pose of a keyframe, and of a node; null where it has none.
   const KeyframePose* Find(KeyframeId id) const;
+  const NodePose* Find(AppearanceNodeId id) const;
   bool operator==(const PoseLayer&) const = default;
 };
 

@@ -4,25 +4,29 @@
 #include <string>
 
 #include "schema/layers/layer_problems.h"
+#include "schema/layers/poses/horizontal.h"
 
 namespace waystone {
 namespace {
 
 // How far a norm may be from 1: rounding.
 constexpr double kNormRounding = 1e-9;
+constexpr double kSamePose = 1e-6;  // of the size of positions, and rad
 
 bool IsSigma(double value) { return std::isfinite(value) && value >= 0; }
 
 class PoseProblemFinder {
  public:
   PoseProblemFinder(const MapData& map, std::vector<MapProblem>& problems)
-      : layer_(*map.poses), problems_(problems) {
+      : layer_(*map.poses), horizontal_(HorizontalOf(layer_)), problems_(problems) {
     for (const Keyframe& keyframe : map.keyframes) {
       landmarks_[keyframe.id] = keyframe.landmarks.size();
     }
     for (const Plane& plane : map.planes) {
       planes_[plane.id] = {plane.reference, static_cast<int>(plane.features.size())};
     }
+    if (!map.appearance) return;
+    for (const AppearanceNode& node : map.appearance->nodes) nodes_[node.id] = node.pose;
   }
 
   void Find() {
@@ -37,6 +41,10 @@ class PoseProblemFinder {
               [&](const auto& depths, const auto& where) { CheckPlaneDepths(depths, where); });
     CheckEach("landmark_depths", layer_.landmark_depths, &LandmarkDepths::keyframe,
               [&](const auto& depths, const auto& where) { CheckLandmarkDepths(depths, where); });
+    CheckEach("node_poses", layer_.nodes, &NodePose::node,
+              [&](const auto& pose, const auto& where) { CheckNodePose(pose, where); });
+    CheckErrors("node_pose_errors 1", layer_.appearance_errors);
+    CheckErrors("node_pose_errors 2", layer_.verified_errors);
   }
 
  private:
@@ -60,9 +68,32 @@ class PoseProblemFinder {
 
   void CheckPose(const KeyframePose& pose, const std::string& where) {
     Require(landmarks_.contains(pose.keyframe), where, "no such keyframe");
+    CheckCameraPose(pose, where);
+  }
+
+  void CheckCameraPose(const CameraPose& pose, const std::string& where) {
     Require(std::abs(pose.rotation.norm() - 1) <= kNormRounding && pose.rotation.w() >= 0, where,
             "its quaternion isn't of norm 1 with w of at least 0");
     Require(pose.position.allFinite(), where, "its position is not finite");
+  }
+
+  void CheckNodePose(const NodePose& pose, const std::string& where) {
+    const auto node = nodes_.find(pose.node);
+    Require(node != nodes_.end(), where, "no such node");
+    CheckCameraPose(pose, where);
+    if (node == nodes_.end()) return;
+    const Pose2 above = horizontal_.Of(pose);
+    const Pose2& own = node->second;
+    const double limit = kSamePose * (1 + pose.position.norm());
+    Require(std::hypot(above.x - own.x, above.y - own.y) <= limit &&
+                std::abs(WrappedAngle(above.theta_rad - own.theta_rad)) <= kSamePose,
+            where, "seen from above it isn't the pose of its node");
+  }
+
+  void CheckErrors(const std::string& where, const std::optional<NodePoseErrors>& errors) {
+    Require(!errors || (IsSigma(errors->position_factor) && IsSigma(errors->height_sigma) &&
+                        IsSigma(errors->heading_sigma_rad) && IsSigma(errors->tilt_sigma_rad)),
+            where, "its values are not finite and 0 or more");
   }
 
   void CheckPlane(const PlanePose& plane, const std::string& where) {
@@ -101,9 +132,11 @@ class PoseProblemFinder {
   }
 
   const PoseLayer& layer_;
+  const Horizontal horizontal_;
   std::vector<MapProblem>& problems_;
   std::map<KeyframeId, int> landmarks_;                   // how many each keyframe has
   std::map<PlaneId, std::pair<KeyframeId, int>> planes_;  // reference and number of features
+  std::map<AppearanceNodeId, Pose2> nodes_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "schema/layers/layer_rows.h"
 #include "schema/layers/poses/pose_tables.h"
 #include "schema/tables/blob.h"
+#include "schema/tables/optional_table.h"
 #include "schema/tables/table_rows.h"
 #include "schema/tables/table_writer.h"
 
@@ -41,6 +42,26 @@ Eigen::Matrix4d DecodePlaneCovariance(BytesView blob) {
   return Eigen::Matrix4d(DecodeParameters(blob).data());
 }
 
+void ReadCameraPose(Row& row, CameraPose& pose) {
+  pose.rotation.w() = row.Real();
+  pose.rotation.x() = row.Real();
+  pose.rotation.y() = row.Real();
+  pose.rotation.z() = row.Real();
+  for (double& value : pose.position) value = row.Real();
+}
+
+// The columns of both kinds of poses.
+template <class Writer, class Id>
+void WriteCameraPose(Writer& writer, Id id, const CameraPose& pose) {
+  const Eigen::Quaterniond& q = pose.rotation;
+  const Eigen::Vector3d& at = pose.position;
+  writer.Row(id, q.w(), q.x(), q.y(), q.z(), at.x(), at.y(), at.z());
+}
+
+// Ids of node_pose_errors, as of appearance_verdict.
+constexpr int kOfAppearance = 1;
+constexpr int kOfVerified = 2;
+
 class PoseReader {
  public:
   PoseReader(SQLite::Database& database, std::vector<MapProblem>& problems)
@@ -72,11 +93,7 @@ class PoseReader {
     ForEach(kKeyframePosesTable, [&](Row& row) {
       KeyframePose pose;
       pose.keyframe = {row.Int64(1)};
-      pose.rotation.w() = row.Real();
-      pose.rotation.x() = row.Real();
-      pose.rotation.y() = row.Real();
-      pose.rotation.z() = row.Real();
-      for (double& value : pose.position) value = row.Real();
+      ReadCameraPose(row, pose);
       layer_.keyframes.push_back(pose);
     });
   }
@@ -121,11 +138,7 @@ void WritePoses(const PoseLayer& layer, RowSink& sink) {
   TableWriter<kPoseLayerTable>(sink).Row(1, layer.frame, layer.unit, layer.noise.position_sigma,
                                          layer.noise.rotation_sigma_rad);
   TableWriter<kKeyframePosesTable> keyframes(sink);
-  for (const KeyframePose& pose : layer.keyframes) {
-    const Eigen::Quaterniond& q = pose.rotation;
-    const Eigen::Vector3d& at = pose.position;
-    keyframes.Row(pose.keyframe, q.w(), q.x(), q.y(), q.z(), at.x(), at.y(), at.z());
-  }
+  for (const KeyframePose& pose : layer.keyframes) WriteCameraPose(keyframes, pose.keyframe, pose);
   TableWriter<kPlanePosesTable> planes(sink);
   for (const PlanePose& plane : layer.planes) {
     const Eigen::Vector3d& n = plane.normal;
@@ -140,6 +153,47 @@ void WritePoses(const PoseLayer& layer, RowSink& sink) {
   for (const LandmarkDepths& one : layer.landmark_depths) {
     of_landmarks.Row(one.keyframe, one.landmarks.size(), EncodeDepths(one.landmarks));
   }
+}
+
+void ReadNodePoses(SQLite::Database& database, std::optional<PoseLayer>& poses,
+                   std::vector<MapProblem>& problems) {
+  PoseLayer read;
+  ForEachOptionalRow(database, problems, kNodePosesTable, [&](Row& row) {
+    NodePose pose;
+    pose.node = {row.Int64(1)};
+    ReadCameraPose(row, pose);
+    read.nodes.push_back(pose);
+  });
+  ForEachOptionalRow(database, problems, kNodePoseErrorsTable, [&](Row& row) {
+    const bool verified = row.Int64(kOfAppearance, kOfVerified) == kOfVerified;
+    NodePoseErrors errors;
+    errors.position_factor = row.Real();
+    errors.height_sigma = row.Real();
+    errors.heading_sigma_rad = row.Real();
+    errors.tilt_sigma_rad = row.Real();
+    (verified ? read.verified_errors : read.appearance_errors) = errors;
+  });
+  if (read == PoseLayer{}) return;
+  if (!poses) {
+    problems.push_back({"node_poses", "there are poses of panoramas, but no pose_layer"});
+    return;
+  }
+  poses->nodes = std::move(read.nodes);
+  poses->appearance_errors = read.appearance_errors;
+  poses->verified_errors = read.verified_errors;
+}
+
+void WriteNodePoses(const PoseLayer& layer, RowSink& sink) {
+  OptionalTableWriter<kNodePosesTable> nodes(sink, kNodePosesSql);
+  for (const NodePose& pose : layer.nodes) WriteCameraPose(nodes, pose.node, pose);
+  OptionalTableWriter<kNodePoseErrorsTable> of_nodes(sink, kNodePoseErrorsSql);
+  const auto write_errors = [&of_nodes](int id, const std::optional<NodePoseErrors>& errors) {
+    if (!errors) return;
+    of_nodes.Row(id, errors->position_factor, errors->height_sigma, errors->heading_sigma_rad,
+                 errors->tilt_sigma_rad);
+  };
+  write_errors(kOfAppearance, layer.appearance_errors);
+  write_errors(kOfVerified, layer.verified_errors);
 }
 
 }  // namespace waystone

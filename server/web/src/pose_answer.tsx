@@ -30,9 +30,10 @@ function Orientation({ pose }: { pose: Pose }) {
 export function poseRows({ pose, pose_reason }: Answer): [string, ComponentChildren][] {
   if (!pose) return pose_reason ? [["Pose", `none: ${pose_reason}`]] : [];
   const whose = pose.camera === "map" ? "the map’s images" : "the query";
+  const from = pose.inliers > 0 ? `${counted(pose.inliers, "inlier")}, with the calibration of ${whose}` : "the appearance alone";
   return [
     ["Position", <Position pose={pose} />],
     ["Orientation", <Orientation pose={pose} />],
-    ["Pose from", `${counted(pose.inliers, "inlier")}, with the calibration of ${whose}`],
+    ["Pose from", from],
   ];
 }

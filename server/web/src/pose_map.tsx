@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A map with poses, seen from above: keyframes, planes, and a query where its pose is known.
+// A map with poses, seen from above: keyframes, panoramas, planes, and a query where its pose is known.
 import { type Answer, mapPath, type Overview, type Pose, type PoseLayer } from "./api";
 import { colourOf } from "./colours";
 import { Failure, Swatch, Waiting } from "./parts";
@@ -15,8 +15,8 @@ const kNarrowWidth = 340; // of a phone
 const kHeight = 416; // px, at most
 const kMargin = 20;
 const kStrip = 44; // at the bottom, for the scale and the axes
-const kMany = 400; // keyframes, from which on they are drawn smaller
-const kDot = 3; // of a keyframe
+const kMany = 400; // keyframes or panoramas, from which on they are drawn smaller
+const kDot = 3; // of a keyframe; half the side of a panorama
 const kTick = 11; // of its heading
 const kArrow = 30; // of the heading of the query
 
@@ -89,6 +89,27 @@ function Keyframes(props: { map: string; layer: PoseLayer; view: Above; places: 
   );
 }
 
+function Panoramas(props: { layer: PoseLayer; view: Above; places: Vec2[]; narrow: boolean }) {
+  const { id, orientation } = props.layer.nodes;
+  const size = props.narrow || id.length > kMany ? 0.6 : 1;
+  const [half, tick] = [kDot * size, kTick * size];
+  return (
+    <>
+      {id.map((node, i) => {
+        const [x, y] = props.places[i];
+        const heading = headingSeen(props.view, orientation[i]);
+        return (
+          <g key={node} class="panorama">
+            <title>panorama {node}</title>
+            {heading && <line x1={x} y1={y} x2={x + tick * heading[0]} y2={y - tick * heading[1]} />}
+            <rect x={x - half} y={y - half} width={2 * half} height={2 * half} />
+          </g>
+        );
+      })}
+    </>
+  );
+}
+
 function QueryMark(props: { pose: Pose; view: Above; scale: number; at: Place }) {
   const { pose, view, scale, at } = props;
   const [x, y] = at(seen(view, pose.position));
@@ -135,9 +156,17 @@ function Axes({ view, x, y }: { view: Above; x: number; y: number }) {
   );
 }
 
+// "12 keyframes", "31 panoramas": what there is of them.
+function imagesOf({ keyframes, nodes }: PoseLayer): string[] {
+  const [photos, panoramas] = [keyframes.id.length, nodes.id.length];
+  return [
+    photos > 0 || panoramas === 0 ? [counted(photos, "keyframe")] : [],
+    panoramas > 0 ? [counted(panoramas, "panorama")] : [],
+  ].flat();
+}
+
 function labelOf(layer: PoseLayer, planes: SeenPlane[], pose: Pose | null): string {
-  const keyframes = counted(layer.keyframes.id.length, "keyframe");
-  const what = `${keyframes} and ${counted(planes.length, "plane")} seen from above`;
+  const what = `${imagesOf(layer).join(", ")} and ${counted(planes.length, "plane")} seen from above`;
   return pose ? `${what}, with the query` : what;
 }
 
@@ -153,8 +182,10 @@ export function PoseMap(props: {
   const width = narrow ? kNarrowWidth : kWidth;
   const view = viewFromAbove(layer.up);
   const positions = layer.keyframes.position.map((p) => seen(view, p));
+  const ofNodes = layer.nodes.position.map((p) => seen(view, p));
+  const images = [...positions, ...ofNodes];
   const planes = layer.planes.map((p) => ({ id: p.id, points: planeSeen(view, p) })).filter((p) => p.points.length > 0);
-  const must = pose ? [...positions, seen(view, pose.position)] : positions;
+  const must = pose ? [...images, seen(view, pose.position)] : images;
   const room = { width, height: kHeight, margin: kMargin, strip: kStrip };
   const { scale, height, at } = layOut(boxOf(must, planes.flatMap((p) => p.points)), room);
   const places = positions.map(at);
@@ -164,6 +195,7 @@ export function PoseMap(props: {
       <Planes map={map} planes={planes} colours={props.colours} at={at} />
       <Paths layer={layer} overview={props.overview} places={places} />
       <Keyframes map={map} layer={layer} view={view} places={places} narrow={narrow} />
+      <Panoramas layer={layer} view={view} places={ofNodes.map(at)} narrow={narrow} />
       {pose && <QueryMark pose={pose} view={view} scale={scale} at={at} />}
       <ScaleBar scale={scale} y={height - 12} unit={unitOf(layer.unit)} />
       <Axes view={view} x={width - 40} y={height - 14} />
@@ -185,7 +217,7 @@ function Legend({ layer, pose }: { layer: PoseLayer; pose: Pose | null }) {
   const placed = layer.planes.filter((p) => p.outline.length > 0).length;
   return (
     <figcaption>
-      <Swatch colour="var(--text)" />{counted(layer.keyframes.id.length, "keyframe")}{" "}
+      <Swatch colour="var(--text)" />{imagesOf(layer).join(" (dots) and ")}{" "}
       <Swatch colour="var(--accent)" />{counted(placed, "plane")}{pose && ", the recognized ones bold"}
       {pose && <>{" "}<Swatch colour="var(--red)" />query with its 2σ ellipse</>}. Seen from above in the frame
       “{layer.frame}”{layer.up === null && ", along its z axis since the images don’t tell what is up"}.{" "}
@@ -201,7 +233,7 @@ export function PoseFigure({ map, answer }: { map: string; answer: Answer | null
   const error = overview.error ?? layer.error;
   if (error) return <Failure error={error} />;
   if (!overview.value || !layer.value) return <Waiting what="the poses" />;
-  if (layer.value.keyframes.id.length === 0) return null;
+  if (layer.value.keyframes.id.length + layer.value.nodes.id.length === 0) return null;
   const pose = answer?.pose ?? null;
   const colours = new Map(pose ? answer!.planes.map((p, i) => [p.id, colourOf(i)]) : []);
   return (

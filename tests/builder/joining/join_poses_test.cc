@@ -126,8 +126,8 @@ TEST(JoinPoses, FramesThatNothingTiesTogetherAreRefused) {
         TheStage().renderer.Render(world, TheStage().walk.frames[i].world_from_camera).grey);
   }
   GivenPoses poses;
-  poses.of_keyframe = [](const Sequence&, const Keyframe& keyframe) {
-    return TheStage().walk.frames[keyframe.frame].world_from_camera;
+  poses.of_image = [](const Sequence&, const FrameInfo& image) {
+    return TheStage().walk.frames[image.number].world_from_camera;
   };
   const MapData elsewhere = MapOfImages(frames, 0, 14, "elsewhere", FeatureType::kSift, poses);
   try {

@@ -61,9 +61,9 @@ struct MadeFrame {
 // The same with poses in such a frame.
 inline MapData PosedMapOfFrames(int first, int last, const std::string& name,
                                 const MadeFrame& frame) {
-  GivenPoses poses{.frame = name + "'s", .unit = frame.unit, .of_keyframe = {}};
-  poses.of_keyframe = [frame](const Sequence&, const Keyframe& keyframe) {
-    return frame.Of(TheStage().walk.frames[keyframe.frame].world_from_camera);
+  GivenPoses poses{.frame = name + "'s", .unit = frame.unit, .of_image = {}};
+  poses.of_image = [frame](const Sequence&, const FrameInfo& image) {
+    return frame.Of(TheStage().walk.frames[image.number].world_from_camera);
   };
   return MapOfImages(TheStage().frames, first, last, name, FeatureType::kSift, poses);
 }

@@ -97,10 +97,15 @@ TEST(AppearanceCalibration, AMapFindsItsOwnImages) {
   std::vector<AppearanceSampleFrame> samples;
   for (int i = 0; i < kNodes; ++i) {
     const AppearanceNode& node = map.appearance->nodes[i];
-    samples.push_back(
-        {node.signature, ToBearingFeatures(node.features, map.info.feature_type), node.pose, i});
+    samples.push_back({node.signature,
+                       ToBearingFeatures(node.features, map.info.feature_type),
+                       node.pose,
+                       i,
+                       {},
+                       {}});
   }
-  samples.push_back({samples[3].signature, samples[3].features, samples[3].pose, -1});
+  samples.push_back(samples[3]);
+  samples.back().node = -1;
   const OwnImages own = FindOwnPanoramas(map, samples, {});
   EXPECT_EQ(own.asked, kNodes);
   EXPECT_EQ(own.found, kNodes);

@@ -40,9 +40,7 @@ BuildResult BuildWith(const PoseOfFrame& poses, bool calibrated = true, int thre
   GivenPoses given;
   given.frame = "building";
   given.unit = LengthUnit::kMetres;
-  given.of_keyframe = [&](const Sequence&, const Keyframe& keyframe) {
-    return poses(keyframe.frame);
-  };
+  given.of_image = [&](const Sequence&, const FrameInfo& image) { return poses(image.number); };
   return BuildMap(sources, options, {}, given);
 }
 
@@ -135,9 +133,7 @@ std::shared_ptr<const MapIndex> BuildSharpMap(
   GivenPoses given;
   given.frame = "building";
   given.unit = LengthUnit::kMetres;
-  given.of_keyframe = [](const Sequence&, const Keyframe& keyframe) {
-    return TruePoseOf(keyframe.frame);
-  };
+  given.of_image = [](const Sequence&, const FrameInfo& image) { return TruePoseOf(image.number); };
   return MapIndex::Build(BuildMap(sources, options, {}, given).map);
 }
 

@@ -324,7 +324,8 @@ TEST(PoseFormats, TumCountsFramesWhereATimeIsMissing) {
   std::vector<std::string> lines = LinesOf(Text(map, "tum"));
   ASSERT_EQ(lines.size(), 2u + 3);
   EXPECT_NE(lines[0].find("frame number"), std::string::npos);
-  EXPECT_TRUE(lines[4].starts_with("14.000000 2.000000 2.000000 0 0 0 0.681638760 0.731688869"))
+  EXPECT_TRUE(lines[4].starts_with(
+      "14.000000 2.000000 2.000000 0.000000 0.000000000 0.000000000 0.681638760 0.731688869"))
       << lines[4];
   map.appearance->nodes[1].time_s = 0.75;
   lines = LinesOf(Text(map, "tum"));

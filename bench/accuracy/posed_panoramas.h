@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+namespace waystone::bench {
+
+// Made flats, each a map of its own, built with the true poses of three quarters of its panoramas
+// and asked for the others; and the same with maps that were built without poses, whose frame is
+// laid onto the truth.
+nlohmann::ordered_json MeasurePosedFlats(uint64_t first_seed, int flats);
+
+// The same for a folder of panoramas with poses (ReadPlaces).
+nlohmann::ordered_json MeasurePosedPlaces(const std::filesystem::path& folder);
+
+}  // namespace waystone::bench
