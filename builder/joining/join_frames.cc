@@ -80,10 +80,10 @@ void ChangeAnswers(const FrameChange& change, size_t map, std::vector<Recognitio
 
 }  // namespace
 
-void JoinFrames(const std::vector<Recognition>& given, bool keep_first,
-                std::vector<MapData>& maps) {
+std::optional<size_t> JoinFrames(const std::vector<Recognition>& given, bool keep_first,
+                                 std::vector<MapData>& maps) {
   const std::optional<size_t> kept = ChooseFrame(maps, keep_first);
-  if (!kept) return;
+  if (!kept) return std::nullopt;
   std::vector<Recognition> recognitions = given;
   std::vector<size_t> done{*kept};
   std::vector<size_t> left;
@@ -111,6 +111,7 @@ void JoinFrames(const std::vector<Recognition>& given, bool keep_first,
     left.erase(aligned);
     done.push_back(map);
   }
+  return kept;
 }
 
 }  // namespace waystone

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "builder/joining/recognise_keyframes.h"
@@ -20,8 +21,8 @@ struct Recognition {
 // `keep_first` of the first that has one, and else of the first whose unit is metres, where there
 // is one. Two frames are aligned by the keyframes of either map whose pose the other one answered
 // with, and by way of a third map where these don't suffice. Throws MapError(kBadRequest) for a map
-// that can't be aligned.
-void JoinFrames(const std::vector<Recognition>& recognitions, bool keep_first,
-                std::vector<MapData>& maps);
+// that can't be aligned. Returns which map's frame it is; nothing where no map has poses.
+std::optional<size_t> JoinFrames(const std::vector<Recognition>& recognitions, bool keep_first,
+                                 std::vector<MapData>& maps);
 
 }  // namespace waystone

@@ -92,6 +92,14 @@ class Position(TypedDict):
     metres_per_unit: float | None
 
 
+class PlanPosition(TypedDict):
+    """On a floor plan of the map, in pixels of its image from the upper left corner."""
+
+    name: str
+    x: float
+    y: float
+
+
 class AnsweredPlace(TypedDict):
     """Where a localized photo was taken, whatever the layer: the nearest keyframe ("planes") or
     panorama ("appearance"), and the photo's position and heading where they are known."""
@@ -104,6 +112,7 @@ class AnsweredPlace(TypedDict):
     time_s: float | None
     position: Position | None
     heading: Heading | None
+    plan: PlanPosition | None
 
 
 class PlaneReference(TypedDict):

@@ -39,6 +39,7 @@ MapIndex::MapIndex(MapData map) : map_(std::move(map)) {
   CheckReferences();
   points_ = LocateMapPoints(map_);
   names_ = NamedPlaces(map_);
+  floor_plans_ = FloorPlanFinder(map_);
   TakeDescriptors();
   CollectViews();
   if (map_.appearance) TakeAppearance();

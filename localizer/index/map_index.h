@@ -10,6 +10,7 @@
 
 #include "core/search/search_index.h"
 #include "localizer/index/appearance_index.h"
+#include "localizer/index/floor_plan_finder.h"
 #include "localizer/index/map_points.h"
 #include "localizer/index/named_places.h"
 #include "localizer/index/node_feature_index.h"
@@ -51,6 +52,8 @@ class MapIndex {
   const std::vector<MapPoint>& points() const { return points_; }
   // Which place that people named something is in.
   const NamedPlaces& names() const { return names_; }
+  // Where something is on the map's floor plans.
+  const FloorPlanFinder& floor_plans() const { return floor_plans_; }
   // Descriptors of map().planes[plane], row i belonging to its feature i.
   Descriptors DescriptorsOf(int plane) const;
   bool HasLandmarks() const { return first_landmark_row_.front() < first_landmark_row_.back(); }
@@ -109,6 +112,7 @@ class MapIndex {
   std::vector<std::vector<int>> linked_;  // of each keyframe
   std::vector<MapPoint> points_;
   NamedPlaces names_;
+  FloorPlanFinder floor_plans_;
   std::unordered_map<PlaneId, int> plane_index_;
   std::unordered_map<KeyframeId, int> keyframe_index_;
   std::unordered_map<SequenceId, int> sequence_index_;

@@ -26,6 +26,8 @@ std::optional<PoseLayer> ReadPoses(SQLite::Database& database, std::vector<MapPr
 // Nothing where the map has no table of them.
 std::vector<KeyframeLink> ReadLinks(SQLite::Database& database, std::vector<MapProblem>& problems);
 std::vector<NamedPlace> ReadNames(SQLite::Database& database, std::vector<MapProblem>& problems);
+std::vector<FloorPlanImage> ReadFloorPlans(SQLite::Database& database, bool images,
+                                           std::vector<MapProblem>& problems);
 
 void WritePlaneLayer(const MapData& map, RowSink& sink);
 void WriteAppearance(const AppearanceLayer& layer, RowSink& sink);
@@ -34,5 +36,6 @@ void WritePoses(const PoseLayer& layer, RowSink& sink);
 // These make the tables that they fill.
 void WriteLinks(const std::vector<KeyframeLink>& links, RowSink& sink);
 void WriteNames(const std::vector<NamedPlace>& places, RowSink& sink);
+void WriteFloorPlans(const std::vector<FloorPlanImage>& plans, RowSink& sink);
 
 }  // namespace waystone

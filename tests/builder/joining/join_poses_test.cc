@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/geometry/angle.h"
 #include "core/geometry/rotation.h"
+#include "core/image/encode.h"
 #include "localizer/poses/locate_pose.h"
 #include "tests/builder/joining/walked_maps.h"
 
@@ -89,6 +90,37 @@ TEST(JoinPoses, FramesOfTwoMapsBecomeOne) {
   EXPECT_GE(errors.posed, 40);
   EXPECT_GE(errors.near, errors.posed - 3);
   EXPECT_TRUE(MergeMaps({InMetres(), InAnotherFrame()}, "joined", {}).map == map);
+}
+
+// Anchors hold in the frame of their map alone.
+TEST(JoinPoses, PlansOfTheFrameThatIsKeptStay) {
+  const auto plan = [](const std::string& name) {
+    FloorPlanImage made;
+    made.name = name;
+    made.width = 8;
+    made.height = 8;
+    made.anchors = {{{0, 8}, {0, 0}}, {{8, 8}, {20, 0}}};
+    made.image = EncodeJpeg(cv::Mat(8, 8, CV_8UC1, cv::Scalar(240)));
+    return made;
+  };
+  MapData metric = InMetres(), turned = InAnotherFrame();
+  metric.floor_plans = {plan("Metric")};
+  turned.floor_plans = {plan("Turned")};
+  const JoinResult joined = MergeMaps({turned, metric}, "joined", {});
+  EXPECT_EQ(joined.map.floor_plans, metric.floor_plans);
+  EXPECT_EQ(joined.report.floor_plans, std::vector<std::string>{"Turned"});
+  EXPECT_EQ(WrittenAndRead(joined.map).floor_plans, metric.floor_plans);
+  const JoinResult added = AddToMap(turned, metric, {});
+  EXPECT_EQ(added.map.floor_plans, turned.floor_plans);
+  EXPECT_EQ(added.report.floor_plans, std::vector<std::string>{"Metric"});
+  const KeyframeId first = metric.keyframes.front().id;
+  EXPECT_EQ(RemoveKeyframes(metric, {first}, {}).map.floor_plans, metric.floor_plans);
+  std::set<KeyframeId> all;  // of the only walk with poses
+  const JoinResult half = MergeMaps({metric, MapOfFrames(16, 44, "plain")}, "half", {});
+  for (const KeyframePose& pose : half.map.poses->keyframes) all.insert(pose.keyframe);
+  const RemoveResult left = RemoveKeyframes(half.map, all, {});
+  EXPECT_TRUE(left.map.floor_plans.empty());
+  EXPECT_EQ(left.report.floor_plans, std::vector<std::string>{"Metric"});
 }
 
 // Whoever has stored positions of a map finds them again.
