@@ -57,7 +57,9 @@ struct PlanFit {
   double px_per_unit = 0;
   double residual_px = 0;  // root mean square over the anchors
 
-  Eigen::Vector2d Of(const Eigen::Vector2d& at) const { return plan_from_frame * at.homogeneous(); }
+  Eigen::Vector2d Of(const Eigen::Vector2d& at) const {
+    return plan_from_frame.leftCols<2>() * at + plan_from_frame.col(2);
+  }
 };
 
 // The least-squares fit of the anchors, which FindAnchorProblem has no objection to.

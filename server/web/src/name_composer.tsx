@@ -8,8 +8,9 @@ import {
 import { colourOf } from "./colours";
 import { Overlay } from "./figure";
 import { Failure, Waiting } from "./parts";
-import { areaOf, type Vec2 } from "./pose_view";
+import { areaOf } from "./pose_view";
 import { useGet } from "./use";
+import { cornersIn, idsIn, withoutLast } from "./words";
 
 // As the lists of a place in names files are called.
 export type Kind = "keyframes" | "nodes" | "planes" | "polygons";
@@ -42,27 +43,6 @@ function planeInImage({ id, outline }: Plane, { sequence, source, frame }: Keyfr
   const rounded = (value: number) => Math.round(100 * value) / 100;
   return { sequence, image: source, frame, at_px: [rounded(middle(0)), rounded(middle(1))] };
 }
-
-// "3, 5" as ids; null for anything else.
-export function idsIn(text: string): number[] | null {
-  const words = text.split(/[\s,]+/).filter((word) => word !== "");
-  return words.every((word) => /^\d+$/.test(word)) ? [...new Set(words.map(Number))] : null;
-}
-
-// "0,0 4.5,0 4.5,3" as corners; null for anything else.
-export function cornersIn(text: string): Vec2[] | null {
-  const words = text.split(/\s+/).filter((word) => word !== "");
-  const corners = words.map((word) => word.split(",").map((number) => (number === "" ? NaN : Number(number))));
-  return corners.every((c) => c.length === 2 && c.every(Number.isFinite)) ? (corners as Vec2[]) : null;
-}
-
-// A corner as text, to a pixel of the drawing.
-export function cornerText(corner: Vec2, px_per_unit: number): string {
-  const digits = Math.min(6, Math.max(0, Math.ceil(Math.log10(px_per_unit))));
-  return corner.map((v) => Number(v.toFixed(digits))).join(",");
-}
-
-export const withoutLast = (text: string): string => text.trim().split(/\s+/).slice(0, -1).join(" ");
 
 // The places with a part added to the one of this name, in the order of their names.
 function withPart(places: NamesFilePlace[], name: string, kind: Kind, part: Part): NamesFilePlace[] {

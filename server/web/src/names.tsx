@@ -7,13 +7,13 @@ import {
   type PoseLayer,
 } from "./api";
 import { colourOf } from "./colours";
-import { Composer, cornersIn, cornerText, type Draft, idsIn, type Kind, kNouns, PlanePreviews } from "./name_composer";
+import { Composer, type Draft, type Kind, kNouns, PlanePreviews } from "./name_composer";
 import type { ViewProps } from "./types";
 import { Failure, Waiting } from "./parts";
 import { areasOf, type Compose, PlanChooser, PoseMap, usePlan } from "./pose_map";
 import { asPoseLayer, holds, seen, type Vec2, viewFromAbove } from "./pose_view";
 import { useGet } from "./use";
-import { counted } from "./words";
+import { cornersIn, cornerText, counted, idsIn } from "./words";
 
 const rangeInWords = ({ sequence, first, last }: ImageRange) =>
   first.image === last.image ? `${first.image} of ${sequence}` : `${first.image} to ${last.image} of ${sequence}`;
@@ -30,7 +30,7 @@ function Places({ places, remove }: { places: NamesFilePlace[]; remove: (name: s
   return (
     <div class="scroll" tabIndex={0} role="region" aria-label="Named places">
       <table class="names">
-        <thead><tr><th>Name</th><th>Images</th><th>Remove</th></tr></thead>
+        <thead><tr><th>Name</th><th>Made of</th><th>Remove</th></tr></thead>
         <tbody>
           {places.map((place) => (
             <tr key={place.name}>

@@ -46,8 +46,8 @@ TEST(FloorPlanFinder, GivesPixels) {
   EXPECT_EQ(found->name, "Ground");
   EXPECT_LT((found->px - Eigen::Vector2d(50, 80)).norm(), 1e-9);
   EXPECT_TRUE(plans.Find(Eigen::Vector3d(20, 10, 0)));  // a corner
-  for (const Eigen::Vector3d beside : {Eigen::Vector3d(-0.1, 2, 0), Eigen::Vector3d(20.1, 2, 0),
-                                       Eigen::Vector3d(5, -0.1, 0), Eigen::Vector3d(5, 10.1, 0)}) {
+  for (const Eigen::Vector3d& beside : {Eigen::Vector3d(-0.1, 2, 0), Eigen::Vector3d(20.1, 2, 0),
+                                        Eigen::Vector3d(5, -0.1, 0), Eigen::Vector3d(5, 10.1, 0)}) {
     EXPECT_FALSE(plans.Find(beside)) << beside.transpose();
   }
   EXPECT_FALSE(plans.Find(Pose2{5, 2, 0})) << "panoramas are in another frame";
