@@ -17,7 +17,8 @@ struct Recognition {
   std::vector<RecognisedKeyframe> keyframes;
 };
 
-// Expresses the pose layers of all maps that have one in the frame of one of them: with
+// Expresses the pose layers of all maps that have one, and the areas of their named places, in the
+// frame of one of them: with
 // `keep_first` of the first that has one, and else of the first whose unit is metres, where there
 // is one. Two frames are aligned by the keyframes of either map whose pose the other one answered
 // with, and by way of a third map where these don't suffice. Throws MapError(kBadRequest) for a map

@@ -546,6 +546,8 @@ def _line(answer: Answer) -> str:
             if place.get("name"):
                 line += f" in {place['name']}"
             line += f" near {place['image']}"
+            if plan := place.get("plan"):
+                line += f", at ({plan['x']:.0f}, {plan['y']:.0f}) of the plan {plan['name']}"
         if planes := answer["planes"]:
             facts = [f"plane {planes[0]['id']}", f"{planes[0]['inliers']} inliers"] + facts
     elif message := answer.get("message"):

@@ -12,6 +12,8 @@
 #include "core/geometry/rotation.h"
 #include "core/image/encode.h"
 #include "localizer/poses/locate_pose.h"
+#include "schema/layers/names/place_names.h"
+#include "schema/layers/poses/horizontal.h"
 #include "tests/builder/joining/walked_maps.h"
 
 namespace waystone {
@@ -90,6 +92,32 @@ TEST(JoinPoses, FramesOfTwoMapsBecomeOne) {
   EXPECT_GE(errors.posed, 40);
   EXPECT_GE(errors.near, errors.posed - 3);
   EXPECT_TRUE(MergeMaps({InMetres(), InAnotherFrame()}, "joined", {}).map == map);
+}
+
+// An area around a keyframe stays around it.
+TEST(JoinPoses, AreasComeIntoTheFrameOfTheMap) {
+  MapData turned = InAnotherFrame();
+  const KeyframePose& pose = turned.poses->keyframes[3];
+  const Eigen::Vector2d at = HorizontalOf(*turned.poses).Of(pose.position);
+  const double half = 0.4 * 0.2;  // 20 cm in its unit
+  turned.names = {{"Here",
+                   {},
+                   {{at + Eigen::Vector2d(-half, -half), at + Eigen::Vector2d(half, -half),
+                     at + Eigen::Vector2d(half, half), at + Eigen::Vector2d(-half, half)}}}};
+  const std::string source = turned.keyframes[3].source;
+  const MapData joined = MergeMaps({turned, InMetres()}, "joined", {}).map;
+  ASSERT_EQ(joined.names.size(), 1u);
+  const NamedPolygon& area = joined.names[0].polygons.at(0);
+  EXPECT_NEAR(AreaOf(area), 0.4 * 0.4, 0.02);
+  int inside = 0;
+  for (const Keyframe& keyframe : joined.keyframes) {
+    if (keyframe.source != source) continue;
+    const KeyframePose* found = joined.poses->Find(keyframe.id);
+    ASSERT_NE(found, nullptr);
+    inside += Holds(area, HorizontalOf(*joined.poses).Of(found->position));
+  }
+  EXPECT_GE(inside, 1);
+  EXPECT_EQ(WrittenAndRead(joined).names, joined.names);
 }
 
 // Anchors hold in the frame of their map alone.
