@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kWidth = 60;
 constexpr int kHeight = 40;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoPlanNumber = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<uint8_t> PlanImageBytes() {
   return EncodeJpeg(cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(240)));
@@ -125,9 +125,9 @@ TEST(FloorPlans, AnchorsThatFixNoPlanAreNamed) {
   expect(std::vector<PlanAnchor>(101, good[0]), "101 anchors");
   expect({good[0], {{kWidth + 1, 3}, {1, 1}}}, "outside of the image of 60x40 px");
   expect({good[0], {{3, -0.1}, {1, 1}}}, "outside");
-  expect({good[0], {{kNaN, 3}, {1, 1}}}, "outside");
+  expect({good[0], {{kNoPlanNumber, 3}, {1, 1}}}, "outside");
   expect({good[0], {{3, 3}, {1, 2e9}}}, "beyond 1e9");
-  expect({good[0], {{3, 3}, {kNaN, 1}}}, "beyond 1e9");
+  expect({good[0], {{3, 3}, {kNoPlanNumber, 1}}}, "beyond 1e9");
   expect({good[0], good[0]}, "same point of the image");
   expect({good[0], {{3, 3}, good[0].at}}, "same point of the map");
   expect({good[0], good[1], good[1]}, "same point of the image");
@@ -224,7 +224,11 @@ TEST(FloorPlans, MustFitTheMap) {
   expect([](MapData& map) { map.floor_plans[0].name = "a\n"; }, "control character");
   expect([](MapData& map) { map.floor_plans[0].anchors.resize(1); }, "1 anchors");
   expect([](MapData& map) { map.floor_plans[1].heights = PlanHeights{2, 2}; }, "no range");
-  expect([](MapData& map) { map.floor_plans[1].heights = PlanHeights{0, kNaN}; }, "no range");
+  expect(
+      [](MapData& map) {
+        map.floor_plans[1].heights = PlanHeights{0, kNoPlanNumber};
+      },
+      "no range");
   expect([](MapData& map) { ++map.floor_plans[0].width; }, "60x40 px; expected 61x40 px");
   expect([](MapData& map) { map.floor_plans[0].image.resize(40); }, "its image");
   expect([](MapData& map) { map.poses.reset(); }, "no pose layer");
