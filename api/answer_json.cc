@@ -115,6 +115,10 @@ Json PositionJson(const PlacePosition& position) {
   return json;
 }
 
+Json PlanJson(const PlanPosition& plan) {
+  return {{"name", plan.name}, {"x", Rounded(plan.px.x(), 2)}, {"y", Rounded(plan.px.y(), 2)}};
+}
+
 // Where it isn't localized, there are candidates and no place.
 Json PanoramaJson(const PanoramaAnswer& panorama, const std::optional<AnsweredPlace>& place) {
   Json json;
@@ -159,6 +163,7 @@ Json ToJson(const AnsweredPlace& place) {
   json["time_s"] = OrNull(place.time_s);
   json["position"] = place.position ? PositionJson(*place.position) : Json(nullptr);
   json["heading"] = place.heading ? HeadingJson(*place.heading) : Json(nullptr);
+  json["plan"] = place.plan ? PlanJson(*place.plan) : Json(nullptr);
   return json;
 }
 

@@ -85,6 +85,7 @@ Json MapJson(const std::string& name, const MapIndex& index) {
   json["edges"] = map.edges.size();
   json["features"] = features;
   json["names"] = map.names.size();
+  json["floor_plans"] = map.floor_plans.size();
   json["sequences"] = Json::array();
   for (const Sequence& sequence : map.sequences)
     json["sequences"].push_back(SequenceJson(sequence));

@@ -175,16 +175,6 @@ Json AxisJson(const Eigen::Vector3d& axis) {
   return {Rounded(axis.x(), 6), Rounded(axis.y(), 6), Rounded(axis.z(), 6)};
 }
 
-// The frame that polygons of a map are in.
-Json PolygonFrameJson(const MapData& map) {
-  if (!map.poses) return {{"frame", kLayerFrame}};
-  const Horizontal view = HorizontalOf(*map.poses);
-  return {{"frame", map.poses->frame},
-          {"unit", NameOf(map.poses->unit)},
-          {"right", AxisJson(view.right)},
-          {"top", AxisJson(view.top)}};
-}
-
 Json CornersJson(const NamedPolygon& polygon) {
   Json corners = Json::array();
   for (const Eigen::Vector2d& corner : polygon) corners.push_back({corner.x(), corner.y()});
@@ -208,7 +198,7 @@ Json PlaceJson(const MapData& map, const NamedPlace& place) {
                                      : AddImageRanges(map, range, list);
   }
   for (const NamedPolygon& polygon : place.polygons) {
-    Json area = PolygonFrameJson(map);
+    Json area = AreaFrameJson(map);
     area["corners"] = CornersJson(polygon);
     json["polygons"].push_back(std::move(area));
   }
@@ -250,6 +240,20 @@ const Json& ListField(const Json& object, const std::string& what, const std::st
   if (!object.contains(name)) return kNone;
   if (!object[name].is_array()) RefuseRequest(what + ": " + name + " must be a list");
   return object[name];
+}
+
+// Frames that are leveled by their images alone differ a little from build to build.
+bool IsNear(const Json& frame, const std::string& what, const char* name,
+            const Eigen::Vector3d& axis) {
+  constexpr double kMostApart = 0.05;
+  const Json& value = Field(frame, what, name);
+  Eigen::Vector3d given;
+  if (!value.is_array() || value.size() != 3) RefuseRequest(what + ": " + name + " is no axis");
+  for (int i = 0; i < 3; ++i) {
+    if (!value[i].is_number()) RefuseRequest(what + ": " + name + " is no axis");
+    given[i] = value[i].get<double>();
+  }
+  return (given - axis).norm() <= kMostApart;
 }
 
 // The images of a sequence, found by name or number.
@@ -398,43 +402,11 @@ class FileReader {
     if (const auto problem = FindPolygonProblem(polygon)) {
       RefuseRequest(what_ + ": a polygon " + *problem);
     }
-    if (const auto cause = FindFrameMisfit(area)) {
-      Miss(*cause);
+    if (const auto cause = FindFrameMisfit(area, what_, map_)) {
+      Miss("a polygon is " + *cause);
     } else {
       place_.polygons.push_back(std::move(polygon));
     }
-  }
-
-  std::optional<std::string> FindFrameMisfit(const Json& area) const {
-    const std::string frame = TextField(area, what_, "frame");
-    if (!map_.poses && !map_.appearance) return "the map has no positions for a polygon";
-    const std::string own = map_.poses ? AsJson(map_.poses->frame) : kLayerFrame;
-    if (frame != own) {
-      return "a polygon is in the frame " + QuoteShortened(frame) + ", and the map in " +
-             QuoteShortened(own);
-    }
-    if (!map_.poses) return std::nullopt;
-    const std::string unit = TextField(area, what_, "unit");
-    if (unit != NameOf(map_.poses->unit)) {
-      return "a polygon is in the unit " + QuoteShortened(unit) + ", and the map in '" +
-             std::string(NameOf(map_.poses->unit)) + "'";
-    }
-    const Horizontal view = HorizontalOf(*map_.poses);
-    if (IsNear(area, "right", view.right) && IsNear(area, "top", view.top)) return std::nullopt;
-    return "a polygon is in another horizontal plane of the frame";
-  }
-
-  // Frames that are leveled by their images alone differ a little from build to build.
-  bool IsNear(const Json& area, const char* name, const Eigen::Vector3d& axis) const {
-    constexpr double kMostApart = 0.05;
-    const Json& value = Field(area, what_, name);
-    Eigen::Vector3d given;
-    if (!value.is_array() || value.size() != 3) RefuseRequest(what_ + ": " + name + " is no axis");
-    for (int i = 0; i < 3; ++i) {
-      if (!value[i].is_number()) RefuseRequest(what_ + ": " + name + " is no axis");
-      given[i] = value[i].get<double>();
-    }
-    return (given - axis).norm() <= kMostApart;
   }
 
   const MapData& map_;
@@ -480,6 +452,38 @@ NamedPlace PlaceOfImages(const MapData& map, const std::string& name, const Imag
   throw MapError(ErrorCode::kUsage, "the map has no keyframe or panorama between frames " +
                                         std::to_string(first) + " and " + std::to_string(last) +
                                         " of the sequence " + QuoteShortened(sequence.name));
+}
+
+Json AreaFrameJson(const MapData& map) {
+  if (!map.poses) return {{"frame", kLayerFrame}};
+  const Horizontal view = HorizontalOf(*map.poses);
+  return {{"frame", map.poses->frame},
+          {"unit", NameOf(map.poses->unit)},
+          {"right", AxisJson(view.right)},
+          {"top", AxisJson(view.top)}};
+}
+
+std::optional<std::string> FindFrameMisfit(const Json& frame, const std::string& what,
+                                           const MapData& map) {
+  const std::string name = TextField(frame, what, "frame");
+  if (!map.poses && !map.appearance) {
+    return "in the frame " + QuoteShortened(name) + ", and the map has no positions";
+  }
+  const std::string own = map.poses ? AsJson(map.poses->frame) : kLayerFrame;
+  if (name != own) {
+    return "in the frame " + QuoteShortened(name) + ", and the map in " + QuoteShortened(own);
+  }
+  if (!map.poses) return std::nullopt;
+  const std::string unit = TextField(frame, what, "unit");
+  if (unit != NameOf(map.poses->unit)) {
+    return "in the unit " + QuoteShortened(unit) + ", and the map in '" +
+           std::string(NameOf(map.poses->unit)) + "'";
+  }
+  const Horizontal view = HorizontalOf(*map.poses);
+  if (IsNear(frame, what, "right", view.right) && IsNear(frame, what, "top", view.top)) {
+    return std::nullopt;
+  }
+  return "in another horizontal plane of the frame";
 }
 
 Json NamesFileJson(const std::string& map_name, const MapData& map) {

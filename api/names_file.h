@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,6 +45,16 @@ Json NamesFileJson(const std::string& map_name, const MapData& map);
 // MapError(kBadRequest) for what is no such file, with the field at fault, and
 // MapError(kNotAvailable) where the map has none of the sequences that the file's map was made of.
 ReadNames ReadNamesFile(std::string_view text, const MapData& map);
+
+// The frame that polygons of named places and anchors of floor plans are in: {"frame", "unit",
+// "right", "top"}, the last two as unit vectors; {"frame": "layer"} for a map without poses.
+Json AreaFrameJson(const MapData& map);
+
+// Why coordinates in such a frame don't hold in the map: "in the unit 'metres', and the map in
+// 'unknown'"; nothing where they do. Throws MapError(kBadRequest) for what is no such frame;
+// `what` names it.
+std::optional<std::string> FindFrameMisfit(const Json& frame, const std::string& what,
+                                           const MapData& map);
 
 // The names of a map by ids: [{"name", "keyframes": [[first, last], ...], "nodes", "planes",
 // "polygons": [[[x, y], ...], ...]}].

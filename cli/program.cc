@@ -104,6 +104,7 @@ int RunProgram(int argc, char** argv) {
   AddMigrate(app, run);
   AddMerge(app, run);
   AddName(app, run);
+  AddPlan(app, run);
   AddOptions(app, run);
   AddUnwrap(app, run);
   AddCompass(app, run);

@@ -87,6 +87,16 @@ void NamePlace(const MapIndex& index, Answer& answer) {
   if (const std::string* name = names.Find(evidence)) answer.place_name = *name;
 }
 
+// Where it is on a floor plan: of the query's own position alone, not of the nearest keyframe's.
+void FindOnPlan(const MapIndex& index, Answer& answer) {
+  if (answer.verdict != Verdict::kLocalized) return;
+  if (answer.pose) {
+    answer.plan = index.floor_plans().Find(answer.pose->frame_from_camera.translation());
+  } else if (answer.panorama) {
+    answer.plan = index.floor_plans().Find(answer.panorama->pose);
+  }
+}
+
 // Features of an image, by how they are extracted, and how long they took.
 class FeatureCache {
  public:
@@ -135,6 +145,7 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, FeatureCache& cache
     AddTimedPose(index, features, options, answer);
   }
   NamePlace(index, answer);
+  FindOnPlan(index, answer);
   Sign(index, answer);
   return answer;
 }

@@ -10,6 +10,7 @@
 #include "core/features/features.h"
 #include "core/search/inverted_file.h"
 #include "schema/layers/appearance/appearance_layer.h"
+#include "schema/layers/floor_plans/floor_plan.h"
 #include "schema/layers/links/keyframe_link.h"
 #include "schema/layers/names/place_names.h"
 #include "schema/layers/orientation/orientation_layer.h"
@@ -66,6 +67,7 @@ struct MapData {
   std::optional<OrientationLayer> orientation;  // nothing for a map without a calibrated camera
   std::optional<PoseLayer> poses;               // nothing for a map that was built without poses
   std::vector<NamedPlace> names;                // canonical (Canonical)
+  std::vector<FloorPlanImage> floor_plans;      // ordered by name, each once
 
   bool operator==(const MapData&) const = default;
 };

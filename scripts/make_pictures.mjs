@@ -16,17 +16,21 @@ const [program, folder] = process.argv.slice(2).map((path) => resolve(path));
 if (!folder) throw new Error("usage: node make_pictures.mjs WAYSTONE FOLDER");
 const photo = (name) => join(folder, "walk/queries", `${name}.jpg`);
 
-// The maps room (photos), both (the same, with revisits), hall (the same, with poses) and office
-// (panoramas) of rendered buildings.
+// The maps room (photos), both (the same, with revisits), hall (the same, with poses, a floor plan and
+// names) and office (panoramas) of rendered buildings.
 function makeMaps() {
   mkdirSync(folder, { recursive: true });
   const run = (...args) => execFileSync(program, args, { cwd: folder, stdio: "inherit" });
-  if (!existsSync(join(folder, "walk"))) run("demo", "--write", "walk");
+  if (!existsSync(join(folder, "walk/plan.png"))) run("demo", "--write", "walk");
   if (!existsSync(join(folder, "office"))) run("demo", "--write", "office", "--setting", "office");
   if (!existsSync(join(folder, "room.db"))) run("build", "walk", "-o", "room.db");
   if (!existsSync(join(folder, "both.db"))) run("build", "walk", "walk", "-o", "both.db", "--every", "2");
   const poses = ["--camera", "walk/camera.yaml", "--poses", "walk/poses.csv", "--unit", "metres", "--frame", "hall"];
   if (!existsSync(join(folder, "hall.db"))) run("build", "walk/images", "-o", "hall.db", ...poses);
+  const anchors = ["0,500=0,0", "540,500=13.5,0", "540,0=13.5,12.5"].flatMap((anchor) => ["--anchor", anchor]);
+  run("plan", "hall.db", "walk/plan.png", ...anchors);
+  run("name", "hall.db", "--polygon", "0.5,9 4,9 4,12 0.5,12", "Meeting room");
+  run("name", "hall.db", "--polygon", "5,9 8.5,9 8.5,12 5,12", "Workshop");
   if (!existsSync(join(folder, "office.db"))) run("build", "office/panorama", "-o", "office.db");
 }
 
@@ -88,6 +92,12 @@ async function shootHall(page, url) {
   await show(page, url, "hall/layers");
   await page.locator(".pose-map .query").waitFor();
   await shoot(page, "poses");
+  await show(page, url, "hall/names");
+  await page.locator(".composer select").selectOption("areas");
+  await page.getByRole("textbox", { name: "Corners" }).fill("0.5,7 13,7 13,8.5 0.5,8.5");
+  await page.getByLabel("Name", { exact: true }).fill("Corridor, north");
+  await page.locator(".pose-map .plan").waitFor();
+  await shoot(page, "names", { fullPage: true });
 }
 
 async function shootOffice(page, url) {

@@ -127,6 +127,7 @@ void AppendMap(MapData from, MapData& to) {
   }
   MoveBehind(from.names, to.names);
   to.names = Canonical(std::move(to.names));
+  if (to.floor_plans.empty()) to.floor_plans = std::move(from.floor_plans);
   MoveBehind(from.sequences, to.sequences);
   MoveBehind(from.keyframes, to.keyframes);
   MoveBehind(from.planes, to.planes);

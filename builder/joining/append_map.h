@@ -7,7 +7,8 @@ namespace waystone {
 
 // Adds what `from` holds to `to`, behind it: sequences, keyframes and planes keep their order and
 // get the ids after those of `to`, and stretches count on. Sessions, named places and poses are
-// added, too; places of one name become one, and poses are of one frame (JoinFrames). Of `to`, the
+// added, too; places of one name become one, and poses are of one frame (JoinFrames). Floor plans
+// are added to a map that has none. Of `to`, the
 // name, the options and all ids stay; index and verdict don't hold any more and go. Only sequences
 // and plane layers are added. Both are of one feature type (WS_CHECK).
 // Throws MapError(kMapDamaged) where the ids of `to` leave no room.

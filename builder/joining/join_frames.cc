@@ -9,6 +9,7 @@
 #include "builder/joining/align_frames.h"
 #include "builder/joining/joinable.h"
 #include "core/base/error.h"
+#include "schema/layers/poses/horizontal.h"
 
 namespace waystone {
 namespace {
@@ -63,6 +64,32 @@ std::optional<FrameChange> FindChange(const std::vector<Recognition>& recognitio
   return std::nullopt;
 }
 
+// Of keyframes, along what is up.
+double MeanHeight(const PoseLayer& layer, const Horizontal& view) {
+  double sum = 0;
+  for (const KeyframePose& pose : layer.keyframes) sum += view.up.dot(pose.position);
+  return layer.keyframes.empty() ? 0 : sum / static_cast<double>(layer.keyframes.size());
+}
+
+// Expresses a map in the frame of `to`: poses, and areas of named places, as high as the keyframes.
+void ChangeMap(const FrameChange& change, const PoseLayer& to, MapData& map) {
+  const Horizontal from = HorizontalOf(*map.poses);
+  const double height = MeanHeight(*map.poses, from);
+  const Horizontal view = HorizontalOf(to);
+  for (NamedPlace& place : map.names) {
+    for (NamedPolygon& polygon : place.polygons) {
+      for (Eigen::Vector2d& corner : polygon) {
+        const Eigen::Vector3d at =
+            corner.x() * from.right + corner.y() * from.top + height * from.up;
+        corner = view.Of(change.scale * change.rotation * at + change.translation);
+      }
+    }
+  }
+  ChangeFrame(change, *map.poses);
+  map.poses->frame = to.frame;
+  map.poses->unit = to.unit;
+}
+
 // Poses in the changed map's frame that its answers gave change with it.
 void ChangeAnswers(const FrameChange& change, size_t map, std::vector<Recognition>& recognitions) {
   for (Recognition& recognition : recognitions) {
@@ -80,10 +107,10 @@ void ChangeAnswers(const FrameChange& change, size_t map, std::vector<Recognitio
 
 }  // namespace
 
-void JoinFrames(const std::vector<Recognition>& given, bool keep_first,
-                std::vector<MapData>& maps) {
+std::optional<size_t> JoinFrames(const std::vector<Recognition>& given, bool keep_first,
+                                 std::vector<MapData>& maps) {
   const std::optional<size_t> kept = ChooseFrame(maps, keep_first);
-  if (!kept) return;
+  if (!kept) return std::nullopt;
   std::vector<Recognition> recognitions = given;
   std::vector<size_t> done{*kept};
   std::vector<size_t> left;
@@ -104,13 +131,12 @@ void JoinFrames(const std::vector<Recognition>& given, bool keep_first,
               "less than half, agree on how they lie; build one of them without --poses");
     }
     const size_t map = *aligned;
-    ChangeFrame(*change, *maps[map].poses);
+    ChangeMap(*change, *maps[*kept].poses, maps[map]);
     ChangeAnswers(*change, map, recognitions);
-    maps[map].poses->frame = maps[*kept].poses->frame;
-    maps[map].poses->unit = maps[*kept].poses->unit;
     left.erase(aligned);
     done.push_back(map);
   }
+  return kept;
 }
 
 }  // namespace waystone

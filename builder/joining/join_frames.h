@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "builder/joining/recognise_keyframes.h"
@@ -16,12 +17,13 @@ struct Recognition {
   std::vector<RecognisedKeyframe> keyframes;
 };
 
-// Expresses the pose layers of all maps that have one in the frame of one of them: with
+// Expresses the pose layers of all maps that have one, and the areas of their named places, in the
+// frame of one of them: with
 // `keep_first` of the first that has one, and else of the first whose unit is metres, where there
 // is one. Two frames are aligned by the keyframes of either map whose pose the other one answered
 // with, and by way of a third map where these don't suffice. Throws MapError(kBadRequest) for a map
-// that can't be aligned.
-void JoinFrames(const std::vector<Recognition>& recognitions, bool keep_first,
-                std::vector<MapData>& maps);
+// that can't be aligned. Returns which map's frame it is; nothing where no map has poses.
+std::optional<size_t> JoinFrames(const std::vector<Recognition>& recognitions, bool keep_first,
+                                 std::vector<MapData>& maps);
 
 }  // namespace waystone

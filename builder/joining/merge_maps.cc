@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -159,12 +160,24 @@ int Link(const std::vector<Recognition>& recognitions, const std::vector<size_t>
   return static_cast<int>(recognised.size());
 }
 
+// Plans are anchored in the frame of their map: of others none stays. Returns the names of those.
+std::vector<std::string> LeavePlansOut(size_t kept, std::vector<MapData>& maps) {
+  std::vector<std::string> left_out;
+  for (size_t i = 0; i < maps.size(); ++i) {
+    if (i == kept) continue;
+    for (const FloorPlanImage& plan : maps[i].floor_plans) left_out.push_back(plan.name);
+    maps[i].floor_plans.clear();
+  }
+  return left_out;
+}
+
 // One after the other.
 JoinResult Join(std::vector<MapData> maps, const std::string& name, Asked asked,
                 const BuildOptions& options) {
   const std::vector<Recognition> recognitions = RecogniseEachOther(maps, asked, options.features);
-  JoinFrames(recognitions, asked == Asked::kFirst, maps);
+  const std::optional<size_t> frame_of = JoinFrames(recognitions, asked == Asked::kFirst, maps);
   JoinResult result;
+  if (frame_of) result.report.floor_plans = LeavePlansOut(*frame_of, maps);
   result.map = std::move(maps.front());
   MapOfPlane origin;
   std::vector<size_t> first_keyframes{0};

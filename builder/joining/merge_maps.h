@@ -16,6 +16,7 @@ struct JoinReport {
   int sessions = 0;         // of the joined map
   // Keyframes of one map that were localized in another, and are linked with the nearest one there.
   int keyframes_recognised = 0;
+  std::vector<std::string> floor_plans;  // left out: of maps whose frame wasn't kept, by name
 };
 
 struct JoinResult {
@@ -27,7 +28,8 @@ struct JoinResult {
 // keyframes of each are localized in the others (RecogniseKeyframes), planes that were seen in
 // several of them are fused by eq. (6) or joined by an edge, and the verdict is calibrated anew by
 // what the maps hold. Maps that show nothing in common stay apart: the joined map has several
-// parts. Each map is a session of the joined one, or as many as it has itself. The result doesn't
+// parts. Each map is a session of the joined one, or as many as it has itself. Floor plans
+// are those of the map whose frame the poses are in. The result doesn't
 // depend on the order of `maps`: they are ordered by their versions (MapInfo::version), and ids
 // count on from one map to the next. `options` say how planes are fused and the verdict calibrated;
 // the features' type is the maps'. Deterministic, on any number of threads. Throws

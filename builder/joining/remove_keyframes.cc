@@ -257,6 +257,11 @@ RemoveResult RemoveKeyframes(MapData map, const std::set<KeyframeId>& removed,
   RemoveFromPlanes(removed, options.planes.min_features, map, result.report);
   poses.KeepPoses(map);
   result.report.names = named.KeepNames(map);
+  if (!map.poses) {
+    for (const FloorPlanImage& plan : map.floor_plans)
+      result.report.floor_plans.push_back(plan.name);
+    map.floor_plans.clear();
+  }
   result.report.sequences = RemoveSequences(touched, map);
   CompleteJoined(options, map);
   result.map = std::move(map);

@@ -12,12 +12,13 @@ namespace waystone {
 
 // What a removal did.
 struct RemoveReport {
-  int keyframes = 0;               // removed
-  int planes = 0;                  // removed: no view of them is left, or too few features
-  int planes_anchored = 0;         // that have another reference image now
-  int edges = 0;                   // removed
-  int sequences = 0;               // removed: no keyframe of them is left
-  std::vector<std::string> names;  // of places of which nothing is left
+  int keyframes = 0;                     // removed
+  int planes = 0;                        // removed: no view of them is left, or too few features
+  int planes_anchored = 0;               // that have another reference image now
+  int edges = 0;                         // removed
+  int sequences = 0;                     // removed: no keyframe of them is left
+  std::vector<std::string> names;        // of places of which nothing is left
+  std::vector<std::string> floor_plans;  // by name, removed: no keyframe with a pose is left
 };
 
 struct RemoveResult {

@@ -8,12 +8,14 @@
 #include <string>
 #include <vector>
 
+#include "api/query_request_json.h"
 #include "builder/report/report.h"
 #include "cli/commands/build_sources.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/settings.h"
 #include "cli/files/given_poses.h"
 #include "cli/files/kept_names.h"
+#include "cli/files/kept_plans.h"
 #include "cli/files/map_file.h"
 #include "cli/files/panorama_file.h"
 #include "cli/output/build_text.h"
@@ -82,12 +84,22 @@ void KeepOldNames(const std::string& names, const std::string& path, MapData& ma
             << kept_apart->string() << " (waystone name " << path << " --from FILE lists them)\n";
 }
 
+void KeepOldPlans(const KeptPlans& plans, const std::string& path, MapData& map) {
+  for (const PlanApart& apart : KeepPlans(plans, path, map)) {
+    std::cerr << "waystone: the floor plan " << Printable(QuoteShortened(apart.name))
+              << " is not in the new map: it was anchored " << Printable(apart.cause)
+              << "; its image is in " << apart.image.string() << " (waystone plan " << path
+              << " IMAGE --anchor ... takes it again)\n";
+  }
+}
+
 int RunBuild(const BuildFlags& flags) {
   const WriteOptions write{.overwrite = flags.force};
   const BuildOptions options = MakeBuildOptions(flags);
   CheckWritable(flags.output, write);
   if (!flags.report_folder.empty()) CheckReportFolder(flags.report_folder);
   const std::optional<std::string> names = NamesOfOldMap(flags.output);
+  const std::optional<KeptPlans> plans = PlansOfOldMap(flags.output);
   NoteInterrupts();
   BuildResult result = BuildFrom(flags, options);
   const bool directions_alone = result.map.orientation && !result.report.planes;
@@ -95,6 +107,7 @@ int RunBuild(const BuildFlags& flags) {
     return ReportNoPlanes(result.map);
   }
   if (names) KeepOldNames(*names, flags.output, result.map);
+  if (plans) KeepOldPlans(*plans, flags.output, result.map);
   WriteMap(result.map, flags.output, write);
   if (!flags.report_folder.empty()) {
     WriteReport(result.map, result.report, TableSizes(flags.output), flags.report_folder);

@@ -32,6 +32,7 @@ void AddMigrate(CLI::App& app, Run& run);
 void AddMerge(CLI::App& app, Run& run);
 void AddName(CLI::App& app, Run& run);
 void AddOptions(CLI::App& app, Run& run);
+void AddPlan(CLI::App& app, Run& run);
 void AddUnwrap(CLI::App& app, Run& run);
 void AddCompass(CLI::App& app, Run& run);
 void AddExport(CLI::App& app, Run& run);

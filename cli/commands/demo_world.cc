@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <fstream>
 #include <iomanip>
+#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -12,6 +13,7 @@
 
 #include "core/base/error.h"
 #include "core/image/encode.h"
+#include "world/draw_plan.h"
 #include "world/render.h"
 #include "world/setting.h"
 #include "world/walk.h"
@@ -28,6 +30,9 @@ constexpr uint64_t kPhotoNoiseSeed = 4242;
 
 // Photos of the walk's building, and as many of another one, that come with a written walk.
 constexpr size_t kQueries = 20;
+
+// Of the drawing of the building: 40 px a metre.
+constexpr int kPlanCellPx = 20;
 
 // Pictures of the walk: a demo should be over soon.
 constexpr size_t kPictures = 160;
@@ -114,6 +119,9 @@ void WriteDemoWalk(const std::filesystem::path& dir, const WriteProgress& progre
   WriteWalkOptions options;
   options.render = PhoneLook();
   WriteWalk(DemoWorld(), ShortWalk(DemoPlan()), dir, options, progress);
+  std::vector<uint8_t> drawing;
+  cv::imencode(".png", DrawPlan(DemoPlan(), kPlanCellPx), drawing);
+  Save(dir / "plan.png", drawing);
 }
 
 void WriteSetting(const std::string& name, const std::filesystem::path& dir,

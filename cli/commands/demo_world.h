@@ -8,7 +8,9 @@
 
 namespace waystone {
 
-// Writes the pictures of a walk through the demo's building, with their truth, into `dir`.
+// Writes the pictures of a walk through the demo's building, with their truth, into `dir`, and
+// plan.png, a drawing of the building of 540 x 500 px: (x, y) of the world is at (40 x, 500 - 40
+// y).
 void WriteDemoWalk(const std::filesystem::path& dir, const WriteProgress& progress);
 
 // Adds photos from between the walk's frames and of another building to a written walk, with

@@ -48,6 +48,10 @@ void PrintInfo(const OpenMap& map, const std::vector<TableSize>& sizes, uint64_t
   for (const NamedPlace& place : data.names) {
     std::cout << "  place     " << Printable(place.name) << '\n';
   }
+  for (const FloorPlanImage& plan : data.floor_plans) {
+    std::cout << "  plan      " << Printable(plan.name) << " (" << SizeText(plan.width, plan.height)
+              << " px)\n";
+  }
   std::cout << HistoryText(data) << TablesText(sizes);
 }
 

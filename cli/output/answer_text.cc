@@ -61,6 +61,17 @@ std::string PoseText(const Json& answer) {
   return text + TextAt(answer, {"pose", "frame"});
 }
 
+// ", at (512, 88) of the plan Ground floor": pixels.
+std::string PlanText(const Json& answer) {
+  const std::string name = TextAt(answer, {"place", "plan", "name"});
+  if (name.empty()) return "";
+  char text[100];
+  (void)std::snprintf(text, sizeof text, ", at (%.0f, %.0f) of the plan ",
+                      NumberAt(answer, {"place", "plan", "x"}),
+                      NumberAt(answer, {"place", "plan", "y"}));
+  return text + name;
+}
+
 std::string UnescapedLine(const Json& answer) {
   const std::string verdict = TextAt(answer, {"verdict"});
   const std::string time =
@@ -70,7 +81,7 @@ std::string UnescapedLine(const Json& answer) {
     const std::string message = TextAt(answer, {"message"});
     return line + (message.empty() ? "" : ": " + message) + " (" + time + ")";
   }
-  line += Where(answer) + PoseText(answer) + " (";
+  line += Where(answer) + PoseText(answer) + PlanText(answer) + " (";
   const Json planes = At(answer, {"planes"});
   if (planes.is_array() && !planes.empty()) {
     line += "plane " + std::to_string(std::lround(NumberAt(planes[0], {"id"}))) + ", " +

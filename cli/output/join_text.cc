@@ -69,8 +69,12 @@ std::string JoinText(const std::string& path, const JoinResult& result) {
       << "  joined    " << Counted(result.report.keyframes_recognised, "keyframe")
       << " recognised in another session, " << Counted(result.report.planes_fused, "plane")
       << " fused, " << Counted(result.report.surfaces_joined, "pair")
-      << " of planes joined as one surface\n"
-      << HistoryText(result.map);
+      << " of planes joined as one surface\n";
+  for (const std::string& name : result.report.floor_plans) {
+    out << "  warning   the floor plan " << Printable(name)
+        << " is left out: it is anchored in the frame of another map (waystone plan)\n";
+  }
+  out << HistoryText(result.map);
   return out.str();
 }
 
@@ -85,17 +89,19 @@ std::string RemovalText(const std::string& path, const RemoveResult& result) {
   for (const std::string& name : report.names) {
     out << "  warning   nothing is left of the place " << Printable(name) << '\n';
   }
+  for (const std::string& name : report.floor_plans) {
+    out << "  warning   no pose is left for the floor plan " << Printable(name) << '\n';
+  }
   out << HistoryText(result.map);
   return out.str();
 }
 
 Json RemovalJson(const std::string& path, const RemoveResult& result) {
   Json json = CountsJson(path, result.map);
-  json["removed"] = {{"keyframes", result.report.keyframes},
-                     {"planes", result.report.planes},
-                     {"edges", result.report.edges},
-                     {"sequences", result.report.sequences},
-                     {"names", result.report.names}};
+  json["removed"] = {
+      {"keyframes", result.report.keyframes}, {"planes", result.report.planes},
+      {"edges", result.report.edges},         {"sequences", result.report.sequences},
+      {"names", result.report.names},         {"floor_plans", result.report.floor_plans}};
   json["planes_anchored"] = result.report.planes_anchored;
   json["sessions"] = SessionsJson(result.map);
   json["parts"] = PartsJson(result.map);
@@ -107,6 +113,7 @@ Json JoinJson(const std::string& path, const JoinResult& result) {
   json["keyframes_recognised"] = result.report.keyframes_recognised;
   json["planes_fused"] = result.report.planes_fused;
   json["surfaces_joined"] = result.report.surfaces_joined;
+  json["floor_plans_left_out"] = result.report.floor_plans;
   json["sessions"] = SessionsJson(result.map);
   json["parts"] = PartsJson(result.map);
   return json;

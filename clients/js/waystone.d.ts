@@ -79,6 +79,10 @@ export declare class Client {
   getPoses(map: string): Promise<PoseLayer>;
   /** The named places, as the file that `waystone name MAP --from` reads. Names are given by that command, never by the server. */
   getNames(map: string): Promise<NamesFile>;
+  /** The floor plans, which `waystone plan` puts into the map. */
+  getFloorPlans(map: string): Promise<FloorPlans>;
+  /** Image of a floor plan, as it was given. */
+  getFloorPlanImage(map: string, options?: { name?: string }): Promise<Blob>;
   /** Weak spots of the map. The first request takes seconds and counts as a query. */
   getAudit(map: string): Promise<Audit>;
   /** The appearance layer, for visualization. 404 with the code no_layer for maps without one, as the following. */
@@ -182,6 +186,14 @@ export interface AnsweredPlace {
   time_s: number | null;
   position: null | PlacePosition;
   heading: null | Heading;
+  plan: null | PlanPosition;
+}
+
+/** Position of the query on a floor plan of the map, in pixels of its image from the upper left corner to the right and downwards; null without a position of the query, or where no plan shows it. */
+export interface PlanPosition {
+  name: string;
+  x: number;
+  y: number;
 }
 
 /** What people called the place (`waystone name`), null where they did not: the narrowest of the named places that hold it. */
@@ -441,6 +453,40 @@ export interface NamedArea {
 }
 
 /** Keyframes, panoramas (nodes of the appearance layer) and planes in the frame of the poses that the map was built with; lengths in its unit. `up` points upwards: the mean direction of the tops of the images, null where they differ too much. `noise` is that of the given poses on each axis, null where none was measured. */
+/** Floor plans of the map, ordered by name. `right` and `top` are the unit vectors of the frame that x and y are along; without them and `unit` it is the frame of the appearance layer, called layer. */
+export interface FloorPlans {
+  frame: string;
+  unit?: "metres" | "unknown";
+  right?: Vector;
+  top?: Vector;
+  plans: FloorPlan[];
+}
+
+/** An image that the map is drawn on: px = `plan_from_frame` (x, y, 1), a rotation, a scale of `px_per_unit` and a translation. `residual` is the root mean square over the anchors, in the unit of the frame. `heights` are those of the positions that the plan shows, along right x top; null for all. */
+export interface FloorPlan {
+  name: string;
+  /** Of the image, px. */
+  width: number;
+  /** Of the image, px. */
+  height: number;
+  /** Path of the image. */
+  image: string;
+  heights: null | { low: number; high: number };
+  plan_from_frame: [Vector, Vector];
+  px_per_unit: number;
+  residual: number;
+  anchors: PlanAnchor[];
+}
+
+/** A pixel of the image and its position in the frame, to the right and to the top. */
+export interface PlanAnchor {
+  px: Pair;
+  at: Pair;
+}
+
+export type Pair = [number, number];
+
+/** Keyframes and planes in the frame of the poses that the map was built with; lengths in its unit. `up` points upwards: the mean direction of the tops of the images, null where they differ too much. `noise` is that of the given poses on each axis, null where none was measured. */
 export interface PoseLayer {
   frame: string;
   unit: "metres" | "unknown";
@@ -666,6 +712,8 @@ export interface Map {
   features: Count;
   /** Named places. */
   names: number;
+  /** Floor plans. */
+  floor_plans: number;
   sequences: Sequence[];
   sessions: Session[];
   /** Sequences that hang together, a list for each part of the map: from one part to another nothing leads. */

@@ -204,6 +204,14 @@ export class Client {
     return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/names`, {});
   }
 
+  getFloorPlans(map) {
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/plan`, {});
+  }
+
+  getFloorPlanImage(map, options = {}) {
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/plan/image`, options);
+  }
+
   getAudit(map) {
     return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/audit`, {});
   }

@@ -92,6 +92,14 @@ class Position(TypedDict):
     metres_per_unit: float | None
 
 
+class PlanPosition(TypedDict):
+    """On a floor plan of the map, in pixels of its image from the upper left corner."""
+
+    name: str
+    x: float
+    y: float
+
+
 class AnsweredPlace(TypedDict):
     """Where a localized photo was taken, whatever the layer: the nearest keyframe ("planes") or
     panorama ("appearance"), and the photo's position and heading where they are known."""
@@ -104,6 +112,7 @@ class AnsweredPlace(TypedDict):
     time_s: float | None
     position: Position | None
     heading: Heading | None
+    plan: PlanPosition | None
 
 
 class PlaneReference(TypedDict):
@@ -537,6 +546,8 @@ def _line(answer: Answer) -> str:
             if place.get("name"):
                 line += f" in {place['name']}"
             line += f" near {place['image']}"
+            if plan := place.get("plan"):
+                line += f", at ({plan['x']:.0f}, {plan['y']:.0f}) of the plan {plan['name']}"
         if planes := answer["planes"]:
             facts = [f"plane {planes[0]['id']}", f"{planes[0]['inliers']} inliers"] + facts
     elif message := answer.get("message"):

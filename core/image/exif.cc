@@ -20,6 +20,7 @@ constexpr double kMaxFocalMm = 3000;
 constexpr double kMaxShapeError = 0.01;  // of the sides' ratio: scaled sides are rounded
 
 enum Tag : uint32_t {
+  kOrientation = 0x0112,
   kExifDirectory = 0x8769,
   kPixelWidth = 0xA002,
   kPixelHeight = 0xA003,
@@ -137,6 +138,12 @@ Segments ReadContainer(Bytes bytes) {
   }
 }
 
+Segments ReadExif(Bytes bytes) {
+  if (bytes.size() < 4) return {};
+  const bool jpeg = bytes[0] == 0xFF && bytes[1] == 0xD8;
+  return jpeg ? ReadSegments(bytes) : ReadContainer(bytes);
+}
+
 bool SameShape(double width, double height, double other_width, double other_height) {
   const double error = width * other_height / (height * other_width) - 1;
   return std::abs(error) <= kMaxShapeError;
@@ -145,9 +152,7 @@ bool SameShape(double width, double height, double other_width, double other_hei
 }  // namespace
 
 std::optional<ExifCamera> ReadExifCamera(Bytes bytes) {
-  if (bytes.size() < 4) return std::nullopt;
-  const bool jpeg = bytes[0] == 0xFF && bytes[1] == 0xD8;
-  const Segments segments = jpeg ? ReadSegments(bytes) : ReadContainer(bytes);
+  const Segments segments = ReadExif(bytes);
   if (segments.exif.empty() || segments.width < 1 || segments.height < 1) return std::nullopt;
   Tiff tiff(segments.exif);
   if (!tiff.ReadStart()) return std::nullopt;
@@ -163,6 +168,14 @@ std::optional<ExifCamera> ReadExifCamera(Bytes bytes) {
   }
   const double diagonal_px = std::hypot(segments.width, segments.height);
   return ExifCamera{segments.width, segments.height, *focal_mm / kFilmDiagonalMm * diagonal_px};
+}
+
+int ReadExifOrientation(Bytes bytes) {
+  Tiff tiff(ReadExif(bytes).exif);
+  if (!tiff.ReadStart()) return 1;
+  const std::optional<uint32_t> first = tiff.FirstDirectory();
+  const uint32_t value = first ? tiff.Whole(*first, kOrientation).value_or(1) : 1;
+  return value >= 1 && value <= 8 ? static_cast<int>(value) : 1;
 }
 
 }  // namespace waystone

@@ -22,4 +22,9 @@ struct ExifCamera {
 // Never throws, never reads outside `bytes`. Thread-safe.
 std::optional<ExifCamera> ReadExifCamera(std::span<const uint8_t> bytes);
 
+// How a JPEG, WebP or HEIC is to be turned or mirrored for display: the tag Orientation, 1 to 8; 1,
+// for as it is, where it isn't there or makes no sense. Never throws, never reads outside `bytes`.
+// Thread-safe.
+int ReadExifOrientation(std::span<const uint8_t> bytes);
+
 }  // namespace waystone

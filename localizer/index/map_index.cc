@@ -40,6 +40,7 @@ MapIndex::MapIndex(MapData map) : map_(std::move(map)) {
   points_ = LocateMapPoints(map_);
   if (map_.poses) horizontal_ = HorizontalOf(*map_.poses);
   names_ = NamedPlaces(map_);
+  floor_plans_ = FloorPlanFinder(map_);
   TakeDescriptors();
   CollectViews();
   if (map_.appearance) TakeAppearance();

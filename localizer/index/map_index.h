@@ -11,6 +11,7 @@
 
 #include "core/search/search_index.h"
 #include "localizer/index/appearance_index.h"
+#include "localizer/index/floor_plan_finder.h"
 #include "localizer/index/map_points.h"
 #include "localizer/index/named_places.h"
 #include "localizer/index/node_feature_index.h"
@@ -55,6 +56,8 @@ class MapIndex {
   const std::optional<Horizontal>& horizontal() const { return horizontal_; }
   // Which place that people named something is in.
   const NamedPlaces& names() const { return names_; }
+  // Where something is on the map's floor plans.
+  const FloorPlanFinder& floor_plans() const { return floor_plans_; }
   // Descriptors of map().planes[plane], row i belonging to its feature i.
   Descriptors DescriptorsOf(int plane) const;
   bool HasLandmarks() const { return first_landmark_row_.front() < first_landmark_row_.back(); }
@@ -114,6 +117,7 @@ class MapIndex {
   std::vector<MapPoint> points_;
   std::optional<Horizontal> horizontal_;
   NamedPlaces names_;
+  FloorPlanFinder floor_plans_;
   std::unordered_map<PlaneId, int> plane_index_;
   std::unordered_map<KeyframeId, int> keyframe_index_;
   std::unordered_map<SequenceId, int> sequence_index_;

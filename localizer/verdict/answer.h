@@ -189,6 +189,12 @@ struct PanoramaAnswer {
   std::optional<NodeCandidate> runner_up;  // the best node elsewhere
 };
 
+// Where a query was taken on a floor plan of the map.
+struct PlanPosition {
+  std::string name;                              // of the plan
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();  // of its image, from the upper left corner
+};
+
 // Milliseconds by stage. Stages that were not reached are 0.
 struct StageTimes {
   double decode_ms = 0;
@@ -213,6 +219,7 @@ struct Answer {
   std::optional<QueryPose> pose;           // of a localized photo of known camera, or a panorama
   std::string pose_reason;                 // why a map with poses gives none
   std::optional<std::string> place_name;   // what people named the place of a localized query
+  std::optional<PlanPosition> plan;        // of a localized query with a position on a plan
   // What the next panorama of a series is asked with: the likeliest nodes, by index. Empty as long
   // as none looked like a place of the map.
   FilterState belief;

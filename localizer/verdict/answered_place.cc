@@ -9,8 +9,8 @@ namespace {
 // A keyframe or a node.
 template <typename Ref>
 AnsweredPlace PlaceAt(PlaceLayer layer, const Ref& ref, const Answer& answer) {
-  return {layer,      ref.id.value, ref.source,     ref.sequence,
-          ref.time_s, std::nullopt, answer.heading, answer.place_name};
+  return {layer,        ref.id.value,   ref.source,        ref.sequence, ref.time_s,
+          std::nullopt, answer.heading, answer.place_name, answer.plan};
 }
 
 }  // namespace

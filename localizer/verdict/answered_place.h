@@ -31,6 +31,7 @@ struct AnsweredPlace {
   std::optional<PlacePosition> position;  // of the query; nothing where the map has no positions
   std::optional<Heading> heading;         // of the query
   std::optional<std::string> name;        // what people called it, if they did
+  std::optional<PlanPosition> plan;       // of the query, on a floor plan that shows it
 };
 
 // Nothing unless the answer is localized. Thread-safe.

@@ -14,6 +14,7 @@ namespace waystone {
 void FindPlaneProblems(const MapData& map, std::vector<MapProblem>& problems);
 void FindLinkProblems(const MapData& map, std::vector<MapProblem>& problems);
 void FindNameProblems(const MapData& map, std::vector<MapProblem>& problems);
+void FindFloorPlanProblems(const MapData& map, std::vector<MapProblem>& problems);
 // The layer must be there.
 void FindAppearanceProblems(const MapData& map, std::vector<MapProblem>& problems);
 void FindOrientationProblems(const MapData& map, std::vector<MapProblem>& problems);

@@ -30,6 +30,8 @@ void ReadNodePoses(SQLite::Database& database, std::optional<PoseLayer>& poses,
 // Nothing where the map has no table of them.
 std::vector<KeyframeLink> ReadLinks(SQLite::Database& database, std::vector<MapProblem>& problems);
 std::vector<NamedPlace> ReadNames(SQLite::Database& database, std::vector<MapProblem>& problems);
+std::vector<FloorPlanImage> ReadFloorPlans(SQLite::Database& database, bool images,
+                                           std::vector<MapProblem>& problems);
 
 void WritePlaneLayer(const MapData& map, RowSink& sink);
 void WriteAppearance(const AppearanceLayer& layer, RowSink& sink);
@@ -39,5 +41,6 @@ void WritePoses(const PoseLayer& layer, RowSink& sink);
 void WriteNodePoses(const PoseLayer& layer, RowSink& sink);
 void WriteLinks(const std::vector<KeyframeLink>& links, RowSink& sink);
 void WriteNames(const std::vector<NamedPlace>& places, RowSink& sink);
+void WriteFloorPlans(const std::vector<FloorPlanImage>& plans, RowSink& sink);
 
 }  // namespace waystone

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "schema/layers/appearance/appearance_tables.h"
+#include "schema/layers/floor_plans/floor_plan_tables.h"
 #include "schema/layers/layer_problems.h"
 #include "schema/layers/layer_rows.h"
 #include "schema/layers/links/link_tables.h"
@@ -140,12 +141,26 @@ StoredLayer StoredNames() {
       .equal = [](const MapData& a, const MapData& b) { return a.names == b.names; }};
 }
 
+StoredLayer StoredFloorPlans() {
+  return {
+      .tables = {},
+      .optional_tables = {{kFloorPlansTable, kFloorPlansSql}},
+      .read =
+          [](SQLite::Database& database, bool images, MapData& map,
+             std::vector<MapProblem>& problems) {
+            map.floor_plans = ReadFloorPlans(database, images, problems);
+          },
+      .write = [](const MapData& map, RowSink& sink) { WriteFloorPlans(map.floor_plans, sink); },
+      .find_problems = FindFloorPlanProblems,
+      .equal = [](const MapData& a, const MapData& b) { return a.floor_plans == b.floor_plans; }};
+}
+
 }  // namespace
 
 const std::vector<StoredLayer>& StoredLayers() {
   static const std::vector<StoredLayer> layers{
       StoredPlanes(),    StoredAppearance(), StoredOrientation(), StoredPoses(),
-      StoredNodePoses(), StoredLinks(),      StoredNames()};
+      StoredNodePoses(), StoredLinks(),      StoredNames(),       StoredFloorPlans()};
   return layers;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "api/audit_text.h"
+#include "api/floor_plans_json.h"
 #include "api/graph_formats.h"
 #include "api/layer_json.h"
 #include "api/lines_json.h"
@@ -90,6 +91,21 @@ HttpResponse ImageResponse(const Pictured& of, int width) {
   }
   const std::vector<uint8_t> jpeg = width == 0 ? of.jpeg : ShrunkJpeg(of.jpeg, width);
   return {200, "image/jpeg", std::string(jpeg.begin(), jpeg.end()), {}};
+}
+
+// The image of the plan that the request names, or of the first one.
+HttpResponse PlanImageResponse(const HttpRequest& request, const MapData& map) {
+  const std::string name = ParameterOf(request, "name", "");
+  const auto plan = std::ranges::find_if(map.floor_plans, [&name](const FloorPlanImage& one) {
+    return name.empty() || one.name == name;
+  });
+  if (plan == map.floor_plans.end()) {
+    throw MapError(ErrorCode::kNotFound,
+                   (name.empty() ? "this map has no floor plan"
+                                 : "no floor plan '" + name.substr(0, 40) + "' in this map") +
+                       std::string("; /plan lists the plans"));
+  }
+  return {200, MediaTypeOf(plan->image), std::string(plan->image.begin(), plan->image.end()), {}};
 }
 
 // The node of a layer that the path names.
@@ -175,6 +191,12 @@ void MapService::AddSingles(Router& router) {
   });
   AddShow(router, "/names", [](const auto&, const ServedMap& map, const auto&) {
     return JsonResponse(NamesFileJson(map.name(), map.index().map()));
+  });
+  AddShow(router, "/plan", [](const auto&, const ServedMap& map, const auto&) {
+    return JsonResponse(FloorPlansJson(map.name(), map.index().map()));
+  });
+  AddShow(router, "/plan/image", [](const auto& request, const ServedMap& map, const auto&) {
+    return PlanImageResponse(request, map.index().map());
   });
   AddShow(router, "/poses", [](const auto&, const ServedMap& map, const auto&) {
     return JsonResponse(PoseLayerJson(map.index(), PosesOf(map.index())));

@@ -39,7 +39,8 @@ TEST(AnswerJson, LocalizedIsAsDocumented) {
       R"({"verdict":"localized","probability":0.98,"image":"q.jpg","map":"lab",)"
       R"("map_version":"sha256:00",)"
       R"("place":{"layer":"planes","id":17,"name":null,"image":"rgb/000120.jpg","sequence":"kitchen",)"
-      R"("time_s":4.0,"position":null,"heading":{"rad":0.31,"deviation_rad":0.02,"of":"keyframe"}},)"
+      R"("time_s":4.0,"position":null,"heading":{"rad":0.31,"deviation_rad":0.02,"of":"keyframe"},)"
+      R"("plan":null},)"
       R"("keyframe":{"id":17,"sequence":"kitchen","source":"rgb/000120.jpg","time_s":4.0},)"
       R"("heading":{"rad":0.31,"deviation_rad":0.02,"of":"keyframe"},)"
       R"("planes":[{"id":3,"inliers":143,"reference":{"id":12,"source":"rgb/000080.jpg"},)"
@@ -91,7 +92,11 @@ TEST(AnswerJson, EveryLayerHasOnePlace) {
       Dump(ToJson(LocalizedPanorama())["place"]),
       R"({"layer":"appearance","id":7,"name":null,"image":"7.jpg","sequence":"walk","time_s":null,)"
       R"("position":{"x":1.5,"y":-2.0,"deviation":0.25,"metres_per_unit":0.5},)"
-      R"("heading":{"rad":0.31,"deviation_rad":0.02,"of":"layer"}})");
+      R"("heading":{"rad":0.31,"deviation_rad":0.02,"of":"layer"},"plan":null})");
+  Answer planned = LocalizedPanorama();
+  planned.plan = PlanPosition{"Ground floor", {512.345, 88}};
+  EXPECT_EQ(Dump(ToJson(planned)["place"]["plan"]),
+            R"({"name":"Ground floor","x":512.35,"y":88.0})");
   EXPECT_EQ(ToJson(Localized())["place"]["layer"], "planes");
 }
 

@@ -126,7 +126,7 @@ def every_route():
     lists = ["/planes", "/keyframes", "/planes/1/features", "/planes/1/views"]
     singles = ["", "/planes/1", "/graph", "/graph?format=graphml", "/graph?format=dot", "/audit",
                "/keyframes/1", "/keyframes/1/image", "/keyframes/1/image?width=64",
-               "/keyframes/1/thumbnail", "/overview", "/names"]
+               "/keyframes/1/thumbnail", "/overview", "/names", "/plan"]
     for path in ["/v1/maps"] + [base + part for part in lists + singles]:
         status, fields, _ = ask("GET", path)
         assert status == 200, path
@@ -137,7 +137,8 @@ def every_route():
         key = {"": "maps"}.get(part, part.rsplit("/", 1)[-1])
         first = json.loads(ask("GET", target)[2])
         assert len(first[key]) == 1, target
-    for path in ["/v1/maps/nowhere", base + "/planes/999999", base + "/keyframes/x", "/nowhere"]:
+    for path in ["/v1/maps/nowhere", base + "/planes/999999", base + "/keyframes/x", "/nowhere", base + "/plan/image",
+                 "/v1/maps/" + urllib.parse.quote(LAYERED) + "/plan/image?name=Attic"]:
         assert ask("GET", path)[0] == 404, path
     for name in ["g2o", "geojson", "ply", "tum", "poses"]:
         assert ask("GET", base + "/graph?format=" + name)[0] == 422, name
@@ -153,6 +154,7 @@ def every_layer(without):
     singles = ["/appearance", "/orientation", "/poses", "/appearance/nodes/1", "/appearance/nodes/1/signature",
                "/appearance/nodes/1/image", "/orientation/nodes/3/image", "/overview",
                "/orientation/frames/1", "/orientation/nodes/3/lines", "/keyframes/1/lines",
+               "/plan", "/plan/image", "/plan/image?name=Ground%20floor",
                "/graph?format=g2o", "/graph?format=geojson", "/graph?format=ply", "/graph?format=tum"]
     for part in lists + singles:
         status, fields, _ = ask("GET", base + part)

@@ -64,8 +64,8 @@ TEST_F(HttpTest, AnswerHasTheDocumentedFields) {
                   "heading", "planes", "epipolar", "runner_up", "decided_by", "timing_ms"}));
   EXPECT_EQ(answer["image"], "q.jpg");
   EXPECT_EQ(answer["map"], "room");
-  EXPECT_EQ(KeysOf(answer["place"]),
-            (Keys{"layer", "id", "name", "image", "sequence", "time_s", "position", "heading"}));
+  EXPECT_EQ(KeysOf(answer["place"]), (Keys{"layer", "id", "name", "image", "sequence", "time_s",
+                                           "position", "heading", "plan"}));
   EXPECT_EQ(answer["place"]["id"], answer["keyframe"]["id"]);
   EXPECT_EQ(KeysOf(answer["keyframe"]), (Keys{"id", "sequence", "source", "time_s"}));
   EXPECT_EQ(KeysOf(answer["timing_ms"]),
@@ -237,6 +237,7 @@ TEST_F(HttpTest, KeepsItsContract) {
   layered.keyframes[0].jpeg = MadePicture();
   layered.orientation->nodes[1].jpeg = MadePicture();
   AddMadePoses(layered);
+  AddMadeFloorPlan(layered);
   layered.edges.clear();  // whose homologies are made up: a file is checked
   WriteMap(layered, folder / "layered.db", {});
   const Served served({(folder / "layered.db").string(), TheCorner().map.string()});

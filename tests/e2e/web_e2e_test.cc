@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "api/json.h"
 #include "cli/system/child_process.h"
 #include "tests/e2e/calibrated_maps.h"
+#include "tests/e2e/drawn_plan.h"
 #include "tests/e2e/shared_map.h"
 
 namespace waystone {
@@ -52,8 +54,29 @@ TEST_F(WebTest, EveryViewInABrowser) {
 }
 
 TEST_F(WebTest, AMapWithPosesInABrowser) {
-  ChildProcess server({WAYSTONE_PROGRAM, "serve", ThePosedHall().map, "--port", "0"}, true);
-  RunScript("pose_page_test.mjs", {AddressOf(server), ThePosedHall().walk});
+  const std::filesystem::path folder = FreshFolder();
+  const std::filesystem::path map = folder / "hall.db", plan = ThePosedHall().walk / "plan.png";
+  const std::filesystem::path names = folder / "names.json";
+  std::filesystem::copy_file(ThePosedHall().map, map);
+  ASSERT_EQ(RunWaystone({"plan", map, plan, "--anchor", AnchorAt(0, 0), "--anchor", AnchorAt(13, 0),
+                         "--anchor", AnchorAt(13, 12)})
+                .code,
+            0);
+  ASSERT_EQ(RunWaystone({"name", map, "--polygon", "1,7 4,7 4,11 1,11", "Room <&>"}).code, 0);
+  {
+    ChildProcess server({WAYSTONE_PROGRAM, "serve", map, "--port", "0"}, true);
+    RunScript("pose_page_test.mjs", {AddressOf(server), ThePosedHall().walk, names});
+  }
+  // The program takes the file that the page composed.
+  const RunResult taken = RunWaystone({"name", map, "--from", names, "--json"});
+  ASSERT_EQ(taken.code, 0) << taken.err;
+  const Json places = Json::parse(taken.out)["places"];
+  ASSERT_EQ(places.size(), 3u) << taken.out;
+  EXPECT_EQ(places[0]["name"], "Area");
+  EXPECT_EQ(places[0]["polygons"][0].size(), 4u);
+  EXPECT_EQ(places[2]["name"], "Walls");
+  EXPECT_FALSE(places[2]["planes"].empty());
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(WebTest, MapsWithPosesAreSeenFromAbove) { RunScript("pose_view_test.mjs", {}); }

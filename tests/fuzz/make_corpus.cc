@@ -154,6 +154,22 @@ void SaveMaps(const fs::path& folder) {
     const std::string bytes = Compress(ReadFile(made / "m.db"));
     Save(folder / ("map/made" + std::to_string(seed)), Encoded(bytes.begin(), bytes.end()));
   }
+  // What only some maps have: names, links and a floor plan.
+  small.keyframes = 3;
+  MapData map = MadeMap(4, small);
+  map.orientation.reset();
+  map.appearance.reset();
+  const KeyframeId first = map.keyframes[0].id, last = map.keyframes[2].id;
+  map.links = {{first, last}};
+  map.names = {{"Desk", {{NamedKind::kKeyframes, first.value, last.value}}, {}},
+               {"Kitchen", {}, {{{0, 0}, {2, 0}, {2, 2}}}}};
+  FloorPlanImage plan{"Ground", 32, 24, {{{0, 24}, {0, 0}}, {{32, 24}, {3, 0}}}, {}, {}};
+  plan.heights = PlanHeights{-1, 2};
+  plan.image = Encode(".png", CV_8UC1);
+  map.floor_plans = {plan};
+  WriteMap(map, made / "m.db", {.overwrite = true});
+  const std::string bytes = Compress(ReadFile(made / "m.db"));
+  Save(folder / "map/extras", Encoded(bytes.begin(), bytes.end()));
 }
 
 }  // namespace

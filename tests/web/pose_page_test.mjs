@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// node pose_page_test.mjs URL HALL [SCREENSHOT_FOLDER]: the page of a map with poses, served at URL as
-// hall, whose images, poses and queries `waystone demo --write HALL` wrote, in Debian's Chromium.
+// node pose_page_test.mjs URL HALL NAMES_FILE [SCREENSHOT_FOLDER]: the page of a map with poses, a floor
+// plan and a named area, served at URL as hall, whose images, poses and queries `waystone demo --write
+// HALL` wrote, in Debian's Chromium. The names that are composed there are saved as NAMES_FILE.
 // Exit status: 0 on success, 1 after a message about what failed or is missing.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { copyFileSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { ask, checkAccess, go, json, startBrowser } from "./browser.mjs";
 
-const [url, hall, screenshots] = process.argv.slice(2);
+const [url, hall, namesFile, screenshots] = process.argv.slice(2);
 const { open, shoot, shootWhole, run } = await startBrowser(url, screenshots);
 
 const rowsOf = (file) => readFileSync(join(hall, file), "utf8").trim().split("\n").slice(1).map((l) => l.split(","));
@@ -85,6 +86,7 @@ async function testQuery(page) {
   assert.ok(off < 0.05, `${off} m from the truth: ${said}`);
   assert.match(said, /Orientation\s*.* ± \d\.\d\d°/);
   assert.match(said, /in the frame “/);
+  assert.match(said, /On the plan\s*\d+, \d+ px of “Floor plan”/);
   await checkQuery(page, "answer");
   assert.ok(await page.locator(".pose-map .recognized").count() > 0, "recognized planes stand out");
   await shootWhole(page, "pose_answer");
@@ -95,7 +97,121 @@ async function testQuery(page) {
   await shoot(page, "poses");
 }
 
+// The floor plan lies where its anchors are, below all else, and can be put away.
+async function testPlan(page) {
+  const { plans } = await (await fetch(`${url}/v1/maps/hall/plan`)).json();
+  await go(page, "hall", "layers", "Trajectory");
+  await page.locator(".pose-map .plan").waitFor();
+  const { scale, left, bottom } = await measureDrawing(page);
+  const [a, b, c, d, e, f] = await page.locator(".pose-map .plan").evaluate((image) =>
+    /matrix\((.*)\)/.exec(image.getAttribute("transform"))[1].split(" ").map(Number));
+  for (const { px: [u, v], at: [x, y] } of plans[0].anchors) {
+    const off = Math.hypot(a * u + c * v + e - (left + scale * x), b * u + d * v + f - (bottom - scale * y));
+    assert.ok(off < 0.2, `an anchor of the plan is ${off} px from its place`);
+  }
+  assert.equal(await page.locator(".pose-map > :first-child").getAttribute("class"), "plan");
+  assert.equal(await page.locator(".pose-map .area text").textContent(), "Room <&>");
+  await page.getByLabel("Floor plan").selectOption("none");
+  assert.equal(await page.locator(".pose-map .plan").count(), 0);
+  await measureDrawing(page);
+  await page.getByLabel("Floor plan").selectOption("Floor plan");
+  await page.locator(".pose-map .plan").waitFor();
+}
+
+const kCorners = [[1, 8], [4, 8], [4, 11], [1.5, 11]];
+
+// Clicks on points of the frame, as measureDrawing found them.
+async function clickAt(page, { scale, left, bottom }, [x, y]) {
+  const svg = page.locator(".pose-map");
+  await svg.scrollIntoViewIfNeeded();
+  const spot = await svg.evaluate((element, p) => {
+    const { x, y } = new DOMPoint(...p).matrixTransform(element.getScreenCTM());
+    return [x, y];
+  }, [left + scale * x, bottom - scale * y]);
+  await page.mouse.click(...spot);
+}
+
+// An area by clicks, with its last corner undone and typed; planes by clicks and ids; the file.
+async function testCompose(page) {
+  await go(page, "hall", "names", "Named places");
+  const of = (kind) => page.locator(".composer select").selectOption(kind);
+  const add = async (name) => {
+    await page.getByLabel("Name", { exact: true }).fill(name);
+    await page.getByRole("button", { name: "Add" }).click();
+  };
+  await of("areas");
+  await page.locator(".pose-map.drawing").waitFor();
+  const drawing = await measureDrawing(page);
+  for (const corner of kCorners) await clickAt(page, drawing, corner);
+  const field = page.getByRole("textbox", { name: "Corners" });
+  const read = async () => (await field.inputValue()).split(" ").map((pair) => pair.split(",").map(Number));
+  const clicked = await read();
+  assert.equal(clicked.length, kCorners.length);
+  clicked.forEach(([x, y], i) => {
+    const off = Math.hypot(x - kCorners[i][0], y - kCorners[i][1]);
+    assert.ok(off < 2 / drawing.scale, `corner ${i} is ${off} m from where the click was`);
+  });
+  assert.equal(await page.locator(".corners circle").count(), 4);
+  assert.match(await page.locator("figcaption").innerText(), /The area holds \d+ keyframes/);
+  await shootWhole(page, "names_area");
+  await checkAccess(page, "an area that is drawn");
+  await page.getByRole("button", { name: "Undo last corner" }).click();
+  assert.deepEqual(await read(), clicked.slice(0, 3));
+  await field.fill("1,8 2,8");
+  await add("Area");
+  assert.match(await page.locator(".failure").innerText(), /three corners or more/);
+  await field.fill("1,8 2,8 3,8");
+  await page.getByRole("button", { name: "Add" }).click();
+  assert.match(await page.locator(".failure").innerText(), /on one line/);
+  await field.fill("1,8 x 2,8");
+  await page.getByRole("button", { name: "Add" }).click();
+  assert.match(await page.locator(".failure").innerText(), /Give corners/);
+  await field.fill(kCorners.map((c) => c.join(",")).join(" "));
+  await page.getByRole("button", { name: "Add" }).click();
+  await page.locator(".names tbody tr").nth(1).waitFor();
+  assert.equal(await page.locator(".failure").count(), 0);
+  assert.equal(await page.locator(".pose-map .area").count(), 2);
+  await composePlanes(page, of, add);
+  await saveNames(page);
+}
+
+async function composePlanes(page, of, add) {
+  await of("planes");
+  const wall = page.locator(".pose-map .wall").first();
+  const id = /\d+/.exec(await wall.locator("title").textContent())[0];
+  await wall.dispatchEvent("click");
+  const field = page.getByRole("textbox", { name: "Planes" });
+  assert.equal(await field.inputValue(), id);
+  await page.locator(".pose-map .recognized").waitFor({ state: "attached" });
+  await page.locator('ul[aria-label="Chosen planes"] .outline polygon').waitFor();
+  await checkAccess(page, "a plane that is chosen");
+  await field.fill(`${id}, 1000000`);
+  await add("Walls");
+  assert.match(await page.locator(".failure").innerText(), /no plane 1000000/);
+  await field.fill(id);
+  await page.getByRole("button", { name: "Add" }).click();
+  await page.locator(".names tbody tr").nth(2).waitFor();
+  // From the view of another plane one comes back to what was composed.
+  await go(page, "hall", `planes/${id}`, "Plane graph");
+  await page.getByRole("link", { name: "Name this plane" }).click();
+  await page.getByRole("heading", { level: 1, name: "Named places" }).waitFor();
+  assert.equal(await field.inputValue(), id);
+  assert.equal(await page.locator(".names tbody tr").count(), 3);
+}
+
+async function saveNames(page) {
+  const waiting = page.waitForEvent("download");
+  await page.getByRole("link", { name: "Download hall-names.json" }).click();
+  copyFileSync(await (await waiting).path(), namesFile);
+  const { places } = JSON.parse(readFileSync(namesFile, "utf8"));
+  assert.deepEqual(places.map((p) => p.name), ["Area", "Room <&>", "Walls"]);
+  assert.deepEqual(places[0].polygons[0].corners, kCorners);
+  assert.deepEqual(Object.keys(places[0].polygons[0]).sort(), ["corners", "frame", "right", "top", "unit"]);
+  assert.equal(places[2].planes.length, 1);
+}
+
 async function testLinks(page) {
+  await go(page, "hall", "layers", "Trajectory");
   const named = async (what) => {
     const id = /\d+/.exec(await page.locator(what).first().locator("title").textContent())[0];
     await page.locator(what).first().dispatchEvent("click");
@@ -151,6 +267,16 @@ async function testPhone() {
   });
   await page.goto(`${url}/`);
   await ask(page, photoOf(kInside));
+  await go(page, "hall", "names", "Named places");
+  await page.locator(".composer select").selectOption("areas");
+  await page.locator(".pose-map.drawing").waitFor();
+  const drawing = await measureDrawing(page);
+  for (const corner of kCorners.slice(0, 3)) await clickAt(page, drawing, corner);
+  assert.equal(await page.locator(".corners circle").count(), 3, "taps are corners");
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+  assert.ok(wide <= 360, `names are ${wide} px wide on a phone`);
+  await shootWhole(page, "phone_names_area");
+  await checkAccess(page, "an area on a phone, dark");
   for (const [view, heading] of [["ask", /Where/], ["layers", /Trajectory/]]) {
     await go(page, "hall", view, heading);
     await page.locator(".pose-map .query").waitFor();
@@ -167,7 +293,7 @@ async function testPhone() {
 await run(async () => {
   const { page, complaints, close } = await open({ viewport: { width: 1280, height: 800 } });
   await page.goto(`${url}/`);
-  for (const test of [testMap, testQuery, testLinks, testNoPose]) {
+  for (const test of [testMap, testQuery, testPlan, testCompose, testLinks, testNoPose]) {
     await test(page);
     assert.deepEqual(complaints, [], test.name);
   }

@@ -11,7 +11,7 @@ async function load() {
   const esbuild = createRequire(kWeb)("esbuild");
   const built = esbuild.buildSync({
     stdin: {
-      contents: 'export * from "./pose_view"; export { unitOf, withDeviation } from "./words";',
+      contents: 'export * from "./pose_view"; export * from "./words";',
       resolveDir: fileURLToPath(new URL("src", kWeb)),
     },
     bundle: true,
@@ -55,6 +55,39 @@ function testViews({ axesSeen, seen, viewFromAbove }) {
   assert.equal(axes(kAslant), "", "none lies in the picture");
 }
 
+// A plan that is turned by a quarter, 10 px a unit: its corners, and its pixels in a drawing.
+function testPlans({ planCorners, planTransform }) {
+  const plan = { width: 40, height: 20, plan_from_frame: [[0, -10, 30], [-10, 0, 15]] };
+  near(planCorners(plan), [[1.5, 3], [1.5, -1], [-0.5, -1], [-0.5, 3]]);
+  const at = ([x, y]) => [100 + 7 * x, 50 - 7 * y];
+  const [a, b, c, d, e, f] = /matrix\((.*)\)/.exec(planTransform(plan, at))[1].split(" ").map(Number);
+  const [x, y] = [0.4, 1.3];
+  const [u, v] = [30 - 10 * y, 15 - 10 * x];
+  near([a * u + c * v + e, b * u + d * v + f], at([x, y]));
+}
+
+function testPanoramas({ asPoseLayer, headingSeen, viewFromAbove }) {
+  for (const heading_rad of [0, 0.7, -2.5, 3.1]) {
+    const layer = asPoseLayer({ nodes: [{ id: 4, x: 1, y: 2, heading_rad }], metres_per_unit: null });
+    near(layer.keyframes.position, [[1, 2, 0]]);
+    const seen = headingSeen(viewFromAbove(layer.up), layer.keyframes.orientation[0]);
+    near(seen, [Math.cos(heading_rad), Math.sin(heading_rad)]);
+  }
+}
+
+function testAreas({ areaOf, holds, idsIn, cornersIn, cornerText, withoutLast }) {
+  const hook = [[0, 0], [3, 0], [3, 3], [2, 3], [2, 1], [0, 1]];
+  near(areaOf(hook), 5);
+  assert.deepEqual([[2.5, 2], [1, 2], [1, 0.5], [4, 1]].map((p) => holds(hook, p)), [true, false, true, false]);
+  assert.equal(areaOf([]), 0);
+  assert.deepEqual(idsIn(" 3, 5 5"), [3, 5]);
+  assert.deepEqual([idsIn(""), idsIn("3 x"), idsIn("-1")], [[], null, null]);
+  assert.deepEqual(cornersIn(" 0,0  4.5,-1e1 "), [[0, 0], [4.5, -10]]);
+  assert.deepEqual(["1", "1,", "a,b", "1,2,3", "1,Infinity"].map(cornersIn), [null, null, null, null, null]);
+  assert.equal(cornerText([1.23456, -0.001], 40), "1.23,0");
+  assert.equal(withoutLast("1,2 3,4 "), "1,2");
+}
+
 function testHeadings({ headingSeen, viewFromAbove }) {
   const above = viewFromAbove([0, 0, 1]);
   near(headingSeen(above, [-0.5, 0.5, -0.5, 0.5]), [1, 0]);
@@ -92,6 +125,7 @@ function testLayout({ barLength, boxOf, layOut }) {
   near(boxOf([[1, 2]], []).high, [1, 2]);
   const room = { width: 300, height: 200, margin: 10, strip: 30 };
   const wide = layOut({ low: [0, 0], high: [28, 7] }, room);
+  near(wide.from(wide.at([3, 4])), [3, 4]);
   near([wide.scale, wide.height, wide.at([0, 7]), wide.at([28, 0])], [10, 120, 10, 10, 290, 80]);
   const high = layOut({ low: [0, 0], high: [1, 15] }, room);
   near([high.scale, high.height, high.at([0, 15])], [10, 200, 145, 10]);
@@ -111,7 +145,8 @@ function testNumbers({ unitOf, withDeviation }) {
 
 try {
   const module = await load();
-  const tests = [testTurned, testViews, testHeadings, testEllipses, testPlanes, testLayout, testNumbers];
+  const tests = [testTurned, testViews, testPlans, testPanoramas, testAreas, testHeadings, testEllipses, testPlanes, testLayout,
+    testNumbers];
   for (const test of tests) test(module);
 } catch (error) {
   console.log(String(error.stack ?? error).replace(/\n\s*\n/g, "\n"));

@@ -10,8 +10,8 @@ import {
 } from "../../../clients/js/waystone.js";
 
 export type {
-  Appearance, AppearanceNode, Audit, DirectedLines, ExplainedKeyframe, Explanation, ImageRange, Keyframe, NamesFile,
-  NamesFilePlace, Orientation, OrientationFrame, Overview, Plane, Pose, PoseLayer, Space,
+  Appearance, AppearanceNode, Audit, DirectedLines, ExplainedKeyframe, Explanation, FloorPlan, FloorPlans, ImageRange, Keyframe, NamesFile,
+  NamedArea, NamesFilePlace, Orientation, OrientationFrame, Overview, Plane, PlaneInImage, Pose, PoseLayer, Space,
 } from "../../../clients/js/waystone.js";
 export type { Answer, MapSummary };
 export type Candidate = ExplainedCandidate;

@@ -8,7 +8,7 @@ import { Overlay, type Shape } from "./figure";
 import { MatchFigure } from "./match_figure";
 import type { Query, ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, PlaneLink, PlaneLinks, Swatch } from "./parts";
-import { poseRows } from "./pose_answer";
+import { planRows, poseRows } from "./pose_answer";
 import { PoseFigure } from "./pose_map";
 import { href } from "./route";
 import { usePicture } from "./use";
@@ -92,6 +92,7 @@ function PanoramaNumbers({ map, answer }: { map: string; answer: Answer }) {
           ? `${position.x.toFixed(1)}, ${position.y.toFixed(1)} ± ${position.deviation.toFixed(1)}${unit}`
           : "–"],
         ["Heading", heading ? degrees(heading.rad) : "–"],
+        ...planRows(answer),
         ["Time", <Timing answer={answer} />],
       ]}
     />
@@ -124,6 +125,7 @@ function Numbers({ map, answer }: { map: string; answer: Answer }) {
           ? <>keyframe <KeyframeLink map={map} id={runnerUp.keyframe.id} />, {confidence(runnerUp.probability)}</>
           : "none"],
         ...poseRows(answer),
+        ...planRows(answer),
         ["Time", <Timing answer={answer} />],
       ]}
     />

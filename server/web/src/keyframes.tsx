@@ -36,7 +36,7 @@ function PlaneTable({ map, keyframe, shown, toggle }: {
     <div class="scroll" tabIndex={0} role="region" aria-label="Planes in view">
       <table>
         <caption>Planes in view</caption>
-        <thead><tr><th>Draw</th><th>Plane</th><th class="number">Inliers</th></tr></thead>
+        <thead><tr><th>Draw</th><th>Plane</th><th class="number">Inliers</th><th>Names</th></tr></thead>
         <tbody>
           {keyframe.planes.map((plane, i) => (
             <tr key={plane.id}>
@@ -50,6 +50,7 @@ function PlaneTable({ map, keyframe, shown, toggle }: {
               </td>
               <td><Swatch colour={colourOf(i)} /><PlaneLink map={map} id={plane.id} /></td>
               <td class="number">{plane.inliers}</td>
+              <td><a href={href(map, "names", plane.id)} aria-label={`Name plane ${plane.id}`}>name</a></td>
             </tr>
           ))}
         </tbody>

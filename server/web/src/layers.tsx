@@ -2,11 +2,12 @@
 // View: the trajectory, layer by layer: poses, revisits, and the poses of the appearance layer.
 import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
-import { type Appearance, type AppearanceNode, mapPath, type Overview } from "./api";
+import { type Appearance, type AppearanceNode, type FloorPlan, type FloorPlans, mapPath, type Overview } from "./api";
 import { colourOf } from "./colours";
 import type { ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, Panorama, PlaneLink, Swatch, Waiting } from "./parts";
-import { PoseFigure } from "./pose_map";
+import { PlanChooser, PlanImage, PoseFigure, usePlan } from "./pose_map";
+import { planCorners } from "./pose_view";
 import { href } from "./route";
 import { Sessions } from "./sessions";
 import { useGet } from "./use";
@@ -98,10 +99,16 @@ interface Drawn {
 }
 
 // Nodes at their estimated positions, and the edges between them.
-function Trajectory(props: { layer: Appearance; chosen: number; choose: (index: number) => void }) {
-  const { layer, chosen, choose } = props;
-  const xs = layer.nodes.map((n) => n.x);
-  const ys = layer.nodes.map((n) => -n.y); // y up, as on a floor plan
+function Trajectory(props: {
+  layer: Appearance;
+  plan: FloorPlan | null;
+  chosen: number;
+  choose: (index: number) => void;
+}) {
+  const { layer, plan, chosen, choose } = props;
+  const corners = plan ? planCorners(plan) : [];
+  const xs = [...layer.nodes.map((n) => n.x), ...corners.map(([x]) => x)];
+  const ys = [...layer.nodes.map((n) => -n.y), ...corners.map(([, y]) => -y)]; // y up, as on a floor plan
   const [left, top] = [Math.min(...xs), Math.min(...ys)];
   const size = Math.max(Math.max(...xs) - left, Math.max(...ys) - top, 1e-6);
   const unit = size / 100;
@@ -110,6 +117,7 @@ function Trajectory(props: { layer: Appearance; chosen: number; choose: (index: 
   return (
     <svg class="plot trajectory" viewBox={box.join(" ")} role="img"
       aria-label={`Trajectory of ${layer.nodes.length} nodes`}>
+      {plan && <PlanImage plan={plan} at={([x, y]) => [x, -y]} />}
       {layer.edges.map((e, i) => {
         const [a, b] = [byId.get(e.a), byId.get(e.b)];
         return a && b && (
@@ -145,7 +153,10 @@ function Node({ map, id }: { map: string; id: number }) {
   );
 }
 
-function AppearanceLayer({ map }: { map: string }) {
+// `planned` if floor plans are in the frame of this layer.
+function AppearanceLayer({ map, planned }: { map: string; planned: boolean }) {
+  const plans = useGet<FloorPlans>(planned ? `${mapPath(map)}/plan` : null);
+  const under = usePlan(plans.value?.plans ?? []);
   const layer = useGet<Appearance>(`${mapPath(map)}/appearance`);
   const [chosen, choose] = useState(0);
   if (layer.error) return <Failure error={layer.error} />;
@@ -159,7 +170,8 @@ function AppearanceLayer({ map }: { map: string }) {
         {counted(loops, "loop closure")}.{" "}
         {layer.value.scale === "metric" ? "Units: metres." : "The scale is arbitrary."}
       </p>
-      <Trajectory layer={layer.value} chosen={chosen} choose={choose} />
+      <Trajectory layer={layer.value} plan={under.plan} chosen={chosen} choose={choose} />
+      <PlanChooser plans={plans.value?.plans ?? []} plan={under.plan} choose={under.choose} />
       <p class="steps">
         <button disabled={chosen === 0} onClick={() => choose(chosen - 1)}>← Previous</button>{" "}
         <button disabled={chosen + 1 >= count} onClick={() => choose(chosen + 1)}>Next →</button>
@@ -204,7 +216,7 @@ export function LayersView({ map, query }: ViewProps) {
         has={layers.includes("appearance")}
         missing="This map has no appearance layer. Build a map from panoramas or from a rig that covers the full circle to get one."
       >
-        <AppearanceLayer map={map.name} />
+        <AppearanceLayer map={map.name} planned={!layers.includes("poses")} />
       </Layer>
       <Layer
         name="Turns and corridors (orientation layer)"

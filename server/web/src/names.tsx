@@ -3,50 +3,17 @@
 // takes the file.
 import { useEffect, useState } from "preact/hooks";
 import {
-  type AppearanceNode, get, type ImageRange, type Keyframe, mapPath, type NamesFile, type NamesFilePlace,
-  type Overview,
+  type Appearance, type FloorPlans, type ImageRange, mapPath, type NamesFile, type NamesFilePlace, type Overview,
+  type PoseLayer,
 } from "./api";
+import { colourOf } from "./colours";
+import { Composer, type Draft, type Kind, kNouns, PlanePreviews } from "./name_composer";
 import type { ViewProps } from "./types";
 import { Failure, Waiting } from "./parts";
+import { areasOf, type Compose, PlanChooser, PoseMap, usePlan } from "./pose_map";
+import { asPoseLayer, holds, seen, type Vec2, viewFromAbove } from "./pose_view";
 import { useGet } from "./use";
-import { counted } from "./words";
-
-type Kind = "keyframes" | "nodes";
-type Taken = Keyframe | AppearanceNode;
-
-const kMaxBytes = 200; // of a name
-const kNouns: Record<Kind, string> = { keyframes: "keyframe", nodes: "panorama" };
-
-const load = (map: string, kind: Kind, id: number) =>
-  get<Taken>(`${mapPath(map)}/${kind === "nodes" ? "appearance/nodes" : "keyframes"}/${id}`);
-
-const imageOf = ({ source, frame }: Taken) => ({ image: source, frame });
-
-// The range from one keyframe or panorama to another as names files have it. Throws for two of
-// different sequences.
-export function rangeOf(first: Taken, last: Taken): ImageRange {
-  if (first.sequence !== last.sequence) {
-    throw new Error(`${first.source} and ${last.source} are of different sequences; name them one after the other`);
-  }
-  const [a, b] = first.frame <= last.frame ? [first, last] : [last, first];
-  return { sequence: a.sequence, first: imageOf(a), last: imageOf(b) };
-}
-
-// The places with `range` added to the one of this name, in the order of their names.
-export function withRange(places: NamesFilePlace[], name: string, kind: Kind, range: ImageRange): NamesFilePlace[] {
-  const empty: NamesFilePlace = { name, keyframes: [], nodes: [], planes: [], polygons: [] };
-  const old = places.find((p) => p.name === name) ?? empty;
-  const added = { ...old, [kind]: [...old[kind], range] };
-  const all = [...places.filter((p) => p.name !== name), added];
-  return all.sort((a, b) => (a.name < b.name ? -1 : 1));
-}
-
-export function problemOf(name: string): string | null {
-  if (name === "") return "Enter a name.";
-  if (new TextEncoder().encode(name).length > kMaxBytes) return `A name has at most ${kMaxBytes} bytes.`;
-  if (/[\p{Cc}\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/u.test(name)) return "A name has no control characters.";
-  return null;
-}
+import { cornersIn, cornerText, counted, idsIn } from "./words";
 
 const rangeInWords = ({ sequence, first, last }: ImageRange) =>
   first.image === last.image ? `${first.image} of ${sequence}` : `${first.image} to ${last.image} of ${sequence}`;
@@ -63,7 +30,7 @@ function Places({ places, remove }: { places: NamesFilePlace[]; remove: (name: s
   return (
     <div class="scroll" tabIndex={0} role="region" aria-label="Named places">
       <table class="names">
-        <thead><tr><th>Name</th><th>Images</th><th>Remove</th></tr></thead>
+        <thead><tr><th>Name</th><th>Made of</th><th>Remove</th></tr></thead>
         <tbody>
           {places.map((place) => (
             <tr key={place.name}>
@@ -75,45 +42,6 @@ function Places({ places, remove }: { places: NamesFilePlace[]; remove: (name: s
         </tbody>
       </table>
     </div>
-  );
-}
-
-function Composer(props: { map: string; kinds: Kind[]; add: (name: string, kind: Kind, range: ImageRange) => void }) {
-  const { map, kinds, add } = props;
-  const [kind, setKind] = useState<Kind>(kinds[0]);
-  const [error, setError] = useState<string | null>(null);
-  const submit = async (event: Event) => {
-    event.preventDefault();
-    const form = event.target as HTMLFormElement;
-    const field = (name: string) => (form.elements.namedItem(name) as HTMLInputElement).value.trim();
-    const name = field("name");
-    const problem = problemOf(name);
-    setError(problem);
-    if (problem) return;
-    try {
-      const [first, last] = await Promise.all(
-        [field("first"), field("last") || field("first")].map((id) => load(map, kind, Number(id))));
-      add(name, kind, rangeOf(first, last));
-      form.reset();
-    } catch (failure) {
-      setError((failure as Error).message);
-    }
-  };
-  return (
-    <form class="composer" onSubmit={submit}>
-      {kinds.length > 1 && (
-        <label>
-          Of <select value={kind} onChange={(e) => setKind((e.target as HTMLSelectElement).value as Kind)}>
-            {kinds.map((k) => <option key={k} value={k}>{kNouns[k]}s</option>)}
-          </select>
-        </label>
-      )}
-      <label>First {kNouns[kind]} <input name="first" type="number" min="1" step="1" required /></label>
-      <label>Last {kNouns[kind]} <input name="last" type="number" min="1" step="1" /></label>
-      <label>Name <input name="name" type="text" autocomplete="off" required /></label>
-      <button>Add</button>
-      {error && <Failure error={error} />}
-    </form>
   );
 }
 
@@ -135,24 +63,107 @@ function Download({ map, file }: { map: string; file: NamesFile }) {
   );
 }
 
-export function NamesView({ map }: ViewProps) {
+const kHelp: Partial<Record<Kind, string>> = {
+  planes: "Click on planes to choose them, or enter their ids.",
+  polygons: "Click on the corners of the area in their order, or enter them.",
+};
+
+// The map from above, where planes and corners are chosen.
+function AboveFigure(props: {
+  map: string;
+  layer: PoseLayer;
+  posed: boolean; // else panoramas are drawn
+  overview: Overview;
+  plans: FloorPlans;
+  places: NamesFilePlace[];
+  draft: Draft;
+  setDraft: (draft: Draft) => void;
+}) {
+  const { layer, posed, plans, draft, setDraft } = props;
+  const { plan, choose } = usePlan(plans.plans);
+  const corners = (draft.kind === "polygons" && cornersIn(draft.corners)) || [];
+  const chosen = (draft.kind === "planes" && idsIn(draft.planes)) || [];
+  const noun = posed ? "keyframe" : "panorama";
+  const addCorner = (corner: Vec2, px_per_unit: number) =>
+    setDraft({ ...draft, corners: `${draft.corners} ${cornerText(corner, px_per_unit)}`.trim() });
+  const choosePlane = (id: number) => {
+    const ids = chosen.includes(id) ? chosen.filter((c) => c !== id) : [...chosen, id];
+    setDraft({ ...draft, planes: ids.join(", ") });
+  };
+  const compose: Compose = {
+    corners,
+    noun,
+    addCorner: draft.kind === "polygons" ? addCorner : undefined,
+    choosePlane: draft.kind === "planes" ? choosePlane : undefined,
+  };
+  const opens = posed && (draft.kind === "keyframes" || draft.kind === "nodes");
+  const view = viewFromAbove(layer.up);
+  const held = layer.keyframes.position.filter((p) => holds(corners, seen(view, p))).length;
+  return (
+    <figure>
+      <PoseMap map={props.map} layer={layer} overview={posed ? props.overview : null} pose={null}
+        colours={new Map(chosen.map((id, i) => [id, colourOf(i)]))} plan={plan} areas={areasOf(props.places)}
+        compose={opens ? undefined : compose} />
+      <PlanChooser plans={plans.plans} plan={plan} choose={choose} />
+      <figcaption>
+        {kHelp[draft.kind]} {corners.length > 2 && `The area holds ${counted(held, noun)}.`}
+      </figcaption>
+    </figure>
+  );
+}
+
+// What was composed for a map stays while other views are shown.
+const drafted = new Map<string, NamesFilePlace[]>();
+
+function useLayer(map: string, layers: string[]) {
+  const posed = layers.includes("poses");
+  const poses = useGet<PoseLayer>(posed ? `${mapPath(map)}/poses` : null);
+  const walked = !posed && layers.includes("appearance");
+  const appearance = useGet<Appearance>(walked ? `${mapPath(map)}/appearance` : null);
+  const layer = poses.value ?? (appearance.value && asPoseLayer(appearance.value));
+  return { posed, layer, wanted: posed || walked, error: poses.error ?? appearance.error };
+}
+
+export function NamesView({ map, route }: ViewProps) {
   const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
   const stored = useGet<NamesFile>(`${mapPath(map.name)}/names`);
-  const [edited, setEdited] = useState<NamesFilePlace[] | null>(null);
-  const error = overview.error ?? stored.error;
+  const plans = useGet<FloorPlans>(`${mapPath(map.name)}/plan`);
+  const { posed, layer, wanted, error: missing } = useLayer(map.name, overview.value?.layers ?? []);
+  const [edited, setEdited] = useState<NamesFilePlace[] | null>(drafted.get(map.name) ?? null);
+  const [draft, setDraft] = useState<Draft>(
+    { kind: map.keyframes > 0 ? "keyframes" : "nodes", planes: "", corners: "" });
+  useEffect(() => {
+    if (route.id !== null) setDraft({ kind: "planes", planes: `${route.id}`, corners: "" });
+  }, [route.id]);
+  const error = overview.error ?? stored.error ?? plans.error ?? missing;
   if (error) return <Failure error={error} />;
-  if (!overview.value || !stored.value) return <Waiting what="the names" />;
+  if (!overview.value || !stored.value || !plans.value || (wanted && !layer)) return <Waiting what="the names" />;
+  const edit = (places: NamesFilePlace[]) => {
+    drafted.set(map.name, places);
+    setEdited(places);
+  };
   const places = edited ?? stored.value.places;
-  const all: Kind[] = ["keyframes", "nodes"];
-  const has = { keyframes: map.keyframes > 0, nodes: overview.value.layers.includes("appearance") };
+  const has: Record<Kind, boolean> = {
+    keyframes: map.keyframes > 0,
+    nodes: overview.value.layers.includes("appearance"),
+    planes: map.planes > 0,
+    polygons: wanted,
+  };
+  const known = overview.value.planes.id;
   return (
     <>
       <h1>Named places</h1>
       <p class="quiet">Answers carry the name of the place where a photo was taken.</p>
-      <Places places={places} remove={(name) => setEdited(places.filter((p) => p.name !== name))} />
+      <Places places={places} remove={(name) => edit(places.filter((p) => p.name !== name))} />
       <h2>Name another</h2>
-      <Composer map={map.name} kinds={all.filter((k) => has[k])}
-        add={(name, kind, range) => setEdited(withRange(places, name, kind, range))} />
+      <Composer map={map.name} kinds={(Object.keys(kNouns) as Kind[]).filter((k) => has[k])} planes={known}
+        plans={plans.value} places={places} draft={draft} setDraft={setDraft} setPlaces={edit} />
+      {draft.kind === "planes" &&
+        <PlanePreviews map={map.name} ids={(idsIn(draft.planes) ?? []).filter((id) => known.includes(id))} />}
+      {layer && layer.keyframes.id.length > 0 && (
+        <AboveFigure map={map.name} layer={layer} posed={posed} overview={overview.value} plans={plans.value}
+          places={places} draft={draft} setDraft={setDraft} />
+      )}
       {edited && <Download map={map.name} file={{ ...stored.value, places }} />}
     </>
   );

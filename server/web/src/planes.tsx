@@ -113,6 +113,7 @@ function PlanePanel({ map, id }: { map: string; id: number }) {
     <section class="panel" aria-label={`Plane ${id}`}>
       <h2>Plane {id} <a class="close" href={href(map, "planes")}>Close</a></h2>
       <Picture map={map} plane={plane.value} />
+      <p><a href={href(map, "names", id)}>Name this plane</a></p>
       <Facts
         rows={[
           ["Features", `${features.length}, each matched ${votes.toFixed(1)} times on average`],

@@ -37,3 +37,10 @@ export function poseRows({ pose, pose_reason }: Answer): [string, ComponentChild
     ["Pose from", from],
   ];
 }
+
+// Where the query is on a floor plan; none where it isn't on one.
+export function planRows({ place }: Answer): [string, ComponentChildren][] {
+  const plan = place?.plan;
+  if (!plan) return [];
+  return [["On the plan", <>{plan.x.toFixed(0)}, {plan.y.toFixed(0)} px <small>of “{plan.name}”</small></>]];
+}

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// A map with poses, seen from above: keyframes, panoramas, planes, and a query where its pose is known.
-import { type Answer, mapPath, type Overview, type Pose, type PoseLayer } from "./api";
+// A map with poses, seen from above: keyframes, panoramas, planes, and a query where its pose is known, on a
+// floor plan where the map has one.
+import { useState } from "preact/hooks";
+import {
+  type Answer, type FloorPlan, type FloorPlans, mapPath, type NamesFile, type NamesFilePlace, type Overview, type Pose,
+  type PoseLayer,
+} from "./api";
 import { colourOf } from "./colours";
 import { Failure, Swatch, Waiting } from "./parts";
 import {
-  type Above, axesSeen, barLength, boxOf, ellipseSeen, headingSeen, layOut, planeSeen, seen, type Vec2, viewFromAbove,
+  type Above, axesSeen, barLength, boxOf, ellipseSeen, headingSeen, layOut, planCorners, planeSeen, planTransform, seen,
+  type Vec2, viewFromAbove,
 } from "./pose_view";
 import { href } from "./route";
-import { useGet, useMedia } from "./use";
+import { useGet, useMedia, usePicture } from "./use";
 import { counted, degrees, unitOf } from "./words";
 
 const kWidth = 900; // px
@@ -24,10 +30,56 @@ type Place = (p: Vec2) => Vec2;
 
 const pointList = (points: Vec2[]) => points.map((p) => p.map((v) => v.toFixed(1)).join(",")).join(" ");
 
-function openOn(map: string, view: "keyframes" | "planes", id: number) {
-  return () => {
+function openOn(map: string, view: "keyframes" | "planes") {
+  return (id: number) => {
     location.hash = href(map, view, id);
   };
+}
+
+// The image of a floor plan, where the drawing has what it shows.
+export function PlanImage({ plan, at }: { plan: FloorPlan; at: Place }) {
+  const src = usePicture(plan.image);
+  return src && (
+    <image class="plan" href={src} width={plan.width} height={plan.height} transform={planTransform(plan, at)}
+      preserveAspectRatio="none" />
+  );
+}
+
+export interface Area {
+  name: string;
+  corners: Vec2[];
+}
+
+export const areasOf = (places: NamesFilePlace[]): Area[] =>
+  places.flatMap(({ name, polygons }) => polygons.map(({ corners }) => ({ name, corners })));
+
+// The areas of named places.
+function Areas({ areas, at }: { areas: Area[]; at: Place }) {
+  return (
+    <>
+      {areas.map(({ name, corners }, i) => {
+        const points = corners.map(at);
+        const [x, y] = [0, 1].map((axis) => points.reduce((sum, p) => sum + p[axis], 0) / points.length);
+        return (
+          <g key={i} class="area">
+            <polygon points={pointList(points)} />
+            <text x={x} y={y}>{name}</text>
+          </g>
+        );
+      })}
+    </>
+  );
+}
+
+// An area that is being drawn.
+function Corners({ corners, at }: { corners: Vec2[]; at: Place }) {
+  const points = corners.map(at);
+  return (
+    <g class="corners">
+      <polygon points={pointList(points)} />
+      {points.map(([x, y], i) => <circle key={i} cx={x} cy={y} r="4" />)}
+    </g>
+  );
 }
 
 interface SeenPlane {
@@ -35,8 +87,13 @@ interface SeenPlane {
   points: Vec2[]; // two are a line
 }
 
-function Planes(props: { map: string; planes: SeenPlane[]; colours: Map<number, string>; at: Place }) {
-  const { map, planes, colours, at } = props;
+function Planes(props: {
+  planes: SeenPlane[];
+  colours: Map<number, string>;
+  at: Place;
+  choose: (id: number) => void;
+}) {
+  const { planes, colours, at, choose } = props;
   const drawn = [...planes.filter((p) => !colours.has(p.id)), ...planes.filter((p) => colours.has(p.id))];
   return (
     <>
@@ -46,7 +103,7 @@ function Planes(props: { map: string; planes: SeenPlane[]; colours: Map<number, 
         const shape = points.length > 2 ? "surface" : "wall";
         return (
           <polygon key={id} class={colour ? `${shape} recognized` : shape} style={style}
-            points={pointList(points.map(at))} onClick={openOn(map, "planes", id)}>
+            points={pointList(points.map(at))} onClick={() => choose(id)}>
             <title>plane {id}</title>
           </polygon>
         );
@@ -68,7 +125,14 @@ function Paths({ layer, overview, places }: { layer: PoseLayer; overview: Overvi
   return <>{[...paths].map(([name, path]) => <polyline key={name} class="path" points={pointList(path)} />)}</>;
 }
 
-function Keyframes(props: { map: string; layer: PoseLayer; view: Above; places: Vec2[]; narrow: boolean }) {
+function Keyframes(props: {
+  layer: PoseLayer;
+  view: Above;
+  places: Vec2[];
+  narrow: boolean;
+  noun: string;
+  choose: (id: number) => void;
+}) {
   const { id, orientation } = props.layer.keyframes;
   const size = props.narrow || id.length > kMany ? 0.6 : 1;
   return (
@@ -78,8 +142,8 @@ function Keyframes(props: { map: string; layer: PoseLayer; view: Above; places: 
         const heading = headingSeen(props.view, orientation[i]);
         const tick = kTick * size;
         return (
-          <g key={keyframe} class="keyframe" onClick={openOn(props.map, "keyframes", keyframe)}>
-            <title>keyframe {keyframe}</title>
+          <g key={keyframe} class="keyframe" onClick={() => props.choose(keyframe)}>
+            <title>{props.noun} {keyframe}</title>
             {heading && <line x1={x} y1={y} x2={x + tick * heading[0]} y2={y - tick * heading[1]} />}
             <circle cx={x} cy={y} r={kDot * size} />
           </g>
@@ -156,28 +220,39 @@ function Axes({ view, x, y }: { view: Above; x: number; y: number }) {
   );
 }
 
-// "12 keyframes", "31 panoramas": what there is of them.
-function imagesOf({ keyframes, nodes }: PoseLayer): string[] {
+// "12 keyframes", "31 panoramas": what there is of them. `noun` is what the layer's keyframes are called.
+function imagesOf({ keyframes, nodes }: PoseLayer, noun: string): string[] {
   const [photos, panoramas] = [keyframes.id.length, nodes.id.length];
   return [
-    photos > 0 || panoramas === 0 ? [counted(photos, "keyframe")] : [],
+    photos > 0 || panoramas === 0 ? [counted(photos, noun)] : [],
     panoramas > 0 ? [counted(panoramas, "panorama")] : [],
   ].flat();
 }
 
-function labelOf(layer: PoseLayer, planes: SeenPlane[], pose: Pose | null): string {
-  const what = `${imagesOf(layer).join(", ")} and ${counted(planes.length, "plane")} seen from above`;
+function labelOf(layer: PoseLayer, planes: SeenPlane[], pose: Pose | null, noun: string): string {
+  const what = `${imagesOf(layer, noun).join(", ")} and ${counted(planes.length, "plane")} seen from above`;
   return pose ? `${what}, with the query` : what;
+}
+
+// What clicks on the map choose for a new name, instead of opening what is there.
+export interface Compose {
+  corners: Vec2[]; // so far
+  addCorner?: (corner: Vec2, px_per_unit: number) => void;
+  choosePlane?: (id: number) => void;
+  noun: string; // of what is drawn as keyframes
 }
 
 export function PoseMap(props: {
   map: string;
   layer: PoseLayer;
-  overview: Overview;
+  overview: Overview | null; // null: without the paths from keyframe to keyframe
   pose: Pose | null; // of the query
   colours: Map<number, string>; // of recognized planes
+  plan: FloorPlan | null;
+  areas: Area[];
+  compose?: Compose;
 }) {
-  const { map, layer, pose } = props;
+  const { map, layer, pose, plan, compose } = props;
   const narrow = useMedia("(max-width: 700px)");
   const width = narrow ? kNarrowWidth : kWidth;
   const view = viewFromAbove(layer.up);
@@ -185,17 +260,29 @@ export function PoseMap(props: {
   const ofNodes = layer.nodes.position.map((p) => seen(view, p));
   const images = [...positions, ...ofNodes];
   const planes = layer.planes.map((p) => ({ id: p.id, points: planeSeen(view, p) })).filter((p) => p.points.length > 0);
-  const must = pose ? [...images, seen(view, pose.position)] : images;
+  const must = [...images, ...(pose ? [seen(view, pose.position)] : []), ...(plan ? planCorners(plan) : []),
+    ...props.areas.flatMap((a) => a.corners), ...(compose?.corners ?? [])];
   const room = { width, height: kHeight, margin: kMargin, strip: kStrip };
-  const { scale, height, at } = layOut(boxOf(must, planes.flatMap((p) => p.points)), room);
+  const { scale, height, at, from } = layOut(boxOf(must, planes.flatMap((p) => p.points)), room);
   const places = positions.map(at);
+  const clicked = (event: MouseEvent) => {
+    const svg = event.currentTarget as SVGSVGElement;
+    const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM()!.inverse());
+    compose?.addCorner?.(from([x, y]), scale);
+  };
+  const nothing = () => {};
   return (
-    <svg class="plot pose-map" viewBox={`0 0 ${width} ${height.toFixed(0)}`} role="img"
-      aria-label={labelOf(layer, planes, pose)}>
-      <Planes map={map} planes={planes} colours={props.colours} at={at} />
-      <Paths layer={layer} overview={props.overview} places={places} />
-      <Keyframes map={map} layer={layer} view={view} places={places} narrow={narrow} />
+    <svg class={`plot pose-map${compose?.addCorner ? " drawing" : ""}`} viewBox={`0 0 ${width} ${height.toFixed(0)}`}
+      role="img" aria-label={labelOf(layer, planes, pose, compose?.noun ?? "keyframe")} onClick={clicked}>
+      {plan && <PlanImage plan={plan} at={at} />}
+      <Areas areas={props.areas} at={at} />
+      <Planes planes={planes} colours={props.colours} at={at}
+        choose={compose ? compose.choosePlane ?? nothing : openOn(map, "planes")} />
+      {props.overview && <Paths layer={layer} overview={props.overview} places={places} />}
+      <Keyframes layer={layer} view={view} places={places} narrow={narrow} noun={compose?.noun ?? "keyframe"}
+        choose={compose ? nothing : openOn(map, "keyframes")} />
       <Panoramas layer={layer} view={view} places={ofNodes.map(at)} narrow={narrow} />
+      {compose && <Corners corners={compose.corners} at={at} />}
       {pose && <QueryMark pose={pose} view={view} scale={scale} at={at} />}
       <ScaleBar scale={scale} y={height - 12} unit={unitOf(layer.unit)} />
       <Axes view={view} x={width - 40} y={height - 14} />
@@ -217,7 +304,7 @@ function Legend({ layer, pose }: { layer: PoseLayer; pose: Pose | null }) {
   const placed = layer.planes.filter((p) => p.outline.length > 0).length;
   return (
     <figcaption>
-      <Swatch colour="var(--text)" />{imagesOf(layer).join(" (dots) and ")}{" "}
+      <Swatch colour="var(--text)" />{imagesOf(layer, "keyframe").join(" (dots) and ")}{" "}
       <Swatch colour="var(--accent)" />{counted(placed, "plane")}{pose && ", the recognized ones bold"}
       {pose && <>{" "}<Swatch colour="var(--red)" />query with its 2σ ellipse</>}. Seen from above in the frame
       “{layer.frame}”{layer.up === null && ", along its z axis since the images don’t tell what is up"}.{" "}
@@ -226,19 +313,44 @@ function Legend({ layer, pose }: { layer: PoseLayer; pose: Pose | null }) {
   );
 }
 
+// The plan under a map: that of the answer or the first one, until another is chosen.
+export function usePlan(plans: FloorPlan[], preferred: string | null = null) {
+  const [chosen, choose] = useState<string | null>(null);
+  const name = chosen ?? preferred ?? plans[0]?.name;
+  return { plan: plans.find((p) => p.name === name) ?? null, choose };
+}
+
+export function PlanChooser(props: { plans: FloorPlan[]; plan: FloorPlan | null; choose: (name: string) => void }) {
+  if (props.plans.length === 0) return null;
+  return (
+    <label class="toggle">
+      Floor plan <select value={props.plan?.name ?? ""}
+        onChange={(e) => props.choose((e.target as HTMLSelectElement).value)}>
+        {props.plans.map((p) => <option key={p.name} value={p.name}>{p.name}</option>)}
+        <option value="">none</option>
+      </select>
+    </label>
+  );
+}
+
 // The map from above with its legend, and with the query of `answer` if that has a pose.
 export function PoseFigure({ map, answer }: { map: string; answer: Answer | null }) {
   const overview = useGet<Overview>(`${mapPath(map)}/overview`);
   const layer = useGet<PoseLayer>(`${mapPath(map)}/poses`);
-  const error = overview.error ?? layer.error;
+  const plans = useGet<FloorPlans>(`${mapPath(map)}/plan`);
+  const names = useGet<NamesFile>(`${mapPath(map)}/names`);
+  const { plan, choose } = usePlan(plans.value?.plans ?? [], answer?.place?.plan?.name);
+  const error = overview.error ?? layer.error ?? plans.error ?? names.error;
   if (error) return <Failure error={error} />;
-  if (!overview.value || !layer.value) return <Waiting what="the poses" />;
+  if (!overview.value || !layer.value || !plans.value || !names.value) return <Waiting what="the poses" />;
   if (layer.value.keyframes.id.length + layer.value.nodes.id.length === 0) return null;
   const pose = answer?.pose ?? null;
   const colours = new Map(pose ? answer!.planes.map((p, i) => [p.id, colourOf(i)]) : []);
   return (
     <figure>
-      <PoseMap map={map} layer={layer.value} overview={overview.value} pose={pose} colours={colours} />
+      <PoseMap map={map} layer={layer.value} overview={overview.value} pose={pose} colours={colours} plan={plan}
+        areas={areasOf(names.value.places)} />
+      <PlanChooser plans={plans.value.plans} plan={plan} choose={choose} />
       <Legend layer={layer.value} pose={pose} />
     </figure>
   );

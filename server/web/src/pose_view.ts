@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A map with poses as seen from above: points of its frame in the plane of the picture, and where the
 // drawing has them. Lengths are in the unit of the frame; pure functions.
-import type { Pose, PoseLayer } from "./api";
+import type { Appearance, FloorPlan, Pose, PoseLayer } from "./api";
 
 export type Vec2 = [number, number];
 export type Vec3 = [number, number, number];
@@ -129,7 +129,7 @@ export interface Room {
   strip: number; // left free at the bottom
 }
 
-// A drawing of a box: pixels per unit, its height, and where it has a point (y down).
+// A drawing of a box: pixels per unit, its height, where it has a point (y down), and the reverse.
 export function layOut({ low, high }: Box, room: Room) {
   const { width, margin, strip } = room;
   const [dx, dy] = [high[0] - low[0], high[1] - low[1]];
@@ -141,7 +141,63 @@ export function layOut({ low, high }: Box, room: Room) {
   const height = scale * dy + 2 * margin + strip;
   const left = (width - scale * dx) / 2;
   const at = ([x, y]: Vec2): Vec2 => [left + scale * (x - low[0]), margin + scale * (high[1] - y)];
-  return { scale, height, at };
+  const from = ([x, y]: Vec2): Vec2 => [low[0] + (x - left) / scale, high[1] - (y - margin) / scale];
+  return { scale, height, at, from };
+}
+
+// The corners of a plan's image in the frame, in order.
+export function planCorners({ plan_from_frame: [[a, b, c], [d, e, f]], width, height }: FloorPlan): Vec2[] {
+  const area = a * e - b * d;
+  const back = ([x, y]: Vec2): Vec2 =>
+    [(e * (x - c) - b * (y - f)) / area, (a * (y - f) - d * (x - c)) / area];
+  return [back([0, 0]), back([width, 0]), back([width, height]), back([0, height])];
+}
+
+// The matrix of an SVG transform from the pixels of a plan to a drawing that has points of the frame at `at`.
+export function planTransform(plan: FloorPlan, at: (p: Vec2) => Vec2): string {
+  const [o, x, , y] = planCorners(plan).map(at);
+  const { width, height } = plan;
+  return `matrix(${[(x[0] - o[0]) / width, (x[1] - o[1]) / width, (y[0] - o[0]) / height, (y[1] - o[1]) / height,
+    ...o].join(" ")})`;
+}
+
+// Panoramas of a map without poses as keyframes in the frame of their layer, to be drawn in the same way.
+export function asPoseLayer({ nodes, metres_per_unit }: Appearance): PoseLayer {
+  const looking = (heading_rad: number): Pose["orientation"] => {
+    const [s, c] = [Math.sin(heading_rad / 2), Math.cos(heading_rad / 2)];
+    return [(-c - s) / 2, (c - s) / 2, (s - c) / 2, (s + c) / 2]; // about z, of a camera that looks along x
+  };
+  return {
+    frame: "layer",
+    unit: metres_per_unit === 1 ? "metres" : "unknown",
+    noise: { position_deviation: null, rotation_deviation_rad: null },
+    up: [0, 0, 1],
+    keyframes: {
+      id: nodes.map((n) => n.id),
+      position: nodes.map((n) => [n.x, n.y, 0]),
+      orientation: nodes.map((n) => looking(n.heading_rad)),
+    },
+    nodes: { id: [], position: [], orientation: [] },
+    planes: [],
+  };
+}
+
+// By the even-odd rule.
+export function holds(polygon: Vec2[], [x, y]: Vec2): boolean {
+  let inside = false;
+  polygon.forEach(([ax, ay], i) => {
+    const [bx, by] = polygon[(i + 1) % polygon.length];
+    if (ay > y !== by > y && x < bx + ((y - by) / (ay - by)) * (ax - bx)) inside = !inside;
+  });
+  return inside;
+}
+
+export function areaOf(polygon: Vec2[]): number {
+  const [ox, oy] = polygon[0] ?? [0, 0];
+  return Math.abs(polygon.reduce((sum, [ax, ay], i) => {
+    const [bx, by] = polygon[(i + 1) % polygon.length];
+    return sum + (ax - ox) * (by - oy) - (ay - oy) * (bx - ox);
+  }, 0)) / 2;
 }
 
 // A round length that is at most `most_px` long at `scale` pixels per unit.

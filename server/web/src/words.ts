@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers, verdicts and outcomes as text.
 import { type Answer, type Candidate, type Explanation, type Pose } from "./api";
+import type { Vec2 } from "./pose_view";
 
 // Four matches always fit a homography, and a fifth one easily does.
 const kByChance = 5;
@@ -114,3 +115,24 @@ export function decisionInWords(answer: Answer): string {
       return answer.message ?? answer.decided_by;
   }
 }
+
+// "3, 5" as ids; null for anything else.
+export function idsIn(text: string): number[] | null {
+  const words = text.split(/[\s,]+/).filter((word) => word !== "");
+  return words.every((word) => /^\d+$/.test(word)) ? [...new Set(words.map(Number))] : null;
+}
+
+// "0,0 4.5,0 4.5,3" as corners; null for anything else.
+export function cornersIn(text: string): Vec2[] | null {
+  const words = text.split(/\s+/).filter((word) => word !== "");
+  const corners = words.map((word) => word.split(",").map((number) => (number === "" ? NaN : Number(number))));
+  return corners.every((c) => c.length === 2 && c.every(Number.isFinite)) ? (corners as Vec2[]) : null;
+}
+
+// A corner as text, to a pixel of the drawing.
+export function cornerText(corner: Vec2, px_per_unit: number): string {
+  const digits = Math.min(6, Math.max(0, Math.ceil(Math.log10(px_per_unit))));
+  return corner.map((v) => Number(v.toFixed(digits))).join(",");
+}
+
+export const withoutLast = (text: string): string => text.trim().split(/\s+/).slice(0, -1).join(" ");

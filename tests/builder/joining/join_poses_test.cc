@@ -10,7 +10,10 @@
 #include "core/base/error.h"
 #include "core/geometry/angle.h"
 #include "core/geometry/rotation.h"
+#include "core/image/encode.h"
 #include "localizer/poses/locate_pose.h"
+#include "schema/layers/names/place_names.h"
+#include "schema/layers/poses/horizontal.h"
 #include "tests/builder/joining/walked_maps.h"
 
 namespace waystone {
@@ -89,6 +92,63 @@ TEST(JoinPoses, FramesOfTwoMapsBecomeOne) {
   EXPECT_GE(errors.posed, 40);
   EXPECT_GE(errors.near, errors.posed - 3);
   EXPECT_TRUE(MergeMaps({InMetres(), InAnotherFrame()}, "joined", {}).map == map);
+}
+
+// An area around a keyframe stays around it.
+TEST(JoinPoses, AreasComeIntoTheFrameOfTheMap) {
+  MapData turned = InAnotherFrame();
+  const KeyframePose& pose = turned.poses->keyframes[3];
+  const Eigen::Vector2d at = HorizontalOf(*turned.poses).Of(pose.position);
+  const double half = 0.4 * 0.2;  // 20 cm in its unit
+  turned.names = {{"Here",
+                   {},
+                   {{at + Eigen::Vector2d(-half, -half), at + Eigen::Vector2d(half, -half),
+                     at + Eigen::Vector2d(half, half), at + Eigen::Vector2d(-half, half)}}}};
+  const std::string source = turned.keyframes[3].source;
+  const MapData joined = MergeMaps({turned, InMetres()}, "joined", {}).map;
+  ASSERT_EQ(joined.names.size(), 1u);
+  const NamedPolygon& area = joined.names[0].polygons.at(0);
+  EXPECT_NEAR(AreaOf(area), 0.4 * 0.4, 0.02);
+  int inside = 0;
+  for (const Keyframe& keyframe : joined.keyframes) {
+    if (keyframe.source != source) continue;
+    const KeyframePose* found = joined.poses->Find(keyframe.id);
+    ASSERT_NE(found, nullptr);
+    inside += Holds(area, HorizontalOf(*joined.poses).Of(found->position));
+  }
+  EXPECT_GE(inside, 1);
+  EXPECT_EQ(WrittenAndRead(joined).names, joined.names);
+}
+
+// Anchors hold in the frame of their map alone.
+TEST(JoinPoses, PlansOfTheFrameThatIsKeptStay) {
+  const auto plan = [](const std::string& name) {
+    FloorPlanImage made;
+    made.name = name;
+    made.width = 8;
+    made.height = 8;
+    made.anchors = {{{0, 8}, {0, 0}}, {{8, 8}, {20, 0}}};
+    made.image = EncodeJpeg(cv::Mat(8, 8, CV_8UC1, cv::Scalar(240)));
+    return made;
+  };
+  MapData metric = InMetres(), turned = InAnotherFrame();
+  metric.floor_plans = {plan("Metric")};
+  turned.floor_plans = {plan("Turned")};
+  const JoinResult joined = MergeMaps({turned, metric}, "joined", {});
+  EXPECT_EQ(joined.map.floor_plans, metric.floor_plans);
+  EXPECT_EQ(joined.report.floor_plans, std::vector<std::string>{"Turned"});
+  EXPECT_EQ(WrittenAndRead(joined.map).floor_plans, metric.floor_plans);
+  const JoinResult added = AddToMap(turned, metric, {});
+  EXPECT_EQ(added.map.floor_plans, turned.floor_plans);
+  EXPECT_EQ(added.report.floor_plans, std::vector<std::string>{"Metric"});
+  const KeyframeId first = metric.keyframes.front().id;
+  EXPECT_EQ(RemoveKeyframes(metric, {first}, {}).map.floor_plans, metric.floor_plans);
+  std::set<KeyframeId> all;  // of the only walk with poses
+  const JoinResult half = MergeMaps({metric, MapOfFrames(16, 44, "plain")}, "half", {});
+  for (const KeyframePose& pose : half.map.poses->keyframes) all.insert(pose.keyframe);
+  const RemoveResult left = RemoveKeyframes(half.map, all, {});
+  EXPECT_TRUE(left.map.floor_plans.empty());
+  EXPECT_EQ(left.report.floor_plans, std::vector<std::string>{"Metric"});
 }
 
 // Whoever has stored positions of a map finds them again.

@@ -31,13 +31,14 @@ void PutEntry(Bytes& bytes, uint32_t tag, uint32_t type, uint32_t value, bool bi
 }
 
 // A photo of 80 x 60 pixels that says so much about itself. width 0 leaves the pixels' tags out.
-Bytes Photo(uint32_t focal_mm, bool big = false, uint32_t width = 0, uint32_t height = 0) {
+Bytes Photo(uint32_t focal_mm, bool big = false, uint32_t width = 0, uint32_t height = 0,
+            uint32_t orientation = 1) {
   Bytes tiff = {'E', 'x', 'i', 'f', 0, 0};
   tiff.insert(tiff.end(), 2, big ? 'M' : 'I');
   Put(tiff, 42, 2, big);
   Put(tiff, 8, 4, big);
   Put(tiff, 2, 2, big);
-  PutEntry(tiff, 0x0112, 3, 1, big);
+  PutEntry(tiff, 0x0112, 3, orientation, big);
   PutEntry(tiff, 0x8769, 4, 8 + 2 + 2 * 12 + 4, big);
   Put(tiff, 0, 4, big);
   Put(tiff, width > 0 ? 3 : 1, 2, big);
@@ -70,6 +71,26 @@ TEST(Exif, ScaledPhotosAreTakenAndCroppedOnesNot) {
   EXPECT_TRUE(ReadExifCamera(Photo(28, true, 4000, 3000)).has_value());
   EXPECT_FALSE(ReadExifCamera(Photo(28, true, 3000, 4000)).has_value());
   EXPECT_FALSE(ReadExifCamera(Photo(28, true, 4000, 2250)).has_value());
+}
+
+TEST(Exif, OrientationIsRead) {
+  for (const bool big : {false, true}) {
+    for (uint32_t value = 1; value <= 8; ++value) {
+      EXPECT_EQ(ReadExifOrientation(Photo(28, big, 0, 0, value)), static_cast<int>(value));
+    }
+    for (const uint32_t value : {0U, 9U, 65535U}) {
+      EXPECT_EQ(ReadExifOrientation(Photo(28, big, 0, 0, value)), 1) << value;
+    }
+  }
+  Bytes plain;
+  cv::imencode(".png", cv::Mat(60, 80, CV_8UC1, cv::Scalar(90)), plain);
+  EXPECT_EQ(ReadExifOrientation(plain), 1);
+  EXPECT_EQ(ReadExifOrientation({}), 1);
+  const Bytes good = Photo(28, true, 0, 0, 6);
+  for (size_t size = 0; size < good.size(); ++size) {
+    const int read = ReadExifOrientation(Bytes(good.begin(), good.begin() + int(size)));
+    EXPECT_TRUE(read == 1 || read == 6) << size;
+  }
 }
 
 TEST(Exif, WhatSaysNothingGivesNothing) {

@@ -48,6 +48,12 @@ MapData TumblingMap() {
   return map;
 }
 
+// The same with a floor plan.
+MapData Planned(MapData map) {
+  AddMadeFloorPlan(map);
+  return map;
+}
+
 class LayersTest : public testing::Test {
  protected:
   LayersTest()
@@ -55,6 +61,8 @@ class LayersTest : public testing::Test {
               {"pictured", MapIndex::Build(PicturedMap())},
               {"planes", MapIndex::Build(MadeMap(1))},
               {"posed", MapIndex::Build(PosedMap())},
+              {"planned", MapIndex::Build(Planned(PosedMap()))},
+              {"walked", MapIndex::Build(Planned(MadeLayeredMap(2)))},
               {"tumbling", MapIndex::Build(TumblingMap())},
               {"panoramas", MapIndex::Build(MadeLayeredMap(0))}},
              {}, {}) {}
@@ -255,6 +263,38 @@ TEST_F(LayersTest, OrientationInLists) {
   EXPECT_EQ(GetJson("both/orientation/corridors", {{"limit", "1"}})["corridors"][0]["axis"], "x");
   EXPECT_EQ(Get("both/orientation/nodes/3/image").status, 200);
   EXPECT_EQ(Get("both/orientation/nodes/1/image").status, 404);
+}
+
+TEST_F(LayersTest, FloorPlansWithTheirTransform) {
+  const Json posed = GetJson("planned/plan");
+  EXPECT_EQ(posed["frame"], "hall");
+  EXPECT_EQ(posed["unit"], "metres");
+  EXPECT_EQ(posed["right"], Json::parse("[1.0, 0.0, 0.0]"));
+  const Json& plan = posed["plans"][0];
+  EXPECT_EQ(plan["image"], "/v1/maps/planned/plan/image?name=Ground%20floor");
+  EXPECT_EQ(plan["heights"], Json::parse(R"({"low": -1.0, "high": 2.6})"));
+  const double expected[2][3] = {{10, 0, 0}, {0, -10, 60}};
+  for (int row = 0; row < 2; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      EXPECT_NEAR(plan["plan_from_frame"][row][column].get<double>(), expected[row][column], 1e-9);
+    }
+  }
+  EXPECT_NEAR(plan["px_per_unit"].get<double>(), 10, 1e-9);
+  const Json walked = GetJson("walked/plan");
+  EXPECT_EQ(walked["frame"], "layer");
+  EXPECT_FALSE(walked.contains("unit"));
+  EXPECT_EQ(walked["plans"][0]["heights"], nullptr);
+  EXPECT_TRUE(GetJson("planes/plan")["plans"].empty());
+  EXPECT_EQ(GetJson("planned")["floor_plans"], 1);
+  for (const std::map<std::string, std::string>& query :
+       {std::map<std::string, std::string>{}, {{"name", "Ground floor"}}}) {
+    const HttpResponse image = Get("planned/plan/image", query);
+    EXPECT_EQ(image.status, 200);
+    EXPECT_EQ(image.content_type, "image/jpeg");
+    EXPECT_EQ(image.body.substr(0, 2), "\xFF\xD8");
+  }
+  EXPECT_EQ(Get("planned/plan/image", {{"name", "Attic"}}).status, 404);
+  EXPECT_EQ(Get("planes/plan/image").status, 404);
 }
 
 TEST_F(LayersTest, WithoutTheLayerThereIsNothing) {

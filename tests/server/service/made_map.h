@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/features/descriptor_codes.h"
+#include "core/image/encode.h"
 #include "schema/map_data.h"
 
 namespace waystone {
@@ -131,6 +132,18 @@ inline void AddMadePoses(MapData& map) {
   }
   poses.planes = {{PlaneId{1}, Eigen::Vector3d::UnitX(), 5, Eigen::Matrix4d::Identity()},
                   {PlaneId{2}, -Eigen::Vector3d::UnitZ(), 0, Eigen::Matrix4d::Identity()}};
+}
+
+// Puts a floor plan under a made map with positions: 10 px a unit, (0, 0) at the lower left corner.
+inline void AddMadeFloorPlan(MapData& map) {
+  FloorPlanImage plan;
+  plan.name = "Ground floor";
+  plan.width = 80;
+  plan.height = 60;
+  plan.anchors = {{{0, 60}, {0, 0}}, {{80, 60}, {8, 0}}};
+  if (map.poses) plan.heights = PlanHeights{-1, 2.6};
+  plan.image = EncodeJpeg(cv::Mat(60, 80, CV_8UC1, cv::Scalar(240)));
+  map.floor_plans = {plan};
 }
 
 }  // namespace waystone
