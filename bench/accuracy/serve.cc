@@ -14,6 +14,7 @@
 #include "schema/file/map_store.h"
 #include "server/http/http_server.h"
 #include "server/service/application.h"
+#include "server/service/map_catalog.h"
 #include "world/rig.h"
 
 // After Eigen, for which the macro _res of the resolver's header spells trouble.
@@ -76,7 +77,8 @@ class Served {
  public:
   explicit Served(const AskedMap& asked)
       : asked_(asked),
-        application_({{"map", asked.index}}, {}, {}),
+        application_(std::make_shared<MapCatalog>(MapCatalog::Indices{{"map", asked.index}}), {},
+                     {}),
         server_(AnyPort(), [this](const HttpRequest& in) { return application_.Answer(in); }) {
     server_.Start();
   }

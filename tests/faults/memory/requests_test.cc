@@ -11,6 +11,7 @@
 #include "api/json.h"
 #include "server/http/http_server.h"
 #include "server/service/application.h"
+#include "server/service/map_catalog.h"
 #include "tests/faults/memory/attack.h"
 #include "tests/faults/memory/failing_memory.h"
 #include "tests/faults/memory/made_places.h"
@@ -20,8 +21,9 @@
 namespace waystone {
 namespace {
 
-MapCatalog::Indices Maps() {
-  return {{"photos", MapIndex::Build(PhotoMap())}, {"panoramas", MapIndex::Build(PanoramaMap())}};
+std::shared_ptr<MapCatalog> Maps() {
+  return std::make_shared<MapCatalog>(MapCatalog::Indices{
+      {"photos", MapIndex::Build(PhotoMap())}, {"panoramas", MapIndex::Build(PanoramaMap())}});
 }
 
 // An answer without what differs from run to run.
