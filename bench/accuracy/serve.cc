@@ -14,7 +14,6 @@
 #include "schema/file/map_store.h"
 #include "server/http/http_server.h"
 #include "server/service/application.h"
-#include "server/service/map_catalog.h"
 #include "world/rig.h"
 
 // After Eigen, for which the macro _res of the resolver's header spells trouble.
@@ -77,8 +76,7 @@ class Served {
  public:
   explicit Served(const AskedMap& asked)
       : asked_(asked),
-        application_(std::make_shared<MapCatalog>(MapCatalog::Indices{{"map", asked.index}}), {},
-                     {}),
+        application_({{"map", asked.index}}, {}, {}),
         server_(AnyPort(), [this](const HttpRequest& in) { return application_.Answer(in); }) {
     server_.Start();
   }

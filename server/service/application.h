@@ -6,11 +6,13 @@
 #include <memory>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "core/base/options.h"
 #include "server/http/server_names.h"
 #include "server/http/tokens.h"
 #include "server/service/localize_service.h"
+#include "server/service/map_catalog.h"
 #include "server/service/map_service.h"
 #include "server/service/map_source.h"
 
@@ -55,6 +57,9 @@ class Application {
   };
 
   Application(std::shared_ptr<MapSource> maps, const ServiceOptions& options, Sinks sinks);
+  // Of maps that stay.
+  Application(const MapCatalog::Indices& maps, const ServiceOptions& options, Sinks sinks)
+      : Application(std::make_shared<MapCatalog>(maps), options, std::move(sinks)) {}
 
   // Answers a request. Throws nothing but std::bad_alloc.
   HttpResponse Answer(const HttpRequest& request);

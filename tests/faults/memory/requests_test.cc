@@ -11,7 +11,6 @@
 #include "api/json.h"
 #include "server/http/http_server.h"
 #include "server/service/application.h"
-#include "server/service/map_catalog.h"
 #include "tests/faults/memory/attack.h"
 #include "tests/faults/memory/failing_memory.h"
 #include "tests/faults/memory/made_places.h"
@@ -21,9 +20,8 @@
 namespace waystone {
 namespace {
 
-std::shared_ptr<MapCatalog> Maps() {
-  return std::make_shared<MapCatalog>(MapCatalog::Indices{
-      {"photos", MapIndex::Build(PhotoMap())}, {"panoramas", MapIndex::Build(PanoramaMap())}});
+MapCatalog::Indices Maps() {
+  return {{"photos", MapIndex::Build(PhotoMap())}, {"panoramas", MapIndex::Build(PanoramaMap())}};
 }
 
 // An answer without what differs from run to run.

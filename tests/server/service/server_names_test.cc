@@ -9,7 +9,6 @@
 
 #include "core/base/error.h"
 #include "server/service/application.h"
-#include "server/service/map_catalog.h"
 #include "tests/server/service/made_map.h"
 
 namespace waystone {
@@ -143,9 +142,7 @@ TEST(ServerNames, BehindAWildcardPagesPostToTheirOwnAddress) {
 }
 
 TEST(ServerNames, TheApplicationAsksAndHealthChecksPass) {
-  Application app(
-      std::make_shared<MapCatalog>(MapCatalog::Indices{{"lab", MapIndex::Build(MadeMap(3))}}), {},
-      {});
+  Application app(MapCatalog::Indices{{"lab", MapIndex::Build(MadeMap(3))}}, {}, {});
   HttpRequest request = RequestOf("GET", {{"Host", "evil.example:8080"}});
   for (const auto& [path, status] : std::map<std::string, int>{{"/", 421},
                                                                {"/page/main.js", 421},
