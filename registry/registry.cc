@@ -9,13 +9,18 @@
 #include "api/json.h"
 #include "core/base/error.h"
 #include "registry/folder_registry.h"
+#include "registry/postgres_registry.h"
 
 namespace waystone {
 
 std::unique_ptr<Registry> OpenRegistry(const std::string& url,
                                        const std::optional<NewRegistry>& create) {
-  if (url.find("://") != std::string::npos) {
-    throw MapError(ErrorCode::kUsage, "'" + url + "' is not a registry; give a folder");
+  if (url.starts_with("postgresql://") || url.starts_with("postgres://")) {
+    return OpenPostgresRegistry(url, create);
+  }
+  if (url.empty() || url.find("://") != std::string::npos) {
+    throw MapError(ErrorCode::kUsage,
+                   "'" + url + "' is not a registry; give a folder or postgresql://...");
   }
   return OpenFolderRegistry(url, create);
 }

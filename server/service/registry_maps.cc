@@ -78,8 +78,8 @@ RegistryMaps::RegistryMaps(const RegistryMapsOptions& options, Log log)
     Look();
   } catch (const MapError& error) {
     if (!known) throw;
-    log_(std::string(error.what()) + "; serving " + std::to_string(entries_.size()) +
-         " maps that the cache knows of");
+    log_(std::string(error.what()) + "; serving what the cache knows of (maps: " +
+         std::to_string(entries_.size()) + ")");
   }
   if (!options_.store.empty()) registry_store_ = options_.store;
   store_ = OpenStore(registry_store_);

@@ -258,7 +258,7 @@ TEST_F(RegistryMapsTest, GoesOnAndStartsWithoutRegistryAndStore) {
   EXPECT_NE(Failure("hall").find("check the store"), std::string::npos);
   Start();
   EXPECT_FALSE(Held().connected);
-  EXPECT_NE(log().find("serving 2 maps that the cache knows of"), std::string::npos) << log();
+  EXPECT_NE(log().find("serving what the cache knows of (maps: 2)"), std::string::npos) << log();
   EXPECT_EQ(Planes("lab"), 3U);
   EXPECT_NE(Failure("hall").find("check the store"), std::string::npos);
   fs::rename(folder_ / "registry.away", folder_ / "registry");
