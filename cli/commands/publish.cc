@@ -54,7 +54,9 @@ void AddPublish(CLI::App& app, Run& run) {
   auto flags = std::make_shared<PublishFlags>();
   CLI::App* command = app.add_subcommand("publish", "Publish a map in a registry");
   command->add_option("map", flags->map, "Map file")->required();
-  command->add_option("--to", flags->registry, "Registry: a folder, made where it isn't there")
+  command
+      ->add_option("--to", flags->registry,
+                   "Registry: a folder, or postgresql://...; made where it isn't there")
       ->required();
   command->add_option("--name", flags->name, "Name of the map; default: the file's");
   command->add_option("--tag", flags->tags, "A word about this version that lists show; repeatable")

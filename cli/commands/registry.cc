@@ -121,7 +121,8 @@ int RunRetire(const MoveFlags& flags) {
 void AddMaps(CLI::App& app, Run& run) {
   auto flags = std::make_shared<MapsFlags>();
   CLI::App* command = app.add_subcommand("maps", "List the maps of a registry");
-  command->add_option("registry", flags->registry, "Registry: a folder")->required();
+  command->add_option("registry", flags->registry, "Registry: a folder or postgresql://...")
+      ->required();
   CLI::Option* name =
       command->add_option("--name", flags->name, "List all versions of this map instead");
   command->add_option("--tag", flags->tag, "List maps with this tag alone")->excludes(name);
@@ -135,7 +136,8 @@ void AddRollback(CLI::App& app, Run& run) {
   CLI::App* command =
       app.add_subcommand("rollback", "Make an earlier version of a map the current one");
   command->add_option("name", flags->name, "Name of the map")->required();
-  command->add_option("--in", flags->registry, "Registry: a folder")->required();
+  command->add_option("--in", flags->registry, "Registry: a folder or postgresql://...")
+      ->required();
   command
       ->add_option("--version", flags->version,
                    "Number of the version, as waystone maps --name lists them; default: the one "
@@ -149,7 +151,8 @@ void AddRetire(CLI::App& app, Run& run) {
   auto flags = std::make_shared<MoveFlags>();
   CLI::App* command = app.add_subcommand("retire", "End the serving of a map; its versions stay");
   command->add_option("name", flags->name, "Name of the map")->required();
-  command->add_option("--in", flags->registry, "Registry: a folder")->required();
+  command->add_option("--in", flags->registry, "Registry: a folder or postgresql://...")
+      ->required();
   command->footer("Example: waystone retire lab --in /srv/maps");
   command->callback([flags, &run] { run = [flags] { return RunRetire(*flags); }; });
 }

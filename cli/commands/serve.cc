@@ -161,10 +161,10 @@ int RunServe(ServeFlags flags) {
 }
 
 void AddRegistryFlags(CLI::App* command, RegistryMapsOptions& registry) {
-  CLI::Option* given =
-      command->add_option("--registry", registry.registry,
-                          "Serve the maps of this registry (a folder) instead of files: fetched "
-                          "and opened when they are asked for");
+  CLI::Option* given = command->add_option(
+      "--registry", registry.registry,
+      "Serve the maps of this registry (a folder or postgresql://...) instead of files: fetched "
+      "and opened when they are asked for");
   command
       ->add_option("--cache", registry.cache,
                    "Folder for the map files of the registry, of this server alone")

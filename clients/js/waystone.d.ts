@@ -138,7 +138,12 @@ export interface Problem {
 
 export interface Ready {
   ready: true;
+  /** Known by name. */
   maps: number;
+  /** In memory; the others are opened when they are asked for. */
+  open: number;
+  /** Only of servers of a registry. */
+  registry?: { connected: boolean; silent_s: number; memory_bytes: number; cached_files: number; cached_bytes: number };
 }
 
 export interface Version {

@@ -31,6 +31,7 @@ constexpr int kOpeners = 4;  // maps fetched at once; one of them is read at a t
 constexpr std::chrono::seconds kPatience{20};
 constexpr std::chrono::milliseconds kMemoryPause{50};
 constexpr double kWriteKnownS = 5;  // between writes of what is known
+constexpr double kMaxPauseS = 1;    // before what has failed is tried again
 constexpr int kMaxRetryS = 60;
 constexpr int kKnownFormat = 1;
 constexpr double kBytesPerMb = 1e6;
@@ -78,8 +79,8 @@ RegistryMaps::RegistryMaps(const RegistryMapsOptions& options, Log log)
     Look();
   } catch (const MapError& error) {
     if (!known) throw;
-    log_(std::string(error.what()) + "; serving what the cache knows of (maps: " +
-         std::to_string(entries_.size()) + ")");
+    log_(std::string(error.what()) +
+         "; serving what the cache knows of (maps: " + std::to_string(entries_.size()) + ")");
   }
   if (!options_.store.empty()) registry_store_ = options_.store;
   store_ = OpenStore(registry_store_);
@@ -266,30 +267,38 @@ void RegistryMaps::QueueUpdates() {
 }
 
 void RegistryMaps::KeepLooking() {
-  const auto pause = std::chrono::milliseconds(static_cast<int64_t>(1e3 * options_.poll_s));
+  Clock::time_point looked = Clock::now();
   while (true) {
     std::array<pollfd, 2> watched{{{wake_.get(), POLLIN, 0}, {-1, POLLIN, 0}}};
     if (registry_) watched[1].fd = registry_->news_fd();
-    poll(watched.data(), watched.size(), static_cast<int>(pause.count()));
+    const double pause_s = std::min(options_.poll_s, kMaxPauseS);
+    const bool called = poll(watched.data(), watched.size(), static_cast<int>(1e3 * pause_s)) > 0;
     eventfd_t ignored = 0;
     eventfd_read(wake_.get(), &ignored);
-    bool was_connected = false;
     {
       const std::lock_guard lock(mutex_);
       if (stopped_) break;
-      was_connected = connected_;
     }
-    try {
-      Look();
-      if (!was_connected) log_("the registry answers again");
-    } catch (const std::bad_alloc&) {  // the next look does what this one left
-    } catch (const std::exception& error) {
-      if (was_connected) log_(std::string(error.what()) + "; serving what is known");
+    if (called || !registry_ || SecondsSince(looked) >= options_.poll_s) {
+      LookAgain();
+      looked = Clock::now();
     }
     QueueUpdates();
     if (SecondsSince(written_) >= kWriteKnownS) WriteKnown();
   }
   WriteKnown();
+}
+
+// Says when the registry goes and when it comes back.
+void RegistryMaps::LookAgain() {
+  const bool was_connected = registry_ != nullptr;
+  try {
+    Look();
+    if (!was_connected) log_("the registry answers again");
+  } catch (const std::bad_alloc&) {  // the next look does what this one left
+  } catch (const std::exception& error) {
+    if (was_connected) log_(std::string(error.what()) + "; serving what is known");
+  }
 }
 
 void RegistryMaps::Refresh() {

@@ -106,6 +106,7 @@ class RegistryMaps : public MapSource {
   MapPtr CloseOldest();
   void QueueUpdates();
   void KeepLooking();
+  void LookAgain();
   void KeepOpening();
   void OpenQueued(const std::string& name);
   Opened OpenVersion(const std::string& name, const MapVersion& version);

@@ -15,6 +15,7 @@
 #include "cli/system/child_process.h"
 #include "tests/e2e/served_map.h"
 #include "tests/e2e/shared_map.h"
+#include "tests/registry/postgres_server.h"
 
 namespace waystone {
 namespace {
@@ -26,11 +27,11 @@ constexpr int kPatienceS = 60;
 // A server of a registry's maps.
 class RegistryServer {
  public:
-  RegistryServer(const fs::path& registry, const fs::path& cache,
-                 const std::vector<std::string>& flags = {}) {
+  RegistryServer(const std::string& registry, const fs::path& cache,
+                 const std::vector<std::string>& flags = {}, const std::string& watch_s = "0.1") {
     std::vector<std::string> arguments = {WAYSTONE_PROGRAM, "serve", "--registry", registry,
                                           "--cache",        cache,   "--port",     "0",
-                                          "--watch",        "0.1"};
+                                          "--watch",        watch_s};
     arguments.insert(arguments.end(), flags.begin(), flags.end());
     process_ = std::make_unique<ChildProcess>(arguments, true);
     const std::string line = process_->ReadLine();
@@ -78,18 +79,28 @@ Json Timeless(Json answer) {
   return answer;
 }
 
-class RegistryE2e : public testing::Test {
+class RegistryFolder : public testing::Test {
  protected:
-  ~RegistryE2e() override { fs::remove_all(folder_); }
+  ~RegistryFolder() override { fs::remove_all(folder_); }
 
   // What the program said, which must be good.
-  std::string Run(const std::vector<std::string>& arguments) const {
+  static std::string Run(const std::vector<std::string>& arguments) {
     const RunResult result = RunWaystone(arguments);
     EXPECT_EQ(result.code, 0) << result.err;
     return result.out;
   }
-  void Publish(const std::string& name, const fs::path& map = TheMap().map) const {
-    Run({"publish", map, "--to", registry_, "--name", name});
+  void Publish(const std::string& name, const fs::path& map = TheMap().map,
+               const std::vector<std::string>& flags = {}) const {
+    std::vector<std::string> arguments = Publishing(map, flags);
+    arguments.insert(arguments.end(), {"--name", name});
+    Run(arguments);
+  }
+  std::vector<std::string> Publishing(const fs::path& map,
+                                      const std::vector<std::string>& flags = {}) const {
+    std::vector<std::string> arguments = {"publish", map, "--to", registry_};
+    arguments.insert(arguments.end(), store_flags_.begin(), store_flags_.end());
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    return arguments;
   }
   // Another map of the same room.
   fs::path NamedMap() const {
@@ -100,13 +111,41 @@ class RegistryE2e : public testing::Test {
   }
 
   const fs::path folder_ = FreshFolder();
-  const std::string registry_ = (folder_ / "registry").string();
+  std::string registry_ = (folder_ / "registry").string();
+  std::vector<std::string> store_flags_;
 };
 
-TEST_F(RegistryE2e, MapsArePublishedListedRolledBackAndRetired) {
-  const std::string said = Run({"publish", TheMap().map, "--to", registry_, "--tag", "berlin"});
+enum class RegistryKind { kFolder, kPostgres };
+
+// What holds of every kind of registry.
+class RegistryE2e : public RegistryFolder, public testing::WithParamInterface<RegistryKind> {
+ protected:
+  static void TearDownTestSuite() { postgres_.reset(); }
+
+  void SetUp() override {
+    if (GetParam() == RegistryKind::kFolder) return;
+    if (!PostgresServer::Programs()) {
+      GTEST_SKIP() << "PostgreSQL isn't installed (apt-get install postgresql)";
+    }
+    if (!postgres_) postgres_ = std::make_unique<PostgresServer>();
+    postgres_->Psql("DROP SCHEMA IF EXISTS waystone CASCADE");
+    registry_ = postgres_->url();
+    store_flags_ = {"--store", folder_ / "store"};
+  }
+
+  static inline std::unique_ptr<PostgresServer> postgres_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Kinds, RegistryE2e,
+                         testing::Values(RegistryKind::kFolder, RegistryKind::kPostgres),
+                         [](const auto& kind) {
+                           return kind.param == RegistryKind::kFolder ? "Folder" : "Postgres";
+                         });
+
+TEST_P(RegistryE2e, MapsArePublishedListedRolledBackAndRetired) {
+  const std::string said = Run(Publishing(TheMap().map, {"--tag", "berlin"}));
   EXPECT_EQ(said.substr(0, 36), "Published room, version 1 (sha256:" + said.substr(34, 2));
-  EXPECT_EQ(Run({"publish", TheMap().map, "--to", registry_, "--tag", "berlin"}), said);
+  EXPECT_EQ(Run(Publishing(TheMap().map, {"--tag", "berlin"})), said);
   Publish("room", NamedMap());
   Publish("hall");
   EXPECT_EQ(Run({"maps", registry_, "--tag", "berlin"}), "") << "version 2 has no tag";
@@ -129,7 +168,7 @@ TEST_F(RegistryE2e, MapsArePublishedListedRolledBackAndRetired) {
             "Current: room, version 2");
 }
 
-TEST_F(RegistryE2e, WhatCantBePublishedIsSaid) {
+TEST_F(RegistryFolder, WhatCantBePublishedIsSaid) {
   const auto fails = [](const std::vector<std::string>& arguments, int code,
                         const std::string& said) {
     const RunResult result = RunWaystone(arguments);
@@ -159,14 +198,14 @@ TEST_F(RegistryE2e, WhatCantBePublishedIsSaid) {
 }
 
 // Publishers of one name at once, some of them killed.
-TEST_F(RegistryE2e, PublishersAtOnceLoseNothing) {
+TEST_P(RegistryE2e, PublishersAtOnceLoseNothing) {
   Publish("room");
   std::vector<std::unique_ptr<ChildProcess>> publishers;
   for (int i = 0; i < 6; ++i) {
-    publishers.push_back(std::make_unique<ChildProcess>(
-        std::vector<std::string>{WAYSTONE_PROGRAM, "publish", TheMap().map, "--to", registry_,
-                                 "--name", "room", "--tag", std::to_string(i)},
-        true));
+    std::vector<std::string> arguments =
+        Publishing(TheMap().map, {"--name", "room", "--tag", std::to_string(i)});
+    arguments.insert(arguments.begin(), WAYSTONE_PROGRAM);
+    publishers.push_back(std::make_unique<ChildProcess>(arguments, true));
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   publishers[5]->Send(SIGKILL);
@@ -181,7 +220,7 @@ TEST_F(RegistryE2e, PublishersAtOnceLoseNothing) {
   Publish("room");
 }
 
-TEST_F(RegistryE2e, AnswersAreThoseOfAFolder) {
+TEST_P(RegistryE2e, AnswersAreThoseOfAFolder) {
   const fs::path files = folder_ / "files";
   fs::create_directory(files);
   fs::copy_file(TheMap().map, files / "room.db");
@@ -215,7 +254,7 @@ TEST_F(RegistryE2e, AnswersAreThoseOfAFolder) {
 
 // New versions under load: every answer is that of one version, none fails, and the new one is
 // there within two seconds.
-TEST_F(RegistryE2e, VersionsAreExchangedWithoutLosingARequest) {
+TEST_P(RegistryE2e, VersionsAreExchangedWithoutLosingARequest) {
   const fs::path other = NamedMap();
   Publish("room");
   const RegistryServer served(registry_, folder_ / "cache");
@@ -268,7 +307,7 @@ TEST_F(RegistryE2e, VersionsAreExchangedWithoutLosingARequest) {
 
 // A store that is slow, and a server that is killed while it fetches: the next one goes on where it
 // stopped.
-TEST_F(RegistryE2e, AKilledServerGoesOnWithItsFetch) {
+TEST_F(RegistryFolder, AKilledServerGoesOnWithItsFetch) {
   const std::string file = ReadFile(TheMap().map);
   std::atomic<bool> slow = true;
   std::atomic<int64_t> first_byte = -1;
@@ -314,7 +353,7 @@ TEST_F(RegistryE2e, AKilledServerGoesOnWithItsFetch) {
   serving.join();
 }
 
-TEST_F(RegistryE2e, GoesOnAndStartsWithoutRegistryAndStore) {
+TEST_F(RegistryFolder, GoesOnAndStartsWithoutRegistryAndStore) {
   Publish("room");
   {
     const RegistryServer served(registry_, folder_ / "cache");
@@ -337,7 +376,7 @@ TEST_F(RegistryE2e, GoesOnAndStartsWithoutRegistryAndStore) {
 }
 
 // A disk without room for one map: the others are served.
-TEST_F(RegistryE2e, AFullDiskIsSaidForTheMapAlone) {
+TEST_F(RegistryFolder, AFullDiskIsSaidForTheMapAlone) {
   const fs::path small = folder_ / "small.db";
   Run({"build", TheMap().images, "-o", small, "--every", "10", "--no-images", "--quiet"});
   ASSERT_LT(2 * fs::file_size(small), fs::file_size(TheMap().map));
@@ -359,6 +398,49 @@ TEST_F(RegistryE2e, AFullDiskIsSaidForTheMapAlone) {
       << refused->body;
   EXPECT_EQ(refused->get_header_value("Retry-After"), "1");
   EXPECT_EQ(client.Get("/v1/maps/small")->status, 200);
+}
+
+// The database ends at once, and comes back.
+TEST(RegistryPostgres, GoesOnAndStartsWithoutTheDatabase) {
+  if (!PostgresServer::Programs()) {
+    GTEST_SKIP() << "PostgreSQL isn't installed (apt-get install postgresql)";
+  }
+  PostgresServer postgres;
+  const fs::path folder = FreshFolder();
+  const auto publish = [&](const std::string& name) {
+    const RunResult result = RunWaystone({"publish", TheMap().map, "--to", postgres.url(),
+                                          "--store", folder / "store", "--name", name});
+    EXPECT_EQ(result.code, 0) << result.err;
+  };
+  const RunResult without =
+      RunWaystone({"publish", TheMap().map, "--to", postgres.url(), "--name", "room"});
+  EXPECT_EQ(without.code, 2);
+  EXPECT_NE(without.err.find("needs a store for the map files"), std::string::npos) << without.err;
+  publish("room");
+  {
+    // Without looks of its own: it is notified.
+    const RegistryServer served(postgres.url(), folder / "cache", {}, "0");
+    EXPECT_EQ(served.Localize("room")["verdict"], "localized");
+    publish("hall");
+    EXPECT_TRUE(Until([&] { return served.Get("/readyz")["maps"] == 2; }));
+    postgres.Stop();
+    EXPECT_TRUE(Until([&] { return served.Metric("waystone_registry_up") == 0; }));
+    EXPECT_EQ(served.Localize("room")["verdict"], "localized");
+    EXPECT_EQ(served.Localize("hall")["verdict"], "localized") << "the store is there";
+    postgres.Start();
+    publish("cellar");
+    EXPECT_TRUE(Until([&] { return served.Get("/readyz")["maps"] == 3; }));
+    EXPECT_EQ(served.Metric("waystone_registry_up"), 1);
+  }
+  postgres.Stop();
+  const RegistryServer again(postgres.url(), folder / "cache");
+  EXPECT_EQ(again.Get("/readyz")["maps"], 3);
+  EXPECT_EQ(again.Localize("room")["verdict"], "localized");
+  const RunResult unknown = RunWaystone(
+      {"serve", "--registry", postgres.url(), "--cache", folder / "other", "--port", "0"});
+  EXPECT_EQ(unknown.code, 3) << "nothing is known";
+  EXPECT_NE(unknown.err.find("the registry's database: "), std::string::npos) << unknown.err;
+  fs::remove_all(folder);
 }
 
 }  // namespace
