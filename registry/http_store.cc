@@ -15,8 +15,11 @@
 namespace waystone {
 namespace {
 
-constexpr int kConnectS = 5;
-constexpr int kSilentS = 10;  // how long the store may send or take nothing
+constexpr int kConnectS = 3;
+// How long the store may send nothing: not long, because a server that ends waits for it, and what
+// is interrupted goes on later.
+constexpr int kSilentS = 4;
+constexpr int kPutS = 60;  // and how long it may take to keep a file
 constexpr size_t kSentBlockBytes = 1 << 18;
 
 constexpr int kOk = 200;
@@ -44,7 +47,7 @@ class HttpStore : public Store {
   void Put(const std::filesystem::path& file, const std::string& sha256,
            int64_t bytes) const override {
     if (Sha256OfFile(file) != sha256) ThrowChanged(file);
-    httplib::Client client = NewClient();
+    httplib::Client client = NewClient(kPutS);
     const std::string path = PathOf(sha256);
     std::ifstream in(file, std::ios::binary);
     std::vector<char> block(kSentBlockBytes);
@@ -63,7 +66,7 @@ class HttpStore : public Store {
 
   void Fetch(const std::string& sha256, int64_t offset, int64_t bytes,
              FileSink& sink) const override {
-    httplib::Client client = NewClient();
+    httplib::Client client = NewClient(kSilentS);
     const std::string path = PathOf(sha256);
     httplib::Headers headers = headers_;
     if (offset > 0) headers.emplace("Range", "bytes=" + std::to_string(offset) + "-");
@@ -120,11 +123,11 @@ class HttpStore : public Store {
     }
   };
 
-  httplib::Client NewClient() const {
+  httplib::Client NewClient(int silent_s) const {
     httplib::Client client(origin_);
     client.set_connection_timeout(kConnectS);
-    client.set_read_timeout(kSilentS);
-    client.set_write_timeout(kSilentS);
+    client.set_read_timeout(silent_s);
+    client.set_write_timeout(silent_s);
     client.set_follow_location(headers_.empty());  // a token is for this store alone
     client.set_tcp_nodelay(true);
     return client;

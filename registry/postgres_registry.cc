@@ -74,11 +74,11 @@ class Database {
   explicit Database(const std::string& url) {
     // What the address says comes later and counts. Nothing waits for a dead machine for long.
     const std::array<std::pair<const char*, const char*>, 7> settings{
-        {{"connect_timeout", "5"},
+        {{"connect_timeout", "3"},
          {"keepalives_idle", "5"},
          {"keepalives_interval", "2"},
          {"keepalives_count", "3"},
-         {"tcp_user_timeout", "5000"},
+         {"tcp_user_timeout", "4000"},
          {"options", "-c lock_timeout=30s -c statement_timeout=60s"},
          {"fallback_application_name", "waystone"}}};
     std::vector<const char*> names;

@@ -13,6 +13,7 @@
 
 #include "api/json.h"
 #include "cli/system/child_process.h"
+#include "tests/e2e/registry_server.h"
 #include "tests/e2e/served_map.h"
 #include "tests/e2e/shared_map.h"
 #include "tests/registry/postgres_server.h"
@@ -21,58 +22,6 @@ namespace waystone {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int kPatienceS = 60;
-
-// A server of a registry's maps.
-class RegistryServer {
- public:
-  RegistryServer(const std::string& registry, const fs::path& cache,
-                 const std::vector<std::string>& flags = {}, const std::string& watch_s = "0.1") {
-    std::vector<std::string> arguments = {WAYSTONE_PROGRAM, "serve", "--registry", registry,
-                                          "--cache",        cache,   "--port",     "0",
-                                          "--watch",        watch_s};
-    arguments.insert(arguments.end(), flags.begin(), flags.end());
-    process_ = std::make_unique<ChildProcess>(arguments, true);
-    const std::string line = process_->ReadLine();
-    const size_t at = line.find("http://");
-    EXPECT_NE(at, std::string::npos) << line;
-    url_ = line.substr(at);
-  }
-  httplib::Client NewClient() const {
-    httplib::Client client(url_);
-    client.set_read_timeout(30);
-    return client;
-  }
-  int Status(const std::string& path) const {
-    const auto result = NewClient().Get(path);
-    return result ? result->status : 0;
-  }
-  Json Get(const std::string& path) const { return Json::parse(NewClient().Get(path)->body); }
-  Json Localize(const std::string& map) const {
-    return Json::parse(
-        NewClient()
-            .Post("/v1/maps/" + map + "/localize", ReadFile(TheMap().inside), "image/jpeg")
-            ->body);
-  }
-  double Metric(const std::string& name) const {
-    const std::string text = NewClient().Get("/metrics")->body;
-    const size_t at = text.find("\n" + name + " ");
-    return at == std::string::npos ? -1 : std::stod(text.substr(at + name.size() + 2));
-  }
-  ChildProcess& process() { return *process_; }
-
- private:
-  std::unique_ptr<ChildProcess> process_;
-  std::string url_;
-};
-
-bool Until(const std::function<bool()>& holds) {
-  for (int i = 0; i < 100 * kPatienceS && !holds(); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return holds();
-}
 
 Json Timeless(Json answer) {
   answer.erase("timing_ms");
