@@ -57,7 +57,11 @@ double MedianOf(std::vector<double> values) {
 
 class BalancingTest : public testing::Test {
  protected:
-  ~BalancingTest() override { fs::remove_all(folder_); }
+  ~BalancingTest() override {
+    proxy_.reset();
+    for (auto& server : servers_) server.reset();
+    fs::remove_all(folder_);
+  }
 
   void SetUp() override {
     if (!fs::exists(kHaproxy)) GTEST_SKIP() << "HAProxy isn't installed (apt-get install haproxy)";
