@@ -179,8 +179,9 @@ bool MapCache::Stopped() const {
 
 MapCache::FilePtr MapCache::Use(const std::string& sha256, Entry& entry) {
   entry.last_use = ++uses_;
-  // For the next server: nothing else keeps the order of uses.
-  utimensat(AT_FDCWD, PathOf(sha256).c_str(), nullptr, 0);
+  // For the next server: nothing else keeps the order of uses. Whoever reads the file would take a
+  // new time for a write.
+  if (entry.users == 0) utimensat(AT_FDCWD, PathOf(sha256).c_str(), nullptr, 0);
   FilePtr file = std::make_shared<const File>(this, sha256);
   ++entry.users;
   return file;
