@@ -39,6 +39,7 @@ demo: packages  ## make a small world, map it, serve it, localize three photos o
 	@$(RELEASE)/cli/waystone demo
 
 test: release browser  ## build and run every test; BROWSER=no leaves out the page's
+	@scripts/install_packages.sh scripts/test_packages.txt
 	@scripts/run_tests.py $(RELEASE) --parallel $(JOBS)
 
 # What fails or has no data keeps its earlier result; the page says of which day and commit each is.

@@ -73,6 +73,8 @@ Json EdgesJson(const MapData& map) {
   return json;
 }
 
+}  // namespace
+
 Json LayersJson(const MapData& map) {
   Json layers = Json::array();
   if (!map.planes.empty()) layers.push_back("planes");
@@ -81,8 +83,6 @@ Json LayersJson(const MapData& map) {
   if (map.poses) layers.push_back("poses");
   return layers;
 }
-
-}  // namespace
 
 Json OverviewJson(const MapIndex& index) {
   Json json;

@@ -13,4 +13,7 @@ namespace waystone {
 //   edges      a, b, third_eigenvalue
 Json OverviewJson(const MapIndex& index);
 
+// The field layers of the above.
+Json LayersJson(const MapData& map);
+
 }  // namespace waystone

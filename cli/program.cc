@@ -111,6 +111,10 @@ int RunProgram(int argc, char** argv) {
   AddExport(app, run);
   AddRemove(app, run);
   AddReplay(app, run);
+  AddPublish(app, run);
+  AddMaps(app, run);
+  AddRollback(app, run);
+  AddRetire(app, run);
   AddDemo(app, run);
   ThrowOpenCvErrors();
   try {

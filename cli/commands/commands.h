@@ -38,6 +38,10 @@ void AddCompass(CLI::App& app, Run& run);
 void AddExport(CLI::App& app, Run& run);
 void AddRemove(CLI::App& app, Run& run);
 void AddReplay(CLI::App& app, Run& run);
+void AddPublish(CLI::App& app, Run& run);
+void AddMaps(CLI::App& app, Run& run);
+void AddRollback(CLI::App& app, Run& run);
+void AddRetire(CLI::App& app, Run& run);
 void AddDemo(CLI::App& app, Run& run);
 
 }  // namespace waystone

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <new>
@@ -17,6 +18,8 @@
 #include "core/image/decode.h"
 #include "server/http/http_server.h"
 #include "server/service/application.h"
+#include "server/service/map_catalog.h"
+#include "server/service/registry_maps.h"
 
 namespace waystone {
 namespace {
@@ -35,20 +38,23 @@ struct ServeFlags {
   bool log = false;
   double drain_s = 0.5;  // between /readyz saying so and the end
   double watch_s = 1;    // between looks at the files; 0 looks only at SIGHUP
+  RegistryMapsOptions registry;
 };
 
 void WriteLine(const std::string& line) { std::cerr << line + "\n" << std::flush; }
 
 void WriteError(const std::string& cause) { WriteLine("waystone: " + Printable(cause)); }
 
-void Announce(const HttpServer& server, const MapCatalog::Maps& maps, bool tokens) {
-  std::cout << "Serving " << maps.size() << (maps.size() == 1 ? " map" : " maps") << " at "
+void Announce(const HttpServer& server, const std::vector<std::string>& names, bool tokens) {
+  constexpr size_t kShown = 100;
+  std::cout << "Serving " << names.size() << (names.size() == 1 ? " map" : " maps") << " at "
             << server.url() << '\n';
-  for (const auto& [name, map] : maps) {
+  for (size_t i = 0; i < std::min(names.size(), kShown); ++i) {
     std::cout << "  curl --data-binary @photo.jpg -H 'Content-Type: image/jpeg' "
               << (tokens ? "-H \"Authorization: Bearer $TOKEN\" " : "") << server.url()
-              << "/v1/maps/" << EncodeSegment(name) << "/localize\n";
+              << "/v1/maps/" << EncodeSegment(names[i]) << "/localize\n";
   }
+  if (names.size() > kShown) std::cout << "  and so on\n";
   std::cout << std::flush;
 }
 
@@ -56,9 +62,9 @@ void Report(const ServedFiles::Change& change) {
   WriteError("map " + change.name + ": " + change.message);
 }
 
-void Refresh(ServedFiles& files, Application& application, bool all) {
+void Refresh(ServedFiles& files, MapCatalog& catalog, Application& application, bool all) {
   try {
-    for (const ServedFiles::Change& change : files.Refresh(application.catalog(), all)) {
+    for (const ServedFiles::Change& change : files.Refresh(catalog, all)) {
       application.metrics().CountReload(change.good);
       Report(change);
     }
@@ -67,18 +73,19 @@ void Refresh(ServedFiles& files, Application& application, bool all) {
   }
 }
 
-// Looks after the files until the program is told to end.
-void Watch(const ServeFlags& flags, ServedFiles& files, Application& application) {
+// Looks after the maps until the program is told to end: calls `refresh` when a signal says so
+// (true) and every `watch_s` seconds (false), unless these are 0.
+void Watch(double watch_s, const std::function<void(bool)>& refresh) {
   constexpr double kNoWatchS = 3600;  // how long one sleep is when only signals count
   while (true) {
-    switch (WaitForSignal(flags.watch_s > 0 ? flags.watch_s : kNoWatchS)) {
+    switch (WaitForSignal(watch_s > 0 ? watch_s : kNoWatchS)) {
       case Awaited::kEnd:
         return;
       case Awaited::kReload:
-        Refresh(files, application, true);
+        refresh(true);
         break;
       case Awaited::kNothing:
-        if (flags.watch_s > 0) Refresh(files, application, false);
+        if (watch_s > 0) refresh(false);
         break;
     }
   }
@@ -101,28 +108,86 @@ void Complete(ServeFlags& flags) {
   flags.service.Check();
 }
 
-int RunServe(ServeFlags flags) {
-  BlockSignals();  // before there are threads: one that was made earlier would take them
-  Complete(flags);
-  PrepareDecoders();
-  ServedFiles files({flags.maps.begin(), flags.maps.end()});
-  const ServedFiles::Opened opened = files.OpenAll();
-  for (const ServedFiles::Change& refused : opened.refused) Report(refused);
-  Application application(opened.maps, flags.service,
-                          {flags.log ? WriteLine : nullptr, WriteError});
+// Serves until the program is told to end. `watch` gets the application.
+int ServeMaps(const ServeFlags& flags, const std::shared_ptr<MapSource>& maps,
+              const std::function<void(Application&)>& watch) {
+  Application application(maps, flags.service, {flags.log ? WriteLine : nullptr, WriteError});
   HttpServer server(
       flags.http, [&application](const HttpRequest& in) { return application.Answer(in); },
       [&application](const std::string& authorization) {
         return application.Admit(authorization);
       });
   server.Start();
-  Announce(server, *application.catalog().Now(), flags.http.has_tokens);
-  Watch(flags, files, application);
+  Announce(server, maps->Names(), flags.http.has_tokens);
+  watch(application);
   application.BeginStop();
   server.Drain();
   std::this_thread::sleep_for(std::chrono::duration<double>(flags.drain_s));
   server.Stop([&application] { application.EndQueue(); });
   return 0;
+}
+
+int ServeFiles(const ServeFlags& flags) {
+  ServedFiles files({flags.maps.begin(), flags.maps.end()});
+  const ServedFiles::Opened opened = files.OpenAll();
+  for (const ServedFiles::Change& refused : opened.refused) Report(refused);
+  const auto catalog = std::make_shared<MapCatalog>(opened.maps);
+  return ServeMaps(flags, catalog, [&](Application& application) {
+    Watch(flags.watch_s, [&](bool all) { Refresh(files, *catalog, application, all); });
+  });
+}
+
+int ServeRegistry(ServeFlags flags) {
+  if (flags.registry.cache.empty()) {
+    throw MapError(ErrorCode::kUsage,
+                   "--registry needs --cache DIR, a folder of this server's own for map files");
+  }
+  // Requests that wait for maps must leave threads for others.
+  flags.http.request_threads += RegistryMaps::kMaxWaiting;
+  constexpr double kNoPollS = 3600;  // only at SIGHUP, and when the registry says so
+  flags.registry.poll_s = flags.watch_s > 0 ? flags.watch_s : kNoPollS;
+  const auto maps = std::make_shared<RegistryMaps>(flags.registry, WriteError);
+  return ServeMaps(flags, maps, [&](Application&) { Watch(0, [&](bool) { maps->Refresh(); }); });
+}
+
+int RunServe(ServeFlags flags) {
+  BlockSignals();  // before there are threads: one that was made earlier would take them
+  if (flags.maps.empty() == flags.registry.registry.empty()) {
+    throw MapError(ErrorCode::kUsage, "give either maps or --registry; see waystone serve --help");
+  }
+  Complete(flags);
+  PrepareDecoders();
+  return flags.registry.registry.empty() ? ServeFiles(flags) : ServeRegistry(flags);
+}
+
+void AddRegistryFlags(CLI::App* command, RegistryMapsOptions& registry) {
+  CLI::Option* given = command->add_option(
+      "--registry", registry.registry,
+      "Serve the maps of this registry (a folder or postgresql://...) instead of files: fetched "
+      "and opened when they are asked for");
+  command
+      ->add_option("--cache", registry.cache,
+                   "Folder for the map files of the registry, of this server alone")
+      ->needs(given);
+  command
+      ->add_option("--cache-size", registry.cache_bytes,
+                   "Maximum size of the cache, such as 50G; the least recently used files go")
+      ->transform(CLI::AsSizeValue(true))
+      ->capture_default_str()
+      ->needs(given);
+  command
+      ->add_option("--memory", registry.memory_bytes,
+                   "Maximum memory of the registry's open maps, such as 8G; the least recently "
+                   "used ones are closed. A map counts as twice its file, with an appearance layer "
+                   "three times")
+      ->transform(CLI::AsSizeValue(true))
+      ->capture_default_str()
+      ->needs(given);
+  command
+      ->add_option("--store", registry.store,
+                   "Folder or address of the map files, where it isn't the one that the registry "
+                   "names")
+      ->needs(given);
 }
 
 void AddServiceFlags(CLI::App* command, ServeFlags& flags) {
@@ -154,7 +219,8 @@ void AddServiceFlags(CLI::App* command, ServeFlags& flags) {
       ->check(CLI::Range(0.0, 600.0));
   command
       ->add_option("--watch", flags.watch_s,
-                   "Seconds between checks for changed map files; 0: only on SIGHUP")
+                   "Seconds between checks for changed map files, or of the registry; 0: only on "
+                   "SIGHUP")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 3600.0));
   AddSetFlag(*command, flags.settings);
@@ -171,10 +237,8 @@ void AddServiceFlags(CLI::App* command, ServeFlags& flags) {
 void AddServe(CLI::App& app, Run& run) {
   auto flags = std::make_shared<ServeFlags>();
   CLI::App* command = app.add_subcommand("serve", "Serve maps over HTTP");
-  command
-      ->add_option("maps", flags->maps,
-                   "Map files, or folders of *.db files; a map is named after its file")
-      ->required();
+  command->add_option("maps", flags->maps,
+                      "Map files, or folders of *.db files; a map is named after its file");
   command
       ->add_option("--host", flags->http.host,
                    "Address to listen on; requests to 0.0.0.0 may use any IP address, but names "
@@ -192,12 +256,14 @@ void AddServe(CLI::App& app, Run& run) {
                       "File of accepted bearer tokens, one per line");
   command->add_flag("--insecure", flags->http.insecure,
                     "Accept requests from other machines without authentication");
+  AddRegistryFlags(command, flags->registry);
   AddServiceFlags(command, *flags);
   command->footer(
       "Stops on Ctrl-C or SIGTERM after finishing the requests in progress. Reloads maps on "
       "SIGHUP\n"
       "and when their files change; requests in progress finish on the version they started with.\n"
-      "Example: waystone serve lab.db --port 8080");
+      "Example: waystone serve lab.db --port 8080\n"
+      "Example: waystone serve --registry /srv/maps --cache /var/cache/maps --memory 8G");
   command->callback([flags, &run] { run = [flags] { return RunServe(*flags); }; });
 }
 

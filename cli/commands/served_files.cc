@@ -11,6 +11,7 @@
 #include "cli/files/map_file.h"
 #include "core/base/error.h"
 #include "schema/file/folder_entries.h"
+#include "server/service/served_map.h"
 
 namespace waystone {
 namespace {
@@ -42,13 +43,6 @@ std::string Standing(const MapCatalog& catalog, const std::string& name) {
 
 // No file has it: a file with such a stamp counts as changed.
 constexpr uint64_t kNoInode = 0;
-
-// Ready for queries of every kind: none has to wait, in its turn, for an index that another makes.
-std::shared_ptr<const MapIndex> OpenServed(const fs::path& file) {
-  std::shared_ptr<const MapIndex> index = OpenMapFile(file, true).index;
-  if (index->map().appearance) index->node_features();
-  return index;
-}
 
 }  // namespace
 
@@ -84,7 +78,7 @@ ServedFiles::Opened ServedFiles::OpenAll() {
   std::exception_ptr first;
   for (auto& [name, stamp] : known_) {
     try {
-      opened.maps.emplace(name, OpenServed(stamp.path));
+      opened.maps.emplace(name, OpenForServing(stamp.path));
     } catch (const std::bad_alloc&) {
       if (IsGiven(stamp.path)) throw;
       if (!first) first = std::current_exception();
@@ -107,7 +101,7 @@ ServedFiles::Opened ServedFiles::OpenAll() {
 ServedFiles::Change ServedFiles::Reload(MapCatalog& catalog, const std::string& name,
                                         const fs::path& file) {
   try {
-    std::shared_ptr<const MapIndex> index = OpenServed(file);
+    std::shared_ptr<const MapIndex> index = OpenForServing(file);
     const std::string version = index->map().info.version;
     catalog.Put(name, std::move(index));
     return {name, "now serving " + version, true};

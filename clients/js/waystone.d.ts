@@ -142,7 +142,12 @@ export interface Problem {
 
 export interface Ready {
   ready: true;
+  /** Known by name. */
   maps: number;
+  /** In memory; the others are opened when they are asked for. */
+  open: number;
+  /** Only of servers of a registry. */
+  registry?: { connected: boolean; silent_s: number; memory_bytes: number; cached_files: number; cached_bytes: number };
 }
 
 export interface Version {
@@ -452,7 +457,6 @@ export interface NamedArea {
   corners: [number, number][];
 }
 
-/** Keyframes, panoramas (nodes of the appearance layer) and planes in the frame of the poses that the map was built with; lengths in its unit. `up` points upwards: the mean direction of the tops of the images, null where they differ too much. `noise` is that of the given poses on each axis, null where none was measured. */
 /** Floor plans of the map, ordered by name. `right` and `top` are the unit vectors of the frame that x and y are along; without them and `unit` it is the frame of the appearance layer, called layer. */
 export interface FloorPlans {
   frame: string;
@@ -486,7 +490,7 @@ export interface PlanAnchor {
 
 export type Pair = [number, number];
 
-/** Keyframes and planes in the frame of the poses that the map was built with; lengths in its unit. `up` points upwards: the mean direction of the tops of the images, null where they differ too much. `noise` is that of the given poses on each axis, null where none was measured. */
+/** Keyframes, panoramas (nodes of the appearance layer) and planes in the frame of the poses that the map was built with; lengths in its unit. `up` points upwards: the mean direction of the tops of the images, null where they differ too much. `noise` is that of the given poses on each axis, null where none was measured. */
 export interface PoseLayer {
   frame: string;
   unit: "metres" | "unknown";

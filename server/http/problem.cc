@@ -18,7 +18,7 @@ HttpResponse Problem(ErrorCode code, int status, const std::string& detail,
   body["detail"] = detail;
   body["code"] = info.name;
   HttpResponse response{status, "application/problem+json", Dump(body), {}};
-  if (code == ErrorCode::kBusy || code == ErrorCode::kOutOfMemory) {
+  if (code == ErrorCode::kBusy || code == ErrorCode::kOutOfMemory || code == ErrorCode::kNotReady) {
     response.headers.emplace_back("Retry-After", std::to_string(retry_after_s));
   }
   if (code == ErrorCode::kUnauthorized) response.headers.emplace_back("WWW-Authenticate", "Bearer");

@@ -73,6 +73,18 @@ Json VersionJson() {
   return {{"program", std::string("waystone ") + kVersion}, {"schema", kSchemaVersion}};
 }
 
+Json ReadyJson(const Holdings& holdings) {
+  Json json = {{"ready", true}, {"maps", holdings.maps}, {"open", holdings.open}};
+  if (!holdings.registry) return json;
+  const RegistryHoldings& registry = *holdings.registry;
+  json["registry"] = {{"connected", registry.connected},
+                      {"silent_s", Rounded(registry.silent_s, 1)},
+                      {"memory_bytes", registry.memory_bytes},
+                      {"cached_files", registry.cached_files},
+                      {"cached_bytes", registry.cached_bytes}};
+  return json;
+}
+
 }  // namespace
 
 void ServiceOptions::Check() const {
@@ -80,15 +92,15 @@ void ServiceOptions::Check() const {
   localize.Check();
 }
 
-Application::Application(const MapCatalog::Indices& maps, const ServiceOptions& options,
+Application::Application(std::shared_ptr<MapSource> maps, const ServiceOptions& options,
                          Sinks sinks)
     : options_((options.Check(), options)),
       sinks_(Complete(std::move(sinks))),
-      catalog_(maps),
+      maps_(std::move(maps)),
       gate_(CountThreads(options), options.queue_length),
       log_(OpenLog(options, sinks_.error)),
-      inspection_(catalog_, gate_),
-      queries_(catalog_, gate_, metrics_, log_.get(), options.localize, options.limits),
+      inspection_(*maps_, gate_),
+      queries_(*maps_, gate_, metrics_, log_.get(), options.localize, options.limits),
       id_prefix_(Hex(std::random_device()())) {
   cv::setNumThreads(1);  // queries are what runs in parallel
   ThrowOpenCvErrors();
@@ -107,7 +119,7 @@ void Application::AddOperations() {
               [](const auto&, const auto&) { return JsonResponse(VersionJson()); });
   router_.Add("GET", "/metrics", [this](const auto&, const auto&) {
     return HttpResponse{
-        200, "text/plain; version=0.0.4", metrics_.Text(gate_.load(), catalog_.Now()->size()), {}};
+        200, "text/plain; version=0.0.4", metrics_.Text(gate_.load(), maps_->holdings()), {}};
   });
   router_.Add("GET", "/openapi.json", [](const auto&, const auto&) {
     return HttpResponse{200, "application/json", OpenApiJson(), {}};
@@ -149,10 +161,10 @@ HttpResponse Application::Admitted(const HttpRequest& request) const {
 }
 
 HttpResponse Application::Ready() const {
-  const std::shared_ptr<const MapCatalog::Maps> maps = catalog_.Now();
+  const Holdings holdings = maps_->holdings();
   if (stopping_) return ProblemResponse(ErrorCode::kNotReady, "the server is shutting down");
-  if (maps->empty()) return ProblemResponse(ErrorCode::kNotReady, "no maps loaded");
-  return JsonResponse({{"ready", true}, {"maps", maps->size()}});
+  if (holdings.maps == 0) return ProblemResponse(ErrorCode::kNotReady, "no maps loaded");
+  return JsonResponse(ReadyJson(holdings));
 }
 
 void Application::Report(const HttpRequest& request, const HttpResponse& response, double seconds) {

@@ -6,12 +6,15 @@
 #include <memory>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "core/base/options.h"
 #include "server/http/server_names.h"
 #include "server/http/tokens.h"
 #include "server/service/localize_service.h"
+#include "server/service/map_catalog.h"
 #include "server/service/map_service.h"
+#include "server/service/map_source.h"
 
 namespace waystone {
 
@@ -53,17 +56,22 @@ class Application {
     std::function<void(const std::string&)> error;   // one line a mishap; may be empty
   };
 
-  Application(const MapCatalog::Indices& maps, const ServiceOptions& options, Sinks sinks);
+  Application(std::shared_ptr<MapSource> maps, const ServiceOptions& options, Sinks sinks);
+  // Of maps that stay.
+  Application(const MapCatalog::Indices& maps, const ServiceOptions& options, Sinks sinks)
+      : Application(std::make_shared<MapCatalog>(maps), options, std::move(sinks)) {}
 
   // Answers a request. Throws nothing but std::bad_alloc.
   HttpResponse Answer(const HttpRequest& request);
 
-  MapCatalog& catalog() { return catalog_; }
   Metrics& metrics() { return metrics_; }
   // From now on /readyz says that the server ends, so that a load balancer sends nothing more.
   void BeginStop() { stopping_ = true; }
-  // Queries that wait for their turn are turned away from now on.
-  void EndQueue() { gate_.Close(); }
+  // Queries that wait for their turn, or for a map, are turned away from now on.
+  void EndQueue() {
+    gate_.Close();
+    maps_->EndWaits();
+  }
   // Whether a request with this header Authorization may send a body. Thread-safe.
   bool Admit(const std::string& authorization) const {
     return options_.tokens.Admit(authorization);
@@ -78,7 +86,7 @@ class Application {
 
   ServiceOptions options_;
   Sinks sinks_;
-  MapCatalog catalog_;
+  std::shared_ptr<MapSource> maps_;
   QueryGate gate_;
   Metrics metrics_;
   std::unique_ptr<QueryLog> log_;

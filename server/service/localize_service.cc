@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/service/localize_service.h"
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -29,13 +30,10 @@ void RefuseMapsOwn(const QueryRequest& request) {
 void LocalizeService::AddTo(Router& router) {
   router.Add("POST", "/v1/maps/{map}/localize",
              [this](const HttpRequest& http, const Router::Captures& captures) {
-               return Answer(http, {catalog_.Find(captures.at("map"))}, false);
+               return Answer(http, captures.at("map"));
              });
   router.Add("POST", "/v1/localize", [this](const HttpRequest& http, const Router::Captures&) {
-    ServedMaps maps;
-    for (const auto& [name, map] : *catalog_.Now()) maps.push_back(map);
-    if (maps.empty()) throw MapError(ErrorCode::kNotReady, "no maps loaded");
-    return Answer(http, maps, true);
+    return Answer(http, std::nullopt);
   });
 }
 
@@ -48,11 +46,32 @@ QueryRequest LocalizeService::Read(const HttpRequest& http) {
   return request;
 }
 
-HttpResponse LocalizeService::Answer(const HttpRequest& http, const ServedMaps& maps, bool across) {
-  QueryRequest request = Read(http);
-  if (across) RefuseMapsOwn(request);
+std::vector<QueriedMap> LocalizeService::MapsFor(const std::optional<std::string>& name,
+                                                 const QueryRequest& request) {
+  MapSource::Deadline deadline;
+  if (request.deadline_ms) {
+    deadline = request.received.value() + std::chrono::milliseconds(*request.deadline_ms);
+  }
+  std::vector<MapSource::MapPtr> maps;
+  if (name) {
+    maps.push_back(maps_.Find(*name, deadline));
+  } else {
+    maps = maps_.FindAll(deadline);
+  }
   std::vector<QueriedMap> queried;
-  for (const auto& map : maps) queried.push_back({map->name(), map->shared_index()});
+  for (const MapSource::MapPtr& map : maps) {
+    queried.push_back({map->name(), map->shared_index()});
+  }
+  return queried;
+}
+
+HttpResponse LocalizeService::Answer(const HttpRequest& http,
+                                     const std::optional<std::string>& name) {
+  if (name) maps_.CheckName(*name);
+  QueryRequest request = Read(http);
+  const bool across = !name;
+  if (across) RefuseMapsOwn(request);
+  std::vector<QueriedMap> queried = MapsFor(name, request);
   const auto session =
       std::make_shared<const Session>(std::move(request), std::move(queried), options_);
   std::optional<QueryGate::Turn> turn = gate_.Enter(session->deadline());
@@ -61,8 +80,7 @@ HttpResponse LocalizeService::Answer(const HttpRequest& http, const ServedMaps& 
   metrics_.CountAnswer(OverallAnswer(answer));
   const Json json = ToJson(*session, answer, across);
   if (log_) {
-    log_->Add(http.id, across ? Json(nullptr) : Json(maps.front()->name()), session->request(),
-              json);
+    log_->Add(http.id, name ? Json(*name) : Json(nullptr), session->request(), json);
   }
   return JsonResponse(json);
 }

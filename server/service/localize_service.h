@@ -3,12 +3,15 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "api/query_request_json.h"
 #include "localizer/options.h"
+#include "localizer/session.h"
 #include "server/http/router.h"
-#include "server/service/map_catalog.h"
+#include "server/service/map_source.h"
 #include "server/service/metrics.h"
 #include "server/service/query_gate.h"
 #include "server/service/query_log.h"
@@ -23,9 +26,9 @@ namespace waystone {
 class LocalizeService {
  public:
   // All but the options must outlive the service; `log` may be null.
-  LocalizeService(const MapCatalog& catalog, QueryGate& gate, Metrics& metrics, QueryLog* log,
+  LocalizeService(MapSource& maps, QueryGate& gate, Metrics& metrics, QueryLog* log,
                   const LocalizeOptions& options, const RequestLimits& limits)
-      : catalog_(catalog),
+      : maps_(maps),
         gate_(gate),
         metrics_(metrics),
         log_(log),
@@ -36,12 +39,13 @@ class LocalizeService {
   void AddTo(Router& router);
 
  private:
-  using ServedMaps = std::vector<std::shared_ptr<const ServedMap>>;
-
   QueryRequest Read(const HttpRequest& http);
-  HttpResponse Answer(const HttpRequest& http, const ServedMaps& maps, bool across);
+  // The map of that name, or all: opened by the request's deadline.
+  std::vector<QueriedMap> MapsFor(const std::optional<std::string>& name,
+                                  const QueryRequest& request);
+  HttpResponse Answer(const HttpRequest& http, const std::optional<std::string>& name);
 
-  const MapCatalog& catalog_;
+  MapSource& maps_;
   QueryGate& gate_;
   Metrics& metrics_;
   QueryLog* log_;

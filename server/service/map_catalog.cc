@@ -3,18 +3,10 @@
 
 #include <utility>
 
+#include "api/map_json.h"
 #include "core/base/error.h"
-#include "quality/audit.h"
 
 namespace waystone {
-
-const AuditReport& ServedMap::Audit(QueryGate& gate) const {
-  std::call_once(audited_, [&] {
-    const QueryGate::Turn turn = gate.Enter();
-    audit_ = std::make_shared<const AuditReport>(AuditMap(*index_));
-  });
-  return *audit_;
-}
 
 MapCatalog::MapCatalog(const Indices& indices) {
   Maps maps;
@@ -37,6 +29,28 @@ std::shared_ptr<const ServedMap> MapCatalog::Find(const std::string& name) const
                    "no map '" + name.substr(0, 80) + "'; GET /v1/maps lists the maps");
   }
   return it->second;
+}
+
+std::vector<std::string> MapCatalog::Names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, map] : *Now()) names.push_back(name);
+  return names;
+}
+
+std::vector<MapSource::MapPtr> MapCatalog::FindAll(const Deadline&) {
+  std::vector<MapPtr> found;
+  for (const auto& [name, map] : *Now()) found.push_back(map);
+  if (found.empty()) throw MapError(ErrorCode::kNotReady, "no maps loaded");
+  return found;
+}
+
+Json MapCatalog::Summary(const std::string& name) const {
+  return MapJson(name, Find(name)->index());
+}
+
+Holdings MapCatalog::holdings() const {
+  const size_t maps = Now()->size();
+  return {maps, maps, std::nullopt};
 }
 
 void MapCatalog::Put(const std::string& name, std::shared_ptr<const MapIndex> index) {

@@ -134,7 +134,7 @@ void MapService::AddTo(Router& router) {
 void MapService::AddShow(Router& router, const std::string& pattern, Show show) {
   router.Add("GET", "/v1/maps/{map}" + pattern,
              [this, show = std::move(show)](const HttpRequest& request, const Captures& captures) {
-               const std::shared_ptr<const ServedMap> map = catalog_.Find(captures.at("map"));
+               const MapSource::MapPtr map = maps_.Find(captures.at("map"), std::nullopt);
                const std::string etag = "\"" + map->version() + "\"";
                // First the answer: a 304 for what isn't there would be a lie.
                HttpResponse response = show(request, *map, captures);
@@ -302,22 +302,18 @@ void MapService::AddOrientation(Router& router) {
 }
 
 HttpResponse MapService::Home(const HttpRequest& request) const {
-  std::vector<std::string> names;
-  for (const auto& [name, map] : *catalog_.Now()) names.push_back(name);
   HttpResponse response{200,
                         "text/html; charset=utf-8",
-                        HomePage(names, request.header("Host").value_or("localhost")),
+                        HomePage(maps_.Names(), request.header("Host").value_or("localhost")),
                         {}};
   response.headers.emplace_back("Content-Security-Policy", kPagePolicy);
   return response;
 }
 
 HttpResponse MapService::ListMaps(const HttpRequest& request) const {
-  const std::shared_ptr<const MapCatalog::Maps> maps = catalog_.Now();
-  return JsonResponse(PagedJson(request, "maps", maps->size(), [&](size_t i) {
-    const auto& [name, map] = *std::next(maps->begin(), static_cast<int64_t>(i));
-    return MapJson(name, map->index());
-  }));
+  const std::vector<std::string> names = maps_.Names();
+  return JsonResponse(
+      PagedJson(request, "maps", names.size(), [&](size_t i) { return maps_.Summary(names[i]); }));
 }
 
 }  // namespace waystone

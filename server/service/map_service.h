@@ -5,7 +5,7 @@
 #include <string>
 
 #include "server/http/router.h"
-#include "server/service/map_catalog.h"
+#include "server/service/map_source.h"
 #include "server/service/query_gate.h"
 
 namespace waystone {
@@ -17,7 +17,7 @@ class MapService {
  public:
   // Both must outlive the service. Audits and what is found in pictures take a turn of
   // the gate.
-  MapService(const MapCatalog& catalog, QueryGate& gate) : catalog_(catalog), gate_(gate) {}
+  MapService(MapSource& maps, QueryGate& gate) : maps_(maps), gate_(gate) {}
 
   // Adds the routes. The service must outlive the router's last request.
   void AddTo(Router& router);
@@ -34,7 +34,7 @@ class MapService {
   HttpResponse Home(const HttpRequest& request) const;
   HttpResponse ListMaps(const HttpRequest& request) const;
 
-  const MapCatalog& catalog_;
+  MapSource& maps_;
   QueryGate& gate_;
 };
 

@@ -10,6 +10,8 @@
 
 #include <cstdint>
 #include <fstream>
+#include <mutex>
+#include <optional>
 #include <sstream>
 
 namespace waystone {
@@ -41,9 +43,78 @@ double ResidentBytes() {
   return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
+prometheus::Gauge& AddGauge(prometheus::Registry& registry, const std::string& name,
+                            const std::string& help) {
+  return BuildGauge().Name(name).Help(help).Register(registry).Add({});
+}
+
+prometheus::Counter& AddCounter(prometheus::Registry& registry, const std::string& name,
+                                const std::string& help) {
+  return BuildCounter().Name(name).Help(help).Register(registry).Add({});
+}
+
+// What is counted elsewhere.
+void SetTo(prometheus::Counter& counter, int64_t value) {
+  counter.Increment(static_cast<double>(value) - counter.Value());
+}
+void SetTo(prometheus::Gauge& gauge, int64_t value) { gauge.Set(static_cast<double>(value)); }
+
 }  // namespace
 
+// What a server that serves from a registry has of it.
+class RegistryMetrics {
+ public:
+  explicit RegistryMetrics(prometheus::Registry& registry)
+      : up_(AddGauge(registry, "waystone_registry_up", "1 while the registry answers")),
+        silent_(AddGauge(registry, "waystone_registry_silent_seconds",
+                         "Seconds since the registry answered")),
+        memory_(AddGauge(registry, "waystone_map_memory_bytes", "What open maps count as")),
+        memory_limit_(
+            AddGauge(registry, "waystone_map_memory_limit_bytes", "What open maps may count as")),
+        opens_(AddCounter(registry, "waystone_map_opens_total", "Maps opened")),
+        closes_(AddCounter(registry, "waystone_map_closes_total",
+                           "Maps closed to make room in memory")),
+        files_(AddGauge(registry, "waystone_cache_files", "Map files in the cache")),
+        bytes_(AddGauge(registry, "waystone_cache_bytes", "Bytes of the files in the cache")),
+        limit_(AddGauge(registry, "waystone_cache_limit_bytes", "What the cache may hold")),
+        fetched_bytes_(AddCounter(registry, "waystone_fetched_bytes_total",
+                                  "Bytes of the map files that were fetched")),
+        fetches_(BuildCounter()
+                     .Name("waystone_fetches_total")
+                     .Help("Map files fetched from the store by result")
+                     .Register(registry)) {}
+
+  void Set(const RegistryHoldings& now) {
+    up_.Set(now.connected ? 1 : 0);
+    silent_.Set(now.silent_s);
+    SetTo(memory_, now.memory_bytes);
+    SetTo(memory_limit_, now.memory_limit);
+    SetTo(opens_, now.opened);
+    SetTo(closes_, now.closed);
+    SetTo(files_, now.cached_files);
+    SetTo(bytes_, now.cached_bytes);
+    SetTo(limit_, now.cache_limit);
+    SetTo(fetched_bytes_, now.fetched_bytes);
+    SetTo(fetches_.Add({{"result", "good"}}), now.fetched_files);
+    SetTo(fetches_.Add({{"result", "failed"}}), now.failed_fetches);
+  }
+
+ private:
+  prometheus::Gauge& up_;
+  prometheus::Gauge& silent_;
+  prometheus::Gauge& memory_;
+  prometheus::Gauge& memory_limit_;
+  prometheus::Counter& opens_;
+  prometheus::Counter& closes_;
+  prometheus::Gauge& files_;
+  prometheus::Gauge& bytes_;
+  prometheus::Gauge& limit_;
+  prometheus::Counter& fetched_bytes_;
+  prometheus::Family<prometheus::Counter>& fetches_;
+};
+
 struct Metrics::Impl {
+  std::mutex setting;
   prometheus::Registry registry;
   prometheus::Family<Histogram>& requests = BuildHistogram()
                                                 .Name("waystone_request_duration_seconds")
@@ -67,11 +138,13 @@ struct Metrics::Impl {
   prometheus::Gauge& running = MakeGauge("waystone_queries_running", "Queries being processed");
   prometheus::Gauge& waiting = MakeGauge("waystone_queries_waiting", "Queries in the queue");
   prometheus::Gauge& maps = MakeGauge("waystone_maps", "Maps loaded");
+  prometheus::Gauge& open = MakeGauge("waystone_maps_open", "Maps in memory");
   prometheus::Gauge& memory =
       MakeGauge("process_resident_memory_bytes", "Resident memory size in bytes");
+  std::optional<RegistryMetrics> of_registry;  // made when there is one
 
   prometheus::Gauge& MakeGauge(const std::string& name, const std::string& help) {
-    return BuildGauge().Name(name).Help(help).Register(registry).Add({});
+    return AddGauge(registry, name, help);
   }
   void Observe(const std::string& stage, double ms) {
     stages.Add({{"stage", stage}}, SecondsBuckets()).Observe(ms * kSecondsPerMs);
@@ -112,10 +185,19 @@ void Metrics::CountReload(bool good) {
   impl_->reloads.Add({{"result", good ? "swapped" : "refused"}}).Increment();
 }
 
-std::string Metrics::Text(const QueryGate::Load& load, size_t maps) const {
+std::string Metrics::Text(const QueryGate::Load& load, const Holdings& holdings) const {
+  // One at a time: what is set by the difference must not be set twice.
+  const std::lock_guard lock(impl_->setting);
   impl_->running.Set(load.running);
   impl_->waiting.Set(load.waiting);
-  impl_->maps.Set(static_cast<double>(maps));
+  impl_->maps.Set(static_cast<double>(holdings.maps));
+  impl_->open.Set(static_cast<double>(holdings.open));
+  if (holdings.registry) {
+    if (!impl_->of_registry) impl_->of_registry.emplace(impl_->registry);
+    impl_->of_registry->Set(*holdings.registry);
+    SetTo(impl_->reloads.Add({{"result", "swapped"}}), holdings.registry->swapped);
+    SetTo(impl_->reloads.Add({{"result", "refused"}}), holdings.registry->refused);
+  }
   impl_->memory.Set(ResidentBytes());
   std::ostringstream out;
   out.exceptions(std::ios::badbit);  // for memory that runs out: it would be half a text

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "localizer/verdict/answer.h"
+#include "server/service/map_source.h"
 #include "server/service/query_gate.h"
 
 namespace waystone {
@@ -15,7 +16,14 @@ namespace waystone {
 //   waystone_localized_total{verdict}                       counter
 //   waystone_inliers                                        histogram, of the best plane
 //   waystone_queries_running, waystone_queries_waiting      gauges
-//   waystone_reloads_total{result}, waystone_maps, process_resident_memory_bytes
+//   waystone_reloads_total{result}, waystone_maps, waystone_maps_open,
+//   process_resident_memory_bytes
+// and of a registry that is served from:
+//   waystone_registry_up, waystone_registry_silent_seconds
+//   waystone_map_memory_bytes, waystone_map_memory_limit_bytes
+//   waystone_map_opens_total, waystone_map_closes_total
+//   waystone_cache_files, waystone_cache_bytes, waystone_cache_limit_bytes
+//   waystone_fetches_total{result}, waystone_fetched_bytes_total
 // Thread-safe.
 class Metrics {
  public:
@@ -31,7 +39,7 @@ class Metrics {
   void CountReload(bool good);
 
   // All of it as Prometheus reads it (text format 0.0.4).
-  std::string Text(const QueryGate::Load& load, size_t maps) const;
+  std::string Text(const QueryGate::Load& load, const Holdings& holdings) const;
 
  private:
   struct Impl;

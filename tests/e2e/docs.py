@@ -128,7 +128,7 @@ class Text(unittest.TestCase):
                 self.assertTrue((document.parent / target).exists(), f"{document.name}: {target}")
 
     def test_troubleshooting_has_the_programs_own_messages(self):
-        folders = ("core", "schema", "localizer", "builder", "api", "server", "cli")
+        folders = ("core", "schema", "localizer", "builder", "api", "registry", "server", "cli")
         sources = "\n".join(path.read_text(encoding="utf-8") for folder in folders
                             for path in sorted((ROOT / folder).rglob("*.cc")))
         # Literals beside each other are one.

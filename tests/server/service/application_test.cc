@@ -17,6 +17,7 @@
 
 #include "api/logged_query.h"
 #include "core/base/error.h"
+#include "server/service/map_catalog.h"
 #include "tests/server/http/no_threads.h"
 #include "tests/server/service/made_map.h"
 
@@ -36,8 +37,10 @@ class ApplicationTest : public testing::Test {
   ~ApplicationTest() override { fs::remove_all(folder_); }
 
   void Start(const ServiceOptions& options = {}) {
+    catalog_ =
+        std::make_shared<MapCatalog>(MapCatalog::Indices{{"lab", MapIndex::Build(MadeMap(3))}});
     app_ = std::make_unique<Application>(
-        MapCatalog::Indices{{"lab", MapIndex::Build(MadeMap(3))}}, options,
+        catalog_, options,
         Application::Sinks{[this](const std::string& line) { access_.push_back(line); },
                            [this](const std::string& line) { errors_.push_back(line); }});
   }
@@ -70,6 +73,7 @@ class ApplicationTest : public testing::Test {
   fs::path folder_;
   std::vector<std::string> access_;
   std::vector<std::string> errors_;
+  std::shared_ptr<MapCatalog> catalog_;
   std::unique_ptr<Application> app_;
 };
 
@@ -174,14 +178,14 @@ TEST_F(ApplicationTest, VersionAndContract) {
 
 TEST_F(ApplicationTest, MapsAreExchangedUnderWay) {
   Start();
-  const std::shared_ptr<const ServedMap> under_way = app_->catalog().Find("lab");
+  const std::shared_ptr<const ServedMap> under_way = catalog_->Find("lab");
   MapData other = MadeMap(5);
   other.info.version = "sha256:other";
-  app_->catalog().Put("lab", MapIndex::Build(std::move(other)));
+  catalog_->Put("lab", MapIndex::Build(std::move(other)));
   EXPECT_EQ(under_way->index().map().planes.size(), 3u);
   EXPECT_EQ(Json::parse(Ask("GET", "/v1/maps/lab").body)["planes"], 5);
   EXPECT_EQ(HeaderOf(Ask("GET", "/v1/maps/lab"), "ETag"), "\"sha256:other\"");
-  app_->catalog().Remove("lab");
+  catalog_->Remove("lab");
   EXPECT_EQ(Ask("GET", "/v1/maps/lab").status, 404);
   EXPECT_EQ(Ask("GET", "/readyz").status, 503);
   EXPECT_EQ(Ask("POST", "/v1/localize", {}, "x").status, 503);

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/json.h"
+#include "server/service/query_gate.h"
+#include "server/service/served_map.h"
+
+namespace waystone {
+
+// What a server that serves from a registry has of it. Bytes are of map files, but for `memory`.
+struct RegistryHoldings {
+  bool connected = false;    // the registry answered when it was asked last
+  double silent_s = 0;       // since it answered
+  int64_t memory_bytes = 0;  // what open maps count as, and its bound
+  int64_t memory_limit = 0;
+  int64_t cached_files = 0;
+  int64_t cached_bytes = 0;
+  int64_t cache_limit = 0;
+  int64_t fetched_files = 0;  // these and the following: since the start
+  int64_t fetched_bytes = 0;
+  int64_t failed_fetches = 0;
+  int64_t opened = 0;
+  int64_t closed = 0;   // to make room in memory
+  int64_t swapped = 0;  // open maps of which another version took the place
+  int64_t refused = 0;  // versions that couldn't be fetched or opened
+};
+
+// What a server holds, now.
+struct Holdings {
+  size_t maps = 0;  // by name
+  size_t open = 0;  // of them, in memory
+  std::optional<RegistryHoldings> registry;
+};
+
+// The maps of a server by their names. Each request goes on with the maps that it found when it
+// asked, whatever becomes of the names meanwhile. Thread-safe.
+class MapSource {
+ public:
+  using MapPtr = std::shared_ptr<const ServedMap>;
+  using Deadline = QueryGate::Deadline;
+
+  virtual ~MapSource() = default;
+
+  // Ascending.
+  virtual std::vector<std::string> Names() const = 0;
+  // Throws MapError(kNotFound) for a name that isn't served, and waits for nothing.
+  virtual void CheckName(const std::string& name) const = 0;
+  // One of the maps. May wait until it is open, at most until the deadline. Throws
+  // MapError(kNotFound), and kNotReady or BusyError for a map that can't be had now.
+  virtual MapPtr Find(const std::string& name, const Deadline& deadline) = 0;
+  // All of them, by name. Throws as Find does, MapError(kNotReady) where there is none, and
+  // kNotAvailable where they are too many to be asked at once.
+  virtual std::vector<MapPtr> FindAll(const Deadline& deadline) = 0;
+  // What lists say of a map (MapJson). Waits for nothing. Throws MapError(kNotFound).
+  virtual Json Summary(const std::string& name) const = 0;
+  virtual Holdings holdings() const = 0;
+  // Ends the waits of Find and FindAll, now and from now on, with MapError(kNotReady).
+  virtual void EndWaits() {}
+};
+
+}  // namespace waystone

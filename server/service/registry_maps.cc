@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/service/registry_maps.h"
+
+#include <sys/eventfd.h>
+
+#include <algorithm>
+#include <exception>
+#include <new>
+#include <utility>
+
+#include "api/map_json.h"
+#include "core/base/error.h"
+#include "schema/file/sha256.h"
+#include "server/http/problem.h"
+#include "server/http/start_thread.h"
+
+namespace waystone {
+namespace {
+
+constexpr int kOpeners = 4;  // maps fetched at once; one of them is read at a time
+constexpr std::chrono::seconds kPatience{20};
+constexpr std::chrono::milliseconds kMemoryPause{50};
+constexpr int kMaxRetryS = 60;
+constexpr double kBytesPerMb = 1e6;
+
+// What an open map takes of memory, as a multiple of its file: measured 1.4 for maps of planes and
+// 2.6 with an appearance layer, whose index of features is made when it is opened.
+int64_t OpenBytes(const MapVersion& version) {
+  return version.bytes * (HasLayer(version, "appearance") ? 3 : 2);
+}
+// While it is opened, the file is in memory too.
+int64_t OpeningBytes(const MapVersion& version) { return OpenBytes(version) + version.bytes; }
+
+std::string Megabytes(int64_t bytes) {
+  return std::to_string(static_cast<int64_t>(static_cast<double>(bytes) / kBytesPerMb + 0.5)) +
+         " MB";
+}
+
+MapError NotServed(const std::string& name) {
+  return {ErrorCode::kNotFound, "no map '" + name.substr(0, 80) + "'; GET /v1/maps lists the maps"};
+}
+MapError Ending() { return {ErrorCode::kNotReady, "the server is shutting down"}; }
+
+// An open map with its share of the memory, which it gives back when it is gone.
+struct HeldIndex {
+  std::shared_ptr<MapMemory::Share> share;
+  std::shared_ptr<const MapIndex> index;  // goes first
+};
+
+}  // namespace
+
+RegistryMaps::RegistryMaps(const RegistryMapsOptions& options, Log log)
+    : options_(options),
+      log_(std::move(log)),
+      memory_(std::make_shared<MapMemory>(options.memory_bytes)),
+      cache_(options.cache, options.cache_bytes),
+      wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  const bool known = ReadKnown();
+  try {
+    Look();
+  } catch (const MapError& error) {
+    if (!known) throw;
+    log_(std::string(error.what()) +
+         "; serving what the cache knows of (maps: " + std::to_string(entries_.size()) + ")");
+  }
+  if (!options_.store.empty()) registry_store_ = options_.store;
+  store_ = OpenStore(registry_store_);
+  WriteKnown();
+  try {
+    threads_.push_back(StartThread([this] { KeepLooking(); }));
+    for (int i = 0; i < kOpeners; ++i) threads_.push_back(StartThread([this] { KeepOpening(); }));
+  } catch (...) {
+    Stop();
+    throw;
+  }
+}
+
+RegistryMaps::~RegistryMaps() { Stop(); }
+
+void RegistryMaps::Stop() {
+  cache_.Stop();
+  {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+    ended_waits_ = true;
+  }
+  changed_.notify_all();
+  eventfd_write(wake_.get(), 1);
+  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();
+}
+
+void RegistryMaps::EndWaits() {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_waits_ = true;
+  }
+  changed_.notify_all();
+}
+
+// ---- opening and closing
+
+void RegistryMaps::QueueOpening(const std::string& name, Entry& entry) {
+  if (entry.opening) return;
+  entry.opening = std::make_shared<Opening>();
+  queue_.push_back(name);
+  changed_.notify_all();
+}
+
+void RegistryMaps::KeepOpening() {
+  Lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return stopped_ || !queue_.empty(); });
+    if (stopped_) return;
+    const std::string name = queue_.front();
+    queue_.pop_front();
+    lock.unlock();
+    OpenQueued(name);
+    lock.lock();
+  }
+}
+
+// The current version, or else the one that was opened last. While the current one is not to be
+// tried again yet, that one alone.
+void RegistryMaps::OpenQueued(const std::string& name) {
+  std::vector<MapVersion> wanted;
+  bool tries_current = false;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto it = entries_.find(name);
+    if (it == entries_.end()) return;
+    const Entry& entry = it->second;
+    const bool has_other = !entry.open && entry.served && *entry.served != entry.current;
+    tries_current = !has_other || !entry.MustWait();
+    if (tries_current) wanted.push_back(entry.current);
+    if (has_other) wanted.push_back(*entry.served);
+  }
+  Opening failure;
+  const auto fail = [&failure](bool out_of_memory, const std::string& error) {
+    if (failure.out_of_memory || !failure.error.empty()) return;  // the first one is told
+    failure.out_of_memory = out_of_memory;
+    failure.error = error;
+  };
+  Opened opened;
+  MapVersion version;
+  for (size_t i = 0; i < wanted.size() && !opened.map; ++i) {
+    version = wanted[i];
+    try {
+      opened = OpenVersion(name, version);
+    } catch (const std::bad_alloc&) {
+      fail(true, "out of memory");
+    } catch (const std::exception& error) {
+      fail(false, error.what());
+    }
+  }
+  Finish(name, version, std::move(opened), failure, tries_current);
+}
+
+RegistryMaps::Opened RegistryMaps::OpenVersion(const std::string& name, const MapVersion& version) {
+  const std::shared_ptr<const Store> store = StoreNow();
+  Opened opened;
+  opened.file = cache_.Get(*store, version.sha256, version.bytes);
+  const std::lock_guard one_at_a_time(opening_);
+  const std::shared_ptr<MapMemory::Share> share = TakeMemory(version);
+  std::shared_ptr<const MapIndex> index = ReadVersion(version, opened.file);
+  opened.bytes = OpenBytes(version);
+  share->ShrinkTo(opened.bytes);
+  const auto held = std::make_shared<HeldIndex>(HeldIndex{share, std::move(index)});
+  opened.map = std::make_shared<const ServedMap>(
+      name, std::shared_ptr<const MapIndex>(held, held->index.get()));
+  return opened;
+}
+
+std::shared_ptr<const MapIndex> RegistryMaps::ReadVersion(const MapVersion& version,
+                                                          const MapCache::FilePtr& file) {
+  std::string cause = "its bytes have changed";
+  try {
+    std::shared_ptr<const MapIndex> index = OpenForServing(file->path());
+    if (index->map().info.version == version.sha256) return index;
+  } catch (const MapError& error) {
+    cause = error.what();
+    if (Sha256OfFile(file->path()) == version.sha256) throw;  // it was published so
+  }
+  cache_.Drop(version.sha256);
+  throw MapError(ErrorCode::kNotReady,
+                 "the file in the cache was damaged (" + cause + "); it is fetched again");
+}
+
+std::shared_ptr<MapMemory::Share> RegistryMaps::TakeMemory(const MapVersion& version) {
+  const int64_t bytes = OpeningBytes(version);
+  if (bytes > memory_->limit()) {
+    throw MapError(ErrorCode::kNotReady, "takes " + Megabytes(bytes) + " of memory to open, and " +
+                                             Megabytes(memory_->limit()) +
+                                             " are allowed; give the server more (--memory)");
+  }
+  const Clock::time_point start = Clock::now();
+  while (Clock::now() - start < kPatience) {
+    while (true) {
+      MapPtr closed;  // goes outside the lock, with its memory where no request has it
+      const std::lock_guard lock(mutex_);
+      if (stopped_) throw Ending();
+      if (open_bytes_ + bytes <= memory_->limit()) break;
+      closed = CloseOldest();
+      if (!closed) break;
+    }
+    if (std::shared_ptr<MapMemory::Share> share = memory_->Take(bytes, kMemoryPause)) return share;
+  }
+  throw MapError(ErrorCode::kNotReady,
+                 "the memory for maps is taken by requests in progress; try again, or give the "
+                 "server more (--memory)");
+}
+
+MapSource::MapPtr RegistryMaps::CloseOldest() {
+  Entry* oldest = nullptr;
+  for (auto& [name, entry] : entries_) {
+    if (entry.open && (!oldest || entry.last_use < oldest->last_use)) oldest = &entry;
+  }
+  if (!oldest) return nullptr;
+  open_bytes_ -= std::exchange(oldest->bytes, 0);
+  oldest->file = nullptr;
+  ++counted_.closed;
+  return std::exchange(oldest->open, nullptr);
+}
+
+void RegistryMaps::Finish(const std::string& name, const MapVersion& version, Opened opened,
+                          const Opening& failure, bool tried_current) {
+  std::string said;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto it = entries_.find(name);
+    if (it == entries_.end()) return;  // retired meanwhile
+    Entry& entry = it->second;
+    if (opened.map) {
+      ++counted_.opened;
+      if (entry.open) {
+        ++counted_.swapped;
+        said = "now serving version " + std::to_string(version.number);
+      }
+      open_bytes_ += opened.bytes - entry.bytes;
+      std::swap(entry.open, opened.map);  // the old one goes outside the lock
+      std::swap(entry.file, opened.file);
+      entry.bytes = opened.bytes;
+      known_changed_ |= entry.served != version;
+      entry.served = version;
+    }
+    if (tried_current) Count(failure, entry, said);
+    if (const std::shared_ptr<Opening> opening = std::exchange(entry.opening, nullptr)) {
+      opening->map = entry.open;
+      opening->error = failure.error;
+      opening->out_of_memory = failure.out_of_memory;
+      opening->done = true;
+    }
+  }
+  changed_.notify_all();
+  if (!said.empty()) log_("map " + name + ": " + said);
+}
+
+// What became of the current version.
+void RegistryMaps::Count(const Opening& failure, Entry& entry, std::string& said) {
+  if (failure.error.empty()) {
+    entry.failures = 0;
+    return;
+  }
+  ++counted_.refused;
+  if (entry.failures == 0 || entry.error != failure.error) {
+    said = "version " + std::to_string(entry.current.number) + ": " + failure.error + "; " +
+           (entry.open ? "serving version " + std::to_string(entry.served->number) : "not served") +
+           ", trying again";
+  }
+  ++entry.failures;
+  entry.error = failure.error;
+  entry.out_of_memory = failure.out_of_memory;
+  const int retry_s = std::min(kMaxRetryS, 1 << std::min(entry.failures - 1, 10));
+  entry.retry_at = Clock::now() + std::chrono::seconds(retry_s);
+}
+
+std::shared_ptr<const Store> RegistryMaps::StoreNow() const {
+  const std::lock_guard lock(mutex_);
+  return store_;
+}
+
+// ---- asking
+
+const RegistryMaps::Entry& RegistryMaps::EntryOf(const std::string& name) const {
+  const auto it = entries_.find(name);
+  if (it == entries_.end()) throw NotServed(name);
+  return it->second;
+}
+
+std::vector<std::string> RegistryMaps::Names() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> names;
+  names.reserve(entries_.size());
+  for (const auto& [name, entry] : entries_) names.push_back(name);
+  return names;
+}
+
+void RegistryMaps::CheckName(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  EntryOf(name);
+}
+
+MapSource::MapPtr RegistryMaps::Find(const std::string& name, const Deadline& deadline) {
+  Lock lock(mutex_);
+  const auto it = entries_.find(name);
+  if (it == entries_.end()) throw NotServed(name);
+  Entry& entry = it->second;
+  entry.last_use = ++uses_;
+  if (entry.open) return entry.open;
+  if (ended_waits_) throw Ending();
+  const bool has_other = entry.served && *entry.served != entry.current;
+  if (entry.MustWait() && !has_other) {
+    if (entry.out_of_memory) throw std::bad_alloc();
+    throw MapError(ErrorCode::kNotReady, "map '" + name + "': " + entry.error);
+  }
+  if (waiting_ >= kMaxWaiting) {
+    throw BusyError("too many requests wait for maps to be opened; try again", 1);
+  }
+  QueueOpening(name, entry);
+  const std::shared_ptr<Opening> opening = entry.opening;
+  Clock::time_point until = Clock::now() + kPatience;
+  if (deadline) until = std::min(until, *deadline);
+  ++waiting_;
+  changed_.wait_until(lock, until, [&] { return opening->done || ended_waits_; });
+  --waiting_;
+  if (opening->map) return opening->map;
+  if (opening->out_of_memory) throw std::bad_alloc();
+  if (!opening->error.empty()) {
+    throw MapError(ErrorCode::kNotReady, "map '" + name + "': " + opening->error);
+  }
+  if (opening->done) throw NotServed(name);  // retired meanwhile
+  if (ended_waits_) throw Ending();
+  throw MapError(ErrorCode::kNotReady,
+                 "map '" + name + "' is being fetched and opened; try again in a moment");
+}
+
+std::vector<MapSource::MapPtr> RegistryMaps::FindAll(const Deadline& deadline) {
+  std::vector<std::string> names;
+  int64_t bytes = 0;
+  size_t count = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    count = entries_.size();
+    if (entries_.empty()) throw MapError(ErrorCode::kNotReady, "no maps in the registry");
+    int64_t largest = 0;
+    for (const auto& [name, entry] : entries_) {
+      names.push_back(name);
+      bytes += OpenBytes(entry.current);
+      largest = std::max(largest, entry.current.bytes);
+      if (bytes > memory_->limit()) break;  // there may be thousands
+    }
+    bytes += largest;
+  }
+  if (bytes > memory_->limit()) {
+    throw MapError(ErrorCode::kNotAvailable,
+                   "all " + std::to_string(count) + " maps together take more than the " +
+                       Megabytes(memory_->limit()) +
+                       " of memory that are allowed; name the map: /v1/maps/{map}/localize");
+  }
+  std::vector<MapPtr> maps;
+  for (const std::string& name : names) maps.push_back(Find(name, deadline));
+  return maps;
+}
+
+Json RegistryMaps::Summary(const std::string& name) const {
+  MapPtr open;
+  {
+    const std::lock_guard lock(mutex_);
+    const Entry& entry = EntryOf(name);
+    open = entry.open;
+    if (!open) return SummaryOf(entry.current);
+  }
+  return MapJson(name, open->index());
+}
+
+Holdings RegistryMaps::holdings() const {
+  const MapCache::Usage cache = cache_.usage();
+  Holdings holdings;
+  const std::lock_guard lock(mutex_);
+  holdings.maps = entries_.size();
+  RegistryHoldings& registry = holdings.registry.emplace(counted_);
+  for (const auto& [name, entry] : entries_) holdings.open += entry.open ? 1 : 0;
+  registry.connected = connected_;
+  registry.silent_s = SecondsSince(answered_);
+  registry.memory_bytes = memory_->used();
+  registry.memory_limit = memory_->limit();
+  registry.cached_files = cache.files;
+  registry.cached_bytes = cache.bytes;
+  registry.cache_limit = cache_.max_bytes();
+  registry.fetched_files = cache.fetched_files;
+  registry.fetched_bytes = cache.fetched_bytes;
+  registry.failed_fetches = cache.failed_fetches;
+  return holdings;
+}
+
+}  // namespace waystone

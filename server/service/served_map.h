@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "localizer/index/map_index.h"
+#include "server/service/query_gate.h"
+
+namespace waystone {
+
+struct AuditReport;
+
+// A map that is served: immutable but for its audit, which is made when it is first asked for.
+// Thread-safe.
+class ServedMap {
+ public:
+  ServedMap(std::string name, std::shared_ptr<const MapIndex> index)
+      : name_(std::move(name)), index_(std::move(index)) {}
+
+  const std::string& name() const { return name_; }  // what URLs call it
+  const MapIndex& index() const { return *index_; }
+  const std::shared_ptr<const MapIndex>& shared_index() const { return index_; }
+  const std::string& version() const { return index_->map().info.version; }
+  // The first one who asks computes it, for seconds and on all cores, in a query's turn; who asks
+  // meanwhile waits without one. Throws what QueryGate::Enter throws.
+  const AuditReport& Audit(QueryGate& gate) const;
+
+ private:
+  std::string name_;
+  std::shared_ptr<const MapIndex> index_;
+  mutable std::once_flag audited_;
+  mutable std::shared_ptr<const AuditReport> audit_;
+};
+
+// Reads a map file and makes it ready for queries of every kind: none has to wait, in its turn, for
+// an index that another makes. Throws as ReadMap does.
+std::shared_ptr<const MapIndex> OpenForServing(const std::filesystem::path& file);
+
+}  // namespace waystone

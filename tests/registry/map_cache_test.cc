@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "registry/map_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include "core/base/error.h"
+#include "schema/file/sha256.h"
+#include "tests/registry/test_folder.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string HashOf(const std::string& bytes) {
+  return Sha256({reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()});
+}
+
+// A store of one test, which can lie, end early and be away.
+class TestStore : public Store {
+ public:
+  std::string Add(const std::string& bytes) {
+    const std::string sha256 = HashOf(bytes);
+    files[sha256] = bytes;
+    return sha256;
+  }
+  void Put(const fs::path&, const std::string&, int64_t) const override {}
+  void Fetch(const std::string& sha256, int64_t offset, int64_t bytes,
+             FileSink& sink) const override {
+    ++fetches;
+    last_offset = offset;
+    if (away) throw MapError(ErrorCode::kNotReady, "the store is away");
+    const std::string& file = files.at(sha256);
+    const int64_t start = whole_files_only ? 0 : offset;
+    sink.Begin(start);
+    int64_t end = std::min<int64_t>(bytes, std::ssize(file));
+    if (ends_at) end = std::min(end, *ends_at);
+    for (int64_t at = start; at < end; at += kBlock) {
+      const int64_t count = std::min<int64_t>(kBlock, end - at);
+      if (!sink.Take({file.data() + at, static_cast<size_t>(count)})) return;
+    }
+    if (ends_at) throw MapError(ErrorCode::kNotReady, "the store ended early");
+  }
+
+  static constexpr int64_t kBlock = 100;
+  std::map<std::string, std::string> files;
+  bool away = false;
+  bool whole_files_only = false;
+  std::optional<int64_t> ends_at;
+  mutable std::atomic<int> fetches = 0;
+  mutable std::atomic<int64_t> last_offset = 0;
+};
+
+class MapCacheTest : public testing::Test {
+ protected:
+  MapCacheTest() { Restart(); }
+  void Restart(int64_t max_bytes = 10'000) {
+    cache_.reset();
+    cache_.emplace(folder_.path(), max_bytes);
+  }
+  std::string Get(const std::string& sha256) {
+    return ReadAll(cache_->Get(store_, sha256, std::ssize(store_.files.at(sha256)))->path());
+  }
+  std::string Failure(const std::string& sha256, int64_t bytes) {
+    try {
+      cache_->Get(store_, sha256, bytes);
+    } catch (const MapError& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kNotReady);
+      return error.what();
+    }
+    return "";
+  }
+
+  TestFolder folder_;
+  TestStore store_;
+  std::optional<MapCache> cache_;
+};
+
+TEST_F(MapCacheTest, AFileIsFetchedOnce) {
+  const std::string sha256 = store_.Add(std::string(1234, 'x'));
+  EXPECT_EQ(cache_->Find(sha256), nullptr);
+  EXPECT_EQ(Get(sha256), std::string(1234, 'x'));
+  EXPECT_EQ(Get(sha256), std::string(1234, 'x'));
+  Restart();
+  store_.away = true;
+  EXPECT_EQ(Get(sha256), std::string(1234, 'x'));
+  EXPECT_NE(cache_->Find(sha256), nullptr);
+  EXPECT_EQ(store_.fetches, 1);
+  EXPECT_EQ(cache_->usage().files, 1);
+  EXPECT_EQ(cache_->usage().bytes, 1234);
+}
+
+TEST_F(MapCacheTest, AnInterruptedFetchGoesOnWhereItStopped) {
+  const std::string sha256 = store_.Add(std::string(500, 'x') + std::string(500, 'y'));
+  store_.ends_at = 600;
+  EXPECT_EQ(Failure(sha256, 1000), "the store ended early");
+  EXPECT_EQ(cache_->Find(sha256), nullptr) << "never served half";
+  EXPECT_EQ(cache_->usage().bytes, 600);
+  Restart();
+  store_.ends_at.reset();
+  EXPECT_EQ(Get(sha256), store_.files[sha256]);
+  EXPECT_EQ(store_.last_offset, 600);
+}
+
+TEST_F(MapCacheTest, AStoreWithoutRangesSendsAllAgain) {
+  const std::string sha256 = store_.Add(std::string(500, 'x') + std::string(500, 'y'));
+  store_.ends_at = 600;
+  Failure(sha256, 1000);
+  store_.ends_at.reset();
+  store_.whole_files_only = true;
+  EXPECT_EQ(Get(sha256), store_.files[sha256]);
+}
+
+TEST_F(MapCacheTest, WrongBytesAreNeverKept) {
+  const std::string sha256 = store_.Add(std::string(1000, 'x'));
+  store_.files[sha256][700] = 'y';
+  const std::string error = Failure(sha256, 1000);
+  EXPECT_NE(error.find("has other bytes than those that were published"), std::string::npos);
+  EXPECT_EQ(store_.fetches, 1);
+  EXPECT_EQ(cache_->usage().bytes, 0);
+  store_.files[sha256] = std::string(2000, 'x');  // longer
+  EXPECT_EQ(ReadAll(cache_->Get(store_, sha256, 1000)->path()), std::string(1000, 'x'))
+      << "what is more than the size is no part of it";
+}
+
+TEST_F(MapCacheTest, ADamagedPartIsFetchedAnew) {
+  const std::string sha256 = store_.Add(std::string(1000, 'x'));
+  store_.ends_at = 600;
+  Failure(sha256, 1000);
+  store_.ends_at.reset();
+  const fs::path part = folder_ / (sha256.substr(7) + ".part");
+  ASSERT_EQ(fs::file_size(part), 600U);
+  WriteBytes(part, std::string(600, 'y'));
+  EXPECT_EQ(Get(sha256), std::string(1000, 'x'));
+  WriteBytes(part, std::string(3000, 'y'));  // beside the whole file: no longer needed
+  Restart();
+  EXPECT_EQ(Get(sha256), std::string(1000, 'x'));
+  EXPECT_FALSE(fs::exists(part));
+}
+
+TEST_F(MapCacheTest, ADroppedFileIsFetchedAnew) {
+  const std::string sha256 = store_.Add(std::string(1000, 'x'));
+  Get(sha256);
+  WriteBytes(folder_ / (sha256.substr(7) + ".db"), std::string(1000, 'y'));
+  cache_->Drop(sha256);
+  EXPECT_EQ(Get(sha256), std::string(1000, 'x'));
+  WriteBytes(folder_ / (sha256.substr(7) + ".db"), "cut");
+  Restart();
+  EXPECT_EQ(Get(sha256), std::string(1000, 'x')) << "no file of that size";
+}
+
+TEST_F(MapCacheTest, TheLeastRecentlyUsedFilesMakeRoom) {
+  std::vector<std::string> hashes;
+  for (char c = 'a'; c < 'f'; ++c) hashes.push_back(store_.Add(std::string(3000, c)));
+  for (int i = 0; i < 3; ++i) Get(hashes[i]);
+  Get(hashes[0]);
+  Get(hashes[3]);  // in place of 1
+  EXPECT_EQ(cache_->usage().files, 3);
+  EXPECT_LE(cache_->usage().bytes, 10'000);
+  EXPECT_NE(cache_->Find(hashes[0]), nullptr);
+  EXPECT_EQ(cache_->Find(hashes[1]), nullptr);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));  // file times have ticks
+  EXPECT_NE(cache_->Find(hashes[2]), nullptr);
+  Restart(3500);  // a smaller bound than before
+  EXPECT_EQ(cache_->usage().files, 1);
+  EXPECT_NE(cache_->Find(hashes[2]), nullptr) << "the last one that was used";
+  // What is in use stays, and is said to be.
+  const MapCache::FilePtr used = cache_->Find(hashes[2]);
+  ASSERT_TRUE(used);
+  EXPECT_NE(Failure(hashes[4], 3000).find("the cache is full of files that are in use: 0.0 MB of"),
+            std::string::npos);
+  EXPECT_TRUE(fs::exists(used->path()));
+  EXPECT_NE(Failure(hashes[4], 4000).find("give it more room (--cache-size)"), std::string::npos);
+}
+
+TEST_F(MapCacheTest, ThreadsThatWantOneFileShareItsFetch) {
+  const std::string sha256 = store_.Add(std::string(5000, 'x'));
+  std::vector<std::thread> threads;
+  std::atomic<int> good = 0;
+  for (int i = 0; i < 8; ++i) {
+    threads.emplace_back([&] { good += Get(sha256) == store_.files.at(sha256) ? 1 : 0; });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(good, 8);
+  EXPECT_EQ(store_.fetches, 1);
+}
+
+TEST_F(MapCacheTest, ManyThreadsWithinASmallBound) {
+  std::vector<std::string> hashes;
+  for (char c = 'a'; c < 'm'; ++c) hashes.push_back(store_.Add(std::string(2000, c)));
+  std::vector<std::thread> threads;
+  std::atomic<int> wrong = 0;
+  for (int t = 0; t < 4; ++t) {
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < 100; ++i) {
+        const std::string& sha256 = hashes[(7 * t + 5 * i) % hashes.size()];
+        wrong += Get(sha256) == store_.files.at(sha256) ? 0 : 1;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, 0);
+  EXPECT_LE(cache_->usage().bytes, 10'000);
+}
+
+TEST_F(MapCacheTest, AnotherServerHasACacheOfItsOwn) {
+  try {
+    const MapCache second(folder_.path(), 1000);
+    ADD_FAILURE() << "two caches of one folder";
+  } catch (const MapError& error) {
+    EXPECT_NE(std::string(error.what()).find("is the cache of another server that runs"),
+              std::string::npos);
+  }
+}
+
+TEST_F(MapCacheTest, StopEndsFetches) {
+  const std::string sha256 = store_.Add(std::string(1000, 'x'));
+  cache_->Stop();
+  EXPECT_EQ(Failure(sha256, 1000), "the server is shutting down");
+}
+
+}  // namespace
+}  // namespace waystone

@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: Apache-2.0
+// Maps of a registry as a server holds them.
+#include "server/service/registry_maps.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "api/map_json.h"
+#include "core/base/error.h"
+#include "registry/store.h"
+#include "schema/file/map_store.h"
+#include "tests/registry/test_folder.h"
+#include "tests/server/service/made_map.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kPollS = 0.05;
+constexpr int kPatienceS = 20;
+
+class RegistryMapsTest : public testing::Test {
+ protected:
+  RegistryMapsTest() {
+    options_.registry = (folder_ / "registry").string();
+    options_.cache = folder_ / "cache";
+    options_.poll_s = kPollS;
+    registry_ = OpenRegistry(options_.registry, NewRegistry{(folder_ / "store").string()});
+  }
+
+  // Puts a map of that many planes into the store.
+  MapVersion Prepare(const std::string& name, int planes) {
+    MapData map = MadeMap(planes);
+    map.edges.clear();  // their homologies are made up
+    const fs::path file = folder_ / "made.db";
+    WriteMap(map, file, {.overwrite = true});
+    const auto index = MapIndex::Build(ReadMap(file));
+    const MapVersion version =
+        MakeVersion(name, *index, static_cast<int64_t>(fs::file_size(file)), {});
+    OpenStore(registry_->store())->Put(file, version.sha256, version.bytes);
+    return version;
+  }
+  MapVersion Publish(const std::string& name, int planes) {
+    return registry_->Publish(Prepare(name, planes));
+  }
+  fs::path Stored(const MapVersion& version) const {
+    return folder_.path() / "store" / StorePath(version.sha256);
+  }
+
+  void Start() {
+    maps_.reset();
+    maps_ = std::make_unique<RegistryMaps>(options_, [this](const std::string& line) {
+      const std::lock_guard lock(mutex_);
+      log_ += line + "\n";
+    });
+  }
+  std::string log() {
+    const std::lock_guard lock(mutex_);
+    return log_;
+  }
+  size_t Planes(const std::string& name) {
+    return maps_->Find(name, std::nullopt)->index().map().planes.size();
+  }
+  std::string Failure(const std::string& name, ErrorCode code = ErrorCode::kNotReady) {
+    try {
+      maps_->Find(name, std::nullopt);
+    } catch (const MapError& error) {
+      EXPECT_EQ(error.code(), code) << error.what();
+      return error.what();
+    }
+    ADD_FAILURE() << name << " was found";
+    return "";
+  }
+  RegistryHoldings Held() { return maps_->holdings().registry.value(); }
+
+  template <class Holds>
+  bool Until(const Holds& holds) {
+    for (int i = 0; i < 100 * kPatienceS && !holds(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return holds();
+  }
+
+  TestFolder folder_;
+  RegistryMapsOptions options_;
+  std::unique_ptr<Registry> registry_;
+  std::mutex mutex_;
+  std::string log_;
+  std::unique_ptr<RegistryMaps> maps_;
+};
+
+TEST_F(RegistryMapsTest, MapsAreOpenedWhenTheyAreAskedFor) {
+  Publish("hall", 3);
+  Publish("lab", 5);
+  Start();
+  EXPECT_EQ(maps_->Names(), (std::vector<std::string>{"hall", "lab"}));
+  EXPECT_EQ(maps_->holdings().open, 0U);
+  EXPECT_EQ(maps_->Summary("lab")["planes"], 5);
+  EXPECT_EQ(maps_->holdings().open, 0U) << "lists open nothing";
+  EXPECT_EQ(Planes("lab"), 5U);
+  EXPECT_EQ(maps_->holdings().open, 1U);
+  EXPECT_EQ(maps_->Summary("lab"), MapJson("lab", maps_->Find("lab", std::nullopt)->index()));
+  EXPECT_EQ(Held().fetched_files, 1);
+  EXPECT_EQ(maps_->FindAll(std::nullopt).size(), 2U);
+  EXPECT_EQ(maps_->holdings().open, 2U);
+  Failure("cellar", ErrorCode::kNotFound);
+  EXPECT_THROW(maps_->CheckName("cellar"), MapError);
+  EXPECT_THROW(maps_->Summary("cellar"), MapError);
+}
+
+TEST_F(RegistryMapsTest, NewVersionsTakeThePlaceOfOpenOnes) {
+  const MapVersion first = Publish("lab", 3);
+  Start();
+  const MapSource::MapPtr under_way = maps_->Find("lab", std::nullopt);
+  const MapVersion second = Publish("lab", 5);
+  EXPECT_TRUE(Until([&] { return Planes("lab") == 5; }));
+  EXPECT_EQ(maps_->Find("lab", std::nullopt)->version(), second.sha256);
+  EXPECT_EQ(under_way->index().map().planes.size(), 3U);
+  EXPECT_EQ(under_way->version(), first.sha256);
+  registry_->Rollback("lab", std::nullopt);
+  EXPECT_TRUE(Until([&] { return Planes("lab") == 3; }));
+  EXPECT_EQ(Held().swapped, 2);
+  Publish("new", 4);
+  EXPECT_TRUE(Until([&] { return maps_->Names().size() == 2; }));
+  EXPECT_EQ(Planes("new"), 4U);
+  registry_->Retire("lab");
+  EXPECT_TRUE(Until([&] { return maps_->Names().size() == 1; }));
+  Failure("lab", ErrorCode::kNotFound);
+  EXPECT_EQ(under_way->index().map().planes.size(), 3U) << "requests go on with what they found";
+  EXPECT_NE(log().find("map lab: retired; no longer served"), std::string::npos);
+}
+
+TEST_F(RegistryMapsTest, TheLeastRecentlyUsedMapsMakeRoom) {
+  std::vector<MapVersion> versions;
+  for (int i = 0; i < 5; ++i) versions.push_back(Publish("map" + std::to_string(i), 3 + i));
+  // Three open ones of twice their size, while one is opened with its file beside.
+  const int64_t largest = versions.back().bytes;
+  options_.memory_bytes = 7 * largest;
+  Start();
+  for (int round = 0; round < 3; ++round) {
+    for (size_t i = 0; i < versions.size(); ++i) {
+      EXPECT_EQ(Planes("map" + std::to_string(i)), 3 + i);
+      EXPECT_LE(Held().memory_bytes, options_.memory_bytes);
+      EXPECT_LE(maps_->holdings().open, 3U);
+    }
+  }
+  EXPECT_GE(Held().closed, 10);
+  EXPECT_EQ(Held().fetched_files, 5) << "the cache kept the files";
+  try {
+    maps_->FindAll(std::nullopt);
+    ADD_FAILURE() << "more than the memory holds";
+  } catch (const MapError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kNotAvailable);
+    EXPECT_NE(std::string(error.what()).find("name the map"), std::string::npos);
+  }
+}
+
+// What requests in progress hold counts, too.
+TEST_F(RegistryMapsTest, MapsInUseKeepTheirMemory) {
+  const MapVersion lab = Publish("lab", 3);
+  Publish("hall", 3);
+  options_.memory_bytes = 3 * lab.bytes;
+  Start();
+  MapSource::MapPtr used = maps_->Find("lab", std::nullopt);
+  const auto soon = Clock::now() + std::chrono::milliseconds(300);
+  EXPECT_THROW(maps_->Find("hall", soon), MapError);
+  EXPECT_EQ(Held().memory_bytes, 2 * lab.bytes);
+  used = nullptr;
+  EXPECT_EQ(Planes("hall"), 3U);
+}
+
+TEST_F(RegistryMapsTest, AMapLargerThanTheMemoryIsSaidAndOthersAreServed) {
+  const MapVersion small = Publish("small", 1);
+  const MapVersion large = Publish("large", 100);
+  options_.memory_bytes = 3 * small.bytes;
+  ASSERT_GT(large.bytes, small.bytes);
+  Start();
+  const std::string error = Failure("large");
+  EXPECT_NE(error.find("map 'large': takes"), std::string::npos) << error;
+  EXPECT_NE(error.find("(--memory)"), std::string::npos) << error;
+  EXPECT_EQ(Planes("small"), 1U);
+}
+
+TEST_F(RegistryMapsTest, WrongBytesAreRefusedAndTheVersionBeforeIsServed) {
+  Publish("lab", 3);
+  Publish("hall", 4);
+  Start();
+  EXPECT_EQ(Planes("lab"), 3U);
+  const MapVersion bad = Prepare("lab", 5);
+  const std::string good = ReadAll(Stored(bad));
+  std::string bytes = good;
+  bytes[bytes.size() / 2] ^= 1;
+  WriteBytes(Stored(bad), bytes);
+  registry_->Publish(bad);
+  EXPECT_TRUE(Until([&] { return Held().refused > 0; }));
+  EXPECT_EQ(Planes("lab"), 3U);
+  EXPECT_NE(log().find("map lab: version 2: "), std::string::npos) << log();
+  EXPECT_NE(log().find("; serving version 1, trying again"), std::string::npos) << log();
+  EXPECT_EQ(Planes("hall"), 4U);
+  WriteBytes(Stored(bad), good);
+  maps_->Refresh();
+  EXPECT_TRUE(Until([&] { return Planes("lab") == 5; })) << log();
+}
+
+TEST_F(RegistryMapsTest, AMapWhoseFileIsWrongIsRefusedAlone) {
+  const MapVersion lab = Publish("lab", 3);
+  Publish("hall", 4);
+  const std::string good = ReadAll(Stored(lab));
+  std::string bytes = good;
+  bytes[bytes.size() / 2] ^= 1;
+  WriteBytes(Stored(lab), bytes);
+  Start();
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NE(Failure("lab").find("has other bytes than those that were published"),
+              std::string::npos);
+  }
+  EXPECT_EQ(Held().failed_fetches, 1) << "not tried again at once";
+  EXPECT_EQ(Planes("hall"), 4U);
+  WriteBytes(Stored(lab), good);
+  maps_->Refresh();
+  EXPECT_EQ(Planes("lab"), 3U);
+}
+
+TEST_F(RegistryMapsTest, AFileThatWasDamagedInTheCacheIsFetchedAgain) {
+  const MapVersion lab = Publish("lab", 3);
+  Start();
+  Planes("lab");
+  maps_.reset();
+  const fs::path cached = folder_.path() / "cache" / (lab.sha256.substr(7) + ".db");
+  std::string bytes = ReadAll(cached);
+  bytes[bytes.size() / 2] ^= 1;
+  WriteBytes(cached, bytes);
+  Start();
+  EXPECT_NE(Failure("lab").find("the file in the cache was damaged"), std::string::npos);
+  EXPECT_TRUE(Until([&] {
+    try {
+      return Planes("lab") == 3;
+    } catch (const MapError&) {
+      return false;
+    }
+  }));
+}
+
+TEST_F(RegistryMapsTest, GoesOnAndStartsWithoutRegistryAndStore) {
+  Publish("lab", 3);
+  Publish("hall", 4);
+  Start();
+  EXPECT_EQ(Planes("lab"), 3U);
+  fs::rename(folder_ / "registry", folder_ / "registry.away");
+  fs::rename(folder_ / "store", folder_ / "store.away");
+  EXPECT_TRUE(Until([&] { return !Held().connected; }));
+  EXPECT_NE(log().find("; serving what is known"), std::string::npos);
+  EXPECT_EQ(Planes("lab"), 3U);
+  EXPECT_NE(Failure("hall").find("check the store"), std::string::npos);
+  Start();
+  EXPECT_FALSE(Held().connected);
+  EXPECT_NE(log().find("serving what the cache knows of (maps: 2)"), std::string::npos) << log();
+  EXPECT_EQ(Planes("lab"), 3U);
+  EXPECT_NE(Failure("hall").find("check the store"), std::string::npos);
+  fs::rename(folder_ / "registry.away", folder_ / "registry");
+  fs::rename(folder_ / "store.away", folder_ / "store");
+  Publish("lab", 5);
+  EXPECT_TRUE(Until([&] { return Planes("lab") == 5; }));
+  EXPECT_TRUE(Held().connected);
+  maps_->Refresh();
+  EXPECT_EQ(Planes("hall"), 4U);
+}
+
+// A server that knows of a version that it can't get serves the one that it has.
+TEST_F(RegistryMapsTest, StartsWithTheVersionThatItHas) {
+  Publish("lab", 3);
+  Start();
+  Planes("lab");
+  maps_.reset();
+  const MapVersion second = Publish("lab", 5);
+  fs::rename(folder_ / "store", folder_ / "store.away");
+  Start();
+  EXPECT_EQ(Planes("lab"), 3U);
+  EXPECT_EQ(Planes("lab"), 3U);
+  fs::rename(folder_ / "store.away", folder_ / "store");
+  maps_->Refresh();
+  EXPECT_TRUE(Until([&] { return Planes("lab") == 5; }));
+}
+
+TEST_F(RegistryMapsTest, ARegistryThatWasNeverSeenIsAnError) {
+  options_.registry = (folder_ / "nowhere").string();
+  EXPECT_THROW(Start(), MapError);
+  options_.registry = (folder_ / "registry").string();
+  Start();
+  // Another registry in its place knows other maps.
+  Publish("lab", 3);
+  EXPECT_TRUE(Until([&] { return maps_->Names().size() == 1; }));
+  maps_.reset();
+  fs::remove_all(folder_ / "registry");
+  registry_ = OpenRegistry(options_.registry, NewRegistry{(folder_ / "store").string()});
+  Start();
+  EXPECT_TRUE(maps_->Names().empty());
+}
+
+TEST_F(RegistryMapsTest, DamagedKnowledgeIsNotUsed) {
+  Publish("lab", 3);
+  Start();
+  maps_.reset();
+  const std::string known = ReadAll(folder_ / "cache" / "known.jsonl");
+  for (const std::string& text :
+       {known.substr(0, known.size() / 2), std::string("x\n"), known + "{\"current\":{}}\n"}) {
+    WriteBytes(folder_ / "cache" / "known.jsonl", text);
+    Start();
+    EXPECT_EQ(Planes("lab"), 3U);
+    maps_.reset();
+    fs::rename(folder_ / "registry", folder_ / "away");
+    WriteBytes(folder_ / "cache" / "known.jsonl", text);
+    EXPECT_THROW(Start(), MapError);
+    fs::rename(folder_ / "away", folder_ / "registry");
+  }
+}
+
+TEST_F(RegistryMapsTest, DeadlinesEndTheWait) {
+  Publish("lab", 3);
+  Start();
+  try {
+    maps_->Find("lab", Clock::now() - std::chrono::seconds(1));
+    ADD_FAILURE() << "opened in no time";
+  } catch (const MapError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kNotReady);
+    EXPECT_NE(std::string(error.what()).find("is being fetched and opened"), std::string::npos);
+  }
+  EXPECT_TRUE(Until([&] { return maps_->holdings().open == 1; })) << "it goes on";
+  maps_->EndWaits();
+  EXPECT_EQ(Planes("lab"), 3U);
+}
+
+// Answers while everything changes: each from one whole version, none fails.
+TEST_F(RegistryMapsTest, ManyRequestsWhileVersionsChange) {
+  std::vector<MapVersion> versions;
+  for (int i = 0; i < 4; ++i) versions.push_back(Publish("map" + std::to_string(i), 3));
+  options_.memory_bytes = 9 * versions[0].bytes;  // not for all
+  Start();
+  std::atomic<bool> stop = false;
+  std::atomic<int> answers = 0;
+  std::vector<std::thread> clients;
+  for (int c = 0; c < 3; ++c) {
+    clients.emplace_back([&, c] {
+      for (int i = 0; !stop; ++i) {
+        try {
+          const auto map = maps_->Find("map" + std::to_string((c + i) % 4), std::nullopt);
+          const size_t planes = map->index().map().planes.size();
+          EXPECT_TRUE(planes == 3 || planes == 4);
+          EXPECT_EQ(map->version().substr(0, 7), "sha256:");
+          ++answers;
+        } catch (const std::exception& error) {
+          ADD_FAILURE() << error.what();
+        }
+      }
+    });
+  }
+  for (int round = 0; round < 5; ++round) {
+    for (int i = 0; i < 4; ++i) Publish("map" + std::to_string(i), 3 + (round + 1) % 2);
+    const int before = answers;
+    EXPECT_TRUE(Until([&] { return answers >= before + 20; }));
+  }
+  stop = true;
+  for (std::thread& client : clients) client.join();
+  EXPECT_LE(Held().memory_bytes, options_.memory_bytes);
+}
+
+}  // namespace
+}  // namespace waystone
