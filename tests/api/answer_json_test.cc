@@ -73,8 +73,12 @@ Answer LocalizedPanorama() {
   answer.probability = 0.97;
   answer.heading = Heading{0.31, 0.02, HeadingFrame::kLayer};
   const NodeRef node{AppearanceNodeId{7}, "walk", "7.jpg", {}, {}};
-  answer.panorama =
-      PanoramaAnswer{node, {1.5, -2, 0.31}, 0.25, 0.5, {{node, 0.97, 0.4, 120, {}}}, {}};
+  answer.panorama = PanoramaAnswer{.node = node,
+                                   .pose = {1.5, -2, 0.31},
+                                   .sigma = 0.25,
+                                   .metres_per_unit = 0.5,
+                                   .candidates = {{node, 0.97, 0.4, 120, {}}},
+                                   .runner_up = {}};
   answer.decided_by = DecidedBy::kPanoramaFeatures;
   return answer;
 }
