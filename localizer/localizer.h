@@ -24,7 +24,7 @@ Answer Localize(const MapIndex& index, std::span<const uint8_t> bytes, const std
                 const LocalizeOptions& options);
 
 // The same asked of several maps, whose answers come in their order: the image is decoded once, and
-// its features are extracted once for each type.
+// its features are extracted once for each type and size of the working image.
 std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps,
                                    std::span<const uint8_t> bytes, const std::string& name,
                                    const LocalizeOptions& options);
@@ -36,7 +36,8 @@ std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps, con
 // (LocalizePanorama, LocalizeInSeries), all others by its planes. ...
 Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options);
 
-// ... and for features that were extracted already (of the map's type).
+// ... and for features that were extracted already (of the map's type, as QueryFeatureOptions has
+// it). Pixels of the query are then those of the features, where the others have the image's.
 Answer LocalizeFeatures(const MapIndex& index, const Features& query,
                         const LocalizeOptions& options);
 

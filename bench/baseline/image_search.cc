@@ -40,7 +40,8 @@ Features KeepMostRepeated(const Features& features, const std::vector<int>& repe
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(order, [&](int a, int b) { return repeats[a] > repeats[b]; });
   order.resize(std::min<size_t>(order.size(), kept));
-  Features out{features.type, features.width, features.height, {}, {}};
+  Features out = features;
+  out.keypoints.clear();
   out.descriptors = Descriptors(features.descriptors.bytes());
   for (const int row : order) {
     out.keypoints.push_back(features.keypoints[row]);

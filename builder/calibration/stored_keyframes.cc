@@ -49,8 +49,8 @@ std::optional<Features> FeaturesOfPicture(const Keyframe& keyframe, const Featur
     keypoint.y_px *= scale;
     keypoint.scale_px *= scale;
   }
-  features.width = keyframe.width;
-  features.height = keyframe.height;
+  features.width = features.image_width = keyframe.width;
+  features.height = features.image_height = keyframe.height;
   return features;
 }
 

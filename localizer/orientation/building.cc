@@ -186,9 +186,9 @@ BuildingView ViewBuilding(const std::vector<BuildingGuess>& guesses, const Manha
 
 // The photo at the size at which its lines are detected, and its camera.
 std::pair<cv::Mat, Camera> Reduced(const cv::Mat& grey, const Camera& camera, int working_pixels) {
-  const double scale = std::sqrt(working_pixels / static_cast<double>(grey.total()));
-  if (scale >= 1) return {grey, camera};
-  const Camera scaled = ScaledCamera(camera, std::max(1, cvRound(scale * grey.cols)));
+  const cv::Size size = WorkingSize(grey.size(), working_pixels);
+  if (size == grey.size()) return {grey, camera};
+  const Camera scaled = ScaledCamera(camera, size.width);
   cv::Mat reduced;
   cv::resize(grey, reduced, {scaled.width, scaled.height}, 0, 0, cv::INTER_AREA);
   return {reduced, scaled};
