@@ -4,6 +4,7 @@
 #include <sys/eventfd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <new>
 #include <utility>
@@ -32,7 +33,7 @@ int64_t OpenBytes(const MapVersion& version) {
 int64_t OpeningBytes(const MapVersion& version) { return OpenBytes(version) + version.bytes; }
 
 std::string Megabytes(int64_t bytes) {
-  return std::to_string(static_cast<int64_t>(static_cast<double>(bytes) / kBytesPerMb + 0.5)) +
+  return std::to_string(std::lround(static_cast<double>(bytes) / kBytesPerMb)) +
          " MB";
 }
 

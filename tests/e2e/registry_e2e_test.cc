@@ -53,7 +53,7 @@ class RegistryFolder : public testing::Test {
   }
   // Another map of the same room.
   fs::path NamedMap() const {
-    const fs::path map = folder_ / "named.db";
+    fs::path map = folder_ / "named.db";
     fs::copy_file(TheMap().map, map, fs::copy_options::overwrite_existing);
     Run({"name", map, "Window", "--keyframes", "1"});
     return map;

@@ -25,7 +25,7 @@ std::string HashOf(const std::string& bytes) {
 class TestStore : public Store {
  public:
   std::string Add(const std::string& bytes) {
-    const std::string sha256 = HashOf(bytes);
+    std::string sha256 = HashOf(bytes);
     files[sha256] = bytes;
     return sha256;
   }

@@ -81,10 +81,11 @@ TEST(MapVersion, WhatIsNoManifestIsRefused) {
 }
 
 TEST(MapVersion, NamesThatNoFileOrAddressCanHaveAreRefused) {
-  for (const std::string name :
-       {"lab", "Floor 2, east", "Köln", ".lab", "", "a/b", "a\nb", "\xff", "..",
-        "\xE2\x80\xAE"
-        "bal"}) {
+  const std::string right_to_left = "\u202E";
+  for (const std::string& name : {std::string("lab"), std::string("Floor 2, east"),
+                                  std::string("Köln"), std::string(".lab"), std::string(),
+                                  std::string("a/b"), std::string("a\nb"), std::string("\xff"),
+                                  std::string(".."), right_to_left + "bal"}) {
     const bool good = name == "lab" || name == "Floor 2, east" || name == "Köln";
     bool taken = true;
     try {
