@@ -63,10 +63,16 @@ std::string FirstLine(const std::string& text) {
   return Printable(line.empty() ? "no cause was given" : line);
 }
 
-[[noreturn]] void FailDatabase(const std::string& cause) {
-  throw MapError(ErrorCode::kFileUnreadable,
-                 "the registry's database: " + FirstLine(cause) +
-                     "; check the address postgresql://... and that the server runs");
+[[noreturn]] void FailDatabase(ErrorCode code, const std::string& cause) {
+  throw MapError(code, "the registry's database: " + FirstLine(cause) +
+                           "; check the address postgresql://... and that the server runs");
+}
+
+// Whether trying again later may do: the server ends, has too many connections or too little room,
+// or a lock was held for too long (SQLSTATE, its classes by their first two letters).
+bool IsPassing(const std::string& state) {
+  return state.starts_with("08") || state.starts_with("40") || state.starts_with("53") ||
+         state.starts_with("55") || state.starts_with("57");
 }
 
 class Database {
@@ -106,7 +112,8 @@ class Database {
                                                     values.data(), nullptr, nullptr, 0));
     const ExecStatusType status = PQresultStatus(result.get());
     if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK) return result;
-    Fail();
+    const char* state = PQresultErrorField(result.get(), PG_DIAG_SQLSTATE);
+    Fail(state && !IsPassing(state) ? ErrorCode::kFileUnreadable : ErrorCode::kRegistryUnavailable);
   }
 
   // Whether there was a notification since the last call.
@@ -122,8 +129,8 @@ class Database {
   int socket() const { return PQsocket(connection_.get()); }
 
  private:
-  [[noreturn]] void Fail() const {
-    FailDatabase(connection_ ? PQerrorMessage(connection_.get()) : "out of memory");
+  [[noreturn]] void Fail(ErrorCode code = ErrorCode::kRegistryUnavailable) const {
+    FailDatabase(code, connection_ ? PQerrorMessage(connection_.get()) : "out of memory");
   }
 
   std::unique_ptr<PGconn, FreeConnection> connection_;
@@ -178,7 +185,9 @@ class PostgresRegistry : public Registry {
                      "the database has no registry; publish a map to it first (waystone publish)");
     }
     const Result head = database_.Run("SELECT format FROM waystone.registry");
-    if (Rows(head) != 1) FailDatabase("the table waystone.registry must have one row");
+    if (Rows(head) != 1) {
+      FailDatabase(ErrorCode::kFileUnreadable, "the table waystone.registry must have one row");
+    }
     CheckRegistryFormat("the database", static_cast<int>(Number(head, 0, 0)));
     const Result names = database_.Run("SELECT id, store FROM waystone.registry");
     id_ = Cell(names, 0, 0);

@@ -37,6 +37,10 @@ enum class ErrorCode {
   kTooSlow,           // a body that takes longer than the server waits
   kNotAvailable,      // what this map's layers can't give
   kNotReady,          // a server that has no map yet, or ends
+  kRegistryUnavailable,  // a registry of maps that can't be reached now
+  kStoreUnavailable,     // a store of map files that can't be reached, or hasn't got the file
+  kStoreDamaged,         // a store that sends other bytes than were published
+  kNoRoom,               // a map that the bounds of memory or cache, or its disk, leave no room for
   kOutOfMemory,       // less memory than a map, an image or a build takes
   kInterrupted,       // Ctrl-C
   kInternal,          // a bug of ours
@@ -45,7 +49,8 @@ enum class ErrorCode {
 struct ErrorInfo {
   std::string_view name;   // stable, snake_case
   std::string_view title;  // a short sentence for people
-  int exit_code;  // of the program: 2 usage, 3 input or output, 4 no usable result, 5 internal
+  // Of the program: 2 usage, 3 input or output, 4 no usable result, 5 internal, 6 try again later.
+  int exit_code;
   int http_status;
 };
 

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is killed under load, one after the other, and what may fail then."""
+import hashlib
+import json
+import signal
+import subprocess
+import threading
+import time
+
+from cluster import until
+from connection import Connection
+from load import Load, localize, without_times
+
+CLIENTS = 4
+TRY_LATER = 6  # exit status of waystone
+SKEW_S = 0.05  # between this program's clock readings and what they are of
+
+
+def store_path(file):
+    digits = hashlib.sha256(file.read_bytes()).hexdigest()
+    return f"/{digits[:2]}/{digits}.db"
+
+
+class Kills:
+    def __init__(self, cluster, maps, cold, photos, expected, findings, seconds):
+        self.cluster, self.maps, self.cold, self.photos = cluster, maps, cold, photos
+        self.expected, self.findings, self.seconds = expected, findings, seconds
+        self.pairs = [pair for pair in expected if pair[0] not in cold]
+
+    def all(self):
+        for i in range(len(self.cluster.servers)):
+            self.server(i)
+        self.postgres()
+        self.store()
+        self.every_server()
+        self.proxy()
+
+    def under_load(self, what, strike):
+        """`strike` returns a function that says whether a failure may be."""
+        print(f"-- {what} is killed", flush=True)
+        with Load(self.cluster.port, self.pairs, self.photos, self.expected).start(CLIENTS) as load:
+            time.sleep(self.seconds)
+            may_be = strike()
+            time.sleep(self.seconds)
+        promise = self.findings.promise
+        promise(not load.wrong, f"{what} killed: {len(load.wrong)} wrong answers: {load.wrong[:2]}")
+        stray = [failure for failure in load.failures if not may_be(failure)]
+        promise(not stray, f"{what} killed: {len(stray)} requests failed that had nothing to do with it: {stray[:2]}")
+        unanswered = [failure for failure in load.failures if not failure.answered]
+        promise(not unanswered, f"{what} killed: {len(unanswered)} requests weren't answered on retry")
+        promise(load.good > 0, f"{what} killed: nobody was answered")
+        self.findings.count(f"{what} killed: answers, failed, of them answered on retry",
+                            [load.good, len(load.failures), len(load.failures) - len(unanswered)])
+
+    # ---- one of three servers
+
+    def server(self, i):
+        server, name = self.cluster.servers[i], ("one", "two", "three")[i]
+
+        def strike():
+            killed_at = server.kill()
+            time.sleep(self.seconds)
+            server.start()
+            self.cluster.wait_for_servers()
+            return lambda failure: self.was_in_flight(failure, name, killed_at)
+        self.under_load(f"server {name}", strike)
+
+    def was_in_flight(self, failure, server, killed_at):
+        """Whether it had begun when the server was killed, and HAProxy says that this server had it."""
+        path = f"/v1/maps/{failure.name}/localize"
+
+        def is_told():
+            return any(line_path == path and of == server and status in (-1, 502) and abs(when - failure.ended) < 1
+                       for when, of, status, _, line_path in list(self.cluster.log.lines))
+        spans = failure.began <= killed_at + SKEW_S and failure.ended >= killed_at - SKEW_S
+        return spans and until(is_told, 2)[0]
+
+    # ---- the database
+
+    def postgres(self):
+        def strike():
+            self.cluster.postgres.kill(signal.SIGQUIT)
+            servers = self.cluster.servers
+            noticed = until(lambda: not any(server.registry()["connected"] for server in servers))
+            self.findings.promise(noticed[0], "servers don't notice that the registry is away")
+            time.sleep(self.seconds)
+            name = self.cold[0]
+            refused = subprocess.run([self.cluster.program, "retire", name, "--in", self.cluster.postgres.url],
+                                     capture_output=True, check=False)
+            self.findings.promise(refused.returncode == TRY_LATER, f"without the registry: exit {refused.returncode}")
+            self.cluster.postgres.start()
+            back = until(lambda: all(server.registry()["connected"] for server in servers))
+            self.findings.promise(back[0], "servers don't find the registry again")
+            subprocess.run([self.cluster.program, "retire", name, "--in", self.cluster.postgres.url], check=True,
+                           stdout=subprocess.DEVNULL)
+            heard = until(lambda: all(server.get(f"/v1/maps/{name}")[0] == 404 for server in servers))
+            self.findings.promise(heard[0], "servers don't hear of changes after the registry came back")
+            subprocess.run([self.cluster.program, "rollback", name, "--in", self.cluster.postgres.url], check=True,
+                           stdout=subprocess.DEVNULL)
+            return lambda failure: False
+        self.under_load("PostgreSQL", strike)
+
+    # ---- the store
+
+    def store(self):
+        """In the middle of a file; what the caches have is served."""
+        store, (halved, unseen, *_) = self.cluster.store, self.cold[1:]
+
+        def strike():
+            store.make_slow(True)
+            answers = []
+            path = store_path(self.maps[halved])
+            asking = threading.Thread(target=lambda: answers.append(self.ask(halved)), daemon=True)
+            asking.start()
+            begun = until(lambda: f"GET {path}" in store.output())
+            self.findings.promise(begun[0], "nobody fetches a map that was asked for")
+            time.sleep(0.3)
+            store.kill()
+            asking.join()
+            self.expect_unavailable(*answers[0])
+            self.expect_unavailable(*self.ask(unseen))
+            time.sleep(self.seconds)
+            store.make_slow(False)
+            store.start()
+            for name in (halved, unseen):
+                self.findings.promise(until(lambda: self.ask(name)[0] == 200)[0], f"{name} isn't served after the store is back")
+                self.findings.promise(self.is_right(name), f"{name} is served wrongly after the store is back")
+            starts = [int(line.split()[2]) for line in store.output().splitlines() if path in line]
+            self.findings.promise(starts[-1] > 0, f"a fetch that was cut didn't go on where it stopped: {starts}")
+            return lambda failure: False
+        self.under_load("the store", strike)
+
+    def ask(self, name):
+        pair = next(pair for pair in self.expected if pair[0] == name)
+        with Connection(self.cluster.port, 60) as connection:
+            return localize(connection, name, self.photos[pair[1]])
+
+    def is_right(self, name):
+        pair = next(pair for pair in self.expected if pair[0] == name)
+        return without_times(self.ask(name)[1]) in self.expected[pair]
+
+    def expect_unavailable(self, status, body):
+        holds = status == 503 and json.loads(body).get("code") == "store_unavailable"
+        self.findings.promise(holds, f"without the store a map that isn't cached got status {status}: {body[:200]!r}")
+
+    # ---- everything at once
+
+    def every_server(self):
+        servers = self.cluster.servers
+
+        def strike():
+            killed_at = min(server.kill() for server in servers)
+            time.sleep(self.seconds)
+            for server in servers:
+                server.start()
+            self.cluster.wait_for_servers()
+            back_at = time.monotonic()
+            return lambda failure: failure.ended >= killed_at and failure.began <= back_at
+        self.under_load("every server", strike)
+
+    def proxy(self):
+        def strike():
+            killed_at = self.cluster.proxy.kill()
+            time.sleep(self.seconds / 2)
+            self.cluster.proxy.start()
+            self.cluster.wait_for_servers()
+            back_at = time.monotonic()
+            return lambda failure: failure.ended >= killed_at and failure.began <= back_at
+        self.under_load("HAProxy", strike)
