@@ -115,6 +115,9 @@ int RunProgram(int argc, char** argv) {
   AddMaps(app, run);
   AddRollback(app, run);
   AddRetire(app, run);
+  AddEnqueue(app, run);
+  AddWork(app, run);
+  AddJobs(app, run);
   AddDemo(app, run);
   ThrowOpenCvErrors();
   try {
