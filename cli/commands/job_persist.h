@@ -27,7 +27,9 @@ auto JobWorker::Persist(const Ask& ask, const LeaseKeeper* keeper)
       if (!queue_) queue_ = std::make_unique<JobQueue>(options_.registry, false);
       return ask(*queue_);
     } catch (const MapError& error) {
-      if (error.code() != ErrorCode::kFileUnreadable) throw;
+      const bool passes = error.code() == ErrorCode::kRegistryUnavailable ||
+                          error.code() == ErrorCode::kFileUnreadable;
+      if (!passes) throw;
       refusals += queue_ && queue_->connected();
       queue_.reset();
       if (refusals == kMostRefusals) throw;
