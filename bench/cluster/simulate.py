@@ -1,12 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""simulate.py --measured FILE [--queries N]: what 10 to 1,000 servers of one registry hold.
+"""simulate.py --measured CLUSTER --scale SCALE: what 10 to 1,000 servers of one registry hold.
 
-Service times are those that tests/cluster/cluster_test.py measured (FILE: its JSON, or a result of
-scripts/bench.py). The simulation (bench/cluster/simulation.py) is checked first: three servers on one
-machine with as many clients as were measured. Then servers with machines of their own and 10,000 maps
-with Zipf popularity are given more and more queries, with open arrivals. A rate holds when 99 of 100
-answers come within P99_S. The last line is JSON. Every number is drawn with a fixed seed.
+Service times are recorded ones: CLUSTER is the JSON of tests/cluster/cluster_test.py, SCALE that of
+`waystone-bench scale`, or results of scripts/bench.py with them. The simulation (simulation.py) is
+checked first: three servers on one machine with as many clients as were measured. Then servers with
+machines of their own and 10,000 maps of buildings, as large and as long to open and to ask as the first
+one of SCALE, with Zipf popularity, are given more and more queries, with open arrivals. A rate holds
+when 99 of 100 answers come within P99_S. The last line is JSON. Random numbers have a fixed seed.
 """
 import argparse
 import json
@@ -20,9 +21,8 @@ FACTORS = (0, 150, 300)  # HAProxy's hash-balance-factor; 0: none
 MAPS = 10_000
 CORES = 4
 SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)  # of what the cores could do
-MAP_BYTES = 40_000_000  # of a building
 MEMORY = 8_000_000_000
-DISK = 100_000_000_000
+DISK = 50_000_000_000
 LINK_BYTES_S = 125_000_000  # from the store: 1 Gbit/s
 P99_S = 1.0
 SEED = 1
@@ -62,51 +62,59 @@ def deviation(simulated, measured):
     return simulated / measured - 1
 
 
-def setting_of(nodes, factor, share, service_s):
-    return Setting(nodes=nodes, hosts=nodes, cores=CORES, turns=CORES, map_bytes=[MAP_BYTES] * MAPS, memory=MEMORY,
-                   disk=DISK, link_bytes_s=LINK_BYTES_S, balance_factor=factor,
-                   rate=share * nodes * CORES / service_s)
+class Building:
+    """A map of a building, and service times of it: those of SCALE, spread as the queries of CLUSTER are."""
+
+    def __init__(self, measured, scale):
+        run = scale["runs"][0]
+        self.map_bytes, self.query_ms = run["file_bytes"], run["median_ms"]["total"]
+        queries = measured["service"]["query_ms"]
+        factor = self.query_ms / statistics.median(queries)
+        self.service = {"query_ms": [factor * ms for ms in queries], "open_ms": [1000 * run["open_s"]]}
+        self.mean_s = statistics.mean(self.service["query_ms"]) / 1000
+
+    def setting(self, nodes, factor, share):
+        return Setting(nodes=nodes, hosts=nodes, cores=CORES, turns=CORES, map_bytes=[self.map_bytes] * MAPS,
+                       memory=MEMORY, disk=DISK, link_bytes_s=LINK_BYTES_S, balance_factor=factor,
+                       rate=share * nodes * CORES / self.mean_s)
 
 
-def hold(nodes, factor, service, service_s, queries):
-    """The highest of the rates that holds, and what it was like."""
+def hold(nodes, factor, building, queries):
+    """The highest of the rates that holds, and what it was like; with none, the lowest one."""
     for share in SHARES:
-        result = Model(setting_of(nodes, factor, share, service_s), service, SEED).run(queries)
-        if result["p99_ms"] <= 1000 * P99_S and result["refused_share"] == 0:
+        result = Model(building.setting(nodes, factor, share), building.service, SEED).run(queries)
+        holds = result["p99_ms"] <= 1000 * P99_S and result["refused_share"] == 0
+        if holds:
             break
-    return {"name": f"{nodes} nodes, factor {factor}", "nodes": nodes, "balance_factor": factor, "share": share,
-            "holds": result["p99_ms"] <= 1000 * P99_S, **result}
-
-
-def scaled(service):
-    """Openings of a building's map, which is larger than those that were measured: in proportion to bytes."""
-    per_byte = sum(service["open_ms"]) / sum(service["map_bytes"])
-    return {**service, "open_ms": [MAP_BYTES * per_byte]}
+    return {"name": f"{nodes}-{factor}", "nodes": nodes, "balance_factor": factor, "share": share, "holds": holds,
+            **result}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bench", nargs="?", default="simulation", choices=["simulation"])
     parser.add_argument("--measured", type=Path, required=True)
+    parser.add_argument("--scale", type=Path, required=True)
     parser.add_argument("--queries", type=int, default=60_000)
     parser.add_argument("--nodes", type=int, nargs="+", default=NODES)
     arguments = parser.parse_args()
     measured = read_measured(arguments.measured)
     checks = check(measured, min(arguments.queries, 20_000))
-    service = scaled(measured["service"])
-    service_s = statistics.mean(service["query_ms"]) / 1000
+    building = Building(measured, read_measured(arguments.scale))
     runs = []
     for nodes in arguments.nodes:
         for factor in FACTORS:
-            runs.append(hold(nodes, factor, service, service_s, arguments.queries))
+            runs.append(hold(nodes, factor, building, arguments.queries))
             found = runs[-1]
             print(f"{nodes} nodes, factor {factor}: {found['per_s']:.0f}/s ({found['share']:.0%} of the cores), "
                   f"p99 {found['p99_ms']:.0f} ms, {found['opens_per_query']:.2%} opened, "
                   f"{found['fetches_per_query']:.2%} fetched", flush=True)
     print(json.dumps({"bench": "simulation", "check": checks, "runs": runs, "maps": MAPS, "cores": CORES,
-                      "map_mb": MAP_BYTES / 1e6, "memory_gb": MEMORY / 1e9, "disk_gb": DISK / 1e9,
-                      "query_ms": 1000 * service_s, "open_ms": service["open_ms"][0], "queries": arguments.queries,
-                      "worst_deviation": max(abs(row["deviation"]["per_s"]) for row in checks)}))
+                      "map_mb": building.map_bytes / 1e6, "memory_gb": MEMORY / 1e9, "disk_gb": DISK / 1e9,
+                      "query_ms": 1000 * building.mean_s, "open_ms": building.service["open_ms"][0],
+                      "queries": arguments.queries, "p99_bound_ms": 1000 * P99_S,
+                      "deviation": {key: max(abs(row["deviation"][key]) for row in checks)
+                                    for key in ("per_s", "p50_ms", "p99_ms")}}))
 
 
 if __name__ == "__main__":

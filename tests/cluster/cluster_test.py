@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""cluster_test.py --program PROGRAM [--short]: what a cluster promises, with PostgreSQL, HAProxy and three servers.
+"""cluster_test.py --program PROGRAM [--short]: what a cluster promises.
+
+It starts PostgreSQL, HAProxy, three servers and two workers on this machine, from Debian's packages.
 
 The maps are parts of a rendered walk, the store is a small HTTP server, and everything listens on free
 ports of 127.0.0.1. In turn:
@@ -9,6 +11,7 @@ ports of 127.0.0.1. In turn:
   kills      under load a server, PostgreSQL, the store, all servers and HAProxy are killed and started
              again: no wrong answer, no failed request but those in flight at what was killed, and each of
              them is answered when it is tried again
+  a worker   that is killed in a job: another one ends it, no step is done twice, and the map is the same
   versions   a map is published anew under load: no failed request, no answer of neither version
   timings    what HAProxy adds, and a map's first answer beside its download, opening and query
 
@@ -35,6 +38,7 @@ from kills import Kills
 from load import Load, ask_all, localize
 from made_maps import Maps
 from measured import measure_load, measure_service
+from workers import check_workers
 
 CLIENTS = 4
 SKIPPED = 77  # exit status
@@ -168,7 +172,8 @@ def publish_all(cluster, maps, findings):
     findings.count("publishing a map (s)", round((time.monotonic() - started) / len(maps), 2))
 
 
-def check(cluster, made, sizes, findings, folder):
+def check(cluster, made, arguments, findings, folder):
+    sizes = SHORT if arguments.short else FULL
     maps = made.files
     photos = {path.name: path.read_bytes() for path in made.photos}
     pairs = choose_pairs(sorted(maps), sorted(photos), sizes["queries"])
@@ -180,17 +185,19 @@ def check(cluster, made, sizes, findings, folder):
     check_timings(cluster, warm, photos, findings, sizes["rounds"])
     loads = [measure_load(cluster, warm, photos, expected, findings, clients, sizes["load_s"])
              for clients in sizes["clients"]]
-    Kills(cluster, maps, cold, photos, expected, findings, sizes["kill_s"]).all()
+    kills = Kills(cluster, maps, cold, photos, expected, findings, sizes["kill_s"])
+    kills.all(1 if arguments.short else SERVERS)
     check_versions(cluster, {name: maps[name] for name in maps if name not in cold}, photos, expected, findings,
                    sizes["versions"])
+    check_workers(cluster, made.walk / "images", photos[warm[0][1]], findings, folder)
     service = measure_service(cluster, maps, warm, photos, findings, folder, sizes["cold_maps"])
     return {"loads": loads, "service": service}
 
 
-FULL = {"maps": 300 + COLD, "queries": 1000 + COLD, "rounds": 300, "clients": (1, 2, 4, 8), "load_s": 15, "kill_s": 6,
+FULL = {"maps": 300 + COLD, "queries": 1040, "rounds": 300, "clients": (1, 2, 4, 8), "load_s": 15, "kill_s": 6,
         "versions": 6, "cold_maps": 60}
-SHORT = {"maps": 12 + COLD, "queries": 60, "rounds": 30, "clients": (2,), "load_s": 1, "kill_s": 0.7, "versions": 2,
-         "cold_maps": 4}
+SHORT = {"maps": 9 + COLD, "queries": 40, "rounds": 20, "clients": (2,), "load_s": 1, "kill_s": 0.5, "versions": 2,
+         "cold_maps": 3}
 
 
 def memory_of(maps):
@@ -205,7 +212,7 @@ def run(arguments, folder):
     memory = memory_of(made.files)
     cluster = Cluster(arguments.program, folder, f"{memory // 1_000_000 + 1}M")
     try:
-        measured = check(cluster, made, sizes, findings, folder)
+        measured = check(cluster, made, arguments, findings, folder)
     finally:
         cluster.stop()
     measured |= {"memory_bytes": (memory // 1_000_000 + 1) * 1_000_000, "servers": SERVERS, "cores": os.cpu_count(),
@@ -216,6 +223,7 @@ def run(arguments, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bench", nargs="?", default="cluster", choices=["cluster"])
     parser.add_argument("--program", required=True)
     parser.add_argument("--short", action="store_true")
     parser.add_argument("--folder", type=Path)

@@ -27,8 +27,9 @@ class Kills:
         self.expected, self.findings, self.seconds = expected, findings, seconds
         self.pairs = [pair for pair in expected if pair[0] not in cold]
 
-    def all(self):
-        for i in range(len(self.cluster.servers)):
+    def all(self, servers):
+        """One after the other; of the servers the first ones."""
+        for i in range(servers):
             self.server(i)
         self.postgres()
         self.store()
