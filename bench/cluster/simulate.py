@@ -25,6 +25,7 @@ MEMORY = 8_000_000_000
 DISK = 50_000_000_000
 LINK_BYTES_S = 125_000_000  # from the store: 1 Gbit/s
 P99_S = 1.0
+LEAST_QUERIES = 200  # of a node
 SEED = 1
 
 
@@ -82,7 +83,8 @@ class Building:
 def hold(nodes, factor, building, queries):
     """The highest of the rates that holds, and what it was like; with none, the lowest one."""
     for share in SHARES:
-        result = Model(building.setting(nodes, factor, share), building.service, SEED).run(queries)
+        result = Model(building.setting(nodes, factor, share), building.service, SEED).run(
+            max(queries, LEAST_QUERIES * nodes))
         holds = result["p99_ms"] <= 1000 * P99_S and result["refused_share"] == 0
         if holds:
             break

@@ -8,6 +8,7 @@ for one of the node's turns, and then takes its service time of a core. The core
 evenly by what runs on it. Open maps and files go by least recent use.
 """
 import bisect
+import functools
 import heapq
 import itertools
 import random
@@ -120,9 +121,7 @@ class Model:
         self.hosts = hosts
         self.nodes = [Node(hosts[i % len(hosts)], Recent(setting.memory), Recent(setting.disk))
                       for i in range(setting.nodes)]
-        points = sorted((hash_of(f"{i}/{j}"), i) for i in range(setting.nodes) for j in range(POINTS))
-        self.ring = [each[0] for each in points]
-        self.owners = [each[1] for each in points]
+        self.ring, self.owners = ring_of(setting.nodes)
         self.places = [bisect.bisect(self.ring, hash_of(f"map{i}")) for i in range(len(setting.map_bytes))]
         self.cumulative = list(itertools.accumulate(
             1 / (rank + 1) ** setting.zipf for rank in range(len(setting.map_bytes))))
@@ -196,9 +195,9 @@ class Model:
         factor = self.setting.balance_factor
         if not factor:
             return lambda i: self.nodes[i].served < MAX_QUEUED
-        slots = -(-(self.served + 1) * factor // 100)
-        each, rest = divmod(slots, len(self.nodes))
-        return lambda i: self.nodes[i].served < min(MAX_QUEUED, each + (1 if i < rest else 0))
+        nodes = len(self.nodes)
+        each, rest = divmod(-(-(self.served + 1) * factor // 100), nodes)
+        return lambda i: self.nodes[i].served < min(MAX_QUEUED, max(1, each + (i + 1) * rest // nodes - i * rest // nodes))
 
     def owner(self, name, may):
         """The first node from the map's place on the ring that may have it; None for none."""
@@ -275,6 +274,13 @@ class Model:
     def next_of_client(self):
         if self.setting.clients:
             self.arrive()
+
+
+@functools.cache
+def ring_of(nodes):
+    """Points on the circle of hashes, ascending, and whose they are."""
+    points = sorted((hash_of(f"{i}/{j}"), i) for i in range(nodes) for j in range(POINTS))
+    return [point for point, _ in points], [node for _, node in points]
 
 
 def hash_of(text):
