@@ -137,6 +137,7 @@ export interface Problem {
   title: string;
   status: number;
   detail: string;
+  /** Stable. Of status 503, which has Retry-After: not_ready, out_of_memory, and of servers of a registry registry_unavailable, store_unavailable, store_damaged (its file has other bytes than were published) and no_room (the bounds of memory or cache, or the disk, have no room for the map). */
   code: string;
 }
 

@@ -49,21 +49,26 @@ class Findings:
     """Promises, which break the test, and figures beside their targets."""
 
     def __init__(self):
-        self.broken, self.figures, self.counts = [], [], {}
+        self.broken, self.figures, self.counts, self.kills = [], [], {}, []
 
     def promise(self, holds, what):
         if not holds:
             self.broken.append(what)
             print("BROKEN:", what, flush=True)
 
-    def figure(self, name, value, target, unit):
+    def figure(self, name, text, value, target, unit):
         met = value <= target
-        self.figures.append({"name": name, "value": round(value, 4), "target": target, "unit": unit, "met": met})
-        print(f"{name}: {value:.3g} {unit} (target {target:g}{'' if met else ', missed'})", flush=True)
+        self.figures.append({"name": name, "measured": round(value, 4), "target": round(target, 4), "unit": unit, "met": met})
+        print(f"{text}: {value:.3g} {unit} (target {target:.3g}{'' if met else ', missed'})", flush=True)
 
-    def count(self, name, value):
+    def count(self, name, text, value):
         self.counts[name] = value
-        print(f"{name}: {value}", flush=True)
+        print(f"{text}: {value}", flush=True)
+
+    def kill(self, what, answers, failed, answered_again):
+        self.kills.append({"name": what, "answers": answers, "failed": failed, "answered_again": answered_again})
+        print(f"{what} killed: {answers} answers; {failed} requests failed, {answered_again} of them were answered when "
+              "they were tried again", flush=True)
 
 
 def choose_pairs(names, photos, count, seed=0):
@@ -90,13 +95,14 @@ def check_answers(cluster, maps, cold, pairs, photos, findings, folder):
     through = ask_all(cluster.port, [pair for pair in pairs if pair[0] not in cold], photos)
     differing = [pair for pair in through if through[pair] != expected[pair]]
     findings.promise(not differing, f"{len(differing)} answers differ from those of one process: {differing[:3]}")
-    findings.count("maps", len({pair[0] for pair in through}))
-    findings.count("queries", len(through))
+    findings.count("maps", "maps", len({pair[0] for pair in through}))
+    findings.count("queries", "queries whose answers were compared", len(through))
+    findings.count("differing", "answers that differ from those of one process", len(differing))
     located = sum(b'"verdict":"localized"' in body for body in expected.values())
-    findings.count("localized", located)
+    findings.count("localized", "places found", located)
     findings.promise(0 < located < len(expected), "places are found and refused")
     opens = [server.metric("waystone_map_opens_total") for server in cluster.servers]
-    findings.count("opened by each server", [int(each) for each in opens])
+    findings.count("opened", "maps opened by each server", [int(each) for each in opens])
     findings.promise(max(opens) < sum(opens), "no server has all maps")
     return {pair: {body} for pair, body in expected.items()}
 
@@ -127,8 +133,8 @@ def check_versions(cluster, maps, photos, expected, findings, rounds):
     findings.promise(not load.wrong, f"answers of neither version: {load.wrong[:2]}")
     findings.promise(not load.failures, f"requests failed while a version was exchanged: {load.failures[:2]}")
     findings.promise(load.good > rounds, "hardly anybody asked while versions were exchanged")
-    findings.count("answers while versions were exchanged", load.good)
-    findings.figure("a new version is served everywhere after", slowest, 2, "s")
+    findings.count("answers_of_versions", "answers while versions were exchanged", load.good)
+    findings.figure("version", "a new version is served everywhere after", slowest, 2, "s")
     if rounds % 2:
         cluster.publish(maps[name], name)
 
@@ -147,8 +153,8 @@ def check_timings(cluster, pairs, photos, findings, rounds):
     """What HAProxy adds to a small request and to a query, each asked with and without it in turn."""
     name, photo = pairs[0]
     direct = cluster.servers[0]
-    for what, ask in (("a request", lambda connection: connection.ask("GET", "/version")),
-                      ("a query", lambda connection: localize(connection, name, photos[photo]))):
+    for what, ask in (("request", lambda connection: connection.ask("GET", "/version")),
+                      ("query", lambda connection: localize(connection, name, photos[photo]))):
         took = {cluster.port: [], direct.port: []}
         with ExitStack() as stack:
             connections = {port: stack.enter_context(Connection(port)) for port in took}
@@ -159,9 +165,9 @@ def check_timings(cluster, pairs, photos, findings, rounds):
                     started = time.monotonic()
                     status = ask(connection)[0]
                     took[port].append(1000 * (time.monotonic() - started))
-                    findings.promise(status == 200, f"{what} got status {status}")
+                    findings.promise(status == 200, f"a {what} got status {status}")
         proxied, straight = (statistics.median(took[port]) for port in took)
-        findings.figure(f"HAProxy adds to {what} (median)", proxied - straight, 1, "ms")
+        findings.figure(f"proxy_{what}", f"HAProxy adds to a {what} (median)", proxied - straight, 1, "ms")
 
 
 def publish_all(cluster, maps, findings):
@@ -169,7 +175,7 @@ def publish_all(cluster, maps, findings):
     started = time.monotonic()
     for name, path in maps.items():
         cluster.publish(path, name)
-    findings.count("publishing a map (s)", round((time.monotonic() - started) / len(maps), 2))
+    findings.count("publish_s", "publishing a map takes (s)", round((time.monotonic() - started) / len(maps), 2))
 
 
 def check(cluster, made, arguments, findings, folder):
@@ -218,7 +224,7 @@ def run(arguments, folder):
     measured |= {"memory_bytes": (memory // 1_000_000 + 1) * 1_000_000, "servers": SERVERS, "cores": os.cpu_count(),
                  "map_bytes": sorted(path.stat().st_size for path in made.files.values())}
     return {"bench": "cluster", "short": arguments.short, "counts": findings.counts, "figures": findings.figures,
-            "broken": findings.broken, **measured}
+            "kills": findings.kills, "broken": findings.broken, **measured}
 
 
 def main():

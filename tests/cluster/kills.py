@@ -50,8 +50,7 @@ class Kills:
         unanswered = [failure for failure in load.failures if not failure.answered]
         promise(not unanswered, f"{what} killed: {len(unanswered)} requests weren't answered on retry")
         promise(load.good > 0, f"{what} killed: nobody was answered")
-        self.findings.count(f"{what} killed: answers, failed, of them answered on retry",
-                            [load.good, len(load.failures), len(load.failures) - len(unanswered)])
+        self.findings.kill(what, load.good, len(load.failures), len(load.failures) - len(unanswered))
 
     # ---- one of three servers
 

@@ -68,7 +68,7 @@ def measure_service(cluster, maps, pairs, photos, findings, folder, count):
             warm = timed_ms(lambda: connection.ask("GET", f"/v1/maps/{name}"))[0]
             opened.append(max(0.0, cold - warm))
     sums = [sum(parts) for parts in zip(downloads, opened, queries)]
-    findings.figure("a cold map's first answer (median), beside download, opening and query",
+    findings.figure("cold", "a cold map's first answer (median), beside download, opening and query",
                     statistics.median(first), statistics.median(sums), "ms")
     sizes = [maps[name].stat().st_size for name in names]
     return {"query_ms": rounded(queries), "query_inside_ms": rounded(totals), "open_ms": rounded(opened),

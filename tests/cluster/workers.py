@@ -61,7 +61,7 @@ def check_workers(cluster, images, photo, findings, folder):
         print("-- a worker is killed in a job", flush=True)
         repeated = workers.build(images, findings, True)
         findings.promise(repeated >= 1, "the killed worker's step was given to nobody else")
-        findings.count("a worker killed: steps that were given to another one", repeated)
+        findings.count("repeated_steps", "steps of the killed worker that another one did", repeated)
         workers.workers[0].start()
         workers.build(images, findings, False)
         versions = workers.versions()
