@@ -34,8 +34,9 @@ MapError NoJobError(int64_t job);
 // leased to one worker for a time that heartbeats put off; when that is over, it is given to
 // another. Whoever lost a lease can't change anything any more: each change asks, in its own
 // transaction, whether the lease is still held. All times are the database's. An object is one
-// connection, for one thread. All functions throw MapError: kRegistryUnavailable for a database that
-// can't be reached, kFileUnreadable for one that can't be used; then the object is of no use any more.
+// connection, for one thread. All functions throw MapError: kRegistryUnavailable for a database
+// that can't be reached, kFileUnreadable for one that can't be used; then the object is of no use
+// any more.
 class JobQueue {
  public:
   // Throws MapError(kUsage) for a registry in a folder. With `create`, tables that aren't there are

@@ -25,8 +25,9 @@ struct FreeConnection {
 // Throws MapError with the first line of the cause.
 [[noreturn]] void FailDatabase(ErrorCode code, const std::string& cause);
 
-// One connection, for one thread. All functions throw as FailDatabase does: kRegistryUnavailable for
-// a database that can't be reached, or may do it later, and kFileUnreadable for what it refuses.
+// One connection, for one thread. All functions throw as FailDatabase does: kRegistryUnavailable
+// for a database that can't be reached, or may do it later, and kFileUnreadable for what it
+// refuses.
 class Database {
  public:
   explicit Database(const std::string& url);

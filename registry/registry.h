@@ -33,8 +33,8 @@ struct RegistryNews {
 // PostgreSQL database holds it; the map files are in a store (registry/store.h). Versions are only
 // ever added, with the next number of their name. Several programs may change a registry at the
 // same time: changes come one after the other. Nothing depends on clocks. An object is for one
-// thread. All functions throw MapError with the cause: kRegistryUnavailable for a registry that can't
-// be reached now, kFileUnreadable for one that can't be used.
+// thread. All functions throw MapError with the cause: kRegistryUnavailable for a registry that
+// can't be reached now, kFileUnreadable for one that can't be used.
 class Registry {
  public:
   virtual ~Registry() = default;

@@ -33,8 +33,7 @@ int64_t OpenBytes(const MapVersion& version) {
 int64_t OpeningBytes(const MapVersion& version) { return OpenBytes(version) + version.bytes; }
 
 std::string Megabytes(int64_t bytes) {
-  return std::to_string(std::lround(static_cast<double>(bytes) / kBytesPerMb)) +
-         " MB";
+  return std::to_string(std::lround(static_cast<double>(bytes) / kBytesPerMb)) + " MB";
 }
 
 MapError NotServed(const std::string& name) {

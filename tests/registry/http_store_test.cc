@@ -184,8 +184,9 @@ TEST_F(StoreTest, WhatAServerHasNotIsSaid) {
   server.files["/maps/" + StorePath(sha256_)] = bytes_.substr(0, 5000);
   EXPECT_NE(Failure([&] { Fetched(*store, 0); }, ErrorCode::kStoreUnavailable).find("ends early"),
             std::string::npos);
-  EXPECT_NE(Failure([&] { Fetched(*store, 6000); }, ErrorCode::kStoreUnavailable).find("ends early"),
-            std::string::npos);
+  EXPECT_NE(
+      Failure([&] { Fetched(*store, 6000); }, ErrorCode::kStoreUnavailable).find("ends early"),
+      std::string::npos);
   server.takes = false;
   EXPECT_NE(Failure([&] { Put(*store); }, ErrorCode::kFileUnwritable).find("status 403"),
             std::string::npos);

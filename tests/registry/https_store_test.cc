@@ -75,9 +75,7 @@ class HttpsStoreTest : public testing::Test {
   std::string Address(const std::string& host) const {
     return "https://" + host + ":" + std::to_string(port_) + "/maps";
   }
-  void Put(const Store& store) const {
-    store.Put(folder_ / "map.db", sha256_, std::ssize(bytes_));
-  }
+  void Put(const Store& store) const { store.Put(folder_ / "map.db", sha256_, std::ssize(bytes_)); }
   std::string PutFailure(const Store& store) const {
     try {
       Put(store);

@@ -178,9 +178,8 @@ TEST_F(MapCacheTest, TheLeastRecentlyUsedFilesMakeRoom) {
                 .find("the cache is full of files that are in use: 0.0 MB of"),
             std::string::npos);
   EXPECT_TRUE(fs::exists(used->path()));
-  EXPECT_NE(
-      Failure(hashes[4], 4000, ErrorCode::kNoRoom).find("give it more room (--cache-size)"),
-      std::string::npos);
+  EXPECT_NE(Failure(hashes[4], 4000, ErrorCode::kNoRoom).find("give it more room (--cache-size)"),
+            std::string::npos);
 }
 
 // The bound is larger than the disk.

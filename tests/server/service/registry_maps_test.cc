@@ -39,8 +39,7 @@ class RegistryMapsTest : public testing::Test {
     const fs::path file = folder_ / "made.db";
     WriteMap(map, file, {.overwrite = true});
     const auto index = MapIndex::Build(ReadMap(file));
-    MapVersion version =
-        MakeVersion(name, *index, static_cast<int64_t>(fs::file_size(file)), {});
+    MapVersion version = MakeVersion(name, *index, static_cast<int64_t>(fs::file_size(file)), {});
     OpenStore(registry_->store())->Put(file, version.sha256, version.bytes);
     return version;
   }
