@@ -46,6 +46,7 @@ test: release browser  ## build and run every test; BROWSER=no leaves out the pa
 BENCHES ?=
 bench: browser  ## run the benchmarks and write docs/benchmarks.md; BENCHES="world pairs" runs some
 	@scripts/install_packages.sh scripts/bench_packages.txt
+	@scripts/install_packages.sh scripts/test_packages.txt
 	@scripts/build.sh release $(JOBS) waystone waystone-bench waystone-speed
 	@$(RELEASE)/bench/waystone-speed
 	@scripts/bench.py $(RELEASE) $(BENCHES) || status=$$?; \

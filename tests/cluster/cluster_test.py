@@ -43,6 +43,11 @@ from workers import check_workers
 CLIENTS = 4
 SKIPPED = 77  # exit status
 COLD = 3  # maps that nobody asks for before the store is killed
+# kill_s: before and after something is killed; rounds of timings; versions that are published.
+FULL = {"maps": 300 + COLD, "queries": 1040, "rounds": 300, "clients": (1, 2, 4, 8), "load_s": 15, "kill_s": 6,
+        "versions": 6, "cold_maps": 60}
+SHORT = {"maps": 9 + COLD, "queries": 40, "rounds": 20, "clients": (2,), "load_s": 1, "kill_s": 0.5, "versions": 2,
+         "cold_maps": 3}
 
 
 class Findings:
@@ -58,7 +63,8 @@ class Findings:
 
     def figure(self, name, text, value, target, unit):
         met = value <= target
-        self.figures.append({"name": name, "measured": round(value, 4), "target": round(target, 4), "unit": unit, "met": met})
+        self.figures.append({"name": name, "measured": round(value, 4), "target": round(target, 4), "unit": unit,
+                             "met": met})
         print(f"{text}: {value:.3g} {unit} (target {target:.3g}{'' if met else ', missed'})", flush=True)
 
     def count(self, name, text, value):
@@ -67,8 +73,8 @@ class Findings:
 
     def kill(self, what, answers, failed, answered_again):
         self.kills.append({"name": what, "answers": answers, "failed": failed, "answered_again": answered_again})
-        print(f"{what} killed: {answers} answers; {failed} requests failed, {answered_again} of them were answered when "
-              "they were tried again", flush=True)
+        print(f"{what} killed: {answers} answers; {failed} requests failed, {answered_again} of them were answered on "
+              "retry", flush=True)
 
 
 def choose_pairs(names, photos, count, seed=0):
@@ -108,24 +114,19 @@ def check_answers(cluster, maps, cold, pairs, photos, findings, folder):
 
 
 def check_versions(cluster, maps, photos, expected, findings, rounds):
-    """Publishes the next map's file under a name again and again while all ask for it."""
-    names = sorted(maps)
-    name, other = names[0], names[-1]
-    pairs = [pair for pair in expected if pair[0] == name]
+    """Publishes another map's file and the own one under a name, again and again, while all ask for it."""
+    name, *_, other = sorted(maps)
     files, slowest = [maps[other], maps[name]], 0
-    answers = {pair: set(expected[pair]) for pair in pairs}
-    first = True
+    pairs = [pair for pair in expected if pair[0] == name]
+    of_other = answers_of(cluster, files[0], name, pairs, photos)
+    answers = {pair: expected[pair] | {of_other[pair]} for pair in pairs}
     with Load(cluster.port, pairs, photos, answers).start(CLIENTS) as load:
         for server in cluster.servers:
             server.get(f"/v1/maps/{name}")
         for i in range(rounds):
-            file = files[i % 2]
-            if first:  # what the other file answers under this name, by a server of its own
-                first = False
-                add_answers_of(cluster, file, name, pairs, photos, answers)
-            version = "sha256:" + hashlib.sha256(file.read_bytes()).hexdigest()
-            cluster.publish(file, name)
+            cluster.publish(files[i % 2], name)
             started = time.monotonic()
+            version = "sha256:" + hashlib.sha256(files[i % 2].read_bytes()).hexdigest()
             everywhere = until(lambda: all(
                 json.loads(server.get(f"/v1/maps/{name}")[1])["version"] == version for server in cluster.servers))
             findings.promise(everywhere[0], "a new version isn't served everywhere")
@@ -135,18 +136,18 @@ def check_versions(cluster, maps, photos, expected, findings, rounds):
     findings.promise(load.good > rounds, "hardly anybody asked while versions were exchanged")
     findings.count("answers_of_versions", "answers while versions were exchanged", load.good)
     findings.figure("version", "a new version is served everywhere after", slowest, 2, "s")
-    if rounds % 2:
-        cluster.publish(maps[name], name)
 
 
-def add_answers_of(cluster, file, name, pairs, photos, answers):
+def answers_of(cluster, file, name, pairs, photos):
+    """What that file answers under this name, by one process."""
     with tempfile.TemporaryDirectory(prefix="waystone-cluster-") as folder:
         shutil.copy(file, Path(folder) / f"{name}.db")
         plain = Server(cluster.program, [folder], Path(folder) / "log")
         plain.start()
-        for pair, body in ask_all(plain.port, pairs, photos).items():
-            answers[pair].add(body)
-        plain.stop()
+        try:
+            return ask_all(plain.port, pairs, photos)
+        finally:
+            plain.stop()
 
 
 def check_timings(cluster, pairs, photos, findings, rounds):
@@ -198,12 +199,6 @@ def check(cluster, made, arguments, findings, folder):
     check_workers(cluster, made.walk / "images", photos[warm[0][1]], findings, folder)
     service = measure_service(cluster, maps, warm, photos, findings, folder, sizes["cold_maps"])
     return {"loads": loads, "service": service}
-
-
-FULL = {"maps": 300 + COLD, "queries": 1040, "rounds": 300, "clients": (1, 2, 4, 8), "load_s": 15, "kill_s": 6,
-        "versions": 6, "cold_maps": 60}
-SHORT = {"maps": 9 + COLD, "queries": 40, "rounds": 20, "clients": (2,), "load_s": 1, "kill_s": 0.5, "versions": 2,
-         "cold_maps": 3}
 
 
 def memory_of(maps):

@@ -123,8 +123,8 @@ class Kills:
             store.make_slow(False)
             store.start()
             for name in (halved, unseen):
-                self.findings.promise(until(lambda: self.ask(name)[0] == 200)[0], f"{name} isn't served after the store is back")
-                self.findings.promise(self.is_right(name), f"{name} is served wrongly after the store is back")
+                served = until(lambda: self.ask(name)[0] == 200)[0]
+                self.findings.promise(served and self.is_right(name), f"{name} isn't served after the store is back")
             starts = [int(line.split()[2]) for line in store.output().splitlines() if path in line]
             self.findings.promise(starts[-1] > 0, f"a fetch that was cut didn't go on where it stopped: {starts}")
             return lambda failure: False

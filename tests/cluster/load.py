@@ -7,6 +7,7 @@ import time
 from dataclasses import dataclass
 
 from connection import Connection
+from soak import Clients
 
 TIMES = re.compile(rb',"timing_ms":\{[^{}]*\}')
 PATIENCE_S = 60  # for an answer by trying again
@@ -37,32 +38,19 @@ class Load:
 
     def __init__(self, port, pairs, photos, expected, weights=None):
         self.port, self.pairs, self.photos, self.expected, self.weights = port, pairs, photos, expected, weights
-        self.lock = threading.Lock()
-        self.end = threading.Event()
-        self.good, self.ms, self.wrong, self.failures, self.threads = 0, [], [], [], []
+        self.lock, self.clients = threading.Lock(), Clients(PATIENCE_S)
+        self.good, self.ms, self.wrong, self.failures = 0, [], [], []
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        self.stop()
+        self.clients.stop()
 
     def start(self, clients, seed=0):
         for i in range(clients):
-            self.threads.append(threading.Thread(target=self.client, args=(random.Random(1000 * seed + i),), daemon=True))
-            self.threads[-1].start()
+            self.clients.start(Client(self, random.Random(1000 * seed + i)))
         return self
-
-    def stop(self):
-        self.end.set()
-        for thread in self.threads:
-            thread.join(2 * PATIENCE_S)
-        self.threads = []
-
-    def client(self, chance):
-        connection = None
-        while not self.end.is_set():
-            connection = self.ask(connection, chance.choices(self.pairs, self.weights)[0])
 
     def ask(self, connection, pair):
         """Asks until there is an answer; the connection for the next time."""
@@ -98,6 +86,17 @@ class Load:
 
     def is_right(self, pair, body):
         return without_times(body) in self.expected[pair]
+
+
+class Client:
+    """Asks one query after the other, on one connection while that is good."""
+
+    def __init__(self, load, chance):
+        self.load, self.chance, self.connection = load, chance, None
+
+    def __call__(self):
+        pair = self.chance.choices(self.load.pairs, self.load.weights)[0]
+        self.connection = self.load.ask(self.connection, pair)
 
 
 def ask_all(port, pairs, photos, threads=2):

@@ -14,9 +14,10 @@ PART_FRAMES = 16
 class Workers:
     def __init__(self, cluster, folder):
         self.cluster = cluster
-        self.workers = [Process([cluster.program, "work", "--registry", cluster.postgres.url, "--work", folder / f"work{i}",
-                                 "--lease", LEASE_S, "--retry-after", "0.5", "--threads", "1"],
-                                folder / f"worker{i}.log") for i in range(2)]
+        self.workers = [
+            Process([cluster.program, "work", "--registry", cluster.postgres.url, "--work", folder / f"work{i}",
+                     "--lease", LEASE_S, "--retry-after", "0.5", "--threads", "1"], folder / f"worker{i}.log")
+            for i in range(2)]
 
     def run(self, *arguments):
         return subprocess.run([self.cluster.program, *map(str, arguments)], check=True, capture_output=True,
