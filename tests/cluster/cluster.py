@@ -57,11 +57,11 @@ class Process:
             self.process = subprocess.Popen(self.command, stdout=log, stderr=log, **self.how)
 
     def kill(self, number=signal.SIGKILL):
-        """When it was killed, by time.monotonic()."""
-        when = time.monotonic()
+        """When it was killed and when it had ended, by time.monotonic()."""
+        killed_at = time.monotonic()
         self.process.send_signal(number)
         self.process.wait()
-        return when
+        return killed_at, time.monotonic()
 
     def stop(self):
         if self.process and self.process.poll() is None:

@@ -58,21 +58,21 @@ class Kills:
         server, name = self.cluster.servers[i], ("one", "two", "three")[i]
 
         def strike():
-            killed_at = server.kill()
+            killed_at, ended_at = server.kill()
             time.sleep(self.seconds)
             server.start()
             self.cluster.wait_for_servers()
-            return lambda failure: self.was_in_flight(failure, name, killed_at)
+            return lambda failure: self.was_in_flight(failure, name, killed_at, ended_at)
         self.under_load(f"server {name}", strike)
 
-    def was_in_flight(self, failure, server, killed_at):
-        """Whether it had begun when the server was killed, and HAProxy says that this server had it."""
+    def was_in_flight(self, failure, server, killed_at, ended_at):
+        """Whether it had begun when the server ended, and HAProxy says that this server had it."""
         path = f"/v1/maps/{failure.name}/localize"
 
         def is_told():
             return any(line_path == path and of == server and status in (-1, 502) and abs(when - failure.ended) < 1
                        for when, of, status, _, line_path in list(self.cluster.log.lines))
-        spans = failure.began <= killed_at + SKEW_S and failure.ended >= killed_at - SKEW_S
+        spans = failure.began <= ended_at + SKEW_S and failure.ended >= killed_at - SKEW_S
         return spans and until(is_told, 2)[0]
 
     # ---- the database
@@ -149,7 +149,7 @@ class Kills:
         servers = self.cluster.servers
 
         def strike():
-            killed_at = min(server.kill() for server in servers)
+            killed_at = min(server.kill()[0] for server in servers)
             time.sleep(self.seconds)
             for server in servers:
                 server.start()
@@ -160,7 +160,7 @@ class Kills:
 
     def proxy(self):
         def strike():
-            killed_at = self.cluster.proxy.kill()
+            killed_at, _ = self.cluster.proxy.kill()
             time.sleep(self.seconds / 2)
             self.cluster.proxy.start()
             self.cluster.wait_for_servers()
