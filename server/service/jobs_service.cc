@@ -16,7 +16,7 @@ namespace {
 constexpr int kMostJobs = 1000;
 constexpr double kFreshS = 1;
 // For a request that waits for another one's answer.
-constexpr std::chrono::seconds kPatience(2);
+constexpr std::chrono::seconds kLongestWait(2);
 
 }  // namespace
 
@@ -33,7 +33,7 @@ auto JobsService::AskQueue(const Ask& ask) {
     throw MapError(ErrorCode::kNotAvailable,
                    "this server has no registry in PostgreSQL, and so no jobs");
   }
-  const std::unique_lock lock(mutex_, kPatience);
+  const std::unique_lock lock(mutex_, kLongestWait);
   if (!lock.owns_lock()) {
     throw MapError(ErrorCode::kNotReady, "the registry's database is slow; try again in a moment");
   }

@@ -60,14 +60,17 @@ class JobsE2e : public testing::Test {
     EXPECT_EQ(result.code, 0) << result.err;
     return Json::parse(result.out)["id"];
   }
-  static std::vector<std::string> Working(const std::vector<std::string>& flags) {
-    std::vector<std::string> arguments = {"work", "--registry",    Url(), "--lease",
-                                          "2",    "--retry-after", "0.1"};
+  // A short lease is that of a worker which shall lose it.
+  static std::vector<std::string> Working(const std::vector<std::string>& flags,
+                                          const std::string& lease_s = "60") {
+    std::vector<std::string> arguments = {"work",  "--registry",    Url(), "--lease",
+                                          lease_s, "--retry-after", "0.1"};
     arguments.insert(arguments.end(), flags.begin(), flags.end());
     return arguments;
   }
-  static std::unique_ptr<ChildProcess> StartWorker(const std::vector<std::string>& flags = {}) {
-    std::vector<std::string> arguments = Working(flags);
+  static std::unique_ptr<ChildProcess> StartWorker(const std::vector<std::string>& flags = {},
+                                                   const std::string& lease_s = "60") {
+    std::vector<std::string> arguments = Working(flags, lease_s);
     arguments.insert(arguments.begin(), WAYSTONE_PROGRAM);
     return std::make_unique<ChildProcess>(arguments, true);
   }
@@ -171,7 +174,7 @@ TEST_F(JobsE2e, TwoWorkersBuildWhatOneBuilds) {
 
 TEST_F(JobsE2e, AWorkerThatIsKilledWhileItBuildsLosesNothing) {
   const int64_t job = Enqueue(kShort);
-  const auto killed = StartWorker();
+  const auto killed = StartWorker({}, "1");
   ASSERT_TRUE(Until([] { return Leased("part"); }));
   killed->Send(SIGKILL);
   killed->Wait();
@@ -183,7 +186,7 @@ TEST_F(JobsE2e, AWorkerThatIsKilledWhileItBuildsLosesNothing) {
 // It has put the part into the store, and the database doesn't know of that yet.
 TEST_F(JobsE2e, AWorkerThatIsKilledAfterStoringLosesNothing) {
   const int64_t job = Enqueue(kShort);
-  const auto killed = StartWorker();
+  const auto killed = StartWorker({}, "1");
   ASSERT_TRUE(Until([] { return Leased("part"); }));
   auto held = Hold("SELECT id FROM waystone.jobs FOR UPDATE");
   EXPECT_TRUE(Until([] {
@@ -202,7 +205,7 @@ TEST_F(JobsE2e, AWorkerThatIsKilledAfterStoringLosesNothing) {
 TEST_F(JobsE2e, AWorkerThatIsKilledWhilePublishingPublishesOnce) {
   const int64_t job = Enqueue(kShort);
   auto held = Hold("SELECT id FROM waystone.registry FOR UPDATE");
-  const auto killed = StartWorker();
+  const auto killed = StartWorker({}, "1");
   EXPECT_TRUE(Until([] {
     return Ask("SELECT count(*) FROM pg_stat_activity WHERE wait_event_type = 'Lock' AND query "
                "LIKE 'UPDATE waystone.registry%'") == "1";
@@ -217,7 +220,7 @@ TEST_F(JobsE2e, AWorkerThatIsKilledWhilePublishingPublishesOnce) {
 
 TEST_F(JobsE2e, APausedWorkerDoesNotPublish) {
   const int64_t job = Enqueue(kShort);
-  const auto paused = StartWorker({"--once"});
+  const auto paused = StartWorker({"--once"}, "1");
   ASSERT_TRUE(Until([] { return Leased("part"); }));
   paused->Send(SIGSTOP);
   WorkUntilEmpty();  // which waits until the lease has expired
