@@ -13,6 +13,10 @@ namespace {
 // Any number: of this program's advisory locks there is one.
 constexpr const char* kCreationLock = "SELECT pg_advisory_xact_lock(8390880602276785)";
 
+// A program that was paused or cut off in a transaction doesn't hold the others back for long.
+constexpr const char* kOptions =
+    "-c lock_timeout=30s -c statement_timeout=60s -c idle_in_transaction_session_timeout=30s";
+
 std::string FirstLine(const std::string& text) {
   const std::string line = text.substr(0, text.find('\n'));
   return Printable(line.empty() ? "no cause was given" : line);
@@ -40,7 +44,7 @@ Database::Database(const std::string& url) {
        {"keepalives_interval", "2"},
        {"keepalives_count", "3"},
        {"tcp_user_timeout", "4000"},
-       {"options", "-c lock_timeout=30s -c statement_timeout=60s"},
+       {"options", kOptions},
        {"fallback_application_name", "waystone"}}};
   std::vector<const char*> names;
   std::vector<const char*> values;

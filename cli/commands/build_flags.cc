@@ -71,13 +71,13 @@ std::vector<std::string> GivenOptions(const std::vector<const CLI::Option*>& kno
   for (const CLI::Option* option : known) {
     if (option->count() == 0) continue;
     const std::string name = option->get_name();
-    const int values = option->get_items_expected_max();
-    if (values == 1) {
+    const bool several = option->get_items_expected_min() > 1;
+    if (option->get_items_expected_max() > 0 && !several) {
       for (const std::string& value : option->results()) given.push_back(name + "=" + value);
       continue;
     }
     given.push_back(name);
-    if (values > 1) given.insert(given.end(), option->results().begin(), option->results().end());
+    if (several) given.insert(given.end(), option->results().begin(), option->results().end());
   }
   return given;
 }

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kBytesPerMb = 1e6;
+constexpr double kMegabyte = 1e6;
 
 void StopIfNeeded(const LeaseKeeper& keeper) {
   if (!Interrupted() && !keeper.lost()) return;
@@ -62,7 +62,7 @@ BuildFlags FlagsOfPart(const JobSpec& spec, const JobPart& part) {
 
 std::string MegabytesText(int64_t bytes) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.1f MB", static_cast<double>(bytes) / kBytesPerMb);
+  std::snprintf(text, sizeof text, "%.1f MB", static_cast<double>(bytes) / kMegabyte);
   return text;
 }
 

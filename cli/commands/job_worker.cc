@@ -59,7 +59,7 @@ JobWorker::JobWorker(const WorkerOptions& options, Log log)
   const std::unique_ptr<Registry> registry = OpenRegistry(options.registry);
   registry_id_ = registry->id();
   store_ = OpenStore(options.store.empty() ? registry->store() : options.store);
-  parts_ = std::make_unique<MapCache>(options.work, kPartsBytes);
+  parts_ = std::make_unique<MapCache>(options.work / "parts", kPartsBytes);
   fs::create_directories(options.work / "built");
   RemoveOldMaps();
 }
