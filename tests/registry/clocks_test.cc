@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "api/json.h"
@@ -29,9 +30,13 @@ MapVersion PublishedAt(char digit, const std::string& when) {
   return {"lab", 0, "sha256:" + std::string(64, digit), 1000, Dump(details)};
 }
 
-// The one version that a server would serve.
+// The one version that a server would serve. News come a moment after the change.
 MapVersion CurrentOf(Registry& server) {
-  const RegistryNews news = server.Refresh();
+  RegistryNews news = server.Refresh();
+  for (int i = 0; i < 5000 && news.changed.empty(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    news = server.Refresh();
+  }
   EXPECT_EQ(news.changed.size(), 1U);
   return news.changed.empty() ? MapVersion{} : news.changed[0].version;
 }
