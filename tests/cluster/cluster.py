@@ -101,7 +101,7 @@ class Postgres(Process):
         super().start()
         ready = [self.programs() / "pg_isready", "-q", "-h", self.folder, "-U", "waystone", "-d", "postgres"]
         if not until(lambda: subprocess.run(ready, check=False).returncode == 0)[0]:
-            raise RuntimeError(f"PostgreSQL didn't start: see {self.log}")
+            raise RuntimeError(f"PostgreSQL didn't start: {self.output()[-1000:]}")
 
     def stop(self):
         if self.process and self.process.poll() is None:
@@ -138,7 +138,7 @@ class Server(Process):
     def start(self):
         super().start()
         if not until(lambda: self.get("/readyz")[0] == 200)[0]:
-            raise RuntimeError(f"a server didn't start: see {self.log}")
+            raise RuntimeError(f"a server didn't start: {self.output()[-1000:]}")
 
     def get(self, path):
         return self.ask("GET", path)
