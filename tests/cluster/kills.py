@@ -13,6 +13,7 @@ from load import Load, localize, without_times
 
 CLIENTS = 4
 TRY_LATER = 6  # exit status of waystone
+LOG_S = 3  # that HAProxy's log may be late
 SKEW_S = 0.05  # between this program's clock readings and what they are of
 
 
@@ -37,15 +38,15 @@ class Kills:
         self.proxy()
 
     def under_load(self, what, strike):
-        """`strike` returns a function that says whether a failure may be."""
+        """`strike` returns a function that says what speaks against a failure: nothing for one that may be."""
         print(f"-- {what} is killed", flush=True)
         with Load(self.cluster.port, self.pairs, self.photos, self.expected).start(CLIENTS) as load:
             time.sleep(self.seconds)
-            may_be = strike()
+            against = strike()
             time.sleep(self.seconds)
         promise = self.findings.promise
         promise(not load.wrong, f"{what} killed: {len(load.wrong)} wrong answers: {load.wrong[:2]}")
-        stray = [failure for failure in load.failures if not may_be(failure)]
+        stray = [(failure, reason) for failure in load.failures if (reason := against(failure))]
         promise(not stray, f"{what} killed: {len(stray)} requests failed that had nothing to do with it: {stray[:2]}")
         unanswered = [failure for failure in load.failures if not failure.answered]
         promise(not unanswered, f"{what} killed: {len(unanswered)} requests weren't answered on retry")
@@ -62,18 +63,20 @@ class Kills:
             time.sleep(self.seconds)
             server.start()
             self.cluster.wait_for_servers()
-            return lambda failure: self.was_in_flight(failure, name, killed_at, ended_at)
+            return lambda failure: self.against_being_in_flight(failure, name, killed_at, ended_at)
         self.under_load(f"server {name}", strike)
 
-    def was_in_flight(self, failure, server, killed_at, ended_at):
-        """Whether it had begun when the server ended, and HAProxy says that this server had it."""
+    def against_being_in_flight(self, failure, server, killed_at, ended_at):
+        """It must have begun when the server ended, and HAProxy must say that this server had it."""
+        if failure.began > ended_at + SKEW_S or failure.ended < killed_at - SKEW_S:
+            return f"killed at {killed_at:.3f}, ended at {ended_at:.3f}"
         path = f"/v1/maps/{failure.name}/localize"
 
-        def is_told():
-            return any(line_path == path and of == server and status in (-1, 502) and abs(when - failure.ended) < 1
-                       for when, of, status, _, line_path in list(self.cluster.log.lines))
-        spans = failure.began <= ended_at + SKEW_S and failure.ended >= killed_at - SKEW_S
-        return spans and until(is_told, 2)[0]
+        def told():
+            return [line for line in list(self.cluster.log.lines) if line[4] == path and abs(line[0] - failure.ended) < LOG_S]
+        # S: the server aborted, D: it was down.
+        found = until(lambda: any(line[1] == server and line[3][0] in "SD" for line in told()), LOG_S)
+        return "" if found[0] else f"HAProxy says {told()}"
 
     # ---- the database
 
@@ -97,7 +100,7 @@ class Kills:
             self.findings.promise(heard[0], "servers don't hear of changes after the registry came back")
             subprocess.run([self.cluster.program, "rollback", name, "--in", self.cluster.postgres.url], check=True,
                            stdout=subprocess.DEVNULL)
-            return lambda failure: False
+            return lambda failure: "nothing may fail"
         self.under_load("PostgreSQL", strike)
 
     # ---- the store
@@ -127,7 +130,7 @@ class Kills:
                 self.findings.promise(served and self.is_right(name), f"{name} isn't served after the store is back")
             starts = [int(line.split()[2]) for line in store.output().splitlines() if path in line]
             self.findings.promise(starts[-1] > 0, f"a fetch that was cut didn't go on where it stopped: {starts}")
-            return lambda failure: False
+            return lambda failure: "nothing may fail"
         self.under_load("the store", strike)
 
     def ask(self, name):
@@ -155,7 +158,7 @@ class Kills:
                 server.start()
             self.cluster.wait_for_servers()
             back_at = time.monotonic()
-            return lambda failure: failure.ended >= killed_at and failure.began <= back_at
+            return lambda failure: "" if failure.ended >= killed_at and failure.began <= back_at else "before or after"
         self.under_load("every server", strike)
 
     def proxy(self):
@@ -165,5 +168,5 @@ class Kills:
             self.cluster.proxy.start()
             self.cluster.wait_for_servers()
             back_at = time.monotonic()
-            return lambda failure: failure.ended >= killed_at and failure.began <= back_at
+            return lambda failure: "" if failure.ended >= killed_at and failure.began <= back_at else "before or after"
         self.under_load("HAProxy", strike)
