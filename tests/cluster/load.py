@@ -36,8 +36,9 @@ class Failure:
 class Load:
     """What some clients asked, in pairs of map and photo; `expected` has the bytes of each pair's answer."""
 
-    def __init__(self, port, pairs, photos, expected, weights=None):
+    def __init__(self, port, pairs, photos, expected, weights=None, keeps=True):
         self.port, self.pairs, self.photos, self.expected, self.weights = port, pairs, photos, expected, weights
+        self.keeps = keeps  # connections
         self.lock, self.clients = threading.Lock(), Clients(PATIENCE_S)
         self.good, self.ms, self.wrong, self.failures = 0, [], [], []
 
@@ -63,6 +64,9 @@ class Load:
                 cause = None if status == 200 else f"status {status}: {body[:200]!r}"
             except (OSError, ValueError) as error:
                 connection, cause = None, repr(error)
+            if connection and not self.keeps:
+                connection.close()
+                connection = None
             if cause is None:
                 self.take(pair, body, began, failure)
                 return connection
