@@ -59,10 +59,10 @@ struct JobLease {
   int step = 0;
   StepKind kind = StepKind::kPlan;
   int64_t token = 0;
-  JobSpec spec;
-  int failures = 0;  // of the step, before this lease
-  JobPart part;      // of kPart
-  int parts = 0;     // of the job, once it is planned
+  JobSpec spec = {};
+  int failures = 0;   // of the step, before this lease
+  JobPart part = {};  // of kPart
+  int parts = 0;      // of the job, once it is planned
 };
 
 // What has become of a part.
@@ -74,7 +74,7 @@ struct BuiltPart {
 
 // How far a step is.
 struct StepProgress {
-  std::string stage;
+  std::string stage = {};
   int done = 0;
   int total = 0;   // 0 when not known
   int frames = 0;  // of the part, so far

@@ -119,7 +119,8 @@ bool JobQueue::Renew(const JobLease& lease, double lease_s, const StepProgress& 
       std::string("UPDATE waystone.job_steps s SET heartbeat_at = clock_timestamp(), lease_until = "
                   "clock_timestamp() + ") +
           kSeconds +
-          ", stage = $5, done = $6, total = $7, frames_done = $8 FROM waystone.jobs j WHERE j.id = "
+          ", stage = nullif($5, ''), done = $6, total = $7, frames_done = $8 FROM waystone.jobs j "
+          "WHERE j.id = "
           "s.job AND j.state = 'running' AND s.job = $1 AND s.number = $2 AND s.token = $4 AND "
           "s.state = 'leased' RETURNING 1",
       {Text(lease.job), Text(lease.step), std::to_string(lease_s), Text(lease.token),
@@ -169,7 +170,8 @@ bool JobQueue::FinishPart(const JobLease& lease, const std::string& sha256, int6
   const Held held = LockLease(lease);
   if (!held.leased) return held.done;
   database_->Run(
-      "UPDATE waystone.job_steps SET sha256 = $3, bytes = $4, frames_done = frames WHERE job = $1 "
+      "UPDATE waystone.job_steps SET sha256 = nullif($3, ''), bytes = $4, frames_done = frames "
+      "WHERE job = $1 "
       "AND number = $2",
       {Text(lease.job), Text(lease.step), sha256, Text(bytes)});
   EndStep(lease, "done", "done", "");

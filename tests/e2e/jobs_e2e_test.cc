@@ -309,7 +309,7 @@ TEST_F(JobsE2e, ServersTellOfJobs) {
                               "/tests/e2e/jobs_contract.py http://" +
                               served.address() + " " WAYSTONE_SOURCE_DIR "/clients/openapi.yaml";
   EXPECT_EQ(std::system(command.c_str()), 0);  // NOLINT(cert-env33-c): made of our own words
-  const Served plain({});
+  const Served plain;
   EXPECT_EQ(Json::parse(plain.NewClient().Get("/v1/jobs")->body)["code"], "not_available");
 }
 
