@@ -81,7 +81,13 @@ Json ReadyJson(const Holdings& holdings) {
                       {"silent_s", Rounded(registry.silent_s, 1)},
                       {"memory_bytes", registry.memory_bytes},
                       {"cached_files", registry.cached_files},
-                      {"cached_bytes", registry.cached_bytes}};
+                      {"cached_bytes", registry.cached_bytes},
+                      {"coarse",
+                       {{"maps", registry.coarse.maps},
+                        {"places", registry.coarse.places},
+                        {"bytes", registry.coarse.bytes},
+                        {"without", registry.coarse.without},
+                        {"waiting", registry.coarse.waiting}}}};
   return json;
 }
 
