@@ -28,7 +28,7 @@ constexpr double kFlippedShare = 0.08;  // of the bits of binary descriptors
 
 // The rows with zeros instead of the other half.
 Descriptors HalfRows(FeatureType type, const Descriptors& rows, int half) {
-  const int cut = Words::FirstHalf(type);
+  const int cut = Vocabulary::FirstHalf(type);
   std::vector<uint8_t> data = rows.data();
   for (size_t i = 0; i < data.size(); ++i) {
     const bool first = static_cast<int>(i % rows.bytes()) < cut;
@@ -48,13 +48,13 @@ Descriptors LearnPrototypes(FeatureType type) {
   }
   InvertedFileOptions options;
   options.min_rows = 1;
-  options.lists_per_root = Words::kPrototypes / std::sqrt(static_cast<double>(rows.rows()));
-  options.training_rows = rows.rows() / Words::kPrototypes;
+  options.lists_per_root = Vocabulary::kPrototypes / std::sqrt(static_cast<double>(rows.rows()));
+  options.training_rows = rows.rows() / Vocabulary::kPrototypes;
   options.rounds = 25;
-  std::vector<uint8_t> prototypes(static_cast<size_t>(Words::kPrototypes) * rows.bytes(), 0);
+  std::vector<uint8_t> prototypes(static_cast<size_t>(Vocabulary::kPrototypes) * rows.bytes(), 0);
   for (int half = 0; half < 2; ++half) {
     const InvertedFile file = BuildInvertedFile(HalfRows(type, rows, half), type, options);
-    if (file.centres.rows() != Words::kPrototypes) {
+    if (file.centres.rows() != Vocabulary::kPrototypes) {
       throw MapError(ErrorCode::kInternal, "too few descriptors to learn words from");
     }
     for (size_t i = 0; i < prototypes.size(); ++i) prototypes[i] |= file.centres.data()[i];
@@ -138,7 +138,7 @@ std::string PieceName(int piece) { return "piece " + std::to_string(piece); }
 CoarseEntry MakeLookAlike(const CollectionScene& scene, const Piece& piece, uint64_t seed) {
   CoarseEntry entry = PlacesOf(scene.entry, piece.from, piece.to);
   LookAlikes look_alikes(entry.feature_type, seed);
-  const Words& words = Words::Of(entry.feature_type);
+  const Vocabulary& words = Vocabulary::Of(entry.feature_type);
   for (int i = 0; i < entry.codes(); ++i) {
     const WordCode code = words.Encode(look_alikes.Make(scene.pool).data());
     entry.words[i] = code.word;
@@ -152,14 +152,20 @@ CoarseEntry MakeLookAlike(const CollectionScene& scene, const Piece& piece, uint
 struct Found {
   int asked = 0;
   int first = 0;
-  int among = 0;  // the first kProposed
+  int among = 0;      // the first kProposed
+  int localized = 0;  // that the map alone localizes, and how many of them are among these
+  int localized_among = 0;
 };
 
 nlohmann::ordered_json ToJson(const Found& found) {
   return {{"asked", found.asked},
           {"first", found.first},
           {"among_10", found.among},
-          {"share", static_cast<double>(found.among) / std::max(1, found.asked)}};
+          {"share", static_cast<double>(found.among) / std::max(1, found.asked)},
+          {"localized", found.localized},
+          {"localized_among_10", found.localized_among},
+          {"localized_share",
+           static_cast<double>(found.localized_among) / std::max(1, found.localized)}};
 }
 
 bool Shows(const Piece& piece, int scene, const CollectionQuery& query) {
@@ -185,17 +191,20 @@ nlohmann::ordered_json Measure(const std::vector<CollectionScene>& scenes,
       const Stopwatch watch;
       const auto proposals = index.Propose({query.descriptors}, kProposed);
       ms.push_back(1e3 * watch.cpu_s());
-      Found found{1, 0, 0};
+      Found found{1, 0, 0, query.localized, 0};
       for (size_t i = 0; i < proposals.size(); ++i) {
         const auto piece = piece_of.find(index.maps()[proposals[i].map].name);
         if (piece == piece_of.end() || !Shows(pieces[piece->second], s, query)) continue;
         found.among = 1;
+        found.localized_among = found.localized;
         found.first |= i == 0;
       }
       for (Found* sum : {&all, &of_kind[scenes[s].kind], &of_scene[scenes[s].name]}) {
         sum->asked += found.asked;
         sum->first += found.first;
         sum->among += found.among;
+        sum->localized += found.localized;
+        sum->localized_among += found.localized_among;
       }
     }
   }
@@ -220,8 +229,9 @@ void PrintSize(const nlohmann::ordered_json& json) {
               json["bytes_a_place"].get<double>(), json["median_ms"].get<double>(),
               json["p95_ms"].get<double>(), json["index_s"].get<double>());
   for (const auto& [kind, found] : json["kinds"].items()) {
-    std::printf("  %s %d first, %d among 10 of %d", kind.c_str(), found["first"].get<int>(),
-                found["among_10"].get<int>(), found["asked"].get<int>());
+    std::printf("  %s %d first, %d among 10 of %d (localized: %d of %d)", kind.c_str(),
+                found["first"].get<int>(), found["among_10"].get<int>(), found["asked"].get<int>(),
+                found["localized_among_10"].get<int>(), found["localized"].get<int>());
   }
   std::printf("\n");
   if (json.contains("scenes")) std::printf("    not all of: %s\n", json["scenes"].dump().c_str());

@@ -113,6 +113,10 @@ std::vector<CoarseDescriptors> Described(const cv::Mat& grey, const CoarseEntry&
   return DescribeForCoarse(grey, {need}, {}, {}, features);
 }
 
+bool IsLocalized(const MapIndex& index, const cv::Mat& grey) {
+  return LocalizeImage(index, grey, {}).verdict == Verdict::kLocalized;
+}
+
 CollectionScene MapBuilding(const std::string& name, const World& world, const Renderer& renderer,
                             FeatureType type) {
   const Walk walk = MapWalk(world);
@@ -142,6 +146,7 @@ CollectionScene MapBuilding(const std::string& name, const World& world, const R
     const RenderedFrame frame = renderer.Render(world, asked.frames[q].world_from_camera, options);
     const cv::Mat grey = light.Uniform() < 0.5 ? frame.grey : Relight(frame, light);
     scene.queries[q].descriptors = Described(grey, scene.entry);
+    scene.queries[q].localized = IsLocalized(*index, grey);
   });
   std::erase_if(scene.queries, [](const CollectionQuery& one) { return one.places.empty(); });
   return scene;
@@ -224,6 +229,7 @@ CollectionScene RenderFlatScene(int seed, FeatureType type) {
       if (!hidden && away_m < 2.5) scene.queries[q].places.push_back(static_cast<int>(i));
     }
     scene.queries[q].descriptors = Described(place.grey, scene.entry);
+    scene.queries[q].localized = IsLocalized(*index, place.grey);
   });
   std::erase_if(scene.queries, [](const CollectionQuery& one) { return one.places.empty(); });
   return scene;
@@ -241,8 +247,9 @@ std::vector<CollectionScene> ReadRealScenes(const std::filesystem::path& data, F
           scene.queries[q].places.push_back(k);
         }
       }
-      scene.queries[q].descriptors =
-          Described(DecodeGrey(ReadBytes(set.queries[q]), {}), scene.entry);
+      const cv::Mat grey = DecodeGrey(ReadBytes(set.queries[q]), {});
+      scene.queries[q].descriptors = Described(grey, scene.entry);
+      scene.queries[q].localized = IsLocalized(*index, grey);
     });
     std::erase_if(scene.queries, [](const CollectionQuery& one) { return one.places.empty(); });
     scenes.push_back(std::move(scene));

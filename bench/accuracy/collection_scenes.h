@@ -16,6 +16,7 @@ namespace waystone::bench {
 struct CollectionQuery {
   std::vector<CoarseDescriptors> descriptors;
   std::vector<int> places;  // of the scene's entry that show what it shows
+  bool localized = false;   // by the map alone: others are lost whatever is proposed
 };
 
 struct CollectionScene {

@@ -22,7 +22,7 @@ struct NearPrototype {
 // The half of a descriptor with zeros for the other one.
 std::array<uint8_t, 128> HalfOf(FeatureType type, const uint8_t* descriptor, int half) {
   std::array<uint8_t, 128> row{};
-  const int cut = Words::FirstHalf(type);
+  const int cut = Vocabulary::FirstHalf(type);
   const int from = half == 0 ? 0 : cut;
   const int to = half == 0 ? cut : DescriptorBytes(type);
   std::copy(descriptor + from, descriptor + to, row.begin() + from);
@@ -33,12 +33,12 @@ std::array<uint8_t, 128> HalfOf(FeatureType type, const uint8_t* descriptor, int
 std::vector<NearPrototype> NearestOf(FeatureType type, const PackedRows& prototypes,
                                      const uint8_t* descriptor, int half, int count) {
   const std::array<uint8_t, 128> row = HalfOf(type, descriptor, half);
-  std::array<int32_t, Words::kPrototypes> distances{};
-  std::array<uint8_t, Words::kPrototypes / kPackRows> near{};
+  std::array<int32_t, Vocabulary::kPrototypes> distances{};
+  std::array<uint8_t, Vocabulary::kPrototypes / kPackRows> near{};
   PackedDistances(PackedQuery(type, row.data()), prototypes, 0, prototypes.blocks(),
                   kEmptySlotDistance, distances.data(), near.data());
-  std::vector<NearPrototype> best(Words::kPrototypes);
-  for (int i = 0; i < Words::kPrototypes; ++i) best[i] = {distances[i], i};
+  std::vector<NearPrototype> best(Vocabulary::kPrototypes);
+  for (int i = 0; i < Vocabulary::kPrototypes; ++i) best[i] = {distances[i], i};
   const auto nearer = [](const NearPrototype& a, const NearPrototype& b) {
     return std::pair(a.distance, a.prototype) < std::pair(b.distance, b.prototype);
   };
@@ -49,28 +49,29 @@ std::vector<NearPrototype> NearestOf(FeatureType type, const PackedRows& prototy
 
 }  // namespace
 
-int Words::FirstHalf(FeatureType type) { return (DescriptorBytes(type) + 1) / 2; }
+int Vocabulary::FirstHalf(FeatureType type) { return (DescriptorBytes(type) + 1) / 2; }
 
-const Words& Words::Of(FeatureType type) {
-  static const std::array<Words, 3> all{
-      Words(FeatureType::kSift, WordPrototypes(FeatureType::kSift)),
-      Words(FeatureType::kOrb, WordPrototypes(FeatureType::kOrb)),
-      Words(FeatureType::kAkaze, WordPrototypes(FeatureType::kAkaze))};
+const Vocabulary& Vocabulary::Of(FeatureType type) {
+  static const std::array<Vocabulary, 3> all{
+      Vocabulary(FeatureType::kSift, WordPrototypes(FeatureType::kSift)),
+      Vocabulary(FeatureType::kOrb, WordPrototypes(FeatureType::kOrb)),
+      Vocabulary(FeatureType::kAkaze, WordPrototypes(FeatureType::kAkaze))};
   return all[static_cast<size_t>(type)];
 }
 
 Descriptors WordPrototypes(FeatureType type) {
   size_t start = 0;
   for (const FeatureType before : {FeatureType::kSift, FeatureType::kOrb}) {
-    if (before < type) start += static_cast<size_t>(Words::kPrototypes) * DescriptorBytes(before);
+    if (before < type)
+      start += static_cast<size_t>(Vocabulary::kPrototypes) * DescriptorBytes(before);
   }
-  const size_t bytes = static_cast<size_t>(Words::kPrototypes) * DescriptorBytes(type);
+  const size_t bytes = static_cast<size_t>(Vocabulary::kPrototypes) * DescriptorBytes(type);
   WS_CHECK(start + bytes <= kWordsData.size(), "words.bin is too short");
   const auto first = kWordsData.begin() + static_cast<ptrdiff_t>(start);
   return {DescriptorBytes(type), {first, first + static_cast<ptrdiff_t>(bytes)}};
 }
 
-Words::Words(FeatureType type, const Descriptors& prototypes) : type_(type) {
+Vocabulary::Vocabulary(FeatureType type, const Descriptors& prototypes) : type_(type) {
   WS_CHECK(prototypes.rows() == kPrototypes && prototypes.bytes() == DescriptorBytes(type),
            "prototypes of another size");
   const int bytes = DescriptorBytes(type);
@@ -88,7 +89,7 @@ Words::Words(FeatureType type, const Descriptors& prototypes) : type_(type) {
   }
 }
 
-Words::Projection Words::Project(const uint8_t* descriptor, int from, int to) const {
+Vocabulary::Projection Vocabulary::Project(const uint8_t* descriptor, int from, int to) const {
   Projection projected{};
   const int bytes = DescriptorBytes(type_);
   for (int row = 0; row < kSigned; ++row) {
@@ -102,7 +103,7 @@ Words::Projection Words::Project(const uint8_t* descriptor, int from, int to) co
 
 // SIFT: on which side of its word a descriptor lies, in each of 64 directions. Binary ones: 64 of
 // their bits, spread evenly.
-uint64_t Words::Sign(const uint8_t* descriptor, const Projection& projected, int word) const {
+uint64_t Vocabulary::Sign(const uint8_t* descriptor, const Projection& projected, int word) const {
   uint64_t signature = 0;
   if (type_ == FeatureType::kSift) {
     const Projection& a = projected_[0][word / kPrototypes];
@@ -120,9 +121,11 @@ uint64_t Words::Sign(const uint8_t* descriptor, const Projection& projected, int
   return signature;
 }
 
-WordCode Words::Encode(const uint8_t* descriptor) const { return Probe(descriptor, 1).front(); }
+WordCode Vocabulary::Encode(const uint8_t* descriptor) const {
+  return Probe(descriptor, 1).front();
+}
 
-std::vector<WordCode> Words::Probe(const uint8_t* descriptor, int count) const {
+std::vector<WordCode> Vocabulary::Probe(const uint8_t* descriptor, int count) const {
   WS_CHECK(count >= 1 && count <= kMaxProbes, "too many words to probe");
   // Of the nearest `count` pairs neither half is beyond its own nearest `count`.
   const std::vector<NearPrototype> a =

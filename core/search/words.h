@@ -30,15 +30,15 @@ inline int SignatureDistance(uint64_t a, uint64_t b) { return std::popcount(a ^ 
 // rendered buildings (`waystone-bench collection --learn`) and are frozen: other ones would make
 // all codes that were ever stored worthless. Immutable; thread-safe. All results are integers, the
 // same on every machine.
-class Words {
+class Vocabulary {
  public:
   static constexpr int kPrototypes = 256;  // of each half
   static constexpr int kCount = kPrototypes * kPrototypes;
 
   // Those of a feature type, as the program has them.
-  static const Words& Of(FeatureType type);
+  static const Vocabulary& Of(FeatureType type);
   // From prototypes: a row of both halves each, kPrototypes rows (WS_CHECK).
-  Words(FeatureType type, const Descriptors& prototypes);
+  Vocabulary(FeatureType type, const Descriptors& prototypes);
 
   // The nearest word of a descriptor, and its signature there.
   WordCode Encode(const uint8_t* descriptor) const;

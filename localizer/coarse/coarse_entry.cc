@@ -45,8 +45,8 @@ bool IsBefore(const WordCode& a, const WordCode& b) {
 }
 
 // Rows of descriptors as codes, one of each word, in the order of the rows.
-void AddCodes(const Words& words, const Descriptors& rows, const std::vector<int>& order, int count,
-              std::vector<WordCode>& codes) {
+void AddCodes(const Vocabulary& words, const Descriptors& rows, const std::vector<int>& order,
+              int count, std::vector<WordCode>& codes) {
   for (const int row : order) {
     if (count <= 0) return;
     const WordCode code = words.Encode(rows.row(row));
@@ -106,7 +106,7 @@ void AddPlace(std::vector<WordCode> codes, CoarseEntry& entry) {
   }
 }
 
-void AddKeyframes(const MapIndex& index, const Words& words, CoarseEntry& entry) {
+void AddKeyframes(const MapIndex& index, const Vocabulary& words, CoarseEntry& entry) {
   const MapData& map = index.map();
   std::vector<Descriptors> of_planes;
   for (int p = 0; p < static_cast<int>(map.planes.size()); ++p) {
@@ -132,7 +132,7 @@ void AddKeyframes(const MapIndex& index, const Words& words, CoarseEntry& entry)
   entry.keyframes = entry.places();
 }
 
-void AddNodes(const MapIndex& index, const Words& words, CoarseEntry& entry) {
+void AddNodes(const MapIndex& index, const Vocabulary& words, CoarseEntry& entry) {
   for (const AppearanceNode& node : index.map().appearance->nodes) {
     const Descriptors rows = DecodeDescriptors(node.features.codes, entry.feature_type);
     std::vector<WordCode> codes;
@@ -153,7 +153,7 @@ CoarseEntry MakeCoarseEntry(const MapIndex& index) {
   CoarseEntry entry;
   entry.map_version = map.info.version;
   entry.feature_type = map.info.feature_type;
-  const Words& words = Words::Of(entry.feature_type);
+  const Vocabulary& words = Vocabulary::Of(entry.feature_type);
   AddKeyframes(index, words, entry);
   if (map.appearance && !map.appearance->mirror) AddNodes(index, words, entry);
   return entry;
@@ -163,8 +163,8 @@ std::string EncodeCoarseEntry(const CoarseEntry& entry) {
   WS_CHECK(IsSha256(entry.map_version), "the entry is of no map file");
   std::string bytes(kMagic);
   bytes += entry.map_version.substr(kHashPrefix.size());
-  for (const int number : {kCoarseFormat, static_cast<int>(entry.feature_type), entry.working_pixels,
-                           entry.keyframes, entry.places()}) {
+  for (const int number : {kCoarseFormat, static_cast<int>(entry.feature_type),
+                           entry.working_pixels, entry.keyframes, entry.places()}) {
     AddNumber(bytes, static_cast<uint64_t>(number), 4);
   }
   for (const uint8_t count : entry.codes_of) bytes.push_back(static_cast<char>(count));

@@ -45,7 +45,7 @@ CoarseIndex::CoarseIndex(std::vector<Map> maps, const CoarseOptions& options)
 // A counting sort: entries by map and place as they come, so that lists are by place.
 void CoarseIndex::Fill(FeatureType type) {
   Lists& lists = lists_[static_cast<size_t>(type)];
-  std::vector<uint32_t> start(Words::kCount + 1, 0);
+  std::vector<uint32_t> start(Vocabulary::kCount + 1, 0);
   for (const Map& map : maps_) {
     if (map.entry->feature_type != type) continue;
     for (const uint16_t word : map.entry->words) ++start[word + 1];
@@ -104,7 +104,7 @@ std::vector<CoarseNeed> CoarseIndex::Needs() const {
 void CoarseIndex::Vote(const CoarseDescriptors& image, Votes& votes) const {
   const Lists& lists = lists_[static_cast<size_t>(image.type)];
   if (lists.start.empty()) return;
-  const Words& words = Words::Of(image.type);
+  const Vocabulary& words = Vocabulary::Of(image.type);
   std::vector<NearCode> near;
   for (int q = 0; q < image.rows.rows(); ++q) {
     near.clear();

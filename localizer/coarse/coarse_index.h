@@ -22,7 +22,7 @@ struct CoarseOptions {
   static constexpr auto Fields() {
     using Self = CoarseOptions;
     return std::tuple{
-        OptionField{"probes", &Self::probes, Closed(1, Words::kMaxProbes), "",
+        OptionField{"probes", &Self::probes, Closed(1, Vocabulary::kMaxProbes), "",
                     "Words that a feature of the query is looked for in. More find more, and cost "
                     "time."},
         OptionField{"max_distance", &Self::max_distance, Closed(0, 64), "bits",

@@ -112,6 +112,7 @@ class Search {
       result_.searched.push_back({scope_.coarse->maps()[one.map].name, "", one.score, ""});
     }
     AddPreviousMap();
+    result_.proposed = true;
     return true;
   }
 
@@ -200,7 +201,8 @@ class Search {
 }  // namespace
 
 bool SearchAnswer::IsPartial() const {
-  return std::ranges::any_of(searched, [](const SearchedMap& one) { return one.state != "asked"; });
+  return !proposed ||
+         std::ranges::any_of(searched, [](const SearchedMap& one) { return one.state != "asked"; });
 }
 
 SearchAnswer SearchMaps(const QueryRequest& request, const SearchScope& scope,

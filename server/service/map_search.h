@@ -29,6 +29,7 @@ struct SearchAnswer {
   RequestAnswer answer;
   std::optional<QueryCamera> camera;
   std::vector<SearchedMap> searched;  // as they were proposed: the likeliest first
+  bool proposed = false;              // in time
   int unindexed = 0;                  // maps that can't be proposed
 
   // Whether the answer might be another one if all maps that were proposed had been asked.

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "server/http/problem.h"
 #include "server/service/registry_maps.h"
 
 namespace waystone {
@@ -87,8 +86,6 @@ FoundMap RegistryMaps::TryToFind(const std::string& name, const Deadline& deadli
     found.finding = MapFinding::kLate;
     found.error = late.what();
   } catch (const MapError& error) {
-    found.error = error.what();
-  } catch (const BusyError& error) {
     found.error = error.what();
   } catch (const std::bad_alloc&) {
     found.error = "out of memory";

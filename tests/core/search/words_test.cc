@@ -20,9 +20,9 @@ Descriptors NearPrototypes(FeatureType type, int rows, Random& random) {
   Descriptors made(prototypes.bytes());
   for (int i = 0; i < rows; ++i) {
     std::vector<uint8_t> row(prototypes.bytes());
-    const int cut = Words::FirstHalf(type);
-    const uint8_t* first = prototypes.row(random.Below(Words::kPrototypes));
-    const uint8_t* second = prototypes.row(random.Below(Words::kPrototypes));
+    const int cut = Vocabulary::FirstHalf(type);
+    const uint8_t* first = prototypes.row(random.Below(Vocabulary::kPrototypes));
+    const uint8_t* second = prototypes.row(random.Below(Vocabulary::kPrototypes));
     for (int b = 0; b < prototypes.bytes(); ++b) row[b] = (b < cut ? first : second)[b];
     made.Append(row.data());
   }
@@ -55,26 +55,27 @@ TEST_P(WordsTest, TheNearestWordsComeFirst) {
   for (int i = 0; i < rows.rows(); ++i) {
     // All pairs of prototypes, the slow way.
     std::vector<std::pair<int, int>> all;
-    for (int word = 0; word < Words::kCount; ++word) {
+    for (int word = 0; word < Vocabulary::kCount; ++word) {
       std::vector<uint8_t> joined(prototypes.bytes());
-      const int cut = Words::FirstHalf(type);
-      const uint8_t* first = prototypes.row(word / Words::kPrototypes);
-      const uint8_t* second = prototypes.row(word % Words::kPrototypes);
+      const int cut = Vocabulary::FirstHalf(type);
+      const uint8_t* first = prototypes.row(word / Vocabulary::kPrototypes);
+      const uint8_t* second = prototypes.row(word % Vocabulary::kPrototypes);
       if (i > 0 && word % 97 != 0) continue;  // all of them once
       for (int b = 0; b < prototypes.bytes(); ++b) joined[b] = (b < cut ? first : second)[b];
       all.emplace_back(NaiveDistance(type, rows.row(i), joined.data()), word);
     }
     std::ranges::sort(all);
-    const std::vector<WordCode> probes = Words::Of(type).Probe(rows.row(i), Words::kMaxProbes);
-    ASSERT_EQ(probes.size(), Words::kMaxProbes);
-    EXPECT_EQ(probes.front(), Words::Of(type).Encode(rows.row(i)));
+    const std::vector<WordCode> probes =
+        Vocabulary::Of(type).Probe(rows.row(i), Vocabulary::kMaxProbes);
+    ASSERT_EQ(probes.size(), Vocabulary::kMaxProbes);
+    EXPECT_EQ(probes.front(), Vocabulary::Of(type).Encode(rows.row(i)));
     for (size_t p = 0; i == 0 && p < probes.size(); ++p) EXPECT_EQ(probes[p].word, all[p].second);
   }
 }
 
 TEST_P(WordsTest, TheSameFeatureIsFoundAgain) {
   const FeatureType type = GetParam();
-  const Words& words = Words::Of(type);
+  const Vocabulary& words = Vocabulary::Of(type);
   Random random(5);
   const Descriptors rows = NearPrototypes(type, 300, random);
   int found = 0;
@@ -93,7 +94,7 @@ TEST_P(WordsTest, TheSameFeatureIsFoundAgain) {
 
 TEST_P(WordsTest, PrototypesDiffer) {
   const Descriptors prototypes = WordPrototypes(GetParam());
-  const int cut = Words::FirstHalf(GetParam());
+  const int cut = Vocabulary::FirstHalf(GetParam());
   std::set<std::vector<uint8_t>> first;
   std::set<std::vector<uint8_t>> second;
   for (int i = 0; i < prototypes.rows(); ++i) {

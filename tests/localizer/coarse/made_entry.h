@@ -19,13 +19,13 @@ struct MadePlace {
 inline std::vector<MadePlace> MadePlaces(FeatureType type, int places, uint64_t seed) {
   Random random(seed);
   const Descriptors prototypes = WordPrototypes(type);
-  const int cut = Words::FirstHalf(type);
+  const int cut = Vocabulary::FirstHalf(type);
   std::vector<MadePlace> made;
   for (int p = 0; p < places; ++p) {
     MadePlace place{Descriptors(prototypes.bytes())};
     for (int i = 0; i < 40; ++i) {
-      const uint8_t* first = prototypes.row(random.Below(Words::kPrototypes));
-      const uint8_t* second = prototypes.row(random.Below(Words::kPrototypes));
+      const uint8_t* first = prototypes.row(random.Below(Vocabulary::kPrototypes));
+      const uint8_t* second = prototypes.row(random.Below(Vocabulary::kPrototypes));
       std::vector<uint8_t> row(prototypes.bytes());
       for (int b = 0; b < prototypes.bytes(); ++b) {
         row[b] = (b < cut ? first : second)[b];
@@ -51,7 +51,7 @@ inline CoarseEntry EntryOf(FeatureType type, const std::vector<MadePlace>& place
   for (const MadePlace& place : places) {
     entry.codes_of.push_back(static_cast<uint8_t>(place.rows.rows()));
     for (int i = 0; i < place.rows.rows(); ++i) {
-      const WordCode code = Words::Of(type).Encode(place.rows.row(i));
+      const WordCode code = Vocabulary::Of(type).Encode(place.rows.row(i));
       entry.words.push_back(code.word);
       entry.signatures.push_back(code.signature);
     }
