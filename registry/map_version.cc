@@ -79,6 +79,15 @@ Json BoundsJson(const MapData& map) {
   return box.ToJson("appearance", OrNull(map.appearance->metres_per_unit));
 }
 
+std::vector<double> NumbersIn(const Json& list) {
+  std::vector<double> numbers;
+  if (!list.is_array()) return numbers;
+  for (const Json& one : list) {
+    if (one.is_number()) numbers.push_back(one.get<double>());
+  }
+  return numbers;
+}
+
 }  // namespace
 
 std::string Describe(const MapVersion& version) {
@@ -86,16 +95,17 @@ std::string Describe(const MapVersion& version) {
 }
 
 MapVersion MakeVersion(const std::string& name, const MapIndex& index, int64_t bytes,
-                       std::vector<std::string> tags) {
+                       std::vector<std::string> tags, const std::optional<CoarseFile>& coarse) {
   CheckMapName(name);
   CheckTags(tags);
   const MapData& map = index.map();
-  const Json details = {
+  Json details = {
       {"schema_version", kSchemaVersion}, {"feature_type", NameOf(map.info.feature_type)},
       {"layers", LayersJson(map)},        {"places", PlaceNamesJson(map)},
       {"bounds", BoundsJson(map)},        {"tags", tags},
       {"published_at", UtcNow()},         {"publisher", HostName()},
       {"summary", MapJson(name, index)}};
+  if (coarse) details["coarse"] = {{"sha256", coarse->sha256}, {"bytes", coarse->bytes}};
   return {name, 0, map.info.version, bytes, Dump(details)};
 }
 
@@ -158,6 +168,28 @@ MapVersion ReadManifest(const std::string& text, const std::string& where) {
 }
 
 Json SummaryOf(const MapVersion& version) { return Json::parse(version.details)["summary"]; }
+
+MapTraits TraitsOf(const MapVersion& version) {
+  MapTraits traits;
+  const Json details = Json::parse(version.details);
+  for (const Json& tag : details.value("tags", Json::array())) {
+    if (tag.is_string()) traits.tags.push_back(tag.get<std::string>());
+  }
+  const Json bounds = details.value("bounds", Json());
+  if (bounds.is_object() && bounds.value("frame", Json()).is_string()) {
+    traits.min = NumbersIn(bounds.value("min", Json()));
+    traits.max = NumbersIn(bounds.value("max", Json()));
+    const bool sound = traits.min.size() == traits.max.size() && !traits.min.empty();
+    if (sound) traits.frame = bounds["frame"].get<std::string>();
+  }
+  const Json coarse = details.value("coarse", Json());
+  if (coarse.is_object() && coarse.value("sha256", Json()).is_string() &&
+      coarse.value("bytes", Json()).is_number_integer()) {
+    const CoarseFile file{coarse["sha256"].get<std::string>(), coarse["bytes"].get<int64_t>()};
+    if (IsSha256(file.sha256) && file.bytes > 0) traits.coarse = file;
+  }
+  return traits;
+}
 
 bool HasLayer(const MapVersion& version, const std::string& layer) {
   const Json layers = Json::parse(version.details).value("layers", Json::array());

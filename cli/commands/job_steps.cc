@@ -14,6 +14,7 @@
 #include "cli/system/signals.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "registry/coarse_file.h"
 #include "schema/file/map_store.h"
 #include "schema/file/sha256.h"
 #include "schema/sequence_kinds.h"
@@ -170,7 +171,8 @@ JobWorker::Outcome JobWorker::Join(const JobLease& lease, LeaseKeeper& keeper) {
   keeper.Report({.stage = "publishing"});
   const OpenMap map = OpenMapFile(file, true);
   const MapVersion version =
-      MakeVersion(lease.spec.name, *map.index, BytesOf(file), lease.spec.tags);
+      MakeVersion(lease.spec.name, *map.index, BytesOf(file), lease.spec.tags,
+                  PutCoarseEntry(*store_, *map.index));
   store_->Put(file, version.sha256, version.bytes);
   StopIfNeeded(keeper);
   const auto finished =

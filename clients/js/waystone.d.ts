@@ -126,6 +126,8 @@ export interface Request {
   fov_deg?: number;
   camera?: string;
   prior?: { keyframe: number };
+  /** Narrows a query of all maps (/v1/localize) of a server of a registry. */
+  hints?: { position?: { frame: string; x: number; y: number; z?: number; radius: number }; tags?: string[]; previous_map?: string };
   previous?: { keyframe?: number; heading_rad?: number; map_version?: string; belief?: Belief };
   /** For series of panoramas: the motion of each image since the previous image or answer, in map units (x forward, y left), or null. */
   odometry?: (null | { x: number; y: number; heading_rad: number })[];
@@ -153,7 +155,7 @@ export interface Ready {
   /** In memory; the others are opened when they are asked for. */
   open: number;
   /** Only of servers of a registry. */
-  registry?: { connected: boolean; silent_s: number; memory_bytes: number; cached_files: number; cached_bytes: number; jobs: boolean };
+  registry?: { connected: boolean; silent_s: number; memory_bytes: number; cached_files: number; cached_bytes: number; jobs: boolean; coarse: { maps: number; places: number; bytes: number; without: number; waiting: number } };
 }
 
 export interface Version {
@@ -317,6 +319,23 @@ export interface Answer {
   camera?: QueryCamera;
   /** Fields of the request that no layer of this map uses. */
   unused?: ("camera" | "prior" | "previous" | "odometry")[];
+  /** If not all maps could be asked: those that the coarse index proposed, the likeliest first. */
+  searched?: SearchedMap[];
+  /** With `searched`: a proposed map was not asked, so that another answer is possible. */
+  partial?: boolean;
+  /** With `searched`: how many maps are not in the coarse index and can not be proposed. */
+  unindexed?: number;
+}
+
+/** A map that the coarse index proposed for a query of all maps. */
+export interface SearchedMap {
+  map: string;
+  /** `late`: not opened or not answered by the deadline. `too_large`: beyond the memory that the server may use. */
+  state: "asked" | "late" | "failed" | "too_large";
+  /** By how much features of the image speak for the map; comparable within one answer only. 0 for `previous_map` where the index does not propose it. */
+  score: number;
+  /** Why it was not asked. */
+  message?: string;
 }
 
 /** The camera of the query in the frame of the poses that the map was built with. The camera has x right, y down, z forward; orientation is the quaternion x, y, z, w that turns its axes into those of the frame. The covariance is that of the position and of a small rotation about the axes of the frame, in the order of ROS: x, y, z, about x, about y, about z. `inliers` is 0 for a panorama that was localized by its appearance alone. `camera` says whose calibration was used; a panorama has its own. */

@@ -77,10 +77,18 @@ Json ReadyJson(const Holdings& holdings, bool jobs) {
   Json json = {{"ready", true}, {"maps", holdings.maps}, {"open", holdings.open}};
   if (!holdings.registry) return json;
   const RegistryHoldings& registry = *holdings.registry;
-  json["registry"] = {
-      {"connected", registry.connected},       {"silent_s", Rounded(registry.silent_s, 1)},
-      {"memory_bytes", registry.memory_bytes}, {"cached_files", registry.cached_files},
-      {"cached_bytes", registry.cached_bytes}, {"jobs", jobs}};
+  json["registry"] = {{"connected", registry.connected},
+                      {"silent_s", Rounded(registry.silent_s, 1)},
+                      {"memory_bytes", registry.memory_bytes},
+                      {"cached_files", registry.cached_files},
+                      {"cached_bytes", registry.cached_bytes},
+                      {"jobs", jobs},
+                      {"coarse",
+                       {{"maps", registry.coarse.maps},
+                        {"places", registry.coarse.places},
+                        {"bytes", registry.coarse.bytes},
+                        {"without", registry.coarse.without},
+                        {"waiting", registry.coarse.waiting}}}};
   return json;
 }
 

@@ -14,6 +14,7 @@
 #include "schema/file/sha256.h"
 #include "server/http/problem.h"
 #include "server/http/start_thread.h"
+#include "server/service/map_bytes.h"
 
 namespace waystone {
 namespace {
@@ -22,19 +23,8 @@ constexpr int kOpeners = 4;  // maps fetched at once; one of them is read at a t
 constexpr std::chrono::seconds kPatience{20};
 constexpr std::chrono::milliseconds kMemoryPause{50};
 constexpr int kMaxRetryS = 60;
+constexpr int64_t kCoarseShare = 4;  // of the memory of maps, for the coarse index
 constexpr double kBytesPerMb = 1e6;
-
-// What an open map takes of memory, as a multiple of its file: measured 1.4 for maps of planes and
-// 2.6 with an appearance layer, whose index of features is made when it is opened.
-int64_t OpenBytes(const MapVersion& version) {
-  return version.bytes * (HasLayer(version, "appearance") ? 3 : 2);
-}
-// While it is opened, the file is in memory too.
-int64_t OpeningBytes(const MapVersion& version) { return OpenBytes(version) + version.bytes; }
-
-std::string Megabytes(int64_t bytes) {
-  return std::to_string(std::lround(static_cast<double>(bytes) / kBytesPerMb)) + " MB";
-}
 
 MapError NotServed(const std::string& name) {
   return {ErrorCode::kNotFound, "no map '" + name.substr(0, 80) + "'; GET /v1/maps lists the maps"};
@@ -53,11 +43,18 @@ struct HeldIndex {
 
 }  // namespace
 
+std::string RegistryMaps::Megabytes(int64_t bytes) {
+  return std::to_string(std::lround(static_cast<double>(bytes) / kBytesPerMb)) + " MB";
+}
+
 RegistryMaps::RegistryMaps(const RegistryMapsOptions& options, Log log)
     : options_(options),
       log_(std::move(log)),
       memory_(std::make_shared<MapMemory>(options.memory_bytes)),
       cache_(options.cache, options.cache_bytes),
+      coarse_(
+          options.cache / "coarse", options.memory_bytes / kCoarseShare,
+          [this] { return StoreNow(); }, log_),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   const bool known = ReadKnown();
   try {
@@ -71,6 +68,7 @@ RegistryMaps::RegistryMaps(const RegistryMapsOptions& options, Log log)
   store_ = OpenStore(registry_store_);
   WriteKnown();
   try {
+    coarse_.Start();
     threads_.push_back(StartThread([this] { KeepLooking(); }));
     for (int i = 0; i < kOpeners; ++i) threads_.push_back(StartThread([this] { KeepOpening(); }));
   } catch (...) {
@@ -92,6 +90,7 @@ void RegistryMaps::Stop() {
   eventfd_write(wake_.get(), 1);
   for (std::thread& thread : threads_) thread.join();
   threads_.clear();
+  coarse_.Stop();
 }
 
 void RegistryMaps::EndWaits() {
@@ -330,8 +329,7 @@ MapSource::MapPtr RegistryMaps::Find(const std::string& name, const Deadline& de
   if (!opening->error.empty()) ThrowUnopened(name, opening->code, opening->error);
   if (opening->done) throw NotServed(name);  // retired meanwhile
   if (ended_waits_) throw Ending();
-  throw MapError(ErrorCode::kNotReady,
-                 "map '" + name + "' is being fetched and opened; try again in a moment");
+  throw MapLate("map '" + name + "' is being fetched and opened; try again in a moment");
 }
 
 std::vector<MapSource::MapPtr> RegistryMaps::FindAll(const Deadline& deadline) {
@@ -345,7 +343,7 @@ std::vector<MapSource::MapPtr> RegistryMaps::FindAll(const Deadline& deadline) {
     int64_t largest = 0;
     for (const auto& [name, entry] : entries_) {
       names.push_back(name);
-      bytes += OpenBytes(entry.current);
+      bytes += entry.open_bytes;
       largest = std::max(largest, entry.current.bytes);
       if (bytes > memory_->limit()) break;  // there may be thousands
     }
@@ -390,6 +388,7 @@ Holdings RegistryMaps::holdings() const {
   registry.fetched_files = cache.fetched_files;
   registry.fetched_bytes = cache.fetched_bytes;
   registry.failed_fetches = cache.failed_fetches;
+  registry.coarse = coarse_.holdings();
   return holdings;
 }
 

@@ -69,7 +69,11 @@ using RoomLevels = std::vector<std::vector<std::string>>;
 const std::map<std::string, RoomLevels>& Rooms() {
   static const std::map<std::string, RoomLevels> rooms = {
       {"localizer",
-       {{"verdict"}, {"index"}, {"planes", "appearance", "orientation", "poses"}, {""}}},
+       {{"verdict"},
+        {"index"},
+        {"planes", "appearance", "orientation", "poses"},
+        {"coarse"},
+        {""}}},
       {"schema", {{"tables"}, {"layers", ""}, {"file"}}},
       {"builder",
        {{"sources"},
