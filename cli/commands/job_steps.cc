@@ -170,9 +170,8 @@ JobWorker::Outcome JobWorker::Join(const JobLease& lease, LeaseKeeper& keeper) {
   const fs::path file = files.size() > 1 ? merged : files.front()->path();
   keeper.Report({.stage = "publishing"});
   const OpenMap map = OpenMapFile(file, true);
-  const MapVersion version =
-      MakeVersion(lease.spec.name, *map.index, BytesOf(file), lease.spec.tags,
-                  PutCoarseEntry(*store_, *map.index));
+  const MapVersion version = MakeVersion(lease.spec.name, *map.index, BytesOf(file),
+                                         lease.spec.tags, PutCoarseEntry(*store_, *map.index));
   store_->Put(file, version.sha256, version.bytes);
   StopIfNeeded(keeper);
   const auto finished =
