@@ -32,12 +32,6 @@ std::string UtcNow() {
   return text.data();
 }
 
-std::string HostName() {
-  std::array<char, 256> name{};
-  if (gethostname(name.data(), name.size() - 1) != 0) return "unknown";
-  return name.data();
-}
-
 // Whether JSON holds the text as it is: others' bytes would become U+FFFD.
 bool IsUtf8(const std::string& text) { return Json::parse(Dump(Json(text))) == text; }
 
@@ -94,18 +88,6 @@ std::vector<double> NumbersIn(const Json& list) {
   return numbers;
 }
 
-void CheckTags(const std::vector<std::string>& tags) {
-  for (const std::string& tag : tags) {
-    if (!tag.empty() && tag.size() <= kMaxMapNameBytes && Printable(tag) == tag && IsUtf8(tag)) {
-      continue;
-    }
-    throw MapError(ErrorCode::kUsage, "tag '" + Printable(tag).substr(0, 2 * kMaxMapNameBytes) +
-                                          "' is not allowed; use 1 to " +
-                                          std::to_string(kMaxMapNameBytes) +
-                                          " bytes of UTF-8 without control characters");
-  }
-}
-
 }  // namespace
 
 std::string Describe(const MapVersion& version) {
@@ -125,6 +107,24 @@ MapVersion MakeVersion(const std::string& name, const MapIndex& index, int64_t b
       {"summary", MapJson(name, index)}};
   if (coarse) details["coarse"] = {{"sha256", coarse->sha256}, {"bytes", coarse->bytes}};
   return {name, 0, map.info.version, bytes, Dump(details)};
+}
+
+std::string HostName() {
+  std::array<char, 256> name{};
+  if (gethostname(name.data(), name.size() - 1) != 0) return "unknown";
+  return name.data();
+}
+
+void CheckTags(const std::vector<std::string>& tags) {
+  for (const std::string& tag : tags) {
+    if (!tag.empty() && tag.size() <= kMaxMapNameBytes && Printable(tag) == tag && IsUtf8(tag)) {
+      continue;
+    }
+    throw MapError(ErrorCode::kUsage, "tag '" + Printable(tag).substr(0, 2 * kMaxMapNameBytes) +
+                                          "' is not allowed; use 1 to " +
+                                          std::to_string(kMaxMapNameBytes) +
+                                          " bytes of UTF-8 without control characters");
+  }
 }
 
 void CheckMapName(const std::string& name) {

@@ -53,6 +53,11 @@ MapVersion MakeVersion(const std::string& name, const MapIndex& index, int64_t b
 // Throws MapError(kUsage) unless `name` can be the name of a registered map: 1 to 100 bytes of
 // UTF-8 without control characters and slashes, and no dot first.
 void CheckMapName(const std::string& name);
+// The same for tags: 1 to 100 bytes of UTF-8 without control characters each.
+void CheckTags(const std::vector<std::string>& tags);
+
+// Of this machine, for people.
+std::string HostName();
 
 // A version as one JSON object and back. Reading throws MapError(kFileUnreadable), whose message
 // begins with `where`, for what is no such object.

@@ -82,7 +82,8 @@ class MapSource {
   // Throws MapError(kNotFound) for a name that isn't served, and waits for nothing.
   virtual void CheckName(const std::string& name) const = 0;
   // One of the maps. May wait until it is open, at most until the deadline. Throws
-  // MapError(kNotFound), and kNotReady or BusyError for a map that can't be had now.
+  // MapError(kNotFound), BusyError, and for a map that can't be had now kNotReady,
+  // kStoreUnavailable, kStoreDamaged, kNoRoom, or what is wrong with its file.
   virtual MapPtr Find(const std::string& name, const Deadline& deadline) = 0;
   // All of them, by name. Throws as Find does, MapError(kNotReady) where there is none, and
   // kNotAvailable where they are too many to be asked at once.

@@ -29,6 +29,10 @@ constexpr double kBytesPerMb = 1e6;
 MapError NotServed(const std::string& name) {
   return {ErrorCode::kNotFound, "no map '" + name.substr(0, 80) + "'; GET /v1/maps lists the maps"};
 }
+[[noreturn]] void ThrowUnopened(const std::string& name, ErrorCode code, const std::string& error) {
+  if (code == ErrorCode::kOutOfMemory) throw std::bad_alloc();
+  throw MapError(code, "map '" + name + "': " + error);
+}
 MapError Ending() { return {ErrorCode::kNotReady, "the server is shutting down"}; }
 
 // An open map with its share of the memory, which it gives back when it is gone.
@@ -135,9 +139,9 @@ void RegistryMaps::OpenQueued(const std::string& name) {
     if (has_other) wanted.push_back(*entry.served);
   }
   Opening failure;
-  const auto fail = [&failure](bool out_of_memory, const std::string& error) {
-    if (failure.out_of_memory || !failure.error.empty()) return;  // the first one is told
-    failure.out_of_memory = out_of_memory;
+  const auto fail = [&failure](ErrorCode code, const std::string& error) {
+    if (!failure.error.empty()) return;  // the first one is told
+    failure.code = code;
     failure.error = error;
   };
   Opened opened;
@@ -147,9 +151,11 @@ void RegistryMaps::OpenQueued(const std::string& name) {
     try {
       opened = OpenVersion(name, version);
     } catch (const std::bad_alloc&) {
-      fail(true, "out of memory");
+      fail(ErrorCode::kOutOfMemory, "out of memory");
+    } catch (const MapError& error) {
+      fail(error.code(), error.what());
     } catch (const std::exception& error) {
-      fail(false, error.what());
+      fail(ErrorCode::kNotReady, error.what());
     }
   }
   Finish(name, version, std::move(opened), failure, tries_current);
@@ -188,9 +194,9 @@ std::shared_ptr<const MapIndex> RegistryMaps::ReadVersion(const MapVersion& vers
 std::shared_ptr<MapMemory::Share> RegistryMaps::TakeMemory(const MapVersion& version) {
   const int64_t bytes = OpeningBytes(version);
   if (bytes > memory_->limit()) {
-    throw MapError(ErrorCode::kNotReady, "takes " + Megabytes(bytes) + " of memory to open, and " +
-                                             Megabytes(memory_->limit()) +
-                                             " are allowed; give the server more (--memory)");
+    throw MapError(ErrorCode::kNoRoom, "takes " + Megabytes(bytes) + " of memory to open, and " +
+                                           Megabytes(memory_->limit()) +
+                                           " are allowed; give the server more (--memory)");
   }
   const Clock::time_point start = Clock::now();
   while (Clock::now() - start < kPatience) {
@@ -246,7 +252,7 @@ void RegistryMaps::Finish(const std::string& name, const MapVersion& version, Op
     if (const std::shared_ptr<Opening> opening = std::exchange(entry.opening, nullptr)) {
       opening->map = entry.open;
       opening->error = failure.error;
-      opening->out_of_memory = failure.out_of_memory;
+      opening->code = failure.code;
       opening->done = true;
     }
   }
@@ -268,7 +274,7 @@ void RegistryMaps::Count(const Opening& failure, Entry& entry, std::string& said
   }
   ++entry.failures;
   entry.error = failure.error;
-  entry.out_of_memory = failure.out_of_memory;
+  entry.code = failure.code;
   const int retry_s = std::min(kMaxRetryS, 1 << std::min(entry.failures - 1, 10));
   entry.retry_at = Clock::now() + std::chrono::seconds(retry_s);
 }
@@ -308,10 +314,7 @@ MapSource::MapPtr RegistryMaps::Find(const std::string& name, const Deadline& de
   if (entry.open) return entry.open;
   if (ended_waits_) throw Ending();
   const bool has_other = entry.served && *entry.served != entry.current;
-  if (entry.MustWait() && !has_other) {
-    if (entry.out_of_memory) throw std::bad_alloc();
-    throw MapError(ErrorCode::kNotReady, "map '" + name + "': " + entry.error);
-  }
+  if (entry.MustWait() && !has_other) ThrowUnopened(name, entry.code, entry.error);
   if (waiting_ >= kMaxWaiting) {
     throw BusyError("too many requests wait for maps to be opened; try again", 1);
   }
@@ -323,10 +326,7 @@ MapSource::MapPtr RegistryMaps::Find(const std::string& name, const Deadline& de
   changed_.wait_until(lock, until, [&] { return opening->done || ended_waits_; });
   --waiting_;
   if (opening->map) return opening->map;
-  if (opening->out_of_memory) throw std::bad_alloc();
-  if (!opening->error.empty()) {
-    throw MapError(ErrorCode::kNotReady, "map '" + name + "': " + opening->error);
-  }
+  if (!opening->error.empty()) ThrowUnopened(name, opening->code, opening->error);
   if (opening->done) throw NotServed(name);  // retired meanwhile
   if (ended_waits_) throw Ending();
   throw MapLate("map '" + name + "' is being fetched and opened; try again in a moment");

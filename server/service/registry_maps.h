@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/base/clock.h"
+#include "core/base/error.h"
 #include "registry/map_cache.h"
 #include "registry/registry.h"
 #include "server/http/file_descriptor.h"
@@ -75,7 +76,7 @@ class RegistryMaps : public MapSource {
     bool done = false;
     MapPtr map;         // null where it failed
     std::string error;  // then
-    bool out_of_memory = false;
+    ErrorCode code = ErrorCode::kNotReady;
   };
   struct Entry {
     MapVersion current;  // by the registry
@@ -89,7 +90,7 @@ class RegistryMaps : public MapSource {
     uint64_t last_use = 0;
     std::shared_ptr<Opening> opening;  // queued or under way
     std::string error;                 // why `current` isn't open
-    bool out_of_memory = false;
+    ErrorCode code = ErrorCode::kNotReady;
     int failures = 0;  // in a row
     Clock::time_point retry_at;
 
