@@ -14,7 +14,7 @@ BROWSER ?= yes
 export BROWSER
 
 .NOTPARALLEL:
-.PHONY: help demo test bench check lint check-format tidy standalone format release build asan tsan fuzz soak \
+.PHONY: help demo test bench check lint check-format tidy standalone format release build asan tsan fuzz soak cluster-test \
   packages browser web package package-test clean
 
 help:  ## list the targets
@@ -46,6 +46,7 @@ test: release browser  ## build and run every test; BROWSER=no leaves out the pa
 BENCHES ?=
 bench: browser  ## run the benchmarks and write docs/benchmarks.md; BENCHES="world pairs" runs some
 	@scripts/install_packages.sh scripts/bench_packages.txt
+	@scripts/install_packages.sh scripts/test_packages.txt
 	@scripts/build.sh release $(JOBS) waystone waystone-bench waystone-speed
 	@$(RELEASE)/bench/waystone-speed
 	@scripts/bench.py $(RELEASE) $(BENCHES) || status=$$?; \
@@ -95,6 +96,13 @@ soak: packages  ## honest and hostile clients on a server with changing maps; MI
 	@TSAN_OPTIONS=suppressions=$(CURDIR)/scripts/tsan.supp:print_suppressions=0 \
 	 tests/soak/soak.py --program build/$(PRESET)/cli/waystone --offline $(RELEASE)/cli/waystone \
 	 --seconds $$(($(MINUTES) * 60)) --folder $(RELEASE)/soak $(if $(filter release,$(PRESET)),,--slower 10)
+
+# Its maps stay in build/release/cluster for the next time.
+cluster-test: packages  ## PostgreSQL, HAProxy, three servers and two workers, killed one after another
+	@scripts/install_packages.sh scripts/test_packages.txt
+	@scripts/build.sh release $(JOBS) waystone
+	@tests/cluster/cluster_test.py --program $(RELEASE)/cli/waystone --folder $(RELEASE)/cluster \
+	 --json $(RELEASE)/cluster.json
 
 format: packages  ## lay out every source file by .clang-format
 	@scripts/install_packages.sh scripts/lint_packages.txt

@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "api/hints_json.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "core/geometry/angle.h"
@@ -193,8 +194,9 @@ Json PreviousJson(const PreviousAnswer& previous) {
 }  // namespace
 
 QueryRequest ParseQueryRequest(const Json& object, const RequestLimits& limits, bool with_images) {
-  std::set<std::string> known = {"camera", "cx", "cy",       "deadline_ms", "debug", "fov_deg",
-                                 "fx",     "fy", "odometry", "previous",    "prior", "top_k"};
+  std::set<std::string> known = {"camera",   "cx",    "cy",   "deadline_ms", "debug",
+                                 "fov_deg",  "fx",    "fy",   "hints",       "odometry",
+                                 "previous", "prior", "top_k"};
   if (with_images) known.insert("images");
   CheckKnownFields(object, "the request", known);
   QueryRequest request;
@@ -207,6 +209,7 @@ QueryRequest ParseQueryRequest(const Json& object, const RequestLimits& limits, 
   }
   if (object.contains("previous")) request.previous = ReadPrevious(object["previous"]);
   if (object.contains("odometry")) request.odometry = ReadOdometry(object["odometry"]);
+  if (object.contains("hints")) request.hints = ReadHints(object["hints"]);
   if (object.contains("top_k")) {
     request.top_k = static_cast<int>(WholeIn(object["top_k"], "top_k", 1, kMaxTopK));
   }
@@ -253,6 +256,7 @@ Json ToJson(const QueryRequest& request) {
         motion ? Json{{"x", motion->x}, {"y", motion->y}, {"heading_rad", motion->theta_rad}}
                : Json(nullptr));
   }
+  if (request.hints) json["hints"] = ToJson(*request.hints);
   if (request.top_k) json["top_k"] = *request.top_k;
   if (request.debug) json["debug"] = true;
   if (request.deadline_ms) json["deadline_ms"] = *request.deadline_ms;

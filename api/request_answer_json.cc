@@ -32,6 +32,7 @@ Json MapsJson(const std::vector<Answer>& answers, int limit) {
   Json list = Json::array();
   for (const Answer& answer : answers) {
     if (list.size() == static_cast<size_t>(limit)) break;
+    if (answer.map.empty()) continue;  // of no map at all
     list.push_back(ShortJson(answer, "map", answer.map));
   }
   return list;
@@ -67,7 +68,11 @@ Json UnusedJson(const QueryRequest& request, const RequestAnswer& answer) {
 }  // namespace
 
 Json ToJson(const Session& session, const RequestAnswer& answer, bool across) {
-  const QueryRequest& request = session.request();
+  return ToJson(session.request(), session.camera(), answer, across);
+}
+
+Json ToJson(const QueryRequest& request, const std::optional<QueryCamera>& camera,
+            const RequestAnswer& answer, bool across) {
   const Answer overall = OverallAnswer(answer);
   Json json = ToJson(overall);
   if (across) {
@@ -82,7 +87,7 @@ Json ToJson(const Session& session, const RequestAnswer& answer, bool across) {
   if (request.top_k) json["candidates"] = CandidatesJson(overall, *request.top_k);
   if (answer.belief) json["belief"] = ToJson(*answer.belief);
   if (overall.last_stage) json["stage"] = NameOf(*overall.last_stage);
-  if (session.camera()) json["camera"] = CameraJson(*session.camera());
+  if (camera) json["camera"] = CameraJson(*camera);
   const Json unused = UnusedJson(request, answer);
   if (!unused.empty()) json["unused"] = unused;
   return json;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "api/json.h"
 #include "localizer/session.h"
 
@@ -16,5 +18,8 @@ namespace waystone {
 //   camera      the camera that was understood
 //   unused      what was understood and no layer of these maps uses
 Json ToJson(const Session& session, const RequestAnswer& answer, bool across);
+// The same without a session.
+Json ToJson(const QueryRequest& request, const std::optional<QueryCamera>& camera,
+            const RequestAnswer& answer, bool across);
 
 }  // namespace waystone

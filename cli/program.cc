@@ -27,7 +27,7 @@ constexpr const char* kDescription =
 
 constexpr const char* kFooter =
     "Exit status: 0 success, 2 usage error, 3 invalid input, 4 no usable result,\n"
-    "5 internal error, 130 interrupted.\n"
+    "5 internal error, 6 registry or store can't be reached, 130 interrupted.\n"
     "To get started: waystone demo";
 
 int Fail(const std::string& message, ErrorCode code) {
@@ -115,6 +115,9 @@ int RunProgram(int argc, char** argv) {
   AddMaps(app, run);
   AddRollback(app, run);
   AddRetire(app, run);
+  AddEnqueue(app, run);
+  AddWork(app, run);
+  AddJobs(app, run);
   AddDemo(app, run);
   ThrowOpenCvErrors();
   try {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localizer/localizer.h"
 
-#include <map>
 #include <utility>
 
 #include "core/base/clock.h"
@@ -9,7 +8,9 @@
 #include "core/camera/panorama.h"
 #include "localizer/appearance/appearance.h"
 #include "localizer/appearance/photo.h"
+#include "localizer/known_features.h"
 #include "localizer/orientation/building.h"
+#include "localizer/planes/image_features.h"
 #include "localizer/planes/locate.h"
 #include "localizer/poses/locate_pose.h"
 #include "localizer/poses/node_pose.h"
@@ -97,30 +98,8 @@ void FindOnPlan(const MapIndex& index, Answer& answer) {
   }
 }
 
-// Features of an image, by how they are extracted, and how long they took.
-class FeatureCache {
- public:
-  explicit FeatureCache(const cv::Mat& grey) : grey_(grey) {}
-
-  const std::pair<Features, double>& Extract(const MapIndex& index,
-                                             const LocalizeOptions& options) {
-    const FeatureOptions how = QueryFeatureOptions(index, options.planes);
-    const auto key = std::pair(how.type, how.working_pixels);
-    const auto it = cache_.find(key);
-    if (it != cache_.end()) return it->second;
-    LapTimer timer;
-    Features features = ExtractFeatures(grey_, how);
-    const double ms = timer.Lap();
-    return cache_.emplace(key, std::pair(std::move(features), ms)).first->second;
-  }
-
- private:
-  const cv::Mat& grey_;
-  std::map<std::pair<FeatureType, int>, std::pair<Features, double>> cache_;
-};
-
 // Where a decoded image was taken, by the layer that answers such images.
-Answer AskLayers(const MapIndex& index, const cv::Mat& grey, FeatureCache& cache,
+Answer AskLayers(const MapIndex& index, const cv::Mat& grey, ImageFeatures& extracted,
                  const LocalizeOptions& options) {
   Answer answer;
   const bool by_panoramas = AsksPanoramas(index, grey, options);
@@ -128,7 +107,8 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, FeatureCache& cache
     answer = AskPanoramas(index, grey, options);
     if (options.deadline && !answer.last_stage) answer.last_stage = Stage::kDecide;
   } else {
-    const auto& [features, extract_ms] = cache.Extract(index, options);
+    const auto& [features, extract_ms] =
+        extracted.Extract(grey, QueryFeatureOptions(index, options.planes));
     options.Finish(Stage::kExtract);
     answer =
         options.TooLate() ? Undecided(Stage::kExtract) : LocalizeFeatures(index, features, options);
@@ -141,7 +121,8 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, FeatureCache& cache
   if (by_panoramas) {
     AddNodePose(index, answer);
   } else if (index.map().poses && !options.TooLate()) {
-    const auto& [features, ms] = cache.Extract(index, options);
+    const auto& [features, ms] =
+        extracted.Extract(grey, QueryFeatureOptions(index, options.planes));
     AddTimedPose(index, features, options, answer);
   }
   NamePlace(index, answer);
@@ -198,19 +179,19 @@ Answer LocalizeFeatures(const MapIndex& index, const Features& query,
 
 Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
   options.Check();
-  FeatureCache cache(grey);
-  return AskLayers(index, grey, cache, options);
+  ImageFeatures extracted;
+  return AskLayers(index, grey, extracted, options);
 }
 
 namespace {
 
 std::vector<Answer> AskDecoded(const std::vector<const MapIndex*>& maps, const Decoded& decoded,
-                               const std::string& name, const LocalizeOptions& options) {
-  FeatureCache cache(decoded.grey);
+                               const std::string& name, const LocalizeOptions& options,
+                               ImageFeatures& extracted) {
   std::vector<Answer> answers;
   for (const MapIndex* index : maps) {
     Answer answer =
-        decoded.refusal ? *decoded.refusal : AskLayers(*index, decoded.grey, cache, options);
+        decoded.refusal ? *decoded.refusal : AskLayers(*index, decoded.grey, extracted, options);
     Sign(*index, answer);
     answer.image = name;
     answer.timing.decode_ms = decoded.ms;
@@ -225,14 +206,22 @@ std::vector<Answer> AskDecoded(const std::vector<const MapIndex*>& maps, const D
 std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps,
                                    std::span<const uint8_t> bytes, const std::string& name,
                                    const LocalizeOptions& options) {
+  ImageFeatures extracted;
+  return LocalizeAcross(maps, bytes, name, options, extracted);
+}
+
+std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps,
+                                   std::span<const uint8_t> bytes, const std::string& name,
+                                   const LocalizeOptions& options, ImageFeatures& features) {
   options.Check();
-  return AskDecoded(maps, Decode(bytes, options), name, options);
+  return AskDecoded(maps, Decode(bytes, options), name, options, features);
 }
 
 std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps, const cv::Mat& grey,
                                    const std::string& name, const LocalizeOptions& options) {
   options.Check();
-  return AskDecoded(maps, {.grey = grey, .refusal = {}}, name, options);
+  ImageFeatures extracted;
+  return AskDecoded(maps, {.grey = grey, .refusal = {}}, name, options, extracted);
 }
 
 Answer Localize(const MapIndex& index, std::span<const uint8_t> bytes, const std::string& name,

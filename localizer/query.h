@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "core/base/ids.h"
 #include "core/camera/camera.h"
 #include "core/geometry/pose2.h"
+#include "localizer/planes/image_features.h"
 #include "schema/map_data.h"
 
 // What is asked of the localizer, without files, JSON or HTTP.
@@ -21,6 +23,7 @@ struct QueryImage {
   std::string name;
   std::string bytes;  // encoded (JPEG, PNG, ...)
   cv::Mat grey = {};  // decoded already (8-bit grey): the bytes are not looked at
+  std::shared_ptr<ImageFeatures> features = {};  // of the bytes, extracted already; may be null
 };
 
 // Focal lengths and principal point of an image without distortion, px.
@@ -51,6 +54,19 @@ struct PreviousAnswer {
   bool operator==(const PreviousAnswer&) const = default;
 };
 
+// What narrows a query of all maps of a registry to some of them.
+struct MapHints {
+  // Near a point of a frame that maps have poses in.
+  struct Position {
+    std::string frame;  // PoseLayer::frame, or "appearance" for maps of panoramas without poses
+    std::vector<double> at;  // x, y, and z where it is known; in the frame's units
+    double radius = 0;       // in the same
+  };
+  std::optional<Position> position;
+  std::vector<std::string> tags;            // of maps that were published with all of them
+  std::optional<std::string> previous_map;  // asked in any case
+};
+
 // One query: images in their order, and what is known about them.
 struct QueryRequest {
   std::vector<QueryImage> images;  // one at least
@@ -63,8 +79,9 @@ struct QueryRequest {
   // Of each image, in their order, the motion since the image or answer before it, in the units of
   // the map's layer; nothing where it isn't known. Empty when none was given.
   std::vector<std::optional<Pose2>> odometry;
-  std::optional<int> top_k;  // list that many candidates
-  bool debug = false;        // explain the answer
+  std::optional<MapHints> hints;  // for queries of all maps
+  std::optional<int> top_k;       // list that many candidates
+  bool debug = false;             // explain the answer
   std::optional<int> deadline_ms;
   // From when deadline_ms counts; from when the session begins where this isn't known.
   std::optional<Clock::time_point> received;

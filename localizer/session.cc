@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <span>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "localizer/appearance/appearance.h"
+#include "localizer/known_features.h"
 #include "localizer/localizer.h"
 
 namespace waystone {
@@ -52,7 +54,9 @@ std::span<const uint8_t> EncodedBytes(const QueryImage& image) {
 std::vector<Answer> AskIndices(const std::vector<const MapIndex*>& indices, const QueryImage& image,
                                const LocalizeOptions& options) {
   if (!image.grey.empty()) return LocalizeAcross(indices, image.grey, image.name, options);
-  return LocalizeAcross(indices, EncodedBytes(image), image.name, options);
+  const std::span<const uint8_t> bytes = EncodedBytes(image);
+  if (!image.features) return LocalizeAcross(indices, bytes, image.name, options);
+  return LocalizeAcross(indices, bytes, image.name, options, *image.features);
 }
 
 // By its header: what isn't an image fits either way.
@@ -131,8 +135,9 @@ Answer Series::Ask(const QueryImage& image, const std::optional<Pose2>& odometry
   return answer;
 }
 
-Session::Session(QueryRequest request, std::vector<QueriedMap> maps, const LocalizeOptions& options)
-    : request_(std::move(request)), maps_(std::move(maps)), options_(options) {
+Session::Session(QueryRequest request, std::vector<QueriedMap> maps, const LocalizeOptions& options,
+                 bool is_lot)
+    : request_(std::move(request)), maps_(std::move(maps)), options_(options), is_lot_(is_lot) {
   WS_CHECK(!maps_.empty() && !request_.images.empty(), "a request without a map or an image");
   const MapIndex& first = *maps_.front().index;
   if (request_.prior_keyframe && !first.FindKeyframe(*request_.prior_keyframe)) {
@@ -150,7 +155,7 @@ Session::Session(QueryRequest request, std::vector<QueriedMap> maps, const Local
 }
 
 bool Session::AsksOnePanoramaMap() const {
-  return maps_.size() == 1 && maps_.front().index->HasAppearance();
+  return maps_.size() == 1 && !is_lot_ && maps_.front().index->HasAppearance();
 }
 
 bool Session::HasPhotos() const {
@@ -222,6 +227,22 @@ RequestAnswer Session::TimeOut() const {
     }
   }
   return result;
+}
+
+RequestAnswer Joined(std::vector<RequestAnswer> lots) {
+  RequestAnswer all = std::move(lots.front());
+  for (size_t lot = 1; lot < lots.size(); ++lot) {
+    all.used_camera |= lots[lot].used_camera;
+    for (size_t i = 0; i < all.images.size(); ++i) {
+      std::ranges::move(lots[lot].images.at(i), std::back_inserter(all.images[i]));
+    }
+  }
+  for (std::vector<Answer>& answers : all.images) {
+    std::ranges::sort(answers, {}, &Answer::map);  // ties are broken as by one session
+    std::ranges::stable_sort(answers, IsBetter);
+  }
+  all.best = FindBestImage(all);
+  return all;
 }
 
 Answer OverallAnswer(const RequestAnswer& answer) {

@@ -53,6 +53,9 @@ struct RequestAnswer {
   std::optional<std::vector<NodeBelief>> belief;
 };
 
+// The answers of the same images by several lots of maps as one; at least one.
+RequestAnswer Joined(std::vector<RequestAnswer> lots);
+
 // The best answer of all, as one map's answer and, when several maps recognised the place, with the
 // verdict ambiguous and the maps' places.
 Answer OverallAnswer(const RequestAnswer& answer);
@@ -63,8 +66,10 @@ class Session {
   // Resolves what the request says about the maps. Its deadline counts from when it was received,
   // or from here. Throws MapError: kBadCamera as ResolveCamera, and kBadRequest for a prior
   // keyframe that the map doesn't have. There is a map and an image (WS_CHECK); camera, prior,
-  // previous and odometry need a single map.
-  Session(QueryRequest request, std::vector<QueriedMap> maps, const LocalizeOptions& options);
+  // previous and odometry need a single map. `is_lot`: other maps are asked in other sessions, and
+  // a single one isn't the only one.
+  Session(QueryRequest request, std::vector<QueriedMap> maps, const LocalizeOptions& options,
+          bool is_lot = false);
 
   const QueryRequest& request() const { return request_; }
   const std::optional<QueryCamera>& camera() const { return camera_; }
@@ -91,6 +96,7 @@ class Session {
   QueryRequest request_;
   std::vector<QueriedMap> maps_;
   LocalizeOptions options_;
+  bool is_lot_;
   std::optional<QueryCamera> camera_;
 };
 

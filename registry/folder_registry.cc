@@ -38,8 +38,9 @@ constexpr std::chrono::milliseconds kLockPause{10};
 // A manifest has some kilobytes.
 constexpr size_t kMaxFileBytes = 16'000'000;
 
-[[noreturn]] void Fail(const fs::path& path, const std::string& cause, const std::string& remedy) {
-  throw MapError(ErrorCode::kFileUnreadable, path.string() + ": " + cause + "; " + remedy);
+[[noreturn]] void Fail(const fs::path& path, const std::string& cause, const std::string& remedy,
+                       ErrorCode code = ErrorCode::kFileUnreadable) {
+  throw MapError(code, path.string() + ": " + cause + "; " + remedy);
 }
 
 // The lock of a registry, while it exists.
@@ -60,7 +61,7 @@ class RegistryLock {
       close(file_);
       Fail(path,
            held ? "another program has been changing the registry for 30 s" : std::strerror(cause),
-           "try again later");
+           "try again later", ErrorCode::kRegistryUnavailable);
     }
   }
   ~RegistryLock() { close(file_); }

@@ -25,6 +25,7 @@ constexpr size_t kSentBlockBytes = 1 << 18;
 constexpr int kOk = 200;
 constexpr int kPartial = 206;
 constexpr int kBadRange = 416;
+constexpr int kServerError = 500;  // and above
 
 bool IsSuccess(int status) { return status >= 200 && status < 300; }
 
@@ -58,8 +59,9 @@ class HttpStore : public Store {
     };
     const auto result =
         client.Put(path, headers_, static_cast<size_t>(bytes), send, "application/octet-stream");
-    if (!result) Refuse(path, httplib::to_string(result.error()));
+    if (!result) Fail(path, httplib::to_string(result.error()));
     if (Has(client, path, bytes)) return;  // also where it doesn't take what it has
+    if (result->status >= kServerError) Fail(path, "status " + std::to_string(result->status));
     Refuse(path, IsSuccess(result->status) ? "the store hasn't kept the file"
                                            : "status " + std::to_string(result->status));
   }
@@ -146,7 +148,7 @@ class HttpStore : public Store {
                        "; check the store (--store), its rights and WAYSTONE_STORE_TOKEN");
   }
   [[noreturn]] void Fail(const std::string& path, const std::string& cause) const {
-    throw MapError(ErrorCode::kNotReady,
+    throw MapError(ErrorCode::kStoreUnavailable,
                    origin_ + path + ": " + cause + "; check the store (--store)");
   }
 

@@ -38,7 +38,7 @@ std::string MbText(int64_t bytes) {
   return text;
 }
 
-MapError Unavailable(const std::string& message) { return {ErrorCode::kNotReady, message}; }
+MapError NoRoom(const std::string& message) { return {ErrorCode::kNoRoom, message}; }
 
 MapError Stopping() { return {ErrorCode::kNotReady, "the server is shutting down"}; }
 
@@ -105,7 +105,7 @@ class MapCache::PartFile : public FileSink {
 
  private:
   [[noreturn]] void Fail(int cause) const {
-    throw Unavailable(UnwritableError(path_, std::strerror(cause), bytes_).what());
+    throw NoRoom(UnwritableError(path_, std::strerror(cause), bytes_).what());
   }
 
   MapCache& cache_;
@@ -252,9 +252,10 @@ void MapCache::Copy(const Store& store, const std::string& sha256, int64_t bytes
   if (CopyOnce(store, sha256, bytes)) return;
   // What was there before may have been damaged by a loss of power.
   if (resumed && CopyOnce(store, sha256, bytes)) return;
-  throw Unavailable("the store's file " + StorePath(sha256) +
-                    " has other bytes than those that were published (SHA-256 differs); restore "
-                    "it in the store, or publish the map again");
+  throw MapError(ErrorCode::kStoreDamaged,
+                 "the store's file " + StorePath(sha256) +
+                     " has other bytes than those that were published (SHA-256 differs); restore "
+                     "it in the store, or publish the map again");
 }
 
 bool MapCache::CopyOnce(const Store& store, const std::string& sha256, int64_t bytes) {
@@ -284,15 +285,15 @@ void MapCache::MakeRoom(const std::string& sha256, int64_t bytes) {
     return sum;
   };
   if (bytes > max_bytes_) {
-    throw Unavailable("the map's file has " + MbText(bytes) + ", the cache may hold " +
-                      MbText(max_bytes_) + "; give it more room (--cache-size)");
+    throw NoRoom("the map's file has " + MbText(bytes) + ", the cache may hold " +
+                 MbText(max_bytes_) + "; give it more room (--cache-size)");
   }
   while (used() + bytes > max_bytes_) {
     if (EvictOne()) continue;
     if (bytes == 0) return;
-    throw Unavailable("the cache is full of files that are in use: " + MbText(used()) + " of " +
-                      MbText(max_bytes_) + ", " + MbText(bytes) +
-                      " required; give it more room (--cache-size)");
+    throw NoRoom("the cache is full of files that are in use: " + MbText(used()) + " of " +
+                 MbText(max_bytes_) + ", " + MbText(bytes) +
+                 " required; give it more room (--cache-size)");
   }
 }
 

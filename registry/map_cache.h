@@ -46,10 +46,10 @@ class MapCache {
   const std::filesystem::path& folder() const { return folder_; }
 
   // The file of that hash and size, copied from the store where the cache hasn't got it. Of several
-  // threads that want the same file, one copies it. Throws MapError(kNotReady) for a store
-  // that can't be reached or sends other bytes than those of the hash, for a file larger than the
-  // cache may be, a cache full of files in use, and a full disk. What came before an error of the
-  // store is kept for the next time.
+  // threads that want the same file, one copies it. Throws what the store throws,
+  // MapError(kStoreDamaged) for other bytes than those of the hash, and kNoRoom for a file larger
+  // than the cache may be, a cache full of files in use, and a full disk. What came before an error
+  // of the store is kept for the next time.
   FilePtr Get(const Store& store, const std::string& sha256, int64_t bytes);
   // The same without a store: nothing where the cache hasn't got it.
   FilePtr Find(const std::string& sha256);

@@ -32,12 +32,6 @@ std::string UtcNow() {
   return text.data();
 }
 
-std::string HostName() {
-  std::array<char, 256> name{};
-  if (gethostname(name.data(), name.size() - 1) != 0) return "unknown";
-  return name.data();
-}
-
 // Whether JSON holds the text as it is: others' bytes would become U+FFFD.
 bool IsUtf8(const std::string& text) { return Json::parse(Dump(Json(text))) == text; }
 
@@ -85,6 +79,42 @@ Json BoundsJson(const MapData& map) {
   return box.ToJson("appearance", OrNull(map.appearance->metres_per_unit));
 }
 
+std::vector<double> NumbersIn(const Json& list) {
+  std::vector<double> numbers;
+  if (!list.is_array()) return numbers;
+  for (const Json& one : list) {
+    if (one.is_number()) numbers.push_back(one.get<double>());
+  }
+  return numbers;
+}
+
+}  // namespace
+
+std::string Describe(const MapVersion& version) {
+  return version.name + ", version " + std::to_string(version.number);
+}
+
+MapVersion MakeVersion(const std::string& name, const MapIndex& index, int64_t bytes,
+                       std::vector<std::string> tags, const std::optional<CoarseFile>& coarse) {
+  CheckMapName(name);
+  CheckTags(tags);
+  const MapData& map = index.map();
+  Json details = {
+      {"schema_version", kSchemaVersion}, {"feature_type", NameOf(map.info.feature_type)},
+      {"layers", LayersJson(map)},        {"places", PlaceNamesJson(map)},
+      {"bounds", BoundsJson(map)},        {"tags", tags},
+      {"published_at", UtcNow()},         {"publisher", HostName()},
+      {"summary", MapJson(name, index)}};
+  if (coarse) details["coarse"] = {{"sha256", coarse->sha256}, {"bytes", coarse->bytes}};
+  return {name, 0, map.info.version, bytes, Dump(details)};
+}
+
+std::string HostName() {
+  std::array<char, 256> name{};
+  if (gethostname(name.data(), name.size() - 1) != 0) return "unknown";
+  return name.data();
+}
+
 void CheckTags(const std::vector<std::string>& tags) {
   for (const std::string& tag : tags) {
     if (!tag.empty() && tag.size() <= kMaxMapNameBytes && Printable(tag) == tag && IsUtf8(tag)) {
@@ -95,26 +125,6 @@ void CheckTags(const std::vector<std::string>& tags) {
                                           std::to_string(kMaxMapNameBytes) +
                                           " bytes of UTF-8 without control characters");
   }
-}
-
-}  // namespace
-
-std::string Describe(const MapVersion& version) {
-  return version.name + ", version " + std::to_string(version.number);
-}
-
-MapVersion MakeVersion(const std::string& name, const MapIndex& index, int64_t bytes,
-                       std::vector<std::string> tags) {
-  CheckMapName(name);
-  CheckTags(tags);
-  const MapData& map = index.map();
-  const Json details = {
-      {"schema_version", kSchemaVersion}, {"feature_type", NameOf(map.info.feature_type)},
-      {"layers", LayersJson(map)},        {"places", PlaceNamesJson(map)},
-      {"bounds", BoundsJson(map)},        {"tags", tags},
-      {"published_at", UtcNow()},         {"publisher", HostName()},
-      {"summary", MapJson(name, index)}};
-  return {name, 0, map.info.version, bytes, Dump(details)};
 }
 
 void CheckMapName(const std::string& name) {
@@ -158,6 +168,28 @@ MapVersion ReadManifest(const std::string& text, const std::string& where) {
 }
 
 Json SummaryOf(const MapVersion& version) { return Json::parse(version.details)["summary"]; }
+
+MapTraits TraitsOf(const MapVersion& version) {
+  MapTraits traits;
+  const Json details = Json::parse(version.details);
+  for (const Json& tag : details.value("tags", Json::array())) {
+    if (tag.is_string()) traits.tags.push_back(tag.get<std::string>());
+  }
+  const Json bounds = details.value("bounds", Json());
+  if (bounds.is_object() && bounds.value("frame", Json()).is_string()) {
+    traits.min = NumbersIn(bounds.value("min", Json()));
+    traits.max = NumbersIn(bounds.value("max", Json()));
+    const bool sound = traits.min.size() == traits.max.size() && !traits.min.empty();
+    if (sound) traits.frame = bounds["frame"].get<std::string>();
+  }
+  const Json coarse = details.value("coarse", Json());
+  if (coarse.is_object() && coarse.value("sha256", Json()).is_string() &&
+      coarse.value("bytes", Json()).is_number_integer()) {
+    const CoarseFile file{coarse["sha256"].get<std::string>(), coarse["bytes"].get<int64_t>()};
+    if (IsSha256(file.sha256) && file.bytes > 0) traits.coarse = file;
+  }
+  return traits;
+}
 
 bool HasLayer(const MapVersion& version, const std::string& layer) {
   const Json layers = Json::parse(version.details).value("layers", Json::array());

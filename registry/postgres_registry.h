@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "registry/postgres_database.h"
 #include "registry/registry.h"
 
 namespace waystone {
@@ -17,5 +18,9 @@ namespace waystone {
 // Each change notifies the channel `waystone`. Servers need SELECT on the three tables alone.
 std::unique_ptr<Registry> OpenPostgresRegistry(const std::string& url,
                                                const std::optional<NewRegistry>& create);
+
+// What Registry::Publish does, as a part of the caller's transaction. Others that change the
+// registry wait until it ends.
+MapVersion PublishInTransaction(postgres::Database& database, const MapVersion& version);
 
 }  // namespace waystone

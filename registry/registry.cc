@@ -58,8 +58,10 @@ MapError NoVersionError(const std::string& name, std::optional<int> number) {
 }
 
 bool IsPublished(const MapState& state, const MapVersion& next) {
-  return !state.retired && state.version.sha256 == next.sha256 &&
-         Json::parse(state.version.details)["tags"] == Json::parse(next.details)["tags"];
+  if (state.retired || state.version.sha256 != next.sha256) return false;
+  const MapTraits known = TraitsOf(state.version);
+  const MapTraits told = TraitsOf(next);
+  return known.tags == told.tags && known.coarse == told.coarse;
 }
 
 int RollbackNumber(const MapState& state, const std::vector<int>& versions,

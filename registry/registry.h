@@ -33,8 +33,8 @@ struct RegistryNews {
 // PostgreSQL database holds it; the map files are in a store (registry/store.h). Versions are only
 // ever added, with the next number of their name. Several programs may change a registry at the
 // same time: changes come one after the other. Nothing depends on clocks. An object is for one
-// thread. All functions throw MapError(kFileUnreadable) for a registry that can't be reached or
-// used, with the cause.
+// thread. All functions throw MapError with the cause: kRegistryUnavailable for a registry that
+// can't be reached now, kFileUnreadable for one that can't be used.
 class Registry {
  public:
   virtual ~Registry() = default;
@@ -68,7 +68,8 @@ struct NewRegistry {
 };
 
 // Opens a registry: "postgresql://..." or a folder. With `create`, one that isn't there is made.
-// Throws MapError(kFileUnreadable), also for a format of another version, and kFileUnwritable.
+// Throws MapError: as its functions do, kFileUnreadable for a format of another version, and
+// kFileUnwritable.
 std::unique_ptr<Registry> OpenRegistry(const std::string& url,
                                        const std::optional<NewRegistry>& create = std::nullopt);
 

@@ -60,7 +60,7 @@ class FolderStore : public Store {
 
  private:
   [[noreturn]] static void Fail(const fs::path& source, const std::string& cause) {
-    throw MapError(ErrorCode::kNotReady,
+    throw MapError(ErrorCode::kStoreUnavailable,
                    source.string() + ": " + cause + "; check the store (--store)");
   }
 

@@ -30,12 +30,12 @@ class Store {
 
   // Adds a file; one of that hash which the store has, but with other bytes, is replaced. Throws
   // MapError: kFileUnreadable, also for a file that has another hash by now, and kFileUnwritable
-  // for a store that doesn't take it.
+  // for a store that doesn't take it, kStoreUnavailable for one that can't be reached.
   virtual void Put(const std::filesystem::path& file, const std::string& sha256,
                    int64_t bytes) const = 0;
   // Gives the bytes of a file from `offset` on to the sink, at most `bytes` of the whole file. They
   // are what the store has: the caller verifies them. Throws what the sink throws, and
-  // MapError(kNotReady) when the store can't be reached, hasn't got the file or ends early.
+  // MapError(kStoreUnavailable) when the store can't be reached, hasn't got the file or ends early.
   virtual void Fetch(const std::string& sha256, int64_t offset, int64_t bytes,
                      FileSink& sink) const = 0;
 };

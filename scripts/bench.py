@@ -18,7 +18,8 @@ import sys
 import time
 from pathlib import Path
 
-# Name of a result, and what waystone-bench is given for it.
+# Name of a result, and what waystone-bench is given for it, or one of SCRIPTS: BUILD is the folder of
+# the build, RESULTS the results of this run, or else those of docs/benchmarks.
 RUNS = """
 world                world
 world-other          world --plan other --seed 2 --frames 500
@@ -38,6 +39,7 @@ cameras              cameras DATA
 look-alikes          look-alikes
 look-alikes-others   look-alikes --first 17 --buildings 8
 scale                scale
+collection           collection DATA
 linear               linear DATA/kitchen 250 500 1000
 graphs               graphs DATA/kitchen DATA/church world
 density-300          graphs DATA/kitchen --keyframes 300:150 --opencv-every 0
@@ -59,9 +61,13 @@ odometry             odometry
 study                study
 kidnapped            kidnapped DATA/dealership
 serve                serve
+cluster              cluster --program BUILD/cli/waystone --folder BUILD/cluster
+simulation           simulation --measured RESULTS/cluster.json --scale RESULTS/scale.json
 page                 page 500 10000
 orientation-paper    orientation --scale 0.75 --camera rig --set orientation.turns.use_motions=false
 """
+
+SCRIPTS = {"cluster": "tests/cluster/cluster_test.py", "simulation": "bench/cluster/simulate.py"}
 
 
 def runs():
@@ -83,6 +89,23 @@ def with_data(arguments):
         if not paths:
             return None
         filled += paths
+    return filled
+
+
+def shown(command):
+    """How one runs what a result names as its command."""
+    name, _, rest = command.partition(" ")
+    return f"{SCRIPTS[name]} {rest}" if name in SCRIPTS else f"waystone-bench {command}"
+
+
+def with_paths(arguments, build, results):
+    """The arguments with the folders of this run."""
+    filled = []
+    for argument in arguments:
+        folder, _, rest = argument.partition("/")
+        if folder == "RESULTS":
+            argument = str(results / rest if (results / rest).exists() else Path("docs/benchmarks") / rest)
+        filled.append(f"{build}/{rest}" if folder == "BUILD" else argument)
     return filled
 
 
@@ -148,14 +171,15 @@ def write(path, record):
     os.replace(part, path)
 
 
-def run(program, results, name, arguments, about):
+def run(program, results, name, arguments, about, build="."):
     """Whether all is well: measured, or skipped because there is no data for it."""
-    print(f"\n== {name}: waystone-bench {' '.join(arguments)}", flush=True)
+    print(f"\n== {name}: {shown(' '.join(arguments))}", flush=True)
     filled = with_data(arguments)
     if filled is None:
         print(f"skipped: {data_folder()} has not got its data (set WAYSTONE_DATA to where it is)")
         return True
     try:
+        filled = with_paths(filled, build, results)
         write(results / f"{name}.json", measure(program, arguments, filled, about))
     except (RuntimeError, ValueError) as error:
         print(f"bench.py: {name} failed: {error}", file=sys.stderr)
@@ -172,7 +196,8 @@ def main(build, names):
     about = {**sources(), "machine": machine()}
     start = time.monotonic()
     failed = [name for name in names or runs()
-              if not run(f"{build}/bench/waystone-bench", results, name, runs()[name], about)]
+              if not run(SCRIPTS.get(runs()[name][0], f"{build}/bench/waystone-bench"), results, name, runs()[name],
+                         about, build)]
     print(f"\n{(time.monotonic() - start) / 60:.0f} minutes; results in {results}"
           + (f"; failed: {', '.join(failed)}" if failed else ""))
     return 1 if failed else 0

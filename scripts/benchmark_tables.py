@@ -93,7 +93,7 @@ def stamp(records, names):
     for name in names:
         if name not in records:
             together.setdefault("not measured yet", []).append(
-                f"`waystone-bench {' '.join(bench.runs()[name])}`")
+                f"`{bench.shown(' '.join(bench.runs()[name]))}`")
             continue
         record = records[name]
         machine = record["machine"]
@@ -103,7 +103,7 @@ def stamp(records, names):
         if record.get("copied"):
             where += "; copied from the page as it was then, without the other figures of the run"
         seconds = f" ({record['cpu_seconds']:.0f} s of CPU time)" if record["seconds"] else ""
-        together.setdefault(where, []).append(f"`waystone-bench {record['command']}`{seconds}")
+        together.setdefault(where, []).append(f"`{bench.shown(record['command'])}`{seconds}")
     return "".join(f"*{', '.join(commands)}: {where}.*\n" for where, commands in together.items())
 
 

@@ -43,6 +43,7 @@ int RunPeers(const Args& args);
 // of the same places that are changed as another camera, hand or light would, and by cameras of
 // other focal lengths in rendered buildings.
 int RunCameras(const Args& args);
+int RunCollection(const Args& args);
 // look-alikes [--buildings N] [--first SEED] [--features TYPE] [--each yes|no]: rendered buildings
 // asked for their own places, for the same places a storey higher, where much looks alike, and for
 // other buildings; and the weights of the keyframe's verdict fitted to the answers.

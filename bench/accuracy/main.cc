@@ -19,6 +19,7 @@ constexpr char kUsage[] =
     "  peers [DATA] [--only NAME] [--features sift,orb]   maps beside plain image search\n"
     "  cameras [DATA] [--only NAME] [--foreign N]         photos of other cameras, in other light\n"
     "  look-alikes [--buildings N] [--first SEED]         storeys that share posters and doors\n"
+    "  collection [DATA] [--maps N,N] [--features sift]   the right one of many maps\n"
     "  relative [DIR]                                     rotations between places\n"
     "  orientation [--buildings 3] [--frames 1000]        turns, corridors, loops, nodes\n"
     "  joining DATA [--only NAME] [--frames 5000]         maps of halves beside the whole\n"
@@ -49,6 +50,7 @@ int main(int argc, char** argv) {
       {"compass", waystone::bench::RunCompass},
       {"building", waystone::bench::RunBuilding},
       {"cameras", waystone::bench::RunCameras},
+      {"collection", waystone::bench::RunCollection},
       {"kidnapped", waystone::bench::RunKidnapped},
       {"world", waystone::bench::RunWorld},
       {"rgbd", waystone::bench::RunRgbd},

@@ -10,14 +10,12 @@
 
 #include "api/query_request_json.h"
 #include "builder/report/report.h"
+#include "cli/commands/build_flags.h"
 #include "cli/commands/build_sources.h"
 #include "cli/commands/commands.h"
-#include "cli/commands/settings.h"
-#include "cli/files/given_poses.h"
 #include "cli/files/kept_names.h"
 #include "cli/files/kept_plans.h"
 #include "cli/files/map_file.h"
-#include "cli/files/panorama_file.h"
 #include "cli/output/build_text.h"
 #include "cli/system/signals.h"
 #include "core/base/error.h"
@@ -27,44 +25,21 @@
 namespace waystone {
 namespace {
 
-struct BuildFlags {
-  SourceFlags sources;
+struct MapBuildFlags {
+  BuildFlags build;
   std::string output;
   std::string report_folder;
-  std::string features = "sift";
-  std::string layers = "auto";
-  std::vector<std::string> settings;  // of --set
-  PanoramaFlags panorama;
-  PoseFlags poses;
-  BuildOptions build;
-  bool no_images = false;
   bool force = false;
   BuildOutputFlags printed;
 };
 
-BuildOptions MakeBuildOptions(const BuildFlags& flags) {
-  BuildOptions options = flags.build;
-  options.map_name = MapNameOf(flags.output);
-  options.features.type = FeatureTypeByName(flags.features);
-  options.images = !flags.no_images;
-  options.layers = LayerChoiceByNames(flags.layers);
-  options.appearance.describe.panorama = PanoramaOptionsOf(flags.panorama);
-  options.appearance.describe.signature.band = SignatureOptionsOf(flags.panorama).band;
-  ApplySettings(flags.settings, options);
-  options.Check();
-  return options;
+BuildResult BuildFrom(const MapBuildFlags& flags, const BuildOptions& options) {
+  const std::optional<GivenPoses> poses = PosesOf(flags.build);
+  return BuildWithProgress(OpenSources(flags.build.sources, options.layers, flags.printed.quiet),
+                           options, flags.printed, poses);
 }
 
-BuildResult BuildFrom(const BuildFlags& flags, const BuildOptions& options) {
-  std::optional<GivenPoses> poses;
-  if (!flags.poses.file.empty()) {
-    poses = ReadGivenPoses(flags.poses, static_cast<int>(flags.sources.paths.size()));
-  }
-  return BuildWithProgress(OpenSources(flags.sources, options.layers, flags.printed.quiet), options,
-                           flags.printed, poses);
-}
-
-void PrintSummary(const BuildFlags& flags, const BuildResult& result) {
+void PrintSummary(const MapBuildFlags& flags, const BuildResult& result) {
   BuildSummary summary;
   summary.path = flags.output;
   summary.version = ReadMap(flags.output, {.images = false}).info.version;
@@ -94,19 +69,16 @@ void KeepOldPlans(const KeptPlans& plans, const std::string& path, MapData& map)
   }
 }
 
-int RunBuild(const BuildFlags& flags) {
+int RunBuild(const MapBuildFlags& flags) {
   const WriteOptions write{.overwrite = flags.force};
-  const BuildOptions options = MakeBuildOptions(flags);
+  const BuildOptions options = MakeBuildOptions(flags.build, MapNameOf(flags.output));
   CheckWritable(flags.output, write);
   if (!flags.report_folder.empty()) CheckReportFolder(flags.report_folder);
   const std::optional<std::string> names = NamesOfOldMap(flags.output);
   const std::optional<KeptPlans> plans = PlansOfOldMap(flags.output);
   NoteInterrupts();
   BuildResult result = BuildFrom(flags, options);
-  const bool directions_alone = result.map.orientation && !result.report.planes;
-  if (!HasPlanesOrLandmarks(result.map) && !result.map.appearance && !directions_alone) {
-    return ReportNoPlanes(result.map);
-  }
+  if (!CanAnswer(result)) return ReportNoPlanes(result.map);
   if (names) KeepOldNames(*names, flags.output, result.map);
   if (plans) KeepOldPlans(*plans, flags.output, result.map);
   WriteMap(result.map, flags.output, write);
@@ -117,54 +89,17 @@ int RunBuild(const BuildFlags& flags) {
   return 0;
 }
 
-void AddMapFlags(CLI::App* command, BuildFlags& flags) {
-  command->add_option("--features", flags.features, "Feature type: sift, orb or akaze")
-      ->capture_default_str();
-  command
-      ->add_option("--max-features", flags.build.features.max_features,
-                   "Maximum features per image")
-      ->capture_default_str();
-  command
-      ->add_option("--landmarks", flags.build.planes.landmarks.max_kept,
-                   "Maximum features per keyframe beside the planes; 0 keeps planes only")
-      ->capture_default_str();
-  command
-      ->add_option("--layers", flags.layers,
-                   "Comma-separated layers: planes, appearance (panoramas), orientation (rigs, "
-                   "panoramas, calibrated cameras); auto chooses by the type of the source, with "
-                   "orientation for rigs and panoramas only")
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--max-loss", flags.build.appearance.redundancy.max_loss,
-          "Drop redundant panoramas whose loss of information is at most this share, 0 to 1")
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--node-features", flags.build.appearance.describe.features.max_kept,
-          "Features stored per panorama, 36 bytes each, for verification and for localizing "
-          "photos; 0 stores none")
-      ->capture_default_str();
-  AddPanoramaFlags(*command, flags.panorama);
-  command->add_flag("--no-images", flags.no_images, "Do not store keyframe images in the map");
-  AddThreadsFlag(*command, flags.build.threads);
-  AddSetFlag(*command, flags.settings);
-  command->add_flag("--force", flags.force,
-                    "Overwrite an existing map file; no other file is overwritten");
-}
-
 }  // namespace
 
 void AddBuild(CLI::App& app, Run& run) {
-  auto flags = std::make_shared<BuildFlags>();
+  auto flags = std::make_shared<MapBuildFlags>();
   CLI::App* command = app.add_subcommand("build", "Build a map from image sequences");
-  AddSourceFlags(*command,
-                 "Image folders, quoted globs, videos, TUM, KITTI or EuRoC sequences, "
-                 "panorama folders or rig folders",
-                 flags->sources);
+  AddSourceFlags(*command, kBuildSources, flags->build.sources);
   command->add_option("-o,--output", flags->output, "Output map file")->required();
-  AddPoseFlags(*command, flags->poses);
-  AddMapFlags(command, *flags);
+  AddBuildFlags(*command, flags->build);
+  AddThreadsFlag(*command, flags->build.build.threads);
+  command->add_flag("--force", flags->force,
+                    "Overwrite an existing map file; no other file is overwritten");
   command->add_option("--report", flags->report_folder, "Write an HTML report to this folder");
   AddBuildOutputFlags(*command, flags->printed);
   command->footer(

@@ -74,12 +74,17 @@ void AddBuildOutputFlags(CLI::App& command, BuildOutputFlags& flags) {
       ->capture_default_str();
 }
 
-std::vector<std::unique_ptr<Source>> OpenSources(const SourceFlags& flags,
-                                                 const LayerChoice& layers, bool quiet) {
+SourceOptions SourceOptionsOf(const SourceFlags& flags) {
   SourceOptions options = flags.options;
   if (flags.to >= 0) options.to = flags.to;
   if (!flags.camera.empty()) options.camera_file = flags.camera;
   options.Check();
+  return options;
+}
+
+std::vector<std::unique_ptr<Source>> OpenSources(const SourceFlags& flags,
+                                                 const LayerChoice& layers, bool quiet) {
+  const SourceOptions options = SourceOptionsOf(flags);
   std::vector<std::unique_ptr<Source>> sources;
   for (const std::string& path : flags.paths) {
     sources.push_back(OpenSource(path, options));
@@ -111,10 +116,14 @@ bool HasPlanesOrLandmarks(const MapData& map) {
   });
 }
 
+std::string NoPlanesText(const MapData& map) {
+  return "no plane or landmark found in " + std::to_string(map.keyframes.size()) +
+         " keyframes; nothing was written. Record textured walls or floors while moving sideways, "
+         "or try --set features.max_features=2000";
+}
+
 int ReportNoPlanes(const MapData& map) {
-  std::cerr << "waystone: no plane or landmark found in " << map.keyframes.size()
-            << " keyframes; nothing was written. Record textured walls or floors while moving "
-               "sideways, or try --set features.max_features=2000\n";
+  std::cerr << "waystone: " << NoPlanesText(map) << '\n';
   return kBelowQualityGate;
 }
 

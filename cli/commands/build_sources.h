@@ -38,6 +38,9 @@ void AddPoseFlags(CLI::App& command, PoseFlags& flags);
 // --json, --quiet and --progress.
 void AddBuildOutputFlags(CLI::App& command, BuildOutputFlags& flags);
 
+// Throws MapError(kBadOptions).
+SourceOptions SourceOptionsOf(const SourceFlags& flags);
+
 // Opens all sources, and announces each with its layers unless `quiet`. Throws as OpenSource does.
 std::vector<std::unique_ptr<Source>> OpenSources(const SourceFlags& flags,
                                                  const LayerChoice& layers, bool quiet);
@@ -50,7 +53,9 @@ BuildResult BuildWithProgress(const std::vector<std::unique_ptr<Source>>& source
 
 // Whether a photo can be found in the map by planes or landmarks.
 bool HasPlanesOrLandmarks(const MapData& map);
-// Says on stderr that none was found, and returns the exit status.
+// That none was found, and what to do.
+std::string NoPlanesText(const MapData& map);
+// Says that on stderr, and returns the exit status.
 int ReportNoPlanes(const MapData& map);
 
 }  // namespace waystone

@@ -42,6 +42,9 @@ void AddPublish(CLI::App& app, Run& run);
 void AddMaps(CLI::App& app, Run& run);
 void AddRollback(CLI::App& app, Run& run);
 void AddRetire(CLI::App& app, Run& run);
+void AddEnqueue(CLI::App& app, Run& run);
+void AddWork(CLI::App& app, Run& run);
+void AddJobs(CLI::App& app, Run& run);
 void AddDemo(CLI::App& app, Run& run);
 
 }  // namespace waystone

@@ -29,7 +29,33 @@ struct LocalizeFlags {
   std::optional<double> fov_deg;
   std::vector<std::string> settings;  // of --set
   ServerFlags server;
+  // Hints of a query of all maps.
+  std::vector<std::string> tags;
+  std::vector<std::string> near;  // frame, x, y, perhaps z, radius
+  std::string previous_map;
+
+  bool HasHints() const { return !tags.empty() || !near.empty() || !previous_map.empty(); }
 };
+
+double NumberOf(const std::string& text) {
+  if (const std::optional<double> number = ToNumber(text)) return *number;
+  throw MapError(ErrorCode::kUsage, "--near: " + QuoteShortened(text) +
+                                        " is not a number; give FRAME X Y RADIUS or "
+                                        "FRAME X Y Z RADIUS");
+}
+
+MapHints MakeHints(const LocalizeFlags& flags) {
+  MapHints hints;
+  hints.tags = flags.tags;
+  if (!flags.previous_map.empty()) hints.previous_map = flags.previous_map;
+  if (flags.near.empty()) return hints;
+  MapHints::Position& position = hints.position.emplace();
+  position.frame = flags.near.front();
+  for (size_t i = 1; i < flags.near.size(); ++i) position.at.push_back(NumberOf(flags.near[i]));
+  position.radius = position.at.back();
+  position.at.pop_back();
+  return hints;
+}
 
 LocalizeOptions MakeLocalizeOptions(const LocalizeFlags& flags) {
   LocalizeOptions options;
@@ -44,6 +70,7 @@ QueryRequest MakeRequest(const LocalizeFlags& flags, const std::string& photo) {
   QueryRequest request;
   request.images.push_back({photo, std::string(bytes.begin(), bytes.end())});
   if (flags.fov_deg) request.fov_rad = kDegree * *flags.fov_deg;
+  if (flags.HasHints()) request.hints = MakeHints(flags);
   return request;
 }
 
@@ -108,6 +135,11 @@ int RunLocalize(const LocalizeFlags& flags) {
     throw MapError(ErrorCode::kUsage,
                    "--set requires a map file; a server has the options it was started with");
   }
+  if (flags.HasHints() && !(by_server && flags.map == "-")) {
+    throw MapError(ErrorCode::kUsage,
+                   "--tag, --near and --previous-map narrow a query of all maps of a server; give "
+                   "- as the map and --server");
+  }
   bool all_read = true;
   if (by_server) {
     all_read = AnswerByServer(flags);
@@ -140,6 +172,17 @@ void AddLocalize(CLI::App& app, Run& run) {
       ->excludes("--series");
   AddSetFlag(*command, flags->settings);
   AddServerFlags(command, flags->server);
+  command
+      ->add_option("--tag", flags->tags,
+                   "With - as the map: ask maps that were published with this tag; repeatable")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--near", flags->near,
+                   "With - as the map: ask maps within RADIUS of a point of a frame of poses: "
+                   "FRAME X Y RADIUS, or FRAME X Y Z RADIUS")
+      ->expected(4, 5);
+  command->add_option("--previous-map", flags->previous_map,
+                      "With - as the map: a map that is asked in any case");
   command->footer(
       "Exits with status 3 if any image can't be read, after processing the others.\n"
       "Example: waystone localize lab.db photo.jpg --json\n"

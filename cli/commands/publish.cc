@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "cli/commands/commands.h"
 #include "cli/files/map_file.h"
 #include "core/base/error.h"
+#include "registry/coarse_file.h"
 #include "registry/registry.h"
 #include "registry/store.h"
 
@@ -33,12 +35,18 @@ std::string Absolute(const std::string& store) {
 int RunPublish(const PublishFlags& flags) {
   const OpenMap map = OpenMapFile(flags.map, true);  // a damaged one isn't published
   const auto bytes = static_cast<int64_t>(std::filesystem::file_size(flags.map));
-  const MapVersion version =
+  MapVersion version =
       MakeVersion(flags.name.empty() ? map.name : flags.name, *map.index, bytes, flags.tags);
   const std::string given = Absolute(flags.store);
   const std::unique_ptr<Registry> registry = OpenRegistry(flags.registry, NewRegistry{given});
   const std::unique_ptr<Store> store = OpenStore(given.empty() ? registry->store() : given);
   store->Put(flags.map, version.sha256, version.bytes);
+  const std::optional<CoarseFile> coarse = PutCoarseEntry(*store, *map.index);
+  if (coarse) version = MakeVersion(version.name, *map.index, bytes, flags.tags, coarse);
+  if (!coarse) {
+    std::cerr << "The map's places have no features for the coarse index: queries of all maps of a "
+                 "large registry don't find it\n";
+  }
   const MapVersion published = registry->Publish(version);
   if (flags.json) {
     std::cout << ManifestOf(published) << '\n';

@@ -147,6 +147,7 @@ int ServeRegistry(ServeFlags flags) {
   constexpr double kNoPollS = 3600;  // only at SIGHUP, and when the registry says so
   flags.registry.poll_s = flags.watch_s > 0 ? flags.watch_s : kNoPollS;
   const auto maps = std::make_shared<RegistryMaps>(flags.registry, WriteError);
+  flags.service.registry = flags.registry.registry;
   return ServeMaps(flags, maps, [&](Application&) { Watch(0, [&](bool) { maps->Refresh(); }); });
 }
 

@@ -55,18 +55,21 @@ Eigen::Vector3d FindPosition(const ImagePoses& images, const std::string& image,
                      "'; name two images as the poses do (by name, time or number)");
 }
 
+double DistanceOf(const PoseFlags& flags) {
+  const auto metres = ToNumber(flags.scale_by.at(2));
+  if (metres && *metres > 0 && std::isfinite(*metres)) return *metres;
+  throw MapError(ErrorCode::kUsage, "--scale-by: '" + Printable(flags.scale_by[2]) +
+                                        "' is no distance in metres above 0");
+}
+
 // What positions are multiplied by, so that two of them have a known distance.
 double FindScale(const ImagePoses& images, const PoseFlags& flags) {
   if (flags.scale_by.empty()) return 1;
-  const auto metres = ToNumber(flags.scale_by.at(2));
-  if (!metres || !(*metres > 0) || !std::isfinite(*metres)) {
-    throw MapError(ErrorCode::kUsage, "--scale-by: '" + Printable(flags.scale_by[2]) +
-                                          "' is no distance in metres above 0");
-  }
+  const double metres = DistanceOf(flags);
   const double distance = (FindPosition(images, flags.scale_by[0], flags.file) -
                            FindPosition(images, flags.scale_by[1], flags.file))
                               .norm();
-  if (distance > 0) return *metres / distance;
+  if (distance > 0) return metres / distance;
   throw MapError(ErrorCode::kBadRequest, "--scale-by: the poses of '" +
                                              Printable(flags.scale_by[0]) + "' and '" +
                                              Printable(flags.scale_by[1]) +
@@ -74,6 +77,12 @@ double FindScale(const ImagePoses& images, const PoseFlags& flags) {
 }
 
 }  // namespace
+
+void CheckPoseFlags(const PoseFlags& flags) {
+  UnitByName(flags.unit);
+  ParseTransform(flags.body_from_camera);
+  if (!flags.scale_by.empty()) DistanceOf(flags);
+}
 
 GivenPoses ReadGivenPoses(const PoseFlags& flags, int sources) {
   std::vector<FilePose> poses = ReadPoseFile(flags.file);

@@ -26,4 +26,7 @@ struct PoseFlags {
 // one and the same; kUsage for a unit, a transform or a distance that isn't one.
 GivenPoses ReadGivenPoses(const PoseFlags& flags, int sources);
 
+// What of that can be told without the file. Throws MapError(kUsage).
+void CheckPoseFlags(const PoseFlags& flags);
+
 }  // namespace waystone

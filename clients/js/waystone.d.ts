@@ -24,6 +24,7 @@ export declare class Client {
   /** One request, as all methods send it. */
   ask(verb: string, path: string, options?: object, photo?: Photo): Promise<unknown>;
   rows(list: "listMaps"): AsyncGenerator<Map, void>;
+  rows(list: "listJobs"): AsyncGenerator<Job, void>;
   rows(list: "listPlanes", map: string): AsyncGenerator<PlaneSummary, void>;
   rows(list: "listFeatures", map: string, id: number): AsyncGenerator<Feature, void>;
   rows(list: "listViews", map: string, id: number): AsyncGenerator<View, void>;
@@ -45,6 +46,10 @@ export declare class Client {
   metrics(): Promise<string>;
   /** List of maps. */
   listMaps(options?: { limit?: number; cursor?: string }): Promise<MapList>;
+  /** Jobs of the registry, the newest first, at most 1000. */
+  listJobs(options?: { limit?: number; cursor?: string }): Promise<JobList>;
+  /** A job with its steps, attempts and log. */
+  getJob(id: number): Promise<JobDetails>;
   /** Localize images in all maps. */
   localizeAcross(photo: Photo, options?: { name?: string; fx?: number; fy?: number; cx?: number; cy?: number; fov_deg?: number; top_k?: number; debug?: boolean; deadline_ms?: number }): Promise<Answer>;
   /** Localize images in a map. */
@@ -121,6 +126,8 @@ export interface Request {
   fov_deg?: number;
   camera?: string;
   prior?: { keyframe: number };
+  /** Narrows a query of all maps (/v1/localize) of a server of a registry. */
+  hints?: { position?: { frame: string; x: number; y: number; z?: number; radius: number }; tags?: string[]; previous_map?: string };
   previous?: { keyframe?: number; heading_rad?: number; map_version?: string; belief?: Belief };
   /** For series of panoramas: the motion of each image since the previous image or answer, in map units (x forward, y left), or null. */
   odometry?: (null | { x: number; y: number; heading_rad: number })[];
@@ -137,6 +144,7 @@ export interface Problem {
   title: string;
   status: number;
   detail: string;
+  /** Stable. Of status 503, which has Retry-After: not_ready, out_of_memory, and of servers of a registry registry_unavailable, store_unavailable, store_damaged (its file has other bytes than were published) and no_room (the bounds of memory or cache, or the disk, have no room for the map). */
   code: string;
 }
 
@@ -147,7 +155,7 @@ export interface Ready {
   /** In memory; the others are opened when they are asked for. */
   open: number;
   /** Only of servers of a registry. */
-  registry?: { connected: boolean; silent_s: number; memory_bytes: number; cached_files: number; cached_bytes: number };
+  registry?: { connected: boolean; silent_s: number; memory_bytes: number; cached_files: number; cached_bytes: number; jobs: boolean; coarse: { maps: number; places: number; bytes: number; without: number; waiting: number } };
 }
 
 export interface Version {
@@ -311,6 +319,23 @@ export interface Answer {
   camera?: QueryCamera;
   /** Fields of the request that no layer of this map uses. */
   unused?: ("camera" | "prior" | "previous" | "odometry")[];
+  /** If not all maps could be asked: those that the coarse index proposed, the likeliest first. */
+  searched?: SearchedMap[];
+  /** With `searched`: a proposed map was not asked, so that another answer is possible. */
+  partial?: boolean;
+  /** With `searched`: how many maps are not in the coarse index and can not be proposed. */
+  unindexed?: number;
+}
+
+/** A map that the coarse index proposed for a query of all maps. */
+export interface SearchedMap {
+  map: string;
+  /** `late`: not opened or not answered by the deadline. `too_large`: beyond the memory that the server may use. */
+  state: "asked" | "late" | "failed" | "too_large";
+  /** By how much features of the image speak for the map; comparable within one answer only. 0 for `previous_map` where the index does not propose it. */
+  score: number;
+  /** Why it was not asked. */
+  message?: string;
 }
 
 /** The camera of the query in the frame of the poses that the map was built with. The camera has x right, y down, z forward; orientation is the quaternion x, y, z, w that turns its axes into those of the frame. The covariance is that of the position and of a small rotation about the axes of the frame, in the order of ROS: x, y, z, about x, about y, about z. `inliers` is 0 for a panorama that was localized by its appearance alone. `camera` says whose calibration was used; a panorama has its own. */
@@ -758,6 +783,123 @@ export interface Camera {
 export interface MapList {
   maps: Map[];
   next: Next;
+}
+
+/** UTC by the clock of the database, "2026-01-31T12:00:00.000Z"; null where it has not come. */
+export type Time = string | null;
+
+export interface JobWorker {
+  /** Host and process. */
+  worker: string;
+  kind: StepKind;
+  step: Count;
+  /** Null before the first heartbeat. */
+  stage: string | null;
+}
+
+/** plan looks at the sources, part builds some of their frames, join joins the parts and publishes the map. */
+export type StepKind = "plan" | "part" | "join";
+
+export interface Job {
+  id: Id;
+  /** Of the map. */
+  name: string;
+  state: "queued" | "running" | "done" | "failed" | "cancelled";
+  /** Why it failed. */
+  reason: string | null;
+  /** That was published. */
+  version: number | null;
+  sources: string[];
+  /** Of waystone build. */
+  options: string[];
+  tags: string[];
+  /** Of all parts; frames of two parts count twice. Null before the sources were looked at. */
+  frames: number | null;
+  frames_done: Count;
+  /** 0 before the sources were looked at. */
+  parts: number;
+  parts_done: Count;
+  /** Of all steps, also those that did not fail. */
+  attempts: number;
+  /** That work on it. */
+  workers: JobWorker[];
+  created_at: Time;
+  started_at: Time;
+  ended_at: Time;
+}
+
+export interface JobList {
+  jobs: Job[];
+  next: Next;
+}
+
+export interface JobStep {
+  number: Count;
+  kind: StepKind;
+  /** waiting for the parts before it is queued. */
+  state: "waiting" | "queued" | "leased" | "done";
+  /** Of a part. */
+  frames: number | null;
+  frames_done: Count;
+  stage: string | null;
+  /** Of this stage. */
+  done: number;
+  /** 0 where it is not known. */
+  total: number;
+  failures: Count;
+  worker: string | null;
+  heartbeat_at: Time;
+  lease_until: Time;
+  /** Of the map in the store. */
+  sha256: string | null;
+  bytes: number | null;
+}
+
+export interface JobAttempt {
+  step: Count;
+  worker: string;
+  /** Null while it is under way. */
+  outcome: "done" | "failed" | "released" | "expired" | "ended" | null;
+  reason: string | null;
+  started_at: Time;
+  ended_at: Time;
+}
+
+export interface JobLogLine {
+  at: Time;
+  worker: string | null;
+  message: string;
+}
+
+export interface JobDetails {
+  id: Id;
+  /** Of the map. */
+  name: string;
+  state: "queued" | "running" | "done" | "failed" | "cancelled";
+  /** Why it failed. */
+  reason: string | null;
+  /** That was published. */
+  version: number | null;
+  sources: string[];
+  /** Of waystone build. */
+  options: string[];
+  tags: string[];
+  /** Of all parts; frames of two parts count twice. Null before the sources were looked at. */
+  frames: number | null;
+  frames_done: Count;
+  /** 0 before the sources were looked at. */
+  parts: number;
+  parts_done: Count;
+  /** Of all steps, also those that did not fail. */
+  attempts: number;
+  /** That work on it. */
+  workers: JobWorker[];
+  created_at: Time;
+  started_at: Time;
+  ended_at: Time;
+  steps: JobStep[];
+  history: JobAttempt[];
+  log: JobLogLine[];
 }
 
 export interface PlaneSummary {

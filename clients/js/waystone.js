@@ -12,7 +12,7 @@ export class WaystoneError extends Error {
   }
 }
 
-const kLists = { listMaps: "maps", listPlanes: "planes", listFeatures: "features", listViews: "views", listKeyframes: "keyframes", listAppearanceNodes: "nodes", listLoops: "loops", listOrientationFrames: "frames", listTurns: "turns", listCorridors: "corridors" };
+const kLists = { listMaps: "maps", listJobs: "jobs", listPlanes: "planes", listFeatures: "features", listViews: "views", listKeyframes: "keyframes", listAppearanceNodes: "nodes", listLoops: "loops", listOrientationFrames: "frames", listTurns: "turns", listCorridors: "corridors" };
 const kDefaultRetryS = 1;
 
 const sleep = (ms) => new Promise((wake) => setTimeout(wake, ms));
@@ -134,6 +134,14 @@ export class Client {
 
   listMaps(options = {}) {
     return this.ask("GET", `/v1/maps`, options);
+  }
+
+  listJobs(options = {}) {
+    return this.ask("GET", `/v1/jobs`, options);
+  }
+
+  getJob(id) {
+    return this.ask("GET", `/v1/jobs/${encodeURIComponent(id)}`, {});
   }
 
   localizeAcross(photo, options = {}) {

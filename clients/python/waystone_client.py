@@ -191,6 +191,9 @@ class Answer(TypedDict):
     stage: NotRequired[str]
     camera: NotRequired[dict[str, Any]]
     unused: NotRequired[list[str]]
+    searched: NotRequired[list[dict[str, Any]]]
+    partial: NotRequired[bool]
+    unindexed: NotRequired[int]
 
 
 # --------------------------------------------------------------------------------- what is asked
@@ -213,7 +216,8 @@ class Options:
 
     The server checks the ranges and names the field at fault. The camera is told in one of three
     ways: fx, fy, cx and cy together, `fov_deg`, or `camera`. `camera`, `prior_keyframe`,
-    `previous` and `odometry` are of one map.
+    `previous` and `odometry` are of one map, `hints` narrow a query of all maps: `position`
+    (`frame`, `x`, `y`, `z` if known, `radius`), `tags` and `previous_map`.
     """
 
     fx: float | None = None  # focal length, px
@@ -226,6 +230,7 @@ class Options:
     previous: Answer | None = None  # the answer before this one
     # Of each panorama the motion {"x", "y", "heading_rad"} since the one before it, or None.
     odometry: Sequence[dict[str, float] | None] | None = None
+    hints: dict[str, Any] | None = None
     top_k: int | None = None  # 1 to 50: list that many candidates
     debug: bool = False  # give the explanation: what became of every plane
     deadline_ms: int | None = None  # 1 to 60000: when the answer is no use any more

@@ -31,6 +31,10 @@ const ErrorInfo& InfoOf(ErrorCode code) {
   static constexpr ErrorInfo kTooSlow{"too_slow", "Request timed out", 3, 408};
   static constexpr ErrorInfo kNotAvailable{"not_available", "Not available in this map", 3, 422};
   static constexpr ErrorInfo kNotReady{"not_ready", "Server not ready", 3, 503};
+  static constexpr ErrorInfo kRegistry{"registry_unavailable", "Registry can't be reached", 6, 503};
+  static constexpr ErrorInfo kStore{"store_unavailable", "Store of maps can't be reached", 6, 503};
+  static constexpr ErrorInfo kStoreDamaged{"store_damaged", "File in the store damaged", 3, 503};
+  static constexpr ErrorInfo kNoRoom{"no_room", "No room for the map", 3, 503};
   static constexpr ErrorInfo kOutOfMemory{"out_of_memory", "Out of memory", 3, 503};
   static constexpr ErrorInfo kInterrupted{"interrupted", "Interrupted", 130, 503};
   static constexpr ErrorInfo kInternal{"internal", "Internal error", 5, 500};
@@ -89,6 +93,14 @@ const ErrorInfo& InfoOf(ErrorCode code) {
       return kNotAvailable;
     case ErrorCode::kNotReady:
       return kNotReady;
+    case ErrorCode::kRegistryUnavailable:
+      return kRegistry;
+    case ErrorCode::kStoreUnavailable:
+      return kStore;
+    case ErrorCode::kStoreDamaged:
+      return kStoreDamaged;
+    case ErrorCode::kNoRoom:
+      return kNoRoom;
     case ErrorCode::kOutOfMemory:
       return kOutOfMemory;
     case ErrorCode::kInterrupted:

@@ -10,42 +10,47 @@ namespace waystone {
 // What can go wrong with what a user gives us. The one table in error.cc gives each its stable
 // name (the `code` of a problem+json), its exit code and its HTTP status.
 enum class ErrorCode {
-  kUsage,             // a flag or argument that makes no sense
-  kBadOptions,        // an option out of its range
-  kBadSource,         // an image sequence with no usable frame, or of no known kind
-  kUnreadableFrames,  // an image sequence of which too many frames can't be read
-  kBadCamera,         // a camera file that can't be read, or a model we don't know
-  kBadImage,          // bytes that are not an image, or a damaged one
-  kImageTooLarge,     // an image whose header claims more pixels than we decode
-  kNotAMap,           // a file that is not a Waystone map
-  kMapDamaged,        // a map that fails a check
-  kMapVersion,        // a map of another schema version
-  kFileExists,        // the output is there and --force isn't given
-  kFileUnreadable,    // missing, or no permission
-  kFileUnwritable,    // read-only folder, full disk
-  kNotFound,          // no such map, plane or keyframe
-  kNoLayer,           // a layer that this map was built without
-  kBadRequest,        // an HTTP request that can't be understood
-  kPayloadTooLarge,   // a body over the limit
-  kHeadTooLarge,      // an HTTP request whose request line or headers are over the limits
-  kUnsupportedMedia,  // a body of a kind that is not taken
-  kMethodNotAllowed,  // a known path asked with another method
-  kBusy,              // the queue of queries is full
-  kUnauthorized,      // no token, or not one of ours
-  kForeignPage,       // a request that a web page of another site makes
-  kMisdirected,       // an HTTP request with a host name that isn't the server's
-  kTooSlow,           // a body that takes longer than the server waits
-  kNotAvailable,      // what this map's layers can't give
-  kNotReady,          // a server that has no map yet, or ends
-  kOutOfMemory,       // less memory than a map, an image or a build takes
-  kInterrupted,       // Ctrl-C
-  kInternal,          // a bug of ours
+  kUsage,                // a flag or argument that makes no sense
+  kBadOptions,           // an option out of its range
+  kBadSource,            // an image sequence with no usable frame, or of no known kind
+  kUnreadableFrames,     // an image sequence of which too many frames can't be read
+  kBadCamera,            // a camera file that can't be read, or a model we don't know
+  kBadImage,             // bytes that are not an image, or a damaged one
+  kImageTooLarge,        // an image whose header claims more pixels than we decode
+  kNotAMap,              // a file that is not a Waystone map
+  kMapDamaged,           // a map that fails a check
+  kMapVersion,           // a map of another schema version
+  kFileExists,           // the output is there and --force isn't given
+  kFileUnreadable,       // missing, or no permission
+  kFileUnwritable,       // read-only folder, full disk
+  kNotFound,             // no such map, plane or keyframe
+  kNoLayer,              // a layer that this map was built without
+  kBadRequest,           // an HTTP request that can't be understood
+  kPayloadTooLarge,      // a body over the limit
+  kHeadTooLarge,         // an HTTP request whose request line or headers are over the limits
+  kUnsupportedMedia,     // a body of a kind that is not taken
+  kMethodNotAllowed,     // a known path asked with another method
+  kBusy,                 // the queue of queries is full
+  kUnauthorized,         // no token, or not one of ours
+  kForeignPage,          // a request that a web page of another site makes
+  kMisdirected,          // an HTTP request with a host name that isn't the server's
+  kTooSlow,              // a body that takes longer than the server waits
+  kNotAvailable,         // what this map's layers can't give
+  kNotReady,             // a server that has no map yet, or ends
+  kRegistryUnavailable,  // a registry of maps that can't be reached now
+  kStoreUnavailable,     // a store of map files that can't be reached, or hasn't got the file
+  kStoreDamaged,         // a store that sends other bytes than were published
+  kNoRoom,               // a map that the bounds of memory or cache, or its disk, leave no room for
+  kOutOfMemory,          // less memory than a map, an image or a build takes
+  kInterrupted,          // Ctrl-C
+  kInternal,             // a bug of ours
 };
 
 struct ErrorInfo {
   std::string_view name;   // stable, snake_case
   std::string_view title;  // a short sentence for people
-  int exit_code;  // of the program: 2 usage, 3 input or output, 4 no usable result, 5 internal
+  // Of the program: 2 usage, 3 input or output, 4 no usable result, 5 internal, 6 try again later.
+  int exit_code;
   int http_status;
 };
 

@@ -8,6 +8,7 @@
 #include "core/base/clock.h"
 #include "localizer/planes/decide.h"
 #include "localizer/planes/explain.h"
+#include "localizer/planes/image_features.h"
 #include "localizer/planes/shortlist.h"
 #include "localizer/planes/sightings.h"
 #include "localizer/planes/verify.h"
@@ -41,19 +42,24 @@ std::vector<MapMatch> CollectMatches(const MapIndex& index, const Answer& answer
 
 }  // namespace
 
-FeatureOptions QueryFeatureOptions(const MapIndex& index, const PlaneQueryOptions& options) {
-  FeatureOptions features{.type = index.map().info.feature_type,
+FeatureOptions QueryFeatureOptions(FeatureType type, int64_t largest_px,
+                                   const PlaneQueryOptions& options) {
+  FeatureOptions features{.type = type,
                           .max_features = options.max_features,
                           .contrast_threshold = options.contrast_threshold};
-  int64_t largest = 0;
-  for (const Keyframe& keyframe : index.map().keyframes) {
-    largest = std::max(largest, int64_t{keyframe.width} * keyframe.height);
-  }
-  if (largest > 0) {
+  if (largest_px > 0) {
     features.working_pixels = static_cast<int>(
-        std::clamp<int64_t>(largest, kFewestWorkingPixels, features.working_pixels));
+        std::clamp<int64_t>(largest_px, kFewestWorkingPixels, features.working_pixels));
   }
   return features;
+}
+
+FeatureOptions QueryFeatureOptions(const MapIndex& index, const PlaneQueryOptions& options) {
+  int64_t largest_px = 0;
+  for (const Keyframe& keyframe : index.map().keyframes) {
+    largest_px = std::max(largest_px, int64_t{keyframe.width} * keyframe.height);
+  }
+  return QueryFeatureOptions(index.map().info.feature_type, largest_px, options);
 }
 
 void ToImagePixels(const Features& query, PlaneAnswer& answer) {

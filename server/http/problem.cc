@@ -7,6 +7,7 @@ namespace waystone {
 namespace {
 
 constexpr int kRetryS = 1;  // for what is busy for a moment only
+constexpr int kUnavailable = 503;
 
 HttpResponse Problem(ErrorCode code, int status, const std::string& detail,
                      int retry_after_s = kRetryS) {
@@ -18,7 +19,7 @@ HttpResponse Problem(ErrorCode code, int status, const std::string& detail,
   body["detail"] = detail;
   body["code"] = info.name;
   HttpResponse response{status, "application/problem+json", Dump(body), {}};
-  if (code == ErrorCode::kBusy || code == ErrorCode::kOutOfMemory || code == ErrorCode::kNotReady) {
+  if (code == ErrorCode::kBusy || info.http_status == kUnavailable) {
     response.headers.emplace_back("Retry-After", std::to_string(retry_after_s));
   }
   if (code == ErrorCode::kUnauthorized) response.headers.emplace_back("WWW-Authenticate", "Bearer");

@@ -73,7 +73,7 @@ Json VersionJson() {
   return {{"program", std::string("waystone ") + kVersion}, {"schema", kSchemaVersion}};
 }
 
-Json ReadyJson(const Holdings& holdings) {
+Json ReadyJson(const Holdings& holdings, bool jobs) {
   Json json = {{"ready", true}, {"maps", holdings.maps}, {"open", holdings.open}};
   if (!holdings.registry) return json;
   const RegistryHoldings& registry = *holdings.registry;
@@ -81,7 +81,14 @@ Json ReadyJson(const Holdings& holdings) {
                       {"silent_s", Rounded(registry.silent_s, 1)},
                       {"memory_bytes", registry.memory_bytes},
                       {"cached_files", registry.cached_files},
-                      {"cached_bytes", registry.cached_bytes}};
+                      {"cached_bytes", registry.cached_bytes},
+                      {"jobs", jobs},
+                      {"coarse",
+                       {{"maps", registry.coarse.maps},
+                        {"places", registry.coarse.places},
+                        {"bytes", registry.coarse.bytes},
+                        {"without", registry.coarse.without},
+                        {"waiting", registry.coarse.waiting}}}};
   return json;
 }
 
@@ -101,11 +108,13 @@ Application::Application(std::shared_ptr<MapSource> maps, const ServiceOptions& 
       log_(OpenLog(options, sinks_.error)),
       inspection_(*maps_, gate_),
       queries_(*maps_, gate_, metrics_, log_.get(), options.localize, options.limits),
+      jobs_(options_.registry),
       id_prefix_(Hex(std::random_device()())) {
   cv::setNumThreads(1);  // queries are what runs in parallel
   ThrowOpenCvErrors();
   inspection_.AddTo(router_);
   queries_.AddTo(router_);
+  jobs_.AddTo(router_);
   AddOperations();
   router_.OnInternalError([this](const std::string& cause) { sinks_.error(cause); });
 }
@@ -164,7 +173,7 @@ HttpResponse Application::Ready() const {
   const Holdings holdings = maps_->holdings();
   if (stopping_) return ProblemResponse(ErrorCode::kNotReady, "the server is shutting down");
   if (holdings.maps == 0) return ProblemResponse(ErrorCode::kNotReady, "no maps loaded");
-  return JsonResponse(ReadyJson(holdings));
+  return JsonResponse(ReadyJson(holdings, jobs_.available()));
 }
 
 void Application::Report(const HttpRequest& request, const HttpResponse& response, double seconds) {

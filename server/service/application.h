@@ -11,6 +11,7 @@
 #include "core/base/options.h"
 #include "server/http/server_names.h"
 #include "server/http/tokens.h"
+#include "server/service/jobs_service.h"
 #include "server/service/localize_service.h"
 #include "server/service/map_catalog.h"
 #include "server/service/map_service.h"
@@ -30,6 +31,8 @@ struct ServiceOptions {
   // Folder of the query log; empty for none.
   std::string query_log;
   int64_t query_log_bytes = 2'000'000'000;
+  // The registry whose jobs are told; empty for none.
+  std::string registry = {};
 
   static constexpr auto Fields() {
     using Self = ServiceOptions;
@@ -92,6 +95,7 @@ class Application {
   std::unique_ptr<QueryLog> log_;
   MapService inspection_;
   LocalizeService queries_;
+  JobsService jobs_;
   Router router_;
   std::atomic<bool> stopping_ = false;
   std::string id_prefix_;  // of requests that have no name of their own

@@ -32,6 +32,8 @@ QueryRequest ReadRaw(const HttpRequest& http, const RequestLimits& limits) {
       image.name = text.substr(0, kMaxNameBytes);
     } else if (name == "prior_keyframe") {
       object["prior"]["keyframe"] = ParameterValue(name, text);
+    } else if (name == "hints") {
+      RefuseRequest("hints must be in a JSON body or a form's part 'request'");
     } else if (name == "prior" || name == "previous" || name == "odometry" || name == "images") {
       RefuseRequest(name + " must be in a JSON body; the query parameter is prior_keyframe");
     } else {

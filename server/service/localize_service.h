@@ -22,7 +22,8 @@ namespace waystone {
 // The queries over HTTP: POST /v1/maps/{map}/localize and POST /v1/localize. A handler reads and
 // parses the whole body first, so that a slow client holds no query's turn, then waits for its
 // turn, asks the localizer and renders. Parsing JSON takes up to six times its memory, so that one
-// such body is parsed at a time; the deadline counts meanwhile. Thread-safe.
+// such body is parsed at a time; the deadline counts meanwhile. Where all maps can't be asked at
+// once, the coarse index says which are (map_search.h). Thread-safe.
 class LocalizeService {
  public:
   // All but the options must outlive the service; `log` may be null.
@@ -40,9 +41,18 @@ class LocalizeService {
 
  private:
   QueryRequest Read(const HttpRequest& http);
-  // The map of that name, or all: opened by the request's deadline.
-  std::vector<QueriedMap> MapsFor(const std::optional<std::string>& name,
+  // A request and its answer.
+  struct Answered {
+    QueryRequest request;
+    Json json;
+  };
+  // The map of that name, or all of the scope: opened by the request's deadline.
+  std::vector<QueriedMap> MapsFor(const std::optional<std::string>& name, const SearchScope& scope,
                                   const QueryRequest& request);
+  Answered AskMaps(const std::optional<std::string>& name, const SearchScope& scope,
+                   QueryRequest request);
+  HttpResponse Respond(const HttpRequest& http, const std::optional<std::string>& name,
+                       const Answered& answered);
   HttpResponse Answer(const HttpRequest& http, const std::optional<std::string>& name);
 
   MapSource& maps_;

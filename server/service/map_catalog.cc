@@ -44,6 +44,27 @@ std::vector<MapSource::MapPtr> MapCatalog::FindAll(const Deadline&) {
   return found;
 }
 
+SearchScope MapCatalog::ScopeOf(const MapHints& hints) const {
+  if (hints.position || !hints.tags.empty()) {
+    throw MapError(ErrorCode::kNotAvailable,
+                   "hints.position and hints.tags need maps of a registry (waystone serve "
+                   "--registry); omit them");
+  }
+  return {Names(), nullptr, 0};
+}
+
+std::vector<FoundMap> MapCatalog::FindLot(std::span<const std::string> names, const Deadline&) {
+  std::vector<FoundMap> found;
+  for (const std::string& name : names) {
+    try {
+      found.push_back({name, Find(name), MapFinding::kFound, ""});
+    } catch (const MapError& error) {
+      found.push_back({name, nullptr, MapFinding::kFailed, error.what()});
+    }
+  }
+  return found;
+}
+
 Json MapCatalog::Summary(const std::string& name) const {
   return MapJson(name, Find(name)->index());
 }

@@ -5,10 +5,15 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "api/json.h"
+#include "core/base/error.h"
+#include "localizer/coarse/coarse_index.h"
+#include "localizer/query.h"
+#include "server/service/coarse_maps.h"
 #include "server/service/query_gate.h"
 #include "server/service/served_map.h"
 
@@ -30,6 +35,30 @@ struct RegistryHoldings {
   int64_t closed = 0;   // to make room in memory
   int64_t swapped = 0;  // open maps of which another version took the place
   int64_t refused = 0;  // versions that couldn't be fetched or opened
+  CoarseHoldings coarse;
+};
+
+// What a query of all maps is to ask.
+struct SearchScope {
+  std::vector<std::string> names;  // that the hints leave, ascending
+  // Proposes among them; null where all of them can be asked.
+  std::shared_ptr<const CoarseIndex> coarse;
+  int unindexed = 0;  // of the names, not in the index
+};
+
+// A map that was to be opened for a query, and what became of it.
+enum class MapFinding { kFound, kLate, kFailed, kTooLarge };
+struct FoundMap {
+  std::string name;
+  std::shared_ptr<const ServedMap> map;  // null unless it was found
+  MapFinding finding = MapFinding::kFailed;
+  std::string error;  // then, one line
+};
+
+// A map that is on its way when the wait for it ends.
+class MapLate : public MapError {
+ public:
+  explicit MapLate(const std::string& message) : MapError(ErrorCode::kNotReady, message) {}
 };
 
 // What a server holds, now.
@@ -53,11 +82,19 @@ class MapSource {
   // Throws MapError(kNotFound) for a name that isn't served, and waits for nothing.
   virtual void CheckName(const std::string& name) const = 0;
   // One of the maps. May wait until it is open, at most until the deadline. Throws
-  // MapError(kNotFound), and kNotReady or BusyError for a map that can't be had now.
+  // MapError(kNotFound), BusyError, and for a map that can't be had now kNotReady,
+  // kStoreUnavailable, kStoreDamaged, kNoRoom, or what is wrong with its file.
   virtual MapPtr Find(const std::string& name, const Deadline& deadline) = 0;
   // All of them, by name. Throws as Find does, MapError(kNotReady) where there is none, and
   // kNotAvailable where they are too many to be asked at once.
   virtual std::vector<MapPtr> FindAll(const Deadline& deadline) = 0;
+  // What a query of all maps with these hints asks. Waits for nothing. Throws MapError(kNotFound)
+  // where the hints leave nothing, and kNotReady and kNotAvailable as FindAll does.
+  virtual SearchScope ScopeOf(const MapHints& hints) const = 0;
+  // The first of these maps, at least one, as many as can be had at the same time. Waits as Find
+  // does, and throws nothing but std::bad_alloc. There are names.
+  virtual std::vector<FoundMap> FindLot(std::span<const std::string> names,
+                                        const Deadline& deadline) = 0;
   // What lists say of a map (MapJson). Waits for nothing. Throws MapError(kNotFound).
   virtual Json Summary(const std::string& name) const = 0;
   virtual Holdings holdings() const = 0;

@@ -82,7 +82,16 @@ class RegistryMetrics {
         fetches_(BuildCounter()
                      .Name("waystone_fetches_total")
                      .Help("Map files fetched from the store by result")
-                     .Register(registry)) {}
+                     .Register(registry)),
+        coarse_maps_(AddGauge(registry, "waystone_coarse_maps", "Maps in the coarse index")),
+        coarse_places_(AddGauge(registry, "waystone_coarse_places", "Places in the coarse index")),
+        coarse_bytes_(AddGauge(registry, "waystone_coarse_bytes", "Memory of the coarse index")),
+        coarse_missing_(BuildGauge()
+                            .Name("waystone_coarse_missing")
+                            .Help("Maps that aren't in the coarse index by reason")
+                            .Register(registry)),
+        coarse_refused_(AddCounter(registry, "waystone_coarse_refused_total",
+                                   "Coarse entries that couldn't be fetched or read")) {}
 
   void Set(const RegistryHoldings& now) {
     up_.Set(now.connected ? 1 : 0);
@@ -97,6 +106,14 @@ class RegistryMetrics {
     SetTo(fetched_bytes_, now.fetched_bytes);
     SetTo(fetches_.Add({{"result", "good"}}), now.fetched_files);
     SetTo(fetches_.Add({{"result", "failed"}}), now.failed_fetches);
+    SetTo(coarse_maps_, now.coarse.maps);
+    SetTo(coarse_places_, now.coarse.places);
+    SetTo(coarse_bytes_, now.coarse.bytes);
+    SetTo(coarse_missing_.Add({{"reason", "no_entry"}}), now.coarse.without);
+    SetTo(coarse_missing_.Add({{"reason", "no_room"}}), now.coarse.left_out);
+    SetTo(coarse_missing_.Add({{"reason", "not_fetched"}}),
+          now.coarse.waiting - now.coarse.left_out);
+    SetTo(coarse_refused_, now.coarse.refused);
   }
 
  private:
@@ -111,6 +128,11 @@ class RegistryMetrics {
   prometheus::Gauge& limit_;
   prometheus::Counter& fetched_bytes_;
   prometheus::Family<prometheus::Counter>& fetches_;
+  prometheus::Gauge& coarse_maps_;
+  prometheus::Gauge& coarse_places_;
+  prometheus::Gauge& coarse_bytes_;
+  prometheus::Family<prometheus::Gauge>& coarse_missing_;
+  prometheus::Counter& coarse_refused_;
 };
 
 struct Metrics::Impl {

@@ -14,6 +14,7 @@
 #include "schema/file/sha256.h"
 #include "server/http/problem.h"
 #include "server/http/start_thread.h"
+#include "server/service/map_bytes.h"
 
 namespace waystone {
 namespace {
@@ -22,23 +23,15 @@ constexpr int kOpeners = 4;  // maps fetched at once; one of them is read at a t
 constexpr std::chrono::seconds kPatience{20};
 constexpr std::chrono::milliseconds kMemoryPause{50};
 constexpr int kMaxRetryS = 60;
+constexpr int64_t kCoarseShare = 4;  // of the memory of maps, for the coarse index
 constexpr double kBytesPerMb = 1e6;
-
-// What an open map takes of memory, as a multiple of its file: measured 1.4 for maps of planes and
-// 2.6 with an appearance layer, whose index of features is made when it is opened.
-int64_t OpenBytes(const MapVersion& version) {
-  return version.bytes * (HasLayer(version, "appearance") ? 3 : 2);
-}
-// While it is opened, the file is in memory too.
-int64_t OpeningBytes(const MapVersion& version) { return OpenBytes(version) + version.bytes; }
-
-std::string Megabytes(int64_t bytes) {
-  return std::to_string(std::lround(static_cast<double>(bytes) / kBytesPerMb)) +
-         " MB";
-}
 
 MapError NotServed(const std::string& name) {
   return {ErrorCode::kNotFound, "no map '" + name.substr(0, 80) + "'; GET /v1/maps lists the maps"};
+}
+[[noreturn]] void ThrowUnopened(const std::string& name, ErrorCode code, const std::string& error) {
+  if (code == ErrorCode::kOutOfMemory) throw std::bad_alloc();
+  throw MapError(code, "map '" + name + "': " + error);
 }
 MapError Ending() { return {ErrorCode::kNotReady, "the server is shutting down"}; }
 
@@ -50,11 +43,18 @@ struct HeldIndex {
 
 }  // namespace
 
+std::string RegistryMaps::Megabytes(int64_t bytes) {
+  return std::to_string(std::lround(static_cast<double>(bytes) / kBytesPerMb)) + " MB";
+}
+
 RegistryMaps::RegistryMaps(const RegistryMapsOptions& options, Log log)
     : options_(options),
       log_(std::move(log)),
       memory_(std::make_shared<MapMemory>(options.memory_bytes)),
       cache_(options.cache, options.cache_bytes),
+      coarse_(
+          options.cache / "coarse", options.memory_bytes / kCoarseShare,
+          [this] { return StoreNow(); }, log_),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   const bool known = ReadKnown();
   try {
@@ -68,6 +68,7 @@ RegistryMaps::RegistryMaps(const RegistryMapsOptions& options, Log log)
   store_ = OpenStore(registry_store_);
   WriteKnown();
   try {
+    coarse_.Start();
     threads_.push_back(StartThread([this] { KeepLooking(); }));
     for (int i = 0; i < kOpeners; ++i) threads_.push_back(StartThread([this] { KeepOpening(); }));
   } catch (...) {
@@ -89,6 +90,7 @@ void RegistryMaps::Stop() {
   eventfd_write(wake_.get(), 1);
   for (std::thread& thread : threads_) thread.join();
   threads_.clear();
+  coarse_.Stop();
 }
 
 void RegistryMaps::EndWaits() {
@@ -137,9 +139,9 @@ void RegistryMaps::OpenQueued(const std::string& name) {
     if (has_other) wanted.push_back(*entry.served);
   }
   Opening failure;
-  const auto fail = [&failure](bool out_of_memory, const std::string& error) {
-    if (failure.out_of_memory || !failure.error.empty()) return;  // the first one is told
-    failure.out_of_memory = out_of_memory;
+  const auto fail = [&failure](ErrorCode code, const std::string& error) {
+    if (!failure.error.empty()) return;  // the first one is told
+    failure.code = code;
     failure.error = error;
   };
   Opened opened;
@@ -149,9 +151,11 @@ void RegistryMaps::OpenQueued(const std::string& name) {
     try {
       opened = OpenVersion(name, version);
     } catch (const std::bad_alloc&) {
-      fail(true, "out of memory");
+      fail(ErrorCode::kOutOfMemory, "out of memory");
+    } catch (const MapError& error) {
+      fail(error.code(), error.what());
     } catch (const std::exception& error) {
-      fail(false, error.what());
+      fail(ErrorCode::kNotReady, error.what());
     }
   }
   Finish(name, version, std::move(opened), failure, tries_current);
@@ -190,9 +194,9 @@ std::shared_ptr<const MapIndex> RegistryMaps::ReadVersion(const MapVersion& vers
 std::shared_ptr<MapMemory::Share> RegistryMaps::TakeMemory(const MapVersion& version) {
   const int64_t bytes = OpeningBytes(version);
   if (bytes > memory_->limit()) {
-    throw MapError(ErrorCode::kNotReady, "takes " + Megabytes(bytes) + " of memory to open, and " +
-                                             Megabytes(memory_->limit()) +
-                                             " are allowed; give the server more (--memory)");
+    throw MapError(ErrorCode::kNoRoom, "takes " + Megabytes(bytes) + " of memory to open, and " +
+                                           Megabytes(memory_->limit()) +
+                                           " are allowed; give the server more (--memory)");
   }
   const Clock::time_point start = Clock::now();
   while (Clock::now() - start < kPatience) {
@@ -248,7 +252,7 @@ void RegistryMaps::Finish(const std::string& name, const MapVersion& version, Op
     if (const std::shared_ptr<Opening> opening = std::exchange(entry.opening, nullptr)) {
       opening->map = entry.open;
       opening->error = failure.error;
-      opening->out_of_memory = failure.out_of_memory;
+      opening->code = failure.code;
       opening->done = true;
     }
   }
@@ -270,7 +274,7 @@ void RegistryMaps::Count(const Opening& failure, Entry& entry, std::string& said
   }
   ++entry.failures;
   entry.error = failure.error;
-  entry.out_of_memory = failure.out_of_memory;
+  entry.code = failure.code;
   const int retry_s = std::min(kMaxRetryS, 1 << std::min(entry.failures - 1, 10));
   entry.retry_at = Clock::now() + std::chrono::seconds(retry_s);
 }
@@ -310,10 +314,7 @@ MapSource::MapPtr RegistryMaps::Find(const std::string& name, const Deadline& de
   if (entry.open) return entry.open;
   if (ended_waits_) throw Ending();
   const bool has_other = entry.served && *entry.served != entry.current;
-  if (entry.MustWait() && !has_other) {
-    if (entry.out_of_memory) throw std::bad_alloc();
-    throw MapError(ErrorCode::kNotReady, "map '" + name + "': " + entry.error);
-  }
+  if (entry.MustWait() && !has_other) ThrowUnopened(name, entry.code, entry.error);
   if (waiting_ >= kMaxWaiting) {
     throw BusyError("too many requests wait for maps to be opened; try again", 1);
   }
@@ -325,14 +326,10 @@ MapSource::MapPtr RegistryMaps::Find(const std::string& name, const Deadline& de
   changed_.wait_until(lock, until, [&] { return opening->done || ended_waits_; });
   --waiting_;
   if (opening->map) return opening->map;
-  if (opening->out_of_memory) throw std::bad_alloc();
-  if (!opening->error.empty()) {
-    throw MapError(ErrorCode::kNotReady, "map '" + name + "': " + opening->error);
-  }
+  if (!opening->error.empty()) ThrowUnopened(name, opening->code, opening->error);
   if (opening->done) throw NotServed(name);  // retired meanwhile
   if (ended_waits_) throw Ending();
-  throw MapError(ErrorCode::kNotReady,
-                 "map '" + name + "' is being fetched and opened; try again in a moment");
+  throw MapLate("map '" + name + "' is being fetched and opened; try again in a moment");
 }
 
 std::vector<MapSource::MapPtr> RegistryMaps::FindAll(const Deadline& deadline) {
@@ -346,7 +343,7 @@ std::vector<MapSource::MapPtr> RegistryMaps::FindAll(const Deadline& deadline) {
     int64_t largest = 0;
     for (const auto& [name, entry] : entries_) {
       names.push_back(name);
-      bytes += OpenBytes(entry.current);
+      bytes += entry.open_bytes;
       largest = std::max(largest, entry.current.bytes);
       if (bytes > memory_->limit()) break;  // there may be thousands
     }
@@ -391,6 +388,7 @@ Holdings RegistryMaps::holdings() const {
   registry.fetched_files = cache.fetched_files;
   registry.fetched_bytes = cache.fetched_bytes;
   registry.failed_fetches = cache.failed_fetches;
+  registry.coarse = coarse_.holdings();
   return holdings;
 }
 

@@ -9,14 +9,17 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "core/base/clock.h"
+#include "core/base/error.h"
 #include "registry/map_cache.h"
 #include "registry/registry.h"
 #include "server/http/file_descriptor.h"
+#include "server/service/coarse_maps.h"
 #include "server/service/map_memory.h"
 #include "server/service/map_source.h"
 
@@ -37,7 +40,8 @@ struct RegistryMapsOptions {
 // it is opened. New versions of open maps are fetched and opened beside, and then take the place of
 // the old ones at once; a version that can't be had leaves the one before. What is known of the
 // registry is kept in the cache, so that a server goes on, and also starts, without the registry;
-// without the store it serves what the cache has. Thread-safe.
+// without the store it serves what the cache has. Beside the maps it holds the coarse index of all
+// of them, which may take a quarter of the memory on top. Thread-safe.
 class RegistryMaps : public MapSource {
  public:
   using Log = std::function<void(const std::string&)>;
@@ -56,6 +60,9 @@ class RegistryMaps : public MapSource {
   // Waits 20 s at most.
   MapPtr Find(const std::string& name, const Deadline& deadline) override;
   std::vector<MapPtr> FindAll(const Deadline& deadline) override;
+  SearchScope ScopeOf(const MapHints& hints) const override;
+  std::vector<FoundMap> FindLot(std::span<const std::string> names,
+                                const Deadline& deadline) override;
   Json Summary(const std::string& name) const override;
   Holdings holdings() const override;
   void EndWaits() override;
@@ -69,10 +76,13 @@ class RegistryMaps : public MapSource {
     bool done = false;
     MapPtr map;         // null where it failed
     std::string error;  // then
-    bool out_of_memory = false;
+    ErrorCode code = ErrorCode::kNotReady;
   };
   struct Entry {
-    MapVersion current;                // by the registry
+    MapVersion current;  // by the registry
+    MapTraits traits;    // of `current`, as are these bytes
+    int64_t open_bytes = 0;
+    int64_t opening_bytes = 0;
     std::optional<MapVersion> served;  // what was opened last, perhaps an earlier version
     MapPtr open;
     int64_t bytes = 0;       // that `open` counts as
@@ -80,7 +90,7 @@ class RegistryMaps : public MapSource {
     uint64_t last_use = 0;
     std::shared_ptr<Opening> opening;  // queued or under way
     std::string error;                 // why `current` isn't open
-    bool out_of_memory = false;
+    ErrorCode code = ErrorCode::kNotReady;
     int failures = 0;  // in a row
     Clock::time_point retry_at;
 
@@ -99,7 +109,8 @@ class RegistryMaps : public MapSource {
   void Look();  // at the registry; throws what it throws
   void CheckId(const Registry& registry);
   void Apply(const RegistryNews& news);
-  void ApplyState(const MapState& state);  // these five: with the lock held
+  void ApplyState(const MapState& state);  // these six: with the lock held
+  void SetCurrent(const MapVersion& version, Entry& entry);
   void Forget(const std::string& name);
   void QueueOpening(const std::string& name, Entry& entry);
   const Entry& EntryOf(const std::string& name) const;
@@ -117,12 +128,15 @@ class RegistryMaps : public MapSource {
               const Opening& failure, bool tried_current);
   void Count(const Opening& failure, Entry& entry, std::string& said);  // with the lock held
   std::shared_ptr<const Store> StoreNow() const;
+  static std::string Megabytes(int64_t bytes);
+  FoundMap TryToFind(const std::string& name, const Deadline& deadline);
   void Stop();
 
   RegistryMapsOptions options_;
   Log log_;
   std::shared_ptr<MapMemory> memory_;
   MapCache cache_;
+  CoarseMaps coarse_;
   FileDescriptor wake_;  // readable when the looking thread shall look, or end
   mutable std::mutex mutex_;
   std::condition_variable changed_;

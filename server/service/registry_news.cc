@@ -18,6 +18,7 @@
 #include "core/base/error.h"
 #include "schema/file/file_replacer.h"
 #include "schema/file/sha256.h"
+#include "server/service/map_bytes.h"
 #include "server/service/registry_maps.h"
 
 namespace waystone {
@@ -52,7 +53,7 @@ bool RegistryMaps::ReadKnown() {
     while (std::getline(in, line)) {
       const Json json = ParseJson(line, kAnswerBounds);
       Entry entry;
-      entry.current = ReadManifest(Dump(json.at("current")), KnownPath(options_.cache).string());
+      SetCurrent(ReadManifest(Dump(json.at("current")), KnownPath(options_.cache).string()), entry);
       if (!json.at("served").is_null()) {
         entry.served = ReadManifest(Dump(json["served"]), KnownPath(options_.cache).string());
       }
@@ -65,6 +66,7 @@ bool RegistryMaps::ReadKnown() {
   } catch (const std::exception& error) {
     log_(KnownPath(options_.cache).string() + " is damaged, and not used: " + error.what());
   }
+  for (const auto& [name, entry] : entries_) coarse_.Forget(name);
   entries_.clear();
   registry_id_.clear();
   return false;
@@ -108,6 +110,7 @@ void RegistryMaps::CheckId(const Registry& registry) {
     throw MapError(ErrorCode::kFileUnreadable,
                    "the registry is another one than before; start the server anew");
   }
+  for (const auto& [name, entry] : entries_) coarse_.Forget(name);
   entries_.clear();  // of the cache
   registry_id_ = registry.id();
 }
@@ -156,7 +159,7 @@ void RegistryMaps::Apply(const RegistryNews& news) {
 void RegistryMaps::ApplyState(const MapState& state) {
   Entry& entry = entries_[state.version.name];
   if (entry.current == state.version) return;
-  entry.current = state.version;
+  SetCurrent(state.version, entry);
   entry.failures = 0;
   known_changed_ = true;
   if (entry.open && entry.open->version() != entry.current.sha256) {
@@ -164,7 +167,16 @@ void RegistryMaps::ApplyState(const MapState& state) {
   }
 }
 
+void RegistryMaps::SetCurrent(const MapVersion& version, Entry& entry) {
+  entry.current = version;
+  entry.traits = TraitsOf(version);
+  entry.open_bytes = OpenBytes(version);
+  entry.opening_bytes = OpeningBytes(version);
+  coarse_.Set(version.name, version.sha256, entry.traits.coarse);
+}
+
 void RegistryMaps::Forget(const std::string& name) {
+  coarse_.Forget(name);
   const auto it = entries_.find(name);
   if (it == entries_.end()) return;
   if (it->second.open) log_("map " + name + ": retired; no longer served");
@@ -227,6 +239,7 @@ void RegistryMaps::Refresh() {
       entry.retry_at = {};
     }
   }
+  coarse_.Retry();
   eventfd_write(wake_.get(), 1);
 }
 

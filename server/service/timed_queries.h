@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
+#include <exception>
+#include <functional>
+#include <future>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
 
 #include "localizer/session.h"
+#include "server/http/start_thread.h"
 #include "server/service/query_gate.h"
 
 namespace waystone {
@@ -25,7 +33,39 @@ class TimedQueries {
   // out of time. Throws what Session::Ask throws.
   RequestAnswer Ask(const std::shared_ptr<const Session>& session, QueryGate::Turn turn);
 
+  // What a function returns, or nothing from 25 ms after the deadline on. It goes on by itself
+  // then, and keeps its turn. Throws what it throws.
+  template <class Result>
+  std::optional<Result> Run(const QueryGate::Deadline& deadline, QueryGate::Turn turn,
+                            std::function<Result()> compute) {
+    if (!deadline) return compute();
+    std::promise<Result> promise;
+    std::future<Result> result = promise.get_future();
+    Enter();
+    const auto run = [this, compute = std::move(compute)](std::promise<Result> promised,
+                                                          std::optional<QueryGate::Turn> held) {
+      try {
+        promised.set_value(compute());
+      } catch (...) {
+        promised.set_exception(std::current_exception());
+      }
+      held.reset();
+      Leave();
+    };
+    try {
+      StartThread(run, std::move(promise), std::optional(std::move(turn))).detach();
+    } catch (...) {
+      Leave();
+      throw;
+    }
+    if (result.wait_until(*deadline + kGrace) == std::future_status::ready) return result.get();
+    return std::nullopt;
+  }
+
  private:
+  // For a query that notices its deadline itself: its answer says more.
+  static constexpr std::chrono::milliseconds kGrace{25};
+
   void Enter();
   void Leave();
 

@@ -59,6 +59,25 @@ class BenchTest(unittest.TestCase):
         self.assertEqual(bench.with_data(["x", "DATA/phot*"]), ["x", str(self.folder / "photos")])
 
 
+class ScriptTest(unittest.TestCase):
+    def test_paths_are_of_the_run_or_else_of_the_committed_results(self):
+        with tempfile.TemporaryDirectory() as folder:
+            results = Path(folder)
+            (results / "scale.json").touch()
+            arguments = ["--program", "BUILD/cli/waystone", "--a", "RESULTS/scale.json", "--b", "RESULTS/other.json", "/x"]
+            self.assertEqual(bench.with_paths(arguments, "build/release", results),
+                             ["--program", "build/release/cli/waystone", "--a", str(results / "scale.json"),
+                              "--b", "docs/benchmarks/other.json", "/x"])
+
+    def test_scripts_are_shown_as_they_are_run(self):
+        self.assertEqual(bench.shown("world --plan other"), "waystone-bench world --plan other")
+        self.assertEqual(bench.shown("cluster --short"), "tests/cluster/cluster_test.py --short")
+        root = Path(__file__).resolve().parents[2]
+        for name, script in bench.SCRIPTS.items():
+            self.assertIn(name, [arguments[0] for arguments in bench.runs().values()])
+            self.assertTrue(os.access(root / script, os.X_OK), script)
+
+
 class PageTest(unittest.TestCase):
     def test_the_page_has_the_buttons_that_its_bench_presses(self):
         root = Path(__file__).resolve().parents[2]

@@ -16,6 +16,7 @@ namespace waystone {
 void FuzzBase64(FuzzInput input);
 void FuzzCameraFile(FuzzInput input);
 void FuzzChunkedBody(FuzzInput input);
+void FuzzCoarseEntry(FuzzInput input);
 void FuzzExif(FuzzInput input);
 void FuzzHttpHead(FuzzInput input);
 void FuzzImage(FuzzInput input);

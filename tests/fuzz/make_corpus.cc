@@ -3,9 +3,11 @@
 // but image/coded.heic, which is what heif-enc -q 50 (libheif-examples) makes of image/grey.png.
 #include <fstream>
 #include <iostream>
+#include <numeric>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "localizer/coarse/coarse_entry.h"
 #include "schema/file/map_store.h"
 #include "tests/core/image/made_heic.h"
 #include "tests/fuzz/compressed.h"
@@ -172,6 +174,30 @@ void SaveMaps(const fs::path& folder) {
   Save(folder / "map/extras", Encoded(bytes.begin(), bytes.end()));
 }
 
+// An entry of the coarse index with so many codes a place.
+void SaveEntry(const fs::path& path, FeatureType type, int keyframes,
+               const std::vector<uint8_t>& codes_of) {
+  CoarseEntry entry;
+  entry.map_version = "sha256:" + std::string("0123456789abcdef0123456789abcdef") +
+                      "0123456789abcdef0123456789abcdef";
+  entry.feature_type = type;
+  entry.working_pixels = keyframes > 0 ? 640 * 480 : 0;
+  entry.keyframes = keyframes;
+  entry.codes_of = codes_of;
+  const int codes = std::accumulate(codes_of.begin(), codes_of.end(), 0);
+  for (int i = 0; i < codes; ++i) {
+    entry.words.push_back(static_cast<uint16_t>(i * 977));
+    entry.signatures.push_back(static_cast<uint64_t>(i) * 0x9E3779B97F4A7C15);
+  }
+  const std::string bytes = EncodeCoarseEntry(entry);
+  Save(path, Encoded(bytes.begin(), bytes.end()));
+}
+
+void SaveEntries(const fs::path& folder) {
+  SaveEntry(folder / "coarse_entry/photos", FeatureType::kSift, 3, {5, 0, 7});
+  SaveEntry(folder / "coarse_entry/panoramas", FeatureType::kOrb, 0, {3, 4});
+}
+
 }  // namespace
 }  // namespace waystone
 
@@ -183,5 +209,6 @@ int main(int argc, char** argv) {
   waystone::SaveImages(argv[1]);
   waystone::SaveHeics(argv[1]);
   waystone::SaveMaps(argv[1]);
+  waystone::SaveEntries(argv[1]);
   return 0;
 }

@@ -41,17 +41,20 @@ for file in copyright NOTICE changelog.gz; do
   [ -s "$root/usr/share/doc/waystone/$file" ] || fail "no $file"
 done
 
-unit=$root/lib/systemd/system/waystone.service
-grep -qx DynamicUser=yes "$unit" && grep -qx ProtectSystem=strict "$unit" || fail "the unit isn't shut in"
-if command -v systemd-analyze >/dev/null; then
-  # In its place here, so that the program that it starts is there.
-  mkdir "$root/unit"
-  sed "s#/usr/bin/waystone#$waystone#" "$unit" >"$root/unit/waystone.service"
-  said=$(systemd-analyze verify --man=no "$root/unit/waystone.service" 2>&1) && [ -z "$said" ] ||
-    fail "systemd-analyze says: $said"
-else
-  echo "The unit isn't verified: systemd-analyze is missing"
-fi
+mkdir "$root/unit"
+for name in waystone waystone-node waystone-worker; do
+  unit=$root/lib/systemd/system/$name.service
+  grep -qx DynamicUser=yes "$unit" && grep -qx ProtectSystem=strict "$unit" || fail "$name isn't shut in"
+  [ -s "$root/etc/default/$name" ] || fail "no /etc/default/$name"
+  if command -v systemd-analyze >/dev/null; then
+    # In its place here, so that the program that it starts is there.
+    sed "s#/usr/bin/waystone#$waystone#; s#/etc/default#$root/etc/default#" "$unit" >"$root/unit/$name.service"
+    said=$(systemd-analyze verify --man=no "$root/unit/$name.service" 2>&1) && [ -z "$said" ] ||
+      fail "systemd-analyze says of $name: $said"
+  else
+    echo "$name isn't verified: systemd-analyze is missing"
+  fi
+done
 if command -v lintian >/dev/null; then
   # The project has no mail address of its own yet: the two tags that are left out say so.
   lintian --allow-root --fail-on error,warning --suppress-tags-from-file "$(dirname "$0")/lintian_tags.txt" "$deb" || fail "see above"

@@ -179,13 +179,14 @@ TEST_F(StoreTest, AServerWithoutRangesSendsAll) {
 TEST_F(StoreTest, WhatAServerHasNotIsSaid) {
   StoreServer server;
   const auto store = OpenStore(server.url());
-  EXPECT_NE(Failure([&] { Fetched(*store, 0); }, ErrorCode::kNotReady).find("status 404"),
+  EXPECT_NE(Failure([&] { Fetched(*store, 0); }, ErrorCode::kStoreUnavailable).find("status 404"),
             std::string::npos);
   server.files["/maps/" + StorePath(sha256_)] = bytes_.substr(0, 5000);
-  EXPECT_NE(Failure([&] { Fetched(*store, 0); }, ErrorCode::kNotReady).find("ends early"),
+  EXPECT_NE(Failure([&] { Fetched(*store, 0); }, ErrorCode::kStoreUnavailable).find("ends early"),
             std::string::npos);
-  EXPECT_NE(Failure([&] { Fetched(*store, 6000); }, ErrorCode::kNotReady).find("ends early"),
-            std::string::npos);
+  EXPECT_NE(
+      Failure([&] { Fetched(*store, 6000); }, ErrorCode::kStoreUnavailable).find("ends early"),
+      std::string::npos);
   server.takes = false;
   EXPECT_NE(Failure([&] { Put(*store); }, ErrorCode::kFileUnwritable).find("status 403"),
             std::string::npos);
@@ -198,8 +199,8 @@ TEST_F(StoreTest, AServerThatIsAwayIsSaid) {
     url = server.url();
   }
   const auto store = OpenStore(url);
-  Failure([&] { Fetched(*store, 0); }, ErrorCode::kNotReady);
-  Failure([&] { Put(*store); }, ErrorCode::kFileUnwritable);
+  Failure([&] { Fetched(*store, 0); }, ErrorCode::kStoreUnavailable);
+  Failure([&] { Put(*store); }, ErrorCode::kStoreUnavailable);
 }
 
 TEST_F(StoreTest, TheTokenIsSent) {

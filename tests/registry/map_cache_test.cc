@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "schema/file/sha256.h"
 #include "tests/registry/test_folder.h"
+#include "tests/schema/mounted_folder.h"
 
 namespace waystone {
 namespace {
@@ -34,7 +35,7 @@ class TestStore : public Store {
              FileSink& sink) const override {
     ++fetches;
     last_offset = offset;
-    if (away) throw MapError(ErrorCode::kNotReady, "the store is away");
+    if (away) throw MapError(ErrorCode::kStoreUnavailable, "the store is away");
     const std::string& file = files.at(sha256);
     const int64_t start = whole_files_only ? 0 : offset;
     sink.Begin(start);
@@ -44,7 +45,7 @@ class TestStore : public Store {
       const int64_t count = std::min<int64_t>(kBlock, end - at);
       if (!sink.Take({file.data() + at, static_cast<size_t>(count)})) return;
     }
-    if (ends_at) throw MapError(ErrorCode::kNotReady, "the store ended early");
+    if (ends_at) throw MapError(ErrorCode::kStoreUnavailable, "the store ended early");
   }
 
   static constexpr int64_t kBlock = 100;
@@ -66,11 +67,12 @@ class MapCacheTest : public testing::Test {
   std::string Get(const std::string& sha256) {
     return ReadAll(cache_->Get(store_, sha256, std::ssize(store_.files.at(sha256)))->path());
   }
-  std::string Failure(const std::string& sha256, int64_t bytes) {
+  std::string Failure(const std::string& sha256, int64_t bytes,
+                      ErrorCode code = ErrorCode::kStoreUnavailable) {
     try {
       cache_->Get(store_, sha256, bytes);
     } catch (const MapError& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kNotReady);
+      EXPECT_EQ(error.code(), code) << error.what();
       return error.what();
     }
     return "";
@@ -119,7 +121,7 @@ TEST_F(MapCacheTest, AStoreWithoutRangesSendsAllAgain) {
 TEST_F(MapCacheTest, WrongBytesAreNeverKept) {
   const std::string sha256 = store_.Add(std::string(1000, 'x'));
   store_.files[sha256][700] = 'y';
-  const std::string error = Failure(sha256, 1000);
+  const std::string error = Failure(sha256, 1000, ErrorCode::kStoreDamaged);
   EXPECT_NE(error.find("has other bytes than those that were published"), std::string::npos);
   EXPECT_EQ(store_.fetches, 1);
   EXPECT_EQ(cache_->usage().bytes, 0);
@@ -172,10 +174,34 @@ TEST_F(MapCacheTest, TheLeastRecentlyUsedFilesMakeRoom) {
   // What is in use stays, and is said to be.
   const MapCache::FilePtr used = cache_->Find(hashes[2]);
   ASSERT_TRUE(used);
-  EXPECT_NE(Failure(hashes[4], 3000).find("the cache is full of files that are in use: 0.0 MB of"),
+  EXPECT_NE(Failure(hashes[4], 3000, ErrorCode::kNoRoom)
+                .find("the cache is full of files that are in use: 0.0 MB of"),
             std::string::npos);
   EXPECT_TRUE(fs::exists(used->path()));
-  EXPECT_NE(Failure(hashes[4], 4000).find("give it more room (--cache-size)"), std::string::npos);
+  EXPECT_NE(Failure(hashes[4], 4000, ErrorCode::kNoRoom).find("give it more room (--cache-size)"),
+            std::string::npos);
+}
+
+// The bound is larger than the disk.
+TEST_F(MapCacheTest, OnAFullDiskFilesThatNobodyUsesMakeRoomAndOthersStay) {
+  cache_.reset();
+  const MountedFolder disk(folder_.path(), "size=256k");
+  if (!disk.mounted()) GTEST_SKIP() << "mounting a file system isn't possible here";
+  Restart(1'000'000'000);
+  std::vector<std::string> hashes;
+  for (char c = 'a'; c < 'e'; ++c) hashes.push_back(store_.Add(std::string(100'000, c)));
+  EXPECT_EQ(Get(hashes[0]), store_.files[hashes[0]]);
+  EXPECT_EQ(Get(hashes[1]), store_.files[hashes[1]]);
+  EXPECT_EQ(Get(hashes[2]), store_.files[hashes[2]]) << "in place of the first one";
+  EXPECT_EQ(cache_->Find(hashes[0]), nullptr);
+  const MapCache::FilePtr used = cache_->Find(hashes[1]);
+  const MapCache::FilePtr also_used = cache_->Find(hashes[2]);
+  ASSERT_TRUE(used && also_used);
+  const std::string error = Failure(hashes[3], 100'000, ErrorCode::kNoRoom);
+  EXPECT_NE(error.find("No space left on device"), std::string::npos) << error;
+  EXPECT_EQ(ReadAll(used->path()), store_.files[hashes[1]]);
+  EXPECT_EQ(ReadAll(also_used->path()), store_.files[hashes[2]]);
+  cache_.reset();
 }
 
 TEST_F(MapCacheTest, ThreadsThatWantOneFileShareItsFetch) {
@@ -221,7 +247,7 @@ TEST_F(MapCacheTest, AnotherServerHasACacheOfItsOwn) {
 TEST_F(MapCacheTest, StopEndsFetches) {
   const std::string sha256 = store_.Add(std::string(1000, 'x'));
   cache_->Stop();
-  EXPECT_EQ(Failure(sha256, 1000), "the server is shutting down");
+  EXPECT_EQ(Failure(sha256, 1000, ErrorCode::kNotReady), "the server is shutting down");
 }
 
 }  // namespace

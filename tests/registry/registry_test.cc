@@ -207,10 +207,12 @@ TEST_P(RegistryTest, TheIdStays) {
 
 // ---- of folders
 
-std::string ErrorOf(const std::function<void()>& call) {
+std::string ErrorOf(const std::function<void()>& call,
+                    ErrorCode code = ErrorCode::kFileUnreadable) {
   try {
     call();
   } catch (const MapError& error) {
+    EXPECT_EQ(error.code(), code) << error.what();
     return error.what();
   }
   return "";
@@ -249,7 +251,7 @@ TEST_F(FolderRegistryTest, AFolderThatIsNoRegistryIsLeftAlone) {
   WriteBytes(folder_ / "registry" / "photo.jpg", "x");
   EXPECT_NE(ErrorOf([&] { Create(); }).find("has no registry.json, but other files"),
             std::string::npos);
-  EXPECT_NE(ErrorOf([] { OpenRegistry("ftp://x/y"); }).find("is not a registry"),
+  EXPECT_NE(ErrorOf([] { OpenRegistry("ftp://x/y"); }, ErrorCode::kUsage).find("is not a registry"),
             std::string::npos);
 }
 
@@ -317,8 +319,8 @@ TEST_F(PostgresRegistryTest, WhatIsNoRegistryIsSaid) {
   const auto open = [&] { OpenRegistry(postgres_->url()); };
   EXPECT_NE(ErrorOf(open).find("the database has no registry; publish a map to it first"),
             std::string::npos);
-  EXPECT_NE(ErrorOf([&] { OpenRegistry(postgres_->url(), NewRegistry{}); }).find("--store"),
-            std::string::npos);
+  const auto create = [&] { OpenRegistry(postgres_->url(), NewRegistry{}); };
+  EXPECT_NE(ErrorOf(create, ErrorCode::kUsage).find("--store"), std::string::npos);
   Create();
   postgres_->Psql("UPDATE waystone.registry SET format = 2");
   EXPECT_NE(ErrorOf(open).find("is a registry of format 2, this program knows format 1"),
@@ -326,7 +328,7 @@ TEST_F(PostgresRegistryTest, WhatIsNoRegistryIsSaid) {
   postgres_->Psql("DELETE FROM waystone.registry");
   EXPECT_NE(ErrorOf(open).find("must have one row"), std::string::npos);
   postgres_->Stop();
-  const std::string error = ErrorOf(open);
+  const std::string error = ErrorOf(open, ErrorCode::kRegistryUnavailable);
   EXPECT_NE(error.find("the registry's database: "), std::string::npos) << error;
   EXPECT_EQ(error.find('\n'), std::string::npos);
 }
@@ -348,7 +350,9 @@ TEST_F(PostgresRegistryTest, ServersAreNotified) {
   EXPECT_TRUE(readable(10'000));
   const auto refresh = [&] { server->Refresh(); };
   std::string error;  // what the server said last comes first
-  for (int i = 0; i < 3 && error.empty(); ++i) error = ErrorOf(refresh);
+  for (int i = 0; i < 3 && error.empty(); ++i) {
+    error = ErrorOf(refresh, ErrorCode::kRegistryUnavailable);
+  }
   EXPECT_NE(error.find("the registry's database: "), std::string::npos) << error;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Full disks and folders that can't be written to, as real ones as this machine lets a test make.
 #include <gtest/gtest.h>
-#include <sys/mount.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -9,6 +8,7 @@
 
 #include "schema/file/map_store.h"
 #include "tests/schema/made_map.h"
+#include "tests/schema/mounted_folder.h"
 
 namespace waystone {
 namespace {
@@ -23,28 +23,6 @@ MapData LargeMap() {
   return MadeMap(41, shape);
 }
 
-// A file system of its own on a folder, where the machine allows it (a container often doesn't).
-class Mount {
- public:
-  Mount(const fs::path& folder, const std::string& options)
-      : folder_(folder),
-        mounted_(mount("none", folder.c_str(), "tmpfs", 0, options.c_str()) == 0) {}
-  Mount(const Mount&) = delete;
-  Mount& operator=(const Mount&) = delete;
-  ~Mount() {
-    if (mounted_) umount(folder_.c_str());
-  }
-
-  bool mounted() const { return mounted_; }
-  bool MakeReadOnly() {
-    return mount("none", folder_.c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, "") == 0;
-  }
-
- private:
-  fs::path folder_;
-  bool mounted_;
-};
-
 void ExpectUnwritable(const MapError& error, const fs::path& path) {
   const std::string message = error.what();
   EXPECT_EQ(error.code(), ErrorCode::kFileUnwritable) << message;
@@ -54,7 +32,7 @@ void ExpectUnwritable(const MapError& error, const fs::path& path) {
 
 TEST(Unwritable, AFullDiskLeavesWhatWasThere) {
   const TemporaryFolder folder;
-  const Mount disk(folder.path(), "size=300k");
+  const MountedFolder disk(folder.path(), "size=300k");
   if (!disk.mounted()) GTEST_SKIP() << "mounting a file system isn't possible here";
   WriteMap(MadeMap(42), folder / "m.db", {});
   const std::string before = ReadFile(folder / "m.db");
@@ -75,7 +53,7 @@ TEST(Unwritable, ADiskThatIsJustTooSmall) {
   const TemporaryFolder folder;
   // From a disk on which the last page doesn't fit to one with room to spare.
   for (const int64_t spare : {-32'768, -4'096, 65'536}) {
-    const Mount disk(folder.path(), "size=" + std::to_string(needed + spare));
+    const MountedFolder disk(folder.path(), "size=" + std::to_string(needed + spare));
     if (!disk.mounted()) GTEST_SKIP() << "mounting a file system isn't possible here";
     if (spare > 0) {
       WriteMap(LargeMap(), folder / "m.db", {});
@@ -109,7 +87,7 @@ TEST(Unwritable, AFileThatMayNotGrow) {
 
 TEST(Unwritable, AReadOnlyFileSystemIsReadButNotWritten) {
   const TemporaryFolder folder;
-  Mount disk(folder.path(), "size=1m");
+  MountedFolder disk(folder.path(), "size=1m");
   if (!disk.mounted()) GTEST_SKIP() << "mounting a file system isn't possible here";
   WriteMap(MadeMap(43), folder / "m.db", {});
   if (!disk.MakeReadOnly()) GTEST_SKIP() << "remounting read-only isn't possible here";

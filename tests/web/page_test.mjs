@@ -269,6 +269,37 @@ async function testSessions() {
   await close();
 }
 
+// Jobs of a registry in each state; this server has none.
+async function testJobs() {
+  const { page, complaints, close } = await open({});
+  const job = { version: null, reason: null, options: [], tags: [], attempts: 1, workers: [], started_at: null,
+    ended_at: null, created_at: "2026-01-31T12:00:00.000Z", sources: ["/data/lab <walk>"] };
+  await page.route("**/readyz", async (route) => {
+    const ready = await (await route.fetch()).json();
+    await route.fulfill(json({ ...ready, registry: { jobs: true } }));
+  });
+  await page.route(/\/v1\/jobs(\?.*)?$/, (route) => route.fulfill(json({ next: null, jobs: [
+    { ...job, id: 3, name: "hall", state: "queued", frames: null, frames_done: 0, parts: 0, parts_done: 0 },
+    { ...job, id: 2, name: "lab", state: "running", frames: 4000, frames_done: 1000, parts: 2, parts_done: 1,
+      workers: [{ worker: "host:7", kind: "part", step: 2, stage: "frames" }] },
+    { ...job, id: 1, name: "attic", state: "failed", frames: 10, frames_done: 0, parts: 1, parts_done: 0,
+      reason: "no plane or landmark found" },
+  ] })));
+  await page.goto(`${url}/#/room/ask`);
+  await page.getByRole("link", { name: "Jobs", exact: true }).click();
+  await page.getByRole("heading", { level: 1, name: "Jobs" }).waitFor();
+  const rows = page.locator("tbody tr");
+  await rows.nth(2).waitFor();
+  assert.match(await rows.nth(0).innerText(), /^3\s+hall\s+queued\s+not begun\s+\/data\/lab <walk>/);
+  assert.match(await rows.nth(1).innerText(), /running\s+host:7: part 2, frames\s+1,000 of 4,000 frames, 1 of 2 parts/);
+  assert.equal(await rows.nth(1).locator("progress").evaluate((bar) => bar.position), 0.25);
+  assert.match(await rows.nth(2).innerText(), /failed\s+no plane or landmark found/);
+  await shoot(page, "jobs");
+  await checkAccess(page, "jobs");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
 // A trajectory with a loop, as the endpoints answer.
 async function testOtherLayers() {
   const { page, complaints, close } = await open({});
@@ -483,6 +514,7 @@ await run(async () => {
   }
   await close();
   await testSessions();
+  await testJobs();
   await testOtherLayers();
   await testCorridors();
   await testPanorama();

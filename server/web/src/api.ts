@@ -5,6 +5,7 @@ import {
   type Answer,
   Client,
   type ExplainedCandidate,
+  type Job,
   type Map as MapSummary,
   WaystoneError,
 } from "../../../clients/js/waystone.js";
@@ -13,7 +14,7 @@ export type {
   Appearance, AppearanceNode, Audit, DirectedLines, ExplainedKeyframe, Explanation, FloorPlan, FloorPlans, ImageRange, Keyframe, NamesFile,
   NamedArea, NamesFilePlace, Orientation, OrientationFrame, Overview, Plane, PlaneInImage, Pose, PoseLayer, Space,
 } from "../../../clients/js/waystone.js";
-export type { Answer, MapSummary };
+export type { Answer, Job, MapSummary };
 export type Candidate = ExplainedCandidate;
 export type Point = [number, number];
 
@@ -71,6 +72,18 @@ export async function listMaps(): Promise<MapSummary[]> {
   const maps: MapSummary[] = [];
   for await (const map of client.rows("listMaps")) maps.push(map);
   return maps;
+}
+
+// Whether the server knows of jobs.
+export async function hasJobs(): Promise<boolean> {
+  const ready = await client.readyz();
+  return ready.registry?.jobs ?? false;
+}
+
+// As they are now, the newest first.
+export async function listJobs(): Promise<Job[]> {
+  const { jobs } = await client.listJobs({ limit: 100 });
+  return jobs;
 }
 
 export function localize(map: string, photo: File): Promise<Answer> {

@@ -3,7 +3,7 @@
 import type { ComponentType } from "preact";
 import { render } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { keepToken, listMaps, mapPath, type MapSummary, type Overview, wantsToken } from "./api";
+import { hasJobs, keepToken, listMaps, mapPath, type MapSummary, type Overview, wantsToken } from "./api";
 import { AskView } from "./ask";
 import { Failure, Waiting } from "./parts";
 import { href, useRoute, type View } from "./route";
@@ -20,6 +20,7 @@ const kTitles: Record<View, string> = {
   orientation: "Orientation",
   coverage: "Coverage",
   names: "Names",
+  jobs: "Jobs",
 };
 
 // Every view but the first is loaded on demand.
@@ -31,6 +32,7 @@ const kLater: Record<Exclude<View, "ask">, () => Promise<ComponentType<ViewProps
   orientation: async () => (await import("./orientation")).OrientationView,
   coverage: async () => (await import("./coverage")).CoverageView,
   names: async () => (await import("./names")).NamesView,
+  jobs: async () => (await import("./jobs")).JobsView,
 };
 
 function useView(view: View): ComponentType<ViewProps> | null {
@@ -47,7 +49,7 @@ function useView(view: View): ComponentType<ViewProps> | null {
 }
 
 // The views that a map has data for. Those that need a layer appear once the overview is loaded.
-function viewsOf(map: MapSummary, layers: string[]): View[] {
+function viewsOf(map: MapSummary, layers: string[], jobs: boolean): View[] {
   const needs: Record<View, boolean> = {
     ask: true,
     why: map.keyframes > 0,
@@ -57,12 +59,17 @@ function viewsOf(map: MapSummary, layers: string[]): View[] {
     orientation: layers.includes("orientation"),
     coverage: map.planes > 0,
     names: map.keyframes > 0 || layers.includes("appearance"),
+    jobs,
   };
   return (Object.keys(kTitles) as View[]).filter((view) => needs[view]);
 }
 
 function Header({ maps, map, view }: { maps: MapSummary[]; map: MapSummary; view: View }) {
   const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
+  const [jobs, setJobs] = useState(false);
+  useEffect(() => {
+    hasJobs().then(setJobs, () => {}); // a server that ends has none
+  }, []);
   const choose = (event: Event) => {
     location.hash = href((event.target as HTMLSelectElement).value, view);
   };
@@ -76,7 +83,7 @@ function Header({ maps, map, view }: { maps: MapSummary[]; map: MapSummary; view
         </select>
       </label>
       <nav aria-label="Views">
-        {viewsOf(map, overview.value?.layers ?? []).map((v) => (
+        {viewsOf(map, overview.value?.layers ?? [], jobs).map((v) => (
           <a key={v} href={href(map.name, v)} aria-current={v === view ? "page" : undefined}>
             {kTitles[v]}
           </a>

@@ -3,7 +3,7 @@
 import { useEffect, useState } from "preact/hooks";
 
 export const kViews = [
-  "ask", "why", "planes", "keyframes", "layers", "orientation", "coverage", "names",
+  "ask", "why", "planes", "keyframes", "layers", "orientation", "coverage", "names", "jobs",
 ] as const;
 export type View = (typeof kViews)[number];
 

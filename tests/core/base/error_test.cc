@@ -49,6 +49,8 @@ TEST(ErrorTable, ExitCodesAreThoseOfTheProgram) {
   const std::map<ErrorCode, int> others = {{ErrorCode::kUsage, 2},
                                            {ErrorCode::kBadOptions, 2},
                                            {ErrorCode::kUnreadableFrames, 4},
+                                           {ErrorCode::kRegistryUnavailable, 6},
+                                           {ErrorCode::kStoreUnavailable, 6},
                                            {ErrorCode::kInterrupted, 130},
                                            {ErrorCode::kInternal, 5}};
   for (ErrorCode code : AllCodes()) {

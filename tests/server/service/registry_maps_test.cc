@@ -39,8 +39,7 @@ class RegistryMapsTest : public testing::Test {
     const fs::path file = folder_ / "made.db";
     WriteMap(map, file, {.overwrite = true});
     const auto index = MapIndex::Build(ReadMap(file));
-    MapVersion version =
-        MakeVersion(name, *index, static_cast<int64_t>(fs::file_size(file)), {});
+    MapVersion version = MakeVersion(name, *index, static_cast<int64_t>(fs::file_size(file)), {});
     OpenStore(registry_->store())->Put(file, version.sha256, version.bytes);
     return version;
   }
@@ -179,7 +178,7 @@ TEST_F(RegistryMapsTest, AMapLargerThanTheMemoryIsSaidAndOthersAreServed) {
   options_.memory_bytes = 3 * small.bytes;
   ASSERT_GT(large.bytes, small.bytes);
   Start();
-  const std::string error = Failure("large");
+  const std::string error = Failure("large", ErrorCode::kNoRoom);
   EXPECT_NE(error.find("map 'large': takes"), std::string::npos) << error;
   EXPECT_NE(error.find("(--memory)"), std::string::npos) << error;
   EXPECT_EQ(Planes("small"), 1U);
@@ -215,7 +214,8 @@ TEST_F(RegistryMapsTest, AMapWhoseFileIsWrongIsRefusedAlone) {
   WriteBytes(Stored(lab), bytes);
   Start();
   for (int i = 0; i < 3; ++i) {
-    EXPECT_NE(Failure("lab").find("has other bytes than those that were published"),
+    EXPECT_NE(Failure("lab", ErrorCode::kStoreDamaged)
+                  .find("has other bytes than those that were published"),
               std::string::npos);
   }
   EXPECT_EQ(Held().failed_fetches, 1) << "not tried again at once";
@@ -255,12 +255,14 @@ TEST_F(RegistryMapsTest, GoesOnAndStartsWithoutRegistryAndStore) {
   EXPECT_TRUE(Until([&] { return !Held().connected; }));
   EXPECT_NE(log().find("; serving what is known"), std::string::npos);
   EXPECT_EQ(Planes("lab"), 3U);
-  EXPECT_NE(Failure("hall").find("check the store"), std::string::npos);
+  EXPECT_NE(Failure("hall", ErrorCode::kStoreUnavailable).find("check the store"),
+            std::string::npos);
   Start();
   EXPECT_FALSE(Held().connected);
   EXPECT_NE(log().find("serving what the cache knows of (maps: 2)"), std::string::npos) << log();
   EXPECT_EQ(Planes("lab"), 3U);
-  EXPECT_NE(Failure("hall").find("check the store"), std::string::npos);
+  EXPECT_NE(Failure("hall", ErrorCode::kStoreUnavailable).find("check the store"),
+            std::string::npos);
   fs::rename(folder_ / "registry.away", folder_ / "registry");
   fs::rename(folder_ / "store.away", folder_ / "store");
   Publish("lab", 5);

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "core/base/options.h"
+#include "localizer/coarse/coarse_entry.h"
+#include "localizer/coarse/coarse_query.h"
+
+namespace waystone {
+
+struct CoarseOptions {
+  int probes = 8;
+  int max_distance = 22;
+  int window = 2;
+
+  static constexpr auto Fields() {
+    using Self = CoarseOptions;
+    return std::tuple{
+        OptionField{"probes", &Self::probes, Closed(1, Vocabulary::kMaxProbes), "",
+                    "Words that a feature of the query is looked for in. More find more, and cost "
+                    "time."},
+        OptionField{"max_distance", &Self::max_distance, Closed(0, 64), "bits",
+                    "Largest difference of signatures that counts as the same feature."},
+        OptionField{"window", &Self::window, Closed(0, 100), "places",
+                    "Places before and behind one that speak for it too: neighbours saw the same, "
+                    "and know other features of it."}};
+  }
+  void Check() const { CheckFields("coarse", *this); }  // throws MapError(kBadOptions)
+};
+
+// Which of many maps may show what an image shows, by a few codes a place and without opening any
+// of them. Places are found by an inverted file over the words (core/search/words.h): a query costs
+// what the lists of its words hold, a small part of all. Immutable: any number of threads may ask.
+// The same entries give the same index and the same answers, whatever was in it before.
+class CoarseIndex {
+ public:
+  struct Map {
+    std::string name;
+    std::shared_ptr<const CoarseEntry> entry;
+  };
+  // A map that may be it: its index in maps(), and by how much.
+  struct Proposal {
+    int map = 0;
+    double score = 0;
+
+    bool operator==(const Proposal&) const = default;
+  };
+
+  CoarseIndex() = default;
+  // Ordered by name here.
+  explicit CoarseIndex(std::vector<Map> maps, const CoarseOptions& options = {});
+
+  const std::vector<Map>& maps() const { return maps_; }
+  int64_t places() const { return static_cast<int64_t>(map_of_place_.size()); }
+  // Of memory, entries included.
+  int64_t bytes() const;
+  // What DescribeForCoarse takes.
+  std::vector<CoarseNeed> Needs() const;
+
+  // The `count` maps with the highest scores, highest first, ties by name, for all images of one
+  // place together; fewer where fewer have any. Maps i with left_out[i] are passed over; empty
+  // leaves out none.
+  std::vector<Proposal> Propose(const std::vector<std::vector<CoarseDescriptors>>& images,
+                                int count, const std::vector<bool>& left_out = {}) const;
+
+ private:
+  // Codes of one feature type, by word.
+  struct Lists {
+    std::vector<uint32_t> start;  // of each word's, and one more for the end; empty without codes
+    std::vector<uint64_t> signatures;
+    std::vector<uint32_t> places;
+  };
+  struct Votes;
+
+  void Fill(FeatureType type);
+  void Vote(const CoarseDescriptors& image, Votes& votes) const;
+  void AddScores(const Votes& votes, std::vector<double>& scores) const;
+
+  CoarseOptions options_;
+  std::vector<Map> maps_;
+  std::vector<uint32_t> map_of_place_;
+  std::array<Lists, 3> lists_;  // by feature type
+};
+
+}  // namespace waystone

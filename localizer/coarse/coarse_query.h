@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "core/features/features.h"
+#include "localizer/appearance/panorama_query_options.h"
+#include "localizer/planes/image_features.h"
+#include "localizer/planes/plane_query_options.h"
+
+namespace waystone {
+
+// What entries of one feature type want to be asked with.
+struct CoarseNeed {
+  FeatureType type = FeatureType::kSift;
+  int working_pixels = 0;  // of the largest keyframe; 0 where all places are panoramas
+  bool panoramas = false;  // whether some places are panoramas
+};
+
+// Descriptors of one image, of one type.
+struct CoarseDescriptors {
+  FeatureType type = FeatureType::kSift;
+  Descriptors rows;
+};
+
+// An image as those entries want it: its features, and of a panorama those of its faces. What is
+// extracted stays in `features`, for the maps that are asked next. Deterministic.
+std::vector<CoarseDescriptors> DescribeForCoarse(const cv::Mat& grey,
+                                                 const std::vector<CoarseNeed>& needs,
+                                                 const PlaneQueryOptions& planes,
+                                                 const PanoramaQueryOptions& panorama,
+                                                 ImageFeatures& features);
+
+}  // namespace waystone

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <libpq-fe.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+
+// A connection to PostgreSQL: inside registry only.
+namespace waystone::postgres {
+
+struct FreeResult {
+  void operator()(PGresult* result) const { PQclear(result); }
+};
+using Result = std::unique_ptr<PGresult, FreeResult>;
+
+struct FreeConnection {
+  void operator()(PGconn* connection) const { PQfinish(connection); }
+};
+
+// Throws MapError with the first line of the cause.
+[[noreturn]] void FailDatabase(ErrorCode code, const std::string& cause);
+
+// One connection, for one thread. All functions throw as FailDatabase does: kRegistryUnavailable
+// for a database that can't be reached, or may do it later, and kFileUnreadable for what it
+// refuses.
+class Database {
+ public:
+  explicit Database(const std::string& url);
+
+  Result Run(const std::string& sql, const std::vector<std::string>& parameters = {});
+  // Whether there was a notification since the last call.
+  bool TakeNotifications();
+  bool connected() const { return PQstatus(connection_.get()) == CONNECTION_OK; }
+  int socket() const { return PQsocket(connection_.get()); }
+
+ private:
+  [[noreturn]] void Fail(ErrorCode code = ErrorCode::kRegistryUnavailable) const;
+
+  std::unique_ptr<PGconn, FreeConnection> connection_;
+};
+
+// Rolled back unless it is committed.
+class Transaction {
+ public:
+  explicit Transaction(Database& database) : database_(database) { database_.Run("BEGIN"); }
+  ~Transaction();
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+
+  void Commit() {
+    database_.Run("COMMIT");
+    committed_ = true;
+  }
+
+ private:
+  Database& database_;
+  bool committed_ = false;
+};
+
+// Values of a result. A null is an empty text and 0.
+int Rows(const Result& result);
+std::string Cell(const Result& result, int row, int column);
+int64_t Number(const Result& result, int row, int column);
+bool Flag(const Result& result, int row, int column);
+
+// Whether the schema `waystone` has that table.
+bool HasTable(Database& database, const std::string& table);
+
+// Holds other programs of this kind back from making tables until the transaction ends.
+void LockCreation(Database& database);
+
+}  // namespace waystone::postgres

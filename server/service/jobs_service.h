@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "api/json.h"
+#include "core/base/clock.h"
+#include "registry/job_queue.h"
+#include "server/http/router.h"
+
+namespace waystone {
+
+// The jobs of a registry over HTTP. They are read anew at most once a second, by one connection.
+// Thread-safe.
+class JobsService {
+ public:
+  // `registry` in PostgreSQL; any other, or an empty one, has no jobs to tell of.
+  explicit JobsService(std::string registry) : registry_(std::move(registry)) {}
+
+  // Whether there is a registry with jobs.
+  bool available() const { return registry_.starts_with("postgres"); }
+
+  // Adds the routes. The service must outlive the router's last request.
+  void AddTo(Router& router);
+
+ private:
+  HttpResponse List(const HttpRequest& request);
+  HttpResponse Show(const std::string& id);
+  // Calls `ask` with the lock held, on a connection that is made anew where it broke. Throws
+  // MapError(kRegistryUnavailable) for a database that doesn't answer, kNotAvailable for no such
+  // registry.
+  template <class Ask>
+  auto AskQueue(const Ask& ask);
+
+  const std::string registry_;
+  std::timed_mutex mutex_;
+  std::unique_ptr<JobQueue> queue_;
+  std::vector<Json> jobs_;  // as they were at `read_`
+  Clock::time_point read_;
+  std::string failure_;  // of the last question, at `failed_`; empty for none
+  Clock::time_point failed_;
+};
+
+}  // namespace waystone
