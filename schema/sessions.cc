@@ -65,6 +65,13 @@ std::optional<std::vector<MapSession>> ReadSessions(const MapData& map) {
   return sessions;
 }
 
+// Sequences whose nodes an edge joins.
+template <class Edges, class NodeId>
+void UniteEdges(const Edges& edges, const std::map<NodeId, size_t>& sequence_of,
+                boost::disjoint_sets_with_storage<>& parts) {
+  for (const auto& edge : edges) parts.union_set(sequence_of.at(edge.a), sequence_of.at(edge.b));
+}
+
 }  // namespace
 
 std::vector<MapSession> SessionsOf(const MapData& map) {
@@ -117,6 +124,20 @@ std::vector<std::vector<SequenceId>> FindParts(const MapData& map) {
   for (const Edge& edge : map.edges) parts.union_set(of_plane.at(edge.a), of_plane.at(edge.b));
   for (const KeyframeLink& link : map.links) {
     parts.union_set(of_keyframe.at(link.a), of_keyframe.at(link.b));
+  }
+  if (map.appearance) {
+    std::map<AppearanceNodeId, size_t> of_node;
+    for (const AppearanceNode& node : map.appearance->nodes) {
+      of_node[node.id] = number.at(node.sequence);
+    }
+    UniteEdges(map.appearance->edges, of_node, parts);
+  }
+  if (map.orientation) {
+    std::map<OrientationFrameId, size_t> of_frame;
+    for (const OrientationFrame& frame : map.orientation->frames) {
+      of_frame[frame.id] = number.at(frame.sequence);
+    }
+    UniteEdges(map.orientation->edges, of_frame, parts);
   }
   std::map<size_t, size_t> part_of_set;
   std::vector<std::vector<SequenceId>> found;

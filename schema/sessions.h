@@ -31,9 +31,10 @@ std::string WithSessions(const std::string& options_json, const std::vector<MapS
 // The record without a history: the options alone.
 std::string WithoutSessions(const std::string& options_json);
 
-// The parts of a map: sequences that have planes in common, planes that an edge joins, or
-// keyframes that a link joins, are of one part. From one part to another nothing leads. Ordered by
-// their first sequence, sequences ascending. Sequences without a keyframe are parts of their own.
+// The parts of a map: sequences that have planes in common, planes that an edge joins, keyframes
+// that a link joins, or nodes of the appearance or orientation layer that an edge joins, are of one
+// part. From one part to another nothing leads. Ordered by their first sequence, sequences
+// ascending. Sequences that are in no layer are parts of their own.
 std::vector<std::vector<SequenceId>> FindParts(const MapData& map);
 
 }  // namespace waystone

@@ -57,8 +57,12 @@ OwnImages FindOwnPanoramas(const MapData& map, const std::vector<AppearanceSampl
     PanoramaQuery query{nodes[i]->signature, std::nullopt};
     if (nodes[i]->features.size() > 0) query.features = nodes[i]->features;
     const Answer answer = LocalizeDescribed(*index, query, options);
-    return answer.verdict == Verdict::kLocalized &&
-           answer.panorama->node.id == map.appearance->nodes[nodes[i]->node].id;
+    if (answer.verdict != Verdict::kLocalized) return false;
+    const std::vector<AppearanceNode>& all = map.appearance->nodes;
+    const auto found =
+        std::ranges::lower_bound(all, answer.panorama->node.id, {}, &AppearanceNode::id);
+    const AppearanceNode& own = all[nodes[i]->node];
+    return found->id == own.id || found->signature == own.signature;  // in maps of several sessions
   });
 }
 

@@ -138,12 +138,20 @@ std::optional<FrameChange> AlignFrames(const std::vector<CameraInFrames>& camera
 }
 
 void ChangeFrame(const FrameChange& change, PoseLayer& layer) {
+  const auto moved = [&change](Eigen::Isometry3d pose) {
+    pose.linear() = change.rotation * pose.linear();
+    pose.translation() = change.scale * change.rotation * pose.translation() + change.translation;
+    return pose;
+  };
   layer.noise.position_sigma *= change.scale;
   for (KeyframePose& pose : layer.keyframes) {
-    Eigen::Isometry3d moved = pose.frame_from_camera();
-    moved.linear() = change.rotation * moved.linear();
-    moved.translation() = change.scale * change.rotation * moved.translation() + change.translation;
-    pose = MakeKeyframePose(pose.keyframe, moved);
+    pose = MakeKeyframePose(pose.keyframe, moved(pose.frame_from_camera()));
+  }
+  for (NodePose& pose : layer.nodes) {
+    pose = MakeNodePose(pose.node, moved(pose.frame_from_camera()));
+  }
+  for (std::optional<NodePoseErrors>* errors : {&layer.appearance_errors, &layer.verified_errors}) {
+    if (*errors) (*errors)->height_sigma *= change.scale;
   }
   for (PlanePose& plane : layer.planes) {
     Eigen::Matrix4d jacobian = Eigen::Matrix4d::Zero();

@@ -31,8 +31,8 @@ struct FrameChange {
 // thread-safe.
 std::optional<FrameChange> AlignFrames(const std::vector<CameraInFrames>& cameras, bool same_unit);
 
-// Expresses a pose layer in the other frame: poses, planes and depths. Depths that can't be stored
-// any more become unknown ones. Frame and unit stay as they are.
+// Expresses a pose layer in the other frame: poses, planes, depths and errors. Depths that can't be
+// stored any more become unknown ones. Frame and unit stay as they are.
 void ChangeFrame(const FrameChange& change, PoseLayer& layer);
 
 }  // namespace waystone

@@ -12,6 +12,7 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "schema/layers/names/place_names.h"
+#include "schema/layers/poses/horizontal.h"
 #include "schema/sessions.h"
 
 namespace waystone {
@@ -67,6 +68,49 @@ void MoveBehind(std::vector<Row>& added, std::vector<Row>& to) {
   std::ranges::move(added, std::back_inserter(to));
 }
 
+// Poses of panoramas are those of the map's frame as seen from above.
+void PutNodesIntoFrame(const PoseLayer& poses, AppearanceLayer& layer) {
+  const Horizontal above = HorizontalOf(poses);
+  for (AppearanceNode& node : layer.nodes) {
+    if (const NodePose* pose = poses.Find(node.id)) node.pose = above.Of(*pose);
+  }
+}
+
+void AppendPanoramas(AppearanceLayer from, std::optional<AppearanceLayer>& to) {
+  if (!to) {
+    to = std::move(from);
+    return;
+  }
+  to->dropped += from.dropped;
+  if (!to->mirror) to->mirror = from.mirror;
+  if (to->metres_per_unit != from.metres_per_unit) to->metres_per_unit.reset();
+  MoveBehind(from.nodes, to->nodes);
+  MoveBehind(from.edges, to->edges);
+  to->verdict.reset();
+  to->verified_verdict.reset();
+}
+
+void AppendOrientation(OrientationLayer from, std::optional<OrientationLayer>& to) {
+  if (!to) {
+    to = std::move(from);
+    return;
+  }
+  MoveBehind(from.frames, to->frames);
+  MoveBehind(from.turns, to->turns);
+  MoveBehind(from.nodes, to->nodes);
+  MoveBehind(from.edges, to->edges);
+  MoveBehind(from.corridors, to->corridors);
+}
+
+std::optional<NodePoseErrors> WorseOf(const std::optional<NodePoseErrors>& a,
+                                      const std::optional<NodePoseErrors>& b) {
+  if (!a || !b) return a ? a : b;
+  return NodePoseErrors{std::max(a->position_factor, b->position_factor),
+                        std::max(a->height_sigma, b->height_sigma),
+                        std::max(a->heading_sigma_rad, b->heading_sigma_rad),
+                        std::max(a->tilt_sigma_rad, b->tilt_sigma_rad)};
+}
+
 // Of one frame. Errors are at most those of the worse one.
 void AppendPoses(PoseLayer from, std::optional<PoseLayer>& to) {
   if (!to) {
@@ -80,6 +124,46 @@ void AppendPoses(PoseLayer from, std::optional<PoseLayer>& to) {
   MoveBehind(from.planes, to->planes);
   MoveBehind(from.plane_depths, to->plane_depths);
   MoveBehind(from.landmark_depths, to->landmark_depths);
+  MoveBehind(from.nodes, to->nodes);
+  to->appearance_errors = WorseOf(to->appearance_errors, from.appearance_errors);
+  to->verified_errors = WorseOf(to->verified_errors, from.verified_errors);
+}
+
+// The layers whose rows have ids of their own.
+void RenumberPanoramas(const NewIds<SequenceId>& sequence, const NewIds<AppearanceNodeId>& node,
+                       AppearanceLayer& layer) {
+  for (AppearanceNode& row : layer.nodes) {
+    row.id = node(row.id);
+    row.sequence = sequence(row.sequence);
+  }
+  for (AppearanceEdge& row : layer.edges) {
+    row.a = node(row.a);
+    row.b = node(row.b);
+  }
+}
+
+void RenumberOrientation(const NewIds<SequenceId>& sequence,
+                         const NewIds<OrientationFrameId>& frame, OrientationLayer& layer) {
+  for (OrientationFrame& row : layer.frames) {
+    row.id = frame(row.id);
+    row.sequence = sequence(row.sequence);
+  }
+  for (OrientationTurn& row : layer.turns) row.frame = frame(row.frame);
+  for (OrientationNode& row : layer.nodes) row.frame = frame(row.frame);
+  for (OrientationEdge& row : layer.edges) {
+    row.a = frame(row.a);
+    row.b = frame(row.b);
+  }
+  for (Corridor& row : layer.corridors) {
+    row.first = frame(row.first);
+    row.last = frame(row.last);
+  }
+}
+
+template <class Layer, class Row>
+const std::vector<Row>& RowsOf(const std::optional<Layer>& layer, std::vector<Row> Layer::*rows) {
+  static const std::vector<Row> none;
+  return layer ? (*layer).*rows : none;
 }
 
 }  // namespace
@@ -89,6 +173,10 @@ void AppendMap(MapData from, MapData& to) {
   const NewIds<SequenceId> sequence(to.sequences, from.sequences);
   const NewIds<KeyframeId> keyframe(to.keyframes, from.keyframes);
   const NewIds<PlaneId> plane(to.planes, from.planes);
+  const NewIds<AppearanceNodeId> node(RowsOf(to.appearance, &AppearanceLayer::nodes),
+                                      RowsOf(from.appearance, &AppearanceLayer::nodes));
+  const NewIds<OrientationFrameId> frame(RowsOf(to.orientation, &OrientationLayer::frames),
+                                         RowsOf(from.orientation, &OrientationLayer::frames));
   std::vector<MapSession> sessions = SessionsOf(to);
   for (MapSession& session : SessionsOf(from)) {
     for (SequenceId& id : session.sequences) id = sequence(id);
@@ -117,25 +205,40 @@ void AppendMap(MapData from, MapData& to) {
     for (PlanePose& row : from.poses->planes) row.plane = plane(row.plane);
     for (PlaneDepths& row : from.poses->plane_depths) row.plane = plane(row.plane);
     for (LandmarkDepths& row : from.poses->landmark_depths) row.keyframe = keyframe(row.keyframe);
+    for (NodePose& row : from.poses->nodes) row.node = node(row.node);
     AppendPoses(std::move(*from.poses), to.poses);
+  }
+  if (from.appearance) {
+    RenumberPanoramas(sequence, node, *from.appearance);
+    AppendPanoramas(std::move(*from.appearance), to.appearance);
+  }
+  if (to.poses && to.appearance) PutNodesIntoFrame(*to.poses, *to.appearance);
+  if (from.orientation) {
+    RenumberOrientation(sequence, frame, *from.orientation);
+    AppendOrientation(std::move(*from.orientation), to.orientation);
   }
   for (NamedPlace& place : from.names) {
     for (NamedRange& range : place.ranges) {
       if (range.kind == NamedKind::kKeyframes) Renumber(keyframe, range);
       if (range.kind == NamedKind::kPlanes) Renumber(plane, range);
+      if (range.kind == NamedKind::kNodes) Renumber(node, range);
     }
   }
   MoveBehind(from.names, to.names);
   to.names = Canonical(std::move(to.names));
   if (to.floor_plans.empty()) to.floor_plans = std::move(from.floor_plans);
   MoveBehind(from.sequences, to.sequences);
+  if (to.keyframes.empty()) {
+    to.verdict = from.verdict;
+  } else if (!from.keyframes.empty()) {
+    to.verdict.reset();
+  }
   MoveBehind(from.keyframes, to.keyframes);
   MoveBehind(from.planes, to.planes);
   MoveBehind(from.edges, to.edges);
   MoveBehind(from.links, to.links);
   to.info.options_json = WithSessions(to.info.options_json, sessions);
   to.index.reset();
-  to.verdict.reset();
 }
 
 }  // namespace waystone

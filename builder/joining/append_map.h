@@ -7,10 +7,11 @@ namespace waystone {
 
 // Adds what `from` holds to `to`, behind it: sequences, keyframes and planes keep their order and
 // get the ids after those of `to`, and stretches count on. Sessions, named places and poses are
-// added, too; places of one name become one, and poses are of one frame (JoinFrames). Floor plans
+// added, too; places of one name become one, and poses are of one frame (JoinFrames), as are
+// panoramas (JoinAppearance). Floor plans
 // are added to a map that has none. Of `to`, the
-// name, the options and all ids stay; index and verdict don't hold any more and go. Only sequences
-// and plane layers are added. Both are of one feature type (WS_CHECK).
+// name, the options and all ids stay; the index and the verdicts of layers that both have don't
+// hold any more and go. Both are of one feature type and describe panoramas alike (WS_CHECK).
 // Throws MapError(kMapDamaged) where the ids of `to` leave no room.
 void AppendMap(MapData from, MapData& to);
 

@@ -40,12 +40,17 @@ std::vector<CameraInFrames> CommonCameras(const std::vector<Recognition>& recogn
     const bool back = recognition.asked == from && recognition.asking == to;
     if (!forth && !back) continue;
     const MapData& asking = maps[recognition.asking];
-    for (const RecognisedKeyframe& one : recognition.keyframes) {
-      const KeyframePose* own = asking.poses->Find(asking.keyframes[one.asking].id);
-      if (own == nullptr || !one.pose) continue;
+    const auto add = [&](const CameraPose* own, const std::optional<QueryPose>& answered) {
+      if (own == nullptr || !answered) return;
       const Eigen::Isometry3d given = own->frame_from_camera();
-      const Eigen::Isometry3d& found = one.pose->frame_from_camera;
-      cameras.push_back({forth ? found : given, forth ? given : found, PositionSigma(*one.pose)});
+      const Eigen::Isometry3d& found = answered->frame_from_camera;
+      cameras.push_back({forth ? found : given, forth ? given : found, PositionSigma(*answered)});
+    };
+    for (const RecognisedKeyframe& one : recognition.keyframes) {
+      add(asking.poses->Find(asking.keyframes[one.asking].id), one.pose);
+    }
+    for (const RecognisedNode& one : recognition.nodes) {
+      add(asking.poses->Find(asking.appearance->nodes[one.asking].id), one.in_frame);
     }
   }
   return cameras;
@@ -64,54 +69,99 @@ std::optional<FrameChange> FindChange(const std::vector<Recognition>& recognitio
   return std::nullopt;
 }
 
-// Of keyframes, along what is up.
+// Of keyframes and panoramas, along what is up.
 double MeanHeight(const PoseLayer& layer, const Horizontal& view) {
   double sum = 0;
   for (const KeyframePose& pose : layer.keyframes) sum += view.up.dot(pose.position);
-  return layer.keyframes.empty() ? 0 : sum / static_cast<double>(layer.keyframes.size());
+  for (const NodePose& pose : layer.nodes) sum += view.up.dot(pose.position);
+  const size_t count = layer.keyframes.size() + layer.nodes.size();
+  return count == 0 ? 0 : sum / static_cast<double>(count);
 }
 
-// Expresses a map in the frame of `to`: poses, and areas of named places, as high as the keyframes.
-void ChangeMap(const FrameChange& change, const PoseLayer& to, MapData& map) {
-  const Horizontal from = HorizontalOf(*map.poses);
-  const double height = MeanHeight(*map.poses, from);
-  const Horizontal view = HorizontalOf(to);
+// A change of frame as seen from above, as high as the keyframes and panoramas.
+class ChangeFromAbove {
+ public:
+  ChangeFromAbove(const FrameChange& change, const PoseLayer& from, const PoseLayer& to)
+      : change_(change),
+        from_(HorizontalOf(from)),
+        to_(HorizontalOf(to)),
+        height_(MeanHeight(from, from_)) {}
+
+  Eigen::Vector2d operator()(const Eigen::Vector2d& point) const {
+    const Eigen::Vector3d at = point.x() * from_.right + point.y() * from_.top + height_ * from_.up;
+    return to_.Of(change_.scale * change_.rotation * at + change_.translation);
+  }
+
+  Pose2 operator()(const Pose2& pose) const {
+    const Eigen::Vector2d at = (*this)(Eigen::Vector2d(pose.x, pose.y));
+    const Eigen::Vector3d ahead =
+        std::cos(pose.theta_rad) * from_.right + std::sin(pose.theta_rad) * from_.top;
+    const Eigen::Vector2d turned = to_.Of(change_.rotation * ahead);
+    return {at.x(), at.y(), std::atan2(turned.y(), turned.x())};
+  }
+
+ private:
+  const FrameChange& change_;
+  Horizontal from_;
+  Horizontal to_;
+  double height_;
+};
+
+// An appearance layer that is in the frame of the map's poses.
+void ChangeLayer(const FrameChange& change, const ChangeFromAbove& above, const PoseLayer& to,
+                 AppearanceLayer& layer) {
+  for (AppearanceNode& node : layer.nodes) node.pose = above(node.pose);
+  for (AppearanceEdge& edge : layer.edges) {
+    edge.a_from_b.x *= change.scale;
+    edge.a_from_b.y *= change.scale;
+  }
+  layer.metres_per_unit = to.unit == LengthUnit::kMetres ? std::optional<double>(1) : std::nullopt;
+}
+
+// Expresses a map in the frame of `to`.
+void ChangeMap(const FrameChange& change, const ChangeFromAbove& above, const PoseLayer& to,
+               MapData& map) {
   for (NamedPlace& place : map.names) {
     for (NamedPolygon& polygon : place.polygons) {
-      for (Eigen::Vector2d& corner : polygon) {
-        const Eigen::Vector3d at =
-            corner.x() * from.right + corner.y() * from.top + height * from.up;
-        corner = view.Of(change.scale * change.rotation * at + change.translation);
-      }
+      for (Eigen::Vector2d& corner : polygon) corner = above(corner);
     }
   }
+  if (!map.poses->nodes.empty()) ChangeLayer(change, above, to, *map.appearance);
   ChangeFrame(change, *map.poses);
   map.poses->frame = to.frame;
   map.poses->unit = to.unit;
 }
 
-// Poses in the changed map's frame that its answers gave change with it.
-void ChangeAnswers(const FrameChange& change, size_t map, std::vector<Recognition>& recognitions) {
+void ChangeAnswer(const FrameChange& change, std::optional<QueryPose>& answered) {
+  if (!answered) return;
+  Eigen::Isometry3d& pose = answered->frame_from_camera;
+  pose.linear() = change.rotation * pose.linear();
+  pose.translation() = change.scale * change.rotation * pose.translation() + change.translation;
+  answered->covariance.topRows<3>() *= change.scale;
+  answered->covariance.leftCols<3>() *= change.scale;
+}
+
+// What the changed map answered changes with it; with `layer` where panoramas are, too.
+void ChangeAnswers(const FrameChange& change, const ChangeFromAbove& above, bool layer, size_t map,
+                   std::vector<Recognition>& recognitions) {
   for (Recognition& recognition : recognitions) {
     if (recognition.asked != map) continue;
-    for (RecognisedKeyframe& one : recognition.keyframes) {
-      if (!one.pose) continue;
-      Eigen::Isometry3d& pose = one.pose->frame_from_camera;
-      pose.linear() = change.rotation * pose.linear();
-      pose.translation() = change.scale * change.rotation * pose.translation() + change.translation;
-      one.pose->covariance.topRows<3>() *= change.scale;
-      one.pose->covariance.leftCols<3>() *= change.scale;
+    for (RecognisedKeyframe& one : recognition.keyframes) ChangeAnswer(change, one.pose);
+    for (RecognisedNode& one : recognition.nodes) {
+      ChangeAnswer(change, one.in_frame);
+      if (!layer) continue;
+      one.pose = above(one.pose);
+      one.position_sigma *= change.scale;
     }
   }
 }
 
 }  // namespace
 
-std::optional<size_t> JoinFrames(const std::vector<Recognition>& given, bool keep_first,
+std::optional<size_t> JoinFrames(std::vector<Recognition>& recognitions, bool keep_first,
                                  std::vector<MapData>& maps) {
   const std::optional<size_t> kept = ChooseFrame(maps, keep_first);
   if (!kept) return std::nullopt;
-  std::vector<Recognition> recognitions = given;
   std::vector<size_t> done{*kept};
   std::vector<size_t> left;
   for (size_t i = 0; i < maps.size(); ++i) {
@@ -127,12 +177,15 @@ std::optional<size_t> JoinFrames(const std::vector<Recognition>& given, bool kee
       throw MapError(
           ErrorCode::kBadRequest,
           Named(maps[left.front()]) + " and " + Named(maps[*kept]) +
-              " have poses in frames that can't be aligned: fewer than 3 keyframes, or "
-              "less than half, agree on how they lie; build one of them without --poses");
+              " have poses in frames that can't be aligned: fewer than 3 keyframes or panoramas, "
+              "or less than half, agree on how they lie; build one of them without --poses");
     }
     const size_t map = *aligned;
-    ChangeMap(*change, *maps[*kept].poses, maps[map]);
-    ChangeAnswers(*change, map, recognitions);
+    const PoseLayer& to = *maps[*kept].poses;
+    const ChangeFromAbove above(*change, *maps[map].poses, to);
+    const bool layer = !maps[map].poses->nodes.empty();
+    ChangeMap(*change, above, to, maps[map]);
+    ChangeAnswers(*change, above, layer, map, recognitions);
     left.erase(aligned);
     done.push_back(map);
   }

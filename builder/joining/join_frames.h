@@ -6,24 +6,28 @@
 #include <vector>
 
 #include "builder/joining/recognise_keyframes.h"
+#include "builder/joining/recognise_nodes.h"
 #include "schema/map_data.h"
 
 namespace waystone {
 
-// Keyframes of one map that were localized in another; both by their places in the list of maps.
+// Keyframes and panoramas of one map that were localized in another; both by their places in the
+// list of maps.
 struct Recognition {
   size_t asked = 0;
   size_t asking = 0;
   std::vector<RecognisedKeyframe> keyframes;
+  std::vector<RecognisedNode> nodes = {};
 };
 
-// Expresses the pose layers of all maps that have one, and the areas of their named places, in the
-// frame of one of them: with
+// Expresses the pose layers of all maps that have one, the areas of their named places and the
+// appearance layers that are in their frames in the frame of one of them: with
 // `keep_first` of the first that has one, and else of the first whose unit is metres, where there
-// is one. Two frames are aligned by the keyframes of either map whose pose the other one answered
-// with, and by way of a third map where these don't suffice. Throws MapError(kBadRequest) for a map
-// that can't be aligned. Returns which map's frame it is; nothing where no map has poses.
-std::optional<size_t> JoinFrames(const std::vector<Recognition>& recognitions, bool keep_first,
+// is one. Two frames are aligned by the keyframes and panoramas of either map whose pose the other
+// one answered with, and by way of a third map where these don't suffice. What changed layers
+// answered changes with them. Throws MapError(kBadRequest) for a map that can't be aligned. Returns
+// which map's frame it is; nothing where no map has poses.
+std::optional<size_t> JoinFrames(std::vector<Recognition>& recognitions, bool keep_first,
                                  std::vector<MapData>& maps);
 
 }  // namespace waystone

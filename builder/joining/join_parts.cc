@@ -12,11 +12,22 @@ namespace {
 
 using Picture = std::vector<uint8_t>;
 
+// Of keyframes and panoramas.
+std::vector<Picture> PicturesOf(const MapData& map) {
+  std::vector<Picture> pictures;
+  for (const Keyframe& keyframe : map.keyframes) pictures.push_back(keyframe.jpeg);
+  if (!map.appearance) return pictures;
+  for (const AppearanceNode& node : map.appearance->nodes) pictures.push_back(node.jpeg);
+  return pictures;
+}
+
 bool ShowsNothingElse(const MapData& part, const MapData& neighbour) {
-  std::set<Picture> known;
-  for (const Keyframe& keyframe : neighbour.keyframes) known.insert(keyframe.jpeg);
-  return std::ranges::all_of(part.keyframes, [&](const Keyframe& keyframe) {
-    return !keyframe.jpeg.empty() && known.contains(keyframe.jpeg);
+  const std::vector<Picture> pictures = PicturesOf(part);
+  if (pictures.empty()) return !part.orientation;
+  const std::vector<Picture> others = PicturesOf(neighbour);
+  const std::set<Picture> known(others.begin(), others.end());
+  return std::ranges::all_of(pictures, [&](const Picture& picture) {
+    return !picture.empty() && known.contains(picture);
   });
 }
 

@@ -14,8 +14,9 @@ namespace waystone {
 // "map 'kitchen'", for messages.
 std::string Named(const MapData& map);
 
-// Throws MapError(kBadRequest) for a map with layers that can't be joined or have parts removed.
-void CheckLayersAreJoinable(const MapData& map);
+// Throws MapError(kBadRequest) for maps whose layers can't become one: panoramas that are described
+// in different ways, or of cameras that see other elevations.
+void CheckLayersAreJoinable(const std::vector<MapData>& maps);
 
 // What a map had when some of it was about to go, for its named places.
 class NamedBefore {
@@ -31,8 +32,14 @@ class NamedBefore {
   MapData ids_;  // and names, and nothing else
 };
 
-// What comes last: this program as the map's, the search index, and the verdict, calibrated by what
-// the map holds.
-void CompleteJoined(const BuildOptions& options, MapData& map);
+// Which layers of a map changed, so that their verdicts don't hold any more.
+struct ChangedLayers {
+  bool planes = true;
+  bool appearance = true;
+};
+
+// What comes last: this program as the map's, the search index, and the verdicts of changed layers,
+// calibrated by what the map holds.
+void CompleteJoined(const BuildOptions& options, const ChangedLayers& changed, MapData& map);
 
 }  // namespace waystone

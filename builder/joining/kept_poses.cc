@@ -88,7 +88,7 @@ void PosesBefore::KeepPoses(MapData& map) const {
   KeepThose(layer.keyframes, &KeyframePose::keyframe, keyframes);
   KeepThose(layer.landmark_depths, &LandmarkDepths::keyframe, keyframes);
   KeepThose(layer.planes, &PlanePose::plane, planes);
-  if (layer.keyframes.empty()) {
+  if (layer.keyframes.empty() && layer.nodes.empty()) {
     map.poses.reset();
     return;
   }

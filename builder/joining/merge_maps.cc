@@ -10,10 +10,13 @@
 #include <utility>
 
 #include "builder/joining/append_map.h"
+#include "builder/joining/join_appearance.h"
 #include "builder/joining/join_frames.h"
+#include "builder/joining/join_orientation.h"
 #include "builder/joining/joinable.h"
 #include "builder/joining/kept_poses.h"
 #include "builder/joining/recognise_keyframes.h"
+#include "builder/joining/recognise_nodes.h"
 #include "builder/planes/fusion.h"
 #include "builder/planes/plane_features.h"
 #include "core/base/error.h"
@@ -42,18 +45,29 @@ std::string_view BytesOf(const std::vector<uint8_t>& jpeg) {
   return {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()};
 }
 
+// The pictures of keyframes and panoramas that a map keeps.
+template <class Use>
+void ForEachPicture(const MapData& map, const Use& use) {
+  for (const Keyframe& keyframe : map.keyframes) {
+    if (!keyframe.jpeg.empty()) use(keyframe.sequence, keyframe.jpeg);
+  }
+  if (!map.appearance) return;
+  for (const AppearanceNode& node : map.appearance->nodes) {
+    if (!node.jpeg.empty()) use(node.sequence, node.jpeg);
+  }
+}
+
 // Sessions of the map whose pictures are all in `known` came of images that another map has.
 void CheckNotKnown(const MapData& map, const std::set<std::string_view>& known,
                    const std::string& holder) {
   for (const MapSession& session : SessionsOf(map)) {
     int pictures = 0;
     int seen = 0;
-    for (const Keyframe& keyframe : map.keyframes) {
-      if (keyframe.jpeg.empty()) continue;
-      if (!std::ranges::binary_search(session.sequences, keyframe.sequence)) continue;
+    ForEachPicture(map, [&](SequenceId sequence, const std::vector<uint8_t>& jpeg) {
+      if (!std::ranges::binary_search(session.sequences, sequence)) return;
       ++pictures;
-      seen += known.contains(BytesOf(keyframe.jpeg));
-    }
+      seen += known.contains(BytesOf(jpeg));
+    });
     if (pictures == 0 || seen < pictures) continue;
     throw MapError(ErrorCode::kBadRequest, "session '" + Printable(session.name) +
                                                "' has the same " + std::to_string(pictures) +
@@ -65,7 +79,9 @@ void CheckNotKnown(const MapData& map, const std::set<std::string_view>& known,
 void CheckPictures(const std::vector<MapData>& maps) {
   for (size_t i = 0; i < maps.size(); ++i) {
     std::set<std::string_view> known;
-    for (const Keyframe& keyframe : maps[i].keyframes) known.insert(BytesOf(keyframe.jpeg));
+    ForEachPicture(maps[i], [&](SequenceId, const std::vector<uint8_t>& jpeg) {
+      known.insert(BytesOf(jpeg));
+    });
     for (size_t j = 0; j < maps.size(); ++j) {
       if (i != j) CheckNotKnown(maps[j], known, Named(maps[i]));
     }
@@ -80,7 +96,6 @@ void CheckJoinable(const std::vector<MapData>& maps) {
   const FeatureType type = maps.front().info.feature_type;
   std::map<std::string, std::string> named;  // sessions by their versions: the map they came in
   for (const MapData& map : maps) {
-    CheckLayersAreJoinable(map);
     if (map.info.feature_type != type) {
       throw MapError(ErrorCode::kBadRequest,
                      Named(maps.front()) + " has " + std::string(NameOf(type)) + " features and " +
@@ -96,6 +111,7 @@ void CheckJoinable(const std::vector<MapData>& maps) {
                                                  "; give each session once");
     }
   }
+  CheckLayersAreJoinable(maps);
   CheckPictures(maps);
 }
 
@@ -129,13 +145,22 @@ void Fuse(const MapOfPlane& origin, const PlaneLayerOptions& options, MapData& m
 enum class Asked { kAll, kFirst };
 
 std::vector<Recognition> RecogniseEachOther(const std::vector<MapData>& maps, Asked asked,
-                                            FeatureOptions features) {
+                                            const BuildOptions& options) {
+  FeatureOptions features = options.features;
   features.type = maps.front().info.feature_type;
   std::vector<Recognition> recognitions;
   for (size_t i = 0; i < (asked == Asked::kAll ? maps.size() : 1); ++i) {
     for (size_t j = 0; j < maps.size(); ++j) {
       if (i == j) continue;
-      recognitions.push_back({i, j, RecogniseKeyframes(maps[i], maps[j], features)});
+      Recognition& one = recognitions.emplace_back();
+      one.asked = i;
+      one.asking = j;
+      if (!maps[i].keyframes.empty() && !maps[j].keyframes.empty()) {
+        one.keyframes = RecogniseKeyframes(maps[i], maps[j], features);
+      }
+      if (maps[i].appearance && maps[j].appearance) {
+        one.nodes = RecogniseNodes(maps[i], maps[j], options.appearance.loops);
+      }
     }
   }
   return recognitions;
@@ -171,27 +196,79 @@ std::vector<std::string> LeavePlansOut(size_t kept, std::vector<MapData>& maps) 
   return left_out;
 }
 
+// Where what each map holds begins in the joined map.
+struct Firsts {
+  std::vector<size_t> keyframes;
+  std::vector<size_t> nodes;
+  std::vector<SequenceId> sequences;
+};
+
+int CountRecognisedNodes(const std::vector<Recognition>& recognitions) {
+  std::set<std::pair<size_t, size_t>> recognised;
+  for (const Recognition& recognition : recognitions) {
+    for (const RecognisedNode& one : recognition.nodes) {
+      recognised.emplace(recognition.asking, one.asking);
+    }
+  }
+  return static_cast<int>(recognised.size());
+}
+
+// Appends all maps to the first.
+MapData AppendAll(std::vector<MapData> maps, MapOfPlane& origin, Firsts& firsts) {
+  MapData map;
+  for (size_t i = 0; i < maps.size(); ++i) {
+    const size_t sequences = map.sequences.size();
+    const size_t planes = map.planes.size();
+    firsts.keyframes.push_back(map.keyframes.size());
+    firsts.nodes.push_back(map.appearance ? map.appearance->nodes.size() : 0);
+    if (i == 0) {
+      map = std::move(maps.front());
+    } else {
+      AppendMap(std::move(maps[i]), map);
+      if (planes < map.planes.size()) origin.StartMap(map.planes[planes].id);
+    }
+    if (sequences < map.sequences.size()) firsts.sequences.push_back(map.sequences[sequences].id);
+  }
+  return map;
+}
+
+// Whether several maps have what `has` says.
+template <class Has>
+bool SeveralHave(const std::vector<MapData>& maps, const Has& has) {
+  return std::ranges::count_if(maps, has) > 1;
+}
+
 // One after the other.
 JoinResult Join(std::vector<MapData> maps, const std::string& name, Asked asked,
                 const BuildOptions& options) {
-  const std::vector<Recognition> recognitions = RecogniseEachOther(maps, asked, options.features);
+  std::vector<Recognition> recognitions = RecogniseEachOther(maps, asked, options);
   const std::optional<size_t> frame_of = JoinFrames(recognitions, asked == Asked::kFirst, maps);
   JoinResult result;
-  if (frame_of) result.report.floor_plans = LeavePlansOut(*frame_of, maps);
-  result.map = std::move(maps.front());
+  JoinReport& report = result.report;
+  if (frame_of) report.floor_plans = LeavePlansOut(*frame_of, maps);
+  const std::vector<NodeTie> ties = JoinAppearance(recognitions, options.appearance, maps);
+  const ChangedLayers changed{
+      SeveralHave(maps, [](const MapData& map) { return !map.keyframes.empty(); }),
+      SeveralHave(maps, [](const MapData& map) { return map.appearance.has_value(); })};
+  const bool join_orientation =
+      SeveralHave(maps, [](const MapData& map) { return map.orientation.has_value(); });
   MapOfPlane origin;
-  std::vector<size_t> first_keyframes{0};
-  for (size_t i = 1; i < maps.size(); ++i) {
-    first_keyframes.push_back(result.map.keyframes.size());
-    const size_t planes = result.map.planes.size();
-    AppendMap(std::move(maps[i]), result.map);
-    if (planes < result.map.planes.size()) origin.StartMap(result.map.planes[planes].id);
-  }
+  Firsts firsts;
+  result.map = AppendAll(std::move(maps), origin, firsts);
   result.map.info.name = name;
-  result.report.keyframes_recognised = Link(recognitions, first_keyframes, result.map);
-  Fuse(origin, options.planes, result.map, result.report);
-  CompleteJoined(options, result.map);
-  result.report.sessions = static_cast<int>(SessionsOf(result.map).size());
+  report.keyframes_recognised = Link(recognitions, firsts.keyframes, result.map);
+  report.panoramas_recognised = CountRecognisedNodes(recognitions);
+  report.loops = static_cast<int>(ties.size());
+  AddTies(ties, firsts.nodes, result.map);
+  if (join_orientation) {
+    const OrientationJoin joined = JoinOrientation(recognitions, firsts.nodes, firsts.sequences,
+                                                   options.orientation, result.map);
+    report.orientation_loops = joined.loops;
+    report.sequences_turned = joined.sequences_turned;
+  }
+  Fuse(origin, options.planes, result.map, report);
+  CompleteJoined(options, changed, result.map);
+  report.sessions = static_cast<int>(SessionsOf(result.map).size());
   return result;
 }
 

@@ -16,6 +16,10 @@ struct JoinReport {
   int sessions = 0;         // of the joined map
   // Keyframes of one map that were localized in another, and are linked with the nearest one there.
   int keyframes_recognised = 0;
+  int panoramas_recognised = 0;          // of one map, localized in another
+  int loops = 0;                         // between panoramas of different maps that fit all others
+  int orientation_loops = 0;             // between nodes of different maps' orientation layers
+  int sequences_turned = 0;              // by quarter turns into another map's building axes
   std::vector<std::string> floor_plans;  // left out: of maps whose frame wasn't kept, by name
 };
 
@@ -26,7 +30,8 @@ struct JoinResult {
 
 // One map of several that were built apart, as if the sequences of all had been built together:
 // keyframes of each are localized in the others (RecogniseKeyframes), planes that were seen in
-// several of them are fused by eq. (6) or joined by an edge, and the verdict is calibrated anew by
+// several of them are fused by eq. (6) or joined by an edge, panoramas are tied together by loops
+// and orientation layers by nodes that meet, and the verdicts are calibrated anew by
 // what the maps hold. Maps that show nothing in common stay apart: the joined map has several
 // parts. Each map is a session of the joined one, or as many as it has itself. Floor plans
 // are those of the map whose frame the poses are in. The result doesn't
@@ -34,7 +39,8 @@ struct JoinResult {
 // count on from one map to the next. `options` say how planes are fused and the verdict calibrated;
 // the features' type is the maps'. Deterministic, on any number of threads. Throws
 // MapError(kBadRequest) for fewer than two maps, maps of different feature types, a session that is
-// in several of them or whose pictures are all in another, and layers that can't be joined;
+// in several of them or whose pictures are all in another, and layers that can't be joined
+// (CheckLayersAreJoinable, JoinFrames, JoinAppearance);
 // kMapDamaged for ids that can't be counted on; kBadOptions.
 JoinResult MergeMaps(std::vector<MapData> maps, const std::string& name,
                      const BuildOptions& options);

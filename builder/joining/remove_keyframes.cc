@@ -34,20 +34,39 @@ constexpr double kSeenMargin = 0.02;  // of its size
 constexpr double kMaxSplit = 0.2;
 constexpr double kLeastThird = 0.1;
 
-void CheckRemoval(const MapData& map, const std::set<KeyframeId>& removed) {
-  std::set<KeyframeId> unknown = removed;
-  for (const Keyframe& keyframe : map.keyframes) unknown.erase(keyframe.id);
-  if (!unknown.empty()) {
-    throw MapError(ErrorCode::kNotFound,
-                   "the map has no keyframe " + std::to_string(unknown.begin()->value) +
-                       "; its keyframes are " + std::to_string(map.keyframes.front().id.value) +
-                       " to " + std::to_string(map.keyframes.back().id.value));
+// The first of `removed` that isn't among the rows.
+template <class Row, class IdType>
+void CheckKnown(const std::vector<Row>& rows, const std::set<IdType>& removed,
+                const std::string& noun) {
+  std::set<IdType> unknown = removed;
+  for (const Row& row : rows) unknown.erase(row.id);
+  if (unknown.empty()) return;
+  throw MapError(
+      ErrorCode::kNotFound,
+      "the map has no " + noun + " " + std::to_string(unknown.begin()->value) +
+          (rows.empty() ? "; it has no " + noun + "s"
+                        : "; its " + noun + "s are " + std::to_string(rows.front().id.value) +
+                              " to " + std::to_string(rows.back().id.value)));
+}
+
+void CheckRemoval(const MapData& map, const Removal& removed) {
+  const std::vector<AppearanceNode> none;
+  const auto& nodes = map.appearance ? map.appearance->nodes : none;
+  CheckKnown(map.keyframes, removed.keyframes, "keyframe");
+  CheckKnown(nodes, removed.nodes, "panorama");
+  if (removed.keyframes.size() < map.keyframes.size() || removed.nodes.size() < nodes.size())
+    return;
+  const bool all_frames =
+      !map.orientation || std::ranges::all_of(map.orientation->frames, [&](const auto& frame) {
+        return removed.sequences.contains(frame.sequence);
+      });
+  if (!all_frames) return;
+  std::string all = nodes.empty() ? "" : std::to_string(nodes.size()) + " panoramas";
+  if (!map.keyframes.empty() || nodes.empty()) {
+    all = std::to_string(map.keyframes.size()) + " keyframes" + (all.empty() ? "" : " and ") + all;
   }
-  if (removed.size() == map.keyframes.size()) {
-    throw MapError(ErrorCode::kBadRequest,
-                   "all " + std::to_string(removed.size()) +
-                       " keyframes would be removed; delete the file instead");
-  }
+  throw MapError(ErrorCode::kBadRequest,
+                 "all " + all + " would be removed; delete the file instead");
 }
 
 // Keyframes before and after a gap don't follow each other any more: each run that is left becomes
@@ -217,10 +236,23 @@ void RemoveFromPlanes(const std::set<KeyframeId>& removed, int min_features, Map
   map.edges = std::move(edges);
 }
 
-// Sequences of removed keyframes that have none left, and sessions that have no sequence left.
-int RemoveSequences(const std::set<SequenceId>& touched, MapData& map) {
-  std::set<SequenceId> empty = touched;
-  for (const Keyframe& keyframe : map.keyframes) empty.erase(keyframe.sequence);
+// The sequences that a map has something of.
+std::set<SequenceId> UsedSequences(const MapData& map) {
+  std::set<SequenceId> used;
+  for (const Keyframe& row : map.keyframes) used.insert(row.sequence);
+  if (map.appearance) {
+    for (const AppearanceNode& row : map.appearance->nodes) used.insert(row.sequence);
+  }
+  if (map.orientation) {
+    for (const OrientationFrame& row : map.orientation->frames) used.insert(row.sequence);
+  }
+  return used;
+}
+
+// Sequences that were used and aren't any more, and sessions that have no sequence left.
+int RemoveSequences(const std::set<SequenceId>& used_before, MapData& map) {
+  std::set<SequenceId> empty = used_before;
+  for (const SequenceId used : UsedSequences(map)) empty.erase(used);
   if (empty.empty()) return 0;
   std::vector<MapSession> sessions = SessionsOf(map);
   const bool has_history = HasHistory(map);
@@ -237,33 +269,36 @@ int RemoveSequences(const std::set<SequenceId>& touched, MapData& map) {
 
 }  // namespace
 
-RemoveResult RemoveKeyframes(MapData map, const std::set<KeyframeId>& removed,
-                             const BuildOptions& options) {
+RemoveResult RemoveFromMap(MapData map, const Removal& removed, const BuildOptions& options) {
   options.Check();
-  CheckLayersAreJoinable(map);
   CheckRemoval(map, removed);
   RemoveResult result;
-  result.report.keyframes = static_cast<int>(removed.size());
-  std::set<SequenceId> touched;
-  for (const Keyframe& keyframe : map.keyframes) {
-    if (removed.contains(keyframe.id)) touched.insert(keyframe.sequence);
-  }
+  const std::set<SequenceId> used_before = UsedSequences(map);
+  const std::set<OrientationFrameId> frames = FramesThatGo(map, removed);
+  result.report.keyframes = static_cast<int>(removed.keyframes.size());
+  result.report.panoramas = static_cast<int>(removed.nodes.size());
+  result.report.orientation_frames = static_cast<int>(frames.size());
   const NamedBefore named(map);
   const PosesBefore poses(map);
-  RemoveFrom(map.keyframes, removed);
-  std::erase_if(map.links, [&](const KeyframeLink& link) {
-    return removed.contains(link.a) || removed.contains(link.b);
-  });
-  RemoveFromPlanes(removed, options.planes.min_features, map, result.report);
+  const bool had_poses = map.poses.has_value();
+  RemoveNodes(removed.nodes, map);
+  RemoveFrames(frames, map);
+  if (!removed.keyframes.empty()) {
+    RemoveFrom(map.keyframes, removed.keyframes);
+    std::erase_if(map.links, [&](const KeyframeLink& link) {
+      return removed.keyframes.contains(link.a) || removed.keyframes.contains(link.b);
+    });
+    RemoveFromPlanes(removed.keyframes, options.planes.min_features, map, result.report);
+  }
   poses.KeepPoses(map);
   result.report.names = named.KeepNames(map);
-  if (!map.poses) {
+  if (had_poses && !map.poses) {
     for (const FloorPlanImage& plan : map.floor_plans)
       result.report.floor_plans.push_back(plan.name);
     map.floor_plans.clear();
   }
-  result.report.sequences = RemoveSequences(touched, map);
-  CompleteJoined(options, map);
+  result.report.sequences = RemoveSequences(used_before, map);
+  CompleteJoined(options, {!removed.keyframes.empty(), !removed.nodes.empty()}, map);
   result.map = std::move(map);
   return result;
 }

@@ -75,6 +75,7 @@ class LoopFinder {
   std::vector<size_t> Candidates(size_t b) const {
     std::vector<std::pair<int, size_t>> ranked;  // matches, negative; node
     for (size_t a = 0; a < b; ++a) {
+      if (nodes_[a].map >= 0 && nodes_[a].map == nodes_[b].map) continue;
       if (!MayClose(*nodes_[a].features.frame, *nodes_[b].features.frame, options_)) continue;
       const auto matches = MatchDescriptors(
           samples_[a], samples_[b], nodes_[b].features.features->type, traversability_.matching);

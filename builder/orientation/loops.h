@@ -11,6 +11,7 @@ namespace waystone {
 // A node as loop closing sees it; in order of frame ids.
 struct LoopNode {
   OrientedFeatures features;
+  int map = -1;  // nodes of one map, unless below 0, are not compared
 };
 
 // Loop closures (sec. III-C.2): nodes that have the orientation of an earlier node and enough

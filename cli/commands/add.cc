@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "builder/joining/joinable.h"
 #include "builder/joining/merge_maps.h"
-#include "builder/layer_choice.h"
 #include "builder/options_record.h"
 #include "cli/commands/build_sources.h"
 #include "cli/commands/commands.h"
@@ -17,8 +14,6 @@
 #include "cli/files/map_file.h"
 #include "cli/output/join_text.h"
 #include "cli/system/signals.h"
-#include "core/base/error.h"
-#include "core/base/text.h"
 #include "schema/file/map_store.h"
 
 namespace waystone {
@@ -35,24 +30,8 @@ struct AddFlags {
   BuildOutputFlags printed;
 };
 
-// Throws for sources whose layers can't be joined before an hour of work, not after.
-void CheckSourcesAreJoinable(const std::vector<std::unique_ptr<Source>>& sources,
-                             const LayerChoice& layers) {
-  for (const auto& source : sources) {
-    const std::vector<LayerKind> chosen = ChooseLayers(*source, layers);
-    if (std::ranges::all_of(chosen, [](LayerKind kind) { return kind == LayerKind::kPlanes; })) {
-      continue;
-    }
-    throw MapError(ErrorCode::kBadRequest,
-                   "'" + Printable(source->name()) +
-                       "' gives layers beside planes, which can't be added to a map; build a new "
-                       "map of all sources");
-  }
-}
-
 int RunAdd(const AddFlags& flags) {
   MapData map = ReadMap(flags.map);
-  CheckLayersAreJoinable(map);
   BuildOptions options = OptionsOfRecord(map.info.options_json);
   options.features.type = map.info.feature_type;
   options.threads = flags.threads;
@@ -61,13 +40,14 @@ int RunAdd(const AddFlags& flags) {
   CheckWritable(flags.map, {.overwrite = true});
   NoteInterrupts();
   const auto sources = OpenSources(flags.sources, options.layers, flags.printed.quiet);
-  CheckSourcesAreJoinable(sources, options.layers);
   std::optional<GivenPoses> poses;
   if (!flags.poses.file.empty()) {
     poses = ReadGivenPoses(flags.poses, static_cast<int>(sources.size()));
   }
   MapData added = BuildWithProgress(sources, options, flags.printed, poses).map;
-  if (!HasPlanesOrLandmarks(added)) return ReportNoPlanes(added);
+  if (!HasPlanesOrLandmarks(added) && !added.appearance && !added.orientation) {
+    return ReportNoPlanes(added);
+  }
   added.info.name = flags.name.empty() ? added.sequences.front().name : flags.name;
   const JoinResult result = AddToMap(std::move(map), std::move(added), options);
   ReplaceMap(result.map, flags.map, flags.keep);
@@ -85,8 +65,10 @@ void AddAdd(CLI::App& app, Run& run) {
   auto flags = std::make_shared<AddFlags>();
   CLI::App* command = app.add_subcommand("add", "Add image sequences to a map");
   command->add_option("map", flags->map, "Map file, which is replaced")->required();
-  AddSourceFlags(*command, "Image folders, quoted globs, videos, TUM, KITTI or EuRoC sequences",
-                 flags->sources);
+  AddSourceFlags(
+      *command,
+      "Image folders, quoted globs, videos, panoramas, rigs, TUM, KITTI or EuRoC sequences",
+      flags->sources);
   AddPoseFlags(*command, flags->poses);
   command->add_option("--name", flags->name, "Name of the session; by default its source's");
   command->add_flag("--keep", flags->keep, "Keep the previous version as MAP.previous");

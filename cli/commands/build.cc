@@ -19,6 +19,7 @@
 #include "cli/output/build_text.h"
 #include "cli/system/signals.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "schema/file/map_store.h"
 
 namespace waystone {

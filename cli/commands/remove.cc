@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <iostream>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
-#include "builder/joining/joinable.h"
 #include "builder/joining/remove_keyframes.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/settings.h"
@@ -22,6 +20,7 @@ struct RemoveFlags {
   std::string map;
   std::vector<std::string> sessions;
   std::vector<std::string> keyframes;
+  std::vector<std::string> nodes;
   std::vector<std::string> regions;
   std::vector<std::string> places;
   std::vector<std::string> settings;  // of --set
@@ -30,26 +29,38 @@ struct RemoveFlags {
   bool quiet = false;
 };
 
+Removal ChooseRemoval(const MapData& map, const RemoveFlags& flags) {
+  Removal removed{KeyframesOfIds(map, flags.keyframes), NodesOfIds(map, flags.nodes)};
+  for (const std::string& session : flags.sessions) {
+    removed.keyframes.merge(KeyframesOfSession(map, session));
+    removed.nodes.merge(NodesOfSession(map, session));
+    removed.sequences.merge(SequencesOfSession(map, session));
+  }
+  for (const std::string& text : flags.regions) {
+    const NamedPolygon polygon = ReadPolygon("--region", text);
+    removed.keyframes.merge(KeyframesInPolygon(map, polygon));
+    removed.nodes.merge(NodesInPolygon(map, polygon));
+  }
+  for (const std::string& name : flags.places) {
+    removed.keyframes.merge(KeyframesOfPlace(map, name));
+    removed.nodes.merge(NodesOfPlace(map, name));
+  }
+  if (!removed.keyframes.empty() || !removed.nodes.empty() || !removed.sequences.empty()) {
+    return removed;
+  }
+  throw MapError(
+      ErrorCode::kUsage,
+      "nothing to remove; give --session, --keyframes, --nodes, --place or --region with "
+      "a keyframe or panorama in it (waystone info lists sessions)");
+}
+
 int RunRemove(const RemoveFlags& flags) {
   BuildOptions options;
   ApplySettings(flags.settings, options);
   options.Check();
   MapData map = ReadMap(flags.map);
-  CheckLayersAreJoinable(map);
-  std::set<KeyframeId> removed = KeyframesOfIds(map, flags.keyframes);
-  for (const std::string& session : flags.sessions) {
-    removed.merge(KeyframesOfSession(map, session));
-  }
-  for (const std::string& text : flags.regions) {
-    removed.merge(KeyframesInPolygon(map, ReadPolygon("--region", text)));
-  }
-  for (const std::string& name : flags.places) removed.merge(KeyframesOfPlace(map, name));
-  if (removed.empty()) {
-    throw MapError(ErrorCode::kUsage,
-                   "nothing to remove; give --session, --keyframes, --place or --region with a "
-                   "keyframe in it (waystone info lists sessions)");
-  }
-  const RemoveResult result = RemoveKeyframes(std::move(map), removed, options);
+  const Removal removed = ChooseRemoval(map, flags);
+  const RemoveResult result = RemoveFromMap(std::move(map), removed, options);
   ReplaceMap(result.map, flags.map, flags.keep);
   if (flags.json) {
     std::cout << Dump(RemovalJson(flags.map, result)) << '\n';
@@ -63,8 +74,8 @@ int RunRemove(const RemoveFlags& flags) {
 
 void AddRemove(CLI::App& app, Run& run) {
   auto flags = std::make_shared<RemoveFlags>();
-  CLI::App* command =
-      app.add_subcommand("remove", "Remove sessions or keyframes from a map, without its sources");
+  CLI::App* command = app.add_subcommand(
+      "remove", "Remove sessions, keyframes or panoramas from a map, without its sources");
   command->add_option("map", flags->map, "Map file, which is replaced")->required();
   command->add_option("--session", flags->sessions,
                       "Number or name of a session, as `waystone info` lists them; repeatable");
@@ -72,13 +83,17 @@ void AddRemove(CLI::App& app, Run& run) {
       ->add_option("--keyframes", flags->keyframes,
                    "Ids of keyframes: 12, 120:180 or 3,5,9:12; repeatable")
       ->allow_extra_args(false);
+  command
+      ->add_option("--nodes", flags->nodes,
+                   "Ids of panoramas (nodes of the appearance layer), likewise; repeatable")
+      ->allow_extra_args(false);
   command->add_option("--place", flags->places,
-                      "Named place whose keyframes are removed; repeatable");
+                      "Named place whose keyframes and panoramas are removed; repeatable");
   command
       ->add_option(
           "--region", flags->regions,
-          "Polygon on a map with poses, as seen from above: \"0,0 4.5,0 4.5,3\". Keyframes "
-          "taken in it are removed; repeatable")
+          "Polygon on a map with poses or panoramas, as seen from above: \"0,0 4.5,0 4.5,3\". "
+          "Keyframes and panoramas taken in it are removed; repeatable")
       ->allow_extra_args(false);
   command->add_flag("--keep", flags->keep, "Keep the previous version as MAP.previous");
   AddSetFlag(*command, flags->settings);

@@ -36,17 +36,84 @@ int64_t IdIn(const std::string& text, NamedKind kind, const std::vector<int64_t>
                                         std::to_string(ids.back())));
 }
 
-std::set<KeyframeId> KeyframesIn(const MapData& map, const NamedPlace& place) {
-  MapData part;  // what the place may hold, without pictures and planes
+// What a place may hold of a map, without pictures and planes.
+MapData PartFor(const MapData& map, const NamedPlace& place) {
+  MapData part;
   part.poses = map.poses;
   part.names = {place};
   for (const Keyframe& keyframe : map.keyframes) part.keyframes.emplace_back().id = keyframe.id;
-  const NamedPlaces places(part);
+  if (!map.appearance) return part;
+  part.appearance.emplace();
+  for (const AppearanceNode& node : map.appearance->nodes) {
+    AppearanceNode& bare = part.appearance->nodes.emplace_back();
+    bare.id = node.id;
+    bare.pose = node.pose;
+  }
+  return part;
+}
+
+std::set<KeyframeId> KeyframesIn(const MapData& map, const NamedPlace& place) {
+  const NamedPlaces places(PartFor(map, place));
   std::set<KeyframeId> held;
   for (const Keyframe& keyframe : map.keyframes) {
     if (places.OfKeyframe(keyframe.id) != nullptr) held.insert(keyframe.id);
   }
   return held;
+}
+
+std::set<AppearanceNodeId> NodesIn(const MapData& map, const NamedPlace& place) {
+  std::set<AppearanceNodeId> held;
+  if (!map.appearance) return held;
+  const NamedPlaces places(PartFor(map, place));
+  for (const AppearanceNode& node : map.appearance->nodes) {
+    if (places.OfNode(node) != nullptr) held.insert(node.id);
+  }
+  return held;
+}
+
+const NamedPlace& FindPlace(const MapData& map, const std::string& name) {
+  const auto found = std::ranges::find(map.names, name, &NamedPlace::name);
+  if (found != map.names.end()) return *found;
+  throw MapError(ErrorCode::kNotFound, "the map has no place named " + QuoteShortened(name) +
+                                           "; it has " + std::to_string(map.names.size()) +
+                                           ", which waystone name lists");
+}
+
+void RequirePositions(const MapData& map) {
+  if (map.poses || map.appearance) return;
+  throw MapError(ErrorCode::kNoLayer,
+                 "the map has no positions for a region; build it with --poses, or give "
+                 "keyframes");
+}
+
+// The ids in lists of them.
+template <class IdType, class Row>
+std::set<IdType> ChosenOf(const MapData& map, NamedKind kind, const std::vector<Row>& rows,
+                          const std::vector<std::string>& texts) {
+  std::set<IdType> chosen;
+  for (const std::string& text : texts) {
+    for (const NamedRange& range : RangesOfIds(map, kind, text)) {
+      for (const Row& row : rows) {
+        if (range.first <= row.id.value && row.id.value <= range.last) chosen.insert(row.id);
+      }
+    }
+  }
+  return chosen;
+}
+
+// The ids of the rows that are of some sequences.
+template <class IdType, class Row>
+std::set<IdType> IdsOfSequences(const std::vector<Row>& rows, const std::set<SequenceId>& chosen) {
+  std::set<IdType> ids;
+  for (const Row& row : rows) {
+    if (chosen.contains(row.sequence)) ids.insert(row.id);
+  }
+  return ids;
+}
+
+const std::vector<AppearanceNode>& NodesOf(const MapData& map) {
+  static const std::vector<AppearanceNode> none;
+  return map.appearance ? map.appearance->nodes : none;
 }
 
 const MapSession& FindSession(const std::vector<MapSession>& sessions, const std::string& text) {
@@ -87,16 +154,11 @@ std::vector<NamedRange> RangesOfIds(const MapData& map, NamedKind kind, const st
 }
 
 std::set<KeyframeId> KeyframesOfIds(const MapData& map, const std::vector<std::string>& texts) {
-  std::set<KeyframeId> chosen;
-  for (const std::string& text : texts) {
-    for (const NamedRange& range : RangesOfIds(map, NamedKind::kKeyframes, text)) {
-      for (const Keyframe& keyframe : map.keyframes) {
-        const int64_t id = keyframe.id.value;
-        if (range.first <= id && id <= range.last) chosen.insert(keyframe.id);
-      }
-    }
-  }
-  return chosen;
+  return ChosenOf<KeyframeId>(map, NamedKind::kKeyframes, map.keyframes, texts);
+}
+
+std::set<AppearanceNodeId> NodesOfIds(const MapData& map, const std::vector<std::string>& texts) {
+  return ChosenOf<AppearanceNodeId>(map, NamedKind::kNodes, NodesOf(map), texts);
 }
 
 NamedPolygon ReadPolygon(const std::string& flag, const std::string& text) {
@@ -119,30 +181,35 @@ NamedPolygon ReadPolygon(const std::string& flag, const std::string& text) {
 }
 
 std::set<KeyframeId> KeyframesInPolygon(const MapData& map, const NamedPolygon& polygon) {
-  if (!map.poses) {
-    throw MapError(ErrorCode::kNoLayer,
-                   "the map has no positions for a region; build it with --poses, or give "
-                   "keyframes");
-  }
+  RequirePositions(map);
   return KeyframesIn(map, {"region", {}, {polygon}});
 }
 
+std::set<AppearanceNodeId> NodesInPolygon(const MapData& map, const NamedPolygon& polygon) {
+  RequirePositions(map);
+  return NodesIn(map, {"region", {}, {polygon}});
+}
+
 std::set<KeyframeId> KeyframesOfPlace(const MapData& map, const std::string& name) {
-  const auto found = std::ranges::find(map.names, name, &NamedPlace::name);
-  if (found != map.names.end()) return KeyframesIn(map, *found);
-  throw MapError(ErrorCode::kNotFound, "the map has no place named " + QuoteShortened(name) +
-                                           "; it has " + std::to_string(map.names.size()) +
-                                           ", which waystone name lists");
+  return KeyframesIn(map, FindPlace(map, name));
+}
+
+std::set<AppearanceNodeId> NodesOfPlace(const MapData& map, const std::string& name) {
+  return NodesIn(map, FindPlace(map, name));
+}
+
+std::set<SequenceId> SequencesOfSession(const MapData& map, const std::string& session) {
+  const std::vector<MapSession> sessions = SessionsOf(map);
+  const MapSession& chosen = FindSession(sessions, session);
+  return {chosen.sequences.begin(), chosen.sequences.end()};
 }
 
 std::set<KeyframeId> KeyframesOfSession(const MapData& map, const std::string& session) {
-  const std::vector<MapSession> sessions = SessionsOf(map);
-  const MapSession& chosen = FindSession(sessions, session);
-  std::set<KeyframeId> ids;
-  for (const Keyframe& keyframe : map.keyframes) {
-    if (std::ranges::binary_search(chosen.sequences, keyframe.sequence)) ids.insert(keyframe.id);
-  }
-  return ids;
+  return IdsOfSequences<KeyframeId>(map.keyframes, SequencesOfSession(map, session));
+}
+
+std::set<AppearanceNodeId> NodesOfSession(const MapData& map, const std::string& session) {
+  return IdsOfSequences<AppearanceNodeId>(NodesOf(map), SequencesOfSession(map, session));
 }
 
 }  // namespace waystone

@@ -36,7 +36,9 @@ Json CountsJson(const std::string& path, const MapData& map) {
   return {{"map", path},
           {"keyframes", map.keyframes.size()},
           {"planes", map.planes.size()},
-          {"edges", map.edges.size()}};
+          {"edges", map.edges.size()},
+          {"panoramas", map.appearance ? map.appearance->nodes.size() : 0},
+          {"orientation_frames", map.orientation ? map.orientation->frames.size() : 0}};
 }
 
 }  // namespace
@@ -70,6 +72,16 @@ std::string JoinText(const std::string& path, const JoinResult& result) {
       << " recognised in another session, " << Counted(result.report.planes_fused, "plane")
       << " fused, " << Counted(result.report.surfaces_joined, "pair")
       << " of planes joined as one surface\n";
+  if (result.map.appearance) {
+    out << "  joined    " << Counted(result.report.panoramas_recognised, "panorama")
+        << " recognised in another session, tied by " << Counted(result.report.loops, "loop")
+        << '\n';
+  }
+  if (result.map.orientation) {
+    out << "  joined    " << Counted(result.report.orientation_loops, "loop")
+        << " between orientation layers, " << Counted(result.report.sequences_turned, "sequence")
+        << " turned into the building's axes\n";
+  }
   for (const std::string& name : result.report.floor_plans) {
     out << "  warning   the floor plan " << Printable(name)
         << " is left out: it is anchored in the frame of another map (waystone plan)\n";
@@ -86,6 +98,10 @@ std::string RemovalText(const std::string& path, const RemoveResult& result) {
       << Counted(report.planes, "plane") << ", " << Counted(report.edges, "edge") << ", "
       << Counted(report.sequences, "sequence") << "; " << Counted(report.planes_anchored, "plane")
       << " with another reference image\n";
+  if (report.panoramas > 0 || report.orientation_frames > 0) {
+    out << "  removed   " << Counted(report.panoramas, "panorama") << ", "
+        << Counted(report.orientation_frames, "orientation frame") << '\n';
+  }
   for (const std::string& name : report.names) {
     out << "  warning   nothing is left of the place " << Printable(name) << '\n';
   }
@@ -98,10 +114,14 @@ std::string RemovalText(const std::string& path, const RemoveResult& result) {
 
 Json RemovalJson(const std::string& path, const RemoveResult& result) {
   Json json = CountsJson(path, result.map);
-  json["removed"] = {
-      {"keyframes", result.report.keyframes}, {"planes", result.report.planes},
-      {"edges", result.report.edges},         {"sequences", result.report.sequences},
-      {"names", result.report.names},         {"floor_plans", result.report.floor_plans}};
+  json["removed"] = {{"keyframes", result.report.keyframes},
+                     {"panoramas", result.report.panoramas},
+                     {"orientation_frames", result.report.orientation_frames},
+                     {"planes", result.report.planes},
+                     {"edges", result.report.edges},
+                     {"sequences", result.report.sequences},
+                     {"names", result.report.names},
+                     {"floor_plans", result.report.floor_plans}};
   json["planes_anchored"] = result.report.planes_anchored;
   json["sessions"] = SessionsJson(result.map);
   json["parts"] = PartsJson(result.map);
@@ -111,6 +131,10 @@ Json RemovalJson(const std::string& path, const RemoveResult& result) {
 Json JoinJson(const std::string& path, const JoinResult& result) {
   Json json = CountsJson(path, result.map);
   json["keyframes_recognised"] = result.report.keyframes_recognised;
+  json["panoramas_recognised"] = result.report.panoramas_recognised;
+  json["loops"] = result.report.loops;
+  json["orientation_loops"] = result.report.orientation_loops;
+  json["sequences_turned"] = result.report.sequences_turned;
   json["planes_fused"] = result.report.planes_fused;
   json["surfaces_joined"] = result.report.surfaces_joined;
   json["floor_plans_left_out"] = result.report.floor_plans;

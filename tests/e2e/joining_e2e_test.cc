@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
@@ -62,11 +63,19 @@ TEST_F(JoiningTest, RemoveRefusesWhatTheMapHasNot) {
   ExpectRefusal({"remove", map_, "--session", "night"}, 3, "no session 'night'");
 }
 
-TEST_F(JoiningTest, MapsWithAnOrientationLayerAreRefused) {
+TEST_F(JoiningTest, OrientationLayersAreJoinedAndPared) {
   const std::string corner = TheCorner().map;
-  ExpectRefusal({"remove", corner, "--keyframes", "1"}, 3, "has an orientation layer");
-  ExpectRefusal({"merge", map_, corner, "-o", folder_ / "both.db"}, 3, "has an orientation layer");
-  EXPECT_FALSE(fs::exists(folder_ / "both.db"));
+  const fs::path both = folder_ / "both.db";
+  const RunResult merged = RunWaystone({"merge", map_, corner, "-o", both, "--json"});
+  ASSERT_EQ(merged.code, 0) << merged.err;
+  const Json summary = Json::parse(merged.out);
+  EXPECT_GT(summary["orientation_frames"], 0);
+  EXPECT_EQ(summary["sessions"].size(), 2u);
+  EXPECT_EQ(summary["parts"].size(), 2u);  // other rooms
+  EXPECT_EQ(RunWaystone({"check", both}).code, 0);
+  ASSERT_EQ(RunWaystone({"remove", both, "--session", TheCorner().map.stem()}).code, 0);
+  EXPECT_EQ(RunWaystone({"check", both}).code, 0);
+  EXPECT_EQ(Json::parse(RunWaystone({"info", both, "--json"}).out)["keyframes"], CountKeyframes());
 }
 
 TEST_F(JoiningTest, WhatIsLeftOfAMapWithPosesAnswersWithThem) {
@@ -79,13 +88,34 @@ TEST_F(JoiningTest, WhatIsLeftOfAMapWithPosesAnswersWithThem) {
   EXPECT_TRUE(answer["pose"].is_object()) << answer;
 }
 
-TEST_F(JoiningTest, PanoramasAreRefusedBeforeTheyAreBuilt) {
-  fs::create_directory(folder_ / "walk");
-  for (int i = 0; i < 3; ++i) {
-    cv::imwrite((folder_ / "walk" / (std::to_string(i) + ".png")).string(),
-                cv::Mat(128, 256, CV_8U, cv::Scalar(90)));
+// Panoramas of one place: noise that turns.
+void WritePanoramas(const fs::path& folder, int count, uint64_t seed) {
+  fs::create_directory(folder);
+  cv::Mat noise(128, 256, CV_8U);
+  cv::RNG(seed).fill(noise, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(noise, noise, {9, 9}, 3);
+  cv::Mat twice;
+  cv::hconcat(noise, noise, twice);
+  for (int i = 0; i < count; ++i) {
+    cv::imwrite((folder / (std::to_string(i) + ".png")).string(),
+                twice(cv::Rect(5 * i, 0, 256, 128)));
   }
-  ExpectRefusal({"add", map_, folder_ / "walk", "--quiet"}, 3, "layers beside planes");
+}
+
+TEST_F(JoiningTest, PanoramasAreAddedAndRemoved) {
+  WritePanoramas(folder_ / "walk", 4, 7);
+  const RunResult added =
+      RunWaystone({"add", map_, folder_ / "walk", "--name", "round", "--json", "--quiet"});
+  ASSERT_EQ(added.code, 0) << added.err;
+  EXPECT_EQ(Json::parse(added.out)["panoramas"], 4);
+  EXPECT_EQ(Json::parse(added.out)["parts"].size(), 2u);
+  EXPECT_EQ(RunWaystone({"check", map_}).code, 0);
+  const RunResult pared = RunWaystone({"remove", map_, "--nodes", "2:3", "--json"});
+  ASSERT_EQ(pared.code, 0) << pared.err;
+  EXPECT_EQ(Json::parse(pared.out)["removed"]["panoramas"], 2);
+  ExpectRefusal({"remove", map_, "--nodes", "2"}, 3, "no node 2");
+  ASSERT_EQ(RunWaystone({"remove", map_, "--session", "round"}).code, 0);
+  EXPECT_EQ(RunWaystone({"check", map_}).code, 0);
 }
 
 TEST_F(JoiningTest, AWalkThatShowsNothingIsNotAdded) {

@@ -142,11 +142,11 @@ TEST(JoinPoses, PlansOfTheFrameThatIsKeptStay) {
   EXPECT_EQ(added.map.floor_plans, turned.floor_plans);
   EXPECT_EQ(added.report.floor_plans, std::vector<std::string>{"Metric"});
   const KeyframeId first = metric.keyframes.front().id;
-  EXPECT_EQ(RemoveKeyframes(metric, {first}, {}).map.floor_plans, metric.floor_plans);
+  EXPECT_EQ(RemoveFromMap(metric, {{first}, {}}, {}).map.floor_plans, metric.floor_plans);
   std::set<KeyframeId> all;  // of the only walk with poses
   const JoinResult half = MergeMaps({metric, MapOfFrames(16, 44, "plain")}, "half", {});
   for (const KeyframePose& pose : half.map.poses->keyframes) all.insert(pose.keyframe);
-  const RemoveResult left = RemoveKeyframes(half.map, all, {});
+  const RemoveResult left = RemoveFromMap(half.map, {all, {}}, {});
   EXPECT_TRUE(left.map.floor_plans.empty());
   EXPECT_EQ(left.report.floor_plans, std::vector<std::string>{"Metric"});
 }
@@ -205,7 +205,7 @@ TEST(JoinPoses, FramesThatNothingTiesTogetherAreRefused) {
 TEST(RemoveKeyframes, LeavesThePosesOfTheOthers) {
   const MapData& before = InMetres();
   const KeyframeId first = before.keyframes.front().id;
-  const RemoveResult left = RemoveKeyframes(before, {first}, {});
+  const RemoveResult left = RemoveFromMap(before, {{first}, {}}, {});
   ASSERT_TRUE(left.map.poses);
   EXPECT_GT(left.report.planes_anchored, 0);
   EXPECT_EQ(left.map.poses->keyframes.size() + 1, before.poses->keyframes.size());
@@ -224,7 +224,7 @@ TEST(RemoveKeyframes, NoPosesAreLeftWithoutPosedKeyframes) {
   const MapData joined = MergeMaps({InMetres(), MapOfFrames(16, 44, "plain")}, "joined", {}).map;
   std::set<KeyframeId> posed;
   for (const KeyframePose& pose : joined.poses->keyframes) posed.insert(pose.keyframe);
-  const MapData left = RemoveKeyframes(joined, posed, {}).map;
+  const MapData left = RemoveFromMap(joined, {posed, {}}, {}).map;
   EXPECT_FALSE(left.poses);
   EXPECT_FALSE(left.keyframes.empty());
 }

@@ -109,7 +109,7 @@ TEST(MergeMaps, LinksKeyframesThatShowOnePlace) {
   for (const Keyframe& keyframe : joined.map.keyframes) {
     if (keyframe.sequence == SequenceId{2}) second.insert(keyframe.id);
   }
-  EXPECT_TRUE(RemoveKeyframes(joined.map, second, {}).map.links.empty());
+  EXPECT_TRUE(RemoveFromMap(joined.map, {second, {}}, {}).map.links.empty());
 }
 
 // The keyframes of an added walk are asked in the map, and none of the map in the walk.

@@ -38,7 +38,7 @@ TEST(RemoveKeyframes, OfASessionLeavesTheOther) {
   const MapData& both = TwoSessions();
   const bool first_leads = SessionsOf(both)[0].name == "first";
   const SequenceId second{first_leads ? 2 : 1};
-  const RemoveResult left = RemoveKeyframes(both, KeyframesOf(both, second), {});
+  const RemoveResult left = RemoveFromMap(both, {KeyframesOf(both, second), {}}, {});
   EXPECT_EQ(left.report.sequences, 1);
   EXPECT_GT(left.report.planes, 0);
   ASSERT_EQ(SessionsOf(left.map).size(), 1u);
@@ -53,7 +53,7 @@ TEST(RemoveKeyframes, OfASessionLeavesTheOther) {
 TEST(RemoveKeyframes, ExpressesPlanesInAnotherReference) {
   const MapData& map = TheMap().map;
   const KeyframeId first = map.keyframes.front().id;
-  const RemoveResult left = RemoveKeyframes(map, {first}, {});
+  const RemoveResult left = RemoveFromMap(map, {{first}, {}}, {});
   EXPECT_GT(left.report.planes_anchored, 0);
   for (const Plane& plane : left.map.planes) {
     EXPECT_NE(plane.reference, first);
@@ -81,7 +81,7 @@ TEST(RemoveKeyframes, KeepsWhatIsLeftOfNamedPlaces) {
   MapData map = TheMap().map;
   map.names = {{"Begin", {{NamedKind::kKeyframes, 1, 1}}, {}},
                {"Hall", {{NamedKind::kKeyframes, 1, 4}}, {}}};
-  const RemoveResult left = RemoveKeyframes(map, {{1}, {3}}, {});
+  const RemoveResult left = RemoveFromMap(map, {{{1}, {3}}, {}}, {});
   EXPECT_EQ(left.report.names, std::vector<std::string>{"Begin"});
   ASSERT_EQ(left.map.names.size(), 1u);
   EXPECT_EQ(left.map.names[0], (NamedPlace{"Hall", {{NamedKind::kKeyframes, 2, 4}}, {}}));
@@ -90,7 +90,7 @@ TEST(RemoveKeyframes, KeepsWhatIsLeftOfNamedPlaces) {
 TEST(RemoveKeyframes, ParesAStretchInTwo) {
   const MapData& map = TheMap().map;
   const size_t middle = map.keyframes.size() / 2;
-  const RemoveResult left = RemoveKeyframes(map, {map.keyframes[middle].id}, {});
+  const RemoveResult left = RemoveFromMap(map, {{map.keyframes[middle].id}, {}}, {});
   EXPECT_LT(left.map.keyframes[middle - 1].stretch, left.map.keyframes[middle].stretch);
   EXPECT_EQ(left.map.keyframes.front().stretch, 0);
 }
@@ -98,7 +98,7 @@ TEST(RemoveKeyframes, ParesAStretchInTwo) {
 TEST(RemoveKeyframes, RefusesUnknownOnesAndAll) {
   const MapData& map = TheMap().map;
   try {
-    RemoveKeyframes(map, {{9999}}, {});
+    RemoveFromMap(map, {{{9999}}, {}}, {});
     FAIL();
   } catch (const MapError& error) {
     EXPECT_EQ(error.code(), ErrorCode::kNotFound);
@@ -106,7 +106,7 @@ TEST(RemoveKeyframes, RefusesUnknownOnesAndAll) {
                                              std::to_string(map.keyframes.back().id.value));
   }
   try {
-    RemoveKeyframes(map, KeyframesOf(map, {1}), {});
+    RemoveFromMap(map, {KeyframesOf(map, {1}), {}}, {});
     FAIL();
   } catch (const MapError& error) {
     EXPECT_EQ(error.code(), ErrorCode::kBadRequest);
