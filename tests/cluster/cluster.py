@@ -19,6 +19,7 @@ from connection import Connection  # noqa: E402
 HAPROXY = "/usr/sbin/haproxy"
 CONFIGURATION = Path(__file__).resolve().parents[2] / "deploy/haproxy.cfg"
 START_S = 60
+TRY_LATER = 6  # exit status of waystone
 SERVERS = 3
 
 
@@ -199,9 +200,18 @@ class Cluster:
         self.postgres.start()
         self.store.start()
 
+    def run(self, *arguments):
+        """What the program prints; tried again while it says that the registry or the store can't be reached."""
+        command, started = [self.program, *map(str, arguments)], time.monotonic()
+        while True:
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            if done.returncode == 0:
+                return done.stdout
+            if done.returncode != TRY_LATER or time.monotonic() - started > START_S:
+                raise RuntimeError(f"waystone {arguments[0]} exited with {done.returncode}: {done.stderr}")
+
     def publish(self, file, name):
-        subprocess.run([self.program, "publish", file, "--to", self.postgres.url, "--store", self.store.url,
-                        "--name", name], check=True, stdout=subprocess.DEVNULL)
+        self.run("publish", file, "--to", self.postgres.url, "--store", self.store.url, "--name", name)
 
     def start(self):
         for server in self.servers:

@@ -7,12 +7,11 @@ import subprocess
 import threading
 import time
 
-from cluster import until
+from cluster import TRY_LATER, until
 from connection import Connection
 from load import Load, localize, without_times
 
 CLIENTS = 4
-TRY_LATER = 6  # exit status of waystone
 LOG_S = 3  # that HAProxy's log may be late
 SKEW_S = 0.05  # between this program's clock readings and what they are of
 
@@ -96,12 +95,10 @@ class Kills:
             self.cluster.postgres.start()
             back = until(lambda: all(server.registry()["connected"] for server in servers))
             self.findings.promise(back[0], "servers don't find the registry again")
-            subprocess.run([self.cluster.program, "retire", name, "--in", self.cluster.postgres.url], check=True,
-                           stdout=subprocess.DEVNULL)
+            self.cluster.run("retire", name, "--in", self.cluster.postgres.url)
             heard = until(lambda: all(server.get(f"/v1/maps/{name}")[0] == 404 for server in servers))
             self.findings.promise(heard[0], "servers don't hear of changes after the registry came back")
-            subprocess.run([self.cluster.program, "rollback", name, "--in", self.cluster.postgres.url], check=True,
-                           stdout=subprocess.DEVNULL)
+            self.cluster.run("rollback", name, "--in", self.cluster.postgres.url)
             return lambda failure: "nothing may fail"
         self.under_load("PostgreSQL", strike)
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Two workers that build a map in parts, one of which is killed while it does so."""
 import json
-import subprocess
 
 from cluster import Process, until
 
@@ -19,20 +18,16 @@ class Workers:
                      "--lease", LEASE_S, "--retry-after", "0.5", "--threads", "1"], folder / f"worker{i}.log")
             for i in range(2)]
 
-    def run(self, *arguments):
-        return subprocess.run([self.cluster.program, *map(str, arguments)], check=True, capture_output=True,
-                              text=True).stdout
-
     def enqueue(self, images):
-        return json.loads(self.run(
+        return json.loads(self.cluster.run(
             "enqueue", images, "--name", NAME, "--registry", self.cluster.postgres.url, "--features", "orb",
             "--every", 4, "--part-frames", PART_FRAMES, "--json"))["id"]
 
     def job(self, number):
-        return json.loads(self.run("jobs", self.cluster.postgres.url, "--job", number, "--json"))
+        return json.loads(self.cluster.run("jobs", self.cluster.postgres.url, "--job", number, "--json"))
 
     def versions(self):
-        listed = self.run("maps", self.cluster.postgres.url, "--name", NAME, "--json")
+        listed = self.cluster.run("maps", self.cluster.postgres.url, "--name", NAME, "--json")
         return [json.loads(line)["sha256"] for line in listed.splitlines()]
 
     def build(self, images, findings, kill):
