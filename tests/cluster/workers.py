@@ -7,7 +7,7 @@ from cluster import Process, until
 NAME = "built"
 LEASE_S = 3
 PATIENCE_S = 300
-PART_FRAMES = 16
+PART_FRAMES = 20
 
 
 class Workers:
