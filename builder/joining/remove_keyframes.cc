@@ -56,11 +56,8 @@ void CheckRemoval(const MapData& map, const Removal& removed) {
   CheckKnown(nodes, removed.nodes, "panorama");
   if (removed.keyframes.size() < map.keyframes.size() || removed.nodes.size() < nodes.size())
     return;
-  const bool all_frames =
-      !map.orientation || std::ranges::all_of(map.orientation->frames, [&](const auto& frame) {
-        return removed.sequences.contains(frame.sequence);
-      });
-  if (!all_frames) return;
+  const size_t frames = map.orientation ? map.orientation->frames.size() : 0;
+  if (FramesThatGo(map, removed).size() < frames) return;
   std::string all = nodes.empty() ? "" : std::to_string(nodes.size()) + " panoramas";
   if (!map.keyframes.empty() || nodes.empty()) {
     all = std::to_string(map.keyframes.size()) + " keyframes" + (all.empty() ? "" : " and ") + all;

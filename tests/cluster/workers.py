@@ -7,7 +7,7 @@ from cluster import Process, until
 NAME = "built"
 LEASE_S = 3
 PATIENCE_S = 600
-PART_FRAMES = 20  # the fewest that are allowed
+PART_FRAMES = 20
 
 
 class Workers:
@@ -21,7 +21,7 @@ class Workers:
     def enqueue(self, images):
         return json.loads(self.cluster.run(
             "enqueue", images, "--name", NAME, "--registry", self.cluster.postgres.url, "--features", "orb",
-            "--every", 3, "--part-frames", PART_FRAMES, "--json"))["id"]
+            "--every", 4, "--part-frames", PART_FRAMES, "--json"))["id"]
 
     def job(self, number):
         return json.loads(self.cluster.run("jobs", self.cluster.postgres.url, "--job", number, "--json"))

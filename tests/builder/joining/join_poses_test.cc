@@ -197,8 +197,8 @@ TEST(JoinPoses, FramesThatNothingTiesTogetherAreRefused) {
     EXPECT_EQ(error.code(), ErrorCode::kBadRequest);
     EXPECT_EQ(std::string(error.what()),
               "map 'elsewhere' and map 'metric' have poses in frames that can't be aligned: fewer "
-              "than 3 keyframes, or less than half, agree on how they lie; build one of them "
-              "without --poses");
+              "than 3 keyframes or panoramas, or less than half, agree on how they lie; build one "
+              "of them without --poses");
   }
 }
 

@@ -208,12 +208,6 @@ TEST(MergeMaps, RefusesWhatCannotBeJoined) {
               MergeMaps({part, FirstHalf()}, "both", {});
             }).find("session 'part' has the same "),
             std::string::npos);
-  MapData panoramas = SecondHalf();
-  panoramas.appearance.emplace();
-  EXPECT_NE(MessageOf([&] {
-              MergeMaps({FirstHalf(), panoramas}, "panoramas", {});
-            }).find("has an appearance layer"),
-            std::string::npos);
 }
 
 TEST(MergeMaps, RefusesIdsThatCannotBeCountedOn) {
