@@ -563,9 +563,9 @@ def _line(answer: Answer) -> str:
 def main(arguments: Sequence[str] | None = None) -> int:
     """The program waystone-localize. Returns its exit code."""
     flags = _arguments().parse_args(arguments)
-    of_series = ("previous", "odometry")
+    without_flag = ("previous", "odometry", "hints")
     names = [
-        field.name for field in dataclasses.fields(Options) if field.name not in of_series
+        field.name for field in dataclasses.fields(Options) if field.name not in without_flag
     ]
     options = Options(**{name: getattr(flags, name) for name in names})
     try:

@@ -207,8 +207,8 @@ TEST_F(PlanTest, ABuildKeepsIt) {
 
 TEST_F(PlanTest, BadInputIsRefused) {
   const std::string a = AnchorAt(0, 0), b = AnchorAt(13, 0), c = AnchorAt(13, 12);
-  const auto refuse = [&](std::vector<std::string> anchors, int code, const std::string& about,
-                          const fs::path& image) {
+  const auto refuse = [&](const std::vector<std::string>& anchors, int code,
+                          const std::string& about, const fs::path& image) {
     std::vector<std::string> arguments{image};
     for (const std::string& anchor : anchors) {
       arguments.insert(arguments.end(), {"--anchor", anchor});

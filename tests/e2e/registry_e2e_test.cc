@@ -391,7 +391,7 @@ TEST(RegistryPostgres, GoesOnAndStartsWithoutTheDatabase) {
   EXPECT_EQ(again.Localize("room")["verdict"], "localized");
   const RunResult unknown = RunWaystone(
       {"serve", "--registry", postgres.url(), "--cache", folder / "other", "--port", "0"});
-  EXPECT_EQ(unknown.code, 3) << "nothing is known";
+  EXPECT_EQ(unknown.code, 6) << "nothing is known";
   EXPECT_NE(unknown.err.find("the registry's database: "), std::string::npos) << unknown.err;
   fs::remove_all(folder);
 }

@@ -33,7 +33,7 @@ fs::path OtherRoom(const fs::path& folder, int number) {
   }
   map.index.reset();
   map.info.name = "other";
-  const fs::path file = folder / ("other" + std::to_string(number) + ".db");
+  fs::path file = folder / ("other" + std::to_string(number) + ".db");
   WriteMap(map, file, {.overwrite = true});
   return file;
 }

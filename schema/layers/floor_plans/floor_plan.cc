@@ -139,9 +139,9 @@ std::optional<std::string> FindAnchorProblem(const std::vector<PlanAnchor>& anch
     return "it has " + std::to_string(anchors.size()) + " anchors; 2 to " +
            std::to_string(kMaxPlanAnchors) + " are needed";
   }
-  if (const auto problem = FindBoundsProblem(anchors, width, height)) return problem;
-  if (const auto problem = FindSpreadProblem(PixelsOf(anchors), "of the image")) return problem;
-  if (const auto problem = FindSpreadProblem(PlacesOf(anchors), "of the map")) return problem;
+  if (auto problem = FindBoundsProblem(anchors, width, height)) return problem;
+  if (auto problem = FindSpreadProblem(PixelsOf(anchors), "of the image")) return problem;
+  if (auto problem = FindSpreadProblem(PlacesOf(anchors), "of the map")) return problem;
   const double allowed_px = kMaxResidual * SpreadOf(PixelsOf(anchors)).largest;
   const PlanFit fit = FitPlan(anchors);
   if (fit.residual_px <= allowed_px) return std::nullopt;
