@@ -22,7 +22,9 @@ MapData ImagesOfEverySecond(int first, const std::string& name) {
   std::vector<cv::Mat> images;
   for (size_t i = first; i < Corner().images.size(); i += 2) images.push_back(Corner().images[i]);
   MapData map = MapWith(BuildOrientation(images).layer);
-  map.info = {.name = name, .program = "waystone", .version = "sha256:" + name};
+  map.info.name = name;
+  map.info.program = "waystone";
+  map.info.version = "sha256:" + name;
   map.sequences.front().name = name;
   map.sequences.front().camera = Corner().camera;
   return map;
