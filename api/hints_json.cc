@@ -24,9 +24,9 @@ double CoordinateIn(const Json& position, const char* name, double low) {
                 Dump(Json(kMaxCoordinate)));
 }
 
-MapHints::Position ReadPosition(const Json& json) {
+PositionHint ReadPosition(const Json& json) {
   CheckKnownFields(json, "hints.position", {"frame", "radius", "x", "y", "z"});
-  MapHints::Position position;
+  PositionHint position;
   if (!json.contains("frame")) RefuseRequest("hints.position.frame is missing");
   position.frame = NameIn(json["frame"], "hints.position.frame");
   position.at = {CoordinateIn(json, "x", -kMaxCoordinate),
@@ -57,7 +57,7 @@ MapHints ReadHints(const Json& object) {
 Json ToJson(const MapHints& hints) {
   Json json = Json::object();
   if (hints.position) {
-    const MapHints::Position& position = *hints.position;
+    const PositionHint& position = *hints.position;
     json["position"] = {{"frame", position.frame},
                         {"x", position.at.at(0)},
                         {"y", position.at.at(1)},

@@ -54,15 +54,16 @@ struct PreviousAnswer {
   bool operator==(const PreviousAnswer&) const = default;
 };
 
+// Near a point of a frame that maps have poses in.
+struct PositionHint {
+  std::string frame;       // PoseLayer::frame, or "appearance" for maps of panoramas without poses
+  std::vector<double> at;  // x, y, and z where it is known; in the frame's units
+  double radius = 0;       // in the same
+};
+
 // What narrows a query of all maps of a registry to some of them.
 struct MapHints {
-  // Near a point of a frame that maps have poses in.
-  struct Position {
-    std::string frame;  // PoseLayer::frame, or "appearance" for maps of panoramas without poses
-    std::vector<double> at;  // x, y, and z where it is known; in the frame's units
-    double radius = 0;       // in the same
-  };
-  std::optional<Position> position;
+  std::optional<PositionHint> position;
   std::vector<std::string> tags;            // of maps that were published with all of them
   std::optional<std::string> previous_map;  // asked in any case
 };

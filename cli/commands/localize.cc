@@ -49,7 +49,7 @@ MapHints MakeHints(const LocalizeFlags& flags) {
   hints.tags = flags.tags;
   if (!flags.previous_map.empty()) hints.previous_map = flags.previous_map;
   if (flags.near.empty()) return hints;
-  MapHints::Position& position = hints.position.emplace();
+  PositionHint& position = hints.position.emplace();
   position.frame = flags.near.front();
   for (size_t i = 1; i < flags.near.size(); ++i) position.at.push_back(NumberOf(flags.near[i]));
   position.radius = position.at.back();

@@ -10,7 +10,7 @@ namespace waystone {
 namespace {
 
 // Whether a box comes within the radius of a point, by the coordinates that both have.
-bool IsWithin(const MapTraits& traits, const MapHints::Position& position) {
+bool IsWithin(const MapTraits& traits, const PositionHint& position) {
   if (traits.frame != position.frame) return false;
   double square = 0;
   for (size_t i = 0; i < std::min(position.at.size(), traits.min.size()); ++i) {

@@ -82,10 +82,10 @@ TEST(MapVersion, WhatIsNoManifestIsRefused) {
 
 TEST(MapVersion, NamesThatNoFileOrAddressCanHaveAreRefused) {
   const std::string right_to_left = "\u202E";
-  for (const std::string& name : {std::string("lab"), std::string("Floor 2, east"),
-                                  std::string("Köln"), std::string(".lab"), std::string(),
-                                  std::string("a/b"), std::string("a\nb"), std::string("\xff"),
-                                  std::string(".."), right_to_left + "bal"}) {
+  for (const std::string& name :
+       {std::string("lab"), std::string("Floor 2, east"), std::string("Köln"), std::string(".lab"),
+        std::string(), std::string("a/b"), std::string("a\nb"), std::string("\xff"),
+        std::string(".."), right_to_left + "bal"}) {
     const bool good = name == "lab" || name == "Floor 2, east" || name == "Köln";
     bool taken = true;
     try {

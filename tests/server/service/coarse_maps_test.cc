@@ -185,7 +185,7 @@ TEST_F(CoarseMapsTest, FewMapsAreAllAskedAndManyAreProposed) {
   EXPECT_EQ(Scope(hints).names, (std::vector<std::string>{"lab", "old"}));
   // Their keyframes are at (1, 2, 1.5) and (2, 2, 1.5) of the frame "hall".
   hints = {};
-  hints.position = MapHints::Position{"hall", {1.5, 4}, 2.5};
+  hints.position = PositionHint{"hall", {1.5, 4}, 2.5};
   EXPECT_EQ(Scope(hints).names.size(), 3U);
   hints.position->radius = 1.5;
   EXPECT_THROW(Scope(hints), MapError);
