@@ -120,7 +120,7 @@ TEST_F(LimitedServer, KeepsItsMapWhereTheNewOneDoesNotFit) {
   ASSERT_EQ(Ask(photo), 200);
   const std::string map = ReadFile(map_);
   Limit(kSpareBytes);
-  fs::resize_file(map_, 4'000'000'000);  // takes no place on the disk
+  fs::resize_file(map_, 400'000'000);  // takes no place on the disk
   EXPECT_TRUE(WaitForReloads("refused", 2)) << "it doesn't try again";
   Unlimit();
   EXPECT_EQ(Ask(photo), 200);
