@@ -74,8 +74,10 @@ double SharedView(const World& world, const Camera& camera, const Eigen::Isometr
                   const Eigen::Isometry3d& place) {
   int seen = 0;
   for (int i = 0; i < kRays * kRays; ++i) {
-    const Eigen::Vector2d x((i % kRays + 0.5) * camera.width / kRays,
-                            (i / kRays + 0.5) * camera.height / kRays);
+    const int row = i / kRays;
+    const int column = i % kRays;
+    const Eigen::Vector2d x((column + 0.5) * camera.width / kRays,
+                            (row + 0.5) * camera.height / kRays);
     const Eigen::Vector3d direction = query.linear() * Eigen::Vector3d(Unproject(camera, x));
     const Eigen::Vector3d at =
         query.translation() + world.Cast(query.translation(), direction).t * direction;
@@ -92,8 +94,7 @@ double SharedView(const World& world, const Camera& camera, const Eigen::Isometr
 }
 
 Descriptors PoolOf(const MapIndex& index) {
-  const Descriptors all = index.search().Rows(0, index.search().rows());
-  return all;
+  return index.search().Rows(0, index.search().rows());
 }
 
 MapData BuildOf(std::unique_ptr<Source> source, FeatureType type) {

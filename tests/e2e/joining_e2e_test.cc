@@ -71,6 +71,7 @@ TEST_F(JoiningTest, OrientationLayersAreJoinedAndPared) {
   const Json summary = Json::parse(merged.out);
   EXPECT_GT(summary["orientation_frames"], 0);
   EXPECT_EQ(summary["sessions"].size(), 2u);
+  EXPECT_EQ(summary["parts"].size(), 2u);  // other rooms
   EXPECT_EQ(RunWaystone({"check", both}).code, 0);
   ASSERT_EQ(RunWaystone({"remove", both, "--session", TheCorner().map.stem()}).code, 0);
   EXPECT_EQ(RunWaystone({"check", both}).code, 0);
