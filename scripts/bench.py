@@ -40,6 +40,8 @@ look-alikes          look-alikes
 look-alikes-others   look-alikes --first 17 --buildings 8
 scale                scale
 collection           collection DATA
+collection-orb       collection DATA --features orb
+collection-akaze     collection DATA --features akaze
 linear               linear DATA/kitchen 250 500 1000
 graphs               graphs DATA/kitchen DATA/church world
 density-300          graphs DATA/kitchen --keyframes 300:150 --opencv-every 0

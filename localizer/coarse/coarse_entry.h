@@ -13,7 +13,7 @@
 namespace waystone {
 
 // What the coarse index of a registry knows of a map: for each place, which is a keyframe or a
-// panorama, codes of some features that were seen from there. A few hundred bytes a place.
+// panorama, codes of some features that were seen from there. Up to 801 bytes a place.
 struct CoarseEntry {
   std::string map_version;  // "sha256:..." of the map's file
   FeatureType feature_type = FeatureType::kSift;
@@ -30,7 +30,7 @@ struct CoarseEntry {
 };
 
 // At most so many codes a place, and places a map.
-inline constexpr int kMaxPlaceCodes = 48;
+inline constexpr int kMaxPlaceCodes = 80;
 inline constexpr int kMaxCoarsePlaces = 1'000'000;
 
 // The entry of a map, from what its file holds. Landmarks and features of planes that most

@@ -4,18 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <utility>
+
+#include "core/search/near_signatures.h"
 
 namespace waystone {
 namespace {
 
 constexpr std::array kTypes{FeatureType::kSift, FeatureType::kOrb, FeatureType::kAkaze};
-
-// A code of the index that is near one of the query.
-struct NearCode {
-  uint32_t place = 0;
-  int distance = 0;
-};
 
 }  // namespace
 
@@ -30,6 +27,34 @@ struct CoarseIndex::Votes {
 
   std::vector<double> weights;
   std::vector<uint32_t> touched;
+};
+
+// The places that one feature of the query finds, each by its nearest code.
+class CoarseIndex::NearPlaces {
+ public:
+  struct Place {
+    uint32_t place = 0;
+    int distance = 0;
+  };
+
+  explicit NearPlaces(size_t places) : slot_of_(places, 0) {}
+
+  void Clear() { found_.clear(); }
+  void Add(uint32_t place, int distance) {
+    // What a former feature has left is no slot of this place.
+    uint32_t& slot = slot_of_[place];
+    if (slot < found_.size() && found_[slot].place == place) {
+      found_[slot].distance = std::min(found_[slot].distance, distance);
+      return;
+    }
+    slot = static_cast<uint32_t>(found_.size());
+    found_.push_back({place, distance});
+  }
+  const std::vector<Place>& found() const { return found_; }
+
+ private:
+  std::vector<uint32_t> slot_of_;
+  std::vector<Place> found_;
 };
 
 CoarseIndex::CoarseIndex(std::vector<Map> maps, const CoarseOptions& options)
@@ -105,22 +130,22 @@ void CoarseIndex::Vote(const CoarseDescriptors& image, Votes& votes) const {
   const Lists& lists = lists_[static_cast<size_t>(image.type)];
   if (lists.start.empty()) return;
   const Vocabulary& words = Vocabulary::Of(image.type);
-  std::vector<NearCode> near;
+  NearPlaces places(map_of_place_.size());
+  std::vector<NearSignature> near;
   for (int q = 0; q < image.rows.rows(); ++q) {
-    near.clear();
+    places.Clear();
     for (const WordCode& probe : words.Probe(image.rows.row(q), options_.probes)) {
-      for (uint32_t i = lists.start[probe.word]; i < lists.start[probe.word + 1]; ++i) {
-        const int distance = SignatureDistance(lists.signatures[i], probe.signature);
-        if (distance <= options_.max_distance) near.push_back({lists.places[i], distance});
+      const uint32_t start = lists.start[probe.word];
+      const size_t count = lists.start[probe.word + 1] - start;
+      near.clear();
+      AppendNear(std::span(lists.signatures).subspan(start, count), probe.signature,
+                 options_.max_distance, near);
+      for (const NearSignature& one : near) {
+        places.Add(lists.places[start + one.index], one.distance);
       }
     }
-    std::ranges::sort(near, {},
-                      [](const NearCode& one) { return std::pair(one.place, one.distance); });
-    const auto last = std::unique(near.begin(), near.end(),
-                                  [](const auto& a, const auto& b) { return a.place == b.place; });
-    near.erase(last, near.end());
-    const double share = 1 / std::sqrt(static_cast<double>(near.size()));
-    for (const NearCode& one : near) {
+    const double share = 1 / std::sqrt(static_cast<double>(places.found().size()));
+    for (const NearPlaces::Place& one : places.found()) {
       votes.Add(one.place, share * (options_.max_distance + 1 - one.distance));
     }
   }

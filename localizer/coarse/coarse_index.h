@@ -17,7 +17,7 @@ namespace waystone {
 struct CoarseOptions {
   int probes = 8;
   int max_distance = 22;
-  int window = 2;
+  int window = 4;
 
   static constexpr auto Fields() {
     using Self = CoarseOptions;
@@ -77,6 +77,7 @@ class CoarseIndex {
     std::vector<uint32_t> places;
   };
   struct Votes;
+  class NearPlaces;
 
   void Fill(FeatureType type);
   void Vote(const CoarseDescriptors& image, Votes& votes) const;
