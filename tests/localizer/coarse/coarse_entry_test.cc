@@ -114,7 +114,7 @@ TEST(CoarseEntry, WhatLiesIsRefused) {
   EXPECT_NE(with(4, 2), "");
   std::string crowded = good;
   crowded[numbers + 20] = static_cast<char>(kMaxPlaceCodes + 1);
-  EXPECT_NE(WhyRefused(crowded).find("place 0 has 49 codes"), std::string::npos);
+  EXPECT_NE(WhyRefused(crowded).find("place 0 has 81 codes"), std::string::npos);
   std::string nameless = good;
   nameless[20] = 'x';
   EXPECT_NE(WhyRefused(nameless).find("names no map file"), std::string::npos);
