@@ -151,6 +151,11 @@ class Server(Process):
     def registry(self):
         return json.loads(self.get("/readyz")[1])["registry"]
 
+    def answered(self):
+        """Queries with an answer, of all maps."""
+        lines = re.findall(r"^waystone_localized_total\{.*\} (\S+)$", self.get("/metrics")[1].decode(), re.MULTILINE)
+        return sum(map(float, lines))
+
     def metric(self, name):
         found = re.search(rf"^{re.escape(name)} (\S+)$", self.get("/metrics")[1].decode(), re.MULTILINE)
         return float(found[1]) if found else 0.0
