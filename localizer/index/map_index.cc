@@ -15,6 +15,8 @@
 namespace waystone {
 namespace {
 
+constexpr int64_t kTrimmedBytes = 16'000'000;
+
 [[noreturn]] void FailReference(const std::string& what) {
   throw MapError(ErrorCode::kMapDamaged,
                  what + ", which is not in the map; run `waystone check` on it");
@@ -112,7 +114,9 @@ void MapIndex::TakeDescriptors() {
   plane_of_row_.resize(rows, -1);
   TakeLandmarks();
 #if defined(__GLIBC__)
-  malloc_trim(0);  // what the planes' own blocks took would stay with the process
+  // What the planes' own blocks took would stay with the process. Small maps use it for the next one:
+  // trimming takes all free memory, which queries at work would have to fault in again.
+  if (int64_t{rows} * DescriptorBytes(type) >= kTrimmedBytes) malloc_trim(0);
 #endif
 }
 
