@@ -30,7 +30,7 @@ struct BuildReport {
 struct BuildResult {
   MapData map;
   BuildReport report;
-  std::vector<ImageFeatures> features;  // of the images, where they were asked for
+  std::vector<WalkImage> features;  // of the images, where they were asked for
 };
 
 // Whether a build hands out the features of all keyframes, and of some images between them.

@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
@@ -217,7 +215,7 @@ std::optional<Vector2d> LocalMotion::Predict(const Vector2d& x) const {
   return there + affinity * (x - middle);
 }
 
-LookCounts LookAgain(const MapData& walk, const std::vector<ImageFeatures>& images, MapData& map) {
+LookCounts LookAgain(const MapData& walk, const std::vector<WalkImage>& images, MapData& map) {
   if (map.keyframes.empty() || images.empty()) return {};
   const auto index = MapIndex::Build(CopyPlanes(map));
   std::vector<RowsSeen> seen(images.size());

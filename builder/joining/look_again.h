@@ -45,6 +45,6 @@ struct LookCounts {
 // another place. `images` are some of those of `walk`.
 // Adds what was found to map.looks, by the ids that AppendMap will give the sequences of `walk`.
 // Deterministic, on any number of threads.
-LookCounts LookAgain(const MapData& walk, const std::vector<ImageFeatures>& images, MapData& map);
+LookCounts LookAgain(const MapData& walk, const std::vector<WalkImage>& images, MapData& map);
 
 }  // namespace waystone

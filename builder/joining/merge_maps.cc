@@ -287,7 +287,7 @@ JoinResult MergeMaps(std::vector<MapData> maps, const std::string& name,
 }
 
 JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options,
-                    const std::vector<ImageFeatures>& images) {
+                    const std::vector<WalkImage>& images) {
   options.Check();
   const std::string name = map.info.name;
   std::vector<MapData> maps;

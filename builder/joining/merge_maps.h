@@ -55,6 +55,6 @@ JoinResult MergeMaps(std::vector<MapData> maps, const std::string& name,
 // `images` are those of `added` whose features are at hand: what of `map` they should show is
 // looked for in them (LookAgain), for PruneMap.
 JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options,
-                    const std::vector<ImageFeatures>& images = {});
+                    const std::vector<WalkImage>& images = {});
 
 }  // namespace waystone

@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <iterator>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 

@@ -15,7 +15,7 @@ struct SampledKeyframe {
 };
 
 // An image of a sequence with all features that were found in it.
-struct ImageFeatures {
+struct WalkImage {
   SequenceId sequence;
   int frame = 0;  // number in the sequence
   Features features;

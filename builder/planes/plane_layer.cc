@@ -142,8 +142,8 @@ void PlaneLayerBuilder::AddKeyframe(const ChosenKeyframe& chosen) {
   keyframes_.push_back(std::move(keyframe));
 }
 
-std::vector<ImageFeatures> PlaneLayerBuilder::TakeFeatures() {
-  std::vector<ImageFeatures> taken;
+std::vector<WalkImage> PlaneLayerBuilder::TakeFeatures() {
+  std::vector<WalkImage> taken;
   const std::set<ImageRef> keyframes(image_of_keyframe_.begin(), image_of_keyframe_.end());
   for (SampledKeyframe& one : features_) {
     const auto& [sequence, frame] = image_of_keyframe_[static_cast<size_t>(one.keyframe.value - 1)];

@@ -73,7 +73,7 @@ class PlaneLayerBuilder : public LayerBuilder {
   const std::vector<SampledKeyframe>& features() const { return features_; }
   // Of all keyframes, and of at most max_images other images, evenly spread over the sequences; the
   // layer has none afterwards.
-  std::vector<ImageFeatures> TakeFeatures();
+  std::vector<WalkImage> TakeFeatures();
 
  private:
   void AddKeyframe(const ChosenKeyframe& chosen);

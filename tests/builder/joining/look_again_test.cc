@@ -76,8 +76,8 @@ TEST(LocalMotion, PredictsNothingSeenFromMuchNearerFartherOrMoreObliquely) {
 // A walk that is the map's own finds all that it looks for.
 class LookAgainTest : public testing::Test {
  protected:
-  static std::vector<ImageFeatures> FeaturesOf(const MapData& map) {
-    std::vector<ImageFeatures> features;
+  static std::vector<WalkImage> FeaturesOf(const MapData& map) {
+    std::vector<WalkImage> features;
     for (const Keyframe& keyframe : map.keyframes) {
       features.push_back({keyframe.sequence, keyframe.frame, FeaturesOfFrames()[keyframe.frame]});
     }
@@ -107,8 +107,8 @@ TEST_F(LookAgainTest, FindsWhatIsThere) {
 
 TEST_F(LookAgainTest, CountsNothingOfAnotherBuildingOrInTheDark) {
   const MapData elsewhere = MapOfAnotherBuilding();
-  std::vector<ImageFeatures> features = FeaturesOf(walk_);
-  for (ImageFeatures& one : features) {
+  std::vector<WalkImage> features = FeaturesOf(walk_);
+  for (WalkImage& one : features) {
     one.features.keypoints.clear();
     one.features.descriptors = Descriptors(DescriptorBytes(FeatureType::kSift));
   }
