@@ -18,15 +18,28 @@
 namespace waystone {
 namespace {
 
+// Images whose features are handed out beside those of keyframes: looking at one in a map takes
+// about as long as extracting its features.
+constexpr int kMostImages = 300;
+
+PlaneBuildOptions OptionsOfPlanes(const BuildOptions& options, bool with_poses,
+                                  BuiltFeatures features) {
+  const bool keep = features == BuiltFeatures::kKeep;
+  PlaneBuildOptions planes = MakePlaneOptions(options, with_poses || keep);
+  if (keep) planes.max_images = kMostImages;
+  return planes;
+}
+
 // The layers of a map, in the order of LayerKind.
 class MapBuilder {
  public:
   MapBuilder(const BuildOptions& options, const ProgressCallback& progress,
-             const std::optional<GivenPoses>& poses)
+             const std::optional<GivenPoses>& poses, BuiltFeatures features)
       : options_(options),
         poses_(poses),
+        features_(features),
         progress_(progress),
-        planes_(MakePlaneOptions(options, poses.has_value())),
+        planes_(OptionsOfPlanes(options, poses.has_value(), features)),
         appearance_(MakeAppearanceOptions(options)),
         orientation_(MakeOrientationOptions(options)) {
     result_.map.info = MakeMapInfo(options);
@@ -71,6 +84,7 @@ class MapBuilder {
       case LayerKind::kPlanes:
         CalibratePlanes();
         if (poses_) PutPlanesIntoFrame();
+        if (features_ == BuiltFeatures::kKeep) result_.features = planes_.TakeFeatures();
         return;
       case LayerKind::kAppearance:
         if (poses_) PutPanoramasIntoFrame();
@@ -122,6 +136,7 @@ class MapBuilder {
 
   const BuildOptions& options_;
   const std::optional<GivenPoses>& poses_;
+  BuiltFeatures features_;
   ProgressReporter progress_;
   PlaneLayerBuilder planes_;
   AppearanceLayerBuilder appearance_;
@@ -133,7 +148,7 @@ class MapBuilder {
 
 BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
                      const BuildOptions& options, const ProgressCallback& progress,
-                     const std::optional<GivenPoses>& poses) {
+                     const std::optional<GivenPoses>& poses, BuiltFeatures features) {
   options.Check();
   if (sources.empty())
     throw MapError(ErrorCode::kBadSource, "no source given; at least one is required");
@@ -142,8 +157,8 @@ BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
   ThrowOpenCvErrors();
   tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : options.threads);
   return arena.execute([&] {
-    BuildResult result =
-        MapBuilder(options, progress, poses).Build(AssignSources(sources, options.layers));
+    BuildResult result = MapBuilder(options, progress, poses, features)
+                             .Build(AssignSources(sources, options.layers));
     result.report.total_s = SecondsSince(start);
     return result;
   });

@@ -30,7 +30,11 @@ struct BuildReport {
 struct BuildResult {
   MapData map;
   BuildReport report;
+  std::vector<WalkImage> features;  // of the images, where they were asked for
 };
+
+// Whether a build hands out the features of all keyframes, and of some images between them.
+enum class BuiltFeatures { kDrop, kKeep };
 
 // The layers of a map over one or several sequences. Each source is read once, by all of its layers
 // (ChooseLayers); sequences of planes come first in the map, then those of panoramas, then those of
@@ -43,6 +47,7 @@ struct BuildResult {
 // calibrated. AddPoses and AddNodePoses say what is thrown.
 BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
                      const BuildOptions& options, const ProgressCallback& progress,
-                     const std::optional<GivenPoses>& poses = std::nullopt);
+                     const std::optional<GivenPoses>& poses = std::nullopt,
+                     BuiltFeatures features = BuiltFeatures::kDrop);
 
 }  // namespace waystone

@@ -110,6 +110,7 @@ int RunProgram(int argc, char** argv) {
   AddCompass(app, run);
   AddExport(app, run);
   AddRemove(app, run);
+  AddPrune(app, run);
   AddReplay(app, run);
   AddPublish(app, run);
   AddMaps(app, run);

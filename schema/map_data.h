@@ -12,6 +12,7 @@
 #include "schema/layers/appearance/appearance_layer.h"
 #include "schema/layers/floor_plans/floor_plan.h"
 #include "schema/layers/links/keyframe_link.h"
+#include "schema/layers/looks/looks.h"
 #include "schema/layers/names/place_names.h"
 #include "schema/layers/orientation/orientation_layer.h"
 #include "schema/layers/planes/plane_layer.h"
@@ -59,6 +60,7 @@ struct MapData {
   std::vector<Plane> planes;
   std::vector<Edge> edges;          // ordered by (a, b)
   std::vector<KeyframeLink> links;  // ordered, each once; only maps of several sessions have any
+  Looks looks;                      // of later walks; only maps that walks were added to have any
   // The descriptors of all planes and landmarks sorted for searching (IndexFeatures). Nothing for a
   // map that is small or whose index has a format that this program doesn't know.
   std::optional<InvertedFile> index;

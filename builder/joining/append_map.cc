@@ -200,6 +200,14 @@ void AppendMap(MapData from, MapData& to) {
     row.to = keyframe(row.to);
   }
   for (KeyframeLink& link : from.links) link = {keyframe(link.a), keyframe(link.b)};
+  for (PlaneLooks& row : from.looks.planes) {
+    row.plane = plane(row.plane);
+    row.sequence = sequence(row.sequence);
+  }
+  for (LandmarkLooks& row : from.looks.landmarks) {
+    row.keyframe = keyframe(row.keyframe);
+    row.sequence = sequence(row.sequence);
+  }
   if (from.poses) {
     for (KeyframePose& row : from.poses->keyframes) row.keyframe = keyframe(row.keyframe);
     for (PlanePose& row : from.poses->planes) row.plane = plane(row.plane);
@@ -237,6 +245,8 @@ void AppendMap(MapData from, MapData& to) {
   MoveBehind(from.planes, to.planes);
   MoveBehind(from.edges, to.edges);
   MoveBehind(from.links, to.links);
+  MoveBehind(from.looks.planes, to.looks.planes);
+  MoveBehind(from.looks.landmarks, to.looks.landmarks);
   to.info.options_json = WithSessions(to.info.options_json, sessions);
   to.index.reset();
 }

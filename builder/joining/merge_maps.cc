@@ -14,7 +14,9 @@
 #include "builder/joining/join_frames.h"
 #include "builder/joining/join_orientation.h"
 #include "builder/joining/joinable.h"
+#include "builder/joining/kept_looks.h"
 #include "builder/joining/kept_poses.h"
+#include "builder/joining/look_again.h"
 #include "builder/joining/recognise_keyframes.h"
 #include "builder/joining/recognise_nodes.h"
 #include "builder/planes/fusion.h"
@@ -125,6 +127,7 @@ void Fuse(const MapOfPlane& origin, const PlaneLayerOptions& options, MapData& m
   std::map<PlaneId, size_t> feature_count;
   for (const Plane& plane : map.planes) feature_count[plane.id] = plane.features.size();
   const NamedBefore named(map);
+  const LooksBefore looks(map);
   const PosesBefore poses(map);
   FusionResult fused = FusePairs(std::move(map.planes), std::move(map.edges), map.keyframes, pairs,
                                  map.info.feature_type, options);
@@ -138,6 +141,7 @@ void Fuse(const MapOfPlane& origin, const PlaneLayerOptions& options, MapData& m
     DropSparseFeatures(options.plenty_of_features, options.votes_in_plenty, plane);
     plane.outline = ComputeOutline(plane.features);
   }
+  looks.KeepLooks(map, fused.merged_into);
   poses.KeepPoses(map);
 }
 
@@ -282,14 +286,19 @@ JoinResult MergeMaps(std::vector<MapData> maps, const std::string& name,
   return Join(std::move(maps), name, Asked::kAll, options);
 }
 
-JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options) {
+JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options,
+                    const std::vector<WalkImage>& images) {
   options.Check();
   const std::string name = map.info.name;
   std::vector<MapData> maps;
   maps.push_back(std::move(map));
   maps.push_back(std::move(added));
   CheckJoinable(maps);
-  return Join(std::move(maps), name, Asked::kFirst, options);
+  const LookCounts looked = LookAgain(maps[1], images, maps[0]);
+  JoinResult result = Join(std::move(maps), name, Asked::kFirst, options);
+  result.report.features_looked_for = looked.looked;
+  result.report.features_found = looked.found;
+  return result;
 }
 
 }  // namespace waystone

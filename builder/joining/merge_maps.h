@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "builder/build_options.h"
+#include "builder/planes/keyframe_sample.h"
 #include "schema/map_data.h"
 
 namespace waystone {
@@ -16,10 +17,13 @@ struct JoinReport {
   int sessions = 0;         // of the joined map
   // Keyframes of one map that were localized in another, and are linked with the nearest one there.
   int keyframes_recognised = 0;
-  int panoramas_recognised = 0;          // of one map, localized in another
-  int loops = 0;                         // between panoramas of different maps that fit all others
-  int orientation_loops = 0;             // between nodes of different maps' orientation layers
-  int sequences_turned = 0;              // by quarter turns into another map's building axes
+  int panoramas_recognised = 0;  // of one map, localized in another
+  int loops = 0;                 // between panoramas of different maps that fit all others
+  int orientation_loops = 0;     // between nodes of different maps' orientation layers
+  int sequences_turned = 0;      // by quarter turns into another map's building axes
+  // Features of the map that an added walk should have shown, and those that it did.
+  int features_looked_for = 0;
+  int features_found = 0;
   std::vector<std::string> floor_plans;  // left out: of maps whose frame wasn't kept, by name
 };
 
@@ -48,6 +52,9 @@ JoinResult MergeMaps(std::vector<MapData> maps, const std::string& name,
 // The same of a map and another one, which was built for it and becomes its last session or
 // sessions: what `map` holds keeps its ids, its name and the record of its options. Only keyframes
 // of `added` are localized in `map`, so that the cost doesn't grow with the keyframes of `map`.
-JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options);
+// `images` are those of `added` whose features are at hand: what of `map` they should show is
+// looked for in them (LookAgain), for PruneMap.
+JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options,
+                    const std::vector<WalkImage>& images = {});
 
 }  // namespace waystone

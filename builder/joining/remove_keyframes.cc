@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "builder/joining/joinable.h"
+#include "builder/joining/kept_looks.h"
 #include "builder/joining/kept_poses.h"
 #include "builder/planes/plane_features.h"
 #include "core/base/error.h"
@@ -276,6 +277,7 @@ RemoveResult RemoveFromMap(MapData map, const Removal& removed, const BuildOptio
   result.report.panoramas = static_cast<int>(removed.nodes.size());
   result.report.orientation_frames = static_cast<int>(frames.size());
   const NamedBefore named(map);
+  const LooksBefore looks(map);
   const PosesBefore poses(map);
   const bool had_poses = map.poses.has_value();
   RemoveNodes(removed.nodes, map);
@@ -295,6 +297,7 @@ RemoveResult RemoveFromMap(MapData map, const Removal& removed, const BuildOptio
     map.floor_plans.clear();
   }
   result.report.sequences = RemoveSequences(used_before, map);
+  looks.KeepLooks(map);
   CompleteJoined(options, {!removed.keyframes.empty(), !removed.nodes.empty()}, map);
   result.map = std::move(map);
   return result;

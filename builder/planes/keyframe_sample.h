@@ -14,6 +14,13 @@ struct SampledKeyframe {
   Features features;
 };
 
+// An image of a sequence with all features that were found in it.
+struct WalkImage {
+  SequenceId sequence;
+  int frame = 0;  // number in the sequence
+  Features features;
+};
+
 // Keeps the features of at most a given number of keyframes, evenly spread over all that were
 // added, however many there will be. Deterministic.
 class KeyframeSample {

@@ -82,7 +82,8 @@ PlaneLayerBuilder::PlaneLayerBuilder(const PlaneBuildOptions& options)
     : options_(options),
       tracker_(options.planes),
       landmarks_(options.planes.landmarks),
-      sample_(options.max_samples) {}
+      sample_(options.max_samples),
+      images_(options.max_images) {}
 
 void PlaneLayerBuilder::StartSequence(SequenceId id, const Source& source) {
   sequence_ = id;
@@ -97,6 +98,10 @@ std::unique_ptr<Observation> PlaneLayerBuilder::Observe(const Frame& frame) cons
 void PlaneLayerBuilder::Add(std::unique_ptr<Observation> observation, ProgressReporter& progress) {
   auto& observed = static_cast<PlaneObservation&>(*observation);
   if (!observed.error.empty()) return;
+  if (options_.max_images > 0) {
+    images_seen_.emplace_back(sequence_, observed.info.number);
+    images_.Add(KeyframeId{std::ssize(images_seen_)}, observed.features);
+  }
   const Clock::time_point start = Clock::now();
   const std::vector<ChosenKeyframe> chosen =
       selector_->Add({std::move(observed.info), observed.thumbnail, std::move(observed.features)});
@@ -133,7 +138,23 @@ void PlaneLayerBuilder::AddKeyframe(const ChosenKeyframe& chosen) {
   landmarks_.Add(keyframe.id, chosen.frame.features, chosen.starts_stretch);
   sample_.Add(keyframe.id, chosen.frame.features);
   if (options_.keep_features) features_.push_back({keyframe.id, chosen.frame.features});
+  image_of_keyframe_.emplace_back(sequence_, keyframe.frame);
   keyframes_.push_back(std::move(keyframe));
+}
+
+std::vector<WalkImage> PlaneLayerBuilder::TakeFeatures() {
+  std::vector<WalkImage> taken;
+  const std::set<ImageRef> keyframes(image_of_keyframe_.begin(), image_of_keyframe_.end());
+  for (SampledKeyframe& one : features_) {
+    const auto& [sequence, frame] = image_of_keyframe_[static_cast<size_t>(one.keyframe.value - 1)];
+    taken.push_back({sequence, frame, std::move(one.features)});
+  }
+  for (const SampledKeyframe& one : images_.keyframes()) {
+    const ImageRef& image = images_seen_[static_cast<size_t>(one.keyframe.value - 1)];
+    if (!keyframes.contains(image)) taken.push_back({image.first, image.second, one.features});
+  }
+  features_.clear();
+  return taken;
 }
 
 void PlaneLayerBuilder::Finish(MapData& map, ProgressReporter& progress) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "builder/frames/layer_builder.h"
@@ -24,6 +25,7 @@ struct PlaneBuildOptions {
   int image_width = 320;       // of the picture kept of each keyframe, px; 0 keeps none
   int max_samples = 40;        // keyframes whose features are handed out whole, for calibration
   bool keep_features = false;  // hand out those of all keyframes
+  int max_images = 0;          // other images whose features are kept for TakeFeatures
 };
 
 // What the building of the layer did. FrameReport::add_s is the choice of keyframes and planes.
@@ -69,6 +71,9 @@ class PlaneLayerBuilder : public LayerBuilder {
   const std::vector<SampledKeyframe>& samples() const { return sample_.keyframes(); }
   // Of all keyframes, ascending; empty unless PlaneBuildOptions::keep_features.
   const std::vector<SampledKeyframe>& features() const { return features_; }
+  // Of all keyframes, and of at most max_images other images, evenly spread over the sequences; the
+  // layer has none afterwards.
+  std::vector<WalkImage> TakeFeatures();
 
  private:
   void AddKeyframe(const ChosenKeyframe& chosen);
@@ -79,7 +84,13 @@ class PlaneLayerBuilder : public LayerBuilder {
   PlaneTracker tracker_;
   LandmarkChooser landmarks_;
   KeyframeSample sample_;
+  // An image, by its sequence and its number there.
+  using ImageRef = std::pair<SequenceId, int>;
+
   std::vector<SampledKeyframe> features_;
+  std::vector<ImageRef> image_of_keyframe_;
+  KeyframeSample images_;  // numbered as they came, from 1
+  std::vector<ImageRef> images_seen_;
   SequenceId sequence_;
   std::optional<Camera> camera_;
   std::optional<KeyframeSelector> selector_;

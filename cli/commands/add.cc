@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "builder/joining/merge_maps.h"
@@ -44,12 +45,14 @@ int RunAdd(const AddFlags& flags) {
   if (!flags.poses.file.empty()) {
     poses = ReadGivenPoses(flags.poses, static_cast<int>(sources.size()));
   }
-  MapData added = BuildWithProgress(sources, options, flags.printed, poses).map;
+  BuildResult built =
+      BuildWithProgress(sources, options, flags.printed, poses, BuiltFeatures::kKeep);
+  MapData added = std::move(built.map);
   if (!HasPlanesOrLandmarks(added) && !added.appearance && !added.orientation) {
     return ReportNoPlanes(added);
   }
   added.info.name = flags.name.empty() ? added.sequences.front().name : flags.name;
-  const JoinResult result = AddToMap(std::move(map), std::move(added), options);
+  const JoinResult result = AddToMap(std::move(map), std::move(added), options, built.features);
   ReplaceMap(result.map, flags.map, flags.keep);
   if (flags.printed.json) {
     std::cout << Dump(JoinJson(flags.map, result)) << '\n';

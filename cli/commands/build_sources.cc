@@ -97,7 +97,7 @@ std::vector<std::unique_ptr<Source>> OpenSources(const SourceFlags& flags,
 
 BuildResult BuildWithProgress(const std::vector<std::unique_ptr<Source>>& sources,
                               const BuildOptions& options, const BuildOutputFlags& flags,
-                              const std::optional<GivenPoses>& poses) {
+                              const std::optional<GivenPoses>& poses, BuiltFeatures features) {
   ProgressMeter meter(RawErrors(), ProgressStyleByName(flags.progress, flags.quiet),
                       ColoursWelcome());
   const auto show = [&meter](const BuildProgress& now) {
@@ -107,7 +107,7 @@ BuildResult BuildWithProgress(const std::vector<std::unique_ptr<Source>>& source
                                           std::to_string(now.planes) + " planes"});
     return !Interrupted();
   };
-  return BuildMap(sources, options, show, poses);
+  return BuildMap(sources, options, show, poses, features);
 }
 
 bool HasPlanesOrLandmarks(const MapData& map) {

@@ -49,7 +49,8 @@ std::vector<std::unique_ptr<Source>> OpenSources(const SourceFlags& flags,
 // (NoteInterrupts).
 BuildResult BuildWithProgress(const std::vector<std::unique_ptr<Source>>& sources,
                               const BuildOptions& options, const BuildOutputFlags& flags,
-                              const std::optional<GivenPoses>& poses);
+                              const std::optional<GivenPoses>& poses,
+                              BuiltFeatures features = BuiltFeatures::kDrop);
 
 // Whether a photo can be found in the map by planes or landmarks.
 bool HasPlanesOrLandmarks(const MapData& map);

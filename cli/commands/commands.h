@@ -36,6 +36,7 @@ void AddPlan(CLI::App& app, Run& run);
 void AddUnwrap(CLI::App& app, Run& run);
 void AddCompass(CLI::App& app, Run& run);
 void AddExport(CLI::App& app, Run& run);
+void AddPrune(CLI::App& app, Run& run);
 void AddRemove(CLI::App& app, Run& run);
 void AddReplay(CLI::App& app, Run& run);
 void AddPublish(CLI::App& app, Run& run);

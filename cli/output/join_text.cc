@@ -82,6 +82,10 @@ std::string JoinText(const std::string& path, const JoinResult& result) {
         << " between orientation layers, " << Counted(result.report.sequences_turned, "sequence")
         << " turned into the building's axes\n";
   }
+  if (result.report.features_looked_for > 0) {
+    out << "  looked    for " << Counted(result.report.features_looked_for, "feature")
+        << " of the map again, and found " << result.report.features_found << '\n';
+  }
   for (const std::string& name : result.report.floor_plans) {
     out << "  warning   the floor plan " << Printable(name)
         << " is left out: it is anchored in the frame of another map (waystone plan)\n";
@@ -112,6 +116,57 @@ std::string RemovalText(const std::string& path, const RemoveResult& result) {
   return out.str();
 }
 
+std::string PruneText(const std::string& path, const PruneResult& result) {
+  const PruneReport& report = result.report;
+  std::ostringstream out;
+  out << path << ": " << CountsText(result.map) << '\n'
+      << "  looked    for " << Counted(report.looked_for, "feature") << " of the map again\n"
+      << "  removed   " << Counted(report.plane_features, "feature") << " of planes, "
+      << Counted(report.landmarks, "landmark") << ", " << Counted(report.edges, "edge") << '\n';
+  for (const MissingSession& session : report.sessions) {
+    out << "  not found by " << Printable(session.name) << ": "
+        << Counted(session.plane_features, "feature") << " of planes, "
+        << Counted(session.landmarks, "landmark") << '\n';
+  }
+  for (const PrunedPlane& plane : report.planes) {
+    out << "  plane " << plane.id.value << " of keyframe " << plane.reference.value << ": "
+        << plane.features << " removed, "
+        << (plane.left == 0 ? "too few left; it is gone" : std::to_string(plane.left) + " left")
+        << '\n';
+  }
+  for (const std::string& name : report.names) {
+    out << "  warning   nothing is left of the place " << Printable(name) << '\n';
+  }
+  out << HistoryText(result.map);
+  return out.str();
+}
+
+Json PruneJson(const std::string& path, const PruneResult& result) {
+  const PruneReport& report = result.report;
+  Json json = CountsJson(path, result.map);
+  json["looked_for"] = report.looked_for;
+  json["removed"] = {{"plane_features", report.plane_features},
+                     {"landmarks", report.landmarks},
+                     {"edges", report.edges},
+                     {"names", report.names}};
+  json["not_found_by"] = Json::array();
+  for (const MissingSession& session : report.sessions) {
+    json["not_found_by"].push_back({{"session", session.name},
+                                    {"plane_features", session.plane_features},
+                                    {"landmarks", session.landmarks}});
+  }
+  json["planes_pruned"] = Json::array();
+  for (const PrunedPlane& plane : report.planes) {
+    json["planes_pruned"].push_back({{"id", plane.id.value},
+                                     {"reference", plane.reference.value},
+                                     {"removed", plane.features},
+                                     {"left", plane.left}});
+  }
+  json["sessions"] = SessionsJson(result.map);
+  json["parts"] = PartsJson(result.map);
+  return json;
+}
+
 Json RemovalJson(const std::string& path, const RemoveResult& result) {
   Json json = CountsJson(path, result.map);
   json["removed"] = {{"keyframes", result.report.keyframes},
@@ -137,6 +192,8 @@ Json JoinJson(const std::string& path, const JoinResult& result) {
   json["sequences_turned"] = result.report.sequences_turned;
   json["planes_fused"] = result.report.planes_fused;
   json["surfaces_joined"] = result.report.surfaces_joined;
+  json["features_looked_for"] = result.report.features_looked_for;
+  json["features_found"] = result.report.features_found;
   json["floor_plans_left_out"] = result.report.floor_plans;
   json["sessions"] = SessionsJson(result.map);
   json["parts"] = PartsJson(result.map);

@@ -5,6 +5,7 @@
 
 #include "api/json.h"
 #include "builder/joining/merge_maps.h"
+#include "builder/joining/prune_map.h"
 #include "builder/joining/remove_keyframes.h"
 
 // What maps that were joined look like to people, and to programs.
@@ -17,6 +18,10 @@ Json JoinJson(const std::string& path, const JoinResult& result);
 // The same of what was removed.
 std::string RemovalText(const std::string& path, const RemoveResult& result);
 Json RemovalJson(const std::string& path, const RemoveResult& result);
+
+// The same of what was pruned.
+std::string PruneText(const std::string& path, const PruneResult& result);
+Json PruneJson(const std::string& path, const PruneResult& result);
 
 // A line a session, and a line a part where there are several: what `info` adds for a map with a
 // history or of several parts. Empty for others.

@@ -13,6 +13,7 @@ namespace waystone {
 
 void FindPlaneProblems(const MapData& map, std::vector<MapProblem>& problems);
 void FindLinkProblems(const MapData& map, std::vector<MapProblem>& problems);
+void FindLookProblems(const MapData& map, std::vector<MapProblem>& problems);
 void FindNameProblems(const MapData& map, std::vector<MapProblem>& problems);
 void FindFloorPlanProblems(const MapData& map, std::vector<MapProblem>& problems);
 // The layer must be there.

@@ -29,6 +29,8 @@ void ReadNodePoses(SQLite::Database& database, std::optional<PoseLayer>& poses,
                    std::vector<MapProblem>& problems);
 // Nothing where the map has no table of them.
 std::vector<KeyframeLink> ReadLinks(SQLite::Database& database, std::vector<MapProblem>& problems);
+// The same of these.
+Looks ReadLooks(SQLite::Database& database, std::vector<MapProblem>& problems);
 std::vector<NamedPlace> ReadNames(SQLite::Database& database, std::vector<MapProblem>& problems);
 std::vector<FloorPlanImage> ReadFloorPlans(SQLite::Database& database, bool images,
                                            std::vector<MapProblem>& problems);
@@ -40,6 +42,7 @@ void WritePoses(const PoseLayer& layer, RowSink& sink);
 // These make the tables that they fill.
 void WriteNodePoses(const PoseLayer& layer, RowSink& sink);
 void WriteLinks(const std::vector<KeyframeLink>& links, RowSink& sink);
+void WriteLooks(const Looks& looks, RowSink& sink);
 void WriteNames(const std::vector<NamedPlace>& places, RowSink& sink);
 void WriteFloorPlans(const std::vector<FloorPlanImage>& plans, RowSink& sink);
 

@@ -8,6 +8,7 @@
 #include "schema/layers/layer_problems.h"
 #include "schema/layers/layer_rows.h"
 #include "schema/layers/links/link_tables.h"
+#include "schema/layers/looks/look_tables.h"
 #include "schema/layers/names/name_tables.h"
 #include "schema/layers/orientation/orientation_tables.h"
 #include "schema/layers/planes/plane_tables.h"
@@ -129,6 +130,18 @@ StoredLayer StoredLinks() {
       .equal = [](const MapData& a, const MapData& b) { return a.links == b.links; }};
 }
 
+StoredLayer StoredLooks() {
+  return {
+      .tables = {},
+      .optional_tables = {{kPlaneLooksTable, kPlaneLooksSql},
+                          {kLandmarkLooksTable, kLandmarkLooksSql}},
+      .read = [](SQLite::Database& database, bool /*images*/, MapData& map,
+                 std::vector<MapProblem>& problems) { map.looks = ReadLooks(database, problems); },
+      .write = [](const MapData& map, RowSink& sink) { WriteLooks(map.looks, sink); },
+      .find_problems = FindLookProblems,
+      .equal = [](const MapData& a, const MapData& b) { return a.looks == b.looks; }};
+}
+
 StoredLayer StoredNames() {
   return {
       .tables = {},
@@ -159,8 +172,8 @@ StoredLayer StoredFloorPlans() {
 
 const std::vector<StoredLayer>& StoredLayers() {
   static const std::vector<StoredLayer> layers{
-      StoredPlanes(),    StoredAppearance(), StoredOrientation(), StoredPoses(),
-      StoredNodePoses(), StoredLinks(),      StoredNames(),       StoredFloorPlans()};
+      StoredPlanes(), StoredAppearance(), StoredOrientation(), StoredPoses(),     StoredNodePoses(),
+      StoredLinks(),  StoredLooks(),      StoredNames(),       StoredFloorPlans()};
   return layers;
 }
 

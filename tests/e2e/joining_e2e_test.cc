@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `waystone merge`, `add` and `remove` as a user runs them.
+// `waystone merge`, `add`, `prune` and `remove` as a user runs them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -116,6 +116,45 @@ TEST_F(JoiningTest, PanoramasAreAddedAndRemoved) {
   ExpectRefusal({"remove", map_, "--nodes", "2"}, 3, "no node 2");
   ASSERT_EQ(RunWaystone({"remove", map_, "--session", "round"}).code, 0);
   EXPECT_EQ(RunWaystone({"check", map_}).code, 0);
+}
+
+TEST_F(JoiningTest, WhatALaterWalkDidNotFindIsPruned) {
+  ExpectRefusal({"prune", map_}, 3, "was never looked at again; add a walk first (waystone add)");
+  RenderPosters("####a###b###c###", folder_ / "before", 10, 40);
+  RenderPosters("####a#######d###", folder_ / "later", 12, 42);
+  ASSERT_EQ(RunWaystone({"build", folder_ / "before", "-o", map_, "--force", "--quiet"}).code, 0);
+  const RunResult added =
+      RunWaystone({"add", map_, folder_ / "later", "--name", "later", "--json", "--quiet"});
+  ASSERT_EQ(added.code, 0) << added.err;
+  EXPECT_GT(Json::parse(added.out)["features_looked_for"], 300);
+  EXPECT_EQ(RunWaystone({"check", map_}).code, 0);
+  const std::string grown = ReadFile(map_);
+  const RunResult asked = RunWaystone({"prune", map_, "--dry-run", "--json"});
+  ASSERT_EQ(asked.code, 0) << asked.err;
+  EXPECT_TRUE(ReadFile(map_) == grown);
+  const Json summary = Json::parse(asked.out);
+  EXPECT_GT(summary["removed"]["plane_features"], 20) << asked.out;
+  ASSERT_EQ(summary["not_found_by"].size(), 1u) << asked.out;
+  EXPECT_EQ(summary["not_found_by"][0]["session"], "later");
+
+  const RunResult pruned = RunWaystone({"prune", map_, "--keep", "--json"});
+  ASSERT_EQ(pruned.code, 0) << pruned.err;
+  EXPECT_EQ(pruned.out, asked.out);
+  EXPECT_TRUE(ReadFile(map_.string() + ".previous") == grown);
+  EXPECT_FALSE(ReadFile(map_) == grown);
+  EXPECT_EQ(RunWaystone({"check", map_}).code, 0);
+  const Json info = Json::parse(RunWaystone({"info", map_, "--json"}).out);
+  EXPECT_EQ(info["sessions"], summary["sessions"]);
+  EXPECT_EQ(info["sessions"].size(), 2u);
+  EXPECT_EQ(info["parts"].size(), 1u);
+  const fs::path photo = folder_ / "later" / "25.jpg";
+  EXPECT_EQ(Json::parse(RunWaystone({"localize", map_, photo, "--json"}).out)["verdict"],
+            "localized");
+  // Nothing is left to do, and the file stays as it is.
+  const std::string left = ReadFile(map_);
+  EXPECT_EQ(Json::parse(RunWaystone({"prune", map_, "--json"}).out)["removed"]["plane_features"],
+            0);
+  EXPECT_TRUE(ReadFile(map_) == left);
 }
 
 TEST_F(JoiningTest, AWalkThatShowsNothingIsNotAdded) {

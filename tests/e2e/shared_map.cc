@@ -102,6 +102,17 @@ const testing::Environment* const kCleaner = testing::AddGlobalTestEnvironment(n
 
 }  // namespace
 
+void RenderPosters(const std::string& wall, const fs::path& folder, int first, int last) {
+  std::string room = kRoom;
+  const FloorPlan plan = ParseFloorPlan(room.replace(room.find('#'), wall.size(), wall));
+  const World world(plan, {.poster_probability = 0});
+  const Walk walk = WalkAlong(plan);
+  fs::create_directories(folder);
+  for (int i = first; i <= last; ++i) {
+    SaveFrame(world, walk.frames.at(i).world_from_camera, folder / (std::to_string(i) + ".jpg"));
+  }
+}
+
 const SharedMap& TheMap() {
   static const SharedMap shared = MakeSharedMap();
   Cleaner::folder_ = shared.folder;

@@ -31,6 +31,11 @@ struct SharedMap {
 };
 const SharedMap& TheMap();
 
+// Pictures `first` to `last` of that walk, through the room with pictures on its northern wall:
+// letters in a line of 16 walls ("###a###b########").
+void RenderPosters(const std::string& wall, const std::filesystem::path& folder, int first,
+                   int last);
+
 std::string ReadFile(const std::filesystem::path& path);
 void WriteFile(const std::filesystem::path& path, const std::string& bytes);
 

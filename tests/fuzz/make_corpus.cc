@@ -156,13 +156,16 @@ void SaveMaps(const fs::path& folder) {
     const std::string bytes = Compress(ReadFile(made / "m.db"));
     Save(folder / ("map/made" + std::to_string(seed)), Encoded(bytes.begin(), bytes.end()));
   }
-  // What only some maps have: names, links and a floor plan.
+  // What only some maps have: names, links, what was looked for, and a floor plan.
   small.keyframes = 3;
   MapData map = MadeMap(4, small);
   map.orientation.reset();
   map.appearance.reset();
   const KeyframeId first = map.keyframes[0].id, last = map.keyframes[2].id;
   map.links = {{first, last}};
+  const Plane& plane_of_looks = map.planes.front();
+  map.looks.planes = {{plane_of_looks.id, map.sequences.front().id,
+                       std::vector<FeatureLooks>(plane_of_looks.features.size(), {3, 1})}};
   map.names = {{"Desk", {{NamedKind::kKeyframes, first.value, last.value}}, {}},
                {"Kitchen", {}, {{{0, 0}, {2, 0}, {2, 2}}}}};
   FloorPlanImage plan{"Ground", 32, 24, {{{0, 24}, {0, 0}}, {{32, 24}, {3, 0}}}, {}, {}};
