@@ -93,9 +93,7 @@ double SharedView(const World& world, const Camera& camera, const Eigen::Isometr
   return static_cast<double>(seen) / (kRays * kRays);
 }
 
-Descriptors PoolOf(const MapIndex& index) {
-  return index.search().Rows(0, index.search().rows());
-}
+Descriptors PoolOf(const MapIndex& index) { return index.search().Rows(0, index.search().rows()); }
 
 MapData BuildOf(std::unique_ptr<Source> source, FeatureType type) {
   std::vector<std::unique_ptr<Source>> sources;

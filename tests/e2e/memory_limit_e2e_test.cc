@@ -103,8 +103,8 @@ TEST_F(LimitedServer, RefusesWhatDoesNotFitAndLivesOn) {
 // amount needs a server of its own: the memory of a query is kept for the next one.
 TEST(LimitedServers, OutliveTheirFirstQuery) {
   const std::string photo = ReadFile(TheMap().inside);
-  for (int i = 0; i < 30; ++i) {
-    const double spare_mb = i < 20 ? 2 + 0.7 * i : 60 + 3 * (i - 20);
+  for (int i = 0; i < 15; ++i) {
+    const double spare_mb = i < 10 ? 2 + 1.4 * i : 60 + 6 * (i - 10);
     Served served;
     SetAddressSpace(served, static_cast<rlim_t>(spare_mb * 1e6));
     const auto result = served.NewClient().Post("/v1/maps/room/localize", photo, "image/jpeg");
