@@ -52,10 +52,10 @@ TEST(LocalMotion, PredictsNothingThatMatchesDoNotSurround) {
   EXPECT_FALSE(LocalMotion({}, {}, kWidth).Predict({160, 120}));
 }
 
-// A step of 20 px between two halves: something is in front of something else.
+// A step of 40 px between two halves: something is in front of something else.
 TEST(LocalMotion, PredictsNothingBesideAnEdgeInSpace) {
   const auto move = [](const Vector2d& x) -> Vector2d {
-    return x + Vector2d(x.x() < 150 ? 0 : 20, 0);
+    return x + Vector2d(x.x() < 150 ? 0 : 40, 0);
   };
   EXPECT_FALSE(GridMoved(move).Predict({150, 120}));
   EXPECT_TRUE(GridMoved(move).Predict({230, 120}));
