@@ -20,7 +20,7 @@ namespace {
 
 // Images whose features are handed out beside those of keyframes: looking at one in a map takes
 // about as long as extracting its features.
-constexpr int kMostImages = 300;
+constexpr int kMostImages = 100;
 
 PlaneBuildOptions OptionsOfPlanes(const BuildOptions& options, bool with_poses,
                                   BuiltFeatures features) {

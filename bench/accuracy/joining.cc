@@ -29,14 +29,19 @@ constexpr int kForeign = 48;
 // Each half has this share of the map's images; the two share what is between.
 constexpr double kShare = 0.6;
 
-MapData Build(std::unique_ptr<Source> source, const std::string& name) {
+BuildResult BuildWalk(std::unique_ptr<Source> source, const std::string& name,
+                      BuiltFeatures features) {
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(std::move(source));
   BuildOptions options;
   options.map_name = name;
-  MapData map = BuildMap(sources, options, {}).map;
-  map.info.version = "sha256:" + name;  // a file's would be its hash
-  return map;
+  BuildResult built = BuildMap(sources, options, {}, std::nullopt, features);
+  built.map.info.version = "sha256:" + name;  // a file's would be its hash
+  return built;
+}
+
+MapData Build(std::unique_ptr<Source> source, const std::string& name) {
+  return BuildWalk(std::move(source), name, BuiltFeatures::kDrop).map;
 }
 
 // The map's images from one to another, by their numbers in the whole set.
@@ -179,10 +184,11 @@ Json CostOfAdding(int frames, int added) {
   const Walk short_walk = walk_of(added, 2);
   MapData map = Build(std::make_unique<WorldSource>(world, renderer, long_walk), "map");
   const Stopwatch building;
-  MapData walk = Build(std::make_unique<WorldSource>(world, renderer, short_walk), "walk");
+  BuildResult walk = BuildWalk(std::make_unique<WorldSource>(world, renderer, short_walk), "walk",
+                               BuiltFeatures::kKeep);
   const double build_s = building.cpu_s();
   const Stopwatch joining;
-  const JoinResult result = AddToMap(std::move(map), std::move(walk), {});
+  const JoinResult result = AddToMap(std::move(map), std::move(walk.map), {}, walk.features);
   const double join_s = joining.cpu_s();
   std::printf(
       "a walk of %d frames added to %d: built in %.1f s, joined in %.1f s (CPU); %.2f times "
