@@ -56,6 +56,7 @@ CornerWalk MakeCorner() {
   fs::create_directories(walk.images);
   const Camera camera = PinholeCamera(640, 480, 1.2);
   WorldOptions look;
+  look.seed = 2;  // other posters than in the demo's building
   look.trim = true;
   const World world(ParseFloorPlan(kSmallRoom), look);
   const Renderer renderer(camera);
@@ -81,7 +82,6 @@ CornerWalk MakeCorner() {
 fs::path MakeTurns() {
   const fs::path folder = TheMap().folder / "turns";
   WorldOptions look;
-  look.seed = 2;  // other posters than in the small room
   look.texel_m = 0.02;
   look.texture_richness = 0.3;
   const World world(ParseFloorPlan(kAroundACorner), look);
