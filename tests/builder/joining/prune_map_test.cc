@@ -228,7 +228,9 @@ class CountedPlane {
     Descriptors descriptors(plane_->descriptors.bytes());
     plane_->features.clear();
     for (int i = 0; i < kCount; ++i) {
-      Keypoint at{20.0f * static_cast<float>(i % 8), 20.0f * static_cast<float>(i / 8), 8, 0};
+      const int row = i / 8;
+      const int column = i % 8;
+      Keypoint at{20.0f * static_cast<float>(column), 20.0f * static_cast<float>(row), 8, 0};
       plane_->features.push_back({at, 3, 3});
       descriptors.Append(std::vector<uint8_t>(128, static_cast<uint8_t>(i)).data());
     }
