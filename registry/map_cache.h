@@ -20,7 +20,7 @@ namespace waystone {
 // where it stopped, also after a restart. One process has a cache at a time. Thread-safe.
 class MapCache {
  public:
-  // A file of the cache, which stays there while this exists.
+  // A file of the cache, which stays there while this exists. The cache must outlive it.
   class File {
    public:
     File(MapCache* cache, std::string sha256) : cache_(cache), sha256_(std::move(sha256)) {}

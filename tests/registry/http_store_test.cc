@@ -100,7 +100,7 @@ class StoreServer {
 class StoreTest : public testing::Test {
  protected:
   StoreTest() {
-    for (int i = 0; i < 100'000; ++i) bytes_ += static_cast<char>('a' + (i * i >> 5) % 26);
+    for (int64_t i = 0; i < 100'000; ++i) bytes_ += static_cast<char>('a' + (i * i >> 5) % 26);
     sha256_ = Sha256OfText(bytes_);
     WriteBytes(folder_ / "map.db", bytes_);
   }

@@ -194,14 +194,16 @@ TEST_F(MapCacheTest, OnAFullDiskFilesThatNobodyUsesMakeRoomAndOthersStay) {
   EXPECT_EQ(Get(hashes[1]), store_.files[hashes[1]]);
   EXPECT_EQ(Get(hashes[2]), store_.files[hashes[2]]) << "in place of the first one";
   EXPECT_EQ(cache_->Find(hashes[0]), nullptr);
-  const MapCache::FilePtr used = cache_->Find(hashes[1]);
-  const MapCache::FilePtr also_used = cache_->Find(hashes[2]);
+  MapCache::FilePtr used = cache_->Find(hashes[1]);
+  MapCache::FilePtr also_used = cache_->Find(hashes[2]);
   ASSERT_TRUE(used && also_used);
   const std::string error = Failure(hashes[3], 100'000, ErrorCode::kNoRoom);
   EXPECT_NE(error.find("No space left on device"), std::string::npos) << error;
   EXPECT_EQ(ReadAll(used->path()), store_.files[hashes[1]]);
   EXPECT_EQ(ReadAll(also_used->path()), store_.files[hashes[2]]);
-  cache_.reset();
+  used.reset();
+  also_used.reset();
+  cache_.reset();  // before what it lies on is unmounted
 }
 
 TEST_F(MapCacheTest, ThreadsThatWantOneFileShareItsFetch) {
