@@ -16,7 +16,7 @@
 namespace waystone {
 namespace {
 
-// Of files, beside those of maps: ten thousand maps of a hundred places have half of it.
+// Of files, beside those of maps: ten thousand maps of a hundred places have 0.8 of it.
 constexpr int64_t kCacheBytes = 1'000'000'000;
 // What an entry takes of memory, by its file: itself and its share of the index, also while the
 // next index is made.
