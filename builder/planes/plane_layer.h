@@ -76,6 +76,9 @@ class PlaneLayerBuilder : public LayerBuilder {
   std::vector<WalkImage> TakeFeatures();
 
  private:
+  // An image, by its sequence and its number there.
+  using ImageRef = std::pair<SequenceId, int>;
+
   void AddKeyframe(const ChosenKeyframe& chosen);
   void FinishTracking(MapData& map);
   void Fuse(MapData& map);
@@ -84,9 +87,6 @@ class PlaneLayerBuilder : public LayerBuilder {
   PlaneTracker tracker_;
   LandmarkChooser landmarks_;
   KeyframeSample sample_;
-  // An image, by its sequence and its number there.
-  using ImageRef = std::pair<SequenceId, int>;
-
   std::vector<SampledKeyframe> features_;
   std::vector<ImageRef> image_of_keyframe_;
   KeyframeSample images_;  // numbered as they came, from 1

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -277,7 +278,7 @@ TEST_F(ApplicationTest, DeadlinesAreKeptWhileAnImageIsDecoded) {
   const double whole_ms = ask_ms();  // most of it decodes
   for (const int deadline_ms : {1, 30}) {
     request.query = {{"deadline_ms", std::to_string(deadline_ms)}};
-    EXPECT_LT(ask_ms(), deadline_ms + whole_ms / 2);
+    EXPECT_LT(ask_ms(), deadline_ms + std::max(100.0 * WAYSTONE_SLOWDOWN, whole_ms / 8));
     EXPECT_EQ(answer["verdict"], "undecided") << answer.dump();
     EXPECT_EQ(answer["stage"], "queue");
   }
