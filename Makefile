@@ -9,6 +9,9 @@ RELEASE := build/release
 # Every source of ours; generated files and the build folders are not among them.
 SOURCES = git ls-files -co --exclude-standard -- '*.h' '*.cc' | while read -r f; do [ -f "$$f" ] && echo "$$f"; done
 
+# clang takes a quarter less time where it keeps freed memory, in huge pages.
+FOR_CLANG := GLIBC_TUNABLES=glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=33554432:glibc.malloc.trim_threshold=1073741824
+
 # The page is tested in a browser, which is installed for it. BROWSER=no leaves that out.
 BROWSER ?= yes
 export BROWSER
@@ -62,10 +65,10 @@ check-format: packages  # by .clang-format
 
 tidy: packages  # clang-tidy
 	@scripts/install_packages.sh scripts/lint_packages.txt
-	@scripts/tidy.py $(JOBS)
+	@$(FOR_CLANG) scripts/tidy.py $(JOBS)
 
 standalone: packages  # no source leans on those it is compiled together with
-	@scripts/compile_each.py $(JOBS)
+	@$(FOR_CLANG) scripts/compile_each.py $(JOBS)
 
 asan: packages  ## all but the end-to-end tests with AddressSanitizer and UndefinedBehaviorSanitizer
 	@scripts/build.sh asan $(JOBS) short_tests
@@ -83,7 +86,7 @@ SECONDS ?= 3600
 SEED ?= 0
 fuzz: packages  ## libFuzzer on every reader of what strangers send; SECONDS=3600 for each
 	@scripts/install_packages.sh scripts/fuzz_packages.txt
-	@scripts/build.sh fuzz $(JOBS) fuzz
+	@$(FOR_CLANG) scripts/build.sh fuzz $(JOBS) fuzz
 	@scripts/fuzz.py build/fuzz $(SECONDS) $(JOBS) $(SEED)
 
 # PRESET=tsan runs the server that is built with ThreadSanitizer. The released program makes the

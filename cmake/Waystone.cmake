@@ -44,8 +44,9 @@ add_custom_target(short_tests)
 add_custom_target(threaded_tests)
 
 # The ctest entries NAME_1 to NAME_n, each a share of the program's tests, into the variable `tests`.
-# Each runs by a link of its own name, which names its report, and has a folder for its files.
-function(waystone_test_shards target name count tests)
+# Where suites are given, NAME_1 has those and NAME_2 all others. Each runs by a link of its own name,
+# which names its report, and has a folder for its files.
+function(waystone_test_shards target name count suites tests)
   set(made "")
   foreach(shard RANGE 1 ${count})
     set(link ${CMAKE_CURRENT_BINARY_DIR}/${target}_${shard})
@@ -55,19 +56,26 @@ function(waystone_test_shards target name count tests)
                        COMMAND ${CMAKE_COMMAND} -E create_symlink ${target} ${link})
     add_test(NAME ${name}_${shard} COMMAND ${link})
     math(EXPR index "${shard} - 1")
-    set_property(TEST ${name}_${shard} PROPERTY ENVIRONMENT GTEST_TOTAL_SHARDS=${count}
-                 GTEST_SHARD_INDEX=${index} TMPDIR=${folder} TEST_TMPDIR=${folder})
+    set(share GTEST_TOTAL_SHARDS=${count} GTEST_SHARD_INDEX=${index})
+    if(suites)
+      list(JOIN suites ".*:" filter)
+      string(REPEAT "-" ${index} sign)
+      set(share "GTEST_FILTER=${sign}${filter}.*")
+    endif()
+    set_property(TEST ${name}_${shard} PROPERTY ENVIRONMENT ${share}
+                 TMPDIR=${folder} TEST_TMPDIR=${folder})
     list(APPEND made ${name}_${shard})
   endforeach()
   set(${tests} ${made} PARENT_SCOPE)
 endfunction()
 
-# waystone_test(NAME SOURCES ... DEPS ... [SECONDS n] [SHARDS n] [LONG] [THREADED]): the test program
-# test_NAME, one ctest entry (or one a shard, NAME_1 and so on, so that they run in parallel) with the
-# labels `program`, and `long` and `threaded` where it says so. Property tests take
-# `rapidcheck` among their DEPS.
+# waystone_test(NAME SOURCES ... DEPS ... [SECONDS n] [SHARDS n | FIRST_HALF suite...] [LONG]
+# [THREADED]): the test program test_NAME, one ctest entry (or one a shard, NAME_1 and so on, so that
+# they run in parallel; FIRST_HALF keeps suites that share what is made once a process together) with
+# the labels `program`, and `long` and `threaded` where it says so. Property tests take `rapidcheck`
+# among their DEPS.
 function(waystone_test name)
-  cmake_parse_arguments(ARG "LONG;THREADED" "SECONDS;SHARDS" "SOURCES;DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "LONG;THREADED" "SECONDS;SHARDS" "SOURCES;DEPS;FIRST_HALF" ${ARGN})
   set(target test_${name})
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ${ARG_DEPS} GTest::gtest_main waystone_warnings)
@@ -95,8 +103,11 @@ function(waystone_test name)
     math(EXPR ARG_SECONDS "${ARG_SECONDS} * 5")
   endif()
   set(tests ${name})
+  if(ARG_FIRST_HALF)
+    set(ARG_SHARDS 2)
+  endif()
   if(ARG_SHARDS)
-    waystone_test_shards(${target} ${name} ${ARG_SHARDS} tests)
+    waystone_test_shards(${target} ${name} ${ARG_SHARDS} "${ARG_FIRST_HALF}" tests)
   else()
     add_test(NAME ${name} COMMAND ${target})
   endif()

@@ -2,6 +2,7 @@
 #include "cli/system/freed_memory.h"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <sys/resource.h>
 
 #include <opencv2/core.hpp>
@@ -32,6 +33,9 @@ TEST(KeepFreedMemory, ImagesGetTheMemoryOfTheOnesBefore) {
 #ifdef WAYSTONE_SANITIZED
   GTEST_SKIP() << "sanitizers have allocators of their own";
 #endif
+  // As the C library starts, whatever the environment asks of it.
+  mallopt(M_MMAP_THRESHOLD, 128 << 10);
+  mallopt(M_TRIM_THRESHOLD, 128 << 10);
   const int64_t before = CountFaultsOfPyramids();
   KeepFreedMemory();
   CountFaultsOfPyramids();
