@@ -65,6 +65,20 @@ std::optional<std::vector<MapSession>> ReadSessions(const MapData& map) {
   return sessions;
 }
 
+// How many of the items are of the session; their times widen the span.
+template <class Items>
+int CountOfSession(const Items& items, const MapSession& session, SessionContents& contents) {
+  int count = 0;
+  for (const auto& item : items) {
+    if (!std::ranges::binary_search(session.sequences, item.sequence)) continue;
+    ++count;
+    if (!item.time_s) continue;
+    contents.from_s = std::min(contents.from_s.value_or(*item.time_s), *item.time_s);
+    contents.to_s = std::max(contents.to_s.value_or(*item.time_s), *item.time_s);
+  }
+  return count;
+}
+
 // Sequences whose nodes an edge joins.
 template <class Edges, class NodeId>
 void UniteEdges(const Edges& edges, const std::map<NodeId, size_t>& sequence_of,
@@ -83,6 +97,18 @@ std::vector<MapSession> SessionsOf(const MapData& map) {
 }
 
 bool HasHistory(const MapData& map) { return ReadSessions(map).has_value(); }
+
+SessionContents ContentsOf(const MapData& map, const MapSession& session) {
+  SessionContents contents;
+  contents.keyframes = CountOfSession(map.keyframes, session, contents);
+  if (map.appearance) {
+    contents.panoramas = CountOfSession(map.appearance->nodes, session, contents);
+  }
+  if (map.orientation) {
+    contents.orientation_frames = CountOfSession(map.orientation->frames, session, contents);
+  }
+  return contents;
+}
 
 std::string WithSessions(const std::string& options_json, const std::vector<MapSession>& sessions) {
   Json record = ParseRecord(options_json);

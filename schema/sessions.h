@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,20 @@ struct MapSession {
 std::vector<MapSession> SessionsOf(const MapData& map);
 // Whether the map has a history of its own.
 bool HasHistory(const MapData& map);
+
+// What a map holds of one session, and the times of the first and the last image among it; nothing
+// where none has a time.
+struct SessionContents {
+  int keyframes = 0;
+  int panoramas = 0;
+  int orientation_frames = 0;
+  std::optional<double> from_s;
+  std::optional<double> to_s;
+
+  bool operator==(const SessionContents&) const = default;
+};
+
+SessionContents ContentsOf(const MapData& map, const MapSession& session);
 
 // The record of options with this history in place of the one that it had.
 std::string WithSessions(const std::string& options_json, const std::vector<MapSession>& sessions);

@@ -26,7 +26,7 @@ GROUPS = [("core", "world"), ("schema", "localizer", "quality"), ("builder",), (
 # A third of clang-tidy's time, for a copy that costs a test nothing worth saving.
 NOT_IN_TESTS = "--checks=-performance-unnecessary-value-param"
 # What gcc alone knows, and what clang-tidy doesn't need.
-DROPPED = re.compile(r"-fpch-preprocess|-Wno-(maybe-uninitialized|restrict|stringop-\w+)|-g\d?|-O\d|-c")
+DROPPED = re.compile(r"-fpch-preprocess|--param=\S+|-Wno-(maybe-uninitialized|restrict|stringop-\w+)|-g\d?|-O\d|-c")
 
 
 def group_of(source):

@@ -31,6 +31,16 @@ std::string SequencesText(const MapData& map, const std::vector<SequenceId>& ids
   return text;
 }
 
+// "12 keyframes, 3 panoramas"
+std::string ContentsText(const SessionContents& held) {
+  std::string text = Counted(held.keyframes, "keyframe");
+  if (held.panoramas > 0) text += ", " + Counted(held.panoramas, "panorama");
+  if (held.orientation_frames > 0) {
+    text += ", " + Counted(held.orientation_frames, "orientation frame");
+  }
+  return text;
+}
+
 // What a changed map holds now.
 Json CountsJson(const std::string& path, const MapData& map) {
   return {{"map", path},
@@ -50,7 +60,8 @@ std::string HistoryText(const MapData& map) {
     int number = 0;
     for (const MapSession& session : SessionsOf(map)) {
       out << "  session " << ++number << " " << Printable(session.name) << ": "
-          << SequencesText(map, session.sequences) << '\n';
+          << SequencesText(map, session.sequences) << ", " << ContentsText(ContentsOf(map, session))
+          << '\n';
     }
   }
   if (parts.size() > 1) {

@@ -758,7 +758,9 @@ export interface Session {
   version: string | null;
   sequences: Id[];
   keyframes: Count;
-  /** Time of the first keyframe. */
+  panoramas: Count;
+  orientation_frames: Count;
+  /** Time of the first image that the map holds of it. */
   from_s: number | null;
   /** Time of the last one. */
   to_s: number | null;

@@ -109,6 +109,12 @@ TEST_F(JoiningTest, PanoramasAreAddedAndRemoved) {
   ASSERT_EQ(added.code, 0) << added.err;
   EXPECT_GE(Json::parse(added.out)["panoramas"], 3);  // a redundant one is dropped
   EXPECT_EQ(Json::parse(added.out)["parts"].size(), 2u);
+  const Json round = Json::parse(added.out)["sessions"][1];
+  EXPECT_EQ(round["panoramas"], Json::parse(added.out)["panoramas"]);
+  EXPECT_EQ(round["keyframes"], 0);
+  EXPECT_NE(RunWaystone({"info", map_})
+                .out.find("0 keyframes, " + round["panoramas"].dump() + " panoramas"),
+            std::string::npos);
   EXPECT_EQ(RunWaystone({"check", map_}).code, 0);
   const RunResult pared = RunWaystone({"remove", map_, "--nodes", "2:3", "--json"});
   ASSERT_EQ(pared.code, 0) << pared.err;

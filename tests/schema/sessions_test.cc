@@ -43,6 +43,26 @@ TEST(Sessions, AreReadAsTheyAreRecorded) {
   EXPECT_EQ(SessionsOf(map).size(), 1u);
 }
 
+TEST(Sessions, HoldWhatIsOfTheirSequences) {
+  MapData map = OfSequences(3);
+  const MapSession evening{"evening", "", "", {SequenceId{2}, SequenceId{3}}};
+  EXPECT_EQ(ContentsOf(map, evening), SessionContents{});
+  for (const int64_t sequence : {1, 2, 3}) {
+    Keyframe& keyframe = map.keyframes.emplace_back();
+    keyframe.sequence = {sequence};
+    keyframe.time_s = 10.0 * static_cast<double>(sequence);
+  }
+  map.appearance.emplace();
+  for (const int64_t sequence : {1, 3, 3, 3}) {
+    map.appearance->nodes.emplace_back().sequence = {sequence};
+  }
+  map.orientation.emplace();
+  OrientationFrame& frame = map.orientation->frames.emplace_back();
+  frame.sequence = {2};
+  frame.time_s = 15;
+  EXPECT_EQ(ContentsOf(map, evening), (SessionContents{2, 3, 1, 15.0, 30.0}));
+}
+
 TEST(Sessions, ThatNoRecordCanHaveAreNone) {
   MapData map = OfSequences(2);
   for (const std::string sessions :

@@ -245,14 +245,15 @@ async function testLayers(page) {
 // A map that was joined of two, as the endpoints answer.
 async function testSessions() {
   const { page, complaints, close } = await open({});
-  const session = { program: "waystone 0.1.0", sequences: [1], keyframes: 12 };
+  const session = { program: "waystone 0.1.0", sequences: [1], keyframes: 12, panoramas: 0, orientation_frames: 0 };
   await page.route(/\/v1\/maps(\?.*)?$/, async (route) => {
     const answer = await route.fetch();
     const list = await answer.json();
     list.maps = list.maps.map((map) => ({
       ...map,
       sessions: [{ ...session, name: "morning", version: `sha256:${"ab".repeat(32)}`, from_s: 0, to_s: 61.26 },
-        { ...session, name: "evening <&>", version: null, from_s: null, to_s: null }],
+        { ...session, name: "evening <&>", version: null, keyframes: 0, panoramas: 34,
+          from_s: null, to_s: null }],
       parts: [[1], [1]],
     }));
     await route.fulfill(json(list));
@@ -261,8 +262,8 @@ async function testSessions() {
   await page.getByRole("heading", { name: "Sessions" }).waitFor();
   await page.getByText("2 parts that show nothing in common").waitFor();
   const rows = page.locator("section", { hasText: "Built with" }).locator("tbody tr");
-  assert.match(await rows.nth(0).innerText(), /^morning\s.*\(1\)\s12\s0 to 61\.3\swaystone 0\.1\.0\ssha256:abababab$/);
-  assert.match(await rows.nth(1).innerText(), /^evening <&>\s.*added walk$/);
+  assert.match(await rows.nth(0).innerText(), /^morning\s.*\(1\)\s12\s0\s0 to 61\.3\swaystone 0\.1\.0\ssha256:abababab$/);
+  assert.match(await rows.nth(1).innerText(), /^evening <&>\s.*\s0\s34\s.*added walk$/);
   await shoot(page, "sessions");
   await checkAccess(page, "sessions");
   assert.deepEqual(complaints, []);

@@ -14,6 +14,7 @@ const spanOf = ({ from_s, to_s }: MapSummary["sessions"][number]) =>
 export function Sessions({ map }: { map: MapSummary }) {
   if (map.sessions.length < 2 && map.parts.length < 2) return null;
   const timed = map.sessions.some((session) => session.from_s !== null);
+  const panoramas = map.sessions.some((session) => session.panoramas > 0);
   return (
     <section>
       <h2>Sessions</h2>
@@ -27,6 +28,7 @@ export function Sessions({ map }: { map: MapSummary }) {
         <table>
           <thead>
             <tr><th scope="col">Session</th><th scope="col">Sequences</th><th scope="col">Keyframes</th>
+              {panoramas && <th scope="col">Panoramas</th>}
               {timed && <th scope="col">Time, s</th>}<th scope="col">Built with</th><th scope="col">Version</th></tr>
           </thead>
           <tbody>
@@ -35,6 +37,7 @@ export function Sessions({ map }: { map: MapSummary }) {
                 <th scope="row">{session.name}</th>
                 <td>{namesOf(map, session.sequences)}</td>
                 <td class="number">{session.keyframes.toLocaleString("en")}</td>
+                {panoramas && <td class="number">{session.panoramas.toLocaleString("en")}</td>}
                 {timed && <td>{spanOf(session)}</td>}
                 <td>{session.program}</td>
                 <td>{session.version ? <code title={session.version}>{session.version.slice(0, 15)}</code> : "added walk"}</td>
