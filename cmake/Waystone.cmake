@@ -57,7 +57,7 @@ function(waystone_test_shards target name count suites tests)
     add_test(NAME ${name}_${shard} COMMAND ${link})
     math(EXPR index "${shard} - 1")
     set(share GTEST_TOTAL_SHARDS=${count} GTEST_SHARD_INDEX=${index})
-    if(suites)
+    if(suites)  # the second half's filter starts with a minus: all but these
       list(JOIN suites ".*:" filter)
       string(REPEAT "-" ${index} sign)
       set(share "GTEST_FILTER=${sign}${filter}.*")

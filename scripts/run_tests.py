@@ -14,7 +14,7 @@ import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 # As the program does when it starts (cli/system/freed_memory.h): freed memory is kept for the next
-# image. Giving it back to the kernel each time makes tests of whole maps a fifth slower.
+# image. Giving it back to the kernel each time makes tests of whole maps up to a quarter slower.
 KEEP_FREED_MEMORY = "glibc.malloc.mmap_threshold=33554432:glibc.malloc.trim_threshold=268435456"
 
 
@@ -60,7 +60,8 @@ def main(build, arguments):
     code = subprocess.run(
         ["ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error",
          "--output-junit", str(summary), *arguments],
-        env={**os.environ, "GTEST_OUTPUT": f"xml:{results}/", "GLIBC_TUNABLES": KEEP_FREED_MEMORY}, check=False).returncode
+        env={**os.environ, "GTEST_OUTPUT": f"xml:{results}/", "GLIBC_TUNABLES": KEEP_FREED_MEMORY},
+        check=False).returncode
 
     cases = []
     if summary.exists():
