@@ -10,6 +10,8 @@
 
 namespace waystone {
 
+void RequestLimits::Check() const { CheckFields("limits", *this); }
+
 void RefuseRequest(const std::string& cause) { throw MapError(ErrorCode::kBadRequest, cause); }
 
 std::string QuoteShortened(const std::string& text) {

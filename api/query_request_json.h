@@ -5,7 +5,6 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "api/json.h"
@@ -24,14 +23,13 @@ struct RequestLimits {
   int max_images = 8;
   int max_deadline_ms = 60'000;
 
-  static constexpr auto Fields() {
-    return std::tuple{
-        OptionField{"max_images", &RequestLimits::max_images, Closed(1, 64), "",
-                    "Images of one request: a rig's, or a series. Each costs a query."},
-        OptionField{"max_deadline_ms", &RequestLimits::max_deadline_ms, AtLeast(1), "ms",
-                    "Longest deadline that a client may set."}};
+  static constexpr auto Fields(const auto& use) {
+    return use(OptionField{"max_images", &RequestLimits::max_images, Closed(1, 64), "",
+                           "Images of one request: a rig's, or a series. Each costs a query."},
+               OptionField{"max_deadline_ms", &RequestLimits::max_deadline_ms, AtLeast(1), "ms",
+                           "Longest deadline that a client may set."});
   }
-  void Check() const { CheckFields("limits", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // A request from its object; the images' bytes are the caller's, `with_images` says whether the

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <tuple>
 
 #include "builder/appearance/options.h"
 #include "builder/calibration/appearance_calibration.h"
@@ -39,8 +38,8 @@ struct BuildOptions {
 
   // A map has its name in another place and doesn't depend on the threads.
   static constexpr int kUnlistedMembers = 3;
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionGroup{"features", &BuildOptions::features},
         OptionGroup{"keyframes", &BuildOptions::keyframes},
         OptionGroup{"planes", &BuildOptions::planes},
@@ -57,7 +56,7 @@ struct BuildOptions {
                     "people."},
         OptionField{"image_width", &BuildOptions::image_width, Closed(16, 4096), "px",
                     "Width of those JPEGs. Larger ones show more and take most of a "
-                    "map's bytes."}};
+                    "map's bytes."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

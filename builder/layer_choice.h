@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "builder/sources/source.h"
@@ -20,8 +19,8 @@ struct LayerChoice {
   bool appearance = false;
   bool orientation = false;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"automatic", &LayerChoice::automatic, AnyValue(), "",
                     "Choose by the images: panoramas give the appearance layer, others the plane "
                     "layer, rigs and panoramas the orientation layer, too."},
@@ -29,7 +28,7 @@ struct LayerChoice {
         OptionField{"appearance", &LayerChoice::appearance, AnyValue(), "",
                     "Build the appearance layer."},
         OptionField{"orientation", &LayerChoice::orientation, AnyValue(), "",
-                    "Build the orientation layer."}};
+                    "Build the orientation layer."});
   }
 
   bool operator==(const LayerChoice&) const = default;

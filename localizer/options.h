@@ -4,7 +4,6 @@
 #include <atomic>
 #include <memory>
 #include <optional>
-#include <tuple>
 
 #include "core/base/options.h"
 #include "core/camera/camera.h"
@@ -45,10 +44,10 @@ struct LocalizeOptions {
 
   // Limits of decoding, and what is known of one query: a map doesn't depend on them.
   static constexpr int kUnlistedMembers = 7;
-  static constexpr auto Fields() {
-    return std::tuple{OptionGroup{"planes", &LocalizeOptions::planes},
-                      OptionGroup{"panorama", &LocalizeOptions::panorama},
-                      OptionGroup{"building", &LocalizeOptions::building}};
+  static constexpr auto Fields(const auto& use) {
+    return use(OptionGroup{"planes", &LocalizeOptions::planes},
+               OptionGroup{"panorama", &LocalizeOptions::panorama},
+               OptionGroup{"building", &LocalizeOptions::building});
   }
   void Check() const;  // throws MapError(kBadOptions)
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -23,9 +22,9 @@ struct AuditOptions {
   int min_stretch_planes = 2;
   int short_run = 3;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = AuditOptions;
-    return std::tuple{
+    return use(
         OptionField{"min_alias_inliers", &Self::min_alias_inliers, AtLeast(5), "",
                     "Inliers that two places must share to be mistaken for each other. Lower lists "
                     "more pairs."},
@@ -50,7 +49,7 @@ struct AuditOptions {
                     "A stretch with fewer planes is one that queries are hardly recognised in."},
         OptionField{"short_run", &Self::short_run, AtLeast(1), "",
                     "Fewer keyframes in a row than this are too few views rather than too little "
-                    "to see."}};
+                    "to see."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

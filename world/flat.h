@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <opencv2/core.hpp>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -25,9 +24,9 @@ struct FlatOptions {
   int furniture = 9;
   double wall_contrast = 0.02;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using O = FlatOptions;
-    return std::tuple{
+    return use(
         OptionField{"seed", &O::seed, AnyValue(), "",
                     "Rooms, furniture and looks all follow from it."},
         OptionField{"columns", &O::columns, Closed(1, 6), "rooms",
@@ -39,7 +38,7 @@ struct FlatOptions {
         OptionField{"furniture", &O::furniture, Closed(0, 30), "",
                     "Pieces of furniture that are tried for in each room."},
         OptionField{"wall_contrast", &O::wall_contrast, Closed(0, 1), "",
-                    "Contrast of the patterns on walls: plain paint has hardly any."}};
+                    "Contrast of the patterns on walls: plain paint has hardly any."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -87,9 +86,9 @@ struct FlatCamera {
   double noise_sigma = 3;
   uint64_t noise_seed = 0;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using O = FlatCamera;
-    return std::tuple{
+    return use(
         OptionField{"width_px", &O::width_px, Closed(32, 8192), "px",
                     "Width of the panorama, twice its height."},
         OptionField{"middle_grey", &O::middle_grey, Closed(20, 200), "grey levels",
@@ -99,7 +98,7 @@ struct FlatCamera {
                     "Share of the light beyond white that spreads around its source."},
         OptionField{"noise_sigma", &O::noise_sigma, Closed(0, 100), "grey levels",
                     "Standard deviation of the noise of a pixel."},
-        OptionField{"noise_seed", &O::noise_seed, AnyValue(), "", "Of that noise."}};
+        OptionField{"noise_seed", &O::noise_seed, AnyValue(), "", "Of that noise."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -119,9 +118,9 @@ struct FlatTourOptions {
   FlatCamera camera;
   uint64_t seed = 1;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using O = FlatTourOptions;
-    return std::tuple{
+    return use(
         OptionField{"per_room", &O::per_room, Closed(1, 100), "", "Places in each room."},
         OptionField{"height_m", &O::height_m, Closed(0.2, 2), "m", "Height of the camera."},
         OptionField{"clearance_m", &O::clearance_m, Closed(0, 1), "m",
@@ -131,7 +130,7 @@ struct FlatTourOptions {
         OptionField{"later_share", &O::later_share, Closed(0, 1), "",
                     "Share of the places that the second visit sees."},
         OptionGroup{"camera", &O::camera},
-        OptionField{"seed", &O::seed, AnyValue(), "", "Of places, headings, light and noise."}};
+        OptionField{"seed", &O::seed, AnyValue(), "", "Of places, headings, light and noise."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -18,8 +17,8 @@ struct PlanOptions {
   double wall_height_m = 2.6;
   double door_height_m = 2.05;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"cell_m", &PlanOptions::cell_m, Closed(0.1, 5), "m",
                     "Side of a cell. Smaller cells give thinner walls and larger plans to type."},
         OptionField{"wall_height_m", &PlanOptions::wall_height_m, Closed(1, 20), "m",
@@ -27,7 +26,7 @@ struct PlanOptions {
         OptionField{
             "door_height_m", &PlanOptions::door_height_m, AtLeast(0.5), "m",
             "Floor to the underside of a door's lintel, at most wall_height_m, which means no "
-            "lintel. A lower one hides more of the next room."}};
+            "lintel. A lower one hides more of the next room."});
   }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;

@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <opencv2/core.hpp>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -28,8 +27,8 @@ struct RenderOptions {
   // Whether to give the depth too.
   bool depth = false;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"lens_blur_px", &RenderOptions::lens_blur_px, Closed(0, 20), "px",
                     "Standard deviation of the lens's blur; 0 is a perfect lens."},
         OptionField{"noise_sigma", &RenderOptions::noise_sigma, Closed(0, 100), "grey levels",
@@ -45,7 +44,7 @@ struct RenderOptions {
         OptionField{
             "edge_rays", &RenderOptions::edge_rays, Closed(1, 8), "",
             "Rays along each side of a pixel where two surfaces meet; 1 leaves jagged edges, 2 "
-            "costs a few percent."}};
+            "costs a few percent."});
   }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -43,8 +42,8 @@ struct OdometryOptions {
   double turn_bias = 0.05;
   uint64_t seed = 1;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"distance_noise", &OdometryOptions::distance_noise, Closed(0, 0.5), "",
                     "Standard deviation of a wheel's slip, as a share of each step."},
         OptionField{
@@ -52,7 +51,7 @@ struct OdometryOptions {
             "Standard deviation of the error of the heading, rad per square root of a metre."},
         OptionField{"turn_bias", &OdometryOptions::turn_bias, Closed(-1, 1), "rad/m",
                     "Constant error of the heading, as by wheels of unequal size."},
-        OptionField{"seed", &OdometryOptions::seed, AnyValue(), "", "All noise follows from it."}};
+        OptionField{"seed", &OdometryOptions::seed, AnyValue(), "", "All noise follows from it."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

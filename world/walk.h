@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -41,8 +40,8 @@ struct WalkOptions {
   double clearance_m = 0.35;
   uint64_t seed = 1;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"height_m", &WalkOptions::height_m, Closed(0.1, 20), "m",
                     "Height of the camera above the floor, below the lintels."},
         OptionField{
@@ -74,7 +73,7 @@ struct WalkOptions {
                     "Corners of the trajectory are rounded off over this length."},
         OptionField{"clearance_m", &WalkOptions::clearance_m, Closed(0, 2), "m",
                     "Distance kept from walls where the trajectory allows it."},
-        OptionField{"seed", &WalkOptions::seed, AnyValue(), "", "Phases of the sway."}};
+        OptionField{"seed", &WalkOptions::seed, AnyValue(), "", "Phases of the sway."});
   }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -26,8 +25,8 @@ struct WorldOptions {
   int storey = 0;
   double alike_share = 0.5;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"seed", &WorldOptions::seed, AnyValue(), "",
                     "Everything random follows from it."},
         OptionField{"texel_m", &WorldOptions::texel_m, Closed(0.001, 0.1), "m",
@@ -60,7 +59,7 @@ struct WorldOptions {
                     "posters, and the share alike_share of the posters' pictures."},
         OptionField{"alike_share", &WorldOptions::alike_share, Closed(0, 1), "",
                     "Share of the posters that hang on every storey. More make storeys harder to "
-                    "tell apart."}};
+                    "tell apart."});
   }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;

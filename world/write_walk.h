@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <functional>
 #include <string>
-#include <tuple>
 
 #include "core/base/options.h"
 #include "core/camera/camera.h"
@@ -34,8 +33,8 @@ struct WriteWalkOptions {
   double shutter = 0.5;
   double exposure_swing = 0.0;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"pinhole", &WriteWalkOptions::pinhole, AnyValue(), "",
                     "Write the pictures of one pinhole camera."},
         OptionField{"rig", &WriteWalkOptions::rig, AnyValue(), "",
@@ -55,7 +54,7 @@ struct WriteWalkOptions {
                     "Part of the time between two frames that the shutter is open; it counts only "
                     "with render.motion_samples above 1."},
         OptionField{"exposure_swing", &WriteWalkOptions::exposure_swing, Closed(0, 3), "",
-                    "The exposure swings slowly between 1 / (1 + x) and 1 + x; 0 is constant."}};
+                    "The exposure swings slowly between 1 / (1 + x) and 1 + x; 0 is constant."});
   }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include "builder/appearance/node_features.h"
@@ -29,8 +28,8 @@ struct DescribeOptions {
   int image_width = 128;
   int image_quality = 50;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"trajectory_rows", &DescribeOptions::trajectory_rows, Closed(1, 1024), "",
                     "Rows of the signatures that odometry and loops are estimated with; the map "
                     "doesn't keep them. More estimate headings and steps more accurately."},
@@ -41,7 +40,7 @@ struct DescribeOptions {
                     "Width of the thumbnail kept of each panorama; 0 keeps none, otherwise at "
                     "least 16. Wider ones make the map larger."},
         OptionField{"image_quality", &DescribeOptions::image_quality, Closed(1, 100), "",
-                    "JPEG quality of that thumbnail. Higher is clearer and larger."}};
+                    "JPEG quality of that thumbnail. Higher is clearer and larger."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -238,6 +238,8 @@ class Closer {
 
 }  // namespace
 
+void LoopOptions::Check() const { CheckFields("loops", *this); }
+
 LoopClosure CloseLoops(const std::vector<FourierSignature>& signatures, const ElevationBand& band,
                        const std::vector<PanoramaStretch>& stretches,
                        const std::vector<VisualOdometry>& trajectories,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
 #include <vector>
 
 #include "builder/appearance/visual_odometry.h"
@@ -25,8 +24,8 @@ struct LoopOptions {
   double length_sigma = 0.3;
   double steps_sigma = 0.5;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{
             "min_gap", &LoopOptions::min_gap, Closed(2, 100'000), "panoramas",
             "Two panoramas of one sequence form a loop only if they are at least this many "
@@ -63,9 +62,9 @@ struct LoopOptions {
                     "added to steps_sigma."},
         OptionField{"steps_sigma", &LoopOptions::steps_sigma, Closed(0.01, 100), "steps",
                     "Standard deviation of a loop's position that does not depend on its length; "
-                    "added to length_sigma."}};
+                    "added to length_sigma."});
   }
-  void Check() const { CheckFields("loops", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 struct LoopClosure {

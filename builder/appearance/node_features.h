@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -19,8 +18,8 @@ struct NodeFeatureOptions {
   // Of a panorama's features with those of the one before it.
   MatchOptions match{0.8, true};
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"max_kept", &NodeFeatureOptions::max_kept, Closed(0, 10'000), "",
                     "Features stored per panorama. More verify from farther away, at 36 bytes each "
                     "in the map. 0 stores none, and answers rest on appearance alone."},
@@ -32,7 +31,7 @@ struct NodeFeatureOptions {
                     "sectors have no more features.",
                     OptionUse::kInternal},
         OptionGroup{"extract", &NodeFeatureOptions::extract},
-        OptionGroup{"match", &NodeFeatureOptions::match}};
+        OptionGroup{"match", &NodeFeatureOptions::match});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
-
 #include "builder/appearance/describe_panorama.h"
 #include "builder/appearance/loop_closure.h"
 #include "builder/appearance/redundancy.h"
@@ -22,8 +20,8 @@ struct AppearanceOptions {
   bool close_loops = true;
   int max_samples = 60;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionGroup{"describe", &AppearanceOptions::describe},
         OptionGroup{"odometry", &AppearanceOptions::odometry},
         OptionGroup{"loops", &AppearanceOptions::loops},
@@ -35,7 +33,7 @@ struct AppearanceOptions {
                     "Panoramas whose features are handed out whole for calibration, spread evenly "
                     "over all. They take about 0.2 MB each while the map is built. BuildMap sets "
                     "it.",
-                    OptionUse::kInternal}};
+                    OptionUse::kInternal});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

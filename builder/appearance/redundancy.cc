@@ -61,6 +61,8 @@ class Keeper {
 
 }  // namespace
 
+void RedundancyOptions::Check() const { CheckFields("redundancy", *this); }
+
 std::vector<bool> KeepInformative(const std::vector<FourierSignature>& signatures,
                                   const std::vector<Pose2>& poses,
                                   const std::vector<PanoramaStretch>& stretches,

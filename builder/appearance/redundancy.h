@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
 #include <vector>
 
 #include "builder/appearance/loop_closure.h"
@@ -13,15 +12,15 @@ namespace waystone {
 struct RedundancyOptions {
   double max_loss = 0;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"max_loss", &RedundancyOptions::max_loss, Closed(0, 1), "",
                     "Largest loss of information by which a panorama may be left out: the share "
                     "of its magnitudes' variance over the map that interpolating between the kept "
                     "panoramas before and after it doesn't explain. 0 keeps all; 0.1 is sparing. "
-                    "Even small losses cost accuracy between the nodes."}};
+                    "Even small losses cost accuracy between the nodes."});
   }
-  void Check() const { CheckFields("redundancy", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // Which panoramas of the stretches are kept; the ends of each stretch always are. Greedy along the

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -22,8 +21,8 @@ struct VisualOdometryOptions {
   double span_sigma = 1.0;
   double max_sigma_rad = 0.2;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"k1", &VisualOdometryOptions::k1, Closed(1, 4096), "",
                     "Magnitudes per row over which the distance of two panoramas (eq. 2) is "
                     "summed, at most those of the signatures. Distances grow more slowly than the "
@@ -41,7 +40,7 @@ struct VisualOdometryOptions {
         OptionField{"span_sigma", &VisualOdometryOptions::span_sigma, Closed(0.01, 10), "",
                     "The same for longer spans, whose lengths are the sums of their steps."},
         OptionField{"max_sigma_rad", &VisualOdometryOptions::max_sigma_rad, Closed(0.01, 3), "rad",
-                    "Steps whose headings are less certain are counted as uncertain."}};
+                    "Steps whose headings are less certain are counted as uncertain."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -3,7 +3,6 @@
 
 #include <functional>
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include "builder/appearance/appearance_layer.h"
@@ -23,8 +22,8 @@ struct AppearanceCalibrationOptions {
   PanoramaQueryOptions query;
   AppearanceFitOptions fit;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"max_nodes", &AppearanceCalibrationOptions::max_nodes, Closed(1, 100'000), "",
                     "Panoramas with which the finished layer is queried, spread evenly over it. "
                     "More fit the model better; each costs one query per value of blank_spacings."},
@@ -48,7 +47,7 @@ struct AppearanceCalibrationOptions {
                     "Additional query panoramas of a rendered building, which is not in the map. "
                     "About 50 ms each."},
         OptionGroup{"query", &AppearanceCalibrationOptions::query},
-        OptionGroup{"fit", &AppearanceCalibrationOptions::fit}};
+        OptionGroup{"fit", &AppearanceCalibrationOptions::fit});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <tuple>
 #include <vector>
 
 #include "builder/planes/keyframe_sample.h"
@@ -22,8 +21,8 @@ struct CalibrationOptions {
   FitOptions fit;
   uint64_t seed = 1;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"max_keyframes", &CalibrationOptions::max_keyframes, AtLeast(2), "",
                     "Keyframes with which the finished map is queried. More fit the model better, "
                     "at about 30 ms each."},
@@ -33,7 +32,7 @@ struct CalibrationOptions {
         OptionGroup{"localize", &CalibrationOptions::localize},
         OptionGroup{"fit", &CalibrationOptions::fit},
         OptionField{"seed", &CalibrationOptions::seed, AnyValue(), "",
-                    "Seed of the scrambled negatives."}};
+                    "Seed of the scrambled negatives."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

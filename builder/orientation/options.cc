@@ -3,6 +3,14 @@
 
 namespace waystone {
 
+void FollowOptions::Check() const { CheckFields("follow", *this); }
+
+void TurnOptions::Check() const { CheckFields("turns", *this); }
+
+void CorridorOptions::Check() const { CheckFields("corridors", *this); }
+
+void OrientationLoopOptions::Check() const { CheckFields("loops", *this); }
+
 void TraversabilityOptions::Check() const {
   CheckFields("traversability", *this);
   relative.Check();

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
-
 #include "core/base/options.h"
 #include "core/manhattan/manhattan_frame.h"
 #include "core/two_view/bearings.h"
@@ -24,8 +22,8 @@ struct FollowOptions {
   double doubt_share = 0.15;
   int steady_frames = 10;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"max_jump_rad", &FollowOptions::max_jump_rad, Closed(0.01, 0.7), "rad",
                     "Largest rotation between two consecutive frames. Where features give no "
                     "rotation, it bounds how far the axes may have turned."},
@@ -64,9 +62,9 @@ struct FollowOptions {
         OptionField{
             "steady_frames", &FollowOptions::steady_frames, Closed(1, 1000), "frames",
             "Number of frames for which a camera may be assumed to keep turning at the same rate.",
-            OptionUse::kInternal}};
+            OptionUse::kInternal});
   }
-  void Check() const { CheckFields("follow", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // Whether one frame can be reached in view from another (sec. II-B.2).
@@ -78,8 +76,8 @@ struct TraversabilityOptions {
   double max_disagreement_rad = 0.087;
   double min_parallax_rad = 0.008;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionGroup{"matching", &TraversabilityOptions::matching},
         OptionGroup{"relative", &TraversabilityOptions::relative},
         OptionField{"max_disagreement_rad", &TraversabilityOptions::max_disagreement_rad,
@@ -90,7 +88,7 @@ struct TraversabilityOptions {
                     Closed(0.0005, 0.5), "rad",
                     "Median angle by which inliers must move in addition to the rotation before a "
                     "direction of motion is accepted. Lower gives a direction to a camera that "
-                    "stands still."}};
+                    "stands still."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -103,8 +101,8 @@ struct TurnOptions {
   int settled_motions = 3;
   bool use_motions = true;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"hysteresis_rad", &TurnOptions::hysteresis_rad, Closed(0, 0.5), "rad",
                     "How far the heading must pass half a right angle before the axis is "
                     "switched. Higher keeps a camera that looks along a diagonal from switching "
@@ -123,9 +121,9 @@ struct TurnOptions {
         OptionField{"use_motions", &TurnOptions::use_motions, AnyValue(), "",
                     "Decide turns by the axes that the motion follows; false leaves it to the "
                     "paper's test alone, whether the frames before and after a jump are connected.",
-                    OptionUse::kInternal}};
+                    OptionUse::kInternal});
   }
-  void Check() const { CheckFields("turns", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // Corridors (sec. III-C.1).
@@ -135,8 +133,8 @@ struct CorridorOptions {
   int min_frames = 30;
   int max_gap_frames = 10;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"heading_range_rad", &CorridorOptions::heading_range_rad, Closed(0.05, 1.5),
                     "rad", "Range of the heading within a corridor. Higher tolerates more sway."},
         OptionField{"min_ratio", &CorridorOptions::min_ratio, Closed(1, 20), "",
@@ -145,9 +143,9 @@ struct CorridorOptions {
         OptionField{"min_frames", &CorridorOptions::min_frames, Closed(1, 100'000), "frames",
                     "Length of the shortest corridor."},
         OptionField{"max_gap_frames", &CorridorOptions::max_gap_frames, Closed(0, 1000), "frames",
-                    "Consecutive frames without a rotation that a corridor may contain."}};
+                    "Consecutive frames without a rotation that a corridor may contain."});
   }
-  void Check() const { CheckFields("corridors", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // Loop closures (sec. III-C.2): stricter than traversability, because places far apart may look
@@ -161,8 +159,8 @@ struct OrientationLoopOptions {
   double max_turn_rad = 0.5;
   double max_disagreement_rad = 0.035;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{
             "min_gap_frames", &OrientationLoopOptions::min_gap_frames, Closed(1, 1'000'000),
             "frames",
@@ -182,9 +180,9 @@ struct OrientationLoopOptions {
                     "Largest difference between the two orientations."},
         OptionField{"max_disagreement_rad", &OrientationLoopOptions::max_disagreement_rad,
                     Closed(0.005, 0.5), "rad",
-                    "Largest angle between the essential matrix's rotation and R1 R2^T."}};
+                    "Largest angle between the essential matrix's rotation and R1 R2^T."});
   }
-  void Check() const { CheckFields("loops", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // Everything the layer is made with.
@@ -202,8 +200,8 @@ struct OrientationOptions {
   OrientationLoopOptions loops;
   int image_width = 320;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionGroup{"segments", &OrientationOptions::segments},
         OptionGroup{"circles", &OrientationOptions::circles},
         OptionGroup{"manhattan", &OrientationOptions::manhattan},
@@ -220,7 +218,7 @@ struct OrientationOptions {
         OptionGroup{"corridors", &OrientationOptions::corridors},
         OptionGroup{"loops", &OrientationOptions::loops},
         OptionField{"image_width", &OrientationOptions::image_width, Closed(0, 4096), "px",
-                    "Width of the thumbnail kept of each node; 0 keeps none."}};
+                    "Width of the thumbnail kept of each node; 0 keeps none."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -3,7 +3,6 @@
 
 #include <deque>
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include "builder/sources/source.h"
@@ -22,8 +21,8 @@ struct KeyframeOptions {
   int max_gap = 60;
   int min_matches_stretch = 30;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"min_matches_last", &KeyframeOptions::min_matches_last, AtLeast(4), "",
                     "M: matches with the last keyframe. Higher: more keyframes, closer together."},
         OptionField{"min_matches_before_last", &KeyframeOptions::min_matches_before_last,
@@ -36,7 +35,7 @@ struct KeyframeOptions {
                     "stands still."},
         OptionField{"min_matches_stretch", &KeyframeOptions::min_matches_stretch, AtLeast(4), "",
                     "With fewer matches with the last keyframe, the sequence counts as interrupted "
-                    "and a new stretch starts; at most N."}};
+                    "and a new stretch starts; at most N."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

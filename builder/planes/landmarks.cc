@@ -51,6 +51,8 @@ int SpreadCell(const Keypoint& keypoint, const Keyframe& keyframe, int cells) {
 
 }  // namespace
 
+void LandmarkOptions::Check() const { CheckFields("landmarks", *this); }
+
 LandmarkChooser::LandmarkChooser(const LandmarkOptions& options) : options_(options) {
   options_.Check();
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <deque>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -22,9 +21,9 @@ struct LandmarkOptions {
   MatchOptions match;
   EpipolarOptions epipolar{.max_error_px = 1.5};
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = LandmarkOptions;
-    return std::tuple{
+    return use(
         OptionField{"max_kept", &Self::max_kept, Closed(0, 10'000), "",
                     "Landmarks stored per keyframe, at 36 bytes each. More recognise more places. "
                     "0 stores planes only."},
@@ -44,10 +43,9 @@ struct LandmarkOptions {
                     "A cell is filled beyond this multiple of its even share only when the other "
                     "cells have no more landmarks.",
                     OptionUse::kInternal},
-        OptionGroup{"match", &Self::match},
-        OptionGroup{"epipolar", &Self::epipolar}};
+        OptionGroup{"match", &Self::match}, OptionGroup{"epipolar", &Self::epipolar});
   }
-  void Check() const { CheckFields("landmarks", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // Chooses the landmarks of keyframes: features that no plane of the map has and that were found

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <numbers>
-#include <tuple>
 
 #include "builder/planes/landmarks.h"
 #include "core/base/options.h"
@@ -22,8 +21,8 @@ struct RotationOptions {
   int focal_steps = 60;
   double max_angle_rad = 1.0;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"min_share", &RotationOptions::min_share, OpenLow(0, 1), "",
                     "Share of the matches that one homography must explain before a pure rotation "
                     "is tested."},
@@ -41,7 +40,7 @@ struct RotationOptions {
         OptionField{"max_angle_rad", &RotationOptions::max_angle_rad, Open(0, std::numbers::pi / 2),
                     "rad",
                     "Matches farther than this from the optical axis of a calibrated camera are "
-                    "ignored: after undistortion, the edge of a very wide image is mostly noise."}};
+                    "ignored: after undistortion, the edge of a very wide image is mostly noise."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -63,8 +62,8 @@ struct FusionOptions {
   double min_within_reach = 0.9;
   double max_moved_px = 2.0;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionGroup{"index", &FusionOptions::index},
         OptionField{"min_votes", &FusionOptions::min_votes, AtLeast(1), "",
                     "Descriptor votes that make a pair of planes a candidate. Lower tries more "
@@ -103,7 +102,7 @@ struct FusionOptions {
             "image. Otherwise the planes are connected by an edge instead of fused."},
         OptionField{"max_moved_px", &FusionOptions::max_moved_px, Above(0), "px",
                     "A feature is out of reach where the uncertainty of the homography (one "
-                    "sigma) moves it by more than this."}};
+                    "sigma) moves it by more than this."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -127,8 +126,8 @@ struct PlaneLayerOptions {
   int min_features_unconfirmed = 40;
   uint64_t seed = 1;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionGroup{"match", &PlaneLayerOptions::match},
         OptionGroup{"segmentation", &PlaneLayerOptions::segmentation},
         OptionGroup{"rotation", &PlaneLayerOptions::rotation},
@@ -167,7 +166,7 @@ struct PlaneLayerOptions {
         OptionField{"min_features_unconfirmed", &PlaneLayerOptions::min_features_unconfirmed,
                     AtLeast(4), "", "The same for a plane without a confirming triple match."},
         OptionField{"seed", &PlaneLayerOptions::seed, AnyValue(), "",
-                    "Seed of the random samples."}};
+                    "Seed of the random samples."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -5,7 +5,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <tuple>
 
 #include "builder/sources/source.h"
 #include "core/base/options.h"
@@ -39,9 +38,9 @@ struct PoseOptions {
   EpipolarOptions epipolar{.max_error_px = 1.5};
   DepthOptions depth;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = PoseOptions;
-    return std::tuple{
+    return use(
         OptionField{"keypoint_sigma_px", &Self::keypoint_sigma_px, Above(0), "px",
                     "Standard deviation of a keypoint's position, the error of the given poses "
                     "included.",
@@ -75,9 +74,8 @@ struct PoseOptions {
             OptionUse::kInternal},
         OptionField{"max_direction_error_rad", &Self::max_direction_error_rad, Closed(0.01, 3),
                     "rad", "By how much its direction may differ.", OptionUse::kInternal},
-        OptionGroup{"match", &Self::match},
-        OptionGroup{"epipolar", &Self::epipolar},
-        OptionGroup{"depth", &Self::depth}};
+        OptionGroup{"match", &Self::match}, OptionGroup{"epipolar", &Self::epipolar},
+        OptionGroup{"depth", &Self::depth});
   }
 };
 

@@ -5,7 +5,6 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -54,8 +53,8 @@ struct RigOptions {
   DecodeLimits limits = {};
 
   static constexpr int kUnlistedMembers = 1;  // rig_file, which is there or not
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"max_time_gap_s", &RigOptions::max_time_gap_s, Closed(0, 10), "s",
                     "Parallel folders whose files are named by time stamps: images up to this far "
                     "apart belong to one moment. Higher pairs images of cameras that aren't "
@@ -63,7 +62,7 @@ struct RigOptions {
         OptionField{"face_share", &RigOptions::face_share, Closed(0.05, 1), "",
                     "Width of the faces that a panorama becomes, as a share of its width. A "
                     "quarter is as sharp as the panorama at the horizon."},
-        OptionGroup{"limits", &RigOptions::limits}};
+        OptionGroup{"limits", &RigOptions::limits});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

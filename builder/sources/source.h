@@ -7,7 +7,6 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -76,12 +75,12 @@ struct SourceOptions {
   DecodeLimits limits = {};  // of each frame
 
   static constexpr int kUnlistedMembers = 2;  // to and camera_file, which are there or not
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"every", &SourceOptions::every, AtLeast(1), "frames",
                     "Take every n-th frame, counted from `from`."},
         OptionField{"from", &SourceOptions::from, AtLeast(0), "", "Number of the first frame."},
-        OptionGroup{"limits", &SourceOptions::limits}};
+        OptionGroup{"limits", &SourceOptions::limits});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

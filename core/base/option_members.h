@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -52,8 +51,7 @@ template <class Options>
 std::string FindUnlistedMembers(const std::string& path) {
   constexpr size_t members =
       options_internal::CountMembers<Options>() - options_internal::CountUnlisted<Options>();
-  const auto entries = Options::Fields();
-  constexpr size_t listed = std::tuple_size_v<decltype(Options::Fields())>;
+  constexpr size_t listed = Options::Fields([](const auto&... entry) { return sizeof...(entry); });
   std::string found;
   if (listed != members) {
     found = path + " lists " + std::to_string(listed) + " of its " + std::to_string(members) +
@@ -65,7 +63,7 @@ std::string FindUnlistedMembers(const std::string& path) {
       found += FindUnlistedMembers<Group>(options_internal::Joined(path, entry.name));
     }
   };
-  std::apply([&](const auto&... entry) { (look(entry), ...); }, entries);
+  Options::Fields([&](const auto&... entry) { (look(entry), ...); });
   return found;
 }
 

@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // Options that list their fields once. An options struct is a plain struct of tunables with a
-// static function Fields(), a tuple with one OptionField a member:
+// static function Fields(use), which passes one OptionField a member to `use`:
 //
 //   struct MatchOptions {
 //     double max_ratio = 0.8;
 //     bool mutual = true;
 //
-//     static constexpr auto Fields() {
-//       return std::tuple{
+//     static constexpr auto Fields(const auto& use) {
+//       return use(
 //           OptionField{"max_ratio", &MatchOptions::max_ratio, OpenLow(0, 1), "",
 //                       "Nearest over second nearest distance. Lower keeps fewer, surer matches."},
 //           OptionField{"mutual", &MatchOptions::mutual, AnyValue(), "",
-//                       "Keep only matches that are nearest both ways."}};
+//                       "Keep only matches that are nearest both ways."});
 //     }
-//     void Check() const { CheckFields("match", *this); }  // throws MapError(kBadOptions)
+//     void Check() const;  // throws MapError(kBadOptions)
 //   };
 //
 // Range checks, the record in the map, overrides on the command line (--set) and docs/options.md
 // follow from that list. A member that is itself such a struct is a group: its fields have its name
-// before theirs, "planes.match.max_ratio".
+// before theirs, "planes.match.max_ratio". Fields() is a template, so a source that only includes
+// the struct doesn't compile the list.
 #pragma once
 
 #include <cmath>
@@ -26,7 +27,6 @@
 #include <limits>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -114,8 +114,7 @@ void VisitFields(std::string_view path, Options& options, Visit&& visit) {
       visit(full, field, options.*(field.member));
     }
   };
-  std::apply([&](const auto&... fields) { (one(fields), ...); },
-             std::remove_const_t<Options>::Fields());
+  std::remove_const_t<Options>::Fields([&](const auto&... fields) { (one(fields), ...); });
 }
 
 // Throws MapError(kBadOptions) for the first number that is out of its range, with the field's full

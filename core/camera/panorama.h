@@ -4,7 +4,6 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <optional>
-#include <tuple>
 
 #include "core/base/options.h"
 
@@ -15,12 +14,12 @@ struct ElevationBand {
   double top_rad = std::numbers::pi / 2;
   double bottom_rad = -std::numbers::pi / 2;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     constexpr double kUp = std::numbers::pi / 2;
-    return std::tuple{OptionField{"top_rad", &ElevationBand::top_rad, Closed(-kUp, kUp), "rad",
-                                  "Upper end, above the lower one."},
-                      OptionField{"bottom_rad", &ElevationBand::bottom_rad, Closed(-kUp, kUp),
-                                  "rad", "Lower end."}};
+    return use(OptionField{"top_rad", &ElevationBand::top_rad, Closed(-kUp, kUp), "rad",
+                           "Upper end, above the lower one."},
+               OptionField{"bottom_rad", &ElevationBand::bottom_rad, Closed(-kUp, kUp), "rad",
+                           "Lower end."});
   }
   bool operator==(const ElevationBand&) const = default;
 };
@@ -59,8 +58,8 @@ struct PanoramaOptions {
   double min_mirror_contrast = 12;
 
   static constexpr int kUnlistedMembers = 1;  // where the mirror is: what is known of one camera
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{
             "columns", &PanoramaOptions::columns, Closed(16, 16'384), "",
             "Columns of a panorama unwrapped from a mirror image or joined from faces. More keep "
@@ -77,7 +76,7 @@ struct PanoramaOptions {
         OptionField{"min_mirror_contrast", &PanoramaOptions::min_mirror_contrast, Closed(1, 100),
                     "grey levels",
                     "Smallest brightness difference between the inside and the outside of a "
-                    "mirror's circle in its image."}};
+                    "mirror's circle in its image."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -34,9 +33,9 @@ struct AbsolutePoseOptions {
   int max_steps = 12;
   uint64_t seed = 1;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = AbsolutePoseOptions;
-    return std::tuple{
+    return use(
         OptionField{"max_sigmas", &Self::max_sigmas, Closed(1, 20), "",
                     "Largest error of a match that supports a pose, in its standard deviations.",
                     OptionUse::kInternal},
@@ -51,7 +50,7 @@ struct AbsolutePoseOptions {
         OptionField{"max_steps", &Self::max_steps, Closed(1, 1000), "", "Steps of the refinement.",
                     OptionUse::kInternal},
         OptionField{"seed", &Self::seed, AnyValue(), "", "Of the random samples.",
-                    OptionUse::kInternal}};
+                    OptionUse::kInternal});
   }
 };
 

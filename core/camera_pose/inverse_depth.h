@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <span>
-#include <tuple>
 
 #include "core/base/options.h"
 
@@ -24,9 +23,9 @@ struct DepthOptions {
   double max_relative_sigma = 0.3;
   double prior_sightings = 4;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = DepthOptions;
-    return std::tuple{
+    return use(
         OptionField{"max_sigmas", &Self::max_sigmas, Closed(1, 20), "",
                     "Largest error of a sighting that agrees with a depth, in its standard "
                     "deviations. Higher tolerates less accurate poses.",
@@ -43,7 +42,7 @@ struct DepthOptions {
         OptionField{"prior_sightings", &Self::prior_sightings, Closed(0, 100), "",
                     "Sightings' worth of the expected noise that a feature's own residuals are "
                     "averaged with.",
-                    OptionUse::kInternal}};
+                    OptionUse::kInternal});
   }
 };
 

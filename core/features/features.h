@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "core/base/check.h"
@@ -104,8 +103,8 @@ struct FeatureOptions {
   double contrast_threshold = 0.02;
   int working_pixels = 1'000'000;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"type", &FeatureOptions::type, AnyValue(), "",
                     "Detector and descriptor: sift, orb or akaze."},
         OptionField{"max_features", &FeatureOptions::max_features, Closed(50, 20'000), "",
@@ -118,7 +117,7 @@ struct FeatureOptions {
                     "",
                     "Larger images are reduced to this many pixels before detection, which bounds "
                     "time and memory: SIFT takes about 240 bytes per pixel. Maps are in pixels of "
-                    "the reduced images."}};
+                    "the reduced images."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

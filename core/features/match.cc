@@ -79,6 +79,8 @@ void InsertSorted(Neighbour* best, int k, Neighbour candidate) {
 
 }  // namespace
 
+void MatchOptions::Check() const { CheckFields("match", *this); }
+
 double DistanceRatio(FeatureType type, int nearer, int farther) {
   const double ratio = static_cast<double>(nearer) / farther;
   return type == FeatureType::kSift ? std::sqrt(ratio) : ratio;

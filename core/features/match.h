@@ -2,7 +2,6 @@
 #pragma once
 
 #include <limits>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -24,16 +23,16 @@ struct MatchOptions {
   double max_ratio = 0.8;
   bool mutual = true;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"max_ratio", &MatchOptions::max_ratio, OpenLow(0, 1), "",
                     "Largest ratio of the nearest to the second nearest distance (Lowe's ratio; "
                     "Euclidean distances for SIFT, Hamming distances for the others). Higher finds "
                     "more matches, and more wrong ones."},
         OptionField{"mutual", &MatchOptions::mutual, AnyValue(), "",
-                    "Keep a match only if each is the other's nearest."}};
+                    "Keep a match only if each is the other's nearest."});
   }
-  void Check() const { CheckFields("match", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // Matches a's descriptors among b's by exact search; ordered by a. Both of one type.

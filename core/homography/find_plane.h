@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -39,8 +38,8 @@ struct LocalRansacOptions {
   int wide_refits = 2;
   double min_refit_share = 0.1;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"max_error_px", &LocalRansacOptions::max_error_px, Above(0), "px",
                     "Largest transfer error of an inlier. Higher merges planes that are nearly "
                     "parallel; lower splits walls that are not quite flat."},
@@ -68,7 +67,7 @@ struct LocalRansacOptions {
         OptionField{
             "min_refit_share", &LocalRansacOptions::min_refit_share, Closed(0, 1), "",
             "A sample is refitted if it scores at least this share of the best so far. Lower "
-            "finds larger planes behind poor samples and costs time."}};
+            "finds larger planes behind poor samples and costs time."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <tuple>
 
 #include "core/base/options.h"
 #include "core/homography/homography.h"
@@ -22,15 +21,15 @@ struct HomologyOptions {
   int draws = 40;
   uint64_t seed = 1;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{
             "max_sigmas", &HomologyOptions::max_sigmas, Above(0), "",
             "Number of standard deviations by which an eigenvalue may differ from 1 and still "
             "count as 1. Higher accepts more false planes, lower rejects more true ones."},
         OptionField{"draws", &HomologyOptions::draws, AtLeast(10), "",
                     "Samples from which the standard deviations of the eigenvalues are estimated."},
-        OptionField{"seed", &HomologyOptions::seed, AnyValue(), "", "Seed of these samples."}};
+        OptionField{"seed", &HomologyOptions::seed, AnyValue(), "", "Seed of these samples."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

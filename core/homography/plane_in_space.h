@@ -5,7 +5,6 @@
 #include <optional>
 #include <span>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -30,8 +29,8 @@ struct SpaceOptions {
   double max_normal_sigma_rad = 0.06;
   double max_distance_sigma = 0.06;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"point_sigma", &SpaceOptions::point_sigma, Closed(1e-5, 0.1), "",
                     "Standard deviation of a coordinate of a point in a view, image plane z = 1. "
                     "Higher trusts small motions less."},
@@ -52,7 +51,7 @@ struct SpaceOptions {
                     "Largest standard deviation of a plane's normal that is called determined."},
         OptionField{"max_distance_sigma", &SpaceOptions::max_distance_sigma, Closed(0.001, 1), "",
                     "Largest standard deviation of a plane's distance, as a share of it, that is "
-                    "called determined."}};
+                    "called determined."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

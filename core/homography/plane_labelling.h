@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -24,8 +23,8 @@ struct LabellingOptions {
   int companions = 8;
   int rounds = 4;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"min_sigmas", &LabellingOptions::min_sigmas, Above(0), "",
                     "Smallest error bound of a plane, in standard deviations of its own noise."},
         OptionField{"max_sigmas", &LabellingOptions::max_sigmas, AtLeast(1), "",
@@ -50,7 +49,7 @@ struct LabellingOptions {
         OptionField{"companions", &LabellingOptions::companions, AtLeast(1), "",
                     "Nearest matches that count as the companions of a match."},
         OptionField{"rounds", &LabellingOptions::rounds, AtLeast(1), "",
-                    "Rounds of labelling and refitting."}};
+                    "Rounds of labelling and refitting."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -21,8 +20,8 @@ struct SegmentationOptions {
   int patch = 16;
   bool greedy = false;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionGroup{"ransac", &SegmentationOptions::ransac},
         OptionGroup{"labelling", &SegmentationOptions::labelling},
         OptionGroup{"homology", &SegmentationOptions::homology},
@@ -37,7 +36,7 @@ struct SegmentationOptions {
         OptionField{"greedy", &SegmentationOptions::greedy, AnyValue(), "",
                     "Extract planes one after the other, each with all matches that support it, as "
                     "in the paper, instead of labelling all matches anew with each plane.",
-                    OptionUse::kInternal}};
+                    OptionUse::kInternal});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

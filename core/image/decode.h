@@ -5,7 +5,6 @@
 #include <opencv2/core.hpp>
 #include <span>
 #include <string>
-#include <tuple>
 
 #include "core/base/options.h"
 
@@ -32,8 +31,8 @@ struct DecodeLimits {
   int64_t max_inflated_bytes = 160'000'000;
   int64_t max_hevc_bytes = 8'000'000;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"max_pixels", &DecodeLimits::max_pixels, Closed(1, 1 << 30), "",
                     "Pixels of the largest image that is decoded. 8-bit grey: as many bytes. More "
                     "admits larger photos and larger attacks: decoding 50 megapixels takes half a "
@@ -56,7 +55,7 @@ struct DecodeLimits {
         OptionField{
             "max_hevc_bytes", &DecodeLimits::max_hevc_bytes, AtLeast(1), "bytes",
             "Coded pictures of a HEIC, which its time grows with: 0.3 s for 12 megapixels in "
-            "0.5 MB, 0.2 s for 2 megapixels in 1.1 MB."}};
+            "0.5 MB, 0.2 s for 2 megapixels in 1.1 MB."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

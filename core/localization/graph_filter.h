@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -22,8 +21,8 @@ struct GraphFilterOptions {
   double kidnapped = 1e-3;
   int max_beliefs = 64;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"position_sigma", &GraphFilterOptions::position_sigma, Closed(1e-9, 1e9), "",
                     "Standard deviation of an image's position around the predicted place, in the "
                     "poses' units, in addition to share_of_trajectory. At least the distance "
@@ -41,7 +40,7 @@ struct GraphFilterOptions {
                     "recovers sooner from an error; lower keeps what is known longer."},
         OptionField{"max_beliefs", &GraphFilterOptions::max_beliefs, Closed(1, 10'000), "",
                     "Beliefs kept in a state. Fewer make states smaller and updates faster, and "
-                    "lose places that were unlikely at first."}};
+                    "lose places that were unlikely at first."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -28,15 +27,15 @@ struct GreatCircleOptions {
   double end_sigma_px = 0.5;
   double max_sag_px = 1.0;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"end_sigma_px", &GreatCircleOptions::end_sigma_px, Closed(0.05, 5), "px",
                     "Standard deviation of a segment's end point across the segment. Higher trusts "
                     "short segments less."},
         OptionField{
             "max_sag_px", &GreatCircleOptions::max_sag_px, Closed(0.1, 20), "px",
             "Largest distance between a segment's middle and the great circle of its ends. A "
-            "segment that is straight in a distorted image is not straight in the world."}};
+            "segment that is straight in a distorted image is not straight in the world."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -30,8 +29,8 @@ struct ManhattanOptions {
   double max_rival = 0.9;
   double rival_angle_rad = 0.09;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{
             "max_pairs", &ManhattanOptions::max_pairs, Closed(10, 100'000), "",
             "Pairs of lines whose common direction is tried. If there are more, pairs are drawn "
@@ -70,7 +69,7 @@ struct ManhattanOptions {
                     "Largest support of a reliable frame's rival (another frame, rotated by more "
                     "than rival_angle_rad), as a share of its own."},
         OptionField{"rival_angle_rad", &ManhattanOptions::rival_angle_rad, Closed(0.01, 0.7), "rad",
-                    "Smallest rotation between a frame and a rival."}};
+                    "Smallest rotation between a frame and a rival."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -42,8 +41,8 @@ struct SegmentOptions {
   bool refine = true;
   double refine_reach_px = 2.0;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"detector", &SegmentOptions::detector, AnyValue(), "",
                     "Line segment detector: edge_drawing, canny or lsd."},
         OptionField{"min_length", &SegmentOptions::min_length, Closed(0.005, 0.5), "",
@@ -62,7 +61,7 @@ struct SegmentOptions {
                     "Refit each segment to the steepest gradient with sub-pixel precision. Costs "
                     "about a tenth of the detection."},
         OptionField{"refine_reach_px", &SegmentOptions::refine_reach_px, Closed(1, 5), "px",
-                    "Distance to either side within which the steepest gradient is searched."}};
+                    "Distance to either side within which the steepest gradient is searched."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
-#include <tuple>
 
 #include "core/base/options.h"
 #include "core/camera/panorama.h"
@@ -38,9 +37,9 @@ struct SignatureOptions {
   ElevationBand band = {0.6, -0.6};
   bool normalise = true;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using O = SignatureOptions;
-    return std::tuple{
+    return use(
         OptionField{
             "rows", &O::rows, Closed(1, 1024), "rows",
             "Rows of the signature, spread evenly over the band. More resolve elevations better, "
@@ -55,7 +54,7 @@ struct SignatureOptions {
         OptionField{"normalise", &O::normalise, AnyValue(), "",
                     "Photometric normalisation: subtract the band's mean and divide by its "
                     "standard deviation. Tolerates changes of exposure, but loses the overall "
-                    "brightness, which may distinguish places."}};
+                    "brightness, which may distinguish places."});
   }
   void Check() const;  // throws MapError(kBadOptions)
   bool operator==(const SignatureOptions&) const = default;

@@ -346,6 +346,8 @@ class Refinement {
 
 }  // namespace
 
+void SmallMotionOptions::Check() const { CheckFields("small_motion", *this); }
+
 SmallMotion RefineSmallMotion(const FourierSignature& a, const FourierSignature& b,
                               const ElevationBand& band, double turn_rad,
                               const SmallMotionOptions& options,

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <tuple>
 
 #include "core/base/options.h"
 #include "core/panorama/row_images.h"
@@ -19,9 +18,9 @@ struct SmallMotionOptions {
   double nearness_sigma = 0.5;
   double correlated_pixels = 20;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using O = SmallMotionOptions;
-    return std::tuple{
+    return use(
         OptionField{"coarse_frequencies", &O::coarse_frequencies, Closed(2, 64), "",
                     "Frequencies of the coarsest stage; each further stage doubles them. Fewer "
                     "converge from farther away."},
@@ -42,9 +41,9 @@ struct SmallMotionOptions {
                     "fits uneven rooms; lower tolerates more noise."},
         OptionField{"correlated_pixels", &O::correlated_pixels, Closed(1, 1000), "px",
                     "Number of neighbouring pixels whose correlated residuals carry the "
-                    "information of one. Scales the sigmas."}};
+                    "information of one. Scales the sigmas."});
   }
-  void Check() const { CheckFields("small_motion", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // How the view changed from a to b. Angles are clockwise, as azimuths are.

@@ -170,6 +170,8 @@ bool Fits(const SmallMotion& small, const Warping& warping, const CompassOptions
 
 }  // namespace
 
+void PhaseCompassOptions::Check() const { CheckFields("phases", *this); }
+
 void CompassOptions::Check() const {
   CheckFields("compass", *this);
   warping.Check();

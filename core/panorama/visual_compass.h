@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -21,9 +20,9 @@ struct PhaseCompassOptions {
   int steps = 512;
   double separation_rad = 0.35;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using O = PhaseCompassOptions;
-    return std::tuple{
+    return use(
         OptionField{
             "power", &O::power, Closed(0, 1), "",
             "Exponent of the weight (m_a m_b)^power of a frequency in a row, from its magnitudes. "
@@ -35,9 +34,9 @@ struct PhaseCompassOptions {
         OptionField{"steps", &O::steps, Closed(16, 65536), "steps",
                     "Headings tried around the circle before the best is refined."},
         OptionField{"separation_rad", &O::separation_rad, Closed(0.01, 3), "rad",
-                    "How far a runner-up lies off."}};
+                    "How far a runner-up lies off."});
   }
-  void Check() const { CheckFields("phases", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 struct CompassPeak {
@@ -74,11 +73,10 @@ struct CompassOptions {
   double max_motion_sigma_rad = 0.8;
 
   static constexpr int kUnlistedMembers = 1;  // the band, which is that of the signatures
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using O = CompassOptions;
-    return std::tuple{
-        OptionGroup{"phases", &O::phases},
-        OptionGroup{"warping", &O::warping},
+    return use(
+        OptionGroup{"phases", &O::phases}, OptionGroup{"warping", &O::warping},
         OptionGroup{"small_motion", &O::small_motion},
         OptionField{"separation_rad", &O::separation_rad, Closed(0.01, 3), "rad",
                     "How far a runner-up of the warping search lies off."},
@@ -106,7 +104,7 @@ struct CompassOptions {
                     "equal distances and has an error of this share of step over distance. Higher "
                     "reports larger sigmas for larger steps."},
         OptionField{"max_motion_sigma_rad", &O::max_motion_sigma_rad, Closed(0.01, 1.8), "rad",
-                    "Directions of motion less certain than this are left out."}};
+                    "Directions of motion less certain than this are left out."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

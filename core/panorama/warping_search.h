@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -20,9 +19,9 @@ struct WarpingOptions {
   double edge_softness = 1;
   double plain_share = 0.15;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using O = WarpingOptions;
-    return std::tuple{
+    return use(
         OptionField{"columns", &O::columns, Closed(24, 360), "columns",
                     "Columns around the circle, even: the grid of rotations and directions of "
                     "motion. More are finer; time grows with the cube."},
@@ -50,7 +49,7 @@ struct WarpingOptions {
                     "not compress edges."},
         OptionField{"plain_share", &O::plain_share, Closed(0, 10), "",
                     "Columns whose edges have this share of the mean square count half as much as "
-                    "the most textured ones, since plain walls show mostly noise."}};
+                    "the most textured ones, since plain walls show mostly noise."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

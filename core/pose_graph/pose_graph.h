@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -29,8 +28,8 @@ struct PoseGraphOptions {
   double log_scale_sigma = 0.5;
   int max_iterations = 100;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{
             "loop_loss", &PoseGraphOptions::loop_loss, Closed(0.1, 100), "",
             "Number of sigmas beyond which a loop edge is weighted down (Cauchy loss). Higher "
@@ -43,7 +42,7 @@ struct PoseGraphOptions {
                     "Prior standard deviation of the logarithm of a group's scale. Without it, a "
                     "graph whose groups are not tied to metres would shrink to a point."},
         OptionField{"max_iterations", &PoseGraphOptions::max_iterations, Closed(1, 1000), "",
-                    "Maximum steps per optimisation."}};
+                    "Maximum steps per optimisation."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -28,8 +27,8 @@ struct InvertedFileOptions {
   int rounds = 8;
   uint64_t seed = 1;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{
             "min_rows", &InvertedFileOptions::min_rows, AtLeast(1), "",
             "Fewer rows than this are searched exhaustively, which is about as fast and exact."},
@@ -43,7 +42,7 @@ struct InvertedFileOptions {
         OptionField{"rounds", &InvertedFileOptions::rounds, AtLeast(0), "", "Rounds of k-means."},
         OptionField{
             "seed", &InvertedFileOptions::seed, AnyValue(), "",
-            "Seed of the choice of training rows: the same rows and options give the same file."}};
+            "Seed of the choice of training rows: the same rows and options give the same file."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -22,11 +21,11 @@ struct Trajectory {
 struct AssociationOptions {
   double max_difference_s = 0.02;
 
-  static constexpr auto Fields() {
-    return std::tuple{OptionField{"max_difference_s", &AssociationOptions::max_difference_s,
-                                  OpenLow(0, 1e9), "s",
-                                  "Largest difference between the time stamps of associated poses. "
-                                  "Higher associates more, less accurately during fast motion."}};
+  static constexpr auto Fields(const auto& use) {
+    return use(OptionField{"max_difference_s", &AssociationOptions::max_difference_s,
+                           OpenLow(0, 1e9), "s",
+                           "Largest difference between the time stamps of associated poses. "
+                           "Higher associates more, less accurately during fast motion."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

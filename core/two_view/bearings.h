@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -19,8 +18,8 @@ struct BearingFeatureOptions {
   int buckets = 8;
   int max_kept = 500;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionGroup{"features", &BearingFeatureOptions::features},
         OptionField{"buckets", &BearingFeatureOptions::buckets, Closed(1, 64), "",
                     "Each image is divided into cells, this many along its longer side, and each "
@@ -28,7 +27,7 @@ struct BearingFeatureOptions {
                     "the view (bucketing, sec. III-C)."},
         OptionField{
             "max_kept", &BearingFeatureOptions::max_kept, Closed(10, 100'000), "",
-            "Maximum features per image. More give more matches; time grows with the square."}};
+            "Maximum features per image. More give more matches; time grows with the square."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

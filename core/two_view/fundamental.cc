@@ -67,6 +67,8 @@ std::vector<int> FindPlanarInliers(const std::vector<cv::Point2d>& a,
 
 }  // namespace
 
+void EpipolarOptions::Check() const { CheckFields("epipolar", *this); }
+
 double SampsonError(const Matrix3d& fundamental, const Vector2d& x_a, const Vector2d& x_b) {
   const Vector3d line_b = fundamental * x_a.homogeneous();
   const Vector3d line_a = fundamental.transpose() * x_b.homogeneous();

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <optional>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -17,9 +16,9 @@ struct EpipolarOptions {
   int max_samples = 1000;
   double planar_share = 0.9;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = EpipolarOptions;
-    return std::tuple{
+    return use(
         OptionField{
             "max_error_px", &Self::max_error_px, Above(0), "px",
             "Largest Sampson error of an inlier. Higher accepts more matches, and more by chance."},
@@ -32,9 +31,9 @@ struct EpipolarOptions {
         OptionField{
             "planar_share", &Self::planar_share, Closed(0, 1), "",
             "If one homography explains this share of the inliers, the scene counts as planar or "
-            "the motion as a pure rotation, and only the homography's inliers count."}};
+            "the motion as a pure rotation, and only the homography's inliers count."});
   }
-  void Check() const { CheckFields("epipolar", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // The epipolar geometry of two images without calibration.

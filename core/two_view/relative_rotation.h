@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -27,8 +26,8 @@ struct RelativeOptions {
   double rival_angle_rad = 0.01;
   uint64_t seed = 1;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"max_error_rad", &RelativeOptions::max_error_rad, Closed(1e-5, 0.1), "rad",
                     "Largest error of an inlier (EpipolarError). Higher accepts blurred and badly "
                     "calibrated images, and more wrong matches."},
@@ -53,7 +52,7 @@ struct RelativeOptions {
             "this share of what the best one explains. Lower calls more poses ambiguous."},
         OptionField{"rival_angle_rad", &RelativeOptions::rival_angle_rad, Closed(0.001, 1), "rad",
                     "Smallest angle between the two motions at which they count as different."},
-        OptionField{"seed", &RelativeOptions::seed, AnyValue(), "", "Seed of the samples."}};
+        OptionField{"seed", &RelativeOptions::seed, AnyValue(), "", "Seed of the samples."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <opencv2/core.hpp>
-#include <tuple>
 
 #include "core/base/options.h"
 #include "core/two_view/bearings.h"
@@ -14,13 +13,13 @@ struct PanoramaFeatureOptions {
   BearingFeatureOptions bearings{.features = {.max_features = 600}, .max_kept = 300};
   double face_width = 0.318;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionGroup{"bearings", &PanoramaFeatureOptions::bearings},
         OptionField{"face_width", &PanoramaFeatureOptions::face_width, Closed(0.05, 1), "",
                     "Width of a face relative to the panorama's. A face covers a quarter of the "
                     "circle; at 1 / pi its centre has the panorama's resolution. Lower is faster "
-                    "and finds fewer features."}};
+                    "and finds fewer features."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
-
 #include "core/base/options.h"
 #include "core/features/match.h"
 #include "core/panorama/visual_compass.h"
@@ -42,9 +40,9 @@ struct PanoramaQueryOptions {
   double agreement_rad = 0.25;
   double min_probability = 0.9;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = PanoramaQueryOptions;
-    return std::tuple{
+    return use(
         OptionField{"candidates", &Self::candidates, Closed(1, 1000), "",
                     "Nodes compared by their phases, nearest signature first. More find more "
                     "places and cost time."},
@@ -68,8 +66,7 @@ struct PanoramaQueryOptions {
         OptionField{"settled_probability", &Self::settled_probability, Closed(0.5, 1), "",
                     "An answer by appearance alone with at least this probability is not verified; "
                     "1 verifies all. Lower answers faster and trusts appearance more."},
-        OptionGroup{"features", &Self::features},
-        OptionGroup{"match", &Self::match},
+        OptionGroup{"features", &Self::features}, OptionGroup{"match", &Self::match},
         OptionGroup{"relative", &Self::relative},
         OptionField{"max_poses", &Self::max_poses, Closed(1, 1000), "",
                     "Candidates whose relative pose is estimated, most matches first."},
@@ -108,7 +105,7 @@ struct PanoramaQueryOptions {
                     "Two nodes agree on a panorama's heading if their headings differ by at most "
                     "this. Higher accepts more agreement by chance."},
         OptionField{"min_probability", &Self::min_probability, Closed(1e-6, 1 - 1e-6), "",
-                    "Smallest probability of a localized answer. Higher refuses more."}};
+                    "Smallest probability of a localized answer. Higher refuses more."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -26,9 +26,9 @@ struct SeriesOptions {
   double max_log_odds = 4;
   double min_alone = 0.5;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = SeriesOptions;
-    return std::tuple{
+    return use(
         OptionGroup{"query", &Self::query},
         OptionField{"position_spacings", &Self::position_spacings, Closed(0.01, 1000), "",
                     "The filter's position_sigma, in spacings of the map's nodes. More lets "
@@ -43,7 +43,7 @@ struct SeriesOptions {
         OptionField{"min_alone", &Self::min_alone, Closed(0, 1), "",
                     "A panorama counts when its likeliest place has this probability if nothing "
                     "else were like it. Less lets panoramas of what isn't in the map move the "
-                    "belief."}};
+                    "belief."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -16,6 +16,8 @@ constexpr std::array kTypes{FeatureType::kSift, FeatureType::kOrb, FeatureType::
 
 }  // namespace
 
+void CoarseOptions::Check() const { CheckFields("coarse", *this); }
+
 // What each place has got, and which places have got anything.
 struct CoarseIndex::Votes {
   explicit Votes(size_t places) : weights(places, 0) {}

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -19,9 +18,9 @@ struct CoarseOptions {
   int max_distance = 22;
   int window = 4;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = CoarseOptions;
-    return std::tuple{
+    return use(
         OptionField{"probes", &Self::probes, Closed(1, Vocabulary::kMaxProbes), "",
                     "Words that a feature of the query is looked for in. More find more, and cost "
                     "time."},
@@ -29,9 +28,9 @@ struct CoarseOptions {
                     "Largest difference of signatures that counts as the same feature."},
         OptionField{"window", &Self::window, Closed(0, 100), "places",
                     "Places before and behind one that speak for it too: neighbours saw the same, "
-                    "and know other features of it."}};
+                    "and know other features of it."});
   }
-  void Check() const { CheckFields("coarse", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // Which of many maps may show what an image shows, by a few codes a place and without opening any

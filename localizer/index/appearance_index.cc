@@ -54,6 +54,8 @@ struct Found {
 
 }  // namespace
 
+void AppearanceIndexOptions::Check() const { CheckFields("appearance_index", *this); }
+
 AppearanceIndex::AppearanceIndex(const AppearanceLayer& layer,
                                  const AppearanceIndexOptions& options)
     : nodes_(static_cast<int>(layer.nodes.size())), rows_(layer.described.rows) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <tuple>
 #include <vector>
 
 #include "core/base/options.h"
@@ -26,9 +25,9 @@ struct AppearanceIndexOptions {
   double alike = 0.5;
   int reach_nodes = 200;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = AppearanceIndexOptions;
-    return std::tuple{
+    return use(
         OptionField{"frequencies", &Self::frequencies, Closed(1, 4096), "",
                     "Magnitudes per row that are compared, from frequency 0, at most those of the "
                     "layer. More distinguish neighbours; fewer tolerate more motion."},
@@ -44,9 +43,9 @@ struct AppearanceIndexOptions {
                     "densely spaced nodes."},
         OptionField{"reach_nodes", &Self::reach_nodes, Closed(1, 1'000'000), "",
                     "Nodes from which the range of similar views is estimated.",
-                    OptionUse::kInternal}};
+                    OptionUse::kInternal});
   }
-  void Check() const { CheckFields("appearance_index", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // The magnitudes of all nodes in one matrix of bytes, for searching. They are compared by the sum

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
-
 #include "core/base/options.h"
 #include "core/two_view/bearings.h"
 #include "core/two_view/relative_rotation.h"
@@ -16,9 +14,9 @@ struct SpacingParallaxOptions {
   MatchOptions match{0.8, true};
   RelativeOptions relative{.max_samples = 200};
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = SpacingParallaxOptions;
-    return std::tuple{
+    return use(
         OptionField{"pairs", &Self::pairs, Closed(1, 1000), "",
                     "Pairs of nodes that are matched, spread evenly over the layer.",
                     OptionUse::kInternal},
@@ -26,7 +24,7 @@ struct SpacingParallaxOptions {
             "max_apart", &Self::max_apart, Closed(1, 10'000), "nodes",
             "The nodes of a pair are at most this many nodes apart, where odometry hardly drifts.",
             OptionUse::kInternal},
-        OptionGroup{"match", &Self::match}, OptionGroup{"relative", &Self::relative}};
+        OptionGroup{"match", &Self::match}, OptionGroup{"relative", &Self::relative});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

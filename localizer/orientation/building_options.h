@@ -2,7 +2,6 @@
 #pragma once
 
 #include <numbers>
-#include <tuple>
 
 #include "core/base/options.h"
 #include "core/manhattan/manhattan_frame.h"
@@ -20,11 +19,10 @@ struct BuildingOptions {
   double min_plane_sigma_rad = 0.003;
   int working_pixels = 4'000'000;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = BuildingOptions;
-    return std::tuple{
-        OptionGroup{"segments", &Self::segments},
-        OptionGroup{"circles", &Self::circles},
+    return use(
+        OptionGroup{"segments", &Self::segments}, OptionGroup{"circles", &Self::circles},
         OptionGroup{"manhattan", &Self::manhattan},
         OptionField{"max_clear_rival", &Self::max_clear_rival, Closed(0, 1), "",
                     "The query's lines are accepted if their best rival frame has at most this "
@@ -43,7 +41,7 @@ struct BuildingOptions {
         OptionField{"working_pixels", &Self::working_pixels, Closed(10'000, 50'000'000), "",
                     "Larger photos, and panoramas whose faces together are larger, are reduced to "
                     "this many pixels before line detection, which bounds time and memory.",
-                    OptionUse::kInternal}};
+                    OptionUse::kInternal});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <tuple>
 
 #include "core/base/options.h"
 #include "core/features/features.h"
@@ -36,9 +35,9 @@ struct PlaneQueryOptions {
   EpipolarOptions epipolar;
   uint64_t seed = 1;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = PlaneQueryOptions;
-    return std::tuple{
+    return use(
         OptionField{"max_features", &Self::max_features, Closed(50, 20'000), "",
                     "Maximum features of a query. More find more and take longer."},
         OptionField{"contrast_threshold", &Self::contrast_threshold, Open(0, 1), "",
@@ -65,17 +64,15 @@ struct PlaneQueryOptions {
                     "tries all, which is slowest on large maps."},
         OptionField{"min_votes", &Self::min_votes, AtLeast(1), "",
                     "Planes with fewer votes are not tried."},
-        OptionGroup{"match", &Self::match},
-        OptionGroup{"ransac", &Self::ransac},
-        OptionGroup{"homology", &Self::homology},
-        OptionGroup{"gates", &Self::gates},
+        OptionGroup{"match", &Self::match}, OptionGroup{"ransac", &Self::ransac},
+        OptionGroup{"homology", &Self::homology}, OptionGroup{"gates", &Self::gates},
         OptionField{"max_keyframes", &Self::max_keyframes, AtLeast(1), "",
                     "Keyframes verified by all their matches, most votes beyond chance first. More "
                     "find more and cost about 2 ms each."},
         OptionGroup{"keyframe_match", &Self::keyframe_match},
         OptionGroup{"epipolar", &Self::epipolar},
         OptionField{"seed", &Self::seed, AnyValue(), "",
-                    "Seed of the sampling: the same query, map and options give the same answer."}};
+                    "Seed of the sampling: the same query, map and options give the same answer."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

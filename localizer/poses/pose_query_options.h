@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
-
 #include "core/base/options.h"
 #include "core/camera_pose/absolute_pose.h"
 
@@ -16,9 +14,9 @@ struct PoseQueryOptions {
   double max_descriptor_distance = 0.4;
   AbsolutePoseOptions solve;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = PoseQueryOptions;
-    return std::tuple{
+    return use(
         OptionField{"keypoint_sigma_px", &Self::keypoint_sigma_px, Above(0), "px",
                     "Standard deviation of a keypoint's position.", OptionUse::kInternal},
         OptionField{"keyframes", &Self::keyframes, AtLeast(0), "",
@@ -31,7 +29,7 @@ struct PoseQueryOptions {
                     "Largest distance of their descriptors, as a share of what descriptors can "
                     "differ by.",
                     OptionUse::kInternal},
-        OptionGroup{"solve", &Self::solve}};
+        OptionGroup{"solve", &Self::solve});
   }
 };
 

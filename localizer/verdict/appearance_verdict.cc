@@ -82,6 +82,8 @@ LogisticPrior PriorOf(bool verified, const AppearanceFitOptions& options) {
 
 }  // namespace
 
+void AppearanceFitOptions::Check() const { CheckFields("appearance_verdict", *this); }
+
 AppearanceVerdict DefaultVerdict(bool verified) {
   // More than 13 inliers that no other place comes near, seen from nearly there; a view of half the
   // typical cost that stands out.

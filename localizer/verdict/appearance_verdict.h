@@ -2,7 +2,6 @@
 #pragma once
 
 #include <span>
-#include <tuple>
 
 #include "core/base/options.h"
 #include "schema/layers/appearance/appearance_layer.h"
@@ -55,9 +54,9 @@ struct AppearanceFitOptions {
   double wrong_weight = 3;
   int min_samples = 20;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = AppearanceFitOptions;
-    return std::tuple{
+    return use(
         OptionField{"intercept_sigma", &Self::intercept_sigma, Closed(0.01, 100), "",
                     "Prior standard deviation of the intercept around the default's. Higher trusts "
                     "few samples more."},
@@ -68,9 +67,9 @@ struct AppearanceFitOptions {
                     "a robot more than a refused one. Higher refuses more."},
         OptionField{"min_samples", &Self::min_samples, Closed(1, 10'000), "",
                     "With fewer right or fewer wrong samples than this the default model is used. "
-                    "Lower adapts to smaller maps, and to chance."}};
+                    "Lower adapts to smaller maps, and to chance."});
   }
-  void Check() const { CheckFields("appearance_verdict", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // The most probable model (logistic regression with a normal prior around the default), fitted to

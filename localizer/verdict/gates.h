@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
-
 #include "core/base/options.h"
 
 namespace waystone {
@@ -17,8 +15,8 @@ struct GateOptions {
   double ambiguous_share = 0.7;
   double min_rival_probability = 0.2;
 
-  static constexpr auto Fields() {
-    return std::tuple{
+  static constexpr auto Fields(const auto& use) {
+    return use(
         OptionField{"min_inliers", &GateOptions::min_inliers, AtLeast(5), "",
                     "Distinct image positions whose matches must support a plane's homography. "
                     "Higher refuses more true planes; lower accepts more by chance."},
@@ -40,9 +38,9 @@ struct GateOptions {
         OptionField{"min_rival_probability", &GateOptions::min_rival_probability, Closed(0, 1), "",
                     "Smallest probability of a second place known only by a keyframe, since an "
                     "epipolar geometry fits some matches of any two images.",
-                    OptionUse::kInternal}};
+                    OptionUse::kInternal});
   }
-  void Check() const { CheckFields("gates", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 }  // namespace waystone

@@ -27,6 +27,8 @@ Vector3d CoefficientsOf(const VerdictModel& model) {
 
 }  // namespace
 
+void FitOptions::Check() const { CheckFields("verdict", *this); }
+
 double EstimateProbability(const Evidence& evidence, const VerdictModel& model) {
   return Logistic(CoefficientsOf(model).dot(FactorsOf(evidence)));
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <span>
-#include <tuple>
 
 #include "core/base/options.h"
 #include "schema/map_data.h"
@@ -30,9 +29,9 @@ struct FitOptions {
   double inlier_share_sigma = 2;
   int min_samples = 10;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = FitOptions;
-    return std::tuple{
+    return use(
         OptionField{"intercept_sigma", &Self::intercept_sigma, Above(0), "",
                     "Prior standard deviation of the intercept around that of the default model. "
                     "Higher trusts few samples more."},
@@ -42,9 +41,9 @@ struct FitOptions {
                     "Prior standard deviation of the coefficient of the inlier ratio."},
         OptionField{
             "min_samples", &Self::min_samples, Closed(1, 10'000), "",
-            "With fewer right or fewer wrong samples than this the default model is used."}};
+            "With fewer right or fewer wrong samples than this the default model is used."});
   }
-  void Check() const { CheckFields("verdict", *this); }  // throws MapError(kBadOptions)
+  void Check() const;  // throws MapError(kBadOptions)
 };
 
 // The model's most probable coefficients (a logistic regression with a normal prior), so that

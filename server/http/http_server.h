@@ -5,7 +5,6 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <tuple>
 
 #include "core/base/options.h"
 #include "server/http/message.h"
@@ -33,9 +32,9 @@ struct HttpOptions {
   int answer_timeout_s = 60;
   int stop_timeout_s = 4;
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = HttpOptions;
-    return std::tuple{
+    return use(
         OptionField{"port", &Self::port, Closed(0, 65535), "", "0 takes any free one."},
         OptionField{"insecure", &Self::insecure, AnyValue(), "",
                     "Listen on an address that other machines reach, although clients need no "
@@ -67,7 +66,7 @@ struct HttpOptions {
         OptionField{"answer_timeout_s", &Self::answer_timeout_s, AtLeast(1), "s",
                     "Time in which the client must accept a whole answer."},
         OptionField{"stop_timeout_s", &Self::stop_timeout_s, AtLeast(1), "s",
-                    "Time that the answers at hand are given when the server stops."}};
+                    "Time that the answers at hand are given when the server stops."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

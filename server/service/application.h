@@ -5,7 +5,6 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include "core/base/options.h"
@@ -34,9 +33,9 @@ struct ServiceOptions {
   // The registry whose jobs are told; empty for none.
   std::string registry = {};
 
-  static constexpr auto Fields() {
+  static constexpr auto Fields(const auto& use) {
     using Self = ServiceOptions;
-    return std::tuple{
+    return use(
         OptionGroup{"localize", &Self::localize}, OptionGroup{"limits", &Self::limits},
         OptionField{"query_threads", &Self::query_threads, Closed(0, 1024), "",
                     "Queries computed at once; 0 takes as many as there are cores. More don't "
@@ -45,7 +44,7 @@ struct ServiceOptions {
                     "Queries that wait for their turn; the next ones get 429. A longer queue turns "
                     "fewer away and keeps the last ones waiting longer."},
         OptionField{"query_log_bytes", &Self::query_log_bytes, AtLeast(1), "bytes",
-                    "What the query log may hold; it ends when it is full."}};
+                    "What the query log may hold; it ends when it is full."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "builder/build_map.h"
@@ -22,9 +21,9 @@ struct Alloy {
   Metal metal = Metal::kZinc;
   std::vector<double> shares = {0.25, 0.75};
 
-  static constexpr auto Fields() {
-    return std::tuple{OptionField{"metal", &Alloy::metal, AnyValue(), "", ""},
-                      OptionField{"shares", &Alloy::shares, AnyValue(), "", ""}};
+  static constexpr auto Fields(const auto& use) {
+    return use(OptionField{"metal", &Alloy::metal, AnyValue(), "", ""},
+               OptionField{"shares", &Alloy::shares, AnyValue(), "", ""});
   }
 };
 
@@ -34,11 +33,11 @@ struct Casting {
   bool cooled = true;
   double heat = 0.1;
 
-  static constexpr auto Fields() {
-    return std::tuple{OptionField{"rounds", &Casting::rounds, AnyValue(), "", ""},
-                      OptionGroup{"alloy", &Casting::alloy},
-                      OptionField{"cooled", &Casting::cooled, AnyValue(), "", ""},
-                      OptionField{"heat", &Casting::heat, AnyValue(), "", ""}};
+  static constexpr auto Fields(const auto& use) {
+    return use(OptionField{"rounds", &Casting::rounds, AnyValue(), "", ""},
+               OptionGroup{"alloy", &Casting::alloy},
+               OptionField{"cooled", &Casting::cooled, AnyValue(), "", ""},
+               OptionField{"heat", &Casting::heat, AnyValue(), "", ""});
   }
 };
 

@@ -5,7 +5,6 @@
 
 #include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 namespace waystone {
@@ -20,12 +19,12 @@ struct Whole {
   std::optional<int> limit;
   Kind kind = Kind::kA;
 
-  static constexpr auto Fields() {
-    return std::tuple{OptionField{"ratio", &Whole::ratio, AnyValue(), "", ""},
-                      OptionField{"name", &Whole::name, AnyValue(), "", ""},
-                      OptionField{"steps", &Whole::steps, AnyValue(), "", ""},
-                      OptionField{"limit", &Whole::limit, AnyValue(), "", ""},
-                      OptionField{"kind", &Whole::kind, AnyValue(), "", ""}};
+  static constexpr auto Fields(const auto& use) {
+    return use(OptionField{"ratio", &Whole::ratio, AnyValue(), "", ""},
+               OptionField{"name", &Whole::name, AnyValue(), "", ""},
+               OptionField{"steps", &Whole::steps, AnyValue(), "", ""},
+               OptionField{"limit", &Whole::limit, AnyValue(), "", ""},
+               OptionField{"kind", &Whole::kind, AnyValue(), "", ""});
   }
 };
 
@@ -33,8 +32,8 @@ struct Partial {
   int listed = 1;
   int forgotten = 2;
 
-  static constexpr auto Fields() {
-    return std::tuple{OptionField{"listed", &Partial::listed, AnyValue(), "", ""}};
+  static constexpr auto Fields(const auto& use) {
+    return use(OptionField{"listed", &Partial::listed, AnyValue(), "", ""});
   }
 };
 
@@ -43,8 +42,8 @@ struct Declared {
   int of_this_query = 2;
 
   static constexpr int kUnlistedMembers = 1;
-  static constexpr auto Fields() {
-    return std::tuple{OptionField{"listed", &Declared::listed, AnyValue(), "", ""}};
+  static constexpr auto Fields(const auto& use) {
+    return use(OptionField{"listed", &Declared::listed, AnyValue(), "", ""});
   }
 };
 
@@ -53,9 +52,9 @@ struct Nesting {
   int count = 3;
   Group group{};
 
-  static constexpr auto Fields() {
-    return std::tuple{OptionField{"count", &Nesting::count, AnyValue(), "", ""},
-                      OptionGroup{"group", &Nesting::group}};
+  static constexpr auto Fields(const auto& use) {
+    return use(OptionField{"count", &Nesting::count, AnyValue(), "", ""},
+               OptionGroup{"group", &Nesting::group});
   }
 };
 

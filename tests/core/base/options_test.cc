@@ -14,9 +14,9 @@ struct Inner {
   double ratio = 0.5;
   bool mutual = true;
 
-  static constexpr auto Fields() {
-    return std::tuple{OptionField{"ratio", &Inner::ratio, OpenLow(0, 1), "", "A ratio."},
-                      OptionField{"mutual", &Inner::mutual, AnyValue(), "", "Both ways."}};
+  static constexpr auto Fields(const auto& use) {
+    return use(OptionField{"ratio", &Inner::ratio, OpenLow(0, 1), "", "A ratio."},
+               OptionField{"mutual", &Inner::mutual, AnyValue(), "", "Both ways."});
   }
 };
 
@@ -25,11 +25,11 @@ struct Outer {
   Inner inner{};
   float length_px = 2.5F;
 
-  static constexpr auto Fields() {
-    return std::tuple{OptionField{"count", &Outer::count, Closed(1, 10), "", "How many."},
-                      OptionGroup{"inner", &Outer::inner},
-                      OptionField{"length_px", &Outer::length_px, Above(0), "px", "How long.",
-                                  OptionUse::kInternal}};
+  static constexpr auto Fields(const auto& use) {
+    return use(OptionField{"count", &Outer::count, Closed(1, 10), "", "How many."},
+               OptionGroup{"inner", &Outer::inner},
+               OptionField{"length_px", &Outer::length_px, Above(0), "px", "How long.",
+                           OptionUse::kInternal});
   }
 };
 
