@@ -5,6 +5,8 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 
 JOBS ?= $(shell nproc)
+# Tests of servers and workers wait for much of their time.
+TEST_JOBS = $$(($(JOBS) + 1))
 RELEASE := build/release
 # Every source of ours; generated files and the build folders are not among them.
 SOURCES = git ls-files -co --exclude-standard -- '*.h' '*.cc' | while read -r f; do [ -f "$$f" ] && echo "$$f"; done
@@ -43,7 +45,7 @@ demo: packages  ## make a small world, map it, serve it, localize three photos o
 
 test: release browser  ## build and run every test; BROWSER=no leaves out the page's
 	@scripts/install_packages.sh scripts/test_packages.txt
-	@scripts/run_tests.py $(RELEASE) --parallel $(JOBS)
+	@scripts/run_tests.py $(RELEASE) --parallel $(TEST_JOBS)
 
 # What fails or has no data keeps its earlier result; the page says of which day and commit each is.
 BENCHES ?=
@@ -74,12 +76,12 @@ asan: packages  ## all but the end-to-end tests with AddressSanitizer and Undefi
 	@scripts/build.sh asan $(JOBS) short_tests
 	@LSAN_OPTIONS=suppressions=$(CURDIR)/scripts/lsan.supp:print_suppressions=0 \
 	 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
-	 scripts/run_tests.py build/asan --parallel $(JOBS) -L program -LE long
+	 scripts/run_tests.py build/asan --parallel $(TEST_JOBS) -L program -LE long
 
 tsan: packages  ## the server's tests and the layers' on several threads, with ThreadSanitizer
 	@scripts/build.sh tsan $(JOBS) threaded_tests
 	@TSAN_OPTIONS=suppressions=$(CURDIR)/scripts/tsan.supp:print_suppressions=0 \
-	 scripts/run_tests.py build/tsan --parallel $(JOBS) -L threaded
+	 scripts/run_tests.py build/tsan --parallel $(TEST_JOBS) -L threaded
 
 # What breaks a reader goes to build/fuzz/crashes, with a line how to try it again.
 SECONDS ?= 3600
