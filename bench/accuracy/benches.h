@@ -19,6 +19,13 @@ int RunRgbd(const Args& args);
 // pairs DIR... [--labels OUT] [--set NAME=VALUE]...: planes in two images against labelled matches
 // (matches.csv in each folder); writes the labels it gave to OUT/NAME.txt.
 int RunPairs(const Args& args);
+// rendered-pairs [--pairs N] [--first SEED] [--set NAME=VALUE]...: the same against the truth of N
+// pairs of frames of rendered buildings, and of N pairs of made matches of one plane with as many
+// outliers, and of small planes in front of a large one.
+int RunRenderedPairs(const Args& args);
+// homographies DIR... [--set NAME=VALUE]...: pairs of photos of flat scenes (1.jpg and k.jpg, with
+// the true homography in H_1_k.txt): error at the corners, beside OpenCV's MAGSAC.
+int RunHomographies(const Args& args);
 // verdicts [DATA]: localized, right and false answers and the reliability of the stated
 // probability, on maps of the world and, where DATA has them, kitchen and church, asked for photos
 // of all others.

@@ -12,6 +12,8 @@ constexpr char kUsage[] =
     "  world [--frames N] [--plan demo|other] [--set N=V]   planes against rendered truth\n"
     "  rgbd DIR [--map 0:499] [--queries 500:990:10]      localization against depth and poses\n"
     "  pairs DIR... [--labels OUT] [--set N=V]            planes in two images against labels\n"
+    "  rendered-pairs [--pairs N] [--first SEED] [--set N=V]  the same against rendered truth\n"
+    "  homographies DIR... [--set N=V]                    corners of flat scenes against truth\n"
     "  verdicts [DATA]                                    false answers, reliability\n"
     "  directions [DIR...] [--photos]                     Manhattan frames against truth\n"
     "  segments IMAGE_OR_FOLDER...                        segment detectors\n"
@@ -59,6 +61,8 @@ int main(int argc, char** argv) {
       {"build", waystone::bench::RunBuild},
       {"graphs", waystone::bench::RunGraphs},
       {"pairs", waystone::bench::RunPairs},
+      {"rendered-pairs", waystone::bench::RunRenderedPairs},
+      {"homographies", waystone::bench::RunHomographies},
       {"orientation", waystone::bench::RunOrientation},
       {"directions", waystone::bench::RunDirections},
       {"segments", waystone::bench::RunSegments},

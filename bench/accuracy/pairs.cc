@@ -9,9 +9,9 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/misclassification.h"
+#include "bench/accuracy/plane_labels.h"
 #include "bench/accuracy/settings.h"
 #include "bench/accuracy/stopwatch.h"
-#include "builder/planes/options.h"
 #include "core/base/error.h"
 
 namespace waystone::bench {
@@ -54,21 +54,11 @@ LabelledPair ReadPair(const fs::path& folder) {
   return pair;
 }
 
-// Label of each match: 1 + index of its plane, 0 for none.
-std::vector<int> Label(const MatchedPoints& points, const PlaneLayerOptions& options) {
-  const Segmentation segmentation = SegmentPlanes(points, {}, options.segmentation, options.seed);
-  std::vector<int> labels(points.size(), 0);
-  for (size_t p = 0; p < segmentation.planes.size(); ++p) {
-    for (int row : segmentation.planes[p].rows) labels[row] = static_cast<int>(p) + 1;
-  }
-  return labels;
-}
-
 double MedianMilliseconds(const MatchedPoints& points, const PlaneLayerOptions& options) {
   std::vector<double> times;
   for (int run = 0; run < kRuns; ++run) {
     const Stopwatch watch;
-    Label(points, options);
+    LabelPlanes(points, options);
     times.push_back(1e3 * watch.cpu_s());
   }
   return Quantile(times, 0.5);
@@ -96,7 +86,7 @@ int RunPairs(const Args& raw) {
   std::printf("%-14s %8s %7s %7s %8s %9s\n", "pair", "matches", "planes", "found", "error", "ms");
   for (const std::string& folder : args) {
     const LabelledPair pair = ReadPair(folder);
-    const std::vector<int> labels = Label(pair.points, options);
+    const std::vector<int> labels = LabelPlanes(pair.points, options);
     const double error = Misclassification(pair.truth, labels);
     const double ms = MedianMilliseconds(pair.points, options);
     if (!labels_folder.empty()) WriteLabels(labels_folder, pair.name, labels);
