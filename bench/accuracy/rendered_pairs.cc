@@ -8,7 +8,6 @@
 #include <iostream>
 #include <map>
 #include <numeric>
-#include <set>
 #include <vector>
 
 #include "bench/accuracy/common.h"
@@ -16,6 +15,7 @@
 #include "bench/accuracy/plane_labels.h"
 #include "bench/accuracy/settings.h"
 #include "bench/accuracy/world_source.h"
+#include "bench/accuracy/world_truth.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/features/match.h"
@@ -28,10 +28,6 @@ namespace {
 constexpr int kWidth_px = 640;
 constexpr int kHeight_px = 480;
 constexpr int kPairsOfAWorld = 4;
-// A feature is on a plane that shows within this distance of it: features sit on edges.
-constexpr int kEdge_px = 3;
-// A match is the plane's if it agrees with the true homography to this.
-constexpr double kTrueMatch_px = 3;
 constexpr double kBadError = 0.1;
 
 struct LabelledPair {
@@ -40,20 +36,6 @@ struct LabelledPair {
 };
 
 Camera PairCamera() { return PinholeCamera(kWidth_px, kHeight_px, 1.1); }
-
-std::set<int> PlanesNear(const cv::Mat& ids, const Eigen::Vector2d& x) {
-  std::set<int> near;
-  for (int dy = -kEdge_px; dy <= kEdge_px; dy += kEdge_px) {
-    for (int dx = -kEdge_px; dx <= kEdge_px; dx += kEdge_px) {
-      const int column = static_cast<int>(std::lround(x.x())) + dx;
-      const int row = static_cast<int>(std::lround(x.y())) + dy;
-      if (column < 0 || row < 0 || column >= ids.cols || row >= ids.rows) continue;
-      near.insert(ids.at<uint16_t>(row, column));
-    }
-  }
-  near.erase(0);
-  return near;
-}
 
 // The planes numbered from 1; those with fewer matches than the builder asks for are none.
 void NumberPlanes(std::vector<int>& truth, int min_matches) {
@@ -90,6 +72,7 @@ LabelledPair RenderPair(const World& world, const WorldSource& source, const Wal
     int label = 0;
     double least = kTrueMatch_px;
     for (int id : PlanesNear(a.plane_ids, x_a)) {
+      if (id == 0) continue;
       const Eigen::Matrix3d b_from_a =
           PlaneHomography(world.PlaneById(id), *source.camera(), pose_a, pose_b);
       const Eigen::Vector3d there = b_from_a * x_a.homogeneous();

@@ -12,10 +12,7 @@
 namespace waystone::bench {
 namespace {
 
-// A feature is on a plane if the plane shows within this distance of it: features sit on edges. px
 constexpr int kEdge_px = 3;
-// A match is the plane's if it agrees with the true homography to this. px
-constexpr double kTrueMatch_px = 3;
 
 std::string Key(const uint8_t* descriptor) {
   return {reinterpret_cast<const char*>(descriptor),
@@ -26,7 +23,24 @@ bool IsInImage(const Eigen::Vector2d& x, const Camera& camera) {
   return x.x() >= 0 && x.y() >= 0 && x.x() < camera.width && x.y() < camera.height;
 }
 
+int PlaneAt(const cv::Mat& ids, const Eigen::Vector2d& x) {
+  const int column = static_cast<int>(std::lround(x.x()));
+  const int row = static_cast<int>(std::lround(x.y()));
+  if (column < 0 || row < 0 || column >= ids.cols || row >= ids.rows) return 0;
+  return ids.at<uint16_t>(row, column);
+}
+
 }  // namespace
+
+std::set<int> PlanesNear(const cv::Mat& plane_ids, const Eigen::Vector2d& x) {
+  std::set<int> near;
+  for (int dy = -kEdge_px; dy <= kEdge_px; dy += kEdge_px) {
+    for (int dx = -kEdge_px; dx <= kEdge_px; dx += kEdge_px) {
+      near.insert(PlaneAt(plane_ids, x + Eigen::Vector2d(dx, dy)));
+    }
+  }
+  return near;
+}
 
 WorldTruth::WorldTruth(const World& world, const WorldSource& source, const Walk& walk,
                        const MapData& map)
@@ -45,24 +59,6 @@ WorldTruth::WorldTruth(const World& world, const WorldSource& source, const Walk
   }
 }
 
-int WorldTruth::PlaneAt(int keyframe, const Eigen::Vector2d& x) const {
-  const cv::Mat& ids = plane_ids_[keyframe];
-  const int column = static_cast<int>(std::lround(x.x()));
-  const int row = static_cast<int>(std::lround(x.y()));
-  if (column < 0 || row < 0 || column >= ids.cols || row >= ids.rows) return 0;
-  return ids.at<uint16_t>(row, column);
-}
-
-std::set<int> WorldTruth::PlanesNear(int keyframe, const Eigen::Vector2d& x) const {
-  std::set<int> near;
-  for (int dy = -kEdge_px; dy <= kEdge_px; dy += kEdge_px) {
-    for (int dx = -kEdge_px; dx <= kEdge_px; dx += kEdge_px) {
-      near.insert(PlaneAt(keyframe, x + Eigen::Vector2d(dx, dy)));
-    }
-  }
-  return near;
-}
-
 WorldTruth::Owner WorldTruth::OwnerOf(const Plane& plane) const {
   std::map<int, int> counts;
   int counted = 0;
@@ -71,7 +67,8 @@ WorldTruth::Owner WorldTruth::OwnerOf(const Plane& plane) const {
     if (seen == seen_.end()) continue;
     const auto [keyframe, keypoint] = seen->second;
     ++counted;
-    for (int id : PlanesNear(keyframe, PositionOf(features_[keyframe].keypoints[keypoint]))) {
+    for (int id :
+         PlanesNear(plane_ids_[keyframe], PositionOf(features_[keyframe].keypoints[keypoint]))) {
       ++counts[id];
     }
   }
@@ -90,8 +87,8 @@ std::map<int, int> WorldTruth::CarriedMatches(int from, int to) const {
                                              features_[to].type, MatchOptions{})) {
     const Eigen::Vector2d x_to = PositionOf(features_[to].keypoints[match.a]);
     const Eigen::Vector2d x_from = PositionOf(features_[from].keypoints[match.b]);
-    const int plane = PlaneAt(to, x_to);
-    if (plane == 0 || PlaneAt(from, x_from) != plane) continue;
+    const int plane = PlaneAt(plane_ids_[to], x_to);
+    if (plane == 0 || PlaneAt(plane_ids_[from], x_from) != plane) continue;
     const Eigen::Matrix3d from_to = ToFrom(plane, map_.keyframes[to].id, map_.keyframes[from].id);
     if ((Apply(from_to, x_to) - x_from).norm() < kTrueMatch_px) ++carried[plane];
   }

@@ -12,6 +12,13 @@
 
 namespace waystone::bench {
 
+// A match is a plane's if it agrees with the true homography to this.
+constexpr double kTrueMatch_px = 3;
+
+// The planes that a frame shows within 3 px of a point: features sit on edges. `plane_ids` is
+// RenderedFrame's; 0 is outside the image.
+std::set<int> PlanesNear(const cv::Mat& plane_ids, const Eigen::Vector2d& x);
+
 // What is true of a map that was built from a rendered walk.
 class WorldTruth {
  public:
@@ -38,8 +45,6 @@ class WorldTruth {
 
  private:
   int IndexOf(KeyframeId id) const { return static_cast<int>(id.value) - 1; }
-  int PlaneAt(int keyframe, const Eigen::Vector2d& x) const;
-  std::set<int> PlanesNear(int keyframe, const Eigen::Vector2d& x) const;
 
   const World& world_;
   const Walk& walk_;
