@@ -13,9 +13,7 @@
 #include <tuple>
 #include <utility>
 
-#include "builder/calibration/map_parts.h"
 #include "core/features/keypoint_grid.h"
-#include "localizer/localizer.h"
 #include "localizer/planes/verify_keyframe.h"
 
 namespace waystone {
@@ -87,8 +85,7 @@ void LookFrom(const MapIndex& index, int keyframe, const Features& image, const 
   }
 }
 
-RowsSeen LookFor(const MapIndex& index, const Features& image) {
-  const Answer answer = LocalizeFeatures(index, image, {});
+RowsSeen LookFor(const MapIndex& index, const Answer& answer, const Features& image) {
   if (answer.verdict != Verdict::kLocalized || !answer.planes.keyframe) return {};
   const KeypointGrid grid(image, kReach * image.width);
   RowsSeen seen;
@@ -215,12 +212,13 @@ std::optional<Vector2d> LocalMotion::Predict(const Vector2d& x) const {
   return there + affinity * (x - middle);
 }
 
-LookCounts LookAgain(const MapData& walk, const std::vector<WalkImage>& images, MapData& map) {
-  if (map.keyframes.empty() || images.empty()) return {};
-  const auto index = MapIndex::Build(CopyPlanes(map));
+LookCounts LookAgain(const AskedMap& asked, const MapData& walk,
+                     const std::vector<WalkImage>& images, MapData& map) {
+  const MapIndex& index = *asked.index;
   std::vector<RowsSeen> seen(images.size());
-  tbb::parallel_for(size_t{0}, images.size(),
-                    [&](size_t i) { seen[i] = LookFor(*index, images[i].features); });
+  tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
+    seen[i] = LookFor(index, asked.answers[i], images[i].features);
+  });
   const std::map<SequenceId, SequenceId> ids = IdsAfter(map, walk);
   CountsOfSequence counts;
   std::set<int> looked;
@@ -228,7 +226,7 @@ LookCounts LookAgain(const MapData& walk, const std::vector<WalkImage>& images, 
   for (size_t i = 0; i < images.size(); ++i) {
     if (seen[i].empty()) continue;
     std::vector<FeatureLooks>& rows = counts[ids.at(images[i].sequence)];
-    rows.resize(static_cast<size_t>(index->search().rows()));
+    rows.resize(static_cast<size_t>(index.search().rows()));
     for (const auto& [row, was_found] : seen[i]) {
       looked.insert(row);
       if (was_found) found.insert(row);
@@ -238,7 +236,7 @@ LookCounts LookAgain(const MapData& walk, const std::vector<WalkImage>& images, 
       one.found = static_cast<uint8_t>(one.found + (was_found ? 1 : 0));
     }
   }
-  AddRows(*index, counts, map.looks);
+  AddRows(index, counts, map.looks);
   return {static_cast<int>(looked.size()), static_cast<int>(found.size())};
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "builder/joining/recognise_keyframes.h"
 #include "builder/planes/keyframe_sample.h"
 #include "core/features/features.h"
 #include "schema/map_data.h"
@@ -42,9 +43,10 @@ struct LookCounts {
 // compared with the keyframes around the place; features that should be well inside of it and seen
 // as they were are looked for, and found where a feature like them is near. An image in which few
 // were found counts for nothing: it is dark or blurred, something is in front of it, or it is of
-// another place. `images` are some of those of `walk`.
-// Adds what was found to map.looks, by the ids that AppendMap will give the sequences of `walk`.
-// Deterministic, on any number of threads.
-LookCounts LookAgain(const MapData& walk, const std::vector<WalkImage>& images, MapData& map);
+// another place. `images` are some of those of `walk`; `asked` is what AskMap made of them and of
+// the map. Adds what was found to map.looks, by the ids that AppendMap will give the sequences of
+// `walk`. Deterministic, on any number of threads.
+LookCounts LookAgain(const AskedMap& asked, const MapData& walk,
+                     const std::vector<WalkImage>& images, MapData& map);
 
 }  // namespace waystone

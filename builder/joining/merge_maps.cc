@@ -145,26 +145,36 @@ void Fuse(const MapOfPlane& origin, const PlaneLayerOptions& options, MapData& m
   poses.KeepPoses(map);
 }
 
-// Which of the maps are asked by the keyframes of which.
-enum class Asked { kAll, kFirst };
-
-std::vector<Recognition> RecogniseEachOther(const std::vector<MapData>& maps, Asked asked,
-                                            const BuildOptions& options) {
+FeatureOptions PictureFeatures(const std::vector<MapData>& maps, const BuildOptions& options) {
   FeatureOptions features = options.features;
   features.type = maps.front().info.feature_type;
+  return features;
+}
+
+// What maps[asked] shows of maps[asking].
+Recognition Recognise(const std::vector<MapData>& maps, size_t asked, size_t asking,
+                      const AskedMap& map, const std::vector<WalkImage>& images,
+                      const BuildOptions& options) {
+  Recognition recognition;
+  recognition.asked = asked;
+  recognition.asking = asking;
+  if (!maps[asked].keyframes.empty() && !maps[asking].keyframes.empty()) {
+    recognition.keyframes =
+        RecogniseKeyframes(map, maps[asking], images, PictureFeatures(maps, options));
+  }
+  if (maps[asked].appearance && maps[asking].appearance) {
+    recognition.nodes = RecogniseNodes(maps[asked], maps[asking], options.appearance.loops);
+  }
+  return recognition;
+}
+
+std::vector<Recognition> RecogniseEachOther(const std::vector<MapData>& maps,
+                                            const BuildOptions& options) {
   std::vector<Recognition> recognitions;
-  for (size_t i = 0; i < (asked == Asked::kAll ? maps.size() : 1); ++i) {
+  for (size_t i = 0; i < maps.size(); ++i) {
+    const AskedMap map = AskMap(maps[i], {}, {});
     for (size_t j = 0; j < maps.size(); ++j) {
-      if (i == j) continue;
-      Recognition& one = recognitions.emplace_back();
-      one.asked = i;
-      one.asking = j;
-      if (!maps[i].keyframes.empty() && !maps[j].keyframes.empty()) {
-        one.keyframes = RecogniseKeyframes(maps[i], maps[j], features);
-      }
-      if (maps[i].appearance && maps[j].appearance) {
-        one.nodes = RecogniseNodes(maps[i], maps[j], options.appearance.loops);
-      }
+      if (i != j) recognitions.push_back(Recognise(maps, i, j, map, {}, options));
     }
   }
   return recognitions;
@@ -243,10 +253,9 @@ bool SeveralHave(const std::vector<MapData>& maps, const Has& has) {
 }
 
 // One after the other.
-JoinResult Join(std::vector<MapData> maps, const std::string& name, Asked asked,
-                const BuildOptions& options) {
-  std::vector<Recognition> recognitions = RecogniseEachOther(maps, asked, options);
-  const std::optional<size_t> frame_of = JoinFrames(recognitions, asked == Asked::kFirst, maps);
+JoinResult Join(std::vector<MapData> maps, std::vector<Recognition> recognitions,
+                const std::string& name, bool keep_first, const BuildOptions& options) {
+  const std::optional<size_t> frame_of = JoinFrames(recognitions, keep_first, maps);
   JoinResult result;
   JoinReport& report = result.report;
   if (frame_of) report.floor_plans = LeavePlansOut(*frame_of, maps);
@@ -283,7 +292,8 @@ JoinResult MergeMaps(std::vector<MapData> maps, const std::string& name,
   options.Check();
   CheckJoinable(maps);
   std::ranges::stable_sort(maps, {}, [](const MapData& map) { return map.info.version; });
-  return Join(std::move(maps), name, Asked::kAll, options);
+  std::vector<Recognition> recognitions = RecogniseEachOther(maps, options);
+  return Join(std::move(maps), std::move(recognitions), name, false, options);
 }
 
 JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options,
@@ -294,8 +304,10 @@ JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options,
   maps.push_back(std::move(map));
   maps.push_back(std::move(added));
   CheckJoinable(maps);
-  const LookCounts looked = LookAgain(maps[1], images, maps[0]);
-  JoinResult result = Join(std::move(maps), name, Asked::kFirst, options);
+  const AskedMap asked = AskMap(maps[0], maps[1], images);
+  std::vector<Recognition> recognitions{Recognise(maps, 0, 1, asked, images, options)};
+  const LookCounts looked = LookAgain(asked, maps[1], images, maps[0]);
+  JoinResult result = Join(std::move(maps), std::move(recognitions), name, true, options);
   result.report.features_looked_for = looked.looked;
   result.report.features_found = looked.found;
   return result;

@@ -15,33 +15,56 @@
 namespace waystone {
 namespace {
 
-// Where a keyframe's picture was taken; nothing where it isn't localized.
-std::optional<RecognisedKeyframe> Localize(const MapIndex& index, const MapData& other,
-                                           size_t asking, const FeatureOptions& options) {
-  const Keyframe& keyframe = other.keyframes[asking];
+Answer Localize(const MapIndex& index, const Features& features, const MapData& walk,
+                SequenceId sequence) {
+  Answer answer = LocalizeFeatures(index, features, {});
+  const auto taken_in = std::ranges::lower_bound(walk.sequences, sequence, {}, &Sequence::id);
+  AddPose(index, features, taken_in->camera, {}, answer);
+  return answer;
+}
+
+// The answer to a keyframe's image, where that is at hand, else to its picture: smaller, and so
+// sometimes nearer to what the map's camera saw. Nothing without either.
+std::optional<Answer> AnswerTo(const Keyframe& keyframe, const AskedMap& map, const MapData& other,
+                               const std::vector<WalkImage>& images,
+                               const FeatureOptions& options) {
+  const auto image = std::ranges::find_if(images, [&](const WalkImage& one) {
+    return one.sequence == keyframe.sequence && one.frame == keyframe.frame;
+  });
+  if (image != images.end()) {
+    const Answer& answer = map.answers[image - images.begin()];
+    if (answer.verdict == Verdict::kLocalized) return answer;
+  }
   const std::optional<Features> features = FeaturesOfPicture(keyframe, options);
   if (!features) return std::nullopt;
-  Answer answer = LocalizeFeatures(index, *features, {});
-  if (answer.verdict != Verdict::kLocalized) return std::nullopt;
-  const int found = index.IndexOf(answer.planes.keyframe->id);
-  const auto sequence =
-      std::ranges::lower_bound(other.sequences, keyframe.sequence, {}, &Sequence::id);
-  AddPose(index, *features, sequence->camera, {}, answer);
-  return RecognisedKeyframe{asking, static_cast<size_t>(found), answer.pose};
+  return Localize(*map.index, *features, other, keyframe.sequence);
 }
 
 }  // namespace
 
-std::vector<RecognisedKeyframe> RecogniseKeyframes(const MapData& map, const MapData& other,
+AskedMap AskMap(const MapData& map, const MapData& walk, const std::vector<WalkImage>& images) {
+  AskedMap asked{MapIndex::Build(CopyPlanes(map)), std::vector<Answer>(images.size())};
+  if (map.keyframes.empty()) return asked;
+  tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
+    asked.answers[i] = Localize(*asked.index, images[i].features, walk, images[i].sequence);
+  });
+  return asked;
+}
+
+std::vector<RecognisedKeyframe> RecogniseKeyframes(const AskedMap& map, const MapData& other,
+                                                   const std::vector<WalkImage>& images,
                                                    const FeatureOptions& options) {
-  const auto index = MapIndex::Build(CopyPlanes(map));
   const std::vector<Keyframe>& keyframes = other.keyframes;
   std::vector<std::optional<RecognisedKeyframe>> found(keyframes.size());
-  tbb::parallel_for(size_t{0}, keyframes.size(),
-                    [&](size_t k) { found[k] = Localize(*index, other, k, options); });
+  tbb::parallel_for(size_t{0}, keyframes.size(), [&](size_t k) {
+    const std::optional<Answer> answer = AnswerTo(keyframes[k], map, other, images, options);
+    if (!answer || answer->verdict != Verdict::kLocalized) return;
+    const int nearest = map.index->IndexOf(answer->planes.keyframe->id);
+    found[k] = RecognisedKeyframe{k, static_cast<size_t>(nearest), answer->pose};
+  });
   const auto agree = [&](size_t a, size_t b) {
     return keyframes[a].sequence == keyframes[b].sequence && found[a] && found[b] &&
-           KeyframesAreNear(*index, static_cast<int>(found[a]->found),
+           KeyframesAreNear(*map.index, static_cast<int>(found[a]->found),
                             static_cast<int>(found[b]->found));
   };
   std::vector<RecognisedKeyframe> recognised;

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "builder/planes/keyframe_sample.h"
 #include "core/features/features.h"
+#include "localizer/index/map_index.h"
 #include "localizer/verdict/answer.h"
 #include "schema/map_data.h"
 
@@ -18,11 +21,23 @@ struct RecognisedKeyframe {
   std::optional<QueryPose> pose = {};  // in the other map's frame, where it has poses
 };
 
-// Which keyframes of `other` show places of `map`: each is localized by its
-// stored picture (FeaturesOfPicture). So that no single mistake ties two buildings together, an
-// answer counts only where the keyframe before or after it in its sequence was localized near the
-// same place (KeyframesAreNear). In the order of the keyframes; the same on any number of threads.
-std::vector<RecognisedKeyframe> RecogniseKeyframes(const MapData& map, const MapData& other,
+// A map and what it answers to images of a walk, row by row, with their poses where the map has
+// poses.
+struct AskedMap {
+  std::shared_ptr<const MapIndex> index;  // of the map's planes and landmarks
+  std::vector<Answer> answers;
+};
+
+// Localizes images of `walk` in the map. The same on any number of threads.
+AskedMap AskMap(const MapData& map, const MapData& walk, const std::vector<WalkImage>& images);
+
+// Which keyframes of `other` show places of the map: each was localized by its image, where that is
+// among `images`, which the map was asked for, or is by its stored picture (FeaturesOfPicture). So
+// that no single mistake ties two buildings together, an answer counts only where the
+// keyframe before or after it in its sequence was localized near the same place
+// (KeyframesAreNear). In the order of the keyframes; the same on any number of threads.
+std::vector<RecognisedKeyframe> RecogniseKeyframes(const AskedMap& map, const MapData& other,
+                                                   const std::vector<WalkImage>& images,
                                                    const FeatureOptions& options);
 
 }  // namespace waystone

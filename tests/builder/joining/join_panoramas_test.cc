@@ -11,44 +11,12 @@
 #include "core/base/error.h"
 #include "localizer/appearance/appearance.h"
 #include "schema/sessions.h"
-#include "tests/builder/appearance/drive.h"
+#include "tests/builder/joining/driven_maps.h"
 #include "tests/builder/joining/walked_maps.h"
 
 namespace waystone {
 namespace {
 
-BuildOptions PanoramaOptionsOf(const std::string& name) {
-  BuildOptions options;
-  options.map_name = name;
-  options.appearance = ShortDrive();
-  options.appearance_calibration.max_nodes = 12;
-  options.appearance_calibration.rendered_negatives = 4;
-  return options;
-}
-
-MapData MapOfPanoramas(const std::vector<cv::Mat>& panoramas, const BuildOptions& options) {
-  std::vector<std::unique_ptr<Source>> sources;
-  sources.push_back(std::make_unique<MemorySource>(ImagesSource(panoramas, options.map_name)));
-  MapData map = BuildMap(sources, options, {}).map;
-  map.info.version = "sha256:" + options.map_name;  // a file's would be its hash
-  return map;
-}
-
-// Every second panorama of the drive, from one on.
-MapData PanoramasOfEverySecond(int first, const std::string& name) {
-  std::vector<cv::Mat> panoramas;
-  for (int i = first; i < Drive::kFrames; i += 2) panoramas.push_back(TheDrive().panoramas[i]);
-  return MapOfPanoramas(panoramas, PanoramaOptionsOf(name));
-}
-
-const MapData& MorningPanoramas() {
-  static const MapData map = PanoramasOfEverySecond(0, "morning");
-  return map;
-}
-const MapData& EveningPanoramas() {
-  static const MapData map = PanoramasOfEverySecond(1, "evening");
-  return map;
-}
 const JoinResult& JoinedPanoramas() {
   static const JoinResult joined =
       MergeMaps({MorningPanoramas(), EveningPanoramas()}, "joined", PanoramaOptionsOf("joined"));

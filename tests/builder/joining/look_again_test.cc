@@ -93,12 +93,17 @@ class LookAgainTest : public testing::Test {
     return map;
   }
 
+  // What the walk's images show of the map.
+  LookCounts Look(const std::vector<WalkImage>& images, MapData& map) const {
+    return LookAgain(AskMap(map, walk_, images), walk_, images, map);
+  }
+
   MapData map_ = First();
   const MapData& walk_ = Second();
 };
 
 TEST_F(LookAgainTest, FindsWhatIsThere) {
-  const LookCounts counts = LookAgain(walk_, FeaturesOf(walk_), map_);
+  const LookCounts counts = Look(FeaturesOf(walk_), map_);
   EXPECT_GT(counts.looked, 100);
   EXPECT_GT(counts.found, 0.9 * counts.looked);
   ASSERT_FALSE(map_.looks.planes.empty());
@@ -112,12 +117,22 @@ TEST_F(LookAgainTest, CountsNothingOfAnotherBuildingOrInTheDark) {
     one.features.keypoints.clear();
     one.features.descriptors = Descriptors(DescriptorBytes(FeatureType::kSift));
   }
-  EXPECT_EQ(LookAgain(walk_, features, map_).looked, 0);
-  EXPECT_EQ(LookAgain(walk_, {}, map_).looked, 0);
+  EXPECT_EQ(Look(features, map_).looked, 0);
+  EXPECT_EQ(Look({}, map_).looked, 0);
   MapData other = elsewhere;
-  EXPECT_EQ(LookAgain(walk_, FeaturesOf(walk_), other).looked, 0);
+  EXPECT_EQ(Look(FeaturesOf(walk_), other).looked, 0);
   EXPECT_TRUE(map_.looks.empty());
   EXPECT_TRUE(other.looks.empty());
+}
+
+// Keyframes whose images are at hand are recognised by these, so that they need no picture.
+TEST_F(LookAgainTest, RecognisesKeyframesByTheirImages) {
+  MapData blind = walk_;
+  for (Keyframe& keyframe : blind.keyframes) keyframe.jpeg.clear();
+  EXPECT_EQ(AddToMap(map_, blind, {}).report.keyframes_recognised, 0);
+  const int seen = AddToMap(map_, blind, {}, FeaturesOf(blind)).report.keyframes_recognised;
+  EXPECT_GE(seen, AddToMap(map_, walk_, {}).report.keyframes_recognised);
+  EXPECT_GT(seen, 0);
 }
 
 TEST_F(LookAgainTest, IsKeptByWhatChangesTheMap) {
