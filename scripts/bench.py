@@ -55,6 +55,7 @@ build                build DATA/kitchen --frames 250,500,1000
 poses                poses --kitchen DATA/kitchen --church DATA/church --panoramas DATA/dealership
 reconstruction       reconstruction DATA/kitchen
 joining              joining DATA
+joining-panoramas    joining-panoramas DATA/dealership
 compass              compass DATA/dealership
 directions           directions DATA/york_urban DATA/dealership
 segments             segments DATA/york_urban/images

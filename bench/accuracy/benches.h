@@ -66,6 +66,9 @@ int RunBuilding(const Args& args);
 // the same; maps of look-alike places joined; and what a walk of 500 frames costs when it is added
 // to a rendered map of N (0: not measured).
 int RunJoining(const Args& args);
+// joining-panoramas [PLACES] [--flats N] [--first-flat SEED]: the same of halves for panoramas of
+// made flats and of a folder as for kidnapped.
+int RunJoiningPanoramas(const Args& args);
 // linear DIR N...: seconds per frame of builds over the first N frames.
 int RunLinear(const Args& args);
 // build SOURCE... [--frames N,N,...]: seconds of features alone and of whole builds, and the

@@ -25,6 +25,7 @@ constexpr char kUsage[] =
     "  relative [DIR]                                     rotations between places\n"
     "  orientation [--buildings 3] [--frames 1000]        turns, corridors, loops, nodes\n"
     "  joining DATA [--only NAME] [--frames 5000]         maps of halves beside the whole\n"
+    "  joining-panoramas [PLACES] [--flats 4]             the same for panoramas\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"
     "  build SOURCE... [--frames 250,500,1000]            whole builds against features alone\n"
     "  graphs [SOURCE...] [--keyframes M:N]               image graph against plane graph\n"
@@ -72,6 +73,7 @@ int main(int argc, char** argv) {
       {"relative", waystone::bench::RunRelative},
       {"poses", waystone::bench::RunPoses},
       {"joining", waystone::bench::RunJoining},
+      {"joining-panoramas", waystone::bench::RunJoiningPanoramas},
       {"reconstruction", waystone::bench::RunReconstruction},
       {"scale", waystone::bench::RunScale},
       {"serve", waystone::bench::RunServe},

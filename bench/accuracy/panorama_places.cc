@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "bench/accuracy/common.h"
+#include "builder/sources/memory_source.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/geometry/angle.h"
@@ -159,6 +160,26 @@ std::vector<PanoramaPlace> InWalkOrder(std::vector<PanoramaPlace> places) {
     }
   }
   return places;
+}
+
+SplitPlaces Split(std::vector<PanoramaPlace> places) {
+  constexpr size_t kAskedEvery = 4;  // in the order of their walk
+  SplitPlaces split;
+  for (size_t i = 0; i < places.size(); ++i) {
+    const bool asked = i % kAskedEvery == kAskedEvery / 2;
+    (asked ? split.asked : split.mapped).push_back(std::move(places[i]));
+  }
+  return split;
+}
+
+std::unique_ptr<Source> PanoramaSource(const std::vector<PanoramaPlace>& places, size_t first,
+                                       size_t end, const std::string& name) {
+  MemorySequence sequence{.name = name, .frame_size = places.at(first).grey.size()};
+  for (size_t i = first; i < end; ++i) {
+    sequence.frames.emplace_back(FrameInfo{static_cast<int>(i), places[i].name, {}},
+                                 [&places, i] { return places[i].grey; });
+  }
+  return std::make_unique<MemorySource>(std::move(sequence));
 }
 
 double TrueHeading(const PanoramaPlace& a, const PanoramaPlace& b) {

@@ -5,9 +5,12 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
+
+#include "builder/sources/source.h"
 
 namespace waystone::bench {
 
@@ -35,6 +38,18 @@ std::vector<PanoramaPlace> RenderFlatPlaces(uint64_t seed);
 
 // The places as a walk goes through them: from each to the nearest that is left.
 std::vector<PanoramaPlace> InWalkOrder(std::vector<PanoramaPlace> places);
+
+// Three quarters of the places for a map, and every fourth to ask it for.
+struct SplitPlaces {
+  std::vector<PanoramaPlace> mapped;
+  std::vector<PanoramaPlace> asked;
+};
+SplitPlaces Split(std::vector<PanoramaPlace> places);
+
+// A sequence of the places from one to another, each numbered by its place in `places`, which have
+// to outlive it.
+std::unique_ptr<Source> PanoramaSource(const std::vector<PanoramaPlace>& places, size_t first,
+                                       size_t end, const std::string& name);
 
 // Where the front of b points against that of a, and in which direction of a's frame b lies;
 // counter-clockwise, radians.

@@ -8,37 +8,11 @@
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
 #include "bench/accuracy/posed_queries.h"
-#include "builder/sources/memory_source.h"
 #include "core/geometry/angle.h"
 #include "core/trajectory/shape_difference.h"
 
 namespace waystone::bench {
 namespace {
-
-constexpr int kAskedEvery = 4;  // of the places, in the order of their walk
-
-struct Split {
-  std::vector<PanoramaPlace> mapped;
-  std::vector<PanoramaPlace> asked;
-};
-
-Split SplitPlaces(std::vector<PanoramaPlace> places) {
-  Split split;
-  for (size_t i = 0; i < places.size(); ++i) {
-    const bool asked = i % kAskedEvery == kAskedEvery / 2;
-    (asked ? split.asked : split.mapped).push_back(std::move(places[i]));
-  }
-  return split;
-}
-
-std::unique_ptr<Source> MakeSource(const std::vector<PanoramaPlace>& places) {
-  MemorySequence sequence{.name = "panoramas", .frame_size = places.at(0).grey.size()};
-  for (int i = 0; i < std::ssize(places); ++i) {
-    sequence.frames.emplace_back(FrameInfo{i, places[i].name, {}},
-                                 [&places, i] { return places[i].grey; });
-  }
-  return std::make_unique<MemorySource>(std::move(sequence));
-}
 
 // Errors of answers in the appearance layer's own frame.
 struct OwnErrors {
@@ -47,7 +21,7 @@ struct OwnErrors {
   std::vector<double> degrees;
 };
 
-void AskOwnFrame(const MapIndex& index, const Split& split, OwnErrors& errors) {
+void AskOwnFrame(const MapIndex& index, const SplitPlaces& split, OwnErrors& errors) {
   const std::vector<AppearanceNode>& nodes = index.map().appearance->nodes;
   Points2 truth;
   Points2 own;
@@ -71,16 +45,20 @@ void AskOwnFrame(const MapIndex& index, const Split& split, OwnErrors& errors) {
 
 void Measure(const std::string& name, std::vector<PanoramaPlace> places, PoseErrors& posed,
              OwnErrors& own) {
-  const Split split = SplitPlaces(InWalkOrder(std::move(places)));
+  const SplitPlaces split = Split(InWalkOrder(std::move(places)));
   const BuildResult built =
-      BuildPosed(MakeSource(split.mapped),
+      BuildPosed(PanoramaSource(split.mapped, 0, split.mapped.size(), "panoramas"),
                  PosesByFrame([&](int frame) { return split.mapped[frame].world_from_camera; }));
   const auto index = MapIndex::Build(built.map);
   for (const PanoramaPlace& place : split.asked) {
     AskPose(*index, place.grey, std::nullopt, place.world_from_camera, name + " " + place.name,
             posed);
   }
-  AskOwnFrame(*MapIndex::Build(BuildPosed(MakeSource(split.mapped), std::nullopt).map), split, own);
+  AskOwnFrame(
+      *MapIndex::Build(BuildPosed(PanoramaSource(split.mapped, 0, split.mapped.size(), "panoramas"),
+                                  std::nullopt)
+                           .map),
+      split, own);
 }
 
 nlohmann::ordered_json Summarise(const std::string& name, const PoseErrors& posed,
