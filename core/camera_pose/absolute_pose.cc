@@ -19,8 +19,9 @@ namespace waystone {
 namespace {
 
 constexpr int kPoseSample = 3;
-constexpr int kPoseRounds = 3;  // refits of a promising sample on its growing inliers
-constexpr double kPoseArrived = 1e-9;
+constexpr int kPoseRounds = 3;   // refits of a promising sample on its growing inliers
+constexpr int kSampleSteps = 3;  // of each of these for a sample: the best is refined to the end
+constexpr double kPoseArrived = 1e-6;  // m or what the unit is, and rad
 constexpr double kCauchySigmas = 2;
 // A pose whose rotation has a larger sigma is left open by its matches.
 constexpr double kLargestSigma_rad = 0.5;
@@ -137,12 +138,11 @@ Isometry3d RefineOn(std::span<const PointSighting> sightings, const std::vector<
   return pose;
 }
 
-PoseFit OptimizePose(std::span<const PointSighting> sightings, PoseFit fit,
+PoseFit OptimizePose(std::span<const PointSighting> sightings, PoseFit fit, int max_steps,
                      const AbsolutePoseOptions& options) {
   for (int round = 0; round < kPoseRounds; ++round) {
     if (std::ssize(fit.inliers) < kPoseSample + 1) break;
-    const Isometry3d better =
-        RefineOn(sightings, fit.inliers, fit.world_from_camera, options.max_steps);
+    const Isometry3d better = RefineOn(sightings, fit.inliers, fit.world_from_camera, max_steps);
     PoseFit next = EvaluatePose(sightings, better, options.max_sigmas);
     if (next.score <= fit.score) break;
     fit = std::move(next);
@@ -204,7 +204,8 @@ class PoseEstimator {
   }
 
   PoseFit Refine(const Isometry3d& pose) const {
-    return OptimizePose(sightings_, EvaluatePose(sightings_, pose, options_.max_sigmas), options_);
+    return OptimizePose(sightings_, EvaluatePose(sightings_, pose, options_.max_sigmas),
+                        std::min(kSampleSteps, options_.max_steps), options_);
   }
 
   double SampleProbability(const PoseFit& fit) const {
@@ -266,7 +267,8 @@ std::optional<AbsolutePose> RefineAbsolutePose(std::span<const PointSighting> si
                                                const Isometry3d& world_from_camera,
                                                const AbsolutePoseOptions& options) {
   const PoseFit start = EvaluatePose(sightings, world_from_camera, options.max_sigmas);
-  return DescribePose(sightings, OptimizePose(sightings, start, options), options);
+  return DescribePose(sightings, OptimizePose(sightings, start, options.max_steps, options),
+                      options);
 }
 
 std::optional<AbsolutePose> FindAbsolutePose(std::span<const PointSighting> sightings,
@@ -277,7 +279,8 @@ std::optional<AbsolutePose> FindAbsolutePose(std::span<const PointSighting> sigh
   Random random(options.seed);
   const RansacLimits limits{.confidence = options.confidence, .max_samples = options.max_samples};
   auto [best, samples] = RunLoRansac(sampler, estimator, limits, random);
-  return DescribePose(sightings, std::move(best), options);
+  return DescribePose(
+      sightings, OptimizePose(sightings, std::move(best), options.max_steps, options), options);
 }
 
 }  // namespace waystone
