@@ -8,8 +8,8 @@
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/recall_sets.h"
 #include "bench/accuracy/stopwatch.h"
+#include "bench/accuracy/walk_map.h"
 #include "bench/accuracy/world_source.h"
-#include "builder/build_map.h"
 #include "builder/joining/merge_maps.h"
 #include "builder/sources/memory_source.h"
 #include "core/base/error.h"
@@ -26,23 +26,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr int kForeign = 48;
-// Each half has this share of the map's images; the two share what is between.
-constexpr double kShare = 0.6;
-
-BuildResult BuildWalk(std::unique_ptr<Source> source, const std::string& name,
-                      BuiltFeatures features) {
-  std::vector<std::unique_ptr<Source>> sources;
-  sources.push_back(std::move(source));
-  BuildOptions options;
-  options.map_name = name;
-  BuildResult built = BuildMap(sources, options, {}, std::nullopt, features);
-  built.map.info.version = "sha256:" + name;  // a file's would be its hash
-  return built;
-}
-
-MapData Build(std::unique_ptr<Source> source, const std::string& name) {
-  return BuildWalk(std::move(source), name, BuiltFeatures::kDrop).map;
-}
 
 // The map's images from one to another, by their numbers in the whole set.
 MapData BuildPart(const RecallSet& set, size_t first, size_t end, const std::string& name) {
@@ -52,7 +35,7 @@ MapData BuildPart(const RecallSet& set, size_t first, size_t end, const std::str
     sequence.frames.emplace_back(FrameInfo{static_cast<int>(i), path.filename(), {}},
                                  [path] { return DecodeGrey(ReadBytes(path)); });
   }
-  return Build(std::make_unique<MemorySource>(std::move(sequence)), name);
+  return BuildWalk(std::make_unique<MemorySource>(std::move(sequence)), name).map;
 }
 
 struct Asked {
@@ -108,7 +91,7 @@ void Ask(const RecallSet& set, const std::vector<RecallSet>& sets, const MapInde
 
 Json JoinHalves(const RecallSet& set, const std::vector<RecallSet>& sets) {
   const size_t images = set.map.size();
-  const auto share = static_cast<size_t>(kShare * static_cast<double>(images));
+  const auto share = static_cast<size_t>(kHalfShare * static_cast<double>(images));
   MapData first = BuildPart(set, 0, share, "first");
   MapData second = BuildPart(set, images - share, images, "second");
   const auto whole = MapIndex::Build(BuildPart(set, 0, images, "whole"));
@@ -182,7 +165,7 @@ Json CostOfAdding(int frames, int added) {
   };
   const Walk long_walk = walk_of(frames, 1);
   const Walk short_walk = walk_of(added, 2);
-  MapData map = Build(std::make_unique<WorldSource>(world, renderer, long_walk), "map");
+  MapData map = BuildWalk(std::make_unique<WorldSource>(world, renderer, long_walk), "map").map;
   const Stopwatch building;
   BuildResult walk = BuildWalk(std::make_unique<WorldSource>(world, renderer, short_walk), "walk",
                                BuiltFeatures::kKeep);

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "bench/accuracy/benches.h"
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/panorama_places.h"
 #include "bench/accuracy/stopwatch.h"
-#include "builder/build_map.h"
+#include "bench/accuracy/walk_map.h"
 #include "builder/joining/merge_maps.h"
 #include "core/base/error.h"
 #include "localizer/localizer.h"
@@ -20,21 +21,11 @@
 namespace waystone::bench {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-// Each half has this share of the map's panoramas; the two share what is between.
-constexpr double kShare = 0.6;
 
 MapData BuildPart(const std::vector<PanoramaPlace>& places, size_t first, size_t end,
                   const std::string& name) {
-  std::vector<std::unique_ptr<Source>> sources;
-  sources.push_back(PanoramaSource(places, first, end, name));
-  BuildOptions options;
-  options.map_name = name;
-  MapData map = BuildMap(sources, options, {}).map;
-  map.info.version = "sha256:" + name;  // a file's would be its hash
-  return map;
+  return BuildWalk(PanoramaSource(places, first, end, name), name).map;
 }
 
 struct Counts {
@@ -58,9 +49,9 @@ struct Joined {
 };
 
 // A place is right where its nearest node is.
-class AskedMap {
+class PanoramaMap {
  public:
-  AskedMap(MapData map, const std::vector<PanoramaPlace>& mapped, double right_m)
+  PanoramaMap(MapData map, const std::vector<PanoramaPlace>& mapped, double right_m)
       : index_(MapIndex::Build(std::move(map))), mapped_(mapped), right_m_(right_m) {}
 
   Verdict Ask(const PanoramaPlace& place, Counts& counts) const {
@@ -90,12 +81,12 @@ void JoinHalves(std::vector<PanoramaPlace> places, const std::vector<PanoramaPla
                 double right_m, Joined& all) {
   const SplitPlaces split = Split(InWalkOrder(std::move(places)));
   const size_t count = split.mapped.size();
-  const auto share = static_cast<size_t>(kShare * static_cast<double>(count));
+  const auto share = static_cast<size_t>(kHalfShare * static_cast<double>(count));
   std::vector<MapData> halves;
   halves.push_back(BuildPart(split.mapped, 0, share, "first"));
   halves.push_back(BuildPart(split.mapped, count - share, count, "second"));
   const Stopwatch building;
-  const AskedMap whole(BuildPart(split.mapped, 0, count, "whole"), split.mapped, right_m);
+  const PanoramaMap whole(BuildPart(split.mapped, 0, count, "whole"), split.mapped, right_m);
   all.build_cpu_s += building.cpu_s();
   const Stopwatch merging;
   JoinResult result = MergeMaps(std::move(halves), "joined", {});
@@ -104,7 +95,7 @@ void JoinHalves(std::vector<PanoramaPlace> places, const std::vector<PanoramaPla
   all.recognised += result.report.panoramas_recognised;
   all.loops += result.report.loops;
   all.parts += static_cast<int>(FindParts(result.map).size());
-  const AskedMap joined(std::move(result.map), split.mapped, right_m);
+  const PanoramaMap joined(std::move(result.map), split.mapped, right_m);
   for (const PanoramaPlace& place : split.asked) {
     ++all.asked;
     all.same += whole.Ask(place, all.whole) == joined.Ask(place, all.joined);

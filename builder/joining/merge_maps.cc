@@ -304,9 +304,13 @@ JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options,
   maps.push_back(std::move(map));
   maps.push_back(std::move(added));
   CheckJoinable(maps);
-  const AskedMap asked = AskMap(maps[0], maps[1], images);
-  std::vector<Recognition> recognitions{Recognise(maps, 0, 1, asked, images, options)};
-  const LookCounts looked = LookAgain(asked, maps[1], images, maps[0]);
+  std::vector<Recognition> recognitions;
+  LookCounts looked;
+  {
+    const AskedMap asked = AskMap(maps[0], maps[1], images);
+    recognitions.push_back(Recognise(maps, 0, 1, asked, images, options));
+    looked = LookAgain(asked, maps[1], images, maps[0]);
+  }
   JoinResult result = Join(std::move(maps), std::move(recognitions), name, true, options);
   result.report.features_looked_for = looked.looked;
   result.report.features_found = looked.found;

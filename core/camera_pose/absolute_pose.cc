@@ -19,9 +19,9 @@ namespace waystone {
 namespace {
 
 constexpr int kPoseSample = 3;
-constexpr int kPoseRounds = 3;   // refits of a promising sample on its growing inliers
-constexpr int kSampleSteps = 3;  // of each of these for a sample: the best is refined to the end
-constexpr double kPoseArrived = 1e-6;  // m or what the unit is, and rad
+constexpr int kPoseRounds = 3;   // refits of a pose on its growing inliers
+constexpr int kSampleSteps = 3;  // of a refit within RANSAC, whose best pose is refined to the end
+constexpr double kPoseArrived = 1e-6;  // a step in the map's unit and in rad
 constexpr double kCauchySigmas = 2;
 // A pose whose rotation has a larger sigma is left open by its matches.
 constexpr double kLargestSigma_rad = 0.5;

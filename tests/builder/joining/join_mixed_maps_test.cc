@@ -19,20 +19,12 @@ MapData Mixed(const MapData& photos, const MapData& panoramas, const std::string
   return WrittenAndRead(MergeMaps({photos, panoramas}, name, PanoramaOptionsOf(name)).map);
 }
 
-const MapData& MorningPhotos() {
-  static const MapData map = MapOfFrames(0, 25, "morning photos");
-  return map;
-}
-const MapData& EveningPhotos() {
-  static const MapData map = MapOfFrames(18, 44, "evening photos");
-  return map;
-}
 const MapData& Morning() {
-  static const MapData map = Mixed(MorningPhotos(), MorningPanoramas(), "morning");
+  static const MapData map = Mixed(FirstHalf(), MorningPanoramas(), "morning");
   return map;
 }
 const MapData& Evening() {
-  static const MapData map = Mixed(EveningPhotos(), EveningPanoramas(), "evening");
+  static const MapData map = Mixed(SecondHalf(), EveningPanoramas(), "evening");
   return map;
 }
 const JoinResult& Both() {
@@ -56,9 +48,9 @@ std::vector<Verdict> VerdictsOf(const MapData& map) {
 
 TEST(MixedMaps, HaveTheLayersThatTheyWereMadeOf) {
   const MapData& map = Morning();
-  EXPECT_EQ(map.keyframes.size(), MorningPhotos().keyframes.size());
-  EXPECT_EQ(map.planes.size(), MorningPhotos().planes.size());
-  EXPECT_EQ(map.verdict, MorningPhotos().verdict);
+  EXPECT_EQ(map.keyframes.size(), FirstHalf().keyframes.size());
+  EXPECT_EQ(map.planes.size(), FirstHalf().planes.size());
+  EXPECT_EQ(map.verdict, FirstHalf().verdict);
   ASSERT_TRUE(map.appearance);
   EXPECT_EQ(map.appearance->nodes.size(), MorningPanoramas().appearance->nodes.size());
   EXPECT_EQ(map.appearance->verdict, MorningPanoramas().appearance->verdict);
@@ -79,8 +71,7 @@ TEST(MixedMaps, AreJoinedLayerByLayer) {
 
 TEST(MixedMaps, AnswerAsTheJoinedLayersDo) {
   const std::vector<Verdict> both = VerdictsOf(Both().map);
-  const auto photos =
-      MapIndex::Build(MergeMaps({MorningPhotos(), EveningPhotos()}, "photos", {}).map);
+  const auto photos = MapIndex::Build(MergeMaps({FirstHalf(), SecondHalf()}, "photos", {}).map);
   const auto panoramas = MapIndex::Build(
       MergeMaps({MorningPanoramas(), EveningPanoramas()}, "panoramas", PanoramaOptionsOf("both"))
           .map);
@@ -109,7 +100,7 @@ TEST(MixedMaps, TheOrderOfMapsDoesNotMatter) {
 
 // An added walk of photos changes nothing of the panoramas, and can go again.
 TEST(MixedMaps, AnAddedWalkChangesItsOwnLayer) {
-  const JoinResult grown = AddToMap(Morning(), EveningPhotos(), PanoramaOptionsOf("grown"));
+  const JoinResult grown = AddToMap(Morning(), SecondHalf(), PanoramaOptionsOf("grown"));
   EXPECT_GT(grown.report.keyframes_recognised, 0);
   EXPECT_EQ(grown.report.panoramas_recognised, 0);
   EXPECT_EQ(grown.map.appearance, Morning().appearance);

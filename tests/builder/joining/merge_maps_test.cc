@@ -17,15 +17,6 @@
 namespace waystone {
 namespace {
 
-// Two walks that share a stretch, and a third one of another part of the building.
-const MapData& FirstHalf() {
-  static const MapData map = MapOfFrames(0, 25, "first");
-  return map;
-}
-const MapData& SecondHalf() {
-  static const MapData map = MapOfFrames(18, 44, "second");
-  return map;
-}
 const JoinResult& Joined() {
   static const JoinResult joined = MergeMaps({FirstHalf(), SecondHalf()}, "joined", {});
   return joined;

@@ -45,6 +45,16 @@ inline MapData MapOfFrames(int first, int last, const std::string& name,
   return MapOfImages(TheStage().frames, first, last, name, type);
 }
 
+// Two walks that share a stretch.
+inline const MapData& FirstHalf() {
+  static const MapData map = MapOfFrames(0, 25, "first");
+  return map;
+}
+inline const MapData& SecondHalf() {
+  static const MapData map = MapOfFrames(18, 44, "second");
+  return map;
+}
+
 // A frame in which the stage's world is turned, scaled and moved.
 struct MadeFrame {
   FrameChange from_world;
