@@ -39,6 +39,7 @@ std::string GraphMl(const MapIndex& index) {
 <key id="reference" for="node" attr.name="reference" attr.type="long"/>
 <key id="features" for="node" attr.name="features" attr.type="int"/>
 <key id="views" for="node" attr.name="views" attr.type="int"/>
+<key id="surface" for="node" attr.name="surface" attr.type="long"/>
 <key id="eigenvalue" for="edge" attr.name="third_eigenvalue" attr.type="double"/>
 <key id="homology" for="edge" attr.name="homology" attr.type="string"/>
 <graph edgedefault="undirected">
@@ -47,7 +48,8 @@ std::string GraphMl(const MapIndex& index) {
     out << "<node id=\"p" << plane.id.value << "\"><data key=\"source\">"
         << EscapeHtml(SourceOf(index, plane)) << "</data><data key=\"reference\">"
         << plane.reference.value << "</data><data key=\"features\">" << plane.features.size()
-        << "</data><data key=\"views\">" << plane.views.size() << "</data></node>\n";
+        << "</data><data key=\"views\">" << plane.views.size() << "</data><data key=\"surface\">"
+        << index.SurfaceOf(plane.id).value << "</data></node>\n";
   }
   out.precision(17);
   for (const Edge& edge : index.map().edges) {
@@ -70,7 +72,8 @@ std::string Dot(const MapIndex& index) {
       label += c;
     }
     out << "  p" << plane.id.value << " [label=\"" << plane.id.value << "\\n"
-        << label << "\", features=" << plane.features.size() << "];\n";
+        << label << "\", features=" << plane.features.size()
+        << ", surface=" << index.SurfaceOf(plane.id).value << "];\n";
   }
   for (const Edge& edge : index.map().edges) {
     out << "  p" << edge.a.value << " -- p" << edge.b.value << ";\n";

@@ -52,6 +52,7 @@ Json SeenPlanesJson(const MapIndex& index, const Keyframe& keyframe) {
       if (view.keyframe != keyframe.id) continue;
       Json json;
       json["id"] = plane.id.value;
+      json["surface"] = index.SurfaceOf(plane.id).value;
       json["inliers"] = view.inliers;
       json["reference_from_keyframe"] = ToJson(view.reference_from_keyframe);
       json["outline"] = ToJson(OutlineIn(keyframe, plane, view));
@@ -82,6 +83,7 @@ Json MapJson(const std::string& name, const MapIndex& index) {
   json["feature_type"] = NameOf(map.info.feature_type);
   json["keyframes"] = map.keyframes.size();
   json["planes"] = map.planes.size();
+  json["surfaces"] = index.surface_count();
   json["edges"] = map.edges.size();
   json["features"] = features;
   json["names"] = map.names.size();
@@ -97,6 +99,7 @@ Json MapJson(const std::string& name, const MapIndex& index) {
 Json PlaneSummaryJson(const MapIndex& index, const Plane& plane) {
   Json json;
   json["id"] = plane.id.value;
+  json["surface"] = index.SurfaceOf(plane.id).value;
   json["reference"] = ReferenceJson(index, plane.reference);
   json["features"] = plane.features.size();
   json["views"] = plane.views.size();
@@ -139,6 +142,7 @@ Json GraphJson(const MapIndex& index) {
   json["nodes"] = Json::array();
   for (const Plane& plane : index.map().planes) {
     json["nodes"].push_back({{"id", plane.id.value},
+                             {"surface", index.SurfaceOf(plane.id).value},
                              {"reference", plane.reference.value},
                              {"features", plane.features.size()}});
   }

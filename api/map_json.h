@@ -10,11 +10,12 @@
 // [x, y] in pixels, links are by id.
 namespace waystone {
 
-// name, version, program, feature_type, keyframes, planes, edges, features, names (counts),
-// sequences, sessions and parts (SessionsJson, PartsJson).
+// name, version, program, feature_type, keyframes, planes, surfaces, edges, features, names
+// (counts), sequences, sessions and parts (SessionsJson, PartsJson).
 Json MapJson(const std::string& name, const MapIndex& index);
 
-// A plane in a list: id, reference, features, views (counts), neighbours, outline.
+// A plane in a list: id, surface (the one it is part of, by the lowest id of its planes),
+// reference, features, views (counts), neighbours, outline.
 Json PlaneSummaryJson(const MapIndex& index, const Plane& plane);
 // The whole plane: the features and views themselves instead of their counts, too.
 Json PlaneJson(const MapIndex& index, const Plane& plane);
@@ -23,10 +24,10 @@ Json PlaneJson(const MapIndex& index, const Plane& plane);
 Json FeatureJson(const PlaneFeature& feature);
 Json ViewJson(const PlaneView& view);
 
-// Nodes and edges of the graph of planes.
+// Nodes and edges of the graph of planes, each node with its surface.
 Json GraphJson(const MapIndex& index);
 
-// A keyframe: id, sequence, source, time, size, the planes it saw with their inliers,
+// A keyframe: id, sequence, source, time, size, the planes it saw with their surfaces, inliers,
 // reference_from_keyframe and outline in the keyframe, and the address of its image (null when
 // images were left out).
 Json KeyframeJson(const std::string& map_name, const MapIndex& index, const Keyframe& keyframe);

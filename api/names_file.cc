@@ -152,6 +152,25 @@ void AddImageRanges(const MapData& map, const NamedRange& range, Json& list) {
   }
 }
 
+// A point inside a plane's outline, near its middle: that where the corners' mean is one, else the
+// nearest to it of the middles of three corners in a row, of which some, as for any polygon, are.
+Eigen::Vector2d PointInside(const Plane& plane) {
+  const std::vector<Eigen::Vector2d>& corners = plane.outline;
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& corner : corners) middle += corner;
+  middle /= static_cast<double>(corners.size());
+  if (Holds(corners, middle)) return middle;
+  std::optional<Eigen::Vector2d> nearest;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const size_t j = (i + 1) % corners.size();
+    const size_t k = (i + 2) % corners.size();
+    const Eigen::Vector2d point = (corners[i] + corners[j] + corners[k]) / 3;
+    const bool nearer = !nearest || (point - middle).norm() < (*nearest - middle).norm();
+    if (nearer && Holds(corners, point)) nearest = point;
+  }
+  return nearest.value_or(middle);
+}
+
 // A plane is named by a point of it in its reference image.
 void AddPlanes(const MapData& map, const NamedRange& range, Json& list) {
   for (const Plane& plane : map.planes) {
@@ -160,9 +179,7 @@ void AddPlanes(const MapData& map, const NamedRange& range, Json& list) {
     if (keyframe == map.keyframes.end() || plane.outline.empty()) continue;
     const Sequence* sequence = SequenceOf(map, keyframe->sequence);
     if (!sequence) continue;
-    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-    for (const Eigen::Vector2d& corner : plane.outline) middle += corner;
-    middle /= static_cast<double>(plane.outline.size());
+    const Eigen::Vector2d middle = PointInside(plane);
     Json json = SequenceRefJson(map, *sequence);
     json["image"] = keyframe->source;
     json["frame"] = keyframe->frame;

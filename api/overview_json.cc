@@ -45,14 +45,13 @@ Json KeyframesJson(const MapIndex& index) {
 }
 
 Json PlanesJson(const MapIndex& index) {
-  Json json = {{"id", Json::array()},
-               {"reference", Json::array()},
-               {"stretch", Json::array()},
-               {"features", Json::array()},
-               {"keyframes", Json::array()}};
+  Json json = {{"id", Json::array()},        {"surface", Json::array()},
+               {"reference", Json::array()}, {"stretch", Json::array()},
+               {"features", Json::array()},  {"keyframes", Json::array()}};
   for (const Plane& plane : index.map().planes) {
     const Keyframe* reference = index.FindKeyframe(plane.reference);
     json["id"].push_back(plane.id.value);
+    json["surface"].push_back(index.SurfaceOf(plane.id).value);
     json["reference"].push_back(plane.reference.value);
     json["stretch"].push_back(reference ? Json(reference->stretch) : Json(nullptr));
     json["features"].push_back(plane.features.size());

@@ -12,7 +12,10 @@
 #include "core/base/error.h"
 #include "core/features/features.h"
 #include "core/features/match.h"
+#include "core/homography/homography.h"
 #include "core/image/decode.h"
+#include "schema/layers/names/place_names.h"
+#include "schema/layers/planes/surfaces.h"
 
 namespace waystone::bench {
 namespace {
@@ -50,10 +53,43 @@ struct Queries {
   int asked = 0;
   int localized = 0;
   int ambiguous = 0;
-  std::vector<double> errors_px;        // of the localized ones that have a truth
+  std::vector<double> errors_px;  // of the localized ones that have a truth
+  // Of pixels inside the best plane's outline: the median error of each of these queries.
+  std::vector<double> outline_errors_px;
   std::vector<double> truth_errors_px;  // what plain matches are off by, where they are enough
   std::vector<StageTimes> timing;
 };
+
+// Errors of where the best plane's homography takes pixels inside its outline, on a grid; nothing
+// where the truth has fewer than 12 of them.
+std::optional<double> OutlineError(const RgbdTruth& truth, const RecognisedPlane& plane, int query,
+                                   int reference) {
+  constexpr double kStep_px = 8;
+  constexpr size_t kFewest = 12;
+  if (plane.outline.size() < 3) return std::nullopt;
+  Eigen::Array2d low = plane.outline.front().array();
+  Eigen::Array2d high = low;
+  for (const Eigen::Vector2d& x : plane.outline) {
+    low = low.min(x.array());
+    high = high.max(x.array());
+  }
+  std::vector<double> errors;
+  for (double y = low.y(); y <= high.y(); y += kStep_px) {
+    for (double x = low.x(); x <= high.x(); x += kStep_px) {
+      const Eigen::Vector2d at(x, y);
+      if (!Holds(plane.outline, at)) continue;
+      const auto expected = truth.Transfer(query, at, reference);
+      if (expected) errors.push_back((Apply(plane.reference_from_query, at) - *expected).norm());
+    }
+  }
+  if (errors.size() < kFewest) return std::nullopt;
+  return Quantile(errors, 0.5);
+}
+
+// The frame that a plane's reference keyframe is.
+int FrameOf(const MapIndex& index, const RecognisedPlane& plane) {
+  return index.FindKeyframe(plane.reference.id)->frame;
+}
 
 void PrintMap(const BuildResult& built) {
   const PlaneReport& report = built.report.planes.value();
@@ -96,6 +132,11 @@ void Ask(const RgbdTruth& truth, const std::filesystem::path& folder, const MapI
       TruthError(truth, features_of(query), features_of(reference), query, reference);
   if (error_px) queries.errors_px.push_back(*error_px);
   if (truth_px) queries.truth_errors_px.push_back(*truth_px);
+  if (!answer.planes.recognised.empty()) {
+    const RecognisedPlane& best = answer.planes.recognised.front();
+    const auto outline_px = OutlineError(truth, best, query, FrameOf(index, best));
+    if (outline_px) queries.outline_errors_px.push_back(*outline_px);
+  }
   std::printf("%4d %-11s %6.1f px  %d inliers, %zu planes; plain matches %.1f px\n", query,
               NameOf(answer.verdict), error_px.value_or(-1), CountBestInliers(answer.planes),
               answer.planes.recognised.size(), truth_px.value_or(-1));
@@ -126,13 +167,15 @@ int RunRgbd(const Args& raw) {
       OpenSource(args[0], {.every = map_range.step, .from = map_range.from, .to = map_range.to}));
   BuildResult built = BuildMap(sources, options, {});
   PrintMap(built);
-  nlohmann::ordered_json json = {{"bench", "rgbd"},
-                                 {"frames", built.report.planes.value().frames},
-                                 {"keyframes", built.map.keyframes.size()},
-                                 {"planes", built.map.planes.size()},
-                                 {"edges", built.map.edges.size()},
-                                 {"features", FeatureCount(built.map)},
-                                 {"build_s", built.report.total_s}};
+  nlohmann::ordered_json json = {
+      {"bench", "rgbd"},
+      {"frames", built.report.planes.value().frames},
+      {"keyframes", built.map.keyframes.size()},
+      {"planes", built.map.planes.size()},
+      {"surfaces", CountSurfaces(FindSurfaces(built.map.planes, built.map.edges))},
+      {"edges", built.map.edges.size()},
+      {"features", FeatureCount(built.map)},
+      {"build_s", built.report.total_s}};
   const auto index = MapIndex::Build(std::move(built.map));
   Queries queries;
   for (int q = range.from; q <= range.to; q += range.step) Ask(truth, args[0], *index, q, queries);
@@ -142,6 +185,9 @@ int RunRgbd(const Args& raw) {
   json["with_truth"] = queries.errors_px.size();
   json["within_10px"] = CountWithin(queries.errors_px, 10);
   json["within_20px"] = CountWithin(queries.errors_px, 20);
+  json["outlines"] = {{"with_truth", queries.outline_errors_px.size()},
+                      {"within_10px", CountWithin(queries.outline_errors_px, 10)},
+                      {"median_error_px", Quantile(queries.outline_errors_px, 0.5)}};
   json["median_error_px"] = Quantile(queries.errors_px, 0.5);
   json["plain_matches"] = {{"with_truth", queries.truth_errors_px.size()},
                            {"within_10px", CountWithin(queries.truth_errors_px, 10)},

@@ -10,7 +10,10 @@
 #include "bench/accuracy/settings.h"
 #include "bench/accuracy/world_revisits.h"
 #include "bench/accuracy/world_truth.h"
+#include "builder/planes/outline.h"
+#include "builder/planes/plane_features.h"
 #include "core/base/error.h"
+#include "schema/layers/planes/surfaces.h"
 #include "world/rig.h"
 
 namespace waystone::bench {
@@ -28,9 +31,25 @@ struct Figures {
   int found = 0;    // of them, are in the map in both keyframes
   int false_planes = 0;
   int wrong_views = 0;
+  int surfaces = 0;
+  int mixed_surfaces = 0;  // with parts of different true planes
+  int true_planes = 0;     // that the map's planes show
   RevisitFigures revisits;
   std::vector<double> view_errors_px;
+  // Of the planes that show one true plane: pixels inside their outlines and inside the convex
+  // hulls of their features, and those of them that show that true plane.
+  WorldTruth::Outlined outlines;
+  WorldTruth::Outlined hulls;
 };
+
+void Add(const WorldTruth::Outlined& one, WorldTruth::Outlined& sum) {
+  sum.pixels += one.pixels;
+  sum.of_plane += one.of_plane;
+}
+
+double ShareOfPlane(const WorldTruth::Outlined& pixels) {
+  return static_cast<double>(pixels.of_plane) / std::max(1, pixels.pixels);
+}
 
 void CountFound(const WorldTruth& truth, const MapData& map, const Views& views, Figures& figures) {
   for (int k = 1; k < static_cast<int>(map.keyframes.size()); ++k) {
@@ -58,6 +77,26 @@ SharedPlanes FindSharedPlanes(const WorldTruth& truth, int keyframes) {
   return shared;
 }
 
+void CountSurfaces(const MapData& map, const std::map<PlaneId, int>& owners, Figures& figures) {
+  const std::vector<PlaneId> surfaces = FindSurfaces(map.planes, map.edges);
+  figures.surfaces = waystone::CountSurfaces(surfaces);
+  std::map<PlaneId, std::set<int>> shown;
+  std::set<int> all;
+  for (size_t p = 0; p < surfaces.size(); ++p) {
+    const auto owner = owners.find(map.planes[p].id);
+    if (owner == owners.end()) continue;  // a false plane
+    shown[surfaces[p]].insert(owner->second);
+    all.insert(owner->second);
+  }
+  for (const auto& [surface, planes] : shown) {
+    if (planes.size() == 1) continue;
+    ++figures.mixed_surfaces;
+    std::printf("mixed: the surface of plane %lld shows %zu true planes\n",
+                static_cast<long long>(surface.value), planes.size());
+  }
+  figures.true_planes = static_cast<int>(all.size());
+}
+
 Figures Measure(const WorldTruth& truth, const MapData& map) {
   Figures figures;
   Views views;
@@ -72,6 +111,9 @@ Figures Measure(const WorldTruth& truth, const MapData& map) {
       continue;
     }
     owners[plane.id] = owner.plane;
+    Add(truth.PixelsInside(plane.outline, plane.reference, owner.plane), figures.outlines);
+    Add(truth.PixelsInside(ConvexHull(PositionsOf(plane)), plane.reference, owner.plane),
+        figures.hulls);
     for (const PlaneView& view : plane.views) {
       views.insert({view.keyframe.value, owner.plane});
       if (view.keyframe == plane.reference) continue;
@@ -87,6 +129,7 @@ Figures Measure(const WorldTruth& truth, const MapData& map) {
     }
   }
   CountFound(truth, map, views, figures);
+  CountSurfaces(map, owners, figures);
   figures.revisits =
       CountRevisits(FindSharedPlanes(truth, static_cast<int>(map.keyframes.size())), map, owners);
   return figures;
@@ -129,6 +172,9 @@ int RunWorld(const Args& raw) {
       {"stretches", report.stretches},
       {"rotation_only", report.rotation_only},
       {"planes", map.planes.size()},
+      {"surfaces", figures.surfaces},
+      {"mixed_surfaces", figures.mixed_surfaces},
+      {"true_planes", figures.true_planes},
       {"edges", map.edges.size()},
       {"features", FeatureCount(map)},
       {"fused", report.planes_fused},
@@ -142,13 +188,20 @@ int RunWorld(const Args& raw) {
       {"median_view_error_px", Quantile(figures.view_errors_px, 0.5)},
       {"p90_view_error_px", Quantile(figures.view_errors_px, 0.9)},
       {"wrong_views", figures.wrong_views},
+      {"outlines",
+       {{"of_plane_share", ShareOfPlane(figures.outlines)},
+        {"hulls_of_plane_share", ShareOfPlane(figures.hulls)},
+        {"kept_of_hulls",
+         static_cast<double>(figures.outlines.of_plane) / std::max(1, figures.hulls.of_plane)}}},
       {"revisits",
        {{"pairs_of_visits", figures.revisits.pairs},
         {"too_few_matches", figures.revisits.too_few_matches},
         {"seen_again", figures.revisits.seen_again},
         {"one_plane", figures.revisits.one_plane},
+        {"one_surface", figures.revisits.one_surface},
         {"joined_by_edge", figures.revisits.joined_by_edge},
-        {"joined", figures.revisits.one_plane + figures.revisits.joined_by_edge},
+        {"joined", figures.revisits.one_plane + figures.revisits.one_surface +
+                       figures.revisits.joined_by_edge},
         {"no_plane", figures.revisits.no_plane},
         {"apart", figures.revisits.apart}}},
       {"build_s", built.report.total_s}};

@@ -5,6 +5,8 @@
 #include <set>
 #include <vector>
 
+#include "schema/layers/planes/surfaces.h"
+
 namespace waystone::bench {
 namespace {
 
@@ -49,6 +51,7 @@ std::set<PlaneId> SeenIn(const MapData& map, const std::vector<const Plane*>& pl
 }
 
 void Judge(const std::set<PlaneId>& early, const std::set<PlaneId>& late,
+           const std::map<PlaneId, PlaneId>& surface_of,
            const std::set<std::pair<PlaneId, PlaneId>>& edges, RevisitFigures& figures) {
   ++figures.seen_again;
   const auto any_with = [&](auto&& joins) {
@@ -60,6 +63,8 @@ void Judge(const std::set<PlaneId>& early, const std::set<PlaneId>& late,
     ++figures.no_plane;
   } else if (any_with([](PlaneId a, PlaneId b) { return a == b; })) {
     ++figures.one_plane;
+  } else if (any_with([&](PlaneId a, PlaneId b) { return surface_of.at(a) == surface_of.at(b); })) {
+    ++figures.one_surface;
   } else if (any_with([&](PlaneId a, PlaneId b) { return edges.contains(std::minmax(a, b)); })) {
     ++figures.joined_by_edge;
   } else {
@@ -73,6 +78,9 @@ RevisitFigures CountRevisits(const SharedPlanes& shared, const MapData& map,
                              const std::map<PlaneId, int>& owners) {
   std::set<std::pair<PlaneId, PlaneId>> edges;
   for (const Edge& edge : map.edges) edges.insert(std::minmax(edge.a, edge.b));
+  const std::vector<PlaneId> surfaces = FindSurfaces(map.planes, map.edges);
+  std::map<PlaneId, PlaneId> surface_of;
+  for (size_t p = 0; p < surfaces.size(); ++p) surface_of[map.planes[p].id] = surfaces[p];
   std::map<int, std::vector<const Plane*>> planes_of;
   for (const Plane& plane : map.planes) {
     if (owners.contains(plane.id)) planes_of[owners.at(plane.id)].push_back(&plane);
@@ -87,7 +95,7 @@ RevisitFigures CountRevisits(const SharedPlanes& shared, const MapData& map,
           continue;
         }
         Judge(SeenIn(map, planes_of[surface], visits[early]),
-              SeenIn(map, planes_of[surface], visits[late]), edges, figures);
+              SeenIn(map, planes_of[surface], visits[late]), surface_of, edges, figures);
       }
     }
   }

@@ -8,6 +8,7 @@
 
 #include "core/features/match.h"
 #include "core/homography/homography.h"
+#include "schema/layers/names/place_names.h"
 
 namespace waystone::bench {
 namespace {
@@ -99,6 +100,22 @@ Eigen::Matrix3d WorldTruth::ToFrom(int true_plane, KeyframeId from, KeyframeId t
   return PlaneHomography(world_.PlaneById(true_plane), camera_,
                          walk_.frames[map_.keyframes[IndexOf(from)].frame].world_from_camera,
                          walk_.frames[map_.keyframes[IndexOf(to)].frame].world_from_camera);
+}
+
+WorldTruth::Outlined WorldTruth::PixelsInside(const std::vector<Eigen::Vector2d>& outline,
+                                              KeyframeId reference, int true_plane) const {
+  constexpr int kStep_px = 4;
+  Outlined result;
+  if (outline.size() < 3) return result;
+  const cv::Mat& ids = plane_ids_[static_cast<size_t>(IndexOf(reference))];
+  for (int y = 0; y < ids.rows; y += kStep_px) {
+    for (int x = 0; x < ids.cols; x += kStep_px) {
+      if (!Holds(outline, {x, y})) continue;
+      ++result.pixels;
+      result.of_plane += ids.at<uint16_t>(y, x) == true_plane;
+    }
+  }
+  return result;
 }
 
 std::vector<double> WorldTruth::ViewErrors(const Plane& plane, const PlaneView& view,

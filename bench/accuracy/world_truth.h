@@ -39,6 +39,15 @@ class WorldTruth {
   // The true homography to_from of a plane between two keyframes.
   Eigen::Matrix3d ToFrom(int true_plane, KeyframeId from, KeyframeId to) const;
 
+  // Pixels of a plane's reference image inside its outline, and those of them that show the true
+  // plane; a grid of every fourth pixel in both directions.
+  struct Outlined {
+    int pixels = 0;
+    int of_plane = 0;
+  };
+  Outlined PixelsInside(const std::vector<Eigen::Vector2d>& outline, KeyframeId reference,
+                        int true_plane) const;
+
   // Errors of a view's homography at the plane's features that lie in the view's image, px in the
   // reference image.
   std::vector<double> ViewErrors(const Plane& plane, const PlaneView& view, int true_plane) const;

@@ -20,6 +20,7 @@
 #include "builder/joining/recognise_keyframes.h"
 #include "builder/joining/recognise_nodes.h"
 #include "builder/planes/fusion.h"
+#include "builder/planes/outline.h"
 #include "builder/planes/plane_features.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
@@ -139,8 +140,8 @@ void Fuse(const MapOfPlane& origin, const PlaneLayerOptions& options, MapData& m
   for (Plane& plane : map.planes) {
     if (plane.features.size() == feature_count.at(plane.id)) continue;
     DropSparseFeatures(options.plenty_of_features, options.votes_in_plenty, plane);
-    plane.outline = ComputeOutline(plane.features);
   }
+  OutlinePlanes(map);
   looks.KeepLooks(map, fused.merged_into);
   poses.KeepPoses(map);
 }

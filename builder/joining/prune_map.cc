@@ -10,6 +10,7 @@
 #include "builder/joining/joinable.h"
 #include "builder/joining/kept_looks.h"
 #include "builder/joining/kept_poses.h"
+#include "builder/planes/outline.h"
 #include "builder/planes/plane_features.h"
 #include "core/base/error.h"
 #include "schema/sessions.h"
@@ -161,7 +162,6 @@ class Pruner {
     report_.planes.push_back(
         {plane.id, plane.reference, static_cast<int>(gone.size()), ends ? 0 : left});
     if (ends) ended_.insert(plane.id);
-    plane.outline = ComputeOutline(plane.features);
   }
 
   void PruneLandmarks(Keyframe& keyframe) {
@@ -240,6 +240,7 @@ PruneResult PruneMap(MapData map, int min_looks, const BuildOptions& options) {
   const PosesBefore poses(map);
   Pruner(min_looks, options.planes.min_features, map, result.report).Run();
   if (result.report.changed()) {
+    OutlinePlanes(map);
     looks.KeepLooks(map);
     poses.KeepPoses(map);
     result.report.names = named.KeepNames(map);

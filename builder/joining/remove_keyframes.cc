@@ -14,10 +14,12 @@
 #include "builder/joining/joinable.h"
 #include "builder/joining/kept_looks.h"
 #include "builder/joining/kept_poses.h"
+#include "builder/planes/outline.h"
 #include "builder/planes/plane_features.h"
 #include "core/base/error.h"
 #include "core/homography/homography.h"
 #include "core/homography/homology.h"
+#include "schema/layers/planes/surfaces.h"
 #include "schema/sessions.h"
 
 namespace waystone {
@@ -151,7 +153,6 @@ std::optional<Plane> Without(const std::set<KeyframeId>& removed, const Keyframe
   }
   KeepShown(keyframes, plane);
   if (static_cast<int>(plane.features.size()) < min_features) return std::nullopt;
-  plane.outline = ComputeOutline(plane.features);
   return plane;
 }
 
@@ -205,7 +206,7 @@ std::optional<Edge> Kept(const Edge& edge, const std::set<KeyframeId>& removed,
   const auto b = planes.find(edge.b);
   if (a == planes.end() || b == planes.end()) return std::nullopt;
   if (!removed.contains(edge.from) && !removed.contains(edge.to)) return edge;
-  if (edge.homology == Matrix3d::Identity()) {  // one surface, whatever the keyframes
+  if (JoinsOneSurface(edge)) {  // whatever the keyframes
     Edge kept = edge;
     std::tie(kept.from, kept.to) = std::minmax({a->second->reference, b->second->reference});
     return kept;
@@ -232,6 +233,7 @@ void RemoveFromPlanes(const std::set<KeyframeId>& removed, int min_features, Map
   }
   report.edges = static_cast<int>(map.edges.size() - edges.size());
   map.edges = std::move(edges);
+  OutlinePlanes(map);
 }
 
 // The sequences that a map has something of.

@@ -10,10 +10,14 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <set>
+#include <tuple>
 
+#include "builder/planes/one_surface.h"
+#include "builder/planes/outline.h"
 #include "builder/planes/plane_features.h"
 #include "core/homography/estimate_homography.h"
 #include "schema/layers/layer_blobs.h"
+#include "schema/layers/planes/surfaces.h"
 
 namespace waystone {
 namespace {
@@ -25,13 +29,13 @@ Vector2d PositionOf(const PlaneFeature& feature) {
   return {feature.reference.x_px, feature.reference.y_px};
 }
 
-// Features of `plane` (mapped by to_from) inside the outline of another one, and how many of them
-// are in `matched`.
+// Features of `plane` (mapped by to_from) inside the convex hull of another one's, and how many of
+// them are in `matched`.
 double OverlapShare(const Plane& plane, const Matrix3d& to_from, const Plane& other,
                     const std::set<int>& matched) {
-  std::vector<cv::Point2f> outline;
-  for (const Vector2d& p : ComputeOutline(other.features)) {
-    outline.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
+  std::vector<cv::Point2f> hull;
+  for (const Vector2d& p : ConvexHull(PositionsOf(other))) {
+    hull.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
   }
   int inside = 0;
   int found = 0;
@@ -39,7 +43,7 @@ double OverlapShare(const Plane& plane, const Matrix3d& to_from, const Plane& ot
     const Vector2d x = Apply(to_from, PositionOf(plane.features[f]));
     if (!x.allFinite()) continue;
     const cv::Point2f point(static_cast<float>(x.x()), static_cast<float>(x.y()));
-    if (cv::pointPolygonTest(outline, point, false) < 0) continue;
+    if (cv::pointPolygonTest(hull, point, false) < 0) continue;
     ++inside;
     found += matched.contains(f);
   }
@@ -127,8 +131,10 @@ void PassEdges(PlaneId m, PlaneId n, std::vector<Edge>& edges) {
     edge.a = std::min(m, other);
     edge.b = std::max(m, other);
   }
+  // Of two edges between the same planes, one that says that they are one surface goes first.
   std::stable_sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
-    return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+    const auto key = [](const Edge& e) { return std::tuple(e.a, e.b, !JoinsOneSurface(e)); };
+    return key(x) < key(y);
   });
   const auto repeated = std::unique(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
     return x.a == y.a && x.b == y.b;
@@ -172,8 +178,7 @@ class Fuser {
  public:
   Fuser(std::vector<Plane> planes, std::vector<Edge> edges, const std::vector<Keyframe>& keyframes,
         FeatureType type, const PlaneLayerOptions& options)
-      : edges_(std::move(edges)), type_(type), options_(options) {
-    for (const Keyframe& keyframe : keyframes) keyframes_[keyframe.id] = &keyframe;
+      : keyframes_(keyframes), edges_(std::move(edges)), type_(type), options_(options) {
     for (Plane& plane : planes) {
       PackedRows packed(type_, plane.descriptors);
       const PlaneId id = plane.id;
@@ -199,6 +204,7 @@ class Fuser {
     std::sort(edges_.begin(), edges_.end(), [](const Edge& x, const Edge& y) {
       return std::pair(x.a, x.b) < std::pair(y.a, y.b);
     });
+    JoinSurfaces(result.planes, keyframes_, options_.fusion.max_apart_px, edges_);
     result.edges = std::move(edges_);
     return result;
   }
@@ -225,7 +231,8 @@ class Fuser {
         m == candidate.m && n == candidate.n && !entry_m.changed && !planes_.at(n).changed;
     const std::optional<FusionMatch> match = as_before ? first : MatchNow(m, n);
     if (!match) return;
-    const Keyframe& reference = *keyframes_.at(entry_m.plane.reference);
+    const Keyframe& reference =
+        *std::ranges::lower_bound(keyframes_, entry_m.plane.reference, {}, &Keyframe::id);
     if (ShareWithinReach(plane_n, *match, reference, options_) < options_.fusion.min_within_reach) {
       edges_.push_back(SameSurface(entry_m.plane, plane_n));
       ++joined_;
@@ -245,7 +252,7 @@ class Fuser {
     return id;
   }
 
-  std::map<KeyframeId, const Keyframe*> keyframes_;
+  const std::vector<Keyframe>& keyframes_;
   std::map<PlaneId, Entry> planes_;
   std::map<PlaneId, PlaneId> merged_into_;
   std::vector<Edge> edges_;

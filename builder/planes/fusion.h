@@ -34,9 +34,10 @@ struct FusionResult {
 // Lines 15 to 19 of Algorithm 1: merges planes that were seen again (eq. 6). The lower id stays,
 // the other one's features, views and edges pass to it. A plane that is the same surface but mostly
 // out of reach of the other's reference image, or of what the matches between the two determine,
-// stays too and gets an edge (identity homology) to it.
-// `planes` and `edges` are ordered by id and (a, b). Deterministic on any number of threads (it
-// uses TBB's).
+// stays too and gets an edge (identity homology) to it. In the end the edges between planes that
+// were seen together as parts of one surface say so, too (JoinSurfaces).
+// `planes`, `edges` and `keyframes` are ordered by id and (a, b). Deterministic on any number of
+// threads (it uses TBB's).
 FusionResult FusePlanes(std::vector<Plane> planes, std::vector<Edge> edges,
                         const std::vector<Keyframe>& keyframes, FeatureType type,
                         const PlaneLayerOptions& options);

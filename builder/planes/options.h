@@ -61,6 +61,7 @@ struct FusionOptions {
   double min_overlap = 0.25;
   double min_within_reach = 0.9;
   double max_moved_px = 2.0;
+  double max_apart_px = 2.0;
 
   static constexpr auto Fields(const auto& use) {
     return use(
@@ -102,7 +103,11 @@ struct FusionOptions {
             "image. Otherwise the planes are connected by an edge instead of fused."},
         OptionField{"max_moved_px", &FusionOptions::max_moved_px, Above(0), "px",
                     "A feature is out of reach where the uncertainty of the homography (one "
-                    "sigma) moves it by more than this."});
+                    "sigma) moves it by more than this."},
+        OptionField{"max_apart_px", &FusionOptions::max_apart_px, Above(0), "px",
+                    "Planes seen together are parts of one surface where their homographies move "
+                    "each other's features to places no farther apart than this (median), from "
+                    "any keyframe that saw both to any other."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

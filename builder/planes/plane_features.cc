@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <opencv2/imgproc.hpp>
 
 #include "core/homography/homography.h"
 
@@ -57,15 +56,12 @@ bool IsWithinReach(const Eigen::Vector2d& reference, int width, int height,
          reference.y() < height + reach_y;
 }
 
-std::vector<Eigen::Vector2d> ComputeOutline(const std::vector<PlaneFeature>& features) {
-  std::vector<cv::Point2f> points;
-  points.reserve(features.size());
-  for (const PlaneFeature& f : features) points.emplace_back(f.reference.x_px, f.reference.y_px);
-  std::vector<cv::Point2f> hull;
-  if (!points.empty()) cv::convexHull(points, hull);
-  std::vector<Eigen::Vector2d> outline;
-  for (const cv::Point2f& p : hull) outline.emplace_back(p.x, p.y);
-  return outline;
+std::vector<Eigen::Vector2d> PositionsOf(const Plane& plane) {
+  std::vector<Eigen::Vector2d> positions;
+  for (const PlaneFeature& feature : plane.features) {
+    positions.push_back(PositionOf(feature.reference));
+  }
+  return positions;
 }
 
 }  // namespace waystone

@@ -26,7 +26,7 @@ void DropSparseFeatures(int plenty, int min_votes, Plane& plane);
 bool IsWithinReach(const Eigen::Vector2d& reference, int width, int height,
                    double max_extrapolation);
 
-// Convex hull of the features, px in the reference image.
-std::vector<Eigen::Vector2d> ComputeOutline(const std::vector<PlaneFeature>& features);
+// Of the features, in the reference image, px.
+std::vector<Eigen::Vector2d> PositionsOf(const Plane& plane);
 
 }  // namespace waystone

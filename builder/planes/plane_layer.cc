@@ -8,6 +8,7 @@
 
 #include "builder/frames/shrink.h"
 #include "builder/planes/fusion.h"
+#include "builder/planes/outline.h"
 #include "builder/planes/plane_features.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
@@ -167,7 +168,7 @@ void PlaneLayerBuilder::Finish(MapData& map, ProgressReporter& progress) {
   report(0);
   Fuse(map);
   Renumber(map);
-  for (Plane& plane : map.planes) plane.outline = ComputeOutline(plane.features);
+  OutlinePlanes(map);
   landmarks_.Finish(map);
   map.index = IndexFeatures(map);
   report(1);

@@ -22,7 +22,7 @@ using Square = boost::square_topology<std::minstd_rand>;
 using SquarePoint = Square::point_type;
 
 // Springs between all pairs give the clearer picture, at a cost that grows with the cube of the
-// number of planes; beyond this many, forces between neighbours have to do.
+// number of nodes; beyond this many, forces between neighbours have to do.
 constexpr size_t kMostSprings = 400;
 // Share by which the springs' energy changes in a step when they count as at rest.
 constexpr double kAtRest = 1e-4;
@@ -31,7 +31,7 @@ constexpr int kForceRounds = 200;
 // Room between two parts of the graph, as a share of the smallest part's width.
 constexpr double kComponentGap = 0.25;
 
-// A connected part of the graph: rows of map.planes, and where they are, in [0, 1] x [0, 1].
+// A connected part of the graph: its nodes, and where they are, in [0, 1] x [0, 1].
 struct Part {
   std::vector<size_t> rows;
   std::vector<Eigen::Vector2d> at;
@@ -39,14 +39,6 @@ struct Part {
 };
 
 using Pairs = std::vector<std::pair<size_t, size_t>>;
-
-Pairs EdgesByRow(const MapData& map) {
-  std::unordered_map<PlaneId, size_t> row;
-  for (size_t i = 0; i < map.planes.size(); ++i) row[map.planes[i].id] = i;
-  Pairs edges;
-  for (const Edge& edge : map.edges) edges.emplace_back(row.at(edge.a), row.at(edge.b));
-  return edges;
-}
 
 // The largest part first.
 std::vector<Part> FindParts(size_t count, const Pairs& edges) {
@@ -107,11 +99,10 @@ void LayOut(Part& part, const Pairs& edges) {
 
 }  // namespace
 
-std::vector<Eigen::Vector2d> LayOutGraph(const MapData& map) {
-  std::vector<Eigen::Vector2d> at(map.planes.size());
-  if (map.planes.empty()) return at;
-  const Pairs edges = EdgesByRow(map);
-  std::vector<Part> parts = FindParts(map.planes.size(), edges);
+std::vector<Eigen::Vector2d> LayOutGraph(size_t nodes, const Pairs& edges) {
+  std::vector<Eigen::Vector2d> at(nodes);
+  if (nodes == 0) return at;
+  std::vector<Part> parts = FindParts(nodes, edges);
   const double gap = kComponentGap * parts.back().width();
   double total = gap * static_cast<double>(parts.size() - 1);
   for (const Part& part : parts) total += part.width();

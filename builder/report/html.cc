@@ -11,6 +11,7 @@
 #include "builder/report/colours.h"
 #include "builder/report/graph_layout.h"
 #include "builder/report/orientation_svg.h"
+#include "builder/report/surface_graph.h"
 #include "core/base/text.h"
 
 namespace waystone {
@@ -43,12 +44,12 @@ constexpr double kGraphWidth = 1200;
 constexpr double kGraphHeight = 640;
 constexpr double kGraphMargin = 45;
 constexpr double kSmallestNode = 9;
-// A node's area grows with its features; the largest plane's node has this radius.
+// A node's area grows with its features; the largest surface's node has this radius.
 constexpr double kLargestNode = 30;
 
-std::string Chip(PlaneId id) {
-  return "<span class=chip style=\"background:" + CssColourOf(id) + "\">" +
-         std::to_string(id.value) + "</span>";
+std::string Chip(PlaneId plane, PlaneId surface) {
+  return "<span class=chip style=\"background:" + CssColourOf(surface) + "\">" +
+         std::to_string(plane.value) + "</span>";
 }
 
 template <class A, class B>
@@ -64,36 +65,37 @@ std::string Fixed(double value, int decimals) {
   return text.str();
 }
 
-size_t LargestPlane(const MapData& map) {
-  size_t most = 1;
-  for (const Plane& plane : map.planes) most = std::max(most, plane.features.size());
-  return most;
+// "3, 8, 12"
+std::string IdsText(const std::vector<PlaneId>& ids) {
+  std::string text;
+  for (const PlaneId id : ids) text += (text.empty() ? "" : ", ") + std::to_string(id.value);
+  return text;
 }
 
-std::string GraphSvg(const MapData& map) {
-  const std::vector<Eigen::Vector2d> layout = LayOutGraph(map);
-  std::unordered_map<PlaneId, Eigen::Vector2d> at;
-  for (size_t i = 0; i < layout.size(); ++i) {
-    at[map.planes[i].id] = {kGraphMargin + layout[i].x() * (kGraphWidth - 2 * kGraphMargin),
-                            kGraphMargin + layout[i].y() * (kGraphHeight - 2 * kGraphMargin)};
+std::string GraphSvg(const SurfaceGraph& graph) {
+  std::vector<Eigen::Vector2d> at = LayOutGraph(graph.surfaces.size(), graph.edges);
+  for (Eigen::Vector2d& p : at) {
+    p = {kGraphMargin + p.x() * (kGraphWidth - 2 * kGraphMargin),
+         kGraphMargin + p.y() * (kGraphHeight - 2 * kGraphMargin)};
   }
   std::ostringstream svg;
   svg << std::fixed << std::setprecision(1) << "<svg viewBox=\"0 0 " << kGraphWidth << ' '
-      << kGraphHeight << "\" role=img aria-label=\"Graph of planes\">\n";
-  for (const Edge& edge : map.edges) {
-    const Eigen::Vector2d& a = at[edge.a];
-    const Eigen::Vector2d& b = at[edge.b];
-    svg << "<line x1=" << a.x() << " y1=" << a.y() << " x2=" << b.x() << " y2=" << b.y() << " />\n";
+      << kGraphHeight << "\" role=img aria-label=\"Graph of surfaces\">\n";
+  for (const auto& [a, b] : graph.edges) {
+    svg << "<line x1=" << at[a].x() << " y1=" << at[a].y() << " x2=" << at[b].x()
+        << " y2=" << at[b].y() << " />\n";
   }
-  const auto most = static_cast<double>(LargestPlane(map));
-  for (const Plane& plane : map.planes) {
-    const double share = std::sqrt(static_cast<double>(plane.features.size()) / most);
-    const Eigen::Vector2d& p = at[plane.id];
-    svg << "<g><title>plane " << plane.id.value << ": " << plane.features.size()
-        << " features</title><circle cx=" << p.x() << " cy=" << p.y()
-        << " r=" << std::max(kSmallestNode, kLargestNode * share) << " fill=\""
-        << CssColourOf(plane.id) << "\" /><text x=" << p.x() << " y=" << p.y() + 4 << ">"
-        << plane.id.value << "</text></g>\n";
+  size_t most = 1;
+  for (const Surface& surface : graph.surfaces) most = std::max(most, surface.features);
+  for (size_t i = 0; i < graph.surfaces.size(); ++i) {
+    const Surface& surface = graph.surfaces[i];
+    const double share =
+        std::sqrt(static_cast<double>(surface.features) / static_cast<double>(most));
+    svg << "<g><title>surface " << surface.id.value << ": planes " << IdsText(surface.planes)
+        << "; " << surface.features << " features</title><circle cx=" << at[i].x()
+        << " cy=" << at[i].y() << " r=" << std::max(kSmallestNode, kLargestNode * share)
+        << " fill=\"" << CssColourOf(surface.id) << "\" /><text x=" << at[i].x()
+        << " y=" << at[i].y() + 4 << ">" << surface.id.value << "</text></g>\n";
   }
   svg << "</svg>\n";
   return svg.str();
@@ -125,7 +127,7 @@ std::string SecondsTable(const AppearanceReport& report) {
          Row("calibration", Fixed(report.calibrate_s, 2)) + "</table>\n";
 }
 
-std::string CountsTable(const MapData& map, const PlaneReport& report) {
+std::string CountsTable(const MapData& map, const SurfaceGraph& graph, const PlaneReport& report) {
   size_t features = 0;
   for (const Plane& plane : map.planes) features += plane.features.size();
   return "<table><tr><th>Item<th>Count\n" + Row("frames", report.frames) +
@@ -135,8 +137,9 @@ std::string CountsTable(const MapData& map, const PlaneReport& report) {
          Row("planes rejected by the homology test", report.planes_rejected) +
          Row("planes merged by the homology test", report.planes_merged) +
          Row("planes fused", report.planes_fused) + Row("planes dropped", report.planes_dropped) +
-         Row("<b>planes</b>", map.planes.size()) + Row("<b>edges</b>", map.edges.size()) +
-         Row("<b>features</b>", features) + Row("features dropped", report.features_dropped) +
+         Row("<b>planes</b>", map.planes.size()) + Row("<b>surfaces</b>", graph.surfaces.size()) +
+         Row("<b>edges</b>", map.edges.size()) + Row("<b>features</b>", features) +
+         Row("features dropped", report.features_dropped) +
          Row("own images found", OwnImagesCell(report.own)) + "</table>\n";
 }
 
@@ -158,27 +161,32 @@ std::string BytesTable(const std::vector<TableSize>& tables) {
   return html + "</table>\n";
 }
 
-std::string PlanesTable(const MapData& map) {
+std::string PlanesTable(const MapData& map, const SurfaceGraph& graph) {
+  const auto chip = [&](PlaneId id) { return Chip(id, graph.of_plane.at(id)); };
   std::unordered_map<PlaneId, std::string> neighbours;
   for (const Edge& edge : map.edges) {
-    neighbours[edge.a] += Chip(edge.b) + " ";
-    neighbours[edge.b] += Chip(edge.a) + " ";
+    neighbours[edge.a] += chip(edge.b) + " ";
+    neighbours[edge.b] += chip(edge.a) + " ";
   }
   std::unordered_map<KeyframeId, std::string> sources;
   for (const Keyframe& keyframe : map.keyframes) sources[keyframe.id] = keyframe.source;
-  std::string html = "<table><tr><th>Plane<th>Features<th>Keyframes<th>Reference<th>Neighbours\n";
+  std::string html =
+      "<table><tr><th>Plane<th>Surface<th>Features<th>Keyframes<th>Reference<th>Neighbours\n";
   for (const Plane& plane : map.planes) {
-    html += "<tr><td>" + Chip(plane.id) + "<td>" + std::to_string(plane.features.size()) + "<td>" +
-            std::to_string(plane.views.size()) + "<td>" + EscapeHtml(sources[plane.reference]) +
-            "<td>" + neighbours[plane.id] + "\n";
+    html += "<tr><td>" + chip(plane.id) + "<td>" +
+            std::to_string(graph.of_plane.at(plane.id).value) + "<td>" +
+            std::to_string(plane.features.size()) + "<td>" + std::to_string(plane.views.size()) +
+            "<td>" + EscapeHtml(sources[plane.reference]) + "<td>" + neighbours[plane.id] + "\n";
   }
   return html + "</table>\n";
 }
 
-std::string Gallery(const MapData& map) {
+std::string Gallery(const MapData& map, const SurfaceGraph& graph) {
   std::unordered_map<KeyframeId, std::string> seen;
   for (const Plane& plane : map.planes) {
-    for (const PlaneView& view : plane.views) seen[view.keyframe] += Chip(plane.id) + " ";
+    for (const PlaneView& view : plane.views) {
+      seen[view.keyframe] += Chip(plane.id, graph.of_plane.at(plane.id)) + " ";
+    }
   }
   std::string html = "<div class=gallery>\n";
   for (const Keyframe& keyframe : map.keyframes) {
@@ -192,16 +200,18 @@ std::string Gallery(const MapData& map) {
 
 bool HasPlanes(const MapData& map) { return !map.keyframes.empty(); }
 
-std::string PlanesSection(const MapData& map) {
-  if (map.planes.empty()) return "";
-  return "<h2>Plane graph</h2>\n" + GraphSvg(map) +
-         "<p class=sub>Nodes are planes, sized by their number of features. Edges connect planes "
-         "that "
-         "were seen together and whose homology is valid.</p>\n";
+std::string PlanesSection(const SurfaceGraph& graph) {
+  if (graph.surfaces.empty()) return "";
+  return "<h2>Graph of surfaces</h2>\n" + GraphSvg(graph) +
+         "<p class=sub>Nodes are surfaces, such as a wall: planes of the map that are parts of "
+         "one, "
+         "each as its own reference image shows it. They are sized by their number of features and "
+         "named by their first plane. Edges connect surfaces with planes that were seen together "
+         "and whose homology is valid.</p>\n";
 }
 
 // What was built of each layer, side by side.
-std::string TablesSection(const MapData& map, const BuildReport& report,
+std::string TablesSection(const MapData& map, const SurfaceGraph& graph, const BuildReport& report,
                           const std::vector<TableSize>& tables) {
   std::string html = "<div class=row>\n";
   const auto add = [&](const std::string& title, const std::string& table) {
@@ -209,7 +219,7 @@ std::string TablesSection(const MapData& map, const BuildReport& report,
   };
   if (HasPlanes(map)) {
     const PlaneReport planes = report.planes.value_or(PlaneReport{});
-    add("Counts", CountsTable(map, planes));
+    add("Counts", CountsTable(map, graph, planes));
     add("Time (s)", SecondsTable(planes, report.total_s));
   }
   if (report.appearance) {
@@ -220,19 +230,23 @@ std::string TablesSection(const MapData& map, const BuildReport& report,
   return html + "</div>\n";
 }
 
-std::string KeyframesSection(const MapData& map) {
+std::string KeyframesSection(const MapData& map, const SurfaceGraph& graph) {
   if (!HasPlanes(map)) return "";
-  return "<h2>Keyframes and their planes</h2>\n" + Gallery(map) +
-         "<h2>Planes</h2>\n<div class=scroll>" + PlanesTable(map) + "</div>\n";
+  return "<h2>Keyframes and their planes</h2>\n<p class=sub>Planes of one surface have one colour "
+         "in "
+         "all keyframes.</p>\n" +
+         Gallery(map, graph) + "<h2>Planes</h2>\n<div class=scroll>" + PlanesTable(map, graph) +
+         "</div>\n";
 }
 
-// "12 keyframes, 3 planes, 2 edges; 40 panoramas"
-std::string Subtitle(const MapData& map) {
+// "12 keyframes, 3 planes on 2 surfaces, 2 edges; 40 panoramas"
+std::string Subtitle(const MapData& map, const SurfaceGraph& graph) {
   std::string text;
   if (HasPlanes(map)) {
     text = std::to_string(map.keyframes.size()) + " keyframes, " +
-           std::to_string(map.planes.size()) + " planes, " + std::to_string(map.edges.size()) +
-           " edges; ";
+           std::to_string(map.planes.size()) + " planes on " +
+           std::to_string(graph.surfaces.size()) + " surfaces, " +
+           std::to_string(map.edges.size()) + " edges; ";
   }
   if (map.appearance) text += std::to_string(map.appearance->nodes.size()) + " panoramas; ";
   if (map.orientation) {
@@ -301,12 +315,14 @@ std::string ImageName(KeyframeId id) { return "images/" + std::to_string(id.valu
 std::string ReportHtml(const MapData& map, const BuildReport& report,
                        const std::vector<TableSize>& tables) {
   const std::string name = EscapeHtml(map.info.name);
+  const SurfaceGraph graph = SurfacesOf(map);
   return std::string(kReportStart) +
          "<meta name=viewport content=\"width=device-width\">\n<title>" + name +
          " - Waystone map</title>\n<style>" + kStyle + "</style>\n<h1>" + name +
-         "</h1>\n<p class=sub>" + Subtitle(map) + "built by " + EscapeHtml(map.info.program) +
-         "</p>\n" + AppearanceSection(map) + OrientationSection(map) + PlanesSection(map) +
-         TablesSection(map, report, tables) + KeyframesSection(map) + "</html>\n";
+         "</h1>\n<p class=sub>" + Subtitle(map, graph) + "built by " +
+         EscapeHtml(map.info.program) + "</p>\n" + AppearanceSection(map) +
+         OrientationSection(map) + PlanesSection(graph) +
+         TablesSection(map, graph, report, tables) + KeyframesSection(map, graph) + "</html>\n";
 }
 
 }  // namespace waystone

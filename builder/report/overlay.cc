@@ -10,6 +10,7 @@
 
 #include "builder/report/colours.h"
 #include "core/homography/homography.h"
+#include "schema/layers/planes/surfaces.h"
 
 namespace waystone {
 namespace {
@@ -60,8 +61,8 @@ cv::Point Fixed(const cv::Point2d& p) {
   return {static_cast<int>(p.x * kUnit), static_cast<int>(p.y * kUnit)};
 }
 
-void DrawOutline(cv::Mat& canvas, const Plane& plane, const Projection& project) {
-  const cv::Scalar colour = ColourOf(plane.id);
+void DrawOutline(cv::Mat& canvas, const Plane& plane, const Projection& project,
+                 const cv::Scalar& colour) {
   for (size_t i = 0; i < plane.outline.size(); ++i) {
     const auto a = project.At(plane.outline[i]);
     const auto b = project.At(plane.outline[(i + 1) % plane.outline.size()]);
@@ -70,8 +71,8 @@ void DrawOutline(cv::Mat& canvas, const Plane& plane, const Projection& project)
   }
 }
 
-void DrawFeatures(cv::Mat& canvas, const Plane& plane, const Projection& project) {
-  const cv::Scalar colour = ColourOf(plane.id);
+void DrawFeatures(cv::Mat& canvas, const Plane& plane, const Projection& project,
+                  const cv::Scalar& colour) {
   for (const PlaneFeature& feature : plane.features) {
     const auto at = project.At({feature.reference.x_px, feature.reference.y_px});
     if (!at || !cv::Rect2d(0, 0, canvas.cols, canvas.rows).contains(*at)) continue;
@@ -85,12 +86,15 @@ void DrawFeatures(cv::Mat& canvas, const Plane& plane, const Projection& project
 cv::Mat DrawPlanes(const MapData& map, const Keyframe& keyframe) {
   cv::Mat canvas = Canvas(keyframe);
   const double scale = static_cast<double>(canvas.cols) / std::max(1, keyframe.width);
-  for (const Plane& plane : map.planes) {
+  const std::vector<PlaneId> surfaces = FindSurfaces(map.planes, map.edges);
+  for (size_t p = 0; p < map.planes.size(); ++p) {
+    const Plane& plane = map.planes[p];
+    const cv::Scalar colour = ColourOf(surfaces[p]);
     for (const PlaneView& view : plane.views) {
       if (view.keyframe != keyframe.id) continue;
       const Projection project(plane, view, scale);
-      DrawOutline(canvas, plane, project);
-      DrawFeatures(canvas, plane, project);
+      DrawOutline(canvas, plane, project, colour);
+      DrawFeatures(canvas, plane, project, colour);
     }
   }
   return canvas;

@@ -10,6 +10,7 @@
 
 #include "core/geometry/angle.h"
 #include "schema/layers/orientation/unknown_corridors.h"
+#include "schema/layers/planes/surfaces.h"
 
 namespace waystone {
 namespace {
@@ -306,12 +307,17 @@ std::string BytesText(uint64_t bytes) {
   return text.str();
 }
 
+size_t SurfaceCount(const MapData& map) {
+  return static_cast<size_t>(CountSurfaces(FindSurfaces(map.planes, map.edges)));
+}
+
 std::string CountsText(const MapData& map) {
   std::vector<std::string> parts;
   const size_t landmarks = LandmarkCount(map);
   if (!map.planes.empty() || landmarks > 0 || (!map.appearance && !map.orientation)) {
     parts = {Plural(map.keyframes.size(), "keyframe"), Plural(map.planes.size(), "plane"),
-             Plural(map.edges.size(), "edge"), Plural(FeatureCount(map), "feature")};
+             Plural(SurfaceCount(map), "surface"), Plural(map.edges.size(), "edge"),
+             Plural(FeatureCount(map), "feature")};
   }
   if (landmarks > 0) parts.push_back(Plural(landmarks, "landmark"));
   if (map.appearance) {
@@ -377,6 +383,7 @@ Json SummaryJson(const BuildSummary& summary) {
   json["bytes"] = summary.bytes;
   json["keyframes"] = map.keyframes.size();
   json["planes"] = map.planes.size();
+  json["surfaces"] = SurfaceCount(map);
   json["edges"] = map.edges.size();
   json["features"] = FeatureCount(map);
   json["landmarks"] = LandmarkCount(map);

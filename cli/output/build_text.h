@@ -14,7 +14,7 @@
 namespace waystone {
 
 std::string BytesText(uint64_t bytes);       // "1.9 MB"
-std::string CountsText(const MapData& map);  // "61 keyframes, 23 planes, 41 edges, 8120 features"
+std::string CountsText(const MapData& map);  // "61 keyframes, 23 planes, 9 surfaces, ..."
 std::string TablesText(const std::vector<TableSize>& sizes);  // a line a table, largest first
 // A layer's sizes; null where there is none.
 Json AppearanceJson(const MapData& map);

@@ -165,6 +165,9 @@ export interface Version {
 
 export type Id = number;
 
+/** The surface, such as a wall, that the plane is a part of: the lowest id of its planes. */
+export type SurfaceId = number;
+
 export type Probability = number;
 
 export type Count = number;
@@ -431,7 +434,7 @@ export interface ExplainedCandidate {
 export interface Overview {
   layers: ("planes" | "appearance" | "orientation" | "poses")[];
   keyframes: { id: number[]; sequence: number[]; stretch: number[]; frame: number[]; planes: number[]; features: number[]; place: PlaceName[] };
-  planes: { id: number[]; reference: number[]; stretch: (number | null)[]; features: number[]; keyframes: number[][] };
+  planes: { id: number[]; surface: number[]; reference: number[]; stretch: (number | null)[]; features: number[]; keyframes: number[][] };
   edges: { a: number[]; b: number[]; third_eigenvalue: number[] };
 }
 
@@ -737,6 +740,8 @@ export interface Map {
   feature_type: string;
   keyframes: Count;
   planes: Count;
+  /** Surfaces that the planes are parts of. */
+  surfaces: number;
   edges: Count;
   features: Count;
   /** Named places. */
@@ -906,6 +911,7 @@ export interface JobDetails {
 
 export interface PlaneSummary {
   id: Id;
+  surface: SurfaceId;
   reference: ImageRef;
   features: Count;
   views: Count;
@@ -915,6 +921,7 @@ export interface PlaneSummary {
 
 export interface Plane {
   id: Id;
+  surface: SurfaceId;
   reference: ImageRef;
   features: Feature[];
   views: View[];
@@ -959,6 +966,7 @@ export interface Graph {
 
 export interface GraphNode {
   id: Id;
+  surface: SurfaceId;
   reference: Id;
   features: Count;
 }
@@ -988,6 +996,7 @@ export interface Keyframe {
 
 export interface SeenPlane {
   id: Id;
+  surface: SurfaceId;
   inliers: Count;
   reference_from_keyframe: Matrix;
   outline: Outline;

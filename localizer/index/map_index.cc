@@ -51,6 +51,7 @@ MapIndex::MapIndex(MapData map) : map_(std::move(map)) {
     neighbours_[edge.b].push_back(edge.a);
   }
   for (auto& [id, ids] : neighbours_) std::sort(ids.begin(), ids.end());
+  surface_of_plane_ = FindSurfaces(map_.planes, map_.edges);
   linked_.resize(map_.keyframes.size());
   for (const KeyframeLink& link : map_.links) {
     linked_[IndexOf(link.a)].push_back(IndexOf(link.b));
@@ -226,6 +227,12 @@ const std::vector<PlaneId>& MapIndex::Neighbours(PlaneId id) const {
   static const std::vector<PlaneId> kNone;
   const auto found = neighbours_.find(id);
   return found == neighbours_.end() ? kNone : found->second;
+}
+
+PlaneId MapIndex::SurfaceOf(PlaneId id) const {
+  const auto found = plane_index_.find(id);
+  WS_CHECK(found != plane_index_.end(), "the plane must be in the map");
+  return surface_of_plane_[static_cast<size_t>(found->second)];
 }
 
 Descriptors MapIndex::DescriptorsOf(int plane) const {

@@ -15,6 +15,7 @@
 #include "localizer/index/map_points.h"
 #include "localizer/index/named_places.h"
 #include "localizer/index/node_feature_index.h"
+#include "schema/layers/planes/surfaces.h"
 #include "schema/layers/poses/horizontal.h"
 #include "schema/map_data.h"
 
@@ -36,6 +37,10 @@ class MapIndex {
   const Sequence* FindSequence(SequenceId id) const;
   // Ids of the planes with an edge to `id`, ascending; empty for an id that isn't in the map.
   const std::vector<PlaneId>& Neighbours(PlaneId id) const;
+  // The surface that a plane of the map is part of, by FindSurfaces; the plane is in the map
+  // (WS_CHECK).
+  PlaneId SurfaceOf(PlaneId id) const;
+  int surface_count() const { return CountSurfaces(surface_of_plane_); }
 
   // The orientation of a sequence's frame; null where the layer hasn't got it.
   const OrientationFrame* FindFrame(SequenceId sequence, int frame) const;
@@ -114,6 +119,7 @@ class MapIndex {
   std::vector<int> first_landmark_row_;  // of each keyframe, and one more for the end
   std::vector<std::vector<SeenPlane>> seen_;
   std::vector<std::vector<int>> linked_;  // of each keyframe
+  std::vector<PlaneId> surface_of_plane_;
   std::vector<MapPoint> points_;
   std::optional<Horizontal> horizontal_;
   NamedPlaces names_;

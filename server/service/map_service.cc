@@ -20,6 +20,7 @@
 #include "api/space_json.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
+#include "core/base/version.h"
 #include "server/http/paging.h"
 #include "server/http/responses.h"
 #include "server/service/home_page.h"
@@ -130,12 +131,12 @@ void MapService::AddTo(Router& router) {
   AddOrientation(router);
 }
 
-// What shows a map never changes while the map's version doesn't.
+// What shows a map never changes while neither the map's version nor the program's does.
 void MapService::AddShow(Router& router, const std::string& pattern, Show show) {
   router.Add("GET", "/v1/maps/{map}" + pattern,
              [this, show = std::move(show)](const HttpRequest& request, const Captures& captures) {
                const MapSource::MapPtr map = maps_.Find(captures.at("map"), std::nullopt);
-               const std::string etag = "\"" + map->version() + "\"";
+               const std::string etag = "\"" + map->version() + "-" + kVersion + "\"";
                // First the answer: a 304 for what isn't there would be a lie.
                HttpResponse response = show(request, *map, captures);
                if (Has(request, etag)) response = {304, "", "", {}};

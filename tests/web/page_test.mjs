@@ -62,6 +62,9 @@ async function testPlanes(page) {
   await go(page, "planes", "Plane graph");
   await page.locator(".graph canvas").first().waitFor();
   assert.equal(await page.locator("tbody tr").count(), Math.min(50, planes.id.length));
+  const surfaces = new Set(planes.surface);
+  assert.ok(surfaces.size < planes.id.length, "some planes are parts of one surface");
+  await page.getByText(`${planes.id.length} planes on ${surfaces.size} surfaces`).waitFor();
   await page.waitForTimeout(500);  // for the pictures in the nodes
   const picture = await page.locator(".graph .canvas").screenshot();
   assert.ok(await distinctColours(page, picture) > 50, "the graph shows its planes");
@@ -69,6 +72,9 @@ async function testPlanes(page) {
   await checkAccess(page, "planes");
   await go(page, `planes/${planes.id[0]}`, "Plane graph");
   await page.locator(".panel .dots circle").first().waitFor();
+  const shared = planes.id.filter((_, i) => planes.surface.filter((s) => s === planes.surface[i]).length > 1);
+  await go(page, `planes/${shared[1]}`, "Plane graph");
+  await page.locator(".panel").getByText("with").getByRole("link", { name: `${shared[0]}`, exact: true }).waitFor();
   await checkAccess(page, "a plane");
 }
 
@@ -175,6 +181,12 @@ async function testKeyframes(page) {
   await go(page, `keyframes/${seeing}`, `Keyframe ${seeing}`);
   await page.locator(".outline polygon").first().waitFor();
   const drawn = await page.locator(".outline polygon").count();
+  const { planes } = await getJson(`/v1/maps/room/keyframes/${seeing}`);
+  const colours = await page.locator("tbody .swatch").evaluateAll((all) => all.map((s) => s.style.backgroundColor));
+  planes.forEach(({ surface }, i) => {
+    const first = planes.findIndex((p) => p.surface === surface);
+    assert.equal(colours[i], colours[first], "planes of one surface have one colour");
+  });
   await page.getByRole("checkbox", { name: "draw plane" }).first().uncheck();
   assert.equal(await page.locator(".outline polygon").count(), drawn - 1, "one outline less");
   await shoot(page, "keyframe");
@@ -375,7 +387,7 @@ async function testPanorama() {
 // A map of panoramas alone: no views of planes, and no findings about keyframes that it hasn't got.
 async function testPanoramaMap() {
   const { page, complaints, close } = await open({});
-  const summary = { ...(await getJson("/v1/maps/room")), planes: 0, keyframes: 0, edges: 0, features: 0 };
+  const summary = { ...(await getJson("/v1/maps/room")), planes: 0, surfaces: 0, keyframes: 0, edges: 0, features: 0 };
   const none = { id: [], sequence: [], stretch: [], planes: [], features: [] };
   await page.route("**/v1/maps?*", (route) => route.fulfill(json({ maps: [summary], next: null })));
   await page.route("**/overview", (route) => route.fulfill(json({
@@ -400,7 +412,7 @@ async function testPanoramaMap() {
 
 const known = (keyframes) => ({
   keyframes,
-  planes: { id: [], stretch: [], features: [], reference: [], keyframes: [] },
+  planes: { id: [], surface: [], stretch: [], features: [], reference: [], keyframes: [] },
   edges: { a: [], b: [] },
 });
 

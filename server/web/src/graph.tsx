@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The graph of planes on a canvas: sized by features, coloured by stretch.
+// The graph of surfaces on a canvas: sized by features.
 import Graph from "graphology";
 import Sigma from "sigma";
 import { EdgeLineProgram, type NodeHoverDrawingFunction, NodePointProgram } from "sigma/rendering";
 import { createNodeImageProgram } from "@sigma/node-image";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { fetchedPicture, type Overview, picturesAreFetched, thumbnailPath } from "./api";
+import { fetchedPicture, picturesAreFetched, thumbnailPath } from "./api";
 import { colourOf, cssColour } from "./colours";
+import type { SurfaceGraph } from "./surfaces";
 import { useMedia } from "./use";
 
-const kMostPictures = 300; // planes; more would load too many images at once
+const kMostPictures = 300; // nodes; more would load too many images at once
 const kLargeNodes = 2000; // from here on the graph is drawn with the simplest programs
 const kFullSizeNodes = 500; // from here on nodes shrink, so that they don't cover each other
 const kFullSizeWidth = 700; // px, of the canvas; likewise
@@ -26,37 +27,33 @@ function fetchPictures(graph: Graph) {
   });
 }
 
-function graphOf(map: string, overview: Overview, width: number): Graph {
-  const { planes, edges } = overview;
+function graphOf(map: string, { surfaces, edges }: SurfaceGraph, width: number): Graph {
   const graph = new Graph({ type: "undirected" });
-  const most = Math.max(1, ...planes.features);
-  const pictures = planes.id.length <= kMostPictures;
+  const most = surfaces.reduce((most, { features }) => Math.max(most, features), 1);
+  const pictures = surfaces.length <= kMostPictures;
   const scale =
-    Math.min(1, Math.sqrt(kFullSizeNodes / planes.id.length)) * Math.min(1, width / kFullSizeWidth);
-  planes.id.forEach((id, i) => {
-    const angle = (2 * Math.PI * i) / planes.id.length;
+    Math.min(1, Math.sqrt(kFullSizeNodes / surfaces.length)) * Math.min(1, width / kFullSizeWidth);
+  surfaces.forEach(({ id, features, reference }, i) => {
+    const angle = (2 * Math.PI * i) / surfaces.length;
     graph.addNode(id, {
       x: Math.cos(angle),
       y: Math.sin(angle),
-      size: scale * (kMinSize + (kMaxSize - kMinSize) * Math.sqrt(planes.features[i] / most)),
-      color: colourOf(planes.stretch[i] ?? 0),
-      label: `plane ${id}`,
+      size: scale * (kMinSize + (kMaxSize - kMinSize) * Math.sqrt(features / most)),
+      color: colourOf(id),
+      label: `surface ${id}`,
       type: pictures && !picturesAreFetched() ? "image" : "circle",
-      image: pictures ? thumbnailPath(map, planes.reference[i]) : null,
+      image: pictures ? thumbnailPath(map, reference) : null,
     });
   });
   if (pictures && picturesAreFetched()) fetchPictures(graph);
-  edges.a.forEach((a, i) => {
-    graph.mergeEdge(a, edges.b[i], { size: scale });
-  });
+  for (const [a, b] of edges) graph.mergeEdge(a, b, { size: scale });
   return graph;
 }
 
 // Starts the layout; returns a function that stops it.
-function layOut(graph: Graph, overview: Overview, settled: () => void): () => void {
-  const { planes, edges } = overview;
-  const indexOf = new Map(planes.id.map((id, i) => [id, i]));
-  const pairs = edges.a.flatMap((a, i) => [indexOf.get(a)!, indexOf.get(edges.b[i])!]);
+function layOut(graph: Graph, { surfaces, edges }: SurfaceGraph, settled: () => void): () => void {
+  const indexOf = new Map(surfaces.map(({ id }, i) => [id, i]));
+  const pairs = edges.flatMap(([a, b]) => [indexOf.get(a)!, indexOf.get(b)!]);
   const worker = new Worker("/page/layout_worker.js", { type: "module" });
   worker.onmessage = ({ data }: MessageEvent<Float32Array | null>) => {
     if (!data) return settled();
@@ -65,7 +62,7 @@ function layOut(graph: Graph, overview: Overview, settled: () => void): () => vo
       return { ...attributes, x: data[2 * i], y: data[2 * i + 1] };
     }, { attributes: ["x", "y"] });
   };
-  worker.postMessage({ nodes: planes.id.length, edges: Uint32Array.from(pairs) });
+  worker.postMessage({ nodes: surfaces.length, edges: Uint32Array.from(pairs) });
   return () => worker.terminate();
 }
 
@@ -108,7 +105,7 @@ function makeSigma(graph: Graph, box: HTMLElement): Sigma {
   });
 }
 
-// The selected plane and its neighbours stand out. `chosen` is asked anew at each drawing.
+// The selected surface and its neighbours stand out. `chosen` is asked anew at each drawing.
 function highlight(sigma: Sigma, graph: Graph, chosen: () => string | null) {
   const near = (node: string) => {
     const id = chosen();
@@ -129,22 +126,23 @@ function highlight(sigma: Sigma, graph: Graph, chosen: () => string | null) {
   });
 }
 
+// `selected` is a plane; what is selected in the graph is a surface, by its first plane.
 export function PlaneGraph(props: {
   map: string;
-  overview: Overview;
+  surfaces: SurfaceGraph;
   selected: number | null;
   select: (plane: number) => void;
 }) {
-  const { map, overview, selected, select } = props;
+  const { map, surfaces, selected, select } = props;
   const box = useRef<HTMLDivElement>(null);
   const sigma = useRef<Sigma | null>(null);
   const chosen = useRef<string | null>(null);
   const [state, setState] = useState<"moving" | "settled">("moving");
   const dark = useMedia("(prefers-color-scheme: dark)");
   useEffect(() => {
-    const graph = graphOf(map, overview, box.current!.clientWidth);
+    const graph = graphOf(map, surfaces, box.current!.clientWidth);
     setState("moving");
-    const stop = layOut(graph, overview, () => setState("settled"));
+    const stop = layOut(graph, surfaces, () => setState("settled"));
     const renderer = makeSigma(graph, box.current!);
     highlight(renderer, graph, () => chosen.current);
     renderer.on("clickNode", ({ node }) => select(Number(node)));
@@ -154,12 +152,12 @@ export function PlaneGraph(props: {
       renderer.kill();
       sigma.current = null;
     };
-  }, [map, overview, dark]);
+  }, [map, surfaces, dark]);
   useEffect(() => {
-    const known = selected !== null && sigma.current?.getGraph().hasNode(selected);
-    chosen.current = known ? String(selected) : null;
+    const surface = selected === null ? undefined : surfaces.ofPlane.get(selected);
+    chosen.current = surface === undefined ? null : String(surface);
     sigma.current?.refresh({ skipIndexation: true });
-  }, [selected, overview, dark]);
+  }, [selected, surfaces, dark]);
   const camera = () => sigma.current?.getCamera();
   return (
     <div class="graph" data-state={state}>
@@ -167,7 +165,7 @@ export function PlaneGraph(props: {
         class="canvas"
         ref={box}
         role="img"
-        aria-label="Graph of planes. The table of planes has the same information."
+        aria-label="Graph of surfaces. The table of planes has the same information."
       />
       <div class="tools">
         <button aria-label="Zoom in" onClick={() => camera()?.animatedZoom()}>+</button>

@@ -36,9 +36,9 @@ function PlaneTable({ map, keyframe, shown, toggle }: {
     <div class="scroll" tabIndex={0} role="region" aria-label="Planes in view">
       <table>
         <caption>Planes in view</caption>
-        <thead><tr><th>Draw</th><th>Plane</th><th class="number">Inliers</th><th>Names</th></tr></thead>
+        <thead><tr><th>Draw</th><th>Plane</th><th class="number">Surface</th><th class="number">Inliers</th><th>Names</th></tr></thead>
         <tbody>
-          {keyframe.planes.map((plane, i) => (
+          {keyframe.planes.map((plane) => (
             <tr key={plane.id}>
               <td>
                 <input
@@ -48,7 +48,8 @@ function PlaneTable({ map, keyframe, shown, toggle }: {
                   onChange={() => toggle(plane.id)}
                 />
               </td>
-              <td><Swatch colour={colourOf(i)} /><PlaneLink map={map} id={plane.id} /></td>
+              <td><Swatch colour={colourOf(plane.surface)} /><PlaneLink map={map} id={plane.id} /></td>
+              <td class="number">{plane.surface}</td>
               <td class="number">{plane.inliers}</td>
               <td><a href={href(map, "names", plane.id)} aria-label={`Name plane ${plane.id}`}>name</a></td>
             </tr>
@@ -75,7 +76,7 @@ function Show({ map, id }: { map: MapSummary; id: number }) {
   const shown = (plane: number) => !hidden.includes(plane);
   const toggle = (plane: number) =>
     setHidden(shown(plane) ? [...hidden, plane] : hidden.filter((h) => h !== plane));
-  const shapes = planes.map((p, i) => ({ points: p.outline, colour: colourOf(i), label: `${p.id}` }))
+  const shapes = planes.map((p) => ({ points: p.outline, colour: colourOf(p.surface), label: `${p.id}` }))
     .filter((_, i) => shown(planes[i].id));
   return (
     <>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// View: the graph of planes, and one plane with its views, features and neighbours.
-import { useState } from "preact/hooks";
+// View: the graph of surfaces, and one plane with its views, features and neighbours.
+import { useMemo, useState } from "preact/hooks";
 import { type Keyframe, mapPath, type Overview, type Plane } from "./api";
 import { colourOf } from "./colours";
 import { Overlay } from "./figure";
@@ -8,19 +8,18 @@ import { PlaneGraph } from "./graph";
 import type { ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, PlaneLink, PlaneLinks, Swatch, Waiting } from "./parts";
 import { href } from "./route";
+import { surfaceGraph } from "./surfaces";
 import { useGet } from "./use";
+import { counted } from "./words";
 
 const kRows = 50; // of the table, at first
 
-function Legend({ overview }: { overview: Overview }) {
-  const stretches = [...new Set(overview.planes.stretch.map((s) => s ?? 0))].sort((a, b) => a - b);
+function Legend({ planes, surfaces }: { planes: number; surfaces: number }) {
   return (
     <p class="legend">
-      Size: number of features. Edges: planes seen together. Colour: stretch of unbroken tracking:{" "}
-      {stretches.slice(0, 8).map((s) => (
-        <span key={s}><Swatch colour={colourOf(s)} />{s + 1} </span>
-      ))}
-      {stretches.length > 8 && `… ${stretches.length}`}
+      {counted(planes, "plane")} on {counted(surfaces, "surface")}. Nodes: surfaces, such as a wall, whose parts the
+      planes are; each is named by its first plane. Size: number of features. Edges: seen together. A surface has its
+      colour in the keyframes, too.
     </p>
   );
 }
@@ -37,7 +36,7 @@ function Table({ map, overview, selected }: { map: string; overview: Overview; s
         <caption>Planes, most features first</caption>
         <thead>
           <tr>
-            <th>Plane</th><th class="number">Features</th><th class="number">Views</th>
+            <th>Plane</th><th class="number">Surface</th><th class="number">Features</th><th class="number">Views</th>
             <th class="number">Neighbours</th><th>Reference</th>
           </tr>
         </thead>
@@ -45,9 +44,10 @@ function Table({ map, overview, selected }: { map: string; overview: Overview; s
           {order.slice(0, rows).map((i) => (
             <tr key={planes.id[i]} class={planes.id[i] === selected ? "selected" : ""}>
               <td>
-                <Swatch colour={colourOf(planes.stretch[i] ?? 0)} />
+                <Swatch colour={colourOf(planes.surface[i])} />
                 <PlaneLink map={map} id={planes.id[i]} />
               </td>
+              <td class="number">{planes.surface[i]}</td>
               <td class="number">{planes.features[i]}</td>
               <td class="number">{planes.keyframes[i].length}</td>
               <td class="number">{degree.get(planes.id[i]) ?? 0}</td>
@@ -73,7 +73,7 @@ function Picture({ map, plane }: { map: string; plane: Plane }) {
     <figure>
       <Overlay
         picture={{ src: image, alt: `reference image of plane ${plane.id}`, width, height }}
-        shapes={[{ points: plane.outline, colour: colourOf(0) }]}
+        shapes={[{ points: plane.outline, colour: colourOf(plane.surface) }]}
         dots={dots.map((f) => [f.x_px, f.y_px])}
       />
       <figcaption>
@@ -103,11 +103,11 @@ function Views({ map, plane }: { map: string; plane: Plane }) {
   );
 }
 
-function PlanePanel({ map, id }: { map: string; id: number }) {
+function PlanePanel({ map, id, siblings }: { map: string; id: number; siblings: number[] }) {
   const plane = useGet<Plane>(`${mapPath(map)}/planes/${id}`);
   if (plane.error) return <Failure error={plane.error} />;
   if (!plane.value) return <Waiting what={`plane ${id}`} />;
-  const { features, views, neighbours } = plane.value;
+  const { features, views, neighbours, surface } = plane.value;
   const votes = features.reduce((sum, f) => sum + f.votes, 0) / Math.max(1, features.length);
   return (
     <section class="panel" aria-label={`Plane ${id}`}>
@@ -118,6 +118,9 @@ function PlanePanel({ map, id }: { map: string; id: number }) {
         rows={[
           ["Features", `${features.length}, each matched ${votes.toFixed(1)} times on average`],
           ["Views", views.length],
+          ["Surface", siblings.length > 0
+            ? <>{surface}, with <PlaneLinks map={map} ids={siblings} /></>
+            : `${surface}, of this plane alone`],
           ["Neighbours", <PlaneLinks map={map} ids={neighbours} />],
         ]}
       />
@@ -128,8 +131,9 @@ function PlanePanel({ map, id }: { map: string; id: number }) {
 
 export function PlanesView({ map, route }: ViewProps) {
   const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
+  const surfaces = useMemo(() => overview.value && surfaceGraph(overview.value), [overview.value]);
   if (overview.error) return <Failure error={overview.error} />;
-  if (!overview.value) return <Waiting what="the graph" />;
+  if (!overview.value || !surfaces) return <Waiting what="the graph" />;
   if (map.planes === 0) {
     return (
       <>
@@ -138,18 +142,20 @@ export function PlanesView({ map, route }: ViewProps) {
       </>
     );
   }
+  const surface = route.id === null ? undefined : surfaces.ofPlane.get(route.id);
+  const siblings = surfaces.surfaces.find(({ id }) => id === surface)?.planes ?? [];
   const select = (plane: number) => {
     location.hash = href(map.name, "planes", plane);
   };
   return (
     <>
       <h1>Plane graph</h1>
-      <Legend overview={overview.value} />
+      <Legend planes={map.planes} surfaces={surfaces.surfaces.length} />
       <div class="split">
-        <PlaneGraph map={map.name} overview={overview.value} selected={route.id} select={select} />
+        <PlaneGraph map={map.name} surfaces={surfaces} selected={route.id} select={select} />
         {route.id === null
           ? <Table map={map.name} overview={overview.value} selected={route.id} />
-          : <PlanePanel map={map.name} id={route.id} />}
+          : <PlanePanel map={map.name} id={route.id} siblings={siblings.filter((id) => id !== route.id)} />}
       </div>
     </>
   );

@@ -87,7 +87,7 @@ function Found({ map, keyframe }: { map: MapSummary; keyframe: Keyframe }) {
   const space = useGet<Space>(`${mapPath(map.name)}/keyframes/${keyframe.id}/space`);
   if (space.error) return <Failure error={space.error} />;
   if (!space.value) return <Waiting what="planes in 3D" />;
-  const colours = new Map(keyframe.planes.map((p, i) => [p.id, colourOf(i)]));
+  const colours = new Map(keyframe.planes.map((p) => [p.id, colourOf(p.surface)]));
   const placed = space.value.planes.filter((p) => p.trouble === null).length;
   return (
     <>

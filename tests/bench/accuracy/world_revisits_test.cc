@@ -45,14 +45,18 @@ TEST(CountRevisits, OnePlaneOfBothVisitsJoinsThem) {
   EXPECT_EQ(figures.one_plane, 1);
 }
 
-TEST(CountRevisits, TwoPlanesJoinThemByAnEdgeOrNotAtAll) {
+TEST(CountRevisits, TwoPlanesJoinThemAsOneSurfaceOrByAnEdgeOrNotAtAll) {
   MapData map = MapOf({PlaneSeenIn(1, {0, 1}), PlaneSeenIn(2, {7, 8})});
   EXPECT_EQ(CountRevisits(TwoVisits(true), map, kOwners).apart, 1);
-  map.edges.push_back(
-      {PlaneId{1}, PlaneId{2}, KeyframeId{7}, KeyframeId{8}, Eigen::Matrix3d::Identity(), 1});
-  const RevisitFigures figures = CountRevisits(TwoVisits(true), map, kOwners);
-  EXPECT_EQ(figures.joined_by_edge, 1);
-  EXPECT_EQ(figures.apart, 0);
+  const Eigen::Matrix3d two_planes = Eigen::Vector3d(1, 1, 1.5).asDiagonal();
+  map.edges.push_back({PlaneId{1}, PlaneId{2}, KeyframeId{7}, KeyframeId{8}, two_planes, 1.5});
+  const RevisitFigures by_edge = CountRevisits(TwoVisits(true), map, kOwners);
+  EXPECT_EQ(by_edge.joined_by_edge, 1);
+  EXPECT_EQ(by_edge.apart, 0);
+  map.edges[0].homology.setIdentity();
+  const RevisitFigures as_surface = CountRevisits(TwoVisits(true), map, kOwners);
+  EXPECT_EQ(as_surface.one_surface, 1);
+  EXPECT_EQ(as_surface.joined_by_edge, 0);
 }
 
 TEST(CountRevisits, AVisitWithoutAPlaneIsNotJoined) {

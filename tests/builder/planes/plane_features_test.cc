@@ -134,24 +134,6 @@ TEST(IsWithinReach, IsTheImageAndAMarginAroundIt) {
   EXPECT_FALSE(IsWithinReach({100, INFINITY}, 640, 480, 0.1));
 }
 
-TEST(ComputeOutline, IsTheConvexHull) {
-  const std::vector<PlaneFeature> features = {FeatureAt(0, 0),    FeatureAt(50, 40),
-                                              FeatureAt(100, 0),  FeatureAt(10, 30),
-                                              FeatureAt(100, 80), FeatureAt(0, 80)};
-  std::vector<Vector2d> outline = ComputeOutline(features);
-  ASSERT_EQ(outline.size(), 4u);
-  for (const Vector2d& corner :
-       {Vector2d(0, 0), Vector2d(100, 0), Vector2d(100, 80), Vector2d(0, 80)}) {
-    EXPECT_NE(std::find(outline.begin(), outline.end(), corner), outline.end());
-  }
-}
-
-TEST(ComputeOutline, TakesAnyNumberOfFeatures) {
-  EXPECT_TRUE(ComputeOutline({}).empty());
-  EXPECT_EQ(ComputeOutline({FeatureAt(3, 4)}).size(), 1u);
-  EXPECT_EQ(ComputeOutline({FeatureAt(3, 4), FeatureAt(5, 4)}).size(), 2u);
-}
-
 // Features anywhere in the image, some of them at its very border.
 Features RandomFeatures(int count, Random& random) {
   Features features{FeatureType::kSift, 200, 150, 200, 150, {}, Descriptors(128)};

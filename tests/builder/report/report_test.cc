@@ -13,6 +13,7 @@
 #include "builder/report/graph_layout.h"
 #include "builder/report/html.h"
 #include "builder/report/overlay.h"
+#include "builder/report/surface_graph.h"
 #include "core/base/error.h"
 
 namespace waystone {
@@ -34,15 +35,21 @@ MapData Chain(int planes, int chained) {
     Edge edge;
     edge.a = PlaneId{i - 1};
     edge.b = PlaneId{i};
+    edge.homology.row(0) << 1, 0, 5;  // two planes
     map.edges.push_back(edge);
   }
   return map;
 }
 
+std::vector<Eigen::Vector2d> LayOut(const MapData& map) {
+  const SurfaceGraph graph = SurfacesOf(map);
+  return LayOutGraph(graph.surfaces.size(), graph.edges);
+}
+
 TEST(GraphLayout, StaysInTheUnitSquareAndApart) {
   for (const auto& [planes, chained] :
        {std::pair{0, 0}, {1, 0}, {2, 0}, {2, 2}, {9, 5}, {30, 30}}) {
-    const auto at = LayOutGraph(Chain(planes, chained));
+    const auto at = LayOut(Chain(planes, chained));
     ASSERT_EQ(at.size(), static_cast<size_t>(planes));
     for (size_t i = 0; i < at.size(); ++i) {
       EXPECT_GE(at[i].minCoeff(), -1e-9);
@@ -52,13 +59,22 @@ TEST(GraphLayout, StaysInTheUnitSquareAndApart) {
   }
 }
 
-TEST(GraphLayout, SameMapSamePicture) {
-  EXPECT_EQ(LayOutGraph(Chain(20, 12)), LayOutGraph(Chain(20, 12)));
-}
+TEST(GraphLayout, SameMapSamePicture) { EXPECT_EQ(LayOut(Chain(20, 12)), LayOut(Chain(20, 12))); }
 
 TEST(GraphLayout, NeighboursAreNearerThanEndsOfTheChain) {
-  const auto at = LayOutGraph(Chain(10, 10));
+  const auto at = LayOut(Chain(10, 10));
   EXPECT_LT((at[4] - at[5]).norm(), (at[0] - at[9]).norm());
+}
+
+TEST(SurfaceGraph, PlanesOfOneSurfaceAreOneNode) {
+  MapData map = Chain(4, 4);
+  map.edges[1].homology.setIdentity();  // planes 2 and 3
+  const SurfaceGraph graph = SurfacesOf(map);
+  ASSERT_EQ(graph.surfaces.size(), 3u);
+  EXPECT_EQ(graph.surfaces[1].planes, (std::vector{PlaneId{2}, PlaneId{3}}));
+  EXPECT_EQ(graph.surfaces[1].features, 2u);
+  EXPECT_EQ(graph.edges, (std::vector<std::pair<size_t, size_t>>{{0, 1}, {1, 2}}));
+  EXPECT_EQ(graph.of_plane.at(PlaneId{3}), PlaneId{2});
 }
 
 TEST(Colours, NeighbouringIdsDiffer) {
@@ -76,6 +92,14 @@ TEST(Overlay, DrawsAFeatureWhereItIs) {
   const cv::Scalar colour = ColourOf(PlaneId{1});
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(pixel[c], colour[c], 1.0);
   EXPECT_EQ(picture.at<cv::Vec3b>(20, 20), cv::Vec3b(90, 90, 90));
+}
+
+TEST(Overlay, PlanesOfOneSurfaceHaveOneColour) {
+  MapData map = Chain(2, 2);
+  map.planes[1].features[0].reference.x_px = 200;
+  map.edges[0].homology.setIdentity();
+  const cv::Mat picture = DrawPlanes(map, map.keyframes[0]);
+  EXPECT_EQ(picture.at<cv::Vec3b>(160, 200), picture.at<cv::Vec3b>(160, 400));
 }
 
 TEST(Overlay, FeaturesBehindTheCameraAreNotDrawn) {

@@ -47,9 +47,11 @@ inline MapData MadeMap(int planes) {
     plane.views = {{KeyframeId{1}, Eigen::Matrix3d::Identity(), 5}, {KeyframeId{2}, shift, 5}};
     map.planes.push_back(std::move(plane));
   }
+  // Planes 2 and 3 are parts of one surface.
   for (int i = 1; i < planes; ++i) {
+    const double third = i == 2 ? 1 : 1.5;
     map.edges.push_back({PlaneId{i}, PlaneId{i + 1}, KeyframeId{1}, KeyframeId{2},
-                         Eigen::Matrix3d::Identity(), 1.5});
+                         Eigen::Vector3d(1, 1, third).asDiagonal(), third});
   }
   return map;
 }

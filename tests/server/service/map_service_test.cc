@@ -8,6 +8,7 @@
 
 #include "api/json.h"
 #include "core/base/error.h"
+#include "core/base/version.h"
 #include "tests/server/service/made_map.h"
 
 namespace waystone {
@@ -84,6 +85,7 @@ TEST_F(MapServiceTest, OverviewHasEverythingByColumns) {
   EXPECT_EQ(json["planes"]["id"].size(), 7u);
   EXPECT_EQ(json["planes"]["keyframes"][3], Json({1, 2}));
   EXPECT_EQ(json["planes"]["stretch"][0], 0);
+  EXPECT_EQ(json["planes"]["surface"], Json({1, 2, 2, 4, 5, 6, 7}));
   EXPECT_EQ(json["edges"]["a"], Json({1, 2, 3, 4, 5, 6}));
   EXPECT_EQ(json["edges"]["third_eigenvalue"][0], 1.5);
 }
@@ -110,6 +112,7 @@ TEST_F(MapServiceTest, ListsMaps) {
   ASSERT_EQ(json["maps"].size(), 2u);
   EXPECT_EQ(json["maps"][1]["name"], "lab");
   EXPECT_EQ(json["maps"][1]["planes"], 7);
+  EXPECT_EQ(json["maps"][1]["surfaces"], 6);
   EXPECT_EQ(json["maps"][1]["edges"], 6);
   EXPECT_EQ(json["maps"][1]["features"], 35);
   EXPECT_TRUE(json["next"].is_null());
@@ -140,6 +143,8 @@ TEST_F(MapServiceTest, PagesPlanes) {
 
 TEST_F(MapServiceTest, ShowsAPlane) {
   const Json json = GetJson("/v1/maps/lab/planes/2");
+  EXPECT_EQ(json["surface"], 2);
+  EXPECT_EQ(GetJson("/v1/maps/lab/planes/3")["surface"], 2);
   EXPECT_EQ(json["neighbours"], Json({1, 3}));
   EXPECT_EQ(json["features"].size(), 5u);
   EXPECT_EQ(json["views"][1]["reference_from_keyframe"][0][2], 4.25);
@@ -150,6 +155,7 @@ TEST_F(MapServiceTest, ShowsAPlane) {
 TEST_F(MapServiceTest, ShowsTheGraph) {
   const Json json = GetJson("/v1/maps/lab/graph");
   EXPECT_EQ(json["nodes"].size(), 7u);
+  EXPECT_EQ(json["nodes"][2]["surface"], 2);
   EXPECT_EQ(json["edges"].size(), 6u);
   EXPECT_EQ(json["edges"][0]["third_eigenvalue"], 1.5);
 }
@@ -160,6 +166,7 @@ TEST_F(MapServiceTest, ShowsKeyframesAndTheirImages) {
   EXPECT_EQ(json["keyframes"][0]["image"], "/v1/maps/lab/keyframes/1/image");
   EXPECT_TRUE(json["keyframes"][1]["image"].is_null());
   EXPECT_EQ(GetJson("/v1/maps/lab/keyframes/2")["planes"].size(), 7u);
+  EXPECT_EQ(GetJson("/v1/maps/lab/keyframes/2")["planes"][2]["surface"], 2);
   EXPECT_EQ(GetJson("/v1/maps/a b/keyframes/1")["image"], "/v1/maps/a%20b/keyframes/1/image");
   const HttpResponse image = Get("/v1/maps/lab/keyframes/1/image");
   EXPECT_EQ(image.content_type, "image/jpeg");
@@ -181,7 +188,7 @@ TEST_F(MapServiceTest, WhatIsNotThereIsNotFound) {
 
 TEST_F(MapServiceTest, SameVersionIsNotSentAgain) {
   const std::string etag = HeaderOf(Get("/v1/maps/lab/graph"), "ETag");
-  EXPECT_EQ(etag, "\"sha256:abc123\"");
+  EXPECT_EQ(etag, std::string("\"sha256:abc123-") + kVersion + "\"");
   const HttpResponse again = Get("/v1/maps/lab/graph", {}, "\"other\", " + etag);
   EXPECT_EQ(again.status, 304);
   EXPECT_EQ(again.body, "");
@@ -228,6 +235,7 @@ TEST_F(MapServiceTest, ShowsTheAudit) {
 TEST_F(MapServiceTest, GraphForOtherPrograms) {
   const HttpResponse graphml = Get("/v1/maps/lab/graph", {{"format", "graphml"}});
   EXPECT_EQ(graphml.content_type, "application/xml");
+  EXPECT_NE(graphml.body.find("<data key=\"surface\">2</data>"), std::string::npos);
   EXPECT_NE(graphml.body.find("<edge source=\"p6\" target=\"p7\">"), std::string::npos);
   EXPECT_NE(Get("/v1/maps/lab/graph", {{"format", "dot"}}).body.find("p6 -- p7"),
             std::string::npos);

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/planes/one_surface.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <optional>
+
+#include "core/features/features.h"
+#include "core/homography/homography.h"
+#include "core/robust/median.h"
+#include "schema/layers/planes/surfaces.h"
+
+namespace waystone {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+
+constexpr size_t kFewestFeatures = 5;  // of a plane for their median to count
+
+// What two planes are in a keyframe that saw both.
+struct SharedView {
+  const Keyframe* keyframe;
+  Matrix3d from_m;  // keyframe from reference image
+  Matrix3d from_n;
+  Matrix3d to_m;  // its inverse
+  Matrix3d to_n;
+};
+
+std::vector<SharedView> ViewsOfBoth(const Plane& m, const Plane& n,
+                                    const std::vector<Keyframe>& keyframes) {
+  std::vector<SharedView> shared;
+  for (const PlaneView& of_m : m.views) {
+    const auto of_n = std::ranges::lower_bound(n.views, of_m.keyframe, {}, &PlaneView::keyframe);
+    if (of_n == n.views.end() || of_n->keyframe != of_m.keyframe) continue;
+    const Keyframe& keyframe =
+        *std::ranges::lower_bound(keyframes, of_m.keyframe, {}, &Keyframe::id);
+    shared.push_back({&keyframe, of_m.reference_from_keyframe.inverse(),
+                      of_n->reference_from_keyframe.inverse(), of_m.reference_from_keyframe,
+                      of_n->reference_from_keyframe});
+  }
+  return shared;
+}
+
+bool IsIn(const Keyframe& keyframe, const Vector2d& x) {
+  return x.x() >= 0 && x.y() >= 0 && x.x() < keyframe.width && x.y() < keyframe.height;
+}
+
+// How far apart the homographies b_from_a of two planes put the features of the one whose they are.
+std::optional<double> MedianApart(const Plane& plane, const Matrix3d& a_from_reference,
+                                  const Matrix3d& own, const Matrix3d& other, const Keyframe& a,
+                                  const Keyframe& b) {
+  std::vector<double> apart_px;
+  for (const PlaneFeature& feature : plane.features) {
+    const Vector2d x_a = Apply(a_from_reference, PositionOf(feature.reference));
+    if (!IsIn(a, x_a)) continue;
+    const Vector2d x_b = Apply(own, x_a);
+    if (!IsIn(b, x_b)) continue;
+    apart_px.push_back((x_b - Apply(other, x_a)).norm());
+  }
+  if (apart_px.size() < kFewestFeatures) return std::nullopt;
+  return Median(std::move(apart_px));
+}
+
+}  // namespace
+
+bool LieOnOneSurface(const Plane& m, const Plane& n, const std::vector<Keyframe>& keyframes,
+                     double max_apart_px) {
+  const std::vector<SharedView> shared = ViewsOfBoth(m, n, keyframes);
+  bool compared = false;
+  for (const SharedView& b : shared) {
+    for (const SharedView& a : shared) {
+      if (&a == &b) break;  // each pair once
+      const Matrix3d by_m = b.from_m * a.to_m;
+      const Matrix3d by_n = b.from_n * a.to_n;
+      for (const auto& apart_px :
+           {MedianApart(m, a.from_m, by_m, by_n, *a.keyframe, *b.keyframe),
+            MedianApart(n, a.from_n, by_n, by_m, *a.keyframe, *b.keyframe)}) {
+        if (!apart_px) continue;
+        if (!(*apart_px <= max_apart_px)) return false;
+        compared = true;
+      }
+    }
+  }
+  return compared;
+}
+
+void JoinSurfaces(const std::vector<Plane>& planes, const std::vector<Keyframe>& keyframes,
+                  double max_apart_px, std::vector<Edge>& edges) {
+  const auto plane_of = [&](PlaneId id) -> const Plane& {
+    return *std::ranges::lower_bound(planes, id, {}, &Plane::id);
+  };
+  tbb::parallel_for(size_t{0}, edges.size(), [&](size_t i) {
+    Edge& edge = edges[i];
+    if (JoinsOneSurface(edge) ||
+        !LieOnOneSurface(plane_of(edge.a), plane_of(edge.b), keyframes, max_apart_px)) {
+      return;
+    }
+    edge.homology = Matrix3d::Identity();
+    edge.third_eigenvalue = 1;
+  });
+}
+
+}  // namespace waystone
