@@ -26,6 +26,8 @@ using SquarePoint = Square::point_type;
 constexpr size_t kMostSprings = 400;
 // Share by which the springs' energy changes in a step when they count as at rest.
 constexpr double kAtRest = 1e-4;
+// Steps of the springs, a node: some graphs swing between two layouts for ever.
+constexpr size_t kMostStepsPerNode = 1000;
 // Rounds of forces: their temperature falls to nothing over them.
 constexpr int kForceRounds = 200;
 // Room between two parts of the graph, as a share of the smallest part's width.
@@ -39,6 +41,23 @@ struct Part {
 };
 
 using Pairs = std::vector<std::pair<size_t, size_t>>;
+
+// Ends the springs' steps.
+class SpringsEnd {
+ public:
+  explicit SpringsEnd(size_t nodes) : steps_left_(kMostStepsPerNode * nodes) {}
+
+  template <typename Node>
+  bool operator()(double change, Node node, const Graph& graph, bool global) {
+    if (steps_left_ == 0) return true;
+    --steps_left_;
+    return at_rest_(change, node, graph, global);
+  }
+
+ private:
+  boost::layout_tolerance<double> at_rest_{kAtRest};
+  size_t steps_left_;
+};
 
 // The largest part first.
 std::vector<Part> FindParts(size_t count, const Pairs& edges) {
@@ -92,7 +111,7 @@ void LayOut(Part& part, const Pairs& edges) {
   } else if (part.rows.size() > 1) {
     boost::kamada_kawai_spring_layout(graph, positions, boost::get(boost::edge_weight, graph),
                                       square, boost::side_length(1.0),
-                                      boost::layout_tolerance<double>(kAtRest));
+                                      SpringsEnd(part.rows.size()));
   }
   part.at = FitToUnitSquare(points);
 }

@@ -66,6 +66,17 @@ TEST(GraphLayout, NeighboursAreNearerThanEndsOfTheChain) {
   EXPECT_LT((at[4] - at[5]).norm(), (at[0] - at[9]).norm());
 }
 
+// The surfaces of a rendered building: the springs never came to rest.
+TEST(GraphLayout, EndsThoughTheSpringsSwingForEver) {
+  const std::vector<std::pair<size_t, size_t>> edges = {
+      {0, 1},  {0, 2},  {2, 3},   {2, 4},   {3, 4},   {3, 5},   {4, 5},
+      {4, 6},  {5, 6},  {5, 7},   {5, 8},   {5, 9},   {7, 8},   {7, 9},
+      {9, 10}, {9, 11}, {10, 11}, {11, 12}, {12, 13}, {13, 14}, {14, 15}};
+  const auto at = LayOutGraph(16, edges);
+  ASSERT_EQ(at.size(), 16u);
+  EXPECT_LT((at[13] - at[14]).norm(), (at[0] - at[15]).norm());
+}
+
 TEST(SurfaceGraph, PlanesOfOneSurfaceAreOneNode) {
   MapData map = Chain(4, 4);
   map.edges[1].homology.setIdentity();  // planes 2 and 3
