@@ -12,7 +12,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Polygon = std::vector<Vector2d>;
 
-// The part of a convex polygon where line . (x, y, 1) >= 0 (Sutherland and Hodgman, one edge).
+// The part of a polygon where line . (x, y, 1) >= 0 (Sutherland and Hodgman, one edge).
 Polygon ClipToHalfPlane(const Polygon& polygon, const Vector3d& line) {
   Polygon clipped;
   for (size_t i = 0; i < polygon.size(); ++i) {

@@ -6,7 +6,8 @@
 
 namespace waystone {
 
-// A convex outline seen through a homography and clipped to an image of width x height pixels.
+// An outline seen through a homography and clipped to an image of width x height pixels. Parts that
+// clipping separates stay one ring, joined along the border.
 // What lies beyond the homography's horizon, seen from `inside` (a point of the outline's image
 // that is certainly in front), is cut off first. Empty when nothing is left.
 std::vector<Eigen::Vector2d> ClippedOutline(const std::vector<Eigen::Vector2d>& outline,

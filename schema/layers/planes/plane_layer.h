@@ -82,13 +82,14 @@ struct Plane {
   KeyframeId reference;  // the first keyframe that saw it (the paper's I_r)
   std::vector<PlaneFeature> features;
   Descriptors descriptors;               // row i belongs to features[i]
-  std::vector<Eigen::Vector2d> outline;  // convex hull of the features, px in the reference image
+  std::vector<Eigen::Vector2d> outline;  // what the features support, px in the reference image
   std::vector<PlaneView> views;          // ordered by keyframe; the reference's own is identity
 
   bool operator==(const Plane&) const = default;
 };
 
-// An edge of the graph (eq. 5): two planes seen together with a valid homology.
+// An edge of the graph (eq. 5): two planes seen together with a valid homology, or two parts of one
+// surface, whose homology is the identity (JoinsOneSurface).
 struct Edge {
   PlaneId a;  // a < b
   PlaneId b;

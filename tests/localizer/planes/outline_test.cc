@@ -56,6 +56,14 @@ TEST(ClippedOutline, WhatIsOutsideIsCutOff) {
   }
 }
 
+// A U whose bottom is cut off: two legs, in one ring.
+TEST(ClippedOutline, AConcaveOutlineKeepsItsArea) {
+  const Polygon u = {{10, -50}, {110, -50}, {110, 40}, {80, 40},
+                     {80, -20}, {40, -20},  {40, 40},  {10, 40}};
+  const Polygon clipped = ClippedOutline(u, Matrix3d::Identity(), {20, 20}, 640, 480);
+  EXPECT_NEAR(AreaOf(clipped), 2 * 30 * 40, 1e-9);
+}
+
 TEST(ClippedOutline, NothingIsLeftOfWhatIsWhollyOutside) {
   for (const Vector2d& corner :
        {Vector2d(-200, 10), Vector2d(700, 10), Vector2d(10, -200), Vector2d(10, 500)}) {
