@@ -31,7 +31,8 @@ Plane Part(int id, double left, double right, const Vector3d& normal, double dis
   plane.reference = KeyframeId{1};
   for (int i = 0; i < 40; ++i) {
     const auto x = static_cast<float>(left + (right - left) * (i % 8) / 7);
-    const auto y = static_cast<float>(60 + 80 * (i / 8));
+    const int row = i / 8;
+    const auto y = static_cast<float>(60 + 80 * row);
     plane.features.push_back({{x, y, 6, 0}, 2, 2});
   }
   for (int k = 0; k < views; ++k) {

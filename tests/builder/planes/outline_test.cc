@@ -147,7 +147,7 @@ TEST(OutlinePlanes, CutsOutPlanesOfOtherSurfacesOnly) {
   Random random(5);
   MapData map;
   map.keyframes.push_back({KeyframeId{1}, SequenceId{1}, 0, 0, "a.jpg", {}, 640, 480, {}, {}});
-  const auto plane = [&](int id, const Points& points) {
+  const auto add_plane = [&](int id, const Points& points) {
     Plane plane;
     plane.id = PlaneId{id};
     plane.reference = KeyframeId{1};
@@ -159,9 +159,9 @@ TEST(OutlinePlanes, CutsOutPlanesOfOtherSurfacesOnly) {
     map.planes.push_back(plane);
   };
   const auto picture = [](double x, double y) { return std::hypot(x - 150, y - 100) < 30; };
-  plane(1, GridOver({300, 200}, random,
-                    [&](double x, double y) { return std::hypot(x - 150, y - 100) > 40; }));
-  plane(2, GridOver({300, 200}, random, picture));
+  add_plane(1, GridOver({300, 200}, random,
+                        [&](double x, double y) { return std::hypot(x - 150, y - 100) > 40; }));
+  add_plane(2, GridOver({300, 200}, random, picture));
   map.edges.push_back({PlaneId{1}, PlaneId{2}, KeyframeId{1}, KeyframeId{1},
                        Eigen::Vector3d(1, 1, 1.5).asDiagonal(), 1.5});
   OutlinePlanes(map);
