@@ -17,9 +17,9 @@ const kRows = 50; // of the table, at first
 function Legend({ planes, surfaces }: { planes: number; surfaces: number }) {
   return (
     <p class="legend">
-      {counted(planes, "plane")} on {counted(surfaces, "surface")}. Nodes: surfaces, such as a wall, whose parts the
-      planes are; each is named by its first plane. Size: number of features. Edges: seen together. A surface has its
-      colour in the keyframes, too.
+      {counted(planes, "plane")} on {counted(surfaces, "surface")}. Each node is a surface, such as a wall, and named by
+      the first of the planes that are its parts. Size: number of features. Edges: surfaces seen together. A surface has
+      the same colour in all keyframes.
     </p>
   );
 }
