@@ -69,24 +69,24 @@ struct AlikePlanes {
   double shared = 0;
 };
 
-std::vector<cv::Point2f> ToHull(const std::vector<Eigen::Vector2d>& outline) {
-  std::vector<cv::Point2f> hull;
-  for (const Eigen::Vector2d& x : outline) hull.emplace_back(x.x(), x.y());
-  return hull;
+std::vector<cv::Point2f> ToPolygon(const std::vector<Eigen::Vector2d>& outline) {
+  std::vector<cv::Point2f> polygon;
+  for (const Eigen::Vector2d& x : outline) polygon.emplace_back(x.x(), x.y());
+  return polygon;
 }
 
 // Features of a plane that lie inside the outline of another one, seen through a homography;
 // `inside` is a point of the first plane that is certainly in front.
 int CountWithin(const Plane& plane, const Plane& other, const Eigen::Matrix3d& other_from_plane,
                 const Eigen::Vector2d& inside) {
-  const std::vector<cv::Point2f> hull = ToHull(other.outline);
-  if (hull.size() < 3) return 0;
+  const std::vector<cv::Point2f> outline = ToPolygon(other.outline);
+  if (outline.size() < 3) return 0;
   return static_cast<int>(
       std::count_if(plane.features.begin(), plane.features.end(), [&](const PlaneFeature& feature) {
         const Eigen::Vector2d x(feature.reference.x_px, feature.reference.y_px);
         if (!OnSameSide(other_from_plane, x, inside)) return false;
         const Eigen::Vector2d y = Apply(other_from_plane, x);
-        return cv::pointPolygonTest(hull, cv::Point2f(y.x(), y.y()), false) >= 0;
+        return cv::pointPolygonTest(outline, cv::Point2f(y.x(), y.y()), false) >= 0;
       }));
 }
 

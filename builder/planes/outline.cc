@@ -96,7 +96,7 @@ class Shape {
   }
 
   void Peel(double longest_edge) {
-    // Longest first; of edges of one length the one of lower corners.
+    // Longest first; of edges of one length that of the higher corners.
     std::priority_queue<std::tuple<double, HalfEdge>> queue;
     const auto consider = [&](const HalfEdge& edge) {
       const double length = (At(edge.first) - At(edge.second)).norm();

@@ -232,9 +232,8 @@ std::string TablesSection(const MapData& map, const SurfaceGraph& graph, const B
 
 std::string KeyframesSection(const MapData& map, const SurfaceGraph& graph) {
   if (!HasPlanes(map)) return "";
-  return "<h2>Keyframes and their planes</h2>\n<p class=sub>Planes of one surface have one colour "
-         "in "
-         "all keyframes.</p>\n" +
+  return "<h2>Keyframes and their planes</h2>\n"
+         "<p class=sub>Planes of one surface have one colour in all keyframes.</p>\n" +
          Gallery(map, graph) + "<h2>Planes</h2>\n<div class=scroll>" + PlanesTable(map, graph) +
          "</div>\n";
 }

@@ -10,7 +10,6 @@
 
 #include "builder/report/colours.h"
 #include "core/homography/homography.h"
-#include "schema/layers/planes/surfaces.h"
 
 namespace waystone {
 namespace {
@@ -83,13 +82,13 @@ void DrawFeatures(cv::Mat& canvas, const Plane& plane, const Projection& project
 
 }  // namespace
 
-cv::Mat DrawPlanes(const MapData& map, const Keyframe& keyframe) {
+cv::Mat DrawPlanes(const MapData& map, const std::vector<PlaneId>& surface_of_plane,
+                   const Keyframe& keyframe) {
   cv::Mat canvas = Canvas(keyframe);
   const double scale = static_cast<double>(canvas.cols) / std::max(1, keyframe.width);
-  const std::vector<PlaneId> surfaces = FindSurfaces(map.planes, map.edges);
   for (size_t p = 0; p < map.planes.size(); ++p) {
     const Plane& plane = map.planes[p];
-    const cv::Scalar colour = ColourOf(surfaces[p]);
+    const cv::Scalar colour = ColourOf(surface_of_plane[p]);
     for (const PlaneView& view : plane.views) {
       if (view.keyframe != keyframe.id) continue;
       const Projection project(plane, view, scale);

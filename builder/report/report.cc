@@ -11,6 +11,7 @@
 #include "builder/report/overlay.h"
 #include "core/base/error.h"
 #include "core/image/encode.h"
+#include "schema/layers/planes/surfaces.h"
 
 namespace waystone {
 namespace {
@@ -62,8 +63,10 @@ void WriteReport(const MapData& map, const BuildReport& report,
   MakeFolder(dir / "images");
   Save(dir / "index.html",
        ReportHtml(map, report, tables));  // first: the folder is ours from now on
+  const std::vector<PlaneId> surface_of_plane = FindSurfaces(map.planes, map.edges);
   for (const Keyframe& keyframe : map.keyframes) {
-    const std::vector<uint8_t> jpeg = EncodeJpeg(DrawPlanes(map, keyframe), kJpegQuality);
+    const std::vector<uint8_t> jpeg =
+        EncodeJpeg(DrawPlanes(map, surface_of_plane, keyframe), kJpegQuality);
     Save(dir / ImageName(keyframe.id), {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
   }
 }

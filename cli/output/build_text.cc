@@ -269,6 +269,10 @@ Json OrientationReportJson(const OrientationReport& report) {
             {"finish", Rounded(report.finish_s, 3)}}}};
 }
 
+size_t SurfaceCount(const MapData& map) {
+  return static_cast<size_t>(CountSurfaces(FindSurfaces(map.planes, map.edges)));
+}
+
 }  // namespace
 
 Json OrientationJson(const MapData& map) {
@@ -305,10 +309,6 @@ std::string BytesText(uint64_t bytes) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(unit == 0 ? 0 : 1) << value << ' ' << kUnits[unit];
   return text.str();
-}
-
-size_t SurfaceCount(const MapData& map) {
-  return static_cast<size_t>(CountSurfaces(FindSurfaces(map.planes, map.edges)));
 }
 
 std::string CountsText(const MapData& map) {

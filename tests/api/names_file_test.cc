@@ -85,6 +85,20 @@ TEST(NamesFile, IsReadToTheSame) {
   EXPECT_TRUE(read.misfits.empty());
 }
 
+// An L, and a ring that a cut joins to its hole: the corners' mean isn't in either.
+TEST(NamesFile, NamesAPlaneByAPointInsideItsOutline) {
+  const NamedPolygon l = {{0, 0}, {200, 0}, {200, 20}, {20, 20}, {20, 200}, {0, 200}};
+  const NamedPolygon ring = {{0, 0},   {90, 0},  {90, 90}, {0, 90},  {0, 0},
+                             {30, 30}, {30, 60}, {60, 60}, {60, 30}, {30, 30}};
+  for (const NamedPolygon& outline : {l, ring}) {
+    MapData map = NamedWalk();
+    map.planes[0].outline = outline;
+    const ReadNames read = ReadNamesFile(Dump(NamesFileJson("lab", map)), map);
+    EXPECT_EQ(read.places, map.names);
+    EXPECT_TRUE(read.misfits.empty());
+  }
+}
+
 // The same sequences, other keyframes and ids: every third frame, the hall first.
 TEST(NamesFile, OutlivesARebuild) {
   MapData rebuilt = WalkedMap();

@@ -15,6 +15,7 @@
 #include "builder/report/overlay.h"
 #include "builder/report/surface_graph.h"
 #include "core/base/error.h"
+#include "schema/layers/planes/surfaces.h"
 
 namespace waystone {
 namespace {
@@ -95,9 +96,13 @@ TEST(Colours, NeighbouringIdsDiffer) {
   EXPECT_EQ(CssColourOf(PlaneId{7}).size(), 7u);
 }
 
+cv::Mat DrawFirst(const MapData& map) {
+  return DrawPlanes(map, FindSurfaces(map.planes, map.edges), map.keyframes[0]);
+}
+
 TEST(Overlay, DrawsAFeatureWhereItIs) {
   const MapData map = Chain(1, 0);
-  const cv::Mat picture = DrawPlanes(map, map.keyframes[0]);
+  const cv::Mat picture = DrawFirst(map);
   ASSERT_EQ(picture.size(), cv::Size(640, 480));
   const auto pixel = picture.at<cv::Vec3b>(160, 200);  // (100, 80) at twice the size
   const cv::Scalar colour = ColourOf(PlaneId{1});
@@ -109,14 +114,14 @@ TEST(Overlay, PlanesOfOneSurfaceHaveOneColour) {
   MapData map = Chain(2, 2);
   map.planes[1].features[0].reference.x_px = 200;
   map.edges[0].homology.setIdentity();
-  const cv::Mat picture = DrawPlanes(map, map.keyframes[0]);
+  const cv::Mat picture = DrawFirst(map);
   EXPECT_EQ(picture.at<cv::Vec3b>(160, 200), picture.at<cv::Vec3b>(160, 400));
 }
 
 TEST(Overlay, FeaturesBehindTheCameraAreNotDrawn) {
   MapData map = Chain(1, 0);
   map.planes[0].views[0].reference_from_keyframe << 1, 0, 0, 0, 1, 0, 0, 0, 1e-300;
-  EXPECT_NO_THROW(DrawPlanes(map, map.keyframes[0]));
+  EXPECT_NO_THROW(DrawFirst(map));
 }
 
 TEST(WriteReport, WritesAPageThatNamesNothingUnescaped) {
