@@ -306,15 +306,15 @@ nlohmann::ordered_json Report(const char* name, const std::vector<LabelledPair>&
   });
   const double mean = std::accumulate(errors.begin(), errors.end(), 0.0) / errors.size();
   const auto bad = std::ranges::count_if(errors, [](double error) { return error > kBadError; });
-  const nlohmann::ordered_json json = {{"name", name},
-                                       {"pairs", pairs.size()},
-                                       {"planes", std::accumulate(planes.begin(), planes.end(), 0)},
-                                       {"found", std::accumulate(found.begin(), found.end(), 0)},
-                                       {"error_mean", mean},
-                                       {"error_median", Quantile(errors, 0.5)},
-                                       {"error_95", Quantile(errors, 0.95)},
-                                       {"error_max", std::ranges::max(errors)},
-                                       {"bad_share", static_cast<double>(bad) / errors.size()}};
+  nlohmann::ordered_json json = {{"name", name},
+                                 {"pairs", pairs.size()},
+                                 {"planes", std::accumulate(planes.begin(), planes.end(), 0)},
+                                 {"found", std::accumulate(found.begin(), found.end(), 0)},
+                                 {"error_mean", mean},
+                                 {"error_median", Quantile(errors, 0.5)},
+                                 {"error_95", Quantile(errors, 0.95)},
+                                 {"error_max", std::ranges::max(errors)},
+                                 {"bad_share", static_cast<double>(bad) / errors.size()}};
   std::printf("%-34s %4zu pairs: mean error %.1f%%, median %.1f%%, 95%% %.1f%%, worst %.1f%%\n",
               name, pairs.size(), 100 * mean, 100 * Quantile(errors, 0.5),
               100 * Quantile(errors, 0.95), 100 * std::ranges::max(errors));
