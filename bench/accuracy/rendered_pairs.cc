@@ -219,7 +219,7 @@ Eigen::Vector2d LongTailedNoise(double scale_px, Random& random) {
   return scale_px / std::sqrt(chi2 / 4) * Eigen::Vector2d(x, y);
 }
 
-// Two to five walls side by side that meet at vertical edges, every other time above a floor: a
+// Two to five walls side by side that meet at vertical edges, half of the time above a floor: a
 // building as photos show it. The lens distorts, noise and density of matches differ, and 10 to
 // 60 % of all matches are wrong.
 class WallsSideBySide {

@@ -5,7 +5,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <set>
 
@@ -351,53 +350,49 @@ TEST(PlaneTracker, PureRotationRenewsNoPlane) {
   EXPECT_EQ(started, (std::vector<int>{0, 2, 2, 2, 2}));
 }
 
-// Along walls much longer than an image is wide. One plane in a hundred starts from features that
-// determine its homography badly and has some far from where they are: hardly any may be.
+// Along a wall much longer than an image is wide.
 TEST(PlaneTracker, ALongWallGetsNewerReferenceImages) {
-  constexpr int kWalls = 12;
+  MadeScene scene(9);
+  scene.AddWall({{-4, -1.5, 4}, {20, 0, 2}, {0, 3, 0}}, 900);
+  PlaneLayerOptions options;
+  PlaneTracker tracker(options);
   constexpr int kLong = 24;
-  const PlaneLayerOptions options;
   const auto pose = [](int i) { return PoseAt(0.5 * i, 0, 0.04 * i); };
+  for (int i = 0; i < kLong; ++i) {
+    tracker.AddKeyframe(IdOf(i), scene.See(pose(i)), i == 0, std::nullopt);
+  }
+  const Tracked found = ResultOf(tracker);
+  EXPECT_GT(found.planes.size(), 2u);
+  EXPECT_LT(found.planes.size(), static_cast<size_t>(kLong));
+  std::set<KeyframeId> covered;
   int features = 0;
   int far = 0;
-  int astray = 0;
-  for (int wall = 1; wall <= kWalls; ++wall) {
-    SCOPED_TRACE("wall " + std::to_string(wall));
-    MadeScene scene(wall);
-    scene.AddWall({{-4, -1.5, 4}, {20, 0, 2}, {0, 3, 0}}, 900);
-    PlaneTracker tracker(options);
-    for (int i = 0; i < kLong; ++i) {
-      tracker.AddKeyframe(IdOf(i), scene.See(pose(i)), i == 0, std::nullopt);
+  for (const Plane& plane : found.planes) {
+    const Isometry3d reference = pose(static_cast<int>(plane.reference.value) - 1);
+    for (const PlaneFeature& feature : plane.features) {
+      EXPECT_TRUE(IsWithinReach({feature.reference.x_px, feature.reference.y_px}, 640, 480,
+                                options.max_extrapolation));
     }
-    const Tracked found = ResultOf(tracker);
-    EXPECT_GT(found.planes.size(), 2u);
-    EXPECT_LT(found.planes.size(), static_cast<size_t>(kLong));
-    std::set<KeyframeId> covered;
-    for (const Plane& plane : found.planes) {
-      const Isometry3d reference = pose(static_cast<int>(plane.reference.value) - 1);
-      for (int f = 0; f < static_cast<int>(plane.features.size()); ++f) {
-        const Keypoint& k = plane.features[f].reference;
-        EXPECT_TRUE(IsWithinReach({k.x_px, k.y_px}, 640, 480, options.max_extrapolation));
-        const MadePoint& point = scene.points()[scene.PointOf(plane.descriptors.row(f))];
-        const auto truth = Project(MadeCamera(), reference.inverse() * point.x_world);
-        const double error =
-            truth ? (*truth - PositionOf(k)).norm() : std::numeric_limits<double>::infinity();
-        ++features;
-        far += error > 2;
-        astray += error > 6;
-      }
-      for (const PlaneView& view : plane.views) covered.insert(view.keyframe);
+    for (int f = 0; f < static_cast<int>(plane.features.size()); ++f) {
+      const MadePoint& point = scene.points()[scene.PointOf(plane.descriptors.row(f))];
+      const auto truth = Project(MadeCamera(), reference.inverse() * point.x_world);
+      ASSERT_TRUE(truth);
+      const Keypoint& k = plane.features[f].reference;
+      const double error = (*truth - Vector2d(k.x_px, k.y_px)).norm();
+      EXPECT_LT(error, 6) << "plane " << plane.id.value;
+      ++features;
+      far += error > 2;
     }
-    EXPECT_EQ(covered.size(), static_cast<size_t>(kLong)) << "the wall is lost on the way";
-    for (size_t p = 1; p < found.planes.size(); ++p) {
-      const PlaneId id{static_cast<int64_t>(p) + 1};
-      EXPECT_TRUE(std::any_of(found.edges.begin(), found.edges.end(),
-                              [&](const Edge& edge) { return edge.b == id || edge.a == id; }))
-          << "plane " << p + 1 << " isn't joined to the wall's other parts";
-    }
+    for (const PlaneView& view : plane.views) covered.insert(view.keyframe);
   }
   EXPECT_LE(far, features / 50) << "of " << features;
-  EXPECT_LE(astray, features / 400) << "of " << features;
+  EXPECT_EQ(covered.size(), static_cast<size_t>(kLong)) << "the wall is lost on the way";
+  for (size_t p = 1; p < found.planes.size(); ++p) {
+    const PlaneId id{static_cast<int64_t>(p) + 1};
+    EXPECT_TRUE(std::any_of(found.edges.begin(), found.edges.end(),
+                            [&](const Edge& edge) { return edge.b == id || edge.a == id; }))
+        << "plane " << p + 1 << " isn't joined to the wall's other parts";
+  }
 }
 
 TEST(PlaneTracker, FramesWithoutFeaturesGiveNothing) {
