@@ -16,10 +16,10 @@ struct LabellingOptions {
   double max_sigmas = 10.0;
   double min_sigma_px = 0.2;
   double max_sigma_px = 2.5;
-  double tail = 2.5;
+  double tail = 3.0;
   double outlier_cost = 9.0;
-  double plane_cost = 60.0;
-  double smoothness = 2.5;
+  double plane_cost = 50.0;
+  double smoothness = 4.0;
   int companions = 8;
   int rounds = 4;
 
