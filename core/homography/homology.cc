@@ -2,6 +2,7 @@
 #include "core/homography/homology.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <complex>
 
@@ -42,6 +43,11 @@ Matrix3d WithNoiseOf(const HomographyEstimate& n, const Matrix3d& b_from_a, cons
   return Normalised(b_from_a) + (Perturbed(n, z) - n.b_from_a);
 }
 
+// How much larger the noise is than that of as many independent matches.
+double SharedNoise(const HomographyEstimate& estimate, const HomologyOptions& options) {
+  return std::sqrt(std::max(1.0, static_cast<double>(estimate.pairs) / options.independent));
+}
+
 }  // namespace
 
 void HomologyOptions::Check() const { CheckFields("homology", *this); }
@@ -79,14 +85,18 @@ Homology TestHomology(const HomographyEstimate& m, const HomographyEstimate& n,
   const Matrix3d unit = UnitScale(m);
   const Matrix3d ideal =
       unit.inverse() * NearestHomology(unit * result.matrix * unit.inverse()) * unit;
+  const double shared_m = SharedNoise(m, options);
+  const double shared_n = SharedNoise(n, options);
   Random random(options.seed);
   double split2 = 0;
   double third2 = 0;
   for (int draw = 0; draw < options.draws; ++draw) {
-    const Matrix3d m_inverse = Perturbed(m, DrawNormals(random)).inverse();
-    const Vector8d z = DrawNormals(random);
-    const auto two = ComputeEigenvalues(m_inverse * WithNoiseOf(n, m.b_from_a * ideal, z));
-    const auto same = ComputeEigenvalues(m_inverse * WithNoiseOf(n, m.b_from_a, z));
+    const Vector8d of_m = DrawNormals(random);
+    const Vector8d of_n = DrawNormals(random);
+    const auto two = ComputeEigenvalues(Perturbed(m, shared_m * of_m).inverse() *
+                                        WithNoiseOf(n, m.b_from_a * ideal, shared_n * of_n));
+    const auto same =
+        ComputeEigenvalues(Perturbed(m, of_m).inverse() * WithNoiseOf(n, m.b_from_a, of_n));
     split2 += two.split * two.split;
     third2 += (same.third - 1) * (same.third - 1);
   }

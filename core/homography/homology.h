@@ -18,6 +18,7 @@ enum class HomologyKind {
 
 struct HomologyOptions {
   double max_sigmas = 4.0;
+  int independent = 40;
   int draws = 40;
   uint64_t seed = 1;
 
@@ -27,6 +28,11 @@ struct HomologyOptions {
             "max_sigmas", &HomologyOptions::max_sigmas, Above(0), "",
             "Number of standard deviations by which an eigenvalue may differ from 1 and still "
             "count as 1. Higher accepts more false planes, lower rejects more true ones."},
+        OptionField{
+            "independent", &HomologyOptions::independent, AtLeast(5), "",
+            "Matches of a plane that count as independent measurements. Errors that "
+            "neighbours share (of the lens, of an uneven wall) don't average out over more. "
+            "Fewer accept more planes, true and false ones."},
         OptionField{"draws", &HomologyOptions::draws, AtLeast(10), "",
                     "Samples from which the standard deviations of the eigenvalues are estimated."},
         OptionField{"seed", &HomologyOptions::seed, AnyValue(), "", "Seed of these samples."});
@@ -46,7 +52,8 @@ struct Homology {
 
 // Eigenvalue test of two planes seen in the same two images: m and n are both estimated from the
 // same image a to the same image b. The tolerances are the spread of the eigenvalues under the
-// homographies' own measured noise. Deterministic; thread-safe.
+// homographies' own measured noise, as if of `independent` matches at most where a true pair of
+// planes is concerned. Deterministic; thread-safe.
 Homology TestHomology(const HomographyEstimate& m, const HomographyEstimate& n,
                       const HomologyOptions& options);
 

@@ -4,11 +4,74 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc/detail/gcgraph.hpp>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/robust/median.h"
 
 namespace waystone {
+namespace {
+
+using Companions = std::vector<std::vector<int>>;
+
+std::shared_ptr<const Companions> FindCompanions(const Neighbourhoods& neighbourhoods, int size,
+                                                 int count) {
+  auto companions = std::make_shared<Companions>(size);
+  for (int row = 0; row < size; ++row) {
+    int seen = 0;
+    for (const int neighbour : neighbourhoods.of(row)) {
+      (*companions)[row].push_back(neighbour);
+      (*companions)[neighbour].push_back(row);
+      if (++seen == count) break;
+    }
+  }
+  return companions;
+}
+
+// The least of a sum of costs of binary variables and of pairs of them, by a minimum cut
+// (Kolmogorov and Zabih 2004): x = 1 on the source's side.
+class BinaryEnergy {
+ public:
+  BinaryEnergy(int variables, int pairs) : cost_(variables, 0.0) {
+    graph_.create(variables, pairs);
+    for (int i = 0; i < variables; ++i) graph_.addVtx();
+  }
+
+  // Adds `cost` where x_i is 1; less than 0: where it is 0.
+  void Add(int i, double cost) { cost_[i] += cost; }
+
+  // Adds a cost for each value of (x_i, x_j). Needs v00 + v11 <= v01 + v10.
+  void Add(int i, int j, double v00, double v01, double v10, double v11) {
+    cost_[i] += v10 - v00;
+    cost_[j] += v11 - v10;
+    const double both = v01 + v10 - v00 - v11;  // where x_i is 0 and x_j is 1
+    if (both <= 0) return;
+    graph_.addEdges(j, i, both, 0);
+    any_edge_ = true;
+  }
+
+  std::vector<bool> Minimise() {
+    std::vector<bool> x(cost_.size());
+    for (size_t i = 0; i < cost_.size(); ++i) {
+      graph_.addTermWeights(static_cast<int>(i), std::max(0.0, -cost_[i]), std::max(0.0, cost_[i]));
+      x[i] = cost_[i] < 0;
+    }
+    if (!any_edge_) return x;
+    graph_.maxFlow();
+    for (size_t i = 0; i < x.size(); ++i) x[i] = graph_.inSourceSegment(static_cast<int>(i));
+    return x;
+  }
+
+ private:
+  cv::detail::GCGraph<double> graph_;
+  std::vector<double> cost_;  // of x = 1 over x = 0
+  bool any_edge_ = false;
+};
+
+}  // namespace
+
 void LabellingOptions::Check() const {
   CheckFields("labelling", *this);
   if (max_sigmas >= min_sigmas && max_sigma_px >= min_sigma_px) return;
@@ -20,17 +83,17 @@ void LabellingOptions::Check() const {
 PlaneLabelling::PlaneLabelling(const MatchedPoints& points, const Neighbourhoods& neighbourhoods,
                                const LabellingOptions& options)
     : points_(&points),
-      neighbourhoods_(&neighbourhoods),
       options_(options),
+      companions_(FindCompanions(neighbourhoods, points.size(), options.companions)),
       labels_(points.size(), kNoPlane),
       sigmas_(options.min_sigmas) {
   options_.Check();
 }
 
 void PlaneLabelling::Add(const Eigen::Matrix3d& to_from, double sigma_px, bool fixed) {
-  Labelled plane{
-      to_from, std::clamp(sigma_px, options_.min_sigma_px, options_.max_sigma_px), fixed, {}};
+  Labelled plane{to_from, sigma_px, fixed, {}, {}};
   Measure(plane);
+  SetSigma(plane, sigma_px);
   planes_.push_back(std::move(plane));
 }
 
@@ -47,8 +110,8 @@ void PlaneLabelling::Remove(int plane) {
 
 void PlaneLabelling::Replace(int plane, const Eigen::Matrix3d& to_from, double sigma_px) {
   planes_[plane].to_from = to_from;
-  planes_[plane].sigma_px = std::clamp(sigma_px, options_.min_sigma_px, options_.max_sigma_px);
   Measure(planes_[plane]);
+  SetSigma(planes_[plane], sigma_px);
 }
 
 std::vector<int> PlaneLabelling::RowsOf(int plane) const {
@@ -63,10 +126,18 @@ void PlaneLabelling::Settle() {
   for (int round = 0; round < options_.rounds; ++round) {
     EstimateSigmas();
     if (!Label() && round > 0) break;
-    Refit();
+    for (int p = 0; p < planes(); ++p) Refit(p);
   }
   EstimateSigmas();
   Label();
+}
+
+void PlaneLabelling::Grow(int plane) {
+  EstimateSigmas();
+  Expand(plane);
+  Refit(plane);
+  Release();
+  Expand(plane);
 }
 
 void PlaneLabelling::Measure(Labelled& plane) const {
@@ -76,6 +147,15 @@ void PlaneLabelling::Measure(Labelled& plane) const {
     const double error2 =
         SymmetricTransferError2(plane.to_from, inverse, points_->from[row], points_->to[row]);
     plane.errors_px[row] = std::isfinite(error2) ? static_cast<float>(std::sqrt(error2)) : 1e9F;
+  }
+}
+
+void PlaneLabelling::SetSigma(Labelled& plane, double sigma_px) const {
+  plane.sigma_px = std::clamp(sigma_px, options_.min_sigma_px, options_.max_sigma_px);
+  plane.costs.resize(plane.errors_px.size());
+  for (size_t row = 0; row < plane.costs.size(); ++row) {
+    plane.costs[row] = static_cast<float>(ErrorCost(plane.errors_px[row] / plane.sigma_px) +
+                                          2 * std::log(plane.sigma_px));
   }
 }
 
@@ -103,97 +183,175 @@ void PlaneLabelling::EstimateSigmas() {
   }
 }
 
-double PlaneLabelling::Disagreement(int row, int plane) const {
-  int others = 0;
-  int seen = 0;
-  for (int neighbour : neighbourhoods_->of(row)) {
-    others += labels_[neighbour] != plane && labels_[neighbour] != kNoPlane;
-    if (++seen == options_.companions) break;
-  }
-  return static_cast<double>(others) / options_.companions;
-}
-
 // Of an error of a plane's own match, by Student's distribution in two dimensions.
-double PlaneLabelling::Cost(double sigmas) const {
+double PlaneLabelling::ErrorCost(double sigmas) const {
   const double tail = options_.tail;
   return (tail + 2) / 2 * std::log1p(sigmas * sigmas / tail);
 }
 
-double PlaneLabelling::CostOf(int row, int plane) const {
-  const double sigma_px = planes_[plane].sigma_px;
-  return Cost(planes_[plane].errors_px[row] / sigma_px) + 2 * std::log(sigma_px) +
-         options_.smoothness * Disagreement(row, plane);
+// With which a match counts when that distribution is fitted.
+double PlaneLabelling::Weight(double sigmas) const {
+  return (options_.tail + 2) / (options_.tail + sigmas * sigmas);
 }
 
-double PlaneLabelling::Gain(const std::vector<int>& rows, const Eigen::Matrix3d& to_from,
-                            int plane) const {
-  const Labelled& old = planes_[plane];
-  const Eigen::Matrix3d inverse = to_from.inverse();
-  double gain = 0;
-  for (int row : rows) {
-    const double error_px =
-        std::sqrt(SymmetricTransferError2(to_from, inverse, points_->from[row], points_->to[row]));
-    const double better = Cost(old.errors_px[row] / old.sigma_px) - Cost(error_px / old.sigma_px);
-    if (better > 0) gain += better;  // what it explains worse stays the plane's
-  }
-  return gain;
+double PlaneLabelling::OwnCost(int row, int label) const {
+  return label == kNoPlane ? options_.outlier_cost : planes_[label].costs[row];
+}
+
+// Of two companions: those of different planes disagree.
+double PlaneLabelling::PairCost(int label, int other) const {
+  const bool disagree = label != other && label != kNoPlane && other != kNoPlane;
+  return disagree ? options_.smoothness / options_.companions : 0;
+}
+
+double PlaneLabelling::Disagreement(int row) const {
+  double cost = 0;
+  for (const int other : (*companions_)[row]) cost += PairCost(labels_[row], labels_[other]);
+  return cost;
 }
 
 double PlaneLabelling::Energy() const {
   double energy = options_.plane_cost * planes();
   for (int row = 0; row < points_->size(); ++row) {
-    energy += labels_[row] == kNoPlane ? options_.outlier_cost : CostOf(row, labels_[row]);
+    energy += OwnCost(row, labels_[row]) + Disagreement(row) / 2;  // a pair counts once
   }
   return energy;
 }
 
-// Improves the labels one by one (iterated conditional modes). Whether any changed.
+PlaneLabelling::Better PlaneLabelling::BetterWith(const Eigen::Matrix3d& to_from, double sigma_px,
+                                                  const std::vector<int>& rows) const {
+  const double sigma_cost = 2 * std::log(sigma_px);
+  // From where on even a match of no plane is explained better without it.
+  const double reach2_px =
+      sigma_px * sigma_px * options_.tail *
+      std::expm1(std::max(0.0, options_.outlier_cost - sigma_cost) * 2 / (options_.tail + 2));
+  const Eigen::Matrix3d inverse = to_from.inverse();
+  Better better;
+  for (const int row : rows) {
+    const Eigen::Vector2d& from = points_->from[row];
+    const Eigen::Vector2d& to = points_->to[row];
+    if (!((Apply(to_from, from) - to).squaredNorm() < 2 * reach2_px)) continue;
+    const double error2 = SymmetricTransferError2(to_from, inverse, from, to);
+    if (!(error2 < reach2_px)) continue;
+    const double gain =
+        OwnCost(row, labels_[row]) - ErrorCost(std::sqrt(error2) / sigma_px) - sigma_cost;
+    if (gain <= 0) continue;
+    better.gain += gain;
+    better.rows.push_back(row);
+  }
+  return better;
+}
+
+std::optional<Eigen::Matrix3d> PlaneLabelling::Refitted(const Eigen::Matrix3d& to_from,
+                                                        double sigma_px,
+                                                        const std::vector<int>& rows) const {
+  const Eigen::Matrix3d inverse = to_from.inverse();
+  PointPairs pairs;
+  std::vector<double> weights;
+  for (const int row : rows) {
+    const Eigen::Vector2d& from = points_->from[row];
+    const Eigen::Vector2d& to = points_->to[row];
+    pairs.Add(from, to);
+    weights.push_back(
+        Weight(std::sqrt(SymmetricTransferError2(to_from, inverse, from, to)) / sigma_px));
+  }
+  return HomographyByDlt(pairs, weights);
+}
+
+// Improves the labels until no move does. Whether any changed.
 bool PlaneLabelling::Label() {
   constexpr int kMaxSweeps = 6;
-  bool any = false;
+  bool any = Release();
   for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
     bool changed = false;
-    for (int row = 0; row < points_->size(); ++row) {
-      double least = options_.outlier_cost;
-      int label = kNoPlane;
-      for (int p = 0; p < planes(); ++p) {
-        if (planes_[p].errors_px[row] >= bound_px(p)) continue;
-        const double cost = CostOf(row, p);
-        if (cost < least) {
-          least = cost;
-          label = p;
-        }
-      }
-      changed = changed || label != labels_[row];
-      labels_[row] = label;
-    }
+    for (int p = 0; p < planes(); ++p) changed = Expand(p) || changed;
+    changed = Drop() || changed;
     any = any || changed;
     if (!changed) break;
   }
   return any;
 }
 
-void PlaneLabelling::Refit() {
-  for (int p = 0; p < planes(); ++p) {
-    Labelled& plane = planes_[p];
-    const std::vector<int> rows = RowsOf(p);
-    if (plane.fixed || rows.size() < 5) continue;
-    PointPairs pairs;
-    std::vector<double> weights;  // those of Student's distribution
-    for (int row : rows) {
-      const double sigmas = plane.errors_px[row] / plane.sigma_px;
-      pairs.Add(points_->from[row], points_->to[row]);
-      weights.push_back((options_.tail + 2) / (options_.tail + sigmas * sigmas));
-    }
-    const auto to_from = HomographyByDlt(pairs, weights);
-    if (!to_from) continue;
-    plane.to_from = *to_from;
-    Measure(plane);
-    std::vector<float> errors;
-    for (int row : rows) errors.push_back(plane.errors_px[row]);
-    plane.sigma_px = std::clamp(Median(std::move(errors)) / kRayleighMedian, options_.min_sigma_px,
-                                options_.max_sigma_px);
+// Matches that their planes no longer reach are of no plane.
+bool PlaneLabelling::Release() {
+  bool any = false;
+  for (int row = 0; row < points_->size(); ++row) {
+    int& label = labels_[row];
+    if (label == kNoPlane || planes_[label].errors_px[row] < bound_px(label)) continue;
+    label = kNoPlane;
+    any = true;
   }
+  return any;
+}
+
+// An expansion move (Boykov, Veksler and Zabih 2001): whatever set of matches lowers the energy
+// most by becoming the plane's.
+bool PlaneLabelling::Expand(int plane) {
+  std::vector<int> rows;
+  std::vector<int> variable_of(points_->size(), -1);
+  int pairs = 0;
+  for (int row = 0; row < points_->size(); ++row) {
+    if (labels_[row] == plane || planes_[plane].errors_px[row] >= bound_px(plane)) continue;
+    variable_of[row] = static_cast<int>(rows.size());
+    rows.push_back(row);
+    pairs += static_cast<int>((*companions_)[row].size());
+  }
+  if (rows.empty()) return false;
+  BinaryEnergy energy(static_cast<int>(rows.size()), pairs);
+  for (const int row : rows) {
+    const int i = variable_of[row];
+    const int label = labels_[row];
+    energy.Add(i, OwnCost(row, plane) - OwnCost(row, label));
+    for (const int other : (*companions_)[row]) {
+      const int j = variable_of[other];
+      const int its_label = labels_[other];
+      if (j < 0) {
+        energy.Add(i, PairCost(plane, its_label) - PairCost(label, its_label));
+      } else if (row < other) {
+        energy.Add(i, j, PairCost(label, its_label), PairCost(label, plane),
+                   PairCost(plane, its_label), 0);
+      }
+    }
+  }
+  const std::vector<bool> moved = energy.Minimise();
+  bool any = false;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    if (!moved[i]) continue;
+    labels_[rows[i]] = plane;
+    any = true;
+  }
+  return any;
+}
+
+// Matches that cost less without a plane, one after the other.
+bool PlaneLabelling::Drop() {
+  bool any = false;
+  for (int row = 0; row < points_->size(); ++row) {
+    if (labels_[row] == kNoPlane) continue;
+    if (OwnCost(row, labels_[row]) + Disagreement(row) <= options_.outlier_cost) continue;
+    labels_[row] = kNoPlane;
+    any = true;
+  }
+  return any;
+}
+
+void PlaneLabelling::Refit(int p) {
+  Labelled& plane = planes_[p];
+  const std::vector<int> rows = RowsOf(p);
+  if (plane.fixed || rows.size() < 5) return;
+  PointPairs pairs;
+  std::vector<double> weights;
+  for (int row : rows) {
+    pairs.Add(points_->from[row], points_->to[row]);
+    weights.push_back(Weight(plane.errors_px[row] / plane.sigma_px));
+  }
+  const auto to_from = HomographyByDlt(pairs, weights);
+  if (!to_from) return;
+  plane.to_from = *to_from;
+  Measure(plane);
+  std::vector<float> errors;
+  for (int row : rows) errors.push_back(plane.errors_px[row]);
+  SetSigma(plane, Median(std::move(errors)) / kRayleighMedian);
 }
 
 }  // namespace waystone

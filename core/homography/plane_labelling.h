@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/base/options.h"
@@ -45,7 +47,7 @@ struct LabellingOptions {
                     "Cost of a plane, in the same units. Higher finds fewer and larger planes."},
         OptionField{
             "smoothness", &LabellingOptions::smoothness, AtLeast(0), "",
-            "Cost of a match whose companions all belong to another plane. Higher smooths more."},
+            "Cost of a match whose companions all belong to other planes. Higher smooths more."},
         OptionField{"companions", &LabellingOptions::companions, AtLeast(1), "",
                     "Nearest matches that count as the companions of a match."},
         OptionField{"rounds", &LabellingOptions::rounds, AtLeast(1), "",
@@ -55,13 +57,13 @@ struct LabellingOptions {
 };
 
 // Planes of two images and the matches that belong to them, all matches labelled anew whenever a
-// plane is added, taken away or refitted (Isack and Boykov 2012, "energy-based geometric
-// multi-model fitting", with labels improved one by one). Planes are numbered from 0 in the order
-// in which they were added; rows are those of the matches. Errors are symmetric transfer errors,
-// px. Deterministic; not thread-safe.
+// plane is added, taken away or refitted: the labels and planes of least energy (Isack and Boykov
+// 2012, "energy-based geometric multi-model fitting", eq. 2), found by expansion moves and refits
+// in turn. Planes are numbered from 0 in the order in which they were added; rows are those of the
+// matches. Errors are symmetric transfer errors, px. Deterministic; not thread-safe.
 class PlaneLabelling {
  public:
-  // Keeps references to `points` and `neighbourhoods`.
+  // Keeps a reference to `points`.
   PlaneLabelling(const MatchedPoints& points, const Neighbourhoods& neighbourhoods,
                  const LabellingOptions& options);
 
@@ -75,6 +77,9 @@ class PlaneLabelling {
   const Eigen::Matrix3d& to_from(int plane) const { return planes_[plane].to_from; }
   double sigma_px(int plane) const { return planes_[plane].sigma_px; }
 
+  // Gives a plane the matches that lower the energy most as its own, refits it to them, and once
+  // more. The other planes stay as they are: a first look at what a new plane is good for.
+  void Grow(int plane);
   // Labels all matches and refits the planes, in rounds, until neither changes.
   void Settle();
   const std::vector<int>& labels() const { return labels_; }  // plane of each match, or kNoPlane
@@ -82,8 +87,18 @@ class PlaneLabelling {
   // Minus the logarithm of the likelihood of matches, labels and number of planes, but for a
   // constant. Lower is better.
   double Energy() const;
-  // By how much a homography explains some of a plane's matches better than the plane does.
-  double Gain(const std::vector<int>& rows, const Eigen::Matrix3d& to_from, int plane) const;
+
+  // What one more plane explains better than the labels do: which of these matches, and by how much
+  // of the energy if they became its own and their companions' labels didn't matter.
+  struct Better {
+    double gain = 0;
+    std::vector<int> rows;  // ascending
+  };
+  Better BetterWith(const Eigen::Matrix3d& to_from, double sigma_px,
+                    const std::vector<int>& rows) const;
+  // The homography refitted to these matches, near ones counting most, as planes are refitted.
+  std::optional<Eigen::Matrix3d> Refitted(const Eigen::Matrix3d& to_from, double sigma_px,
+                                          const std::vector<int>& rows) const;
 
  private:
   struct Labelled {
@@ -91,23 +106,31 @@ class PlaneLabelling {
     double sigma_px = 0;
     bool fixed = false;
     std::vector<float> errors_px;  // of every match
+    std::vector<float> costs;      // that they are as the plane's own
   };
 
   double bound_px(int plane) const { return sigmas_ * planes_[plane].sigma_px; }
   void Measure(Labelled& plane) const;
+  void SetSigma(Labelled& plane, double sigma_px) const;
   void EstimateSigmas();
   bool Label();
-  double Cost(double sigmas) const;
-  double CostOf(int row, int plane) const;
-  double Disagreement(int row, int plane) const;
-  void Refit();
+  bool Release();
+  bool Expand(int plane);
+  bool Drop();
+  double ErrorCost(double sigmas) const;
+  double OwnCost(int row, int label) const;
+  double PairCost(int label, int other) const;
+  double Disagreement(int row) const;
+  double Weight(double sigmas) const;
+  void Refit(int plane);
 
   const MatchedPoints* points_;
-  const Neighbourhoods* neighbourhoods_;
   LabellingOptions options_;
+  // Of each match, those among whose nearest it is or that are among its nearest; twice if both.
+  std::shared_ptr<const std::vector<std::vector<int>>> companions_;
   std::vector<Labelled> planes_;
   std::vector<int> labels_;
-  double sigmas_;  // between min_deviations and max_deviations
+  double sigmas_;  // between min_sigmas and max_sigmas
 };
 
 }  // namespace waystone

@@ -4,7 +4,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <set>
+#include <utility>
 
 #include "core/base/check.h"
 #include "core/base/error.h"
@@ -24,7 +27,9 @@ class Segmenter {
         neighbourhoods_(points_.from, 3 * options.ransac.neighbourhood),
         labelling_(points_, neighbourhoods_, options.labelling),
         random_(seed),
-        known_(std::move(known)) {
+        known_(std::move(known)),
+        all_(points_.size()) {
+    std::iota(all_.begin(), all_.end(), 0);
     for (const PlaneSegment& plane : known_) {
       labelling_.Add(plane.to_from.b_from_a, plane.to_from.sigma_px, true);
     }
@@ -37,9 +42,7 @@ class Segmenter {
       if (!fit) break;
       if (!Verify(fit->model.to_from)) spent_.insert(fit->inliers.begin(), fit->inliers.end());
     }
-    for (int p = 0; p < labelling_.planes(); ++p) {
-      while (labelling_.planes() < known() + options_.max_planes && Split(p)) {
-      }
+    while (AddFromPatches()) {
     }
     MergeSame();
     RejectInvalid();
@@ -68,11 +71,15 @@ class Segmenter {
   }
 
   // Adds a plane, labels everything anew, and takes it back unless all is better explained then.
+  // One that doesn't explain half of its cost before the others have made room isn't tried on.
   bool Verify(const Eigen::Matrix3d& to_from) {
     const PlaneLabelling before = labelling_;
+    const double energy = before.Energy();
     labelling_.Add(to_from, kFirstSigma_px, false);
-    labelling_.Settle();
-    if (!Stands(labelling_.planes() - 1) || labelling_.Energy() >= before.Energy()) {
+    labelling_.Grow(labelling_.planes() - 1);
+    const bool promising = labelling_.Energy() < energy + options_.labelling.plane_cost / 2;
+    if (promising) labelling_.Settle();
+    if (!promising || !Stands(labelling_.planes() - 1) || labelling_.Energy() >= energy) {
       labelling_ = before;
       return false;
     }
@@ -86,35 +93,76 @@ class Segmenter {
     return static_cast<int>(labelling_.RowsOf(plane).size()) >= options_.min_inliers;
   }
 
-  // Looks for a second plane among the matches of one: where a patch of them is explained best by a
-  // homography of its own.
-  bool Split(int plane) {
-    const std::vector<int> rows = labelling_.RowsOf(plane);
-    if (static_cast<int>(rows.size()) < 2 * options_.min_inliers) return false;
-    constexpr int kStride = 2;  // patches overlap: every other one is enough
-    std::optional<Eigen::Matrix3d> best;
-    double most = 0;
-    for (size_t i = 0; i < rows.size(); i += kStride) {
-      const std::vector<int> around = Around(rows[i], plane);
-      if (static_cast<int>(around.size()) < options_.patch) continue;
-      const auto to_from = HomographyByDlt(PairsOf(std::span(around).first(options_.patch)));
-      if (!to_from) continue;
-      const double gain = labelling_.Gain(around, *to_from, plane);
-      if (gain > most) {
-        most = gain;
-        best = to_from;
+  // A plane through a patch: neighbouring matches of one label.
+  struct Proposal {
+    int row;  // in its middle
+    Eigen::Matrix3d to_from;
+    double gain;
+  };
+
+  // Adds the planes through patches that all is better explained with. Whether there was any:
+  // others may then be found in what is left.
+  bool AddFromPatches() {
+    bool any = false;
+    std::set<int> refused;  // matches that proposals would have explained better
+    for (const Proposal& patch : ProposePatches()) {
+      if (labelling_.planes() >= known() + options_.max_planes) return false;
+      if (refused.contains(patch.row)) continue;
+      const auto [to_from, better] = Grown(patch.to_from);
+      // A quarter of its cost: what a plane gains grows while all is labelled and refitted with it.
+      const bool promising = better.gain > options_.labelling.plane_cost / 4;
+      if (promising && Verify(to_from)) {
+        any = true;
+      } else {
+        refused.insert(patch.row);
+        refused.insert(better.rows.begin(), better.rows.end());
       }
     }
-    return best && Verify(*best);
+    return any;
   }
 
-  // A match and its nearest ones of the same plane.
-  std::vector<int> Around(int row, int plane) const {
+  // Of three sizes, because small ones find small planes and large ones determine them better; what
+  // explains most of its neighbourhood comes first.
+  std::vector<Proposal> ProposePatches() const {
+    constexpr int kMaxRows = 150;  // as middles: patches overlap
+    const int stride = std::max(2, points_.size() / kMaxRows);
+    std::vector<Proposal> proposals;
+    for (int row = 0; row < points_.size(); row += stride) {
+      const std::vector<int> around = Around(row);
+      for (const int size : {options_.patch, options_.patch / 2, options_.patch / 4}) {
+        if (size < 5 || static_cast<int>(around.size()) < size) continue;
+        const auto to_from = HomographyByDlt(PairsOf(std::span(around).first(size)));
+        if (!to_from) continue;
+        const double gain = labelling_.BetterWith(*to_from, kFirstSigma_px, around).gain;
+        if (gain > 0) proposals.push_back({row, *to_from, gain});
+      }
+    }
+    std::ranges::stable_sort(proposals, std::greater<>(), &Proposal::gain);
+    return proposals;
+  }
+
+  // A match and its nearest ones of the same label.
+  std::vector<int> Around(int row) const {
     std::vector<int> around{row};
     for (int neighbour : neighbourhoods_.of(row)) {
-      if (labelling_.labels()[neighbour] == plane) around.push_back(neighbour);
+      if (labelling_.labels()[neighbour] == labelling_.labels()[row]) around.push_back(neighbour);
     }
     return around;
+  }
+
+  // A homography fitted to what it explains better, as long as that becomes more.
+  std::pair<Eigen::Matrix3d, PlaneLabelling::Better> Grown(Eigen::Matrix3d to_from) const {
+    constexpr int kMaxRefits = 5;
+    PlaneLabelling::Better better = labelling_.BetterWith(to_from, kFirstSigma_px, all_);
+    for (int refit = 0; refit < kMaxRefits; ++refit) {
+      const auto refitted = labelling_.Refitted(to_from, kFirstSigma_px, better.rows);
+      if (!refitted) break;
+      PlaneLabelling::Better next = labelling_.BetterWith(*refitted, kFirstSigma_px, all_);
+      if (next.gain <= better.gain) break;
+      to_from = *refitted;
+      better = std::move(next);
+    }
+    return {to_from, std::move(better)};
   }
 
   // Three eigenvalues near one: the two are one plane, unless the matches say otherwise.
@@ -192,7 +240,8 @@ class Segmenter {
   PlaneLabelling labelling_;
   Random random_;
   std::vector<PlaneSegment> known_;
-  std::set<int> spent_;  // matches of candidates that were turned down
+  std::vector<int> all_;  // rows
+  std::set<int> spent_;   // matches of candidates that were turned down
   Segmentation result_;
 };
 

@@ -17,7 +17,7 @@ struct SegmentationOptions {
   HomologyOptions homology;
   int min_inliers = 14;
   int max_planes = 24;
-  int patch = 16;
+  int patch = 20;
   bool greedy = false;
 
   static constexpr auto Fields(const auto& use) {
@@ -30,9 +30,10 @@ struct SegmentationOptions {
                     "planes."},
         OptionField{"max_planes", &SegmentationOptions::max_planes, AtLeast(1), "",
                     "Maximum number of new planes per pair of images."},
-        OptionField{"patch", &SegmentationOptions::patch, AtLeast(5), "",
-                    "Neighbouring matches from which a second plane within a plane is proposed. "
-                    "Fewer find smaller planes; more determine them better."},
+        OptionField{
+            "patch", &SegmentationOptions::patch, AtLeast(5), "",
+            "Neighbouring matches from which a plane is proposed, beside a half and a quarter "
+            "of them. Fewer find smaller planes; more determine them better."},
         OptionField{"greedy", &SegmentationOptions::greedy, AnyValue(), "",
                     "Extract planes one after the other, each with all matches that support it, as "
                     "in the paper, instead of labelling all matches anew with each plane.",
@@ -55,14 +56,14 @@ struct Segmentation {
 
 // The planes seen in two images, from their matches (`points.reference` is not used): planes are
 // proposed one after the other, from samples of what belongs to none yet (sec. II) and from patches
-// inside the planes found so far, and each proposal is verified by labelling all matches anew with
-// it. It stands if that explains the matches better (PlaneLabelling) and if its homology with one
-// of the other planes is valid or there is none; with the identity, two become one (sec. II-B).
-// `known` are planes that are already found (tracked ones): they keep their homographies (but for
-// a second part of theirs that is found) and never disappear, but lose matches to planes that
-// explain them better and get others. With options.greedy as in the paper instead: a plane takes
-// all matches that support it and belong to none before it, and keeps them. Deterministic for a
-// seed; thread-safe.
+// of neighbouring matches that have one label so far, and each proposal is verified by labelling
+// all matches anew with it. It stands if that explains the matches better (PlaneLabelling) and if
+// its homology with one of the other planes is valid or there is none; with the identity, two
+// become one (sec. II-B). `known` are planes that are already found (tracked ones): they keep their
+// homographies (but for a second part of theirs that is found) and never disappear, but lose
+// matches to planes that explain them better and get others. With options.greedy as in the paper
+// instead: a plane takes all matches that support it and belong to none before it, and keeps them.
+// Deterministic for a seed; thread-safe.
 Segmentation SegmentPlanes(const MatchedPoints& points, std::vector<PlaneSegment> known,
                            const SegmentationOptions& options, uint64_t seed);
 

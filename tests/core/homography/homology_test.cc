@@ -123,6 +123,35 @@ TEST(TestHomology, TwoPlanesOfOneMotionAreTwoPlanes) {
   EXPECT_GE(counts.two, 0.95 * all) << counts.same << " same, " << counts.invalid << " invalid";
 }
 
+// A lens that distorts moves neighbours alike: however many matches a plane has, its homography is
+// no better than that.
+TEST(TestHomology, TwoPlanesSeenThroughADistortingLensAreTwoPlanes) {
+  constexpr double kDistortion = -0.01;  // of the squared distance, in half widths
+  const Eigen::Vector2d centre(kMadeWidth / 2.0, kMadeHeight / 2.0);
+  const auto distorted = [&](const Eigen::Vector2d& x) -> Eigen::Vector2d {
+    return centre + (1 + kDistortion * ((x - centre) / centre.x()).squaredNorm()) * (x - centre);
+  };
+  Random random(5);
+  const auto measured = [&](const Matrix3d& truth) {
+    PointPairs pairs = PairsOf(truth, 300, 0.3, random, {40, 40, 560, 400});
+    for (Eigen::Vector2d& x : pairs.a) x = distorted(x);
+    for (Eigen::Vector2d& x : pairs.b) x = distorted(x);
+    return RefineHomography(pairs, Normalised(truth)).value_or(HomographyEstimate{});
+  };
+  Counts counts;
+  for (int trial = 0; trial < 200; ++trial) {
+    const MadeViews views = RandomViews(random);
+    const MadePlane m = RandomPlane(random);
+    const MadePlane n = RandomPlane(random);
+    if (!Differ(views, m, n)) continue;
+    counts.Add(
+        TestHomology(measured(views.HomographyOf(m)), measured(views.HomographyOf(n)), {}).kind);
+  }
+  const int all = counts.same + counts.two + counts.invalid;
+  ASSERT_GT(all, 130);
+  EXPECT_GE(counts.two, 0.9 * all) << counts.same << " same, " << counts.invalid << " invalid";
+}
+
 TEST(TestHomology, PlanesSideBySideAreTwoPlanes) {
   Random random(4);
   Counts counts;

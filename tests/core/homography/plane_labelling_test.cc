@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/error.h"
 #include "tests/core/homography/made_views.h"
@@ -102,6 +103,61 @@ TEST(PlaneLabelling, ATruePlaneLowersTheEnergyAndASecondCopyOfItRaisesIt) {
     EXPECT_LT(one, none) << "seed " << seed;
     EXPECT_LT(both, one) << "seed " << seed;
     EXPECT_GT(labelling.Energy(), both) << "seed " << seed;
+  }
+}
+
+// Energy of labels as it is defined (Isack and Boykov 2012, eq. 2), of planes whose noise is 1 px.
+double EnergyOf(const std::vector<int>& labels, const MatchedPoints& points,
+                const Neighbourhoods& neighbourhoods, const std::vector<Eigen::Matrix3d>& planes,
+                const LabellingOptions& options) {
+  double energy = options.plane_cost * static_cast<double>(planes.size());
+  for (int row = 0; row < points.size(); ++row) {
+    const int label = labels[row];
+    if (label == kNoPlane) {
+      energy += options.outlier_cost;
+      continue;
+    }
+    const double error2 = SymmetricTransferError2(planes[label], planes[label].inverse(),
+                                                  points.from[row], points.to[row]);
+    energy += (options.tail + 2) / 2 * std::log(1 + error2 / options.tail);
+    for (int i = 0; i < options.companions; ++i) {
+      const int other = labels[neighbourhoods.of(row)[i]];
+      if (other != label && other != kNoPlane) energy += options.smoothness / options.companions;
+    }
+  }
+  return energy;
+}
+
+// Matches between two planes a few pixels apart, in any order: no labels at all cost less.
+TEST(PlaneLabelling, EndsAtTheLeastEnergyOfAllLabels) {
+  constexpr int kMatches = 9;
+  LabellingOptions options;
+  options.companions = 3;
+  options.rounds = 1;
+  for (uint64_t seed = 1; seed <= 30; ++seed) {
+    Random random(seed);
+    std::vector<Eigen::Matrix3d> planes(2, Eigen::Matrix3d::Identity());
+    planes[1](0, 2) = 3;
+    MatchedPoints points;
+    for (int i = 0; i < kMatches; ++i) {
+      points.from.push_back(RandomPoint(random));
+      points.to.push_back(points.from.back() +
+                          Eigen::Vector2d(random.Uniform(-1, 4), random.Uniform(-1, 1)));
+    }
+    const Neighbourhoods neighbourhoods(points.from, 3);
+    PlaneLabelling labelling(points, neighbourhoods, options);
+    for (const Eigen::Matrix3d& plane : planes) labelling.Add(plane, 1, true);
+    labelling.Settle();
+    std::vector<int> labels(kMatches, kNoPlane);
+    double least = EnergyOf(labels, points, neighbourhoods, planes, options);
+    for (size_t digit = 0; digit < labels.size();) {  // counts through all labels
+      digit = 0;
+      while (digit < labels.size() && ++labels[digit] == 2) labels[digit++] = kNoPlane;
+      least = std::min(least, EnergyOf(labels, points, neighbourhoods, planes, options));
+    }
+    const double own = EnergyOf(labelling.labels(), points, neighbourhoods, planes, options);
+    EXPECT_NEAR(labelling.Energy(), own, 1e-3) << "seed " << seed;
+    EXPECT_NEAR(own, least, 1e-3) << "seed " << seed;
   }
 }
 
