@@ -32,8 +32,8 @@ world-paper          world --set planes.segmentation.greedy=true --set planes.ma
 kitchen-paper        rgbd DATA/kitchen --set planes.segmentation.greedy=true --set planes.max_extrapolation=1000 --set planes.min_anchored=0
 pairs                pairs DATA/labelled_pairs/*
 pairs-greedy         pairs DATA/labelled_pairs/* --set planes.segmentation.greedy=true
-rendered-pairs       rendered-pairs
-rendered-pairs-greedy rendered-pairs --set planes.segmentation.greedy=true
+rendered-pairs       rendered-pairs --first 5001
+rendered-pairs-greedy rendered-pairs --first 5001 --set planes.segmentation.greedy=true
 homographies         homographies DATA/homographies/*
 verdicts             verdicts DATA
 recall               recall DATA
