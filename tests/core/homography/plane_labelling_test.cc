@@ -141,8 +141,8 @@ TEST(PlaneLabelling, EndsAtTheLeastEnergyOfAllLabels) {
     MatchedPoints points;
     for (int i = 0; i < kMatches; ++i) {
       points.from.push_back(RandomPoint(random));
-      points.to.push_back(points.from.back() +
-                          Eigen::Vector2d(random.Uniform(-1, 4), random.Uniform(-1, 1)));
+      points.to.push_back(
+          RandomPoint(random, points.from.back().x() - 1, points.from.back().y() - 1, 5, 2));
     }
     const Neighbourhoods neighbourhoods(points.from, 3);
     PlaneLabelling labelling(points, neighbourhoods, options);
