@@ -52,8 +52,8 @@ struct Homology {
 
 // Eigenvalue test of two planes seen in the same two images: m and n are both estimated from the
 // same image a to the same image b. The tolerances are the spread of the eigenvalues under the
-// homographies' own measured noise, as if of `independent` matches at most where a true pair of
-// planes is concerned. Deterministic; thread-safe.
+// homographies' own measured noise; that of `split` counts at most `independent` matches of each.
+// Deterministic; thread-safe.
 Homology TestHomology(const HomographyEstimate& m, const HomographyEstimate& n,
                       const HomologyOptions& options);
 

@@ -39,7 +39,7 @@ class BinaryEnergy {
     for (int i = 0; i < variables; ++i) graph_.addVtx();
   }
 
-  // Adds `cost` where x_i is 1; less than 0: where it is 0.
+  // Adds a cost of x_i being 1. It may be negative.
   void Add(int i, double cost) { cost_[i] += cost; }
 
   // Adds a cost for each value of (x_i, x_j). Needs v00 + v11 <= v01 + v10.
@@ -189,11 +189,6 @@ double PlaneLabelling::ErrorCost(double sigmas) const {
   return (tail + 2) / 2 * std::log1p(sigmas * sigmas / tail);
 }
 
-// With which a match counts when that distribution is fitted.
-double PlaneLabelling::Weight(double sigmas) const {
-  return (options_.tail + 2) / (options_.tail + sigmas * sigmas);
-}
-
 double PlaneLabelling::OwnCost(int row, int label) const {
   return label == kNoPlane ? options_.outlier_cost : planes_[label].costs[row];
 }
@@ -246,14 +241,23 @@ std::optional<Eigen::Matrix3d> PlaneLabelling::Refitted(const Eigen::Matrix3d& t
                                                         double sigma_px,
                                                         const std::vector<int>& rows) const {
   const Eigen::Matrix3d inverse = to_from.inverse();
-  PointPairs pairs;
-  std::vector<double> weights;
+  std::vector<double> sigmas;
   for (const int row : rows) {
-    const Eigen::Vector2d& from = points_->from[row];
-    const Eigen::Vector2d& to = points_->to[row];
-    pairs.Add(from, to);
-    weights.push_back(
-        Weight(std::sqrt(SymmetricTransferError2(to_from, inverse, from, to)) / sigma_px));
+    const double error2 =
+        SymmetricTransferError2(to_from, inverse, points_->from[row], points_->to[row]);
+    sigmas.push_back(std::sqrt(error2) / sigma_px);
+  }
+  return Fit(rows, sigmas);
+}
+
+// A homography of these matches, whose errors are so many standard deviations so far.
+std::optional<Eigen::Matrix3d> PlaneLabelling::Fit(const std::vector<int>& rows,
+                                                   const std::vector<double>& sigmas) const {
+  PointPairs pairs;
+  std::vector<double> weights;  // those of Student's distribution
+  for (size_t i = 0; i < rows.size(); ++i) {
+    pairs.Add(points_->from[rows[i]], points_->to[rows[i]]);
+    weights.push_back((options_.tail + 2) / (options_.tail + sigmas[i] * sigmas[i]));
   }
   return HomographyByDlt(pairs, weights);
 }
@@ -339,18 +343,14 @@ void PlaneLabelling::Refit(int p) {
   Labelled& plane = planes_[p];
   const std::vector<int> rows = RowsOf(p);
   if (plane.fixed || rows.size() < 5) return;
-  PointPairs pairs;
-  std::vector<double> weights;
-  for (int row : rows) {
-    pairs.Add(points_->from[row], points_->to[row]);
-    weights.push_back(Weight(plane.errors_px[row] / plane.sigma_px));
-  }
-  const auto to_from = HomographyByDlt(pairs, weights);
+  std::vector<double> sigmas;
+  for (const int row : rows) sigmas.push_back(plane.errors_px[row] / plane.sigma_px);
+  const auto to_from = Fit(rows, sigmas);
   if (!to_from) return;
   plane.to_from = *to_from;
   Measure(plane);
   std::vector<float> errors;
-  for (int row : rows) errors.push_back(plane.errors_px[row]);
+  for (const int row : rows) errors.push_back(plane.errors_px[row]);
   SetSigma(plane, Median(std::move(errors)) / kRayleighMedian);
 }
 

@@ -121,7 +121,8 @@ class PlaneLabelling {
   double OwnCost(int row, int label) const;
   double PairCost(int label, int other) const;
   double Disagreement(int row) const;
-  double Weight(double sigmas) const;
+  std::optional<Eigen::Matrix3d> Fit(const std::vector<int>& rows,
+                                     const std::vector<double>& sigmas) const;
   void Refit(int plane);
 
   const MatchedPoints* points_;

@@ -106,18 +106,25 @@ TEST(TestHomology, TheThirdEigenvalueIsThatOfTheEquations) {
   }
 }
 
-TEST(TestHomology, TwoPlanesOfOneMotionAreTwoPlanes) {
-  Random random(3);
+// What pairs of planes of one motion are found to be, once their homographies are measured so.
+template <class Measure>
+Counts CountPairs(int trials, Random& random, const Measure& measure) {
   Counts counts;
-  for (int trial = 0; trial < 300; ++trial) {
+  for (int trial = 0; trial < trials; ++trial) {
     const MadeViews views = RandomViews(random);
     const MadePlane m = RandomPlane(random);
     const MadePlane n = RandomPlane(random);
     if (!Differ(views, m, n)) continue;
-    counts.Add(TestHomology(Measured(views.HomographyOf(m), random),
-                            Measured(views.HomographyOf(n), random), {})
-                   .kind);
+    counts.Add(
+        TestHomology(measure(views.HomographyOf(m)), measure(views.HomographyOf(n)), {}).kind);
   }
+  return counts;
+}
+
+TEST(TestHomology, TwoPlanesOfOneMotionAreTwoPlanes) {
+  Random random(3);
+  const Counts counts =
+      CountPairs(300, random, [&](const Matrix3d& truth) { return Measured(truth, random); });
   const int all = counts.same + counts.two + counts.invalid;
   ASSERT_GT(all, 200);
   EXPECT_GE(counts.two, 0.95 * all) << counts.same << " same, " << counts.invalid << " invalid";
@@ -132,21 +139,12 @@ TEST(TestHomology, TwoPlanesSeenThroughADistortingLensAreTwoPlanes) {
     return centre + (1 + kDistortion * ((x - centre) / centre.x()).squaredNorm()) * (x - centre);
   };
   Random random(5);
-  const auto measured = [&](const Matrix3d& truth) {
+  const Counts counts = CountPairs(200, random, [&](const Matrix3d& truth) {
     PointPairs pairs = PairsOf(truth, 300, 0.3, random, {40, 40, 560, 400});
     for (Eigen::Vector2d& x : pairs.a) x = distorted(x);
     for (Eigen::Vector2d& x : pairs.b) x = distorted(x);
     return RefineHomography(pairs, Normalised(truth)).value_or(HomographyEstimate{});
-  };
-  Counts counts;
-  for (int trial = 0; trial < 200; ++trial) {
-    const MadeViews views = RandomViews(random);
-    const MadePlane m = RandomPlane(random);
-    const MadePlane n = RandomPlane(random);
-    if (!Differ(views, m, n)) continue;
-    counts.Add(
-        TestHomology(measured(views.HomographyOf(m)), measured(views.HomographyOf(n)), {}).kind);
-  }
+  });
   const int all = counts.same + counts.two + counts.invalid;
   ASSERT_GT(all, 130);
   EXPECT_GE(counts.two, 0.9 * all) << counts.same << " same, " << counts.invalid << " invalid";

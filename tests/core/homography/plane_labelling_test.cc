@@ -128,7 +128,7 @@ double EnergyOf(const std::vector<int>& labels, const MatchedPoints& points,
   return energy;
 }
 
-// Matches between two planes a few pixels apart, in any order: no labels at all cost less.
+// Matches that lie on or between two planes 3 px apart: no other labels cost less.
 TEST(PlaneLabelling, EndsAtTheLeastEnergyOfAllLabels) {
   constexpr int kMatches = 9;
   LabellingOptions options;

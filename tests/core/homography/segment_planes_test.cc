@@ -278,8 +278,7 @@ TEST(SegmentPlanes, AKnownPlaneStretchedOverAnotherLosesItsMatches) {
   EXPECT_GE(told_apart, 9) << "of 10";
 }
 
-// Walls that meet at vertical edges, of which one homography often explains two about as well as
-// a stretched sheet would.
+// Walls that meet at vertical edges: one homography often explains two of them almost as well.
 TEST(SegmentPlanes, TellsWallsSideBySideApart) {
   constexpr int kWalls = 4;
   constexpr double kWidth_px = static_cast<double>(kMadeWidth) / kWalls;
