@@ -120,6 +120,7 @@ struct PlaneLayerOptions {
   FusionOptions fusion;
   LandmarkOptions landmarks;
   int min_tracked = 8;
+  double min_support = 0.6;
   double reacquire_px = 3.0;
   double reacquire_distance = 0.4;
   double max_extrapolation = 0.05;
@@ -141,6 +142,12 @@ struct PlaneLayerOptions {
         OptionField{"min_tracked", &PlaneLayerOptions::min_tracked, AtLeast(5), "",
                     "Features of a plane that must be tracked into the next keyframe; with fewer "
                     "the plane is closed."},
+        OptionField{
+            "min_support", &PlaneLayerOptions::min_support, Closed(0, 1), "",
+            "Share of the matches that take a plane's features to later keyframes that must "
+            "support it (\"most of the matches\"); with fewer the plane is dropped. Higher: "
+            "fewer and purer planes; lower: more planes, among them things at different "
+            "depths."},
         OptionField{"reacquire_px", &PlaneLayerOptions::reacquire_px, Above(0), "px",
                     "A keypoint this close to where the homography puts a feature may be that "
                     "feature again.",

@@ -70,7 +70,7 @@ PlaneTracker::Step PlaneTracker::MakeStep(KeyframeId id, const Features& feature
 
 // Triple matching plane-image-image (sec. II-A): among the matches that carry the plane's features,
 // a homography to the last keyframe and one to the reference image, every match supporting both.
-std::optional<PlaneTracker::Tracked> PlaneTracker::Track(const OpenPlane& open, const Step& step) {
+std::optional<PlaneTracker::Tracked> PlaneTracker::Track(OpenPlane& open, const Step& step) const {
   MatchedPoints points;
   std::vector<int> rows;
   for (int row = 0; row < static_cast<int>(step.matches.size()); ++row) {
@@ -85,9 +85,12 @@ std::optional<PlaneTracker::Tracked> PlaneTracker::Track(const OpenPlane& open, 
   const auto estimate =
       EstimateHomography(points, options_.segmentation.ransac,
                          options_.seed ^ (step.id.value << 20) ^ open.plane.id.value);
-  if (!estimate || static_cast<int>(estimate->inliers.size()) < options_.min_tracked) {
-    return std::nullopt;
+  const int supported = estimate ? static_cast<int>(estimate->inliers.size()) : 0;
+  if (!step.rotation_only) {
+    open.carried += static_cast<int>(rows.size());
+    open.supported += supported;
   }
+  if (supported < options_.min_tracked || IsContradicted(open)) return std::nullopt;
   Tracked tracked;
   tracked.reference_from_current = estimate->reference_from.b_from_a;
   tracked.segment.to_from = estimate->to_from;
@@ -308,6 +311,13 @@ void PlaneTracker::AddEdges(const Step& step, const std::vector<PlaneId>& ids,
   }
 }
 
+// Whether too few of the matches that took its features to later keyframes support a plane. Things
+// at different depths fit one homography as long as the camera moves little: two keyframes make
+// them a plane, and the next ones show them moving apart.
+bool PlaneTracker::IsContradicted(const OpenPlane& open) const {
+  return open.supported < options_.min_support * open.carried;
+}
+
 // Sec. II-A: a closed plane keeps the features with enough votes.
 void PlaneTracker::Close(OpenPlane open) {
   Plane& plane = open.plane;
@@ -319,7 +329,7 @@ void PlaneTracker::Close(OpenPlane open) {
   report_.features_dropped += static_cast<int>(plane.features.size() - kept.size());
   const bool confirmed = plane.views.size() > 2;
   const int needed = confirmed ? options_.min_features : options_.min_features_unconfirmed;
-  if (static_cast<int>(kept.size()) < needed) {
+  if (static_cast<int>(kept.size()) < needed || IsContradicted(open)) {
     ++report_.dropped;
     return;
   }

@@ -19,7 +19,7 @@ struct TrackerReport {
   int started = 0;
   int rejected = 0;  // by the homology test
   int merged = 0;    // by the homology test
-  int dropped = 0;   // too few features left after the votes
+  int dropped = 0;   // contradicted, or too few features left after the votes
   int features_dropped = 0;
 };
 
@@ -48,6 +48,8 @@ class PlaneTracker {
     std::shared_ptr<const Features> reference;  // all that the reference image shows
     std::vector<char> anchored;                 // of each feature: the reference image shows it
     std::vector<int> feature_at;  // of each keypoint of the last keyframe: plane feature or -1
+    int carried = 0;              // matches that took its features to later keyframes
+    int supported = 0;            // of them, those that its homographies explain
     bool renewed = false;         // a plane with a newer reference image goes on in its place
   };
 
@@ -67,7 +69,7 @@ class PlaneTracker {
   };
 
   Step MakeStep(KeyframeId id, const Features& features, const std::optional<Camera>& camera);
-  std::optional<Tracked> Track(const OpenPlane& open, const Step& step);
+  std::optional<Tracked> Track(OpenPlane& open, const Step& step) const;
   void Reacquire(const OpenPlane& open, const Step& step, Tracked& tracked) const;
   void Advance(const Step& step);
   static void Confirm(const Step& step, OpenPlane& open, Tracked& tracked, std::vector<int>& rows);
@@ -81,6 +83,7 @@ class PlaneTracker {
   void Continue(const Step& step, const std::vector<int>& rows, Segmentation& segmentation);
   void AddEdges(const Step& step, const std::vector<PlaneId>& ids,
                 const std::vector<PlaneSegment>& segments);
+  bool IsContradicted(const OpenPlane& open) const;
   void Close(OpenPlane open);
 
   PlaneLayerOptions options_;

@@ -253,6 +253,37 @@ TEST(PlaneTracker, AFeatureThatMovesOffItsPlaneLosesVotes) {
   }
 }
 
+// Things at four depths seem to lie on one wall at first, as they do while the camera moves little.
+TEST(PlaneTracker, APlaneThatItsMatchesContradictIsDropped) {
+  constexpr int kLayers = 4;
+  constexpr int kOff = 2;  // the first keyframe that shows them apart
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    const auto make = [&](double apart) {  // the same points, the layers so far before each other
+      MadeScene scene(seed);
+      for (int layer = 0; layer < kLayers; ++layer) {
+        scene.AddWall({{-1.6, -1.3, 4 - layer * apart}, {1.5, 0, 2}, {0, 2.6, 0}}, 60);
+      }
+      return scene;
+    };
+    MadeScene as_one = make(0);
+    MadeScene apart = make(0.4);
+    ASSERT_EQ(as_one.points().back().descriptor, apart.points().back().descriptor);
+    PlaneTracker tracker({});
+    for (int i = 0; i < kFrames; ++i) {
+      MadeScene& scene = i < kOff ? as_one : apart;
+      tracker.AddKeyframe(IdOf(i), scene.See(PassingPose(i)), i == 0, std::nullopt);
+    }
+    const Tracked found = ResultOf(tracker);
+    EXPECT_EQ(found.report.dropped, 1) << "seed " << seed;
+    std::set<int> layers;
+    for (const Plane& plane : found.planes) {
+      EXPECT_EQ(plane.reference, IdOf(kOff - 1)) << "seed " << seed;
+      layers.insert(WallOf(apart, plane));
+    }
+    EXPECT_EQ(layers.size(), static_cast<size_t>(kLayers)) << "seed " << seed;
+  }
+}
+
 // The middle wall of three is seen with each of the others, which are never seen together.
 TEST(PlaneTracker, OnlyPlanesSeenTogetherAreJoined) {
   constexpr int kChange = 4;
