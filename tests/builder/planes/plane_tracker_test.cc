@@ -76,6 +76,17 @@ Tracked TrackCorner(MadeScene& scene, const std::optional<Camera>& camera = std:
   return ResultOf(tracker);
 }
 
+// The same points in two scenes, of which the second is seen from keyframe `moved` on.
+Tracked TrackMoved(MadeScene& before, MadeScene& after, int moved) {
+  EXPECT_EQ(before.points().back().descriptor, after.points().back().descriptor);
+  PlaneTracker tracker({});
+  for (int i = 0; i < kFrames; ++i) {
+    MadeScene& scene = i < moved ? before : after;
+    tracker.AddKeyframe(IdOf(i), scene.See(PassingPose(i)), i == 0, std::nullopt);
+  }
+  return ResultOf(tracker);
+}
+
 TEST(PlaneTracker, FollowsTwoWalls) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     MadeScene scene = CornerScene(seed);
@@ -230,13 +241,7 @@ TEST(PlaneTracker, AFeatureThatMovesOffItsPlaneLosesVotes) {
     };
     MadeScene on = make(0);
     MadeScene off = make(0.6);
-    ASSERT_EQ(on.points().back().descriptor, off.points().back().descriptor);
-    PlaneTracker tracker({});
-    for (int i = 0; i < kFrames; ++i) {
-      MadeScene& scene = i < kOff ? on : off;
-      tracker.AddKeyframe(IdOf(i), scene.See(PassingPose(i)), i == 0, std::nullopt);
-    }
-    const Tracked found = ResultOf(tracker);
+    const Tracked found = TrackMoved(on, off, kOff);
     ASSERT_EQ(found.planes.size(), 1u) << "seed " << seed;
     const Plane& plane = found.planes[0];
     EXPECT_EQ(plane.views.size(), static_cast<size_t>(kFrames));
@@ -267,13 +272,7 @@ TEST(PlaneTracker, APlaneThatItsMatchesContradictIsDropped) {
     };
     MadeScene as_one = make(0);
     MadeScene apart = make(0.4);
-    ASSERT_EQ(as_one.points().back().descriptor, apart.points().back().descriptor);
-    PlaneTracker tracker({});
-    for (int i = 0; i < kFrames; ++i) {
-      MadeScene& scene = i < kOff ? as_one : apart;
-      tracker.AddKeyframe(IdOf(i), scene.See(PassingPose(i)), i == 0, std::nullopt);
-    }
-    const Tracked found = ResultOf(tracker);
+    const Tracked found = TrackMoved(as_one, apart, kOff);
     EXPECT_EQ(found.report.dropped, 1) << "seed " << seed;
     std::set<int> layers;
     for (const Plane& plane : found.planes) {
