@@ -3,6 +3,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include <mutex>
+
 #include "world/render.h"
 #include "world/rig.h"
 #include "world/walk.h"
@@ -34,13 +36,41 @@ std::vector<cv::Mat> Pictures(int count, const Camera& camera, double texel_m) {
   return pictures;
 }
 
+bool AreSame(const FeatureOptions& a, const FeatureOptions& b) {
+  return FeatureOptions::Fields(
+      [&](const auto&... field) { return (... && (a.*field.member == b.*field.member)); });
+}
+
+// What was rendered last.
+struct LastNegatives {
+  std::mutex mutex;
+  int count = -1;
+  FeatureOptions options;
+  std::vector<Features> features;
+};
+
 }  // namespace
 
-std::vector<Features> RenderedNegatives(int count, const FeatureOptions& options) {
+std::vector<Features> RenderNegatives(int count, const FeatureOptions& options) {
   const std::vector<cv::Mat> pictures =
       Pictures(count, PinholeCamera(640, 480, 1.2), WorldOptions{}.texel_m);
   std::vector<Features> features(count);
   tbb::parallel_for(0, count, [&](int i) { features[i] = ExtractFeatures(pictures[i], options); });
+  return features;
+}
+
+std::vector<Features> RenderedNegatives(int count, const FeatureOptions& options) {
+  static LastNegatives last;
+  {
+    const std::lock_guard lock(last.mutex);
+    if (last.count == count && AreSame(last.options, options)) return last.features;
+  }
+  // Without the lock: while a thread waits for TBB, it may run a task that comes here, too.
+  std::vector<Features> features = RenderNegatives(count, options);
+  const std::lock_guard lock(last.mutex);
+  last.count = count;
+  last.options = options;
+  last.features = features;
   return features;
 }
 

@@ -84,13 +84,33 @@ TEST(CalibrateVerdict, LearnsThatAnotherBuildingIsNotInTheMap) {
 }
 
 TEST(RenderedNegatives, AreTheSameOnAnyNumberOfThreads) {
-  const auto all = RenderedNegatives(2, FeatureOptions{});
+  const auto all = RenderNegatives(2, FeatureOptions{});
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const auto again = RenderedNegatives(2, FeatureOptions{});
+  const auto again = RenderNegatives(2, FeatureOptions{});
   ASSERT_EQ(again.size(), all.size());
   for (size_t i = 0; i < all.size(); ++i) {
     EXPECT_GT(all[i].size(), 200);
     EXPECT_EQ(again[i].keypoints, all[i].keypoints);
+  }
+}
+
+TEST(RenderedNegatives, ThatAreKeptAreThoseOfTheirOptions) {
+  FeatureOptions few;
+  few.max_features = 100;
+  const auto expect_rendered = [](int count, const FeatureOptions& options) {
+    const auto kept = RenderedNegatives(count, options);
+    const auto rendered = RenderNegatives(count, options);
+    ASSERT_EQ(kept.size(), rendered.size());
+    for (size_t i = 0; i < kept.size(); ++i) {
+      EXPECT_EQ(kept[i].keypoints, rendered[i].keypoints);
+      EXPECT_EQ(kept[i].descriptors, rendered[i].descriptors);
+    }
+  };
+  for (int round = 0; round < 2; ++round) {
+    expect_rendered(2, {});
+    expect_rendered(2, {});
+    expect_rendered(1, {});
+    expect_rendered(1, few);
   }
 }
 
