@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """docs.py PROGRAM MAP IMAGES INSIDE ELSEWHERE: what README.md and docs/*.md say, tried out.
 
-Runs every ```sh block, file by file and in order: README.md and the tutorial from an empty folder, the
-other documents in a folder that has what they speak of: a walk with labelled queries, maps, photos and
-a server. A block that can't run here has the comment
+Runs every ```sh block, file by file and in order: README.md and the tutorial in a folder that was empty,
+where a command that both have is run once; the other documents in a folder each that has what they speak
+of: a walk with labelled queries, maps, photos and a server. A block that can't run here has the comment
 <!-- not run: the reason --> on the line before it. Checks that links lead somewhere, that the messages
 of troubleshooting.md are in the source with their codes, and that how-it-works.md names functions that
 there are.
@@ -74,10 +74,12 @@ def prepare(folder, built):
         (folder / f"{queries}poses.csv").write_text("frame,x,y,z\n" + rows)
 
 
-def script_of(block, url):
+def script_of(block, url, already):
+    """A script of the block's commands that weren't run already, and these commands."""
     block = block.replace("build/release/cli/waystone", "waystone").replace(ADDRESS, url)
-    lines = block.replace("\\\n", " ").split("\n")
-    return "\n".join("served " + line if line.startswith("waystone serve ") else line for line in lines)
+    lines = [re.sub(r"\s+#.*", "", line) for line in block.replace("\\\n", " ").split("\n")]
+    new = [line for line in lines if line not in already]
+    return "\n".join("served " + line if line.startswith("waystone serve ") else line for line in new), new
 
 
 class Commands(unittest.TestCase):
@@ -85,6 +87,9 @@ class Commands(unittest.TestCase):
     def setUpClass(cls):
         cls.home = pathlib.Path(tempfile.mkdtemp(prefix="waystone-docs-"))
         cls.addClassCleanup(shutil.rmtree, cls.home)
+        cls.from_nothing = cls.home / "empty"
+        cls.from_nothing.mkdir()
+        cls.ran_from_nothing = set()
         (cls.home / "bin").mkdir()
         (cls.home / "bin/waystone").symlink_to(PROGRAM)
         (cls.home / "maps").mkdir()
@@ -99,20 +104,25 @@ class Commands(unittest.TestCase):
     def run_document(self, document):
         text = document.read_text(encoding="utf-8")
         found = list(blocks(text))
-        folder = pathlib.Path(tempfile.mkdtemp(dir=self.home))
-        if document not in FROM_NOTHING:
+        from_nothing = document in FROM_NOTHING
+        if from_nothing:
+            folder = self.from_nothing
+        else:
+            folder = pathlib.Path(tempfile.mkdtemp(dir=self.home))
             prepare(folder, set(re.findall(r"-o (\S+\.db)(?!.*--force)", "\n".join(block for _, block, _ in found))))
         ran = 0
         for line, block, reason in found:
             if reason:
                 continue
-            script = PRELUDE + script_of(block, self.url)
+            script, commands = script_of(block, self.url, self.ran_from_nothing if from_nothing else ())
             start = time.monotonic()
-            done = subprocess.run(["bash", "-c", script], cwd=folder, capture_output=True, text=True, timeout=PATIENCE_S,
+            done = subprocess.run(["bash", "-c", PRELUDE + script], cwd=folder, capture_output=True, text=True, timeout=PATIENCE_S,
                                   env={"PATH": f"{self.home}/bin:/usr/bin:/bin", "HOME": str(folder)})  # fmt: skip
             where = f"{document.relative_to(ROOT)}, line {line}"
             print(f"{where}: {time.monotonic() - start:.1f} s", flush=True)
             self.assertEqual(done.returncode, 0, f"{where}:\n{block}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+            if from_nothing:
+                self.ran_from_nothing.update(commands)
             ran += 1
         return ran
 
