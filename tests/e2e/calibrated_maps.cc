@@ -113,7 +113,7 @@ PosedHall MakePosedHall() {
   EXPECT_EQ(written.code, 0) << written.err;
   const RunResult built = RunWaystone(
       {"build", hall.walk / "images", "-o", hall.map, "--camera", hall.walk / "camera.yaml",
-       "--poses", hall.walk / "poses.csv", "--unit", "metres", "--frame", "hall"});
+       "--poses", hall.walk / "poses.csv", "--unit", "metres", "--frame", "hall", "--every", "2"});
   EXPECT_EQ(built.code, 0) << built.err;
   return hall;
 }

@@ -30,10 +30,19 @@ PHOTO_FRAME = WALKED.index(20)
 
 PRELUDE = """set -euo pipefail
 curl() { command curl --silent --show-error --fail-with-body "$@"; }
+# The walk that documents begin with is rendered once.
+waystone() {
+  if [ $# = 3 ] && [ "$1 $2" = "demo --write" ]; then
+    [ -e ~/../rendered ] || command waystone demo --write ~/../rendered
+    cp -r ~/../rendered "$3"
+  else
+    command waystone "$@"
+  fi
+}
 # A server that is started, found to serve, and told to end. An earlier one's line must not be found.
 served() {
   rm -f served.txt
-  "$@" --port 0 >served.txt & local server=$! tries
+  env "$@" --port 0 >served.txt & local server=$! tries
   for tries in $(seq 300); do grep -qs Serving served.txt && break; sleep 0.1; done
   grep Serving served.txt
   kill $server
