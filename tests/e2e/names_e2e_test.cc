@@ -120,7 +120,7 @@ TEST_F(NameTest, ABuildKeepsTheNamesOfTheMapItReplaces) {
   EXPECT_FALSE(fs::exists(apart));
   fs::copy(TheMap().images, folder_ / "other", fs::copy_options::recursive);
   const RunResult other =
-      RunWaystone({"build", folder_ / "other", "-o", map_, "--force", "--quiet"});
+      RunWaystone({"build", folder_ / "other", "-o", map_, "--to", "20", "--force", "--quiet"});
   ASSERT_EQ(other.code, 0) << other.err;
   EXPECT_NE(other.err.find("room.names.json"), std::string::npos) << other.err;
   EXPECT_TRUE(Places().empty());

@@ -189,7 +189,7 @@ TEST_F(PlanTest, ABuildKeepsIt) {
   const Json before = Plans();
   const fs::path& walk = ThePosedHall().walk;
   const auto build = [&](const std::string& frame) {
-    return RunWaystone({"build", walk / "images", "-o", map_, "--force", "--quiet", "--to", "60",
+    return RunWaystone({"build", walk / "images", "-o", map_, "--force", "--quiet", "--to", "30",
                         "--camera", walk / "camera.yaml", "--poses", walk / "poses.csv", "--unit",
                         "metres", "--frame", frame});
   };

@@ -80,7 +80,8 @@ SharedMap MakeSharedMap() {
   shared.elsewhere = shared.folder / "elsewhere.jpg";
   fs::create_directories(shared.images);
   RenderPictures(shared);
-  shared.build = RunWaystone({"build", shared.images, "-o", shared.map, "--json"});
+  shared.build =
+      RunWaystone({"build", shared.images, "-o", shared.map, "--threads", "2", "--json"});
   return shared;
 }
 

@@ -24,7 +24,7 @@ RunResult RunWaystone(const std::vector<std::string>& arguments, const std::stri
 struct SharedMap {
   std::filesystem::path folder;     // for everything; goes away at the end
   std::filesystem::path images;     // the walk's pictures
-  std::filesystem::path map;        // "room.db", built from them by the program
+  std::filesystem::path map;        // "room.db", built from them by the program, on two threads
   std::filesystem::path inside;     // a photo from between two of the walk's frames
   std::filesystem::path elsewhere;  // a photo of another building
   RunResult build;                  // of that map
