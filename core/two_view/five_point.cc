@@ -100,7 +100,7 @@ std::vector<Eigen::Matrix3d> SolveFivePoints(const Rays& a, const Rays& b) {
   }
   const Eigen::EigenSolver<Matrix10d> eigen(times_x);
   if (eigen.info() != Eigen::Success) return solutions;
-  const Matrix10d vectors = eigen.pseudoEigenvectors();
+  const Matrix10d& vectors = eigen.pseudoEigenvectors();
   for (int i = 0; i < 10; ++i) {
     if (eigen.eigenvalues()(i).imag() != 0) continue;
     const Eigen::Matrix<double, 9, 1> e = (basis * vectors.col(i).tail<4>()).normalized();
