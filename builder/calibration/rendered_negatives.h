@@ -13,8 +13,8 @@ namespace waystone {
 // of their own. The same on any number of threads; thread-safe.
 std::vector<Features> RenderNegatives(int count, const FeatureOptions& options);
 
-// The same. The process keeps those of the last call, as rendering takes longer than many a map:
-// a worker that builds one map after the other does it once. Thread-safe.
+// The same. The process keeps those of the last call, which take as long as all else of a small
+// map: a worker that builds one map after the other renders them once. Thread-safe.
 std::vector<Features> RenderedNegatives(int count, const FeatureOptions& options);
 
 // `count` whole panoramas (CV_8UC1, width_px by half of it) of the same building. The same on any
