@@ -148,7 +148,7 @@ VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<SampledKe
 void CalibratePlaneLayer(MapData& map, const std::vector<SampledKeyframe>& samples,
                          const FeatureOptions& features, const CalibrationOptions& options) {
   map.verdict = CalibrateVerdict(*MapIndex::Build(CopyPlanes(map)), samples,
-                                 RenderedNegatives(options.rendered_negatives, features), options);
+                                 CachedNegatives(options.rendered_negatives, features), options);
 }
 
 }  // namespace waystone

@@ -59,7 +59,7 @@ std::vector<Features> RenderNegatives(int count, const FeatureOptions& options) 
   return features;
 }
 
-std::vector<Features> RenderedNegatives(int count, const FeatureOptions& options) {
+std::vector<Features> CachedNegatives(int count, const FeatureOptions& options) {
   static LastNegatives last;
   {
     const std::lock_guard lock(last.mutex);

@@ -15,7 +15,7 @@ std::vector<Features> RenderNegatives(int count, const FeatureOptions& options);
 
 // The same. The process keeps those of the last call, which take as long as all else of a small
 // map: a worker that builds one map after the other renders them once. Thread-safe.
-std::vector<Features> RenderedNegatives(int count, const FeatureOptions& options);
+std::vector<Features> CachedNegatives(int count, const FeatureOptions& options);
 
 // `count` whole panoramas (CV_8UC1, width_px by half of it) of the same building. The same on any
 // number of threads; thread-safe.

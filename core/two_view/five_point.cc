@@ -70,10 +70,11 @@ Eigen::Matrix<double, 10, 20> EssentialConstraints(const Eigen::Matrix<double, 9
           square[i][0] * e(0, j) + square[i][1] * e(1, j) + square[i][2] * e(2, j);
     }
   }
-  const auto minor = [&](int j, int k) -> Quadratic {
+  // Of the first two rows; the determinant is its product with the third.
+  const auto cross = [&](int j, int k) -> Quadratic {
     return e(0, j) * e(1, k) - e(0, k) * e(1, j);
   };
-  constraints.row(9) = minor(1, 2) * e(2, 0) + minor(2, 0) * e(2, 1) + minor(0, 1) * e(2, 2);
+  constraints.row(9) = cross(1, 2) * e(2, 0) + cross(2, 0) * e(2, 1) + cross(0, 1) * e(2, 2);
   return constraints;
 }
 

@@ -10,8 +10,8 @@ namespace waystone {
 
 // The essential matrices (at most 10, of unit norm) of five matched rays of whole spheres,
 // x_b^T E x_a = 0, by the eigenvectors of an action matrix (Stewenius, Engels and Nister, "Recent
-// developments on direct relative orientation", 2006). OpenCV's solver takes points of a plane,
-// eight times as long, and misses a root now and then. Deterministic; thread-safe.
+// developments on direct relative orientation", 2006). OpenCV's solver takes points of a plane
+// and misses a root now and then. Deterministic; thread-safe.
 std::vector<Eigen::Matrix3d> SolveFivePoints(const std::array<Eigen::Vector3d, 5>& a,
                                              const std::array<Eigen::Vector3d, 5>& b);
 

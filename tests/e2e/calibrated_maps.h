@@ -21,7 +21,8 @@ const CornerWalk& TheCorner();
 // appearance and an orientation layer ("turns.db"); made once.
 const std::filesystem::path& TheTurns();
 
-// A walk of the demo and its map with the true poses, in metres; made once.
+// A walk of the demo and the map of every second of its images with the true poses, in metres; made
+// once.
 struct PosedHall {
   std::filesystem::path map;   // "hall.db"
   std::filesystem::path walk;  // what `waystone demo --write` put there

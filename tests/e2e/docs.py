@@ -84,11 +84,12 @@ def prepare(folder, built):
 
 
 def script_of(block, url, already):
-    """A script of the block's commands that weren't run already, and these commands."""
+    """A script of the block's commands that weren't run already, and all of its commands."""
     block = block.replace("build/release/cli/waystone", "waystone").replace(ADDRESS, url)
-    lines = [re.sub(r"\s+#.*", "", line) for line in block.replace("\\\n", " ").split("\n")]
-    new = [line for line in lines if line not in already]
-    return "\n".join("served " + line if line.startswith("waystone serve ") else line for line in new), new
+    lines = block.replace("\\\n", " ").split("\n")
+    commands = [re.sub(r"\s+#.*", "", line) for line in lines]
+    new = [line for line, command in zip(lines, commands, strict=True) if command not in already]
+    return "\n".join("served " + line if line.startswith("waystone serve ") else line for line in new), commands
 
 
 class Commands(unittest.TestCase):

@@ -32,7 +32,7 @@ TEST(JoinParts, AnswersAsTheMapOfTheWholeDoes) {
   const auto joined = MapIndex::Build(JoinedWalk());
   std::vector<Features> queries = FeaturesOfFrames();
   const size_t inside = queries.size();
-  for (Features& outside : RenderedNegatives(15, FeatureOptions{})) {
+  for (Features& outside : CachedNegatives(15, FeatureOptions{})) {
     queries.push_back(std::move(outside));
   }
   int same = 0;

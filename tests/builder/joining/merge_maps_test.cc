@@ -51,7 +51,7 @@ TEST(MergeMaps, AnswersAsTheMapOfTheWholeDoes) {
   const auto joined = MapIndex::Build(Joined().map);
   std::vector<Features> queries = FeaturesOfFrames();
   const size_t inside = queries.size();
-  for (Features& outside : RenderedNegatives(15, FeatureOptions{})) {
+  for (Features& outside : CachedNegatives(15, FeatureOptions{})) {
     queries.push_back(std::move(outside));
   }
   int same = 0;

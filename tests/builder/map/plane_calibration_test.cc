@@ -69,7 +69,7 @@ TEST(CalibrateVerdict, LearnsThatAnotherBuildingIsNotInTheMap) {
   const MapData& map = TheMap().map;
   const auto index = MapIndex::Build(map);
   const std::vector<SampledKeyframe> queries = QueriesOf(map);
-  const std::vector<Features> outside = RenderedNegatives(3, FeatureOptions{});
+  const std::vector<Features> outside = CachedNegatives(3, FeatureOptions{});
   // The map's own photos, taken for photos of another building, are negatives that fit well.
   std::vector<Features> own;
   for (const SampledKeyframe& query : queries) own.push_back(query.features);
@@ -83,7 +83,7 @@ TEST(CalibrateVerdict, LearnsThatAnotherBuildingIsNotInTheMap) {
             EstimateProbability({60, 0.7}, with));
 }
 
-TEST(RenderedNegatives, AreTheSameOnAnyNumberOfThreads) {
+TEST(RenderNegatives, AreTheSameOnAnyNumberOfThreads) {
   const auto all = RenderNegatives(2, FeatureOptions{});
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const auto again = RenderNegatives(2, FeatureOptions{});
@@ -94,24 +94,24 @@ TEST(RenderedNegatives, AreTheSameOnAnyNumberOfThreads) {
   }
 }
 
-TEST(RenderedNegatives, ThatAreKeptAreThoseOfTheirOptions) {
+TEST(CachedNegatives, AreThoseOfTheirOptions) {
   FeatureOptions few;
   few.max_features = 100;
   const std::vector<Features> two = RenderNegatives(2, {});
   const std::vector<Features> one_of_few = RenderNegatives(1, few);
-  const auto expect_kept = [](int count, const FeatureOptions& options,
-                              const std::vector<Features>& rendered) {
-    const std::vector<Features> kept = RenderedNegatives(count, options);
-    ASSERT_EQ(kept.size(), rendered.size());
-    for (size_t i = 0; i < kept.size(); ++i) {
-      EXPECT_EQ(kept[i].keypoints, rendered[i].keypoints);
-      EXPECT_EQ(kept[i].descriptors, rendered[i].descriptors);
+  const auto expect_cached = [](int count, const FeatureOptions& options,
+                                const std::vector<Features>& rendered) {
+    const std::vector<Features> cached = CachedNegatives(count, options);
+    ASSERT_EQ(cached.size(), rendered.size());
+    for (size_t i = 0; i < cached.size(); ++i) {
+      EXPECT_EQ(cached[i].keypoints, rendered[i].keypoints);
+      EXPECT_EQ(cached[i].descriptors, rendered[i].descriptors);
     }
   };
-  expect_kept(2, {}, two);
-  expect_kept(2, {}, two);
-  expect_kept(1, few, one_of_few);
-  EXPECT_EQ(RenderedNegatives(1, {}).size(), 1u);
+  expect_cached(2, {}, two);
+  expect_cached(2, {}, two);
+  expect_cached(1, few, one_of_few);
+  EXPECT_EQ(CachedNegatives(1, {}).size(), 1u);
 }
 
 TEST(BuildMap, StoresTheModelOfItsVerdict) {
