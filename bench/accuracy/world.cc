@@ -33,7 +33,8 @@ struct Figures {
   int wrong_views = 0;
   int surfaces = 0;
   int mixed_surfaces = 0;  // with parts of different true planes
-  int true_planes = 0;     // that the map's planes show
+  int wrong_edges = 0;
+  int true_planes = 0;  // that the map's planes show
   RevisitFigures revisits;
   std::vector<double> view_errors_px;
   // Of the planes that show one true plane: pixels inside their outlines and inside the convex
@@ -97,6 +98,25 @@ void CountSurfaces(const MapData& map, const std::map<PlaneId, int>& owners, Fig
   figures.true_planes = static_cast<int>(all.size());
 }
 
+// Edges between two planes of which one shows a true plane that the edge's keyframes don't.
+void CountWrongEdges(const WorldTruth& truth, const MapData& map,
+                     const std::map<PlaneId, int>& owners, Figures& figures) {
+  for (const Edge& edge : map.edges) {
+    for (const PlaneId plane : {edge.a, edge.b}) {
+      const auto owner = owners.find(plane);
+      if (owner == owners.end()) continue;  // a false plane
+      if (truth.Shows(edge.from, owner->second) && truth.Shows(edge.to, owner->second)) continue;
+      ++figures.wrong_edges;
+      std::printf(
+          "wrong: edge %lld-%lld, of keyframes %lld and %lld, which don't show plane %lld\n",
+          static_cast<long long>(edge.a.value), static_cast<long long>(edge.b.value),
+          static_cast<long long>(edge.from.value), static_cast<long long>(edge.to.value),
+          static_cast<long long>(plane.value));
+      break;
+    }
+  }
+}
+
 Figures Measure(const WorldTruth& truth, const MapData& map) {
   Figures figures;
   Views views;
@@ -130,6 +150,7 @@ Figures Measure(const WorldTruth& truth, const MapData& map) {
   }
   CountFound(truth, map, views, figures);
   CountSurfaces(map, owners, figures);
+  CountWrongEdges(truth, map, owners, figures);
   figures.revisits =
       CountRevisits(FindSharedPlanes(truth, static_cast<int>(map.keyframes.size())), map, owners);
   return figures;
@@ -176,6 +197,7 @@ int RunWorld(const Args& raw) {
       {"mixed_surfaces", figures.mixed_surfaces},
       {"true_planes", figures.true_planes},
       {"edges", map.edges.size()},
+      {"wrong_edges", figures.wrong_edges},
       {"features", FeatureCount(map)},
       {"fused", report.planes_fused},
       {"rejected", report.planes_rejected},

@@ -14,6 +14,7 @@ namespace waystone::bench {
 namespace {
 
 constexpr int kEdge_px = 3;
+constexpr int kGrid_px = 4;  // pixels counted in both directions
 
 std::string Key(const uint8_t* descriptor) {
   return {reinterpret_cast<const char*>(descriptor),
@@ -102,14 +103,23 @@ Eigen::Matrix3d WorldTruth::ToFrom(int true_plane, KeyframeId from, KeyframeId t
                          walk_.frames[map_.keyframes[IndexOf(to)].frame].world_from_camera);
 }
 
+bool WorldTruth::Shows(KeyframeId keyframe, int true_plane) const {
+  const cv::Mat& ids = plane_ids_[static_cast<size_t>(IndexOf(keyframe))];
+  for (int y = 0; y < ids.rows; y += kGrid_px) {
+    for (int x = 0; x < ids.cols; x += kGrid_px) {
+      if (ids.at<uint16_t>(y, x) == true_plane) return true;
+    }
+  }
+  return false;
+}
+
 WorldTruth::Outlined WorldTruth::PixelsInside(const std::vector<Eigen::Vector2d>& outline,
                                               KeyframeId reference, int true_plane) const {
-  constexpr int kStep_px = 4;
   Outlined result;
   if (outline.size() < 3) return result;
   const cv::Mat& ids = plane_ids_[static_cast<size_t>(IndexOf(reference))];
-  for (int y = 0; y < ids.rows; y += kStep_px) {
-    for (int x = 0; x < ids.cols; x += kStep_px) {
+  for (int y = 0; y < ids.rows; y += kGrid_px) {
+    for (int x = 0; x < ids.cols; x += kGrid_px) {
       if (!Holds(outline, {x, y})) continue;
       ++result.pixels;
       result.of_plane += ids.at<uint16_t>(y, x) == true_plane;

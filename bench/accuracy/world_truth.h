@@ -39,6 +39,9 @@ class WorldTruth {
   // The true homography to_from of a plane between two keyframes.
   Eigen::Matrix3d ToFrom(int true_plane, KeyframeId from, KeyframeId to) const;
 
+  // Whether a keyframe shows any of a true plane; a grid of every fourth pixel in both directions.
+  bool Shows(KeyframeId keyframe, int true_plane) const;
+
   // Pixels of a plane's reference image inside its outline, and those of them that show the true
   // plane; a grid of every fourth pixel in both directions.
   struct Outlined {

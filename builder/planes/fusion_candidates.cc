@@ -53,18 +53,17 @@ SearchIndex IndexOf(const Ballot& ballot, FeatureType type, const FusionOptions&
   return index;
 }
 
-// Votes of one plane's voters for the others.
-std::map<int, int> CountVotes(const Ballot& ballot, int own, const SearchIndex& index,
-                              FeatureType type, const FusionOptions& options) {
-  Descriptors queries(ballot.descriptors.bytes());
-  for (int row = ballot.starts[own]; row < ballot.starts[own + 1]; ++row) {
-    queries.Append(ballot.descriptors.row(row));
-  }
+constexpr int kNobody = -1;
+
+// Votes of features for the planes of the ballot, but for `own`.
+std::map<int, int> CountVotes(const Ballot& ballot, DescriptorsView voters, int own,
+                              const SearchIndex& index, FeatureType type,
+                              const FusionOptions& options) {
   const int k = options.neighbours;
-  const std::vector<Neighbour> nearest = index.Nearest(queries, k, options.probes);
+  const std::vector<Neighbour> nearest = index.Nearest(voters, k, options.probes);
   const double alike = DistanceAt(type, options.max_vote_distance);
   std::map<int, int> votes;
-  for (int q = 0; q < queries.rows(); ++q) {
+  for (int q = 0; q < voters.rows(); ++q) {
     const Neighbour* of_query = nearest.data() + static_cast<size_t>(q) * k;
     const int by_chance = of_query[k - 1].distance;
     std::vector<int> voted;
@@ -80,6 +79,15 @@ std::map<int, int> CountVotes(const Ballot& ballot, int own, const SearchIndex& 
     }
   }
   return votes;
+}
+
+// Of one plane.
+Descriptors VotersOf(const Ballot& ballot, int plane) {
+  Descriptors voters(ballot.descriptors.bytes());
+  for (int row = ballot.starts[plane]; row < ballot.starts[plane + 1]; ++row) {
+    voters.Append(ballot.descriptors.row(row));
+  }
+  return voters;
 }
 
 }  // namespace
@@ -100,8 +108,9 @@ std::vector<FusionCandidate> ProposeFusions(const std::vector<Plane>& planes,
   const Ballot ballot = CollectVoters(planes, type, options.max_voters);
   const SearchIndex index = IndexOf(ballot, type, options);
   std::vector<std::map<int, int>> votes(count);
-  tbb::parallel_for(0, count,
-                    [&](int p) { votes[p] = CountVotes(ballot, p, index, type, options); });
+  tbb::parallel_for(0, count, [&](int p) {
+    votes[p] = CountVotes(ballot, VotersOf(ballot, p), p, index, type, options);
+  });
   std::map<PlanePair, int> sums;
   for (int p = 0; p < count; ++p) {
     for (const auto& [q, n] : votes[p]) sums[Ordered(planes[p].id, planes[q].id)] += n;
@@ -115,6 +124,22 @@ std::vector<FusionCandidate> ProposeFusions(const std::vector<Plane>& planes,
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const auto& a, const auto& b) { return a.votes > b.votes; });
+  return candidates;
+}
+
+std::vector<std::vector<int>> ProposeSightings(const std::vector<Plane>& planes,
+                                               const std::vector<SampledKeyframe>& images,
+                                               FeatureType type, const FusionOptions& options) {
+  options.Check();
+  const Ballot ballot = CollectVoters(planes, type, options.max_voters);
+  const SearchIndex index = IndexOf(ballot, type, options);
+  std::vector<std::vector<int>> candidates(images.size());
+  tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
+    const Descriptors& voters = images[i].features.descriptors;
+    for (const auto& [plane, n] : CountVotes(ballot, voters, kNobody, index, type, options)) {
+      if (n >= options.min_votes) candidates[i].push_back(plane);
+    }
+  });
   return candidates;
 }
 

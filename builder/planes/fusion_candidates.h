@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "builder/planes/keyframe_sample.h"
 #include "builder/planes/options.h"
 #include "schema/map_data.h"
 
@@ -26,6 +27,12 @@ struct FusionCandidate {
 std::vector<FusionCandidate> ProposeFusions(const std::vector<Plane>& planes,
                                             const std::vector<Edge>& edges, FeatureType type,
                                             const FusionOptions& options);
+
+// The planes (indices, ascending) whose features look like those of each image, in the same sense.
+// Deterministic on any number of threads (it uses TBB's).
+std::vector<std::vector<int>> ProposeSightings(const std::vector<Plane>& planes,
+                                               const std::vector<SampledKeyframe>& images,
+                                               FeatureType type, const FusionOptions& options);
 
 // The pairs that share an edge.
 std::set<PlanePair> Covisible(const std::vector<Edge>& edges);

@@ -10,6 +10,7 @@
 #include "builder/planes/fusion.h"
 #include "builder/planes/outline.h"
 #include "builder/planes/plane_features.h"
+#include "builder/planes/revisits.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/camera/image_plane.h"
@@ -20,6 +21,9 @@ namespace waystone {
 namespace {
 
 constexpr int kThumbnailQuality = 80;  // of JPEG
+
+// Keyframes that are searched for planes seen again: their features take 150 kB each.
+constexpr int kMostSearched = 1000;
 
 // Edges between planes that are left.
 std::vector<Edge> KeepEdges(const std::vector<Edge>& edges, const std::vector<Plane>& planes) {
@@ -84,6 +88,7 @@ PlaneLayerBuilder::PlaneLayerBuilder(const PlaneBuildOptions& options)
       tracker_(options.planes),
       landmarks_(options.planes.landmarks),
       sample_(options.max_samples),
+      searched_(kMostSearched),
       images_(options.max_images) {}
 
 void PlaneLayerBuilder::StartSequence(SequenceId id, const Source& source) {
@@ -138,6 +143,7 @@ void PlaneLayerBuilder::AddKeyframe(const ChosenKeyframe& chosen) {
   tracker_.AddKeyframe(keyframe.id, chosen.frame.features, chosen.starts_stretch, camera);
   landmarks_.Add(keyframe.id, chosen.frame.features, chosen.starts_stretch);
   sample_.Add(keyframe.id, chosen.frame.features);
+  searched_.Add(keyframe.id, chosen.frame.features);
   if (options_.keep_features) features_.push_back({keyframe.id, chosen.frame.features});
   image_of_keyframe_.emplace_back(sequence_, keyframe.frame);
   keyframes_.push_back(std::move(keyframe));
@@ -198,6 +204,11 @@ void PlaneLayerBuilder::Fuse(MapData& map) {
   map.planes = std::move(fusion.planes);
   map.edges = std::move(fusion.edges);
   report_.planes_fused = fusion.fused;
+  const std::vector<Edge> again =
+      FindRevisits(map.planes, map.edges, map.keyframes, searched_.keyframes(),
+                   options_.features.type, options_.planes);
+  map.edges.insert(map.edges.end(), again.begin(), again.end());
+  std::ranges::sort(map.edges, {}, [](const Edge& edge) { return std::pair(edge.a, edge.b); });
   report_.features_dropped += DropSparse(options_.planes, map.planes);
   report_.fusion_s = SecondsSince(start);
 }

@@ -87,6 +87,7 @@ class PlaneLayerBuilder : public LayerBuilder {
   PlaneTracker tracker_;
   LandmarkChooser landmarks_;
   KeyframeSample sample_;
+  KeyframeSample searched_;  // for planes that are seen again
   std::vector<SampledKeyframe> features_;
   std::vector<ImageRef> image_of_keyframe_;
   KeyframeSample images_;  // numbered as they came, from 1
