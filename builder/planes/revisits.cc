@@ -6,12 +6,15 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <map>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "builder/planes/fusion.h"
 #include "builder/planes/fusion_candidates.h"
+#include "builder/planes/outline.h"
+#include "builder/planes/plane_features.h"
 #include "core/homography/estimate_homography.h"
 #include "schema/layers/planes/surfaces.h"
 
@@ -19,6 +22,8 @@ namespace waystone {
 namespace {
 
 using Eigen::Vector2d;
+
+constexpr double kMinSpanned = 0.5;  // of what a plane and an image have in common
 
 // A plane that an image shows.
 struct Sighting {
@@ -36,6 +41,36 @@ Plane AsPlane(const SampledKeyframe& image) {
     plane.features.push_back({.reference = keypoint});
   }
   return plane;
+}
+
+std::vector<cv::Point2f> HullOf(const std::vector<Vector2d>& points) {
+  std::vector<cv::Point2f> hull;
+  for (const Vector2d& p : ConvexHull(points)) {
+    hull.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
+  }
+  return hull;
+}
+
+// Of the image's features where the plane is, those within the convex hull of the ones that match:
+// a poster that hangs in two places matches on itself alone, and most of the wall is around it.
+double SpannedShare(const Plane& plane, const FusionMatch& match, const Plane& image) {
+  std::vector<Vector2d> matched;
+  for (const Match& inlier : match.inliers) {
+    matched.push_back(PositionOf(plane.features[inlier.a].reference));
+  }
+  const std::vector<cv::Point2f> all = HullOf(PositionsOf(plane));
+  const std::vector<cv::Point2f> spanned = HullOf(matched);
+  int on_plane = 0;
+  int within = 0;
+  for (const PlaneFeature& feature : image.features) {
+    const Vector2d x = Apply(match.m_from_n.b_from_a, PositionOf(feature.reference));
+    if (!x.allFinite()) continue;
+    const cv::Point2f point(static_cast<float>(x.x()), static_cast<float>(x.y()));
+    if (cv::pointPolygonTest(all, point, false) < 0) continue;
+    ++on_plane;
+    within += cv::pointPolygonTest(spanned, point, false) >= 0;
+  }
+  return static_cast<double>(within) / std::max(1, on_plane);
 }
 
 const PlaneView* FindView(const Plane& plane, KeyframeId keyframe) {
@@ -91,7 +126,7 @@ class RevisitFinder {
       const Plane& plane = planes_[p];
       if (FindView(plane, all.reference) != nullptr) continue;
       const auto match = MatchPlanes(plane, PackedRows(type_, plane.descriptors), all, options_);
-      if (!match) continue;
+      if (!match || SpannedShare(plane, *match, all) < kMinSpanned) continue;
       sightings.push_back({p, true, std::vector<bool>(all.features.size())});
       for (const Match& inlier : match->inliers) sightings.back().shows[inlier.b] = true;
     }

@@ -14,7 +14,7 @@
 namespace waystone {
 namespace {
 
-using Chosen = std::function<bool(int point)>;
+using OfPoints = std::function<bool(int point)>;
 
 // A corner that is passed twice, in keyframes 1 to 3 and 4 to 6, and the planes that a tracker
 // could have made of it.
@@ -38,7 +38,7 @@ struct TwoVisits {
 
   // The points of a wall that are chosen, as the first keyframe of a visit shows them, followed
   // through the other two.
-  Plane PlaneOf(int64_t id, int64_t first, int wall, const Chosen& chosen) const {
+  Plane PlaneOf(int64_t id, int64_t first, int wall, const OfPoints& chosen) const {
     Plane plane;
     plane.id = PlaneId{id};
     plane.reference = KeyframeId{first};
@@ -100,10 +100,10 @@ TEST(FindRevisits, AFewOfAPlanesFeaturesAreNotThePlane) {
   TwoVisits visits;
   const std::vector<Plane> planes = {visits.PlaneOf(1, 1, 0, IsEven),
                                      visits.PlaneOf(2, 4, 0, IsOdd)};
-  const Chosen shown = [](int point) { return IsOdd(point) || point < 44; };
+  const OfPoints shown = [](int point) { return IsOdd(point) || point < 44; };
   for (int64_t k = 1; k <= 6; ++k) {
     visits.images[k - 1].features =
-        visits.scene.See(TwoVisits::PoseOf(k), 0.2, k <= 3 ? Chosen(IsEven) : shown);
+        visits.scene.See(TwoVisits::PoseOf(k), 0.2, k <= 3 ? OfPoints(IsEven) : shown);
   }
   EXPECT_TRUE(visits.Find(planes).empty());
   PlaneLayerOptions any_share;
