@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -33,21 +32,11 @@ Vector2d PositionOf(const PlaneFeature& feature) {
 // them are in `matched`.
 double OverlapShare(const Plane& plane, const Matrix3d& to_from, const Plane& other,
                     const std::set<int>& matched) {
-  std::vector<cv::Point2f> hull;
-  for (const Vector2d& p : ConvexHull(PositionsOf(other))) {
-    hull.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
-  }
-  int inside = 0;
-  int found = 0;
-  for (int f = 0; f < static_cast<int>(plane.features.size()); ++f) {
-    const Vector2d x = Apply(to_from, PositionOf(plane.features[f]));
-    if (!x.allFinite()) continue;
-    const cv::Point2f point(static_cast<float>(x.x()), static_cast<float>(x.y()));
-    if (cv::pointPolygonTest(hull, point, false) < 0) continue;
-    ++inside;
-    found += matched.contains(f);
-  }
-  return inside == 0 ? 0 : static_cast<double>(found) / inside;
+  std::vector<Vector2d> there;
+  for (const Vector2d& x : PositionsOf(plane)) there.push_back(Apply(to_from, x));
+  const std::vector<int> inside = InsideHull(there, PositionsOf(other));
+  const auto found = std::ranges::count_if(inside, [&](int f) { return matched.contains(f); });
+  return inside.empty() ? 0 : static_cast<double>(found) / static_cast<double>(inside.size());
 }
 
 bool OverlapAgrees(const Plane& m, const Plane& n, const FusionMatch& match, double min_overlap) {

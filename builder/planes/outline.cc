@@ -261,6 +261,16 @@ Points ConvexHull(const Points& points) {
   return corners;
 }
 
+std::vector<int> InsideHull(const Points& points, const Points& others) {
+  const std::vector<cv::Point2f> hull = InSinglePrecision(ConvexHull(others));
+  std::vector<int> inside;
+  for (int i = 0; i < static_cast<int>(points.size()); ++i) {
+    const cv::Point2f point(static_cast<float>(points[i].x()), static_cast<float>(points[i].y()));
+    if (points[i].allFinite() && cv::pointPolygonTest(hull, point, false) >= 0) inside.push_back(i);
+  }
+  return inside;
+}
+
 Points SupportedPolygon(const Points& points, const Points& others, double longest_edge) {
   Shape shape(points);
   if (shape.empty()) return ConvexHull(points);

@@ -11,6 +11,11 @@ namespace waystone {
 // The convex hull of points; fewer than three, or points in a line, give what they have of one.
 std::vector<Eigen::Vector2d> ConvexHull(const std::vector<Eigen::Vector2d>& points);
 
+// Of `points`, which lie inside the convex hull of `others` or on its border: indices, ascending.
+// Points that aren't finite don't.
+std::vector<int> InsideHull(const std::vector<Eigen::Vector2d>& points,
+                            const std::vector<Eigen::Vector2d>& others);
+
 // The polygon that a set of points supports, as the characteristic shape of Duckham, Kulik, Worboys
 // and Galton ("Efficient generation of simple polygons for characterizing the shape of a set of
 // points in the plane", 2008): their Delaunay triangulation, from whose border triangles are taken

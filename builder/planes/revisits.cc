@@ -6,7 +6,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <map>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <set>
 #include <utility>
@@ -43,14 +42,6 @@ Plane AsPlane(const SampledKeyframe& image) {
   return plane;
 }
 
-std::vector<cv::Point2f> HullOf(const std::vector<Vector2d>& points) {
-  std::vector<cv::Point2f> hull;
-  for (const Vector2d& p : ConvexHull(points)) {
-    hull.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
-  }
-  return hull;
-}
-
 // Of the image's features where the plane is, those within the convex hull of the ones that match:
 // a poster that hangs in two places matches on itself alone, and most of the wall is around it.
 double SpannedShare(const Plane& plane, const FusionMatch& match, const Plane& image) {
@@ -58,19 +49,13 @@ double SpannedShare(const Plane& plane, const FusionMatch& match, const Plane& i
   for (const Match& inlier : match.inliers) {
     matched.push_back(PositionOf(plane.features[inlier.a].reference));
   }
-  const std::vector<cv::Point2f> all = HullOf(PositionsOf(plane));
-  const std::vector<cv::Point2f> spanned = HullOf(matched);
-  int on_plane = 0;
-  int within = 0;
-  for (const PlaneFeature& feature : image.features) {
-    const Vector2d x = Apply(match.m_from_n.b_from_a, PositionOf(feature.reference));
-    if (!x.allFinite()) continue;
-    const cv::Point2f point(static_cast<float>(x.x()), static_cast<float>(x.y()));
-    if (cv::pointPolygonTest(all, point, false) < 0) continue;
-    ++on_plane;
-    within += cv::pointPolygonTest(spanned, point, false) >= 0;
+  std::vector<Vector2d> in_reference;
+  for (const Vector2d& x : PositionsOf(image)) {
+    in_reference.push_back(Apply(match.m_from_n.b_from_a, x));
   }
-  return static_cast<double>(within) / std::max(1, on_plane);
+  const size_t on_plane = InsideHull(in_reference, PositionsOf(plane)).size();
+  const size_t within = InsideHull(in_reference, matched).size();
+  return static_cast<double>(within) / static_cast<double>(std::max<size_t>(1, on_plane));
 }
 
 const PlaneView* FindView(const Plane& plane, KeyframeId keyframe) {

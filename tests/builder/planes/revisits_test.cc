@@ -111,6 +111,25 @@ TEST(FindRevisits, AFewOfAPlanesFeaturesAreNotThePlane) {
   EXPECT_FALSE(visits.Find(planes, {}, any_share).empty()) << "the share decides";
 }
 
+// A third of the plane's features, enough for the share, but all at one end of the wall.
+TEST(FindRevisits, MatchesInOnePartOfTheWallAreAPoster) {
+  TwoVisits visits;
+  const std::vector<Plane> planes = {visits.PlaneOf(1, 1, 0, IsEven),
+                                     visits.PlaneOf(2, 4, 0, IsOdd)};
+  const auto find_where = [&](double end) {
+    const OfPoints shown = [&](int point) {
+      return IsOdd(point) || visits.scene.points()[point].x_world.x() < end;
+    };
+    for (int64_t k = 1; k <= 6; ++k) {
+      visits.images[k - 1].features =
+          visits.scene.See(TwoVisits::PoseOf(k), 0.2, k <= 3 ? OfPoints(IsEven) : shown);
+    }
+    return visits.Find(planes);
+  };
+  EXPECT_TRUE(find_where(-1.6 + 1.5 / 3).empty());
+  EXPECT_FALSE(find_where(-1.6 + 1.5).empty()) << "the whole wall";
+}
+
 TEST(FindRevisits, OneImageOfAStretchTellsNothing) {
   TwoVisits visits;
   const std::vector<Plane> planes = {visits.PlaneOf(1, 1, 0, IsEven),
