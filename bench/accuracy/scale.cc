@@ -220,7 +220,9 @@ bool SameOnOneThread(const MapData& map) {
 nlohmann::ordered_json Measure(const MappedWorld& scene, int64_t features, const fs::path& file) {
   Clock::time_point start = Clock::now();
   MapData map = Enlarged(scene.map(), features, 1);
-  nlohmann::ordered_json json = {{"features", CountFeatures(map)}, {"planes", map.planes.size()}};
+  nlohmann::ordered_json json = {{"features", CountFeatures(map)},
+                                 {"planes", map.planes.size()},
+                                 {"keyframes", map.keyframes.size()}};
   start = Clock::now();
   const bool same = SameOnOneThread(map);
   json["index_build_s"] = SecondsSince(start);
