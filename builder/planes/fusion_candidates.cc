@@ -137,7 +137,8 @@ std::vector<std::vector<int>> ProposeSightings(const std::vector<Plane>& planes,
   tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
     const Descriptors& voters = images[i].features.descriptors;
     for (const auto& [plane, n] : CountVotes(ballot, voters, kNobody, index, type, options)) {
-      if (n >= options.min_votes) candidates[i].push_back(plane);
+      // An image votes with all that is matched later, so that fewer votes are too few matches.
+      if (n >= options.min_inliers) candidates[i].push_back(plane);
     }
   });
   return candidates;

@@ -28,8 +28,9 @@ std::vector<FusionCandidate> ProposeFusions(const std::vector<Plane>& planes,
                                             const std::vector<Edge>& edges, FeatureType type,
                                             const FusionOptions& options);
 
-// The planes (indices, ascending) whose features look like those of each image, in the same sense.
-// Deterministic on any number of threads (it uses TBB's).
+// The planes (indices, ascending) whose features look like those of each image, in the same sense,
+// with as many votes as fusion asks matches for. Deterministic on any number of threads (it uses
+// TBB's).
 std::vector<std::vector<int>> ProposeSightings(const std::vector<Plane>& planes,
                                                const std::vector<SampledKeyframe>& images,
                                                FeatureType type, const FusionOptions& options);
