@@ -23,7 +23,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kRightPx = 40;  // median transfer error of the inliers of a place that is right
+// Median transfer error of the inliers of a place that is right, as a share of the width.
+constexpr double kRight = 40.0 / 640;
 constexpr int kMapFrames = 48;
 constexpr int kQueries = 30;
 
@@ -103,13 +104,17 @@ bool ShowsTheSame(const World& world, const Camera& camera, const Eigen::Isometr
     const auto there = Project(camera, keyframe.inverse() * x);
     errors.push_back(there ? (*there - verified.keyframe_points[i]).norm() : 1e9);
   }
-  return Quantile(errors, 0.5) <= kRightPx;
+  return Quantile(errors, 0.5) <= kRight * camera.width;
 }
 
 class BuildingAsked {
  public:
-  BuildingAsked(int building, const FeatureOptions& features)
-      : building_(building), features_(features) {
+  BuildingAsked(int building, const FeatureOptions& features, int width)
+      : building_(building),
+        features_(features),
+        renderer_(CameraOfWidth(width)),
+        working_camera_(
+            CameraOfWidth(WorkingSize({width, 3 * width / 4}, features.working_pixels).width)) {
     std::vector<std::unique_ptr<Source>> sources;
     sources.push_back(std::make_unique<WorldSource>(world_, renderer_, map_walk_));
     BuildOptions options;
@@ -132,6 +137,8 @@ class BuildingAsked {
   }
 
  private:
+  static Camera CameraOfWidth(int width) { return PinholeCamera(width, 3 * width / 4, 1.1); }
+
   // Another camera's blur, noise and exposure, and for every other query another light, as the
   // query's seed has them.
   cv::Mat Photograph(const World& world, const Eigen::Isometry3d& world_from_camera,
@@ -176,7 +183,7 @@ class BuildingAsked {
     sample.evidence = best.keyframe_evidence;
     const int frame = static_cast<int>(index_->map().keyframes[best.keyframe->keyframe].frame);
     sample.right = asked == AskedOf::kOwn &&
-                   ShowsTheSame(world_, renderer_.camera(), world_from_query,
+                   ShowsTheSame(world_, working_camera_, world_from_query,
                                 map_walk_.frames[frame].world_from_camera, *best.keyframe);
     return sample;
   }
@@ -186,7 +193,8 @@ class BuildingAsked {
   FloorPlan plan_ = building_ % 2 == 0 ? DemoPlan() : OtherPlan();
   WorldOptions options_ = DrawBuilding(building_);
   World world_{plan_, options_};
-  Renderer renderer_{PinholeCamera(640, 480, 1.1)};
+  Renderer renderer_;
+  Camera working_camera_;  // in pixels of the working image
   Walk map_walk_ = MapTour(world_);
   std::shared_ptr<const MapIndex> index_;
 };
@@ -241,17 +249,20 @@ int RunLookAlikes(const Args& raw) {
   Args args = raw;
   const int buildings = std::stoi(TakeOption(args, "buildings", "16"));
   const int first = std::stoi(TakeOption(args, "first", "1"));
-  FeatureOptions features;
+  FeatureOptions features = BuildOptions{}.features;
   features.type = FeatureTypeByName(TakeOption(args, "features", "sift"));
+  features.working_pixels =
+      std::stoi(TakeOption(args, "working-pixels", std::to_string(features.working_pixels)));
+  const int width = std::stoi(TakeOption(args, "width", "640"));
   const bool each = TakeOption(args, "each", "no") == "yes";
   if (!args.empty()) {
-    throw MapError(
-        ErrorCode::kUsage,
-        "look-alikes takes --buildings N, --first SEED, --features TYPE and --each yes|no");
+    throw MapError(ErrorCode::kUsage,
+                   "look-alikes takes --buildings N, --first SEED, --features TYPE, --width N, "
+                   "--working-pixels N and --each yes|no");
   }
   std::vector<LookAlikeSample> samples;
   for (int building = first; building < first + buildings; ++building) {
-    const std::vector<LookAlikeSample> more = BuildingAsked(building, features).Ask();
+    const std::vector<LookAlikeSample> more = BuildingAsked(building, features, width).Ask();
     samples.insert(samples.end(), more.begin(), more.end());
     for (const LookAlikeSample& sample : more) {
       if (!each) break;

@@ -137,7 +137,7 @@ PeerMap BuildPeerMap(const RecallSet& set, const FeatureOptions& features, int l
 
 Json ComparePeers(const RecallSet& set, const std::vector<fs::path>& foreign, FeatureType type,
                   int landmarks) {
-  FeatureOptions features;
+  FeatureOptions features = BuildOptions{}.features;
   features.type = type;
   const PeerMap map = BuildPeerMap(set, features, landmarks);
   std::vector<int> frames;

@@ -8,6 +8,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/recall_sets.h"
+#include "bench/accuracy/stopwatch.h"
 #include "bench/baseline/image_search.h"
 #include "core/base/error.h"
 #include "core/image/decode.h"
@@ -18,6 +19,19 @@ namespace waystone::bench {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Of one image on one core, of those at hand; their results are dropped.
+double TimeExtraction(const std::vector<fs::path>& images, const FeatureOptions& options) {
+  constexpr size_t kTimed = 10;
+  std::vector<double> ms;
+  for (size_t i = 0; i < std::min(kTimed, images.size()); ++i) {
+    const cv::Mat grey = DecodeGrey(ReadBytes(images[i]));
+    const Stopwatch extracting;
+    ExtractFeatures(grey, options);
+    ms.push_back(1000 * extracting.cpu_s());
+  }
+  return Quantile(ms, 0.5);
+}
 
 // How often a method named a place, and how often the right one.
 struct Found {
@@ -53,7 +67,7 @@ struct RecallArgs {
   std::string only;  // part of the sets' names
   std::vector<int> budgets;
   int foreign = 40;
-  FeatureOptions features;
+  FeatureOptions features = BuildOptions{}.features;
   LocalizeOptions localize;
   bool search = true;
   bool verbose = false;
@@ -173,6 +187,8 @@ RecallArgs ParseRecallArgs(const Args& raw) {
   parsed.only = TakeOption(args, "only", "");
   parsed.budgets = ParseNumbers(TakeOption(args, "landmarks", "0,100"), ',');
   parsed.features.type = FeatureTypeByName(TakeOption(args, "features", "sift"));
+  parsed.features.working_pixels =
+      std::stoi(TakeOption(args, "working-pixels", std::to_string(parsed.features.working_pixels)));
   parsed.foreign = std::stoi(TakeOption(args, "foreign", "40"));
   parsed.search = TakeOption(args, "search", "yes") == "yes";
   parsed.verbose = TakeOption(args, "each", "no") == "yes";
@@ -181,7 +197,8 @@ RecallArgs ParseRecallArgs(const Args& raw) {
   if (args.size() > 1 || parsed.budgets.empty()) {
     throw MapError(ErrorCode::kUsage,
                    "recall takes a folder with data, --only NAME, --features TYPE, --landmarks "
-                   "N,N,..., --foreign N, --keyframes N, --search yes|no and --each yes|no");
+                   "N,N,..., --working-pixels N, --foreign N, --keyframes N, --search yes|no and "
+                   "--each yes|no");
   }
   parsed.data = args.empty() ? fs::path(WAYSTONE_SOURCE_DIR) / "../shared/data" : fs::path(args[0]);
   return parsed;
@@ -214,7 +231,10 @@ int RunRecall(const Args& raw) {
         searched.push_back(std::move(point));
       }
     }
-    json["sets"].push_back({{"name", set.name}, {"waystone", curve}, {"image_search", searched}});
+    json["sets"].push_back({{"name", set.name},
+                            {"features_ms", TimeExtraction(set.queries, features)},
+                            {"waystone", curve},
+                            {"image_search", searched}});
   }
   std::cout << json.dump() << std::endl;
   return 0;

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "bench/baseline/scenes.h"
+#include "builder/build_options.h"
 #include "core/base/error.h"
 #include "core/features/features.h"
 #include "core/homography/homography.h"
@@ -109,7 +110,7 @@ class PhotoScene : public Scene {
   void ToWorkingPixels(const fs::path& image) {
     const ImageHeader header = ReadImageHeader(ReadBytes(image));
     const cv::Size size(header.width, header.height);
-    const double scale = WorkingSize(size, FeatureOptions{}.working_pixels).width /
+    const double scale = WorkingSize(size, BuildOptions{}.features.working_pixels).width /
                          static_cast<double>(header.width);
     Eigen::Matrix3d& k = poses_.at(image.filename().string()).k;
     k.topRightCorner<2, 1>().array() += 0.5;
