@@ -153,9 +153,10 @@ void PlaneLabelling::Measure(Labelled& plane) const {
 void PlaneLabelling::SetSigma(Labelled& plane, double sigma_px) const {
   plane.sigma_px = std::clamp(sigma_px, options_.min_sigma_px, options_.max_sigma_px);
   plane.costs.resize(plane.errors_px.size());
+  const double sigma_cost = 2 * std::log(plane.sigma_px);
   for (size_t row = 0; row < plane.costs.size(); ++row) {
-    plane.costs[row] = static_cast<float>(ErrorCost(plane.errors_px[row] / plane.sigma_px) +
-                                          2 * std::log(plane.sigma_px));
+    plane.costs[row] =
+        static_cast<float>(ErrorCost(plane.errors_px[row] / plane.sigma_px) + sigma_cost);
   }
 }
 
