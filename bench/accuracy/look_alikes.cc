@@ -12,6 +12,7 @@
 #include "bench/accuracy/relight.h"
 #include "bench/accuracy/world_source.h"
 #include "core/base/error.h"
+#include "core/camera/image_plane.h"
 #include "localizer/planes/sightings.h"
 #include "localizer/verdict/keyframe_verdict.h"
 #include "localizer/verdict/logistic_fit.h"
@@ -112,9 +113,10 @@ class BuildingAsked {
   BuildingAsked(int building, const FeatureOptions& features, int width)
       : building_(building),
         features_(features),
-        renderer_(CameraOfWidth(width)),
+        renderer_(PinholeCamera(width, 3 * width / 4, 1.1)),
         working_camera_(
-            CameraOfWidth(WorkingSize({width, 3 * width / 4}, features.working_pixels).width)) {
+            ScaledCamera(renderer_.camera(),
+                         WorkingSize({width, 3 * width / 4}, features.working_pixels).width)) {
     std::vector<std::unique_ptr<Source>> sources;
     sources.push_back(std::make_unique<WorldSource>(world_, renderer_, map_walk_));
     BuildOptions options;
@@ -137,8 +139,6 @@ class BuildingAsked {
   }
 
  private:
-  static Camera CameraOfWidth(int width) { return PinholeCamera(width, 3 * width / 4, 1.1); }
-
   // Another camera's blur, noise and exposure, and for every other query another light, as the
   // query's seed has them.
   cv::Mat Photograph(const World& world, const Eigen::Isometry3d& world_from_camera,

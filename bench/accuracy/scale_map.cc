@@ -19,7 +19,7 @@ constexpr int kDirections = 8;
 constexpr int kBytes = kSide * kSide * kDirections;
 constexpr double kNoise = 4.0;  // standard deviation of a byte
 constexpr int kMaxByte = 127;
-constexpr double kLength = 256;
+constexpr double kLength = 256;  // of a descriptor of ExtractFeatures
 
 using Descriptor = std::array<uint8_t, kBytes>;
 
