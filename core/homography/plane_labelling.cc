@@ -34,10 +34,7 @@ std::shared_ptr<const Companions> FindCompanions(const Neighbourhoods& neighbour
 // (Kolmogorov and Zabih 2004): x = 1 on the source's side.
 class BinaryEnergy {
  public:
-  BinaryEnergy(int variables, int pairs) : cost_(variables, 0.0) {
-    graph_.create(variables, pairs);
-    for (int i = 0; i < variables; ++i) graph_.addVtx();
-  }
+  explicit BinaryEnergy(int variables) : cost_(variables, 0.0) {}
 
   // Adds a cost of x_i being 1. It may be negative.
   void Add(int i, double cost) { cost_[i] += cost; }
@@ -47,27 +44,34 @@ class BinaryEnergy {
     cost_[i] += v10 - v00;
     cost_[j] += v11 - v10;
     const double both = v01 + v10 - v00 - v11;  // where x_i is 0 and x_j is 1
-    if (both <= 0) return;
-    graph_.addEdges(j, i, both, 0);
-    any_edge_ = true;
+    if (both > 0) pairs_.push_back({i, j, both});
   }
 
-  std::vector<bool> Minimise() {
+  std::vector<bool> Minimise() const {
     std::vector<bool> x(cost_.size());
-    for (size_t i = 0; i < cost_.size(); ++i) {
-      graph_.addTermWeights(static_cast<int>(i), std::max(0.0, -cost_[i]), std::max(0.0, cost_[i]));
-      x[i] = cost_[i] < 0;
+    for (size_t i = 0; i < x.size(); ++i) x[i] = cost_[i] < 0;
+    const bool settled = pairs_.empty() || std::ranges::find(x, true) == x.end();
+    if (settled) return x;
+    cv::detail::GCGraph<double> graph;
+    graph.create(static_cast<int>(x.size()), static_cast<int>(pairs_.size()));
+    for (size_t i = 0; i < x.size(); ++i) {
+      graph.addTermWeights(graph.addVtx(), std::max(0.0, -cost_[i]), std::max(0.0, cost_[i]));
     }
-    if (!any_edge_) return x;
-    graph_.maxFlow();
-    for (size_t i = 0; i < x.size(); ++i) x[i] = graph_.inSourceSegment(static_cast<int>(i));
+    for (const Pair& pair : pairs_) graph.addEdges(pair.j, pair.i, pair.cost, 0);
+    graph.maxFlow();
+    for (size_t i = 0; i < x.size(); ++i) x[i] = graph.inSourceSegment(static_cast<int>(i));
     return x;
   }
 
  private:
-  cv::detail::GCGraph<double> graph_;
+  struct Pair {
+    int i;
+    int j;
+    double cost;
+  };
+
   std::vector<double> cost_;  // of x = 1 over x = 0
-  bool any_edge_ = false;
+  std::vector<Pair> pairs_;
 };
 
 }  // namespace
@@ -294,15 +298,13 @@ bool PlaneLabelling::Release() {
 bool PlaneLabelling::Expand(int plane) {
   std::vector<int> rows;
   std::vector<int> variable_of(points_->size(), -1);
-  int pairs = 0;
   for (int row = 0; row < points_->size(); ++row) {
     if (labels_[row] == plane || planes_[plane].errors_px[row] >= bound_px(plane)) continue;
     variable_of[row] = static_cast<int>(rows.size());
     rows.push_back(row);
-    pairs += static_cast<int>((*companions_)[row].size());
   }
   if (rows.empty()) return false;
-  BinaryEnergy energy(static_cast<int>(rows.size()), pairs);
+  BinaryEnergy energy(static_cast<int>(rows.size()));
   for (const int row : rows) {
     const int i = variable_of[row];
     const int label = labels_[row];
