@@ -19,7 +19,10 @@ namespace waystone {
 namespace {
 
 constexpr int kPoseSample = 3;
-constexpr int kPoseRounds = 3;   // refits of a pose on its growing inliers
+constexpr int kPoseRounds = 3;  // refits of a pose on its growing inliers
+// Of the best score, above which a pose is refined: points are imprecise, and so is the pose of
+// three right matches.
+constexpr double kRefineShare = 0.7;
 constexpr int kSampleSteps = 3;  // of a refit within RANSAC, whose best pose is refined to the end
 constexpr double kPoseArrived = 1e-6;  // a step in the map's unit and in rad
 constexpr double kCauchySigmas = 2;
@@ -112,12 +115,20 @@ struct PoseFit {
   double score = 0;
 };
 
+// What a match's likelihood loses, in squared sigmas, because its point is uncertain: an error may
+// then be anywhere in a larger region. Without it, a pose so near the points or so far aside that
+// their uncertainty covers the image would explain every match.
+double SpreadCost(const LinearSighting& linear, double sigma_rad) {
+  return -std::log(linear.information.determinant() * std::pow(sigma_rad, 4));
+}
+
 PoseFit EvaluatePose(std::span<const PointSighting> sightings, const Isometry3d& world_from_camera,
                      double max_sigmas) {
   PoseFit fit{.world_from_camera = world_from_camera, .inliers = {}};
   const Isometry3d camera_from_world = world_from_camera.inverse();
   for (int i = 0; i < std::ssize(sightings); ++i) {
-    const double ratio2 = LinearisePoint(sightings[i], camera_from_world).squared_sigmas() /
+    const LinearSighting linear = LinearisePoint(sightings[i], camera_from_world);
+    const double ratio2 = (linear.squared_sigmas() + SpreadCost(linear, sightings[i].sigma_rad)) /
                           (max_sigmas * max_sigmas);
     if (!(ratio2 < 1)) continue;
     fit.inliers.push_back(i);
@@ -277,7 +288,9 @@ std::optional<AbsolutePose> FindAbsolutePose(std::span<const PointSighting> sigh
   PoseSampler sampler(static_cast<int>(sightings.size()));
   const PoseEstimator estimator(sightings, options);
   Random random(options.seed);
-  const RansacLimits limits{.confidence = options.confidence, .max_samples = options.max_samples};
+  const RansacLimits limits{.confidence = options.confidence,
+                            .max_samples = options.max_samples,
+                            .min_refine_share = kRefineShare};
   auto [best, samples] = RunLoRansac(sampler, estimator, limits, random);
   return DescribePose(
       sightings, OptimizePose(sightings, std::move(best), options.max_steps, options), options);

@@ -73,6 +73,21 @@ TEST(FindAbsolutePose, StatesItsErrors) {
   EXPECT_LT(nees, 1.5);
 }
 
+// Near the points their uncertainty covers the whole image: a pose there explains any match, and
+// the more samples are drawn, the likelier is one that gives it.
+TEST(FindAbsolutePose, ManySamplesDoNotLeadToThePoints) {
+  Random random(1);
+  int found = 0;
+  constexpr int kTrials = 100;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Isometry3d truth = RandomPose(random);
+    const auto pose =
+        FindAbsolutePose(MakeScene(truth, 60, 15, 0.02, random), {.confidence = 1 - 1e-12});
+    found += pose && (pose->world_from_camera.translation() - truth.translation()).norm() < 0.05;
+  }
+  EXPECT_EQ(found, kTrials);
+}
+
 TEST(FindAbsolutePose, FindsNothingInChance) {
   Random random(2);
   for (int trial = 0; trial < 50; ++trial) {
