@@ -7,6 +7,7 @@ with its command, commit, machine, date and seconds. A bench whose data is missi
 ../shared/data) is skipped, and one that fails keeps its earlier result. Exits with 1 when one failed.
 scripts/benchmark_tables.py writes the document from the results.
 """
+import argparse
 import datetime
 import glob
 import json
@@ -217,6 +218,8 @@ def main(build, names):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 2:
-        sys.exit(__doc__)
-    sys.exit(main(sys.argv[1], sys.argv[2:]))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", metavar="BUILD", help="folder of the build, such as build/release")
+    parser.add_argument("names", metavar="NAME", nargs="*", help="a result; all without any")
+    given = parser.parse_args()
+    sys.exit(main(given.build, given.names))

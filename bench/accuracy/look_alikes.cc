@@ -10,6 +10,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/relight.h"
+#include "bench/accuracy/settings.h"
 #include "bench/accuracy/world_source.h"
 #include "core/base/error.h"
 #include "core/camera/image_plane.h"
@@ -110,18 +111,16 @@ bool ShowsTheSame(const World& world, const Camera& camera, const Eigen::Isometr
 
 class BuildingAsked {
  public:
-  BuildingAsked(int building, const FeatureOptions& features, int width)
+  BuildingAsked(int building, BuildOptions options, int width)
       : building_(building),
-        features_(features),
+        features_(options.features),
         renderer_(PinholeCamera(width, 3 * width / 4, 1.1)),
         working_camera_(
             ScaledCamera(renderer_.camera(),
-                         WorkingSize({width, 3 * width / 4}, features.working_pixels).width)) {
+                         WorkingSize({width, 3 * width / 4}, features_.working_pixels).width)) {
     std::vector<std::unique_ptr<Source>> sources;
     sources.push_back(std::make_unique<WorldSource>(world_, renderer_, map_walk_));
-    BuildOptions options;
     options.images = false;
-    options.features = features_;
     options.planes.landmarks.max_kept = 30 + 10 * (building_ % 8);
     index_ = MapIndex::Build(BuildMap(sources, options, {}).map);
   }
@@ -249,8 +248,10 @@ int RunLookAlikes(const Args& raw) {
   Args args = raw;
   const int buildings = std::stoi(TakeOption(args, "buildings", "16"));
   const int first = std::stoi(TakeOption(args, "first", "1"));
-  FeatureOptions features = BuildOptions{}.features;
-  features.type = FeatureTypeByName(TakeOption(args, "features", "sift"));
+  BuildOptions build = TakeBuildSettings(args);
+  FeatureOptions& features = build.features;
+  features.type =
+      FeatureTypeByName(TakeOption(args, "features", std::string(NameOf(features.type))));
   features.working_pixels =
       std::stoi(TakeOption(args, "working-pixels", std::to_string(features.working_pixels)));
   const int width = std::stoi(TakeOption(args, "width", "640"));
@@ -258,11 +259,11 @@ int RunLookAlikes(const Args& raw) {
   if (!args.empty()) {
     throw MapError(ErrorCode::kUsage,
                    "look-alikes takes --buildings N, --first SEED, --features TYPE, --width N, "
-                   "--working-pixels N and --each yes|no");
+                   "--working-pixels N, --each yes|no and --set NAME=VALUE");
   }
   std::vector<LookAlikeSample> samples;
   for (int building = first; building < first + buildings; ++building) {
-    const std::vector<LookAlikeSample> more = BuildingAsked(building, features, width).Ask();
+    const std::vector<LookAlikeSample> more = BuildingAsked(building, build, width).Ask();
     samples.insert(samples.end(), more.begin(), more.end());
     for (const LookAlikeSample& sample : more) {
       if (!each) break;

@@ -118,10 +118,10 @@ GivenPoses PosesByFrame(std::function<std::optional<Isometry3d>(int)> of_frame) 
           }};
 }
 
-BuildResult BuildPosed(std::unique_ptr<Source> source, const std::optional<GivenPoses>& poses) {
+BuildResult BuildPosed(std::unique_ptr<Source> source, const std::optional<GivenPoses>& poses,
+                       BuildOptions options) {
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(std::move(source));
-  BuildOptions options;
   options.images = false;
   BuildResult built = BuildMap(sources, options, {}, poses);
   if (built.report.poses) PrintStructure(built);

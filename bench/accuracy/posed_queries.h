@@ -38,6 +38,7 @@ nlohmann::ordered_json SummarisePoses(const std::string& name, const PoseErrors&
 GivenPoses PosesByFrame(std::function<std::optional<Eigen::Isometry3d>(int)> of_frame);
 
 // The map of one source, with these poses or without; prints what became of them.
-BuildResult BuildPosed(std::unique_ptr<Source> source, const std::optional<GivenPoses>& poses);
+BuildResult BuildPosed(std::unique_ptr<Source> source, const std::optional<GivenPoses>& poses,
+                       BuildOptions options = {});
 
 }  // namespace waystone::bench

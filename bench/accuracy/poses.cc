@@ -6,6 +6,7 @@
 #include "bench/accuracy/posed_panoramas.h"
 #include "bench/accuracy/posed_queries.h"
 #include "bench/accuracy/rgbd_truth.h"
+#include "bench/accuracy/settings.h"
 #include "bench/accuracy/world_source.h"
 #include "builder/sources/memory_source.h"
 #include "core/base/error.h"
@@ -18,7 +19,7 @@ namespace {
 using Eigen::Isometry3d;
 
 // A made building, asked from another walk through it.
-nlohmann::ordered_json MeasureBuilding(uint64_t seed, int frames) {
+nlohmann::ordered_json MeasureBuilding(uint64_t seed, int frames, const BuildOptions& options) {
   const World world(DemoPlan(), WorldOptions{.seed = seed, .texture_richness = 0.5});
   const Renderer renderer(PinholeCamera(640, 480, 1.1));
   Walk walk = DemoWalk(world.plan(), {.step_m = 0.1, .seed = seed});
@@ -26,9 +27,9 @@ nlohmann::ordered_json MeasureBuilding(uint64_t seed, int frames) {
   Walk other =
       DemoWalk(world.plan(), {.height_m = 1.4, .step_m = 0.1, .gaze_offset_rad = 0.15, .seed = 77});
   other.frames.resize(std::min<size_t>(other.frames.size(), frames));
-  const BuildResult built =
-      BuildPosed(std::make_unique<WorldSource>(world, renderer, walk),
-                 PosesByFrame([&](int frame) { return walk.frames[frame].world_from_camera; }));
+  const BuildResult built = BuildPosed(
+      std::make_unique<WorldSource>(world, renderer, walk),
+      PosesByFrame([&](int frame) { return walk.frames[frame].world_from_camera; }), options);
   const auto index = MapIndex::Build(built.map);
   const WorldSource queries(world, renderer, other);
   PoseErrors errors;
@@ -39,14 +40,15 @@ nlohmann::ordered_json MeasureBuilding(uint64_t seed, int frames) {
   return SummarisePoses("building " + std::to_string(seed), errors);
 }
 
-nlohmann::ordered_json MeasureKitchen(const std::filesystem::path& folder) {
+nlohmann::ordered_json MeasureKitchen(const std::filesystem::path& folder,
+                                      const BuildOptions& build) {
   const RgbdTruth truth(folder);
   const auto pose_of = [&](int frame) { return truth.world_from_colour(frame); };
   SourceOptions options;
   options.to = 499;
   std::unique_ptr<Source> source = OpenSource(folder.string(), options);
   const Camera camera = source->camera().value();
-  const BuildResult built = BuildPosed(std::move(source), PosesByFrame(pose_of));
+  const BuildResult built = BuildPosed(std::move(source), PosesByFrame(pose_of), build);
   const auto index = MapIndex::Build(built.map);
   PoseErrors errors;
   for (int q = 500; q < 1000; q += 10) {
@@ -83,15 +85,17 @@ std::vector<PosedPhoto> ReadPosedPhotos(const std::filesystem::path& folder,
   return photos;
 }
 
-nlohmann::ordered_json MeasureChurch(const std::filesystem::path& folder) {
+nlohmann::ordered_json MeasureChurch(const std::filesystem::path& folder,
+                                     const BuildOptions& options) {
   const std::vector<PosedPhoto> map = ReadPosedPhotos(folder, "map");
   MemorySequence sequence{.name = "church", .camera = map.at(0).camera};
   for (int i = 0; i < std::ssize(map); ++i) {
     sequence.frames.emplace_back(FrameInfo{i, map[i].path.filename().string(), {}},
                                  [&map, i] { return DecodeGrey(ReadBytes(map[i].path)); });
   }
-  const BuildResult built = BuildPosed(std::make_unique<MemorySource>(std::move(sequence)),
-                                       PosesByFrame([&](int frame) { return map[frame].pose; }));
+  const BuildResult built =
+      BuildPosed(std::make_unique<MemorySource>(std::move(sequence)),
+                 PosesByFrame([&](int frame) { return map[frame].pose; }), options);
   const auto index = MapIndex::Build(built.map);
   PoseErrors errors;
   for (const PosedPhoto& photo : ReadPosedPhotos(folder, "query_P8")) {
@@ -105,6 +109,7 @@ nlohmann::ordered_json MeasureChurch(const std::filesystem::path& folder) {
 
 int RunPoses(const Args& raw) {
   Args args = raw;
+  const BuildOptions options = TakeBuildSettings(args);
   const int buildings = std::stoi(TakeOption(args, "buildings", "3"));
   const int frames = std::stoi(TakeOption(args, "frames", "150"));
   const std::string kitchen = TakeOption(args, "kitchen", "");
@@ -115,14 +120,14 @@ int RunPoses(const Args& raw) {
   if (!args.empty()) {
     throw MapError(ErrorCode::kUsage,
                    "poses takes --buildings N, --frames N, --kitchen DIR, --church DIR, --flats N, "
-                   "--first-flat SEED and --panoramas DIR");
+                   "--first-flat SEED, --panoramas DIR and --set NAME=VALUE (planes only)");
   }
   nlohmann::ordered_json json = {{"bench", "poses"}, {"sets", nlohmann::ordered_json::array()}};
   for (int seed = 1; seed <= buildings; ++seed) {
-    json["sets"].push_back(MeasureBuilding(seed, frames));
+    json["sets"].push_back(MeasureBuilding(seed, frames, options));
   }
-  if (!kitchen.empty()) json["sets"].push_back(MeasureKitchen(kitchen));
-  if (!church.empty()) json["sets"].push_back(MeasureChurch(church));
+  if (!kitchen.empty()) json["sets"].push_back(MeasureKitchen(kitchen, options));
+  if (!church.empty()) json["sets"].push_back(MeasureChurch(church, options));
   if (flats > 0) json["sets"].push_back(MeasurePosedFlats(first_flat, flats));
   if (!panoramas.empty()) json["sets"].push_back(MeasurePosedPlaces(panoramas));
   std::cout << json.dump() << std::endl;

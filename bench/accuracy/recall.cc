@@ -8,6 +8,7 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/recall_sets.h"
+#include "bench/accuracy/settings.h"
 #include "bench/accuracy/stopwatch.h"
 #include "bench/baseline/image_search.h"
 #include "core/base/error.h"
@@ -67,7 +68,7 @@ struct RecallArgs {
   std::string only;  // part of the sets' names
   std::vector<int> budgets;
   int foreign = 40;
-  FeatureOptions features = BuildOptions{}.features;
+  BuildOptions build;
   LocalizeOptions localize;
   bool search = true;
   bool verbose = false;
@@ -111,8 +112,7 @@ void PrintEvidence(const char* kind, int query, const Answer& answer, bool right
 Found AskWaystone(const RecallSet& set, const Asked& asked, int budget, const RecallArgs& args) {
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(OpenRecallMap(set));
-  BuildOptions options;
-  options.features = args.features;
+  BuildOptions options = args.build;
   options.planes.landmarks.max_kept = budget;
   BuildResult built = BuildMap(sources, options, {});
   Found found;
@@ -186,9 +186,12 @@ RecallArgs ParseRecallArgs(const Args& raw) {
   RecallArgs parsed;
   parsed.only = TakeOption(args, "only", "");
   parsed.budgets = ParseNumbers(TakeOption(args, "landmarks", "0,100"), ',');
-  parsed.features.type = FeatureTypeByName(TakeOption(args, "features", "sift"));
-  parsed.features.working_pixels =
-      std::stoi(TakeOption(args, "working-pixels", std::to_string(parsed.features.working_pixels)));
+  parsed.build = TakeBuildSettings(args);
+  FeatureOptions& features = parsed.build.features;
+  features.type =
+      FeatureTypeByName(TakeOption(args, "features", std::string(NameOf(features.type))));
+  features.working_pixels =
+      std::stoi(TakeOption(args, "working-pixels", std::to_string(features.working_pixels)));
   parsed.foreign = std::stoi(TakeOption(args, "foreign", "40"));
   parsed.search = TakeOption(args, "search", "yes") == "yes";
   parsed.verbose = TakeOption(args, "each", "no") == "yes";
@@ -197,8 +200,8 @@ RecallArgs ParseRecallArgs(const Args& raw) {
   if (args.size() > 1 || parsed.budgets.empty()) {
     throw MapError(ErrorCode::kUsage,
                    "recall takes a folder with data, --only NAME, --features TYPE, --landmarks "
-                   "N,N,..., --working-pixels N, --foreign N, --keyframes N, --search yes|no and "
-                   "--each yes|no");
+                   "N,N,..., --working-pixels N, --foreign N, --keyframes N, --search yes|no, "
+                   "--each yes|no and --set NAME=VALUE");
   }
   parsed.data = args.empty() ? fs::path(WAYSTONE_SOURCE_DIR) / "../shared/data" : fs::path(args[0]);
   return parsed;
@@ -212,7 +215,7 @@ int RunRecall(const Args& raw) {
   nlohmann::ordered_json json{{"bench", "recall"}, {"sets", nlohmann::ordered_json::array()}};
   for (const RecallSet& set : sets) {
     if (set.name.find(args.only) == std::string::npos) continue;
-    const FeatureOptions features = QueryOptionsOf(set, args.features);
+    const FeatureOptions features = QueryOptionsOf(set, args.build.features);
     const Asked asked{ExtractAll(set.queries, features), ExtractAll(set.look_alikes, features),
                       ExtractAll(ChooseForeign(sets, set, args.foreign), features)};
     nlohmann::ordered_json curve = nlohmann::ordered_json::array();
@@ -225,7 +228,8 @@ int RunRecall(const Args& raw) {
     nlohmann::ordered_json searched = nlohmann::ordered_json::array();
     if (args.search) {
       for (const int kept : {1000, 100, 60}) {
-        nlohmann::ordered_json point = AskImageSearch(set, asked, kept, args.features).ToJson();
+        nlohmann::ordered_json point =
+            AskImageSearch(set, asked, kept, args.build.features).ToJson();
         point["kept"] = kept;
         std::cout << set.name << " image search " << point.dump() << std::endl;
         searched.push_back(std::move(point));
