@@ -120,7 +120,7 @@ struct PlaneLayerOptions {
   FusionOptions fusion;
   LandmarkOptions landmarks;
   int min_tracked = 8;
-  double min_support = 0.6;
+  double min_support = 0.5;
   double reacquire_px = 3.0;
   double reacquire_distance = 0.4;
   double max_extrapolation = 0.05;
