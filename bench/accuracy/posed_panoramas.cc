@@ -43,12 +43,12 @@ void AskOwnFrame(const MapIndex& index, const SplitPlaces& split, OwnErrors& err
   }
 }
 
-void Measure(const std::string& name, std::vector<PanoramaPlace> places, PoseErrors& posed,
-             OwnErrors& own) {
+void Measure(const std::string& name, std::vector<PanoramaPlace> places,
+             const BuildOptions& options, PoseErrors& posed, OwnErrors& own) {
   const SplitPlaces split = Split(InWalkOrder(std::move(places)));
-  const BuildResult built =
-      BuildPosed(PanoramaSource(split.mapped, 0, split.mapped.size(), "panoramas"),
-                 PosesByFrame([&](int frame) { return split.mapped[frame].world_from_camera; }));
+  const BuildResult built = BuildPosed(
+      PanoramaSource(split.mapped, 0, split.mapped.size(), "panoramas"),
+      PosesByFrame([&](int frame) { return split.mapped[frame].world_from_camera; }), options);
   const auto index = MapIndex::Build(built.map);
   for (const PanoramaPlace& place : split.asked) {
     AskPose(*index, place.grey, std::nullopt, place.world_from_camera, name + " " + place.name,
@@ -56,7 +56,7 @@ void Measure(const std::string& name, std::vector<PanoramaPlace> places, PoseErr
   }
   AskOwnFrame(
       *MapIndex::Build(BuildPosed(PanoramaSource(split.mapped, 0, split.mapped.size(), "panoramas"),
-                                  std::nullopt)
+                                  std::nullopt, options)
                            .map),
       split, own);
 }
@@ -74,19 +74,21 @@ nlohmann::ordered_json Summarise(const std::string& name, const PoseErrors& pose
 
 }  // namespace
 
-nlohmann::ordered_json MeasurePosedFlats(uint64_t first_seed, int flats) {
+nlohmann::ordered_json MeasurePosedFlats(uint64_t first_seed, int flats,
+                                         const BuildOptions& options) {
   PoseErrors posed;
   OwnErrors own;
   for (uint64_t seed = first_seed; seed < first_seed + static_cast<uint64_t>(flats); ++seed) {
-    Measure("flat", RenderFlatPlaces(seed), posed, own);
+    Measure("flat", RenderFlatPlaces(seed), options, posed, own);
   }
   return Summarise("flats", posed, own);
 }
 
-nlohmann::ordered_json MeasurePosedPlaces(const std::filesystem::path& folder) {
+nlohmann::ordered_json MeasurePosedPlaces(const std::filesystem::path& folder,
+                                          const BuildOptions& options) {
   PoseErrors posed;
   OwnErrors own;
-  Measure("place", ReadPlaces(folder), posed, own);
+  Measure("place", ReadPlaces(folder), options, posed, own);
   return Summarise("dealership", posed, own);
 }
 

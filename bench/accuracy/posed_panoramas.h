@@ -5,14 +5,18 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "builder/build_options.h"
+
 namespace waystone::bench {
 
 // Made flats, each a map of its own, built with the true poses of three quarters of its panoramas
 // and asked for the others; and the same with maps that were built without poses, whose frame is
 // laid onto the truth.
-nlohmann::ordered_json MeasurePosedFlats(uint64_t first_seed, int flats);
+nlohmann::ordered_json MeasurePosedFlats(uint64_t first_seed, int flats,
+                                         const BuildOptions& options);
 
 // The same for a folder of panoramas with poses (ReadPlaces).
-nlohmann::ordered_json MeasurePosedPlaces(const std::filesystem::path& folder);
+nlohmann::ordered_json MeasurePosedPlaces(const std::filesystem::path& folder,
+                                          const BuildOptions& options);
 
 }  // namespace waystone::bench

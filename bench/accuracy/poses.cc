@@ -120,7 +120,7 @@ int RunPoses(const Args& raw) {
   if (!args.empty()) {
     throw MapError(ErrorCode::kUsage,
                    "poses takes --buildings N, --frames N, --kitchen DIR, --church DIR, --flats N, "
-                   "--first-flat SEED, --panoramas DIR and --set NAME=VALUE (planes only)");
+                   "--first-flat SEED, --panoramas DIR and --set NAME=VALUE");
   }
   nlohmann::ordered_json json = {{"bench", "poses"}, {"sets", nlohmann::ordered_json::array()}};
   for (int seed = 1; seed <= buildings; ++seed) {
@@ -128,8 +128,8 @@ int RunPoses(const Args& raw) {
   }
   if (!kitchen.empty()) json["sets"].push_back(MeasureKitchen(kitchen, options));
   if (!church.empty()) json["sets"].push_back(MeasureChurch(church, options));
-  if (flats > 0) json["sets"].push_back(MeasurePosedFlats(first_flat, flats));
-  if (!panoramas.empty()) json["sets"].push_back(MeasurePosedPlaces(panoramas));
+  if (flats > 0) json["sets"].push_back(MeasurePosedFlats(first_flat, flats, options));
+  if (!panoramas.empty()) json["sets"].push_back(MeasurePosedPlaces(panoramas, options));
   std::cout << json.dump() << std::endl;
   return 0;
 }

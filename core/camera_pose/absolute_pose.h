@@ -37,7 +37,8 @@ struct AbsolutePoseOptions {
     using Self = AbsolutePoseOptions;
     return use(
         OptionField{"max_sigmas", &Self::max_sigmas, Closed(1, 20), "",
-                    "Largest error of a match that supports a pose, in its standard deviations.",
+                    "Largest error of a match that supports a pose, in its standard deviations. "
+                    "Less for one whose point is uncertain.",
                     OptionUse::kInternal},
         OptionField{"min_inliers", &Self::min_inliers, AtLeast(4), "",
                     "Matches with distinct features of the query that a pose needs. Higher gives "
@@ -65,7 +66,8 @@ struct AbsolutePose {
 
 // The pose of a calibrated camera among known points: LO-RANSAC over three matches (P3P of Ke and
 // Roumeliotis 2017, by OpenCV), refined by robust least squares (Cauchy) over all inliers. Errors
-// are weighed by the deviations of ray and point. Nothing where fewer than min_inliers fit, or they
+// are weighed by the deviations of ray and point, and poses scored by the likelihood of the
+// matches, to which an uncertain point adds less. Nothing where fewer than min_inliers fit, or they
 // leave the pose open. Deterministic; thread-safe.
 std::optional<AbsolutePose> FindAbsolutePose(std::span<const PointSighting> sightings,
                                              const AbsolutePoseOptions& options);

@@ -50,6 +50,7 @@ class BinaryEnergy {
   std::vector<bool> Minimise() const {
     std::vector<bool> x(cost_.size());
     for (size_t i = 0; i < x.size(); ++i) x[i] = cost_[i] < 0;
+    // Pairs cost nothing where all are 0, so that only a variable that gains by itself moves any.
     const bool settled = pairs_.empty() || std::ranges::find(x, true) == x.end();
     if (settled) return x;
     cv::detail::GCGraph<double> graph;
