@@ -38,17 +38,17 @@ rendered-pairs-greedy rendered-pairs --first 5001 --set planes.segmentation.gree
 homographies         homographies DATA/homographies/*
 verdicts             verdicts DATA
 recall               recall DATA
-recall-77k           recall DATA --landmarks 100 --search no --working-pixels 76800
-recall-154k          recall DATA --landmarks 100 --search no --working-pixels 153600
-recall-1m            recall DATA --landmarks 100 --search no --working-pixels 1000000
+recall-77k           recall DATA --landmarks 100 --search no --set features.working_pixels=76800
+recall-154k          recall DATA --landmarks 100 --search no --set features.working_pixels=153600
+recall-1m            recall DATA --landmarks 100 --search no --set features.working_pixels=1000000
 peers                peers DATA --only kitchen,corridor
 cameras              cameras DATA
 look-alikes          look-alikes
 look-alikes-others   look-alikes --first 17 --buildings 8
-large-77k            look-alikes --first 17 --buildings 4 --width 1280 --working-pixels 76800
-large-154k           look-alikes --first 17 --buildings 4 --width 1280 --working-pixels 153600
+large-77k            look-alikes --first 17 --buildings 4 --width 1280 --set features.working_pixels=76800
+large-154k           look-alikes --first 17 --buildings 4 --width 1280 --set features.working_pixels=153600
 large-307k           look-alikes --first 17 --buildings 4 --width 1280
-large-1m             look-alikes --first 17 --buildings 4 --width 1280 --working-pixels 1000000
+large-1m             look-alikes --first 17 --buildings 4 --width 1280 --set features.working_pixels=1000000
 scale                scale
 collection           collection DATA
 collection-orb       collection DATA --features orb

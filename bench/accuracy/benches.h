@@ -38,9 +38,10 @@ int RunSegments(const Args& args);
 // relative [DIR]: rotations between places from the essential matrix against poses, and the
 // traversability verdict against what is visible; a rendered walk without a folder.
 int RunRelative(const Args& args);
-// recall [DATA] [--only NAME] [--features TYPE] [--landmarks N,N,...] [--foreign N] [--search
-// yes|no] [--each yes|no]: places of real data that exhaustive image search finds, and those that
-// maps find, by their size; photos of look-alike places and of other data that are found wrongly.
+// recall [DATA] [--only NAME] [--landmarks N,N,...] [--foreign N] [--keyframes N] [--search yes|no]
+// [--each yes|no] [--set NAME=VALUE]...: places of real data that exhaustive image search finds,
+// and those that maps find, by their size; photos of look-alike places and of other data that are
+// found wrongly.
 int RunRecall(const Args& args);
 // peers [DATA] [--only NAME,NAME] [--features sift,orb,akaze] [--foreign N]: maps beside plain
 // image search over the same keyframes with the same features, on one core: found, wrong and
@@ -51,9 +52,10 @@ int RunPeers(const Args& args);
 // other focal lengths in rendered buildings.
 int RunCameras(const Args& args);
 int RunCollection(const Args& args);
-// look-alikes [--buildings N] [--first SEED] [--features TYPE] [--each yes|no]: rendered buildings
-// asked for their own places, for the same places a storey higher, where much looks alike, and for
-// other buildings; and the weights of the keyframe's verdict fitted to the answers.
+// look-alikes [--buildings N] [--first SEED] [--width N] [--each yes|no] [--set NAME=VALUE]...:
+// rendered buildings asked for their own places, for the same places a storey higher, where much
+// looks alike, and for other buildings; and the weights of the keyframe's verdict fitted to the
+// answers.
 int RunLookAlikes(const Args& args);
 // orientation [--buildings N] [--frames N] [--camera rig|pinhole|both] [--set NAME=VALUE]...: the
 // whole orientation layer of made buildings against their truth, and its time beside lines and

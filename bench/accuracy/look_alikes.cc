@@ -248,18 +248,13 @@ int RunLookAlikes(const Args& raw) {
   Args args = raw;
   const int buildings = std::stoi(TakeOption(args, "buildings", "16"));
   const int first = std::stoi(TakeOption(args, "first", "1"));
-  BuildOptions build = TakeBuildSettings(args);
-  FeatureOptions& features = build.features;
-  features.type =
-      FeatureTypeByName(TakeOption(args, "features", std::string(NameOf(features.type))));
-  features.working_pixels =
-      std::stoi(TakeOption(args, "working-pixels", std::to_string(features.working_pixels)));
+  const BuildOptions build = TakeBuildSettings(args);
   const int width = std::stoi(TakeOption(args, "width", "640"));
   const bool each = TakeOption(args, "each", "no") == "yes";
   if (!args.empty()) {
     throw MapError(ErrorCode::kUsage,
-                   "look-alikes takes --buildings N, --first SEED, --features TYPE, --width N, "
-                   "--working-pixels N, --each yes|no and --set NAME=VALUE");
+                   "look-alikes takes --buildings N, --first SEED, --width N, --each yes|no and "
+                   "--set NAME=VALUE");
   }
   std::vector<LookAlikeSample> samples;
   for (int building = first; building < first + buildings; ++building) {

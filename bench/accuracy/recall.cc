@@ -187,11 +187,6 @@ RecallArgs ParseRecallArgs(const Args& raw) {
   parsed.only = TakeOption(args, "only", "");
   parsed.budgets = ParseNumbers(TakeOption(args, "landmarks", "0,100"), ',');
   parsed.build = TakeBuildSettings(args);
-  FeatureOptions& features = parsed.build.features;
-  features.type =
-      FeatureTypeByName(TakeOption(args, "features", std::string(NameOf(features.type))));
-  features.working_pixels =
-      std::stoi(TakeOption(args, "working-pixels", std::to_string(features.working_pixels)));
   parsed.foreign = std::stoi(TakeOption(args, "foreign", "40"));
   parsed.search = TakeOption(args, "search", "yes") == "yes";
   parsed.verbose = TakeOption(args, "each", "no") == "yes";
@@ -199,9 +194,8 @@ RecallArgs ParseRecallArgs(const Args& raw) {
   parsed.localize.planes.max_keyframes = std::stoi(TakeOption(args, "keyframes", "4"));
   if (args.size() > 1 || parsed.budgets.empty()) {
     throw MapError(ErrorCode::kUsage,
-                   "recall takes a folder with data, --only NAME, --features TYPE, --landmarks "
-                   "N,N,..., --working-pixels N, --foreign N, --keyframes N, --search yes|no, "
-                   "--each yes|no and --set NAME=VALUE");
+                   "recall takes a folder with data, --only NAME, --landmarks N,N,..., --foreign "
+                   "N, --keyframes N, --search yes|no, --each yes|no and --set NAME=VALUE");
   }
   parsed.data = args.empty() ? fs::path(WAYSTONE_SOURCE_DIR) / "../shared/data" : fs::path(args[0]);
   return parsed;

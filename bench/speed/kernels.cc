@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/features/distance.h"
 #include "core/features/features.h"
 #include "core/features/match.h"
+#include "core/features/packed_rows.h"
 #include "core/homography/homography.h"
 #include "core/image/decode.h"
 #include "core/panorama/fourier_signature.h"
@@ -33,15 +33,16 @@ Descriptors RandomDescriptors(FeatureType type, int rows, Random& random) {
   return {DescriptorBytes(type), std::move(bytes)};
 }
 
-// One descriptor against 4096 others, by each kernel that this processor can run.
-void Distance(benchmark::State& state, FeatureType type, DistanceKernel kernel) {
-  constexpr int kRows = 4096;
+// One descriptor against 128 others, by each implementation that this processor can run.
+void Distances(benchmark::State& state, FeatureType type, PackedDistancesFunction function) {
+  constexpr int kRows = 128;
   Random random(1);
-  const Descriptors query = RandomDescriptors(type, 1, random);
-  const Descriptors block = RandomDescriptors(type, kRows, random);
+  const PackedQuery query(type, RandomDescriptors(type, 1, random).row(0));
+  const PackedRows rows(type, RandomDescriptors(type, kRows, random));
   std::vector<int32_t> distances(kRows);
+  std::vector<uint8_t> near(rows.blocks());
   for ([[maybe_unused]] const auto iteration : state) {
-    kernel(query.row(0), block.row(0), kRows, block.bytes(), distances.data());
+    function(query, rows, 0, rows.blocks(), 0, distances.data(), near.data());
     benchmark::DoNotOptimize(distances.data());
   }
   state.SetItemsProcessed(state.iterations() * kRows);
@@ -119,9 +120,9 @@ void Decode(benchmark::State& state, const char* extension) {
 void RegisterKernels() {
   for (const FeatureType type : kTypes) {
     const std::string name(NameOf(type));
-    for (const NamedKernel& each : RunnableKernels(type)) {
-      benchmark::RegisterBenchmark(("Distance/" + name + "/" + each.name).c_str(), Distance, type,
-                                   each.kernel);
+    for (const NamedPackedDistances& each : RunnablePackedDistances()) {
+      benchmark::RegisterBenchmark(("Distances/" + name + "/" + each.name).c_str(), Distances, type,
+                                   each.function);
     }
     benchmark::RegisterBenchmark(("MatchImages/" + name).c_str(), MatchImages, type)
         ->Unit(benchmark::kMillisecond);

@@ -41,7 +41,7 @@ inline Eigen::Vector2d PositionOf(const Keypoint& keypoint) {
 // N descriptors of `bytes` bytes each, in one contiguous row-major block.
 // SIFT: RootSIFT (the L1-normalised descriptor's square root, after Arandjelovic and Zisserman
 // 2012) times 256, rounded, at most 127: unit length becomes 256 and a product of two bytes stays
-// below 2^14, which is what the matching kernels rely on. ORB and AKAZE: bits.
+// below 2^14, which is what packed_rows.h relies on. ORB and AKAZE: bits.
 class Descriptors {
  public:
   Descriptors() = default;

@@ -48,7 +48,6 @@ int KeypointGrid::MostAlike(const Eigen::Vector2d& position, const uint8_t* desc
   const bool inside = position.x() >= 0 && position.y() >= 0 && position.x() < features_.width &&
                       position.y() < features_.height;
   if (!inside) return -1;
-  const DistanceKernel distance_to = FastestKernel(features_.type);
   const int centre = CellOf(position.x(), position.y());
   int best = -1;
   for (int row = centre / columns_ - 1; row <= centre / columns_ + 1; ++row) {
@@ -57,9 +56,8 @@ int KeypointGrid::MostAlike(const Eigen::Vector2d& position, const uint8_t* desc
       for (int i : cells_[static_cast<size_t>(row) * columns_ + column]) {
         const Keypoint& k = features_.keypoints[i];
         if (std::hypot(k.x_px - position.x(), k.y_px - position.y()) > radius_px_) continue;
-        int32_t distance = 0;
-        distance_to(descriptor, features_.descriptors.row(i), 1, features_.descriptors.bytes(),
-                    &distance);
+        const int32_t distance =
+            DescriptorDistance(features_.type, descriptor, features_.descriptors.row(i));
         if (distance <= max_distance) {
           max_distance = distance;
           best = i;

@@ -8,8 +8,9 @@
 
 namespace waystone {
 
-// The distance, in the kernel's unit, that is `share` (in [0, 1]) of the largest that descriptors
-// of a type can have. Shares are of Euclidean or Hamming distances, not of their squares.
+// The distance, in the unit of distance.h, that is `share` (in [0, 1]) of the largest that
+// descriptors of a type can have. Shares are of Euclidean or Hamming distances, not of their
+// squares.
 double DistanceAt(FeatureType type, double share);
 
 // Looks up an image's keypoints by position. Refers to the features; they must outlive it.
@@ -18,7 +19,7 @@ class KeypointGrid {
   KeypointGrid(const Features& features, double radius_px);
 
   // The keypoint within the radius of `position` whose descriptor is nearest to `descriptor` and
-  // not farther than `max_distance` (in the kernel's unit); -1 when there is none.
+  // not farther than `max_distance` (in the unit of distance.h); -1 when there is none.
   int MostAlike(const Eigen::Vector2d& position, const uint8_t* descriptor,
                 double max_distance) const;
 

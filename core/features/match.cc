@@ -5,15 +5,10 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/features/distance.h"
-
 namespace waystone {
 namespace {
 
-// Rows whose distances are taken at a time: their descriptors fit the first-level cache.
-constexpr int kBlockRows = 256;
-// The same for packed blocks.
+// Blocks of rows whose distances are taken at a time: they fit the first-level cache.
 constexpr int kChunk = 16;
 
 // For each row of a: the two nearest of b so far.
@@ -68,15 +63,6 @@ OfferFunction FastestOffer() {
   return OfferPortable;
 }
 
-void InsertSorted(Neighbour* best, int k, Neighbour candidate) {
-  int place = k - 1;
-  while (place > 0 && best[place - 1].distance > candidate.distance) {
-    best[place] = best[place - 1];
-    --place;
-  }
-  best[place] = candidate;
-}
-
 }  // namespace
 
 void MatchOptions::Check() const { CheckFields("match", *this); }
@@ -129,25 +115,6 @@ std::vector<Match> MatchDescriptors(const PackedRows& a, int a_rows, Descriptors
     matches.push_back({i, row, of_a.first[i]});
   }
   return matches;
-}
-
-std::vector<Neighbour> NearestNeighbours(DescriptorsView queries, DescriptorsView rows,
-                                         FeatureType type, int k) {
-  WS_CHECK(k >= 1, "k must be positive");
-  const DistanceKernel distances = FastestKernel(type);
-  std::vector<Neighbour> best(static_cast<size_t>(queries.rows()) * k);
-  std::array<int32_t, kBlockRows> block;
-  for (int start = 0; start < rows.rows(); start += kBlockRows) {
-    const int count = std::min(kBlockRows, rows.rows() - start);
-    for (int i = 0; i < queries.rows(); ++i) {
-      Neighbour* of_query = best.data() + static_cast<size_t>(i) * k;
-      distances(queries.row(i), rows.row(start), count, rows.bytes, block.data());
-      for (int j = 0; j < count; ++j) {
-        if (block[j] < of_query[k - 1].distance) InsertSorted(of_query, k, {start + j, block[j]});
-      }
-    }
-  }
-  return best;
 }
 
 }  // namespace waystone

@@ -14,7 +14,7 @@ namespace waystone {
 struct Match {
   int a = 0;
   int b = 0;
-  int distance = 0;  // of the descriptors, in the kernel's unit (see distance.h)
+  int distance = 0;  // of the descriptors, in the unit of distance.h
 
   bool operator==(const Match&) const = default;
 };
@@ -44,10 +44,10 @@ std::vector<Match> MatchDescriptors(DescriptorsView a, DescriptorsView b, Featur
 std::vector<Match> MatchDescriptors(const PackedRows& a, int a_rows, DescriptorsView b,
                                     const MatchOptions& options);
 
-// Of the distances themselves, given in the kernel's unit. `farther` isn't 0.
+// Of the distances themselves, given in the unit of distance.h. `farther` isn't 0.
 double DistanceRatio(FeatureType type, int nearer, int farther);
 
-// Whether `nearest` passes the ratio test against `second` (a distance in the kernel's unit).
+// Whether `nearest` passes the ratio test against `second` (distances in the unit of distance.h).
 bool PassesRatio(FeatureType type, int nearest, int second, double max_ratio);
 
 // The k rows of a block that are nearest to a query, nearest first (fewer when there are fewer
@@ -56,10 +56,5 @@ struct Neighbour {
   int row = -1;
   int distance = std::numeric_limits<int>::max();
 };
-
-// Exact k nearest neighbours of every query row, k of them a query, query after query; missing ones
-// have row -1. `k` is small (a handful).
-std::vector<Neighbour> NearestNeighbours(DescriptorsView queries, DescriptorsView rows,
-                                         FeatureType type, int k);
 
 }  // namespace waystone

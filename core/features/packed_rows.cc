@@ -6,6 +6,11 @@
 #include <cstring>
 
 #if defined(__x86_64__)
+// GCC 12 takes the undefined start values inside its own AVX-512 intrinsics for our mistake.
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#if !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include <immintrin.h>
 #endif
 
@@ -178,6 +183,81 @@ void Avx2(const PackedQuery& query, const PackedRows& rows, int first, int count
   }
 }
 
+#define WAYSTONE_AVX512_TARGET "avx512f,avx512bw,avx512vl,avx512vnni,avx512vpopcntdq"
+#define WAYSTONE_AVX512 __attribute__((target(WAYSTONE_AVX512_TARGET), always_inline)) inline
+
+// A register of 64 bytes holds two words of each row of a block, one in either half.
+constexpr int kWordsTogether = 2;
+
+// VNNI sums products of four bytes, VPOPCNTDQ bits of four bytes, both in lanes of 32 bits.
+template <bool kSift, int kPairs, int kBlocks>
+WAYSTONE_AVX512 void Avx512Blocks(const __m512i* query, int32_t query_square,
+                                  const PackedRows& rows, int first, int32_t limit, int32_t* out,
+                                  uint8_t* near) {
+  constexpr int kPairBytes = kWordsTogether * kBlockWordBytes;
+  const uint8_t* data = rows.block(first);
+  __m512i sums[kBlocks];
+  for (int b = 0; b < kBlocks; ++b) sums[b] = _mm512_setzero_si512();
+  for (int p = 0; p < kPairs; ++p) {
+    for (int b = 0; b < kBlocks; ++b) {
+      const __m512i words = _mm512_loadu_si512(data + (b * kPairs + p) * kPairBytes);
+      sums[b] =
+          kSift ? _mm512_dpbusd_epi32(sums[b], query[p], words)
+                : _mm512_add_epi32(sums[b], _mm512_popcnt_epi32(_mm512_xor_si512(query[p], words)));
+    }
+  }
+  for (int b = 0; b < kBlocks; ++b) {
+    const __m256i sum =
+        _mm256_add_epi32(_mm512_castsi512_si256(sums[b]), _mm512_extracti64x4_epi64(sums[b], 1));
+    const __m256i squares =
+        _mm256_add_epi32(_mm256_set1_epi32(query_square), Load(rows.bias(first + b)));
+    const __m256i distances = kSift ? _mm256_sub_epi32(squares, _mm256_add_epi32(sum, sum))
+                                    : _mm256_add_epi32(squares, sum);
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + b * kPackRows), distances);
+    near[b] = _mm256_cmple_epi32_mask(distances, _mm256_set1_epi32(limit));
+  }
+}
+
+// All words of the query stay in registers, kPairs of them.
+template <bool kSift, int kPairs>
+__attribute__((target(WAYSTONE_AVX512_TARGET))) void Avx512Rows(const PackedQuery& query,
+                                                                const PackedRows& rows, int first,
+                                                                int count, int32_t limit,
+                                                                int32_t* out, uint8_t* near) {
+  constexpr int kTogether = 4;
+  __m512i pairs[kPairs];
+  for (int p = 0; p < kPairs; ++p) {
+    const auto* words = reinterpret_cast<const int32_t*>(query.words.data()) + p * kWordsTogether;
+    pairs[p] = _mm512_inserti64x4(_mm512_set1_epi32(words[0]), _mm256_set1_epi32(words[1]), 1);
+  }
+  int b = 0;
+  for (; b + kTogether <= count; b += kTogether) {
+    Avx512Blocks<kSift, kPairs, kTogether>(pairs, query.square, rows, first + b, limit,
+                                           out + b * kPackRows, near + b);
+  }
+  for (; b < count; ++b) {
+    Avx512Blocks<kSift, kPairs, 1>(pairs, query.square, rows, first + b, limit, out + b * kPackRows,
+                                   near + b);
+  }
+}
+
+void Avx512(const PackedQuery& query, const PackedRows& rows, int first, int count, int32_t limit,
+            int32_t* out, uint8_t* near) {
+  switch (rows.type()) {
+    case FeatureType::kSift:
+      return Avx512Rows<true, 16>(query, rows, first, count, limit, out, near);
+    case FeatureType::kOrb:
+      return Avx512Rows<false, 4>(query, rows, first, count, limit, out, near);
+    case FeatureType::kAkaze:
+      return Avx512Rows<false, 8>(query, rows, first, count, limit, out, near);
+  }
+}
+
+bool HasAvx512() {
+  return __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl") &&
+         __builtin_cpu_supports("avx512vnni") && __builtin_cpu_supports("avx512vpopcntdq");
+}
+
 #endif
 
 }  // namespace
@@ -194,7 +274,7 @@ PackedRows::PackedRows(FeatureType type, int blocks)
     : type_(type),
       words_(WordsOf(type)),
       blocks_(blocks),
-      data_(static_cast<size_t>(blocks) * words_ * kBlockWordBytes, 0),
+      data_(static_cast<size_t>(blocks) * words_ * kBlockWordBytes / sizeof(Line)),
       bias_(static_cast<size_t>(blocks) * kPackRows, kEmptySlotDistance) {}
 
 PackedRows::PackedRows(FeatureType type, DescriptorsView rows)
@@ -205,7 +285,7 @@ PackedRows::PackedRows(FeatureType type, DescriptorsView rows)
 void PackedRows::Set(int slot, const uint8_t* row) {
   WS_CHECK(slot >= 0 && slot < slots(), "a slot that isn't there");
   const int bytes = DescriptorBytes(type_);
-  uint8_t* word = data_.data() + static_cast<size_t>(slot / kPackRows) * words_ * kBlockWordBytes +
+  uint8_t* word = Data() + static_cast<size_t>(slot / kPackRows) * words_ * kBlockWordBytes +
                   (slot % kPackRows) * kWordBytes;
   for (int i = 0; i < bytes; i += kWordBytes, word += kBlockWordBytes) {
     std::memcpy(word, row + i, std::min(kWordBytes, bytes - i));
@@ -225,18 +305,19 @@ void PackedRows::CopyRow(int slot, uint8_t* out) const {
   }
 }
 
-std::vector<PackedDistancesFunction> RunnablePackedDistances() {
-  std::vector<PackedDistancesFunction> functions = {Portable};
+std::vector<NamedPackedDistances> RunnablePackedDistances() {
+  std::vector<NamedPackedDistances> functions = {{"portable", Portable}};
 #if defined(__x86_64__)
   __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx2")) functions.push_back(Avx2);
+  if (__builtin_cpu_supports("avx2")) functions.push_back({"avx2", Avx2});
+  if (HasAvx512()) functions.push_back({"avx512", Avx512});
 #endif
   return functions;
 }
 
 void PackedDistances(const PackedQuery& query, const PackedRows& rows, int first, int count,
                      int32_t limit, int32_t* out, uint8_t* near) {
-  static const PackedDistancesFunction fastest = RunnablePackedDistances().back();
+  static const PackedDistancesFunction fastest = RunnablePackedDistances().back().function;
   fastest(query, rows, first, count, limit, out, near);
 }
 

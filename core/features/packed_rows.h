@@ -45,16 +45,24 @@ class PackedRows {
   bool narrow() const { return narrow_; }
   int words() const { return words_; }
   const uint8_t* block(int i) const {
-    return data_.data() + static_cast<size_t>(i) * words_ * 4 * kPackRows;
+    return Data() + static_cast<size_t>(i) * words_ * 4 * kPackRows;
   }
   const int32_t* bias(int i) const { return bias_.data() + static_cast<size_t>(i) * kPackRows; }
 
  private:
+  // A line of the cache: registers that are loaded from two lines take twice as long.
+  struct alignas(64) Line {
+    uint8_t bytes[64];
+  };
+
+  uint8_t* Data() { return reinterpret_cast<uint8_t*>(data_.data()); }
+  const uint8_t* Data() const { return reinterpret_cast<const uint8_t*>(data_.data()); }
+
   FeatureType type_ = FeatureType::kSift;
   int words_ = 0;
   int blocks_ = 0;
   bool narrow_ = true;
-  std::vector<uint8_t> data_;
+  std::vector<Line> data_;
   std::vector<int32_t> bias_;  // of each slot: SIFT, the squared length; or kEmptySlotDistance
 };
 
@@ -64,9 +72,14 @@ class PackedRows {
 void PackedDistances(const PackedQuery& query, const PackedRows& rows, int first, int count,
                      int32_t limit, int32_t* out, uint8_t* near);
 
-// The same by every implementation that this processor can run, the portable one first: for tests.
+// The same by every implementation that this processor can run, the portable one first: for tests
+// and benchmarks.
 using PackedDistancesFunction = void (*)(const PackedQuery&, const PackedRows&, int first,
                                          int count, int32_t limit, int32_t* out, uint8_t* near);
-std::vector<PackedDistancesFunction> RunnablePackedDistances();
+struct NamedPackedDistances {
+  const char* name;
+  PackedDistancesFunction function;
+};
+std::vector<NamedPackedDistances> RunnablePackedDistances();
 
 }  // namespace waystone

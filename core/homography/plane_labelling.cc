@@ -4,11 +4,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc/detail/gcgraph.hpp>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/homography/binary_energy.h"
 #include "core/robust/median.h"
 
 namespace waystone {
@@ -29,51 +28,6 @@ std::shared_ptr<const Companions> FindCompanions(const Neighbourhoods& neighbour
   }
   return companions;
 }
-
-// The least of a sum of costs of binary variables and of pairs of them, by a minimum cut
-// (Kolmogorov and Zabih 2004): x = 1 on the source's side.
-class BinaryEnergy {
- public:
-  explicit BinaryEnergy(int variables) : cost_(variables, 0.0) {}
-
-  // Adds a cost of x_i being 1. It may be negative.
-  void Add(int i, double cost) { cost_[i] += cost; }
-
-  // Adds a cost for each value of (x_i, x_j). Needs v00 + v11 <= v01 + v10.
-  void Add(int i, int j, double v00, double v01, double v10, double v11) {
-    cost_[i] += v10 - v00;
-    cost_[j] += v11 - v10;
-    const double both = v01 + v10 - v00 - v11;  // where x_i is 0 and x_j is 1
-    if (both > 0) pairs_.push_back({i, j, both});
-  }
-
-  std::vector<bool> Minimise() const {
-    std::vector<bool> x(cost_.size());
-    for (size_t i = 0; i < x.size(); ++i) x[i] = cost_[i] < 0;
-    // Pairs cost nothing where all are 0, so that only a variable that gains by itself moves any.
-    const bool settled = pairs_.empty() || std::ranges::find(x, true) == x.end();
-    if (settled) return x;
-    cv::detail::GCGraph<double> graph;
-    graph.create(static_cast<int>(x.size()), static_cast<int>(pairs_.size()));
-    for (size_t i = 0; i < x.size(); ++i) {
-      graph.addTermWeights(graph.addVtx(), std::max(0.0, -cost_[i]), std::max(0.0, cost_[i]));
-    }
-    for (const Pair& pair : pairs_) graph.addEdges(pair.j, pair.i, pair.cost, 0);
-    graph.maxFlow();
-    for (size_t i = 0; i < x.size(); ++i) x[i] = graph.inSourceSegment(static_cast<int>(i));
-    return x;
-  }
-
- private:
-  struct Pair {
-    int i;
-    int j;
-    double cost;
-  };
-
-  std::vector<double> cost_;  // of x = 1 over x = 0
-  std::vector<Pair> pairs_;
-};
 
 }  // namespace
 
@@ -272,12 +226,16 @@ std::optional<Eigen::Matrix3d> PlaneLabelling::Fit(const std::vector<int>& rows,
 bool PlaneLabelling::Label() {
   constexpr int kMaxSweeps = 6;
   bool any = Release();
-  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-    bool changed = false;
-    for (int p = 0; p < planes(); ++p) changed = Expand(p) || changed;
-    changed = Drop() || changed;
-    any = any || changed;
-    if (!changed) break;
+  int settled = 0;  // planes in a row that would gain no match
+  for (int sweep = 0; sweep < kMaxSweeps && settled < planes(); ++sweep) {
+    for (int p = 0; p < planes() && settled < planes(); ++p) {
+      const bool expanded = Expand(p);
+      settled = expanded ? 1 : settled + 1;
+      any = any || expanded;
+    }
+    if (!Drop()) continue;
+    settled = 0;
+    any = true;
   }
   return any;
 }

@@ -152,8 +152,8 @@ int MostAlikeByBruteForce(const Features& features, double radius_px, const Vect
   for (int i = 0; i < features.size(); ++i) {
     const Keypoint& k = features.keypoints[i];
     if (std::hypot(k.x_px - position.x(), k.y_px - position.y()) > radius_px) continue;
-    int32_t distance = 0;
-    FastestKernel(features.type)(descriptor, features.descriptors.row(i), 1, 128, &distance);
+    const int32_t distance =
+        DescriptorDistance(features.type, descriptor, features.descriptors.row(i));
     if (distance > max_distance) continue;
     max_distance = distance;
     best = i;

@@ -141,31 +141,6 @@ TEST_P(Matching, MutualMatchesAreTheSameFromEitherSide) {
   EXPECT_GT(forth.size(), 20u);
 }
 
-TEST_P(Matching, NearestNeighboursAreThoseOfSorting) {
-  const FeatureType type = GetParam();
-  Random random(6);
-  for (int rows : {0, 1, 2, 255, 256, 257, 600}) {
-    const Descriptors queries = MadeDescriptors(type, 15, random);
-    const Descriptors block = MadeDescriptors(type, rows, random, rows == 600 ? 2 : 256);
-    for (int k : {1, 2, 3, 7}) {
-      const std::vector<Neighbour> nearest = NearestNeighbours(queries, block, type, k);
-      ASSERT_EQ(nearest.size(), static_cast<size_t>(15 * k));
-      for (int q = 0; q < 15; ++q) {
-        const std::vector<Neighbour> sorted = Sorted(type, queries.row(q), block);
-        for (int i = 0; i < k; ++i) {
-          const Neighbour& neighbour = nearest[q * k + i];
-          if (i < rows) {
-            EXPECT_EQ(neighbour.row, sorted[i].row) << rows << " rows, neighbour " << i;
-            EXPECT_EQ(neighbour.distance, sorted[i].distance);
-          } else {
-            EXPECT_EQ(neighbour.row, -1) << rows << " rows, neighbour " << i;
-          }
-        }
-      }
-    }
-  }
-}
-
 INSTANTIATE_TEST_SUITE_P(Types, Matching, testing::ValuesIn(kAllTypes),
                          [](const auto& type) { return std::string(NameOf(type.param)); });
 
@@ -190,12 +165,6 @@ TEST(MatchOptions, RefuseARatioOutsideItsRange) {
     }
   }
   EXPECT_NO_THROW((MatchOptions{1.0, true}.Check()));
-}
-
-TEST(NearestNeighbours, RefuseKBelowOne) {
-  Random random(7);
-  const Descriptors some = MadeDescriptors(FeatureType::kOrb, 3, random);
-  EXPECT_THROW(NearestNeighbours(some, some, FeatureType::kOrb, 0), CheckFailure);
 }
 
 }  // namespace

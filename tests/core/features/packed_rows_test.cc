@@ -15,7 +15,7 @@ class Packed : public testing::TestWithParam<FeatureType> {
     const PackedRows packed(GetParam(), rows);
     std::vector<int32_t> out(packed.slots());
     std::vector<uint8_t> near(packed.blocks());
-    for (const PackedDistancesFunction function : RunnablePackedDistances()) {
+    for (const auto& [name, function] : RunnablePackedDistances()) {
       for (int q = 0; q < queries.rows(); ++q) {
         const int limit = NaiveDistance(GetParam(), queries.row(q), rows.row(0));
         for (int first = 0; first < packed.blocks(); ++first) {
@@ -25,11 +25,11 @@ class Packed : public testing::TestWithParam<FeatureType> {
           for (int i = 0; i < count * kPackRows; ++i) {
             const int row = first * kPackRows + i;
             if (row < rows.rows()) {
-              ASSERT_EQ(out[i], NaiveDistance(GetParam(), queries.row(q), rows.row(row)));
+              ASSERT_EQ(out[i], NaiveDistance(GetParam(), queries.row(q), rows.row(row))) << name;
             } else {
-              ASSERT_GE(out[i], kEmptySlotDistance);
+              ASSERT_GE(out[i], kEmptySlotDistance) << name;
             }
-            ASSERT_EQ((near[i / kPackRows] >> (i % kPackRows)) & 1, out[i] <= limit);
+            ASSERT_EQ((near[i / kPackRows] >> (i % kPackRows)) & 1, out[i] <= limit) << name;
           }
         }
       }
