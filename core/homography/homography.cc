@@ -205,15 +205,22 @@ std::optional<Matrix3d> HomographyByDlt(const PointPairs& pairs, std::span<const
   if (pairs.size() < 4) return std::nullopt;
   const Matrix3d ta = NormalisingTransform(pairs.a);
   const Matrix3d tb = NormalisingTransform(pairs.b);
-  Matrix9d ata = Matrix9d::Zero();
+  // Sums of x x^T, weighed by 1, y1, y2 and y1^2 + y2^2: the blocks of the normal equations.
+  Matrix3d xx = Matrix3d::Zero();
+  Matrix3d y1xx = Matrix3d::Zero();
+  Matrix3d y2xx = Matrix3d::Zero();
+  Matrix3d yyxx = Matrix3d::Zero();
   for (int i = 0; i < pairs.size(); ++i) {
     const Vector3d x = ta * pairs.a[i].homogeneous();
-    const Vector3d y = tb * pairs.b[i].homogeneous();
-    Eigen::Matrix<double, 2, 9> rows;
-    rows << x.transpose(), 0, 0, 0, -y.x() * x.transpose(), 0, 0, 0, x.transpose(),
-        -y.y() * x.transpose();
-    ata.noalias() += (weights.empty() ? 1.0 : weights[i]) * rows.transpose() * rows;
+    const Vector2d y = (tb * pairs.b[i].homogeneous()).head<2>();
+    const Matrix3d one = (weights.empty() ? 1.0 : weights[i]) * x * x.transpose();
+    xx += one;
+    y1xx += y.x() * one;
+    y2xx += y.y() * one;
+    yyxx += y.squaredNorm() * one;
   }
+  Matrix9d ata;
+  ata << xx, Matrix3d::Zero(), -y1xx, Matrix3d::Zero(), xx, -y2xx, -y1xx, -y2xx, yyxx;
   const SymmetricEigen eigen = DecomposeSymmetric(ata);
   if (!eigen.converged) return std::nullopt;
   // Both are judged in normalised coordinates: in pixels they would depend on the image's size.
