@@ -171,8 +171,9 @@ class BuildingAsked {
     const PlaneQueryOptions options;
     const Shortlist shortlist = VoteForPlaces(*index_, query, options);
     const std::vector<VerifiedPlane> tried = TryPlanes(*index_, query, shortlist.planes, options);
-    const auto keyframes = VerifyKeyframes(*index_, query, shortlist, tried, options);
-    const std::vector<Place> places = FindPlaces(*index_, query, tried, keyframes, options);
+    std::vector<Place> places = FindPlaces(*index_, tried, options);
+    JoinKeyframes(*index_, query, VerifyKeyframes(*index_, query, shortlist, places, options),
+                  options, places);
     if (places.empty()) return sample;
     const Place& best = places.front();
     sample.localized = true;

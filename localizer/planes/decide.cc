@@ -269,17 +269,13 @@ std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane>
   return places;
 }
 
-std::vector<Place> FindPlaces(const MapIndex& index, const Features& query,
-                              const std::vector<VerifiedPlane>& tried,
-                              const std::vector<VerifiedKeyframe>& keyframes,
+std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
                               const PlaneQueryOptions& options) {
   std::vector<VerifiedPlane> accepted;
   for (const VerifiedPlane& plane : tried) {
     if (plane.accepted) accepted.push_back(plane);
   }
-  std::vector<Place> places = GroupPlaces(index, std::move(accepted), options);
-  JoinKeyframes(index, query, keyframes, options, places);
-  return places;
+  return GroupPlaces(index, std::move(accepted), options);
 }
 
 KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Features& query) {
@@ -300,9 +296,8 @@ KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Feat
 }
 
 Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
-              const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options,
-              const std::vector<VerifiedKeyframe>& keyframes) {
-  const std::vector<Place> places = FindPlaces(index, query, tried, keyframes, options);
+              const std::vector<VerifiedPlane>& tried, const std::vector<Place>& places,
+              const PlaneQueryOptions& options) {
   if (places.empty()) return RefusePlanes(index, query, shortlisted, tried, options);
   if (places.front().probability < options.gates.min_probability) {
     Answer answer = RefusePlace(index, query, places.front(), options);

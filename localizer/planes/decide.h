@@ -35,11 +35,8 @@ bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b);
 std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane> accepted,
                                const PlaneQueryOptions& options);
 
-// The places of all planes that were accepted of those that were tried, and of the keyframes that
-// were verified, in the order of JoinKeyframes.
-std::vector<Place> FindPlaces(const MapIndex& index, const Features& query,
-                              const std::vector<VerifiedPlane>& tried,
-                              const std::vector<VerifiedKeyframe>& keyframes,
+// The places of all planes that were accepted of those that were tried.
+std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
                               const PlaneQueryOptions& options);
 
 // The same for two places: whether planes or keyframes of both are near each other.
@@ -51,10 +48,10 @@ bool AreNear(const MapIndex& index, const Place& a, const Place& b);
 KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Features& query);
 
 // The verdict for all planes that were tried, accepted or not, of `shortlisted` ones, and for the
-// keyframes that were verified (VerifyKeyframes), with everything an answer says about places.
-// Times, names and map are the caller's.
+// places that they and the verified keyframes make (FindPlaces, JoinKeyframes), with everything an
+// answer says about places. Times, names and map are the caller's.
 Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
-              const std::vector<VerifiedPlane>& tried, const PlaneQueryOptions& options,
-              const std::vector<VerifiedKeyframe>& keyframes = {});
+              const std::vector<VerifiedPlane>& tried, const std::vector<Place>& places,
+              const PlaneQueryOptions& options);
 
 }  // namespace waystone

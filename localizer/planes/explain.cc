@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "localizer/planes/decide.h"
-
 namespace waystone {
 namespace {
 
@@ -69,9 +67,8 @@ int PlaceWith(const std::vector<ExplainedPlace>& places, PlaneId plane) {
 Explanation Explain(const MapIndex& index, const Features& query, const Shortlist& shortlist,
                     const std::vector<VerifiedPlane>& tried,
                     const std::vector<VerifiedKeyframe>& keyframes,
-                    const PlaneQueryOptions& options) {
+                    const std::vector<Place>& places, const PlaneQueryOptions& options) {
   Explanation explanation{query.width, query.height, query.size(), options.gates, {}, {}, {}};
-  const std::vector<Place> places = FindPlaces(index, query, tried, keyframes, options);
   for (const Place& place : places) {
     explanation.places.push_back(ExplainPlace(index, query, place));
   }

@@ -5,6 +5,7 @@
 
 #include "core/features/features.h"
 #include "localizer/index/map_index.h"
+#include "localizer/planes/decide.h"
 #include "localizer/planes/plane_query_options.h"
 #include "localizer/planes/shortlist.h"
 #include "localizer/planes/verify.h"
@@ -14,11 +15,11 @@
 namespace waystone {
 
 // What became of every shortlisted plane and verified keyframe: `tried` and `keyframes` are what
-// TryPlanes and VerifyKeyframes made with the same options. Groups the places anew, which costs
-// well under a millisecond. Deterministic.
+// TryPlanes and VerifyKeyframes made with the same options, `places` what Decide was given.
+// Deterministic.
 Explanation Explain(const MapIndex& index, const Features& query, const Shortlist& shortlist,
                     const std::vector<VerifiedPlane>& tried,
                     const std::vector<VerifiedKeyframe>& keyframes,
-                    const PlaneQueryOptions& options);
+                    const std::vector<Place>& places, const PlaneQueryOptions& options);
 
 }  // namespace waystone

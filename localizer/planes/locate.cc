@@ -94,17 +94,19 @@ Answer LocateByPlanes(const MapIndex& index, const Features& query,
   const double shortlist_ms = timer.Lap();
   const std::vector<VerifiedPlane> tried =
       TryPlanes(index, query, shortlist.planes, options, deadline);
+  std::vector<Place> places = FindPlaces(index, tried, options);
   const std::vector<VerifiedKeyframe> keyframes =
-      VerifyKeyframes(index, query, shortlist, tried, options, deadline);
-  Answer answer = HasPassed(deadline)
-                      ? Undecided(Stage::kShortlist)
-                      : Decide(index, query, static_cast<int>(shortlist.planes.size()), tried,
-                               options, keyframes);
+      VerifyKeyframes(index, query, shortlist, places, options, deadline);
+  JoinKeyframes(index, query, keyframes, options, places);
+  Answer answer =
+      HasPassed(deadline)
+          ? Undecided(Stage::kShortlist)
+          : Decide(index, query, static_cast<int>(shortlist.planes.size()), tried, places, options);
   if (deadline && !answer.last_stage) answer.last_stage = Stage::kDecide;
   answer.timing.shortlist_ms = shortlist_ms;
   answer.timing.verify_ms = timer.Lap();
   if (explain)
-    answer.planes.explanation = Explain(index, query, shortlist, tried, keyframes, options);
+    answer.planes.explanation = Explain(index, query, shortlist, tried, keyframes, places, options);
   if (index.map().poses && answer.verdict == Verdict::kLocalized) {
     answer.planes.matches = CollectMatches(index, answer, tried, keyframes);
   }

@@ -87,7 +87,7 @@ bool Shows(const MapIndex& index, int keyframe, const Place& place) {
 
 std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Features& query,
                                               const Shortlist& shortlist,
-                                              const std::vector<VerifiedPlane>& tried,
+                                              const std::vector<Place>& places,
                                               const PlaneQueryOptions& options,
                                               const Deadline& deadline) {
   if (!index.HasLandmarks()) return {};
@@ -103,14 +103,16 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
   const auto sort = [&] {
     std::ranges::stable_sort(verified, std::greater<>(), &VerifiedKeyframe::distinct);
   };
-  const std::vector<Place> places = FindPlaces(index, query, tried, {}, options);
-  for (const Place& place : places) {
+  std::vector<Place> ranked = places;
+  JoinKeyframes(index, query, {}, options, ranked);
+  for (const Place& place : ranked) {
     if (std::ssize(asked) == options.max_keyframes) break;
-    if (CountInliers(place) < options.gates.ambiguous_share * CountInliers(places.front())) break;
+    if (CountInliers(place) < options.gates.ambiguous_share * CountInliers(ranked.front())) break;
     verify(index.IndexOf(NearestKeyframe(index, place, query)));
   }
   sort();
-  const std::vector<Place> joined = FindPlaces(index, query, tried, verified, options);
+  std::vector<Place> joined = places;
+  JoinKeyframes(index, query, verified, options, joined);
   if (joined.empty() || joined.front().probability < options.gates.min_probability) {
     for (const ShortlistedKeyframe& candidate : shortlist.keyframes) verify(candidate.keyframe);
     sort();

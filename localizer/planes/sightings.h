@@ -12,12 +12,12 @@
 namespace waystone {
 
 // The keyframes that are worth verifying after the shortlisted planes were tried, verified, best
-// first, until the deadline: those nearest to the best places by planes; and unless these settled
-// where the query is, the shortlisted ones. None for a map without landmarks, which is answered by
-// its planes alone.
+// first, until the deadline: those nearest to the best of the planes' places (FindPlaces); and
+// unless these settled where the query is, the shortlisted ones. None for a map without landmarks,
+// which is answered by its planes alone.
 std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Features& query,
                                               const Shortlist& shortlist,
-                                              const std::vector<VerifiedPlane>& tried,
+                                              const std::vector<Place>& places,
                                               const PlaneQueryOptions& options,
                                               const Deadline& deadline = {});
 
