@@ -1,14 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""benchmark_tables.py [--check] [RESULTS]: writes docs/benchmarks.md.
+"""benchmark_tables.py [--check] [RESULTS]: writes docs/benchmarks.md and the figures of README.md.
 
-The document is docs/benchmarks/benchmarks.md.in with its placeholders filled from the results beside
-it, one file a run of scripts/bench.py. Those in RESULTS, where it is given, replace them first.
+They are docs/benchmarks/benchmarks.md.in and readme.md.in with their placeholders filled from the results
+beside them, one file a run of scripts/bench.py. Those in RESULTS, where it is given, replace them first.
 {world.found_share:.1%} is found_share of the run `world`, in percent; elements of lists are taken by
 their number or name. Formats are Python's; `M` and `K` divide by a million and a thousand. What a run
 hasn't measured is a dash. A line below each table gives the date, commit and machine of its runs. With
---check nothing is written: the exit status is 1 when the document isn't what would be written, or when
-a table has a figure that comes from no result. Columns of targets and the first one, which names the
+--check nothing is written: the exit status is 1 when a document isn't what would be written, or when a
+table has a figure that comes from no result. Columns of targets and the first one, which names the
 rows, are the template's.
 """
 import difflib
@@ -24,8 +24,12 @@ import bench
 DOCUMENT = Path("docs/benchmarks.md")
 FOLDER = Path("docs/benchmarks")
 TEMPLATE = FOLDER / "benchmarks.md.in"
+README = Path("README.md")
+README_TEMPLATE = FOLDER / "readme.md.in"
 NOTE = ("<!-- Written by scripts/benchmark_tables.py: change docs/benchmarks/benchmarks.md.in, or run "
         "`make bench`. -->\n")
+README_BEGIN = "<!-- Figures: written by scripts/benchmark_tables.py from docs/benchmarks/readme.md.in. -->\n"
+README_END = "<!-- End of the figures. -->\n"
 
 
 class Figure:
@@ -111,8 +115,8 @@ def is_table(line):
     return line.startswith("|")
 
 
-def fill(template, records):
-    """The document, whose lines are as long as figures make them.
+def fill(template, records, name=TEMPLATE):
+    """What a template says, in lines as long as figures make them. `name` is for errors.
 
     Raises ValueError for a placeholder that no result fills.
     """
@@ -127,19 +131,28 @@ def fill(template, records):
         try:
             out.append(string.Formatter().vformat(line, (), results))
         except ValueError as error:
-            raise ValueError(f"{TEMPLATE}:{number}: {error}") from error
+            raise ValueError(f"{name}:{number}: {error}") from error
         if is_table(line):
             names += [name for name in runs_of(line) if name not in names]
     if names:
         out.append("\n" + stamp(records, names))
-    return NOTE + "".join(out)
+    return "".join(out)
+
+
+def with_figures(readme, figures):
+    """The README with these figures between its marks."""
+    before, begin, rest = readme.partition(README_BEGIN)
+    _, end, after = rest.partition(README_END)
+    if not begin or not end:
+        raise ValueError(f"{README} has no place for figures")
+    return before + begin + figures + end + after
 
 
 def cells(line):
     return [cell.strip() for cell in line.strip().strip("|").split("|")]
 
 
-def unmeasured(template):
+def unmeasured(template, path=TEMPLATE):
     """Cells of tables with something that neither a result nor a target says."""
     found, heading = [], None
     for number, line in enumerate(template.splitlines(), 1):
@@ -154,7 +167,7 @@ def unmeasured(template):
         for name, cell in list(zip(heading, cells(line)))[1:]:
             said = re.sub(r"{[^}]*}", "", cell)
             if "target" not in name and cell not in ("", "-") and (said == cell or re.search(r"\d", said)):
-                found.append(f"{TEMPLATE}:{number}: '{cell}' comes from no result")
+                found.append(f"{path}:{number}: '{cell}' comes from no result")
     return found
 
 
@@ -163,16 +176,21 @@ def main(arguments):
     for path in [Path(each) for each in arguments if each != "--check"]:
         for result in path.glob("*.json"):
             shutil.copy(result, FOLDER)
-    template = TEMPLATE.read_text(encoding="utf-8")
-    problems = unmeasured(template)
-    text = fill(template, read(FOLDER))
-    if check:
-        problems += difflib.unified_diff(
-            DOCUMENT.read_text(encoding="utf-8").splitlines(), text.splitlines(),
-            str(DOCUMENT), "what scripts/benchmark_tables.py writes", lineterm="", n=0)
-    elif not problems:
-        DOCUMENT.write_text(text, encoding="utf-8")
-    print("\n".join(problems) if problems else f"{DOCUMENT} says what {FOLDER} has")
+    records, problems, filled = read(FOLDER), [], {}
+    for path in (TEMPLATE, README_TEMPLATE):
+        template = path.read_text(encoding="utf-8")
+        problems += unmeasured(template, path)
+        filled[path] = fill(template, records, path)
+    texts = {DOCUMENT: NOTE + filled[TEMPLATE],
+             README: with_figures(README.read_text(encoding="utf-8"), filled[README_TEMPLATE])}
+    for path, text in texts.items():
+        if check:
+            problems += difflib.unified_diff(
+                path.read_text(encoding="utf-8").splitlines(), text.splitlines(),
+                str(path), "what scripts/benchmark_tables.py writes", lineterm="", n=0)
+        elif not problems:
+            path.write_text(text, encoding="utf-8")
+    print("\n".join(problems) if problems else f"{DOCUMENT} and {README} say what {FOLDER} has")
     return 1 if problems else 0
 
 

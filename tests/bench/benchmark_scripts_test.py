@@ -116,6 +116,14 @@ class TablesTest(unittest.TestCase):
         self.assertIn("1,234 |\n\n*`waystone-bench world` (61 s of CPU time): 2026-01-02, commit abc, A processor, "
                       "2 cores, An OS.*\n\nText.", text)
 
+    def test_the_readme_has_figures_between_its_marks(self):
+        begin, end = benchmark_tables.README_BEGIN, benchmark_tables.README_END
+        self.assertEqual(benchmark_tables.with_figures(f"a\n{begin}old\n{end}b\n", "new\n"),
+                         f"a\n{begin}new\n{end}b\n")
+        for text in ("a\n", f"a\n{begin}b\n", f"a\n{end}b\n"):
+            with self.assertRaises(ValueError, msg=text):
+                benchmark_tables.with_figures(text, "new\n")
+
     def test_a_table_at_the_end_says_it_too(self):
         self.assertIn("commit abc", self.fill("| a | b |\n|---|---|\n| c | {run.count} |\n"))
 
