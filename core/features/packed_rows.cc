@@ -24,7 +24,13 @@ constexpr int kBlockWordBytes = kWordBytes * kPackRows;
 // A sum of products of bytes in an unsigned lane of 16 bits.
 constexpr int32_t kMaxNarrow = 0xffff;
 
-int WordsOf(FeatureType type) { return (DescriptorBytes(type) + kWordBytes - 1) / kWordBytes; }
+// A register of 64 bytes holds two words of each row of a block, one in either half.
+constexpr int kWordsTogether = 2;
+
+int WordsOf(FeatureType type) {
+  constexpr int kBytesTogether = kWordsTogether * kWordBytes;
+  return (DescriptorBytes(type) + kBytesTogether - 1) / kBytesTogether * kWordsTogether;
+}
 
 // Squared lengths of what the lower and the upper lane of 16 bits sum up.
 struct Squares {
@@ -185,9 +191,6 @@ void Avx2(const PackedQuery& query, const PackedRows& rows, int first, int count
 
 #define WAYSTONE_AVX512_TARGET "avx512f,avx512bw,avx512vl,avx512vnni,avx512vpopcntdq"
 #define WAYSTONE_AVX512 __attribute__((target(WAYSTONE_AVX512_TARGET), always_inline)) inline
-
-// A register of 64 bytes holds two words of each row of a block, one in either half.
-constexpr int kWordsTogether = 2;
 
 // VNNI sums products of four bytes, VPOPCNTDQ bits of four bytes, both in lanes of 32 bits.
 template <bool kSift, int kPairs, int kBlocks>

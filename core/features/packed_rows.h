@@ -50,7 +50,7 @@ class PackedRows {
   const int32_t* bias(int i) const { return bias_.data() + static_cast<size_t>(i) * kPackRows; }
 
  private:
-  // A line of the cache: registers that are loaded from two lines take twice as long.
+  // A line of the cache: loads that cross from one line to the next take twice as long.
   struct alignas(64) Line {
     uint8_t bytes[64];
   };
