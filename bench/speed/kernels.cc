@@ -26,8 +26,9 @@ namespace {
 
 constexpr FeatureType kTypes[] = {FeatureType::kSift, FeatureType::kOrb, FeatureType::kAkaze};
 
+// Those of SIFT are about as long as extracted ones.
 Descriptors RandomDescriptors(FeatureType type, int rows, Random& random) {
-  const int levels = type == FeatureType::kSift ? 128 : 256;
+  const int levels = type == FeatureType::kSift ? 40 : 256;
   std::vector<uint8_t> bytes(static_cast<size_t>(rows) * DescriptorBytes(type));
   for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random.Below(levels));
   return {DescriptorBytes(type), std::move(bytes)};
@@ -63,7 +64,11 @@ PointPairs PlanePairs(int count) {
   Eigen::Matrix3d b_from_a;
   b_from_a << 0.95, 0.08, 12, -0.05, 1.03, -7, 1e-5, -4e-5, 1;
   Random random(3);
-  const auto noise = [&random] { return Eigen::Vector2d(random.Normal(), random.Normal()) * 0.5; };
+  const auto noise = [&random]() -> Eigen::Vector2d {
+    const double x = random.Normal();
+    const double y = random.Normal();
+    return {0.5 * x, 0.5 * y};
+  };
   PointPairs pairs;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2d a(random.Uniform() * 640, random.Uniform() * 480);
