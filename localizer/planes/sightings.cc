@@ -104,7 +104,7 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
     std::ranges::stable_sort(verified, std::greater<>(), &VerifiedKeyframe::distinct);
   };
   std::vector<Place> ranked = places;
-  JoinKeyframes(index, query, {}, options, ranked);
+  JoinKeyframes(index, query, {}, options, ranked);  // in the same order as with keyframes
   for (const Place& place : ranked) {
     if (std::ssize(asked) == options.max_keyframes) break;
     if (CountInliers(place) < options.gates.ambiguous_share * CountInliers(ranked.front())) break;
