@@ -2,7 +2,9 @@
 #include "bench/accuracy/world_revisits.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "schema/layers/planes/surfaces.h"
@@ -50,10 +52,20 @@ std::set<PlaneId> SeenIn(const MapData& map, const std::vector<const Plane*>& pl
   return seen;
 }
 
-void Judge(const std::set<PlaneId>& early, const std::set<PlaneId>& late,
+long long Id(const MapData& map, int keyframe) { return map.keyframes[keyframe].id.value; }
+
+std::string ListOf(const std::set<PlaneId>& planes) {
+  std::string list;
+  for (const PlaneId plane : planes) list += " " + std::to_string(plane.value);
+  return list.empty() ? " none" : list;
+}
+
+// Whether the two visits are joined.
+bool Judge(const std::set<PlaneId>& early, const std::set<PlaneId>& late,
            const std::map<PlaneId, PlaneId>& surface_of,
            const std::set<std::pair<PlaneId, PlaneId>>& edges, RevisitFigures& figures) {
   ++figures.seen_again;
+  const int open = figures.no_plane + figures.apart;
   const auto any_with = [&](auto&& joins) {
     return std::ranges::any_of(early, [&](PlaneId a) {
       return std::ranges::any_of(late, [&](PlaneId b) { return joins(a, b); });
@@ -70,6 +82,7 @@ void Judge(const std::set<PlaneId>& early, const std::set<PlaneId>& late,
   } else {
     ++figures.apart;
   }
+  return figures.no_plane + figures.apart == open;
 }
 
 }  // namespace
@@ -94,8 +107,14 @@ RevisitFigures CountRevisits(const SharedPlanes& shared, const MapData& map,
           ++figures.too_few_matches;
           continue;
         }
-        Judge(SeenIn(map, planes_of[surface], visits[early]),
-              SeenIn(map, planes_of[surface], visits[late]), surface_of, edges, figures);
+        const std::set<PlaneId> before = SeenIn(map, planes_of[surface], visits[early]);
+        const std::set<PlaneId> again = SeenIn(map, planes_of[surface], visits[late]);
+        if (Judge(before, again, surface_of, edges, figures)) continue;
+        std::printf(
+            "apart: true plane %d in keyframes %lld to %lld and %lld to %lld, as planes%s and%s\n",
+            surface, Id(map, visits[early].first), Id(map, visits[early].last),
+            Id(map, visits[late].first), Id(map, visits[late].last), ListOf(before).c_str(),
+            ListOf(again).c_str());
       }
     }
   }

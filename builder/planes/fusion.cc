@@ -158,7 +158,6 @@ std::optional<FusionMatch> MatchPlanes(const Plane& m, const PackedRows& packed_
   FusionMatch result;
   for (const int row : estimate->inliers) result.inliers.push_back(matches[row]);
   result.m_from_n = estimate->to_from;
-  if (!OverlapAgrees(m, n, result, fusion.min_overlap)) return std::nullopt;
   return result;
 }
 
@@ -207,7 +206,13 @@ class Fuser {
 
   std::optional<FusionMatch> MatchNow(PlaneId m, PlaneId n) const {
     const Entry& entry_m = planes_.at(m);
-    return MatchPlanes(entry_m.plane, entry_m.packed, planes_.at(n).plane, options_);
+    const Plane& plane_n = planes_.at(n).plane;
+    std::optional<FusionMatch> match =
+        MatchPlanes(entry_m.plane, entry_m.packed, plane_n, options_);
+    if (match && !OverlapAgrees(entry_m.plane, plane_n, *match, options_.fusion.min_overlap)) {
+      return std::nullopt;
+    }
+    return match;
   }
 
   // Line 17: tries a pair, or what its planes have become. `first` is the match of what they were.

@@ -204,10 +204,15 @@ void PlaneLayerBuilder::Fuse(MapData& map) {
   map.planes = std::move(fusion.planes);
   map.edges = std::move(fusion.edges);
   report_.planes_fused = fusion.fused;
-  const std::vector<Edge> again =
-      FindRevisits(map.planes, map.edges, map.keyframes, searched_.keyframes(),
-                   options_.features.type, options_.planes);
-  map.edges.insert(map.edges.end(), again.begin(), again.end());
+  const Revisits again = FindRevisits(map.planes, map.edges, map.keyframes, searched_.keyframes(),
+                                      options_.features.type, options_.planes);
+  for (const PlaneSeenAgain& one : again.seen) {
+    std::vector<PlaneView>& views =
+        std::ranges::lower_bound(map.planes, one.plane, {}, &Plane::id)->views;
+    views.insert(std::ranges::lower_bound(views, one.view.keyframe, {}, &PlaneView::keyframe),
+                 one.view);
+  }
+  map.edges.insert(map.edges.end(), again.edges.begin(), again.edges.end());
   std::ranges::sort(map.edges, {}, [](const Edge& edge) { return std::pair(edge.a, edge.b); });
   report_.features_dropped += DropSparse(options_.planes, map.planes);
   report_.fusion_s = SecondsSince(start);

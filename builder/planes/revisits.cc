@@ -26,8 +26,8 @@ constexpr double kMinSpanned = 0.5;  // of what a plane and an image have in com
 
 // A plane that an image shows.
 struct Sighting {
-  int plane = 0;            // index
-  bool again = false;       // it wasn't followed to the image's keyframe
+  int plane = 0;                  // index
+  std::optional<PlaneView> view;  // if it wasn't followed to the image's keyframe
   std::vector<bool> shows;  // of each keypoint of the image: it is one of the plane's features
 };
 
@@ -82,26 +82,35 @@ class RevisitFinder {
   }
 
   // candidates[i]: planes that image i may show.
-  std::vector<Edge> Run(const std::vector<std::vector<int>>& candidates) const {
-    std::vector<std::vector<Edge>> found(images_.size());
-    tbb::parallel_for(0, static_cast<int>(images_.size()), [&](int i) {
-      const std::vector<Sighting> sightings = Search(i, candidates[i]);
-      for (const int neighbour : {i - 1, i + 1}) {
-        if (!sightings.empty() && InOneStretch(i, neighbour)) {
-          JoinAcross(i, neighbour, sightings, found[i]);
-        }
-      }
-    });
+  Revisits Run(const std::vector<std::vector<int>>& candidates) const {
+    std::vector<Revisits> found(images_.size());
+    tbb::parallel_for(0, static_cast<int>(images_.size()),
+                      [&](int i) { found[i] = FindIn(i, candidates[i]); });
+    Revisits all;
     std::map<PlanePair, Edge> edges;  // the first image that shows a pair of planes counts
-    for (const std::vector<Edge>& of_image : found) {
-      for (const Edge& edge : of_image) edges.emplace(PlanePair{edge.a, edge.b}, edge);
+    for (const Revisits& of_image : found) {
+      all.seen.insert(all.seen.end(), of_image.seen.begin(), of_image.seen.end());
+      for (const Edge& edge : of_image.edges) edges.emplace(PlanePair{edge.a, edge.b}, edge);
     }
-    std::vector<Edge> sorted;
-    for (const auto& [pair, edge] : edges) sorted.push_back(edge);
-    return sorted;
+    for (const auto& [pair, edge] : edges) all.edges.push_back(edge);
+    return all;
   }
 
  private:
+  Revisits FindIn(int image, const std::vector<int>& candidates) const {
+    const std::vector<Sighting> sightings = Search(image, candidates);
+    Revisits found;
+    for (const Sighting& sighting : sightings) {
+      if (sighting.view) found.seen.push_back({planes_[sighting.plane].id, *sighting.view});
+    }
+    for (const int neighbour : {image - 1, image + 1}) {
+      if (!sightings.empty() && InOneStretch(image, neighbour)) {
+        JoinAcross(image, neighbour, sightings, found.edges);
+      }
+    }
+    return found;
+  }
+
   // The planes seen again in an image, and those that were followed to it; nothing when there are
   // none of the first kind.
   std::vector<Sighting> Search(int image, const std::vector<int>& candidates) const {
@@ -112,13 +121,16 @@ class RevisitFinder {
       if (FindView(plane, all.reference) != nullptr) continue;
       const auto match = MatchPlanes(plane, PackedRows(type_, plane.descriptors), all, options_);
       if (!match || SpannedShare(plane, *match, all) < kMinSpanned) continue;
-      sightings.push_back({p, true, std::vector<bool>(all.features.size())});
+      const PlaneView view = {all.reference, Normalised(match->m_from_n.b_from_a),
+                              static_cast<int>(match->inliers.size())};
+      sightings.push_back({p, view, std::vector<bool>(all.features.size())});
       for (const Match& inlier : match->inliers) sightings.back().shows[inlier.b] = true;
     }
     if (sightings.empty()) return sightings;
     for (int p = 0; p < static_cast<int>(planes_.size()); ++p) {
       const PlaneView* view = FindView(planes_[p], all.reference);
-      if (view != nullptr) sightings.push_back({p, false, KeypointsOf(planes_[p], *view, all)});
+      if (view != nullptr)
+        sightings.push_back({p, std::nullopt, KeypointsOf(planes_[p], *view, all)});
     }
     return sightings;
   }
@@ -169,7 +181,7 @@ class RevisitFinder {
     const KeyframeId from = images_[std::min(image, neighbour)].keyframe;
     const KeyframeId to = images_[std::max(image, neighbour)].keyframe;
     for (size_t m = 0; m < sightings.size(); ++m) {
-      for (size_t n = m + 1; n < sightings.size() && sightings[m].again; ++n) {
+      for (size_t n = m + 1; n < sightings.size() && sightings[m].view; ++n) {
         if (!motions[m] || !motions[n]) continue;
         const bool ordered = sightings[m].plane < sightings[n].plane;
         const auto [a, b] = Ordered(planes_[sightings[m].plane].id, planes_[sightings[n].plane].id);
@@ -209,10 +221,10 @@ class RevisitFinder {
 
 }  // namespace
 
-std::vector<Edge> FindRevisits(const std::vector<Plane>& planes, const std::vector<Edge>& edges,
-                               const std::vector<Keyframe>& keyframes,
-                               const std::vector<SampledKeyframe>& images, FeatureType type,
-                               const PlaneLayerOptions& options) {
+Revisits FindRevisits(const std::vector<Plane>& planes, const std::vector<Edge>& edges,
+                      const std::vector<Keyframe>& keyframes,
+                      const std::vector<SampledKeyframe>& images, FeatureType type,
+                      const PlaneLayerOptions& options) {
   return RevisitFinder(planes, edges, keyframes, images, type, options)
       .Run(ProposeSightings(planes, images, type, options.fusion));
 }

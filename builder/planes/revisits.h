@@ -9,20 +9,32 @@
 
 namespace waystone {
 
-// Edges that close loops which fusion leaves open. Fusion compares what planes have kept, which may
-// be little between two visits of a place, while a keyframe's image shows everything: each of
-// `images` is searched for the planes that weren't followed to its keyframe, with all its features
-// in the place of another plane's (line 17 of Algorithm 1), and with matches that span half of what
-// the two have in common, which those of a repeated poster don't. Such a plane and one that was
-// followed to the keyframe, or was found there in the same way, are carried to the images before
-// and after it by matches (sec. II-A); where their homology is the identity (sec. II-B: one and the
-// same plane), they get an edge with the homology as measured, unless an edge joins their surfaces
-// already. Planes get no views of such images, which often show a small part of what they have.
-// Returns the new edges by (a, b). The arguments are ordered by id and (a, b); `images` are of
-// `keyframes`, all or some. Deterministic on any number of threads (it uses TBB's).
-std::vector<Edge> FindRevisits(const std::vector<Plane>& planes, const std::vector<Edge>& edges,
-                               const std::vector<Keyframe>& keyframes,
-                               const std::vector<SampledKeyframe>& images, FeatureType type,
-                               const PlaneLayerOptions& options);
+// A plane that an image shows, though it wasn't followed to the image's keyframe.
+struct PlaneSeenAgain {
+  PlaneId plane;
+  PlaneView view;
+
+  bool operator==(const PlaneSeenAgain&) const = default;
+};
+
+struct Revisits {
+  std::vector<PlaneSeenAgain> seen;  // by keyframe, then by plane
+  std::vector<Edge> edges;           // new ones, by (a, b)
+};
+
+// Closes loops that fusion leaves open. Fusion compares what planes have kept, which may be little
+// between two visits of a place, while a keyframe's image shows everything: each of `images` is
+// searched for the planes that weren't followed to its keyframe, with all its features in the place
+// of another plane's (line 17 of Algorithm 1), and with matches that span half of what the two have
+// in common, which those of a repeated poster don't. Such a plane and one that was followed to the
+// keyframe, or was found there in the same way, are carried to the images before and after it by
+// matches (sec. II-A); where their homology is the identity (sec. II-B: one and the same plane),
+// they get an edge with the homology as measured, unless an edge joins their surfaces already.
+// The arguments are ordered by id and (a, b); `images` are of `keyframes`, all or some.
+// Deterministic on any number of threads (it uses TBB's).
+Revisits FindRevisits(const std::vector<Plane>& planes, const std::vector<Edge>& edges,
+                      const std::vector<Keyframe>& keyframes,
+                      const std::vector<SampledKeyframe>& images, FeatureType type,
+                      const PlaneLayerOptions& options);
 
 }  // namespace waystone

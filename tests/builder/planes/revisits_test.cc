@@ -58,20 +58,31 @@ struct TwoVisits {
     return plane;
   }
 
-  std::vector<Edge> Find(const std::vector<Plane>& planes, const std::vector<Edge>& edges = {},
-                         const PlaneLayerOptions& options = {}) const {
-    return FindRevisits(planes, edges, keyframes, images, FeatureType::kSift, options);
+  Revisits Find(const std::vector<Plane>& planes, const std::vector<Edge>& edges = {}) const {
+    return FindRevisits(planes, edges, keyframes, images, FeatureType::kSift, {});
   }
-};
 
-bool IsEven(int point) { return point % 2 == 0; }
-bool IsOdd(int point) { return point % 2 == 1; }
+  // Both visits' planes of the first wall, without a feature in common, when the second visit's
+  // images show only `again` of the first plane's features.
+  std::vector<Plane> PlanesOfOneWall() const {
+    return {PlaneOf(1, 1, 0, IsEven), PlaneOf(2, 4, 0, IsOdd)};
+  }
+  Revisits FindShowing(const OfPoints& again) {
+    const std::vector<Plane> planes = PlanesOfOneWall();
+    const OfPoints shown = [&](int point) { return IsOdd(point) || again(point); };
+    for (int64_t k = 1; k <= 6; ++k) {
+      images[k - 1].features = scene.See(PoseOf(k), 0.2, k <= 3 ? OfPoints(IsEven) : shown);
+    }
+    return Find(planes);
+  }
+
+  static bool IsEven(int point) { return point % 2 == 0; }
+  static bool IsOdd(int point) { return point % 2 == 1; }
+};
 
 TEST(FindRevisits, JoinsPlanesOfTwoVisitsThatShareNoFeature) {
   const TwoVisits visits;
-  const Plane first = visits.PlaneOf(1, 1, 0, IsEven);
-  const Plane second = visits.PlaneOf(2, 4, 0, IsOdd);
-  const std::vector<Edge> edges = visits.Find({first, second});
+  const std::vector<Edge> edges = visits.Find(visits.PlanesOfOneWall()).edges;
   ASSERT_EQ(edges.size(), 1u);
   EXPECT_EQ(edges[0].a, PlaneId{1});
   EXPECT_EQ(edges[0].b, PlaneId{2});
@@ -80,73 +91,91 @@ TEST(FindRevisits, JoinsPlanesOfTwoVisitsThatShareNoFeature) {
   EXPECT_FALSE(JoinsOneSurface(edges[0])) << "it says what was measured";
 }
 
+TEST(FindRevisits, GivesEachPlaneAViewOfTheImagesThatShowItAgain) {
+  const TwoVisits visits;
+  const std::vector<Plane> planes = visits.PlanesOfOneWall();
+  const std::vector<PlaneSeenAgain> seen = visits.Find(planes).seen;
+  ASSERT_EQ(seen.size(), 6u) << "the first plane in three images, the second one in the others";
+  for (size_t i = 0; i < seen.size(); ++i) {
+    const auto& [plane, view] = seen[i];
+    EXPECT_EQ(view.keyframe, KeyframeId{static_cast<int64_t>(i) + 1}) << "by keyframe";
+    EXPECT_EQ(plane, PlaneId{view.keyframe.value <= 3 ? 2 : 1});
+    EXPECT_GE(view.inliers, 30);
+    const Plane& seen_plane = planes[plane.value - 1];
+    const Eigen::Matrix3d truth = visits.scene.HomographyOf(
+        0, TwoVisits::PoseOf(view.keyframe.value), TwoVisits::PoseOf(seen_plane.reference.value));
+    for (const PlaneFeature& feature : seen_plane.features) {
+      const Eigen::Vector2d x = PositionOf(feature.reference);
+      const Eigen::Vector2d in_keyframe = Apply(truth.inverse(), x);
+      EXPECT_LT((Apply(view.reference_from_keyframe, in_keyframe) - x).norm(), 3);
+    }
+  }
+}
+
 TEST(FindRevisits, TwoWallsOfACornerStayApart) {
   const TwoVisits visits;
-  EXPECT_TRUE(
-      visits.Find({visits.PlaneOf(1, 1, 0, IsEven), visits.PlaneOf(2, 4, 1, IsOdd)}).empty());
+  const Revisits found = visits.Find(
+      {visits.PlaneOf(1, 1, 0, TwoVisits::IsEven), visits.PlaneOf(2, 4, 1, TwoVisits::IsOdd)});
+  EXPECT_TRUE(found.edges.empty());
+  EXPECT_EQ(found.seen.size(), 6u);
 }
 
 TEST(FindRevisits, SurfacesWithAnEdgeGetNoOther) {
   const TwoVisits visits;
-  const std::vector<Plane> planes = {visits.PlaneOf(1, 1, 0, IsEven),
-                                     visits.PlaneOf(2, 4, 0, IsOdd)};
-  const std::vector<Edge> found = visits.Find(planes);
-  ASSERT_FALSE(found.empty());
-  EXPECT_TRUE(visits.Find(planes, found).empty());
+  const std::vector<Plane> planes = visits.PlanesOfOneWall();
+  const Revisits found = visits.Find(planes);
+  ASSERT_FALSE(found.edges.empty());
+  const Revisits again = visits.Find(planes, found.edges);
+  EXPECT_TRUE(again.edges.empty());
+  EXPECT_EQ(again.seen, found.seen);
 }
 
-// As of a poster that hangs in both places.
-TEST(FindRevisits, AFewOfAPlanesFeaturesAreNotThePlane) {
-  TwoVisits visits;
-  const std::vector<Plane> planes = {visits.PlaneOf(1, 1, 0, IsEven),
-                                     visits.PlaneOf(2, 4, 0, IsOdd)};
-  const OfPoints shown = [](int point) { return IsOdd(point) || point < 44; };
-  for (int64_t k = 1; k <= 6; ++k) {
-    visits.images[k - 1].features =
-        visits.scene.See(TwoVisits::PoseOf(k), 0.2, k <= 3 ? OfPoints(IsEven) : shown);
-  }
-  EXPECT_TRUE(visits.Find(planes).empty());
-  PlaneLayerOptions any_share;
-  any_share.fusion.min_overlap = 0;
-  EXPECT_FALSE(visits.Find(planes, {}, any_share).empty()) << "the share decides";
+// What a plane has kept from many images, no single one shows.
+TEST(FindRevisits, AFifthOfThePlaneIsEnoughIfItIsAllOverIt) {
+  const Revisits found = TwoVisits().FindShowing([](int point) { return point % 10 == 0; });
+  EXPECT_FALSE(found.edges.empty());
+  EXPECT_FALSE(found.seen.empty());
 }
 
-// A third of the plane's features, enough for the share, but all at one end of the wall.
+TEST(FindRevisits, AFewMatchesAreNotThePlane) {
+  const Revisits found = TwoVisits().FindShowing([](int point) { return point < 20; });
+  EXPECT_TRUE(found.edges.empty());
+  EXPECT_TRUE(found.seen.empty());
+}
+
+// A third of the plane's features, all at one end of the wall.
 TEST(FindRevisits, MatchesInOnePartOfTheWallAreAPoster) {
-  TwoVisits visits;
-  const std::vector<Plane> planes = {visits.PlaneOf(1, 1, 0, IsEven),
-                                     visits.PlaneOf(2, 4, 0, IsOdd)};
   const auto find_where = [&](double end) {
-    const OfPoints shown = [&](int point) {
-      return IsOdd(point) || visits.scene.points()[point].x_world.x() < end;
-    };
-    for (int64_t k = 1; k <= 6; ++k) {
-      visits.images[k - 1].features =
-          visits.scene.See(TwoVisits::PoseOf(k), 0.2, k <= 3 ? OfPoints(IsEven) : shown);
-    }
-    return visits.Find(planes);
+    TwoVisits visits;
+    return visits.FindShowing(
+        [&](int point) { return visits.scene.points()[point].x_world.x() < end; });
   };
-  EXPECT_TRUE(find_where(-1.6 + 1.5 / 3).empty());
-  EXPECT_FALSE(find_where(-1.6 + 1.5).empty()) << "the whole wall";
+  const Revisits poster = find_where(-1.6 + 1.5 / 3);
+  EXPECT_TRUE(poster.edges.empty());
+  EXPECT_TRUE(poster.seen.empty());
+  EXPECT_FALSE(find_where(-1.6 + 1.5).edges.empty()) << "the whole wall";
 }
 
-TEST(FindRevisits, OneImageOfAStretchTellsNothing) {
+TEST(FindRevisits, OneImageOfAStretchGivesAViewAndNoEdge) {
   TwoVisits visits;
-  const std::vector<Plane> planes = {visits.PlaneOf(1, 1, 0, IsEven),
-                                     visits.PlaneOf(2, 4, 0, IsOdd)};
+  const std::vector<Plane> planes = visits.PlanesOfOneWall();
   visits.images = {visits.images[0], visits.images[3]};
-  EXPECT_TRUE(visits.Find(planes).empty());
+  const Revisits found = visits.Find(planes);
+  EXPECT_TRUE(found.edges.empty());
+  EXPECT_EQ(found.seen.size(), 2u);
 }
 
 TEST(FindRevisits, IsTheSameOnAnyNumberOfThreads) {
   const TwoVisits visits;
   const std::vector<Plane> planes = {
-      visits.PlaneOf(1, 1, 0, IsEven), visits.PlaneOf(2, 1, 1, IsEven),
-      visits.PlaneOf(3, 4, 0, IsOdd), visits.PlaneOf(4, 4, 1, IsOdd)};
-  const std::vector<Edge> edges = visits.Find(planes);
-  EXPECT_EQ(edges.size(), 2u);
+      visits.PlaneOf(1, 1, 0, TwoVisits::IsEven), visits.PlaneOf(2, 1, 1, TwoVisits::IsEven),
+      visits.PlaneOf(3, 4, 0, TwoVisits::IsOdd), visits.PlaneOf(4, 4, 1, TwoVisits::IsOdd)};
+  const Revisits found = visits.Find(planes);
+  EXPECT_EQ(found.edges.size(), 2u);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  EXPECT_EQ(visits.Find(planes), edges);
+  const Revisits by_one = visits.Find(planes);
+  EXPECT_EQ(by_one.edges, found.edges);
+  EXPECT_EQ(by_one.seen, found.seen);
 }
 
 }  // namespace
