@@ -65,7 +65,6 @@ bool Judge(const std::set<PlaneId>& early, const std::set<PlaneId>& late,
            const std::map<PlaneId, PlaneId>& surface_of,
            const std::set<std::pair<PlaneId, PlaneId>>& edges, RevisitFigures& figures) {
   ++figures.seen_again;
-  const int open = figures.no_plane + figures.apart;
   const auto any_with = [&](auto&& joins) {
     return std::ranges::any_of(early, [&](PlaneId a) {
       return std::ranges::any_of(late, [&](PlaneId b) { return joins(a, b); });
@@ -73,7 +72,9 @@ bool Judge(const std::set<PlaneId>& early, const std::set<PlaneId>& late,
   };
   if (early.empty() || late.empty()) {
     ++figures.no_plane;
-  } else if (any_with([](PlaneId a, PlaneId b) { return a == b; })) {
+    return false;
+  }
+  if (any_with([](PlaneId a, PlaneId b) { return a == b; })) {
     ++figures.one_plane;
   } else if (any_with([&](PlaneId a, PlaneId b) { return surface_of.at(a) == surface_of.at(b); })) {
     ++figures.one_surface;
@@ -81,8 +82,9 @@ bool Judge(const std::set<PlaneId>& early, const std::set<PlaneId>& late,
     ++figures.joined_by_edge;
   } else {
     ++figures.apart;
+    return false;
   }
-  return figures.no_plane + figures.apart == open;
+  return true;
 }
 
 }  // namespace

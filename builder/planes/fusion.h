@@ -14,7 +14,8 @@
 namespace waystone {
 
 // Line 17 of Algorithm 1 for one pair: the homography m_from_n between the reference images, when
-// enough of the matches support it. Nothing when the planes are not the same.
+// enough of the matches support it, and nothing otherwise. How much of what the planes have in
+// common has to match is the caller's to say.
 struct FusionMatch {
   HomographyEstimate m_from_n;
   std::vector<Match> inliers;  // a: feature of m, b: feature of n

@@ -129,8 +129,8 @@ class RevisitFinder {
     if (sightings.empty()) return sightings;
     for (int p = 0; p < static_cast<int>(planes_.size()); ++p) {
       const PlaneView* view = FindView(planes_[p], all.reference);
-      if (view != nullptr)
-        sightings.push_back({p, std::nullopt, KeypointsOf(planes_[p], *view, all)});
+      if (view == nullptr) continue;
+      sightings.push_back({p, std::nullopt, KeypointsOf(planes_[p], *view, all)});
     }
     return sightings;
   }

@@ -16,6 +16,9 @@ namespace {
 
 using OfPoints = std::function<bool(int point)>;
 
+bool IsEven(int point) { return point % 2 == 0; }
+bool IsOdd(int point) { return point % 2 == 1; }
+
 // A corner that is passed twice, in keyframes 1 to 3 and 4 to 6, and the planes that a tracker
 // could have made of it.
 struct TwoVisits {
@@ -62,11 +65,12 @@ struct TwoVisits {
     return FindRevisits(planes, edges, keyframes, images, FeatureType::kSift, {});
   }
 
-  // Both visits' planes of the first wall, without a feature in common, when the second visit's
-  // images show only `again` of the first plane's features.
+  // Both visits' planes of the first wall, without a feature in common.
   std::vector<Plane> PlanesOfOneWall() const {
     return {PlaneOf(1, 1, 0, IsEven), PlaneOf(2, 4, 0, IsOdd)};
   }
+
+  // The same planes, when the second visit's images show only `again` of the first one's features.
   Revisits FindShowing(const OfPoints& again) {
     const std::vector<Plane> planes = PlanesOfOneWall();
     const OfPoints shown = [&](int point) { return IsOdd(point) || again(point); };
@@ -75,9 +79,6 @@ struct TwoVisits {
     }
     return Find(planes);
   }
-
-  static bool IsEven(int point) { return point % 2 == 0; }
-  static bool IsOdd(int point) { return point % 2 == 1; }
 };
 
 TEST(FindRevisits, JoinsPlanesOfTwoVisitsThatShareNoFeature) {
@@ -114,8 +115,8 @@ TEST(FindRevisits, GivesEachPlaneAViewOfTheImagesThatShowItAgain) {
 
 TEST(FindRevisits, TwoWallsOfACornerStayApart) {
   const TwoVisits visits;
-  const Revisits found = visits.Find(
-      {visits.PlaneOf(1, 1, 0, TwoVisits::IsEven), visits.PlaneOf(2, 4, 1, TwoVisits::IsOdd)});
+  const Revisits found =
+      visits.Find({visits.PlaneOf(1, 1, 0, IsEven), visits.PlaneOf(2, 4, 1, IsOdd)});
   EXPECT_TRUE(found.edges.empty());
   EXPECT_EQ(found.seen.size(), 6u);
 }
@@ -168,8 +169,8 @@ TEST(FindRevisits, OneImageOfAStretchGivesAViewAndNoEdge) {
 TEST(FindRevisits, IsTheSameOnAnyNumberOfThreads) {
   const TwoVisits visits;
   const std::vector<Plane> planes = {
-      visits.PlaneOf(1, 1, 0, TwoVisits::IsEven), visits.PlaneOf(2, 1, 1, TwoVisits::IsEven),
-      visits.PlaneOf(3, 4, 0, TwoVisits::IsOdd), visits.PlaneOf(4, 4, 1, TwoVisits::IsOdd)};
+      visits.PlaneOf(1, 1, 0, IsEven), visits.PlaneOf(2, 1, 1, IsEven),
+      visits.PlaneOf(3, 4, 0, IsOdd), visits.PlaneOf(4, 4, 1, IsOdd)};
   const Revisits found = visits.Find(planes);
   EXPECT_EQ(found.edges.size(), 2u);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
