@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -18,14 +19,43 @@ constexpr int kSiftMax = 127;
 // An image smaller than this on one side has no room for a descriptor's neighbourhood.
 constexpr int kMinSide_px = 16;
 
-cv::Ptr<cv::Feature2D> MakeDetector(const FeatureOptions& options) {
+// What thresholds of contrast are for: images whose grey values span this share of the range.
+constexpr double kFullSpan = 0.6;
+constexpr double kLeastContrast = 0.1;  // below it there is mostly noise
+constexpr double kTail = 0.01;          // of the pixels, at either end
+
+// The span of an image's grey values as a share of kFullSpan, in [kLeastContrast, 1]. Little light,
+// haze and glare shrink differences of grey values, not what there is to be seen.
+double ContrastOf(const cv::Mat& grey) {
+  cv::Mat histogram;
+  cv::calcHist(std::vector<cv::Mat>{grey}, {0}, cv::noArray(), histogram, {256}, {0, 256});
+  const auto count = [&](int value) { return double{histogram.at<float>(value)}; };
+  const double tail = kTail * static_cast<double>(grey.total());
+  int low = 0;
+  for (double below = count(0); below <= tail; below += count(++low)) {
+  }
+  int high = 255;
+  for (double above = count(255); above <= tail; above += count(--high)) {
+  }
+  return std::clamp((high - low) / (255 * kFullSpan), kLeastContrast, 1.0);
+}
+
+// The detectors' thresholds are of differences of grey values (SIFT, ORB) or of their squares
+// (AKAZE).
+cv::Ptr<cv::Feature2D> MakeDetector(const FeatureOptions& options, double contrast) {
   switch (options.type) {
     case FeatureType::kSift:
-      return cv::SIFT::create(options.max_features, 3, options.contrast_threshold);
-    case FeatureType::kOrb:
-      return cv::ORB::create(options.max_features);
-    case FeatureType::kAkaze:
-      return cv::AKAZE::create();
+      return cv::SIFT::create(options.max_features, 3, contrast * options.contrast_threshold);
+    case FeatureType::kOrb: {
+      const cv::Ptr<cv::ORB> orb = cv::ORB::create(options.max_features);
+      orb->setFastThreshold(std::max(1, cvRound(contrast * orb->getFastThreshold())));
+      return orb;
+    }
+    case FeatureType::kAkaze: {
+      const cv::Ptr<cv::AKAZE> akaze = cv::AKAZE::create();
+      akaze->setThreshold(contrast * contrast * akaze->getThreshold());
+      return akaze;
+    }
   }
   WS_CHECK(false, "unknown feature type");
 }
@@ -68,7 +98,7 @@ int64_t DetectionBytes(const cv::Mat& grey) {
 // kept.
 Detected Detect(const cv::Mat& grey, const FeatureOptions& options) {
   const MemoryReservation room(DetectionBytes(grey));
-  const cv::Ptr<cv::Feature2D> detector = MakeDetector(options);
+  const cv::Ptr<cv::Feature2D> detector = MakeDetector(options, ContrastOf(grey));
   Detected found;
   if (options.type == FeatureType::kSift) {
     detector->detectAndCompute(grey, cv::noArray(), found.keypoints, found.descriptors);

@@ -111,8 +111,8 @@ struct FeatureOptions {
                     "Maximum features per image, strongest first. More recognise more, and cost "
                     "time and map size."},
         OptionField{"contrast_threshold", &FeatureOptions::contrast_threshold, Open(0, 1), "",
-                    "SIFT: lowest contrast of a keypoint, in OpenCV's scale. Lower finds more on "
-                    "plain walls."},
+                    "SIFT: lowest contrast of a keypoint, in OpenCV's scale; in an image of little "
+                    "contrast it is lowered alike. Lower finds more on plain walls."},
         OptionField{"working_pixels", &FeatureOptions::working_pixels, Closed(10'000, 50'000'000),
                     "",
                     "Larger images are reduced to this many pixels before detection, which bounds "
@@ -132,8 +132,10 @@ cv::Size ImageSize(const Features& features);
 // pixel is (0, 0) in both.
 Eigen::Matrix3d ImageFromWorking(const Features& features);
 
-// Features of an 8-bit grey image, found in a copy of at most working_pixels. Deterministic;
-// thread-safe. An image too small or too plain for features gives none, not an error.
+// Features of an 8-bit grey image, found in a copy of at most working_pixels. In images whose grey
+// values span little of the range, as in the dark, the detectors' thresholds are lowered alike.
+// Deterministic; thread-safe. An image too small or too plain for features gives none, not an
+// error.
 Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options);
 
 }  // namespace waystone

@@ -224,6 +224,26 @@ TEST_P(Extraction, AnglesTurnWithTheImage) {
   EXPECT_GT(right, 0.9 * static_cast<double>(matches.size()));
 }
 
+// A sixth of the light, with grey values rounded again and the noise of a sensor.
+TEST_P(Extraction, TheDarkHidesLittle) {
+  const cv::Mat bright = MadeImage(320, 240, 12);
+  cv::Mat dark;
+  bright.convertTo(dark, CV_8UC1, 1 / 6.0, 10);
+  Random random(13);
+  for (uint8_t& value : cv::Mat_<uint8_t>(dark)) {
+    value = cv::saturate_cast<uint8_t>(value + 0.5 * random.Normal());
+  }
+  const Features in_light = ExtractFeatures(bright, OptionsOf(GetParam(), 400));
+  const Features in_dark = ExtractFeatures(dark, OptionsOf(GetParam(), 400));
+  const std::vector<Match> matches =
+      MatchDescriptors(in_light.descriptors, in_dark.descriptors, GetParam(), {0.85, true});
+  const auto found = std::ranges::count_if(matches, [&](const Match& match) {
+    return (PositionOf(in_light.keypoints[match.a]) - PositionOf(in_dark.keypoints[match.b]))
+               .norm() < 2;
+  });
+  EXPECT_GE(found, 0.6 * in_light.size()) << "of " << in_light.size();
+}
+
 INSTANTIATE_TEST_SUITE_P(Types, Extraction, testing::ValuesIn(kAllTypes),
                          [](const auto& type) { return std::string(NameOf(type.param)); });
 
