@@ -12,8 +12,8 @@
 
 #include "core/base/error.h"
 #include "core/homography/homography.h"
-#include "localizer/planes/decide.h"
 #include "localizer/planes/shortlist.h"
+#include "localizer/planes/surroundings.h"
 #include "localizer/planes/verify.h"
 #include "quality/audit_ties.h"
 #include "quality/audit_views.h"

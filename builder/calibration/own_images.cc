@@ -10,19 +10,10 @@
 #include "core/base/check.h"
 #include "localizer/appearance/appearance.h"
 #include "localizer/localizer.h"
+#include "localizer/planes/surroundings.h"
 
 namespace waystone {
 namespace {
-
-// Whether some plane was seen in both.
-bool ShareAPlane(const MapData& map, KeyframeId a, KeyframeId b) {
-  return std::ranges::any_of(map.planes, [&](const Plane& plane) {
-    const auto saw = [&](KeyframeId keyframe) {
-      return std::ranges::find(plane.views, keyframe, &PlaneView::keyframe) != plane.views.end();
-    };
-    return saw(a) && saw(b);
-  });
-}
 
 // `is_found` of each number below `count`, several at a time.
 template <typename IsFound>
@@ -40,8 +31,8 @@ OwnImages FindOwnKeyframes(const MapData& map, const std::vector<SampledKeyframe
   return CountFound(samples.size(), [&](size_t i) {
     const Answer answer = LocalizeFeatures(*index, samples[i].features, options);
     if (answer.verdict != Verdict::kLocalized) return false;
-    const KeyframeId at = answer.planes.keyframe->id;
-    return at == samples[i].keyframe || ShareAPlane(map, at, samples[i].keyframe);
+    return KeyframesAreNear(*index, index->IndexOf(answer.planes.keyframe->id),
+                            index->IndexOf(samples[i].keyframe));
   });
 }
 

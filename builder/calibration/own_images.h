@@ -12,7 +12,7 @@
 namespace waystone {
 
 // Each sampled keyframe is asked for as a query image; found where the answer is localized at it or
-// at a keyframe that saw one of its planes. Costs about 30 ms a sample.
+// near it (KeyframesAreNear). Costs about 30 ms a sample.
 OwnImages FindOwnKeyframes(const MapData& map, const std::vector<SampledKeyframe>& samples,
                            const LocalizeOptions& options);
 

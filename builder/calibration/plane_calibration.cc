@@ -13,6 +13,7 @@
 #include "core/base/random.h"
 #include "localizer/planes/decide.h"
 #include "localizer/planes/shortlist.h"
+#include "localizer/planes/surroundings.h"
 
 namespace waystone {
 namespace {

@@ -9,7 +9,7 @@
 #include "builder/calibration/map_parts.h"
 #include "builder/calibration/stored_keyframes.h"
 #include "localizer/localizer.h"
-#include "localizer/planes/sightings.h"
+#include "localizer/planes/surroundings.h"
 #include "localizer/poses/locate_pose.h"
 
 namespace waystone {
@@ -62,16 +62,19 @@ std::vector<RecognisedKeyframe> RecogniseKeyframes(const AskedMap& map, const Ma
     const int nearest = map.index->IndexOf(answer->planes.keyframe->id);
     found[k] = RecognisedKeyframe{k, static_cast<size_t>(nearest), answer->pose};
   });
-  const auto agree = [&](size_t a, size_t b) {
-    return keyframes[a].sequence == keyframes[b].sequence && found[a] && found[b] &&
-           KeyframesAreNear(*map.index, static_cast<int>(found[a]->found),
-                            static_cast<int>(found[b]->found));
+  // Whether a keyframe and the next one were found near the same place.
+  const auto agree = [&](size_t k) {
+    return k + 1 < keyframes.size() && keyframes[k].sequence == keyframes[k + 1].sequence &&
+           found[k] && found[k + 1] &&
+           KeyframesAreNear(*map.index, static_cast<int>(found[k]->found),
+                            static_cast<int>(found[k + 1]->found));
   };
   std::vector<RecognisedKeyframe> recognised;
+  bool with_last = false;
   for (size_t k = 0; k < keyframes.size(); ++k) {
-    const bool confirmed =
-        (k > 0 && agree(k - 1, k)) || (k + 1 < keyframes.size() && agree(k, k + 1));
-    if (confirmed) recognised.push_back(*found[k]);
+    const bool with_next = agree(k);
+    if (with_last || with_next) recognised.push_back(*found[k]);
+    with_last = with_next;
   }
   return recognised;
 }

@@ -4,49 +4,23 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 
 #include "localizer/planes/outline.h"
-#include "localizer/planes/sightings.h"
+#include "localizer/planes/surroundings.h"
 
 namespace waystone {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
+using Eigen::Vector3d;
 
 const Plane& PlaneOf(const MapIndex& index, const VerifiedPlane& verified) {
   return index.map().planes[verified.plane];
 }
-
-// Whether a keyframe that saw the one plane is linked with one that saw the other.
-bool LinkedKeyframesSaw(const MapIndex& index, const Plane& a, const Plane& b) {
-  return std::ranges::any_of(a.views, [&](const PlaneView& view_a) {
-    const std::vector<int>& linked = index.LinkedTo(index.IndexOf(view_a.keyframe));
-    return std::ranges::any_of(b.views, [&](const PlaneView& view_b) {
-      return std::ranges::binary_search(linked, index.IndexOf(view_b.keyframe));
-    });
-  });
-}
-
-}  // namespace
-
-bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b) {
-  for (const PlaneView& view_a : a.views) {
-    for (const PlaneView& view_b : b.views) {
-      if (view_a.keyframe == view_b.keyframe) return true;
-    }
-  }
-  if (!index.map().links.empty() && LinkedKeyframesSaw(index, a, b)) return true;
-  const std::vector<PlaneId>& of_a = index.Neighbours(a.id);
-  const std::vector<PlaneId>& of_b = index.Neighbours(b.id);
-  if (std::binary_search(of_a.begin(), of_a.end(), b.id)) return true;
-  return std::any_of(of_a.begin(), of_a.end(),
-                     [&](PlaneId id) { return std::binary_search(of_b.begin(), of_b.end(), id); });
-}
-
-namespace {
 
 // A plane joins a place when it disagrees with none of its planes and is near one of them.
 bool Joins(const MapIndex& index, const Place& place, const VerifiedPlane& candidate,
@@ -61,31 +35,41 @@ bool Joins(const MapIndex& index, const Place& place, const VerifiedPlane& candi
   return near;
 }
 
-void AddTo(const MapIndex& index, Place& place, VerifiedPlane plane) {
-  place.evidence.inliers += plane.distinct;
-  if (place.planes.empty()) {
-    place.evidence.best_share = static_cast<double>(plane.distinct) / std::max(1, plane.matches);
-  }
-  place.probability =
-      EstimateProbability(place.evidence, index.map().verdict.value_or(VerdictModel{}));
-  place.planes.push_back(std::move(plane));
-}
-
 KeyframeRef RefTo(const MapIndex& index, KeyframeId id) {
   const Keyframe& keyframe = *index.FindKeyframe(id);
   return {id, index.FindSequence(keyframe.sequence)->name, keyframe.source, keyframe.time_s};
 }
 
+// v, turned by the quarter turns by which a camera was held otherwise, as what it saw at x says:
+// h is keyframe_from_query, and there = h x.
+Vector2d TurnedAlike(const Vector2d& v, const Matrix3d& h, const Vector3d& there) {
+  // Of what moves right and down at x, but for a factor.
+  const Vector2d right = (there.z() * h.col(0) - h(2, 0) * there).head<2>();
+  const Vector2d down = (there.z() * h.col(1) - h(2, 1) * there).head<2>();
+  const double cosine = right.x() + down.y();
+  const double sine = right.y() - down.x();
+  if (std::abs(cosine) >= std::abs(sine)) return cosine >= 0 ? v : Vector2d(-v);
+  return sine > 0 ? Vector2d(-v.y(), v.x()) : Vector2d(v.y(), -v.x());
+}
+
 // Weight of a plane's inliers for a keyframe: how many there are, discounted by how far they moved
-// in the image, as a share of its width. It ranks a place's keyframes, not places.
+// from the middle of the image, as a share of its longer side. An image of another size, or of a
+// camera that was held on its side, shows the same. It ranks a place's keyframes, not places.
 double Closeness(const VerifiedPlane& plane, const Matrix3d& keyframe_from_query,
-                 const Features& query) {
-  constexpr double kMotionShare = 0.25;  // of the width: where the discount reaches 1/e
+                 const Features& query, const Keyframe& keyframe) {
+  constexpr double kMotionShare = 0.25;  // where the discount reaches 1/e
+  const Vector2d query_middle = Vector2d(query.width, query.height) / 2;
+  const Vector2d keyframe_middle = Vector2d(keyframe.width, keyframe.height) / 2;
+  const double query_side = std::max(query.width, query.height);
+  const double keyframe_side = std::max(keyframe.width, keyframe.height);
   double sum = 0;
   for (const Match& match : plane.inliers) {
     const Vector2d x = PositionOf(query.keypoints[match.a]);
-    const double moved = (Apply(keyframe_from_query, x) - x).norm();
-    if (std::isfinite(moved)) sum += std::exp(-moved / (kMotionShare * query.width));
+    const Vector3d there = keyframe_from_query * x.homogeneous();
+    const Vector2d was = TurnedAlike((x - query_middle) / query_side, keyframe_from_query, there);
+    const Vector2d is = (there.hnormalized() - keyframe_middle) / keyframe_side;
+    const double moved = (is - was).norm();
+    if (std::isfinite(moved)) sum += std::exp(-moved / kMotionShare);
   }
   return sum;
 }
@@ -109,6 +93,13 @@ RecognisedPlane Recognised(const MapIndex& index, const Features& query,
     if (!present.contains(neighbour)) recognised.expect_next.push_back(neighbour);
   }
   return recognised;
+}
+
+// Whether a keyframe belongs to a visit, or follows or precedes it.
+bool IsIn(const MapIndex& index, const Visit& visit, int keyframe) {
+  return (visit.first <= keyframe && keyframe <= visit.last) ||
+         FollowEachOther(index, visit.first, keyframe) ||
+         FollowEachOther(index, visit.last, keyframe);
 }
 
 PlaceCandidate Candidate(const MapIndex& index, const Place& place, const Features& query) {
@@ -234,14 +225,23 @@ void Account(const MapIndex& index, const Features& query, const std::vector<Pla
 
 }  // namespace
 
+void AddTo(const MapIndex& index, Place& place, const VerifiedPlane& plane) {
+  place.evidence.inliers += plane.distinct;
+  if (place.planes.empty()) {
+    place.evidence.best_share = static_cast<double>(plane.distinct) / std::max(1, plane.matches);
+  }
+  place.probability =
+      EstimateProbability(place.evidence, index.map().verdict.value_or(VerdictModel{}));
+  place.planes.push_back(plane);
+}
+
 int CountInliers(const Place& place) {
   return std::max(place.evidence.inliers, place.keyframe ? place.keyframe->distinct : 0);
 }
 
 bool AreNear(const MapIndex& index, const Place& a, const Place& b) {
-  if (a.keyframe && b.keyframe &&
-      KeyframesAreNear(index, a.keyframe->keyframe, b.keyframe->keyframe)) {
-    return true;
+  if (a.keyframe && b.keyframe) {
+    return KeyframesNearThird(index, a.keyframe->keyframe).contains(b.keyframe->keyframe);
   }
   for (const VerifiedPlane& m : a.planes) {
     for (const VerifiedPlane& n : b.planes) {
@@ -251,17 +251,28 @@ bool AreNear(const MapIndex& index, const Place& a, const Place& b) {
   return false;
 }
 
+std::vector<const Place*> FindRivals(const MapIndex& index, const std::vector<Place>& places,
+                                     const PlaneQueryOptions& options) {
+  std::vector<const Place*> rivals;
+  for (size_t i = 1; i < places.size(); ++i) {
+    if (LooksAsWell(places[i], places[0], options) && !AreNear(index, places[0], places[i])) {
+      rivals.push_back(&places[i]);
+    }
+  }
+  return rivals;
+}
+
 std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane> accepted,
                                const PlaneQueryOptions& options) {
   std::stable_sort(accepted.begin(), accepted.end(),
                    [](const auto& a, const auto& b) { return a.distinct > b.distinct; });
   std::vector<Place> places;
-  for (VerifiedPlane& plane : accepted) {
+  for (const VerifiedPlane& plane : accepted) {
     const auto home = std::find_if(places.begin(), places.end(), [&](const Place& place) {
       return Joins(index, place, plane, options);
     });
     Place& place = home == places.end() ? places.emplace_back() : *home;
-    AddTo(index, place, std::move(plane));
+    AddTo(index, place, plane);
   }
   std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
     return a.evidence.inliers > b.evidence.inliers;
@@ -278,21 +289,42 @@ std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedP
   return GroupPlaces(index, std::move(accepted), options);
 }
 
-KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Features& query) {
-  if (place.keyframe && place.keyframe->distinct > place.evidence.inliers) {
-    return index.map().keyframes[place.keyframe->keyframe].id;
-  }
-  std::map<KeyframeId, double> closeness;
+std::vector<Visit> FindVisits(const MapIndex& index, const Place& place, const Features& query) {
+  std::map<int, double> closeness;  // of the keyframes that saw the place
   for (const VerifiedPlane& plane : place.planes) {
     for (const PlaneView& view : PlaneOf(index, plane).views) {
-      closeness[view.keyframe] += Closeness(
+      closeness[index.IndexOf(view.keyframe)] += Closeness(
           plane, view.reference_from_keyframe.inverse() * plane.reference_from_query.b_from_a,
-          query);
+          query, *index.FindKeyframe(view.keyframe));
     }
   }
-  return std::max_element(closeness.begin(), closeness.end(),
-                          [](const auto& a, const auto& b) { return a.second < b.second; })
-      ->first;
+  std::vector<Visit> visits;
+  for (const auto& [keyframe, close] : closeness) {
+    if (visits.empty() || !FollowEachOther(index, visits.back().last, keyframe)) {
+      visits.push_back({keyframe, keyframe, keyframe, close});
+    }
+    Visit& visit = visits.back();
+    visit.last = keyframe;
+    if (close > visit.closeness) {
+      visit.nearest = keyframe;
+      visit.closeness = close;
+    }
+  }
+  std::ranges::stable_sort(visits, std::greater<>(), &Visit::closeness);
+  return visits;
+}
+
+KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Features& query) {
+  const std::vector<Keyframe>& keyframes = index.map().keyframes;
+  if (place.keyframe && place.keyframe->distinct > place.evidence.inliers) {
+    return keyframes[place.keyframe->keyframe].id;
+  }
+  const std::vector<Visit> visits = FindVisits(index, place, query);
+  if (!place.keyframe) return keyframes[visits.front().nearest].id;
+  const int verified = place.keyframe->keyframe;
+  const auto visit =
+      std::ranges::find_if(visits, [&](const Visit& one) { return IsIn(index, one, verified); });
+  return keyframes[visit == visits.end() ? verified : visit->nearest].id;
 }
 
 Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
@@ -307,18 +339,16 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
   Answer answer = Describe(index, query, places.front());
   Account(index, query, places, answer);
   if (places.size() < 2) return answer;
-  answer.planes.runner_up = Candidate(index, places[1], query);
-  if (!LooksAsWell(places[1], places[0], options) || AreNear(index, places[0], places[1])) {
-    return answer;
-  }
+  const std::vector<const Place*> rivals = FindRivals(index, places, options);
+  answer.planes.runner_up = Candidate(index, rivals.empty() ? places[1] : *rivals[0], query);
+  if (rivals.empty()) return answer;
   answer.verdict = Verdict::kAmbiguous;
   answer.decided_by = DecidedBy::kAmbiguousPlaces;
   answer.planes.keyframe.reset();
   answer.message = "two mapped places match; move a little and query again";
-  for (const Place& place : places) {
-    if (LooksAsWell(place, places[0], options)) {
-      answer.planes.places.push_back(Candidate(index, place, query));
-    }
+  answer.planes.places.push_back(Candidate(index, places[0], query));
+  for (const Place* rival : rivals) {
+    answer.planes.places.push_back(Candidate(index, *rival, query));
   }
   return answer;
 }

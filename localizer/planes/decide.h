@@ -26,9 +26,8 @@ struct Place {
 // the query.
 int CountInliers(const Place& place);
 
-// Whether two planes are parts of one surrounding: a keyframe saw both, or a link joins keyframes
-// that saw them, or an edge or a common neighbour joins the planes.
-bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b);
+// Adds a plane that agrees with the place's planes and has at most as many inliers as each of them.
+void AddTo(const MapIndex& index, Place& place, const VerifiedPlane& plane);
 
 // Groups accepted planes into places, best first. Planes of one place were seen together and agree
 // through their homology, or are neighbours in the graph.
@@ -39,12 +38,29 @@ std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane>
 std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
                               const PlaneQueryOptions& options);
 
-// The same for two places: whether planes or keyframes of both are near each other.
+// Whether two places are parts of one surrounding: a keyframe is near the verified keyframes of
+// both (KeyframesNearThird); where a place has none, planes of both are near.
 bool AreNear(const MapIndex& index, const Place& a, const Place& b);
 
-// The keyframe that saw a place most like the query did: the more of the place's inliers lie near
-// where the keyframe saw them, the nearer. The place's verified keyframe where that has more
-// inliers than the planes.
+// The places that look as well as the first one, the best, and aren't near it: an answer that has
+// any is ambiguous.
+std::vector<const Place*> FindRivals(const MapIndex& index, const std::vector<Place>& places,
+                                     const PlaneQueryOptions& options);
+
+// Keyframes that follow each other (FollowEachOther) and saw planes of a place. Indices in the
+// map's keyframes.
+struct Visit {
+  int first = 0;
+  int last = 0;
+  int nearest = 0;       // the one that saw the place most like the query did
+  double closeness = 0;  // of the nearest: the more inliers lie near where it saw them, the more
+};
+
+// The visits of a place's planes, nearest first.
+std::vector<Visit> FindVisits(const MapIndex& index, const Place& place, const Features& query);
+
+// The keyframe that saw a place most like the query did: of the visit of the place's verified
+// keyframe, or that one itself where it has more inliers than the planes or is in no visit.
 KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Features& query);
 
 // The verdict for all planes that were tried, accepted or not, of `shortlisted` ones, and for the

@@ -11,6 +11,7 @@
 #include "localizer/planes/image_features.h"
 #include "localizer/planes/shortlist.h"
 #include "localizer/planes/sightings.h"
+#include "localizer/planes/surroundings.h"
 #include "localizer/planes/verify.h"
 
 namespace waystone {

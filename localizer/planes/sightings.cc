@@ -2,56 +2,19 @@
 #include "localizer/planes/sightings.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <functional>
+#include <set>
 #include <utility>
 
 #include "localizer/planes/spread.h"
+#include "localizer/planes/surroundings.h"
 #include "localizer/verdict/keyframe_verdict.h"
 
 namespace waystone {
 namespace {
 
-// In a stretch, steps between keyframes that show one surrounding: each still shares
-// min_matches_before_last features with the one two steps before, and so with a third view between
-// them. Where a stretch ends nothing is shared by construction, but the camera has hardly moved.
-constexpr int kNearKeyframes = 4;
-constexpr int kNextKeyframes = 2;
-
 double ShareOf(int part, int all) {
   return std::min(1.0, static_cast<double>(part) / std::max(1, all));
-}
-
-// Within one session.
-bool ShowOneSurrounding(const MapIndex& index, int a, int b) {
-  const Keyframe& x = index.map().keyframes[a];
-  const Keyframe& y = index.map().keyframes[b];
-  const int near = x.stretch == y.stretch ? kNearKeyframes : kNextKeyframes;
-  if (x.sequence == y.sequence && std::abs(a - b) <= near) return true;
-  return std::ranges::any_of(index.PlanesSeenBy(a), [&](const MapIndex::SeenPlane& in_a) {
-    return std::ranges::any_of(index.PlanesSeenBy(b), [&](const MapIndex::SeenPlane& in_b) {
-      return in_a.plane == in_b.plane;
-    });
-  });
-}
-
-// The linked keyframes that show one surrounding with `keyframe`, each once or more often.
-std::vector<int> LinkedKeyframesAround(const MapIndex& index, int keyframe) {
-  std::vector<int> around;
-  const auto add = [&](int other) {
-    if (!index.LinkedTo(other).empty()) around.push_back(other);
-  };
-  const int last = static_cast<int>(index.map().keyframes.size()) - 1;
-  for (int other = std::max(0, keyframe - kNearKeyframes);
-       other <= std::min(last, keyframe + kNearKeyframes); ++other) {
-    if (ShowOneSurrounding(index, keyframe, other)) add(other);
-  }
-  for (const MapIndex::SeenPlane& seen : index.PlanesSeenBy(keyframe)) {
-    for (const PlaneView& view : index.map().planes[seen.plane].views) {
-      add(index.IndexOf(view.keyframe));
-    }
-  }
-  return around;
 }
 
 // Planes recognise a surface from farther aside than a keyframe is, so that their inliers count as
@@ -71,9 +34,8 @@ KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified, const Place& plac
   return evidence;
 }
 
-// Whether a keyframe saw a plane of the place, or one near it.
-bool Shows(const MapIndex& index, int keyframe, const Place& place) {
-  if (place.keyframe && KeyframesAreNear(index, place.keyframe->keyframe, keyframe)) return true;
+// Whether a keyframe saw a plane of a place, or one near it.
+bool SawPlanesOf(const MapIndex& index, int keyframe, const Place& place) {
   const std::vector<Plane>& planes = index.map().planes;
   const std::vector<MapIndex::SeenPlane>& seen = index.PlanesSeenBy(keyframe);
   return std::ranges::any_of(place.planes, [&](const VerifiedPlane& member) {
@@ -81,6 +43,38 @@ bool Shows(const MapIndex& index, int keyframe, const Place& place) {
       return PlanesAreNear(index, planes[member.plane], planes[one.plane]);
     });
   });
+}
+
+// A place while keyframes are joined to places.
+struct JoinedPlace {
+  Place place;
+  int group = -1;      // of planes: which of the places that were given; -1 for none
+  std::set<int> near;  // keyframes near the place's own
+};
+
+bool WasSeenFrom(const MapIndex& index, const VerifiedPlane& plane, const std::set<int>& near) {
+  return std::ranges::any_of(index.map().planes[plane.plane].views, [&](const PlaneView& view) {
+    return near.contains(index.IndexOf(view.keyframe));
+  });
+}
+
+// Gives each visit of a group's planes those that were seen from near it; the first one also those
+// that were seen from near none.
+void DividePlanes(const MapIndex& index, const std::vector<VerifiedPlane>& planes,
+                  const std::vector<JoinedPlace*>& visits) {
+  for (JoinedPlace* visit : visits) {
+    visit->place.planes.clear();
+    visit->place.evidence = {};
+  }
+  for (const VerifiedPlane& plane : planes) {
+    bool was_seen = false;
+    for (JoinedPlace* visit : visits) {
+      if (!WasSeenFrom(index, plane, visit->near)) continue;
+      was_seen = true;
+      AddTo(index, visit->place, plane);
+    }
+    if (!was_seen) AddTo(index, visits.front()->place, plane);
+  }
 }
 
 }  // namespace
@@ -103,16 +97,30 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
   const auto sort = [&] {
     std::ranges::stable_sort(verified, std::greater<>(), &VerifiedKeyframe::distinct);
   };
-  std::vector<Place> ranked = places;
-  JoinKeyframes(index, query, {}, options, ranked);  // in the same order as with keyframes
+  const auto join = [&] {
+    sort();
+    std::vector<Place> joined = places;
+    JoinKeyframes(index, query, verified, options, joined);
+    return joined;
+  };
+  const std::vector<Place> ranked = join();  // without keyframes, in the same order as with them
   for (const Place& place : ranked) {
     if (std::ssize(asked) == options.max_keyframes) break;
     if (CountInliers(place) < options.gates.ambiguous_share * CountInliers(ranked.front())) break;
     verify(index.IndexOf(NearestKeyframe(index, place, query)));
   }
-  sort();
-  std::vector<Place> joined = places;
-  JoinKeyframes(index, query, verified, options, joined);
+  if (const std::vector<Place> joined = join(); !joined.empty()) {
+    std::set<int> near;
+    for (const int keyframe : asked) near.merge(KeyframesNear(index, keyframe));
+    int visits = 0;
+    for (const Visit& visit : FindVisits(index, joined.front(), query)) {
+      if (near.contains(visit.nearest)) continue;
+      if (++visits > options.max_keyframes) break;
+      verify(visit.nearest);
+      near.merge(KeyframesNear(index, visit.nearest));
+    }
+  }
+  const std::vector<Place> joined = join();
   if (joined.empty() || joined.front().probability < options.gates.min_probability) {
     for (const ShortlistedKeyframe& candidate : shortlist.keyframes) verify(candidate.keyframe);
     sort();
@@ -120,26 +128,38 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
   return verified;
 }
 
-bool KeyframesAreNear(const MapIndex& index, int a, int b) {
-  if (ShowOneSurrounding(index, a, b)) return true;
-  if (index.map().links.empty()) return false;
-  return std::ranges::any_of(LinkedKeyframesAround(index, a), [&](int linked) {
-    return std::ranges::any_of(index.LinkedTo(linked),
-                               [&](int other) { return ShowOneSurrounding(index, other, b); });
-  });
-}
-
 void JoinKeyframes(const MapIndex& index, const Features& query,
                    const std::vector<VerifiedKeyframe>& keyframes, const PlaneQueryOptions& options,
                    std::vector<Place>& places) {
+  const std::vector<Place> groups = std::exchange(places, {});
+  const int group_count = static_cast<int>(groups.size());
+  std::vector<JoinedPlace> joined;
+  for (int g = 0; g < group_count; ++g) joined.push_back({groups[g], g, {}});
   for (const VerifiedKeyframe& verified : keyframes) {
-    const auto home = std::ranges::find_if(
-        places, [&](const Place& place) { return Shows(index, verified.keyframe, place); });
-    if (home != places.end() && home->keyframe) continue;  // a better one is there
-    if (home == places.end() && verified.distinct < options.gates.min_inliers) continue;
-    Place& place = home == places.end() ? places.emplace_back() : *home;
-    place.keyframe = verified;
-    place.keyframe_evidence = EvidenceFor(verified, place, query, options.gates);
+    const auto home = std::ranges::find_if(joined, [&](const JoinedPlace& one) {
+      return one.place.keyframe ? one.near.contains(verified.keyframe)
+                                : SawPlanesOf(index, verified.keyframe, one.place);
+    });
+    if (home != joined.end() && home->place.keyframe) continue;  // a better one is there
+    if (home == joined.end() && verified.distinct < options.gates.min_inliers) continue;
+    JoinedPlace& one = home == joined.end() ? joined.emplace_back() : *home;
+    one.place.keyframe = verified;
+    one.near = KeyframesNear(index, verified.keyframe);
+    for (int g = 0; g < group_count && one.group < 0; ++g) {
+      if (SawPlanesOf(index, verified.keyframe, groups[g])) one.group = g;
+    }
+  }
+  for (int g = 0; g < group_count; ++g) {
+    std::vector<JoinedPlace*> visits;
+    for (JoinedPlace& one : joined) {
+      if (one.group == g) visits.push_back(&one);
+    }
+    if (visits.size() > 1) DividePlanes(index, groups[g].planes, visits);
+  }
+  for (JoinedPlace& one : joined) {
+    Place& place = places.emplace_back(std::move(one.place));
+    if (!place.keyframe) continue;
+    place.keyframe_evidence = EvidenceFor(*place.keyframe, place, query, options.gates);
     place.probability = ComputeProbability(place.keyframe_evidence);
   }
   const auto rank = [&](const Place& place) {

@@ -6,8 +6,8 @@
 
 #include "core/homography/estimate_homography.h"
 
-#include "localizer/planes/decide.h"
 #include "localizer/planes/spread.h"
+#include "localizer/planes/surroundings.h"
 
 namespace waystone {
 namespace {
