@@ -6,6 +6,7 @@
 #include <array>
 #include <utility>
 
+#include "builder/calibration/link_revisits.h"
 #include "builder/calibration/node_pose_calibration.h"
 #include "builder/calibration/own_images.h"
 #include "builder/calibration/pose_calibration.h"
@@ -114,8 +115,11 @@ class MapBuilder {
 
   void CalibratePlanes() {
     const Clock::time_point start = Clock::now();
+    const PlaneQueryOptions& query = options_.calibration.localize.planes;
+    const int linked = LinkRevisits(planes_.searched(), query, result_.map);
     CalibratePlaneLayer(result_.map, planes_.samples(), options_.features, options_.calibration);
     result_.report.planes = planes_.report();
+    result_.report.planes->keyframes_linked = linked;
     result_.report.planes->own =
         FindOwnKeyframes(result_.map, planes_.samples(), options_.calibration.localize);
     result_.report.planes->calibrate_s = SecondsSince(start);

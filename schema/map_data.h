@@ -59,7 +59,7 @@ struct MapData {
   std::vector<Keyframe> keyframes;
   std::vector<Plane> planes;
   std::vector<Edge> edges;          // ordered by (a, b)
-  std::vector<KeyframeLink> links;  // ordered, each once; only maps of several sessions have any
+  std::vector<KeyframeLink> links;  // ordered, each once
   Looks looks;                      // of later walks; only maps that walks were added to have any
   // The descriptors of all planes and landmarks sorted for searching (IndexFeatures). Nothing for a
   // map that is small or whose index has a format that this program doesn't know.

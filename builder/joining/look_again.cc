@@ -15,6 +15,7 @@
 
 #include "core/features/keypoint_grid.h"
 #include "localizer/planes/verify_keyframe.h"
+#include "schema/sessions.h"
 
 namespace waystone {
 namespace {
@@ -49,19 +50,33 @@ bool IsWellInside(const Vector2d& x, const Features& image) {
   return (x.array() > margin.array()).all() && (x.array() < (size - margin).array()).all();
 }
 
+// Of each sequence, which of the map's sessions it came with.
+using SessionNumbers = std::map<SequenceId, size_t>;
+
+SessionNumbers NumberSessions(const MapData& map) {
+  const std::vector<MapSession> sessions = SessionsOf(map);
+  SessionNumbers numbers;
+  for (size_t n = 0; n < sessions.size(); ++n) {
+    for (const SequenceId sequence : sessions[n].sequences) numbers[sequence] = n;
+  }
+  return numbers;
+}
+
 // The keyframe of an answer, those beside it and those of other sessions that it is linked with.
-std::vector<int> KeyframesAround(const MapIndex& index, int found) {
+// Links within a session may join places that only look alike, whose differences say nothing of
+// what is gone.
+std::vector<int> KeyframesAround(const MapIndex& index, const SessionNumbers& sessions, int found) {
   const std::vector<Keyframe>& keyframes = index.map().keyframes;
   std::vector<int> around{found};
-  const auto add = [&](int k) {
-    if (std::ranges::find(around, k) == around.end()) around.push_back(k);
-  };
-  for (const int linked : index.LinkedTo(found)) add(linked);
   const int count = static_cast<int>(keyframes.size());
   for (int k = std::max(0, found - kBeside); k < std::min(count, found + kBeside + 1); ++k) {
-    if (keyframes[k].stretch == keyframes[found].stretch) add(k);
+    if (k != found && keyframes[k].stretch == keyframes[found].stretch) around.push_back(k);
   }
-  around.resize(std::min(around.size(), kMostCompared));
+  const auto session = [&](int k) { return sessions.at(keyframes[k].sequence); };
+  for (const int linked : index.LinkedTo(found)) {
+    if (around.size() == kMostCompared) break;
+    if (session(linked) != session(found)) around.push_back(linked);
+  }
   return around;
 }
 
@@ -85,11 +100,13 @@ void LookFrom(const MapIndex& index, int keyframe, const Features& image, const 
   }
 }
 
-RowsSeen LookFor(const MapIndex& index, const Answer& answer, const Features& image) {
+RowsSeen LookFor(const MapIndex& index, const SessionNumbers& sessions, const Answer& answer,
+                 const Features& image) {
   if (answer.verdict != Verdict::kLocalized || !answer.planes.keyframe) return {};
   const KeypointGrid grid(image, kReach * image.width);
   RowsSeen seen;
-  for (const int k : KeyframesAround(index, index.IndexOf(answer.planes.keyframe->id))) {
+  const int answered = index.IndexOf(answer.planes.keyframe->id);
+  for (const int k : KeyframesAround(index, sessions, answered)) {
     LookFrom(index, k, image, grid, seen);
   }
   const auto found =
@@ -215,9 +232,10 @@ std::optional<Vector2d> LocalMotion::Predict(const Vector2d& x) const {
 LookCounts LookAgain(const AskedMap& asked, const MapData& walk,
                      const std::vector<WalkImage>& images, MapData& map) {
   const MapIndex& index = *asked.index;
+  const SessionNumbers sessions = NumberSessions(index.map());
   std::vector<RowsSeen> seen(images.size());
   tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
-    seen[i] = LookFor(index, asked.answers[i], images[i].features);
+    seen[i] = LookFor(index, sessions, asked.answers[i], images[i].features);
   });
   const std::map<SequenceId, SequenceId> ids = IdsAfter(map, walk);
   CountsOfSequence counts;

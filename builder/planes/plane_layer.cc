@@ -8,6 +8,7 @@
 
 #include "builder/frames/shrink.h"
 #include "builder/planes/fusion.h"
+#include "builder/planes/one_surface.h"
 #include "builder/planes/outline.h"
 #include "builder/planes/plane_features.h"
 #include "builder/planes/revisits.h"
@@ -214,6 +215,9 @@ void PlaneLayerBuilder::Fuse(MapData& map) {
   }
   map.edges.insert(map.edges.end(), again.edges.begin(), again.edges.end());
   std::ranges::sort(map.edges, {}, [](const Edge& edge) { return std::pair(edge.a, edge.b); });
+  if (!again.seen.empty()) {
+    JoinSurfaces(map.planes, map.keyframes, options_.planes.fusion.max_apart_px, map.edges);
+  }
   report_.features_dropped += DropSparse(options_.planes, map.planes);
   report_.fusion_s = SecondsSince(start);
 }

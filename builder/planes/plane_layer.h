@@ -38,6 +38,7 @@ struct PlaneReport : FrameReport {
   int planes_fused = 0;      // by eq. (6)
   int planes_dropped = 0;    // too few features left after the votes
   int features_dropped = 0;  // by the votes
+  int keyframes_linked = 0;  // with those of another visit, by BuildMap (LinkRevisits)
   double choose_s = 0;       // choice of keyframes
   double fusion_s = 0;
   double calibrate_s = 0;  // of the verdict, by BuildMap
@@ -69,6 +70,8 @@ class PlaneLayerBuilder : public LayerBuilder {
 
   const PlaneReport& report() const { return report_; }
   const std::vector<SampledKeyframe>& samples() const { return sample_.keyframes(); }
+  // Of all keyframes, or of 1,000 of them, evenly spread.
+  const std::vector<SampledKeyframe>& searched() const { return searched_.keyframes(); }
   // Of all keyframes, ascending; empty unless PlaneBuildOptions::keep_features.
   const std::vector<SampledKeyframe>& features() const { return features_; }
   // Of all keyframes, and of at most max_images other images, evenly spread over the sequences; the

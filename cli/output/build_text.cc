@@ -230,6 +230,10 @@ void PlanesLines(std::ostream& out, const PlaneReport& report) {
       out, "frames", report,
       ", " + std::to_string(report.stretches) + " stretch" + (report.stretches == 1 ? "" : "es"));
   Line(out, "planes", PlanesText(report));
+  if (report.keyframes_linked > 0) {
+    Line(out, "revisits",
+         std::to_string(report.keyframes_linked) + " keyframes linked with those of another visit");
+  }
   OwnImagesLines(out, report.own);
   Line(out, "seconds",
        "decoding " + Seconds(report.decode_s) + ", features " + Seconds(report.observe_s) +
@@ -396,6 +400,7 @@ Json SummaryJson(const BuildSummary& summary) {
   json["planes_rejected"] = planes.planes_rejected;
   json["planes_merged"] = planes.planes_merged;
   json["planes_fused"] = planes.planes_fused;
+  json["keyframes_linked"] = planes.keyframes_linked;
   json["planes_dropped"] = planes.planes_dropped;
   json["features_dropped"] = planes.features_dropped;
   json["own_images"] = OwnImagesJson(planes.own);

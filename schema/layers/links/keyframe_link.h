@@ -7,9 +7,9 @@
 
 namespace waystone {
 
-// Two keyframes of different sessions that show one place, though they may have no plane in common:
-// one was localized by the other's session when these were joined. FORMAT.md says how they are
-// stored.
+// Two keyframes of different visits, of one session or of two, that show one place, though they may
+// have no plane in common: one was localized at the other when the map was built or joined.
+// FORMAT.md says how they are stored.
 struct KeyframeLink {
   KeyframeId a;  // a < b
   KeyframeId b;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "builder/joining/kept_looks.h"
 #include "builder/joining/merge_maps.h"
 #include "builder/joining/remove_keyframes.h"
+#include "schema/sessions.h"
 #include "tests/builder/joining/walked_maps.h"
 
 namespace waystone {
@@ -123,6 +125,49 @@ TEST_F(LookAgainTest, CountsNothingOfAnotherBuildingOrInTheDark) {
   EXPECT_EQ(Look(FeaturesOf(walk_), other).looked, 0);
   EXPECT_TRUE(map_.looks.empty());
   EXPECT_TRUE(other.looks.empty());
+}
+
+// A map with another sequence of one keyframe, which sees the planes of the map's middle one beside
+// landmarks of its own, and is linked with all others.
+MapData WithLookAlike(MapData map) {
+  const Keyframe middle = map.keyframes[map.keyframes.size() / 2];
+  map.sequences.push_back(map.sequences.front());
+  map.sequences.back().id = SequenceId{2};
+  Keyframe like = middle;
+  like.id = KeyframeId{map.keyframes.back().id.value + 1};
+  like.sequence = SequenceId{2};
+  like.stretch = map.keyframes.back().stretch + 1;
+  std::vector<uint8_t> codes = middle.landmarks.codes.data();
+  std::ranges::reverse(codes);
+  like.landmarks.codes = Descriptors(middle.landmarks.codes.bytes(), std::move(codes));
+  for (Plane& plane : map.planes) {
+    const auto view = std::ranges::find(plane.views, middle.id, &PlaneView::keyframe);
+    if (view == plane.views.end()) continue;
+    PlaneView again = *view;
+    again.keyframe = like.id;
+    plane.views.push_back(again);
+  }
+  for (const Keyframe& keyframe : map.keyframes) map.links.push_back({keyframe.id, like.id});
+  map.keyframes.push_back(like);
+  return map;
+}
+
+// A link within a session may join what only looks alike: that landmarks of the one aren't seen at
+// the other doesn't say that they are gone.
+TEST_F(LookAgainTest, FollowsLinksBetweenSessionsOnly) {
+  const auto is_looked_for = [&](MapData map) {
+    const KeyframeId like = map.keyframes.back().id;
+    EXPECT_GT(Look(FeaturesOf(walk_), map).looked, 100);
+    return std::ranges::count(map.looks.landmarks, like, &LandmarkLooks::keyframe) > 0;
+  };
+  MapData map = WithLookAlike(First());
+  ASSERT_GT(map.keyframes.back().landmarks.size(), 0);
+  EXPECT_FALSE(is_looked_for(map));
+  map.info.options_json = WithSessions(
+      map.info.options_json,
+      {{"first", "waystone", "", {SequenceId{1}}}, {"second", "waystone", "", {SequenceId{2}}}});
+  ASSERT_EQ(SessionsOf(map).size(), 2u);
+  EXPECT_TRUE(is_looked_for(map));
 }
 
 // Keyframes whose images are at hand are recognised by these, so that they need no picture.

@@ -10,7 +10,7 @@
 #include "builder/calibration/rendered_negatives.h"
 #include "builder/joining/remove_keyframes.h"
 #include "core/base/error.h"
-#include "localizer/planes/sightings.h"
+#include "localizer/planes/surroundings.h"
 #include "schema/sessions.h"
 #include "tests/builder/joining/walked_maps.h"
 

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "builder/calibration/link_revisits.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
+
+#include "builder/calibration/map_parts.h"
+#include "localizer/planes/decide.h"
+#include "localizer/planes/shortlist.h"
+#include "localizer/planes/sightings.h"
+#include "localizer/planes/surroundings.h"
+
+namespace waystone {
+namespace {
+
+// An image's own keyframe, and places outside its surroundings that show what it shows: the best
+// one and those that look as well. Keyframes are indices in the map's keyframes.
+struct FoundAgain {
+  int own = 0;
+  std::vector<int> places;
+  std::vector<int> sure;  // of these, probable enough for an answer
+};
+
+FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
+                     const PlaneQueryOptions& options) {
+  PlaneQueryOptions all = options;  // the image's own surroundings get most votes
+  all.max_keyframes = static_cast<int>(index.map().keyframes.size());
+  const std::set<int> surroundings = KeyframesNearThird(index, own);
+  std::vector<VerifiedKeyframe> verified;
+  int asked = 0;
+  for (const ShortlistedKeyframe& candidate : VoteForPlaces(index, image, all).keyframes) {
+    if (asked == options.max_keyframes) break;
+    if (surroundings.contains(candidate.keyframe)) continue;
+    ++asked;
+    if (auto one = VerifyKeyframe(index, image, candidate.keyframe, options)) {
+      verified.push_back(std::move(*one));
+    }
+  }
+  std::ranges::stable_sort(verified, std::greater<>(), &VerifiedKeyframe::distinct);
+  std::vector<Place> places;
+  JoinKeyframes(index, image, verified, options, places);
+  FoundAgain found{own, {}, {}};
+  if (places.empty() || places.front().probability < options.gates.min_probability) return found;
+  std::vector<const Place*> alike = FindRivals(index, places, options);
+  alike.insert(alike.begin(), &places.front());
+  for (const Place* place : alike) {
+    found.places.push_back(place->keyframe->keyframe);
+    if (place->probability >= options.gates.min_probability) {
+      found.sure.push_back(place->keyframe->keyframe);
+    }
+  }
+  return found;
+}
+
+// By keyframe: what images near it were found near.
+using FoundFrom = std::map<int, std::set<int>>;
+
+FoundFrom CollectFound(const MapIndex& index, const std::vector<FoundAgain>& images) {
+  FoundFrom found_from;
+  for (const FoundAgain& image : images) {
+    std::set<int> found;
+    for (const int place : image.places) found.merge(KeyframesNear(index, place));
+    if (found.empty()) continue;
+    for (const int near : KeyframesNear(index, image.own)) {
+      found_from[near].insert(found.begin(), found.end());
+    }
+  }
+  return found_from;
+}
+
+// Whether the places are one: of any two, an image near the one was found near the other.
+bool AreOne(const std::vector<int>& places, const FoundFrom& found_from) {
+  const auto found = [&](int from, int place) {
+    const auto one = found_from.find(from);
+    return one != found_from.end() && one->second.contains(place);
+  };
+  for (size_t i = 0; i < places.size(); ++i) {
+    for (size_t k = 0; k < i; ++k) {
+      if (!found(places[i], places[k]) && !found(places[k], places[i])) return false;
+    }
+  }
+  return true;
+}
+
+// The keyframes near images that look like several places which aren't one.
+std::set<int> FindLookAlikes(const MapIndex& index, const std::vector<FoundAgain>& images) {
+  const FoundFrom found_from = CollectFound(index, images);
+  std::set<int> look_alikes;
+  for (const FoundAgain& image : images) {
+    if (!AreOne(image.places, found_from)) look_alikes.merge(KeyframesNear(index, image.own));
+  }
+  return look_alikes;
+}
+
+// Whether the image before or after one was found near the same place.
+bool IsConfirmed(const MapIndex& index, const std::vector<FoundAgain>& images, int image,
+                 int place) {
+  const auto confirms = [&](int other) {
+    return other >= 0 && other < std::ssize(images) &&
+           FollowEachOther(index, images[image].own, images[other].own) &&
+           std::ranges::any_of(images[other].sure,
+                               [&](int found) { return KeyframesAreNear(index, found, place); });
+  };
+  return confirms(image - 1) || confirms(image + 1);
+}
+
+}  // namespace
+
+int LinkRevisits(const std::vector<SampledKeyframe>& images, const PlaneQueryOptions& options,
+                 MapData& map) {
+  const auto index = MapIndex::Build(CopyPlanes(map));
+  if (!index->HasLandmarks()) return 0;  // answered by its planes alone
+  std::vector<FoundAgain> found(images.size());
+  tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
+    found[i] = FindAgain(*index, images[i].features, index->IndexOf(images[i].keyframe), options);
+  });
+  const std::set<int> look_alikes = FindLookAlikes(*index, found);
+  std::set<KeyframeLink> links;
+  std::set<int> linked;  // images
+  for (int i = 0; i < std::ssize(found); ++i) {
+    if (look_alikes.contains(found[i].own)) continue;
+    for (const int place : found[i].sure) {
+      if (look_alikes.contains(place) || !IsConfirmed(*index, found, i, place)) continue;
+      const auto [a, b] = std::minmax(images[i].keyframe, map.keyframes[place].id);
+      links.insert({a, b});
+      linked.insert(i);
+    }
+  }
+  map.links.assign(links.begin(), links.end());
+  return static_cast<int>(linked.size());
+}
+
+}  // namespace waystone
