@@ -38,6 +38,7 @@ rendered-pairs-greedy rendered-pairs --first 5001 --set planes.segmentation.gree
 homographies         homographies DATA/homographies/*
 verdicts             verdicts DATA
 recall               recall DATA
+recall-exchanged     recall DATA --exchanged yes
 recall-77k           recall DATA --landmarks 100 --search no --set features.working_pixels=76800
 recall-154k          recall DATA --landmarks 100 --search no --set features.working_pixels=153600
 recall-1m            recall DATA --landmarks 100 --search no --set features.working_pixels=1000000
@@ -45,6 +46,7 @@ peers                peers DATA --only kitchen,corridor
 cameras              cameras DATA
 look-alikes          look-alikes
 look-alikes-others   look-alikes --first 17 --buildings 8
+storeys              storeys DATA
 large-77k            look-alikes --first 17 --buildings 4 --width 1280 --set features.working_pixels=76800
 large-154k           look-alikes --first 17 --buildings 4 --width 1280 --set features.working_pixels=153600
 large-307k           look-alikes --first 17 --buildings 4 --width 1280
@@ -63,6 +65,7 @@ build                build DATA/kitchen --frames 250,500,1000
 poses                poses --kitchen DATA/kitchen --church DATA/church --panoramas DATA/dealership
 reconstruction       reconstruction DATA/kitchen
 joining              joining DATA
+visits               visits DATA
 joining-panoramas    joining-panoramas DATA/dealership
 compass              compass DATA/dealership
 directions           directions DATA/york_urban DATA/dealership

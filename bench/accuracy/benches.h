@@ -39,9 +39,9 @@ int RunSegments(const Args& args);
 // traversability verdict against what is visible; a rendered walk without a folder.
 int RunRelative(const Args& args);
 // recall [DATA] [--only NAME] [--landmarks N,N,...] [--foreign N] [--keyframes N] [--search yes|no]
-// [--each yes|no] [--set NAME=VALUE]...: places of real data that exhaustive image search finds,
-// and those that maps find, by their size; photos of look-alike places and of other data that are
-// found wrongly.
+// [--exchanged yes|no] [--each yes|no] [--set NAME=VALUE]...: places of real data that exhaustive
+// image search finds, and those that maps find, by their size; photos of look-alike places and of
+// other data that are found wrongly. Exchanged: queries are mapped, and mapped images asked for.
 int RunRecall(const Args& args);
 // peers [DATA] [--only NAME,NAME] [--features sift,orb,akaze] [--foreign N]: maps beside plain
 // image search over the same keyframes with the same features, on one core: found, wrong and
@@ -57,6 +57,13 @@ int RunCollection(const Args& args);
 // looks alike, and for other buildings; and the weights of the keyframe's verdict fitted to the
 // answers.
 int RunLookAlikes(const Args& args);
+// storeys [DATA] [--buildings N] [--first SEED] [--each yes|no] [--set NAME=VALUE]...: maps of
+// several look-alike storeys, of rendered buildings and of the tower, asked for photos of each,
+// beside exhaustive image search; and planes and edges that tie storeys together.
+int RunStoreys(const Args& args);
+// visits DATA [--visits N]: maps to which visits of the same place are added one by one, and maps
+// of all of them together, asked for the set's own queries and for photos of other places.
+int RunVisits(const Args& args);
 // orientation [--buildings N] [--frames N] [--camera rig|pinhole|both] [--set NAME=VALUE]...: the
 // whole orientation layer of made buildings against their truth, and its time beside lines and
 // features alone.

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "bench/accuracy/common.h"
+#include "bench/accuracy/look_alike_buildings.h"
 #include "bench/accuracy/panorama_places.h"
 #include "bench/accuracy/recall_sets.h"
 #include "bench/accuracy/relight.h"
@@ -42,8 +43,6 @@ WorldOptions DrawLook(int seed) {
   options.alike_share = random.Uniform(0.3, 0.9);
   return options;
 }
-
-FloorPlan PlanOf(int seed) { return seed % 2 == 0 ? DemoPlan() : OtherPlan(); }
 
 Walk MapWalk(const World& world) {
   WalkOptions options;

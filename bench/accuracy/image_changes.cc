@@ -68,16 +68,6 @@ cv::Mat Fisheye(const cv::Mat& grey) {
   return bent;
 }
 
-// Light by a factor, and the sensor's noise, which doesn't shrink with it.
-cv::Mat Expose(const cv::Mat& grey, double gain, double noise_sigma, Random& random) {
-  cv::Mat exposed(grey.size(), CV_8UC1);
-  std::transform(grey.begin<uint8_t>(), grey.end<uint8_t>(), exposed.begin<uint8_t>(),
-                 [&](uint8_t value) {
-                   return cv::saturate_cast<uint8_t>(gain * value + noise_sigma * random.Normal());
-                 });
-  return exposed;
-}
-
 cv::Mat Compress(const cv::Mat& grey, int quality) {
   return cv::imdecode(EncodeJpeg(grey, quality), cv::IMREAD_GRAYSCALE);
 }
@@ -106,6 +96,15 @@ ImageChange Fixed(const std::string& name, Apply apply) {
 }
 
 }  // namespace
+
+cv::Mat Expose(const cv::Mat& grey, double gain, double noise_sigma, Random& random) {
+  cv::Mat exposed(grey.size(), CV_8UC1);
+  std::transform(grey.begin<uint8_t>(), grey.end<uint8_t>(), exposed.begin<uint8_t>(),
+                 [&](uint8_t value) {
+                   return cv::saturate_cast<uint8_t>(gain * value + noise_sigma * random.Normal());
+                 });
+  return exposed;
+}
 
 std::vector<ImageChange> ImageChanges() {
   using cv::Mat;

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "bench/accuracy/common.h"
-#include "bench/accuracy/relight.h"
+#include "bench/accuracy/look_alike_buildings.h"
 #include "bench/accuracy/settings.h"
 #include "bench/accuracy/world_source.h"
 #include "core/base/error.h"
@@ -17,7 +17,6 @@
 #include "localizer/planes/sightings.h"
 #include "localizer/verdict/keyframe_verdict.h"
 #include "localizer/verdict/logistic_fit.h"
-#include "world/rig.h"
 
 namespace waystone::bench {
 namespace {
@@ -27,8 +26,6 @@ using Eigen::Vector3d;
 
 // Median transfer error of the inliers of a place that is right, as a share of the width.
 constexpr double kRight = 40.0 / 640;
-constexpr int kMapFrames = 48;
-constexpr int kQueries = 30;
 
 // What was asked of a map: places of its own storey, the same places a storey higher, where much
 // looks alike, or another building.
@@ -44,54 +41,6 @@ struct LookAlikeSample {
   std::optional<KeyframeEvidence> evidence;  // of a verified keyframe
   double probability = 0;                    // by the default model
 };
-
-// A building that varies with its seed: how bare its walls are, how rich its looks, how large its
-// posters are, how many of them show one picture, and how many hang on every storey.
-WorldOptions DrawBuilding(uint64_t seed) {
-  Random random(seed * 7919 + 11);
-  WorldOptions options;
-  options.seed = seed;
-  options.texel_m = 0.006;
-  options.trim = random.Uniform() < 0.7;
-  options.texture_richness = random.Uniform(0.03, 0.5);
-  options.bare_walls = random.Uniform(0.0, 0.8);
-  options.poster_probability = random.Uniform(0.3, 0.9);
-  options.repeat_poster = random.Uniform(0, 0.2);
-  options.poster_width_m = random.Uniform(0.25, 0.8);
-  options.poster_height_m = random.Uniform(0.3, 1.2);
-  options.alike_share = random.Uniform(0.3, 0.9);
-  return options;
-}
-
-Walk MapTour(const World& world) {
-  WalkOptions options;
-  options.gaze_rad = 0.4;
-  return SpreadOver(DemoWalk(world.plan(), options), kMapFrames);
-}
-
-// A step aside and a look elsewhere, where there is room for it.
-Eigen::Isometry3d StepAside(const World& world, const Eigen::Isometry3d& world_from_camera,
-                            Random& random) {
-  Eigen::Isometry3d aside = world_from_camera;
-  aside.linear() = Eigen::AngleAxisd(random.Uniform(-0.6, 0.6), Vector3d::UnitZ()) * aside.linear();
-  aside.translation() += Vector3d(random.Uniform(-0.8, 0.8), random.Uniform(-0.8, 0.8), 0);
-  return world.IsInside(aside.translation()) ? aside : world_from_camera;
-}
-
-// Another visit: another height, gaze and hand.
-Walk QueryTour(const World& world, uint64_t seed) {
-  Random random(seed * 31 + 7);
-  WalkOptions options;
-  options.height_m = random.Uniform(1.35, 1.65);
-  options.gaze_rad = random.Uniform(0.2, 0.8);
-  options.gaze_period_m = random.Uniform(4, 9);
-  options.seed = seed + 100;
-  Walk tour = SpreadOver(DemoWalk(world.plan(), options), kQueries);
-  for (WalkFrame& frame : tour.frames) {
-    frame.world_from_camera = StepAside(world, frame.world_from_camera, random);
-  }
-  return tour;
-}
 
 // Whether the inliers show one and the same surface of the world: median distance between where the
 // map has them and where they are.
@@ -114,7 +63,7 @@ class BuildingAsked {
   BuildingAsked(int building, BuildOptions options, int width)
       : building_(building),
         features_(options.features),
-        renderer_(PinholeCamera(width, 3 * width / 4, 1.1)),
+        renderer_(LookAlikeCamera(width)),
         working_camera_(
             ScaledCamera(renderer_.camera(),
                          WorkingSize({width, 3 * width / 4}, features_.working_pixels).width)) {
@@ -126,38 +75,22 @@ class BuildingAsked {
   }
 
   std::vector<LookAlikeSample> Ask() const {
-    WorldOptions above = options_;
-    above.storey = 1;
-    WorldOptions elsewhere = DrawBuilding(building_ + 5000);
     std::vector<LookAlikeSample> samples;
     AskWorld(world_, AskedOf::kOwn, samples);
-    AskWorld(World(plan_, above), AskedOf::kLookAlike, samples);
-    AskWorld(World(building_ % 2 == 0 ? OtherPlan() : DemoPlan(), elsewhere), AskedOf::kForeign,
+    AskWorld(StoreyOf(building_, 1), AskedOf::kLookAlike, samples);
+    AskWorld(World(PlanOf(building_ + 1), DrawBuilding(building_ + 5000)), AskedOf::kForeign,
              samples);
     return samples;
   }
 
  private:
-  // Another camera's blur, noise and exposure, and for every other query another light, as the
-  // query's seed has them.
-  cv::Mat Photograph(const World& world, const Eigen::Isometry3d& world_from_camera,
-                     uint64_t seed) const {
-    Random random(seed);
-    RenderOptions options;
-    options.lens_blur_px = random.Uniform(0.5, 1.6);
-    options.noise_sigma = random.Uniform(2, 8);
-    options.noise_seed = seed;
-    options.exposure_gain = random.Uniform(0.4, 1.2);
-    const RenderedFrame frame = renderer_.Render(world, world_from_camera, options);
-    return random.Uniform() < 0.5 ? frame.grey : Relight(frame, random);
-  }
-
   void AskWorld(const World& world, AskedOf asked, std::vector<LookAlikeSample>& samples) const {
     const Walk walk = QueryTour(world, building_);
     std::vector<LookAlikeSample> of_world(walk.frames.size());
     tbb::parallel_for(size_t{0}, of_world.size(), [&](size_t i) {
       const Features query = ExtractFeatures(
-          Photograph(world, walk.frames[i].world_from_camera, 1000 * building_ + i), features_);
+          Photograph(renderer_, world, walk.frames[i].world_from_camera, 1000 * building_ + i),
+          features_);
       of_world[i] = AskFrame(query, asked, walk.frames[i].world_from_camera);
     });
     samples.insert(samples.end(), of_world.begin(), of_world.end());
@@ -190,9 +123,7 @@ class BuildingAsked {
 
   int building_;
   FeatureOptions features_;
-  FloorPlan plan_ = building_ % 2 == 0 ? DemoPlan() : OtherPlan();
-  WorldOptions options_ = DrawBuilding(building_);
-  World world_{plan_, options_};
+  World world_ = StoreyOf(building_, 0);
   Renderer renderer_;
   Camera working_camera_;  // in pixels of the working image
   Walk map_walk_ = MapTour(world_);

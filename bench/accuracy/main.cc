@@ -21,10 +21,12 @@ constexpr char kUsage[] =
     "  peers [DATA] [--only NAME] [--features sift,orb]   maps beside plain image search\n"
     "  cameras [DATA] [--only NAME] [--foreign N]         photos of other cameras, in other light\n"
     "  look-alikes [--buildings N] [--first SEED]         storeys that share posters and doors\n"
+    "  storeys [DATA] [--buildings N] [--first SEED]      several look-alike storeys in one map\n"
     "  collection [DATA] [--maps N,N] [--features sift]   the right one of many maps\n"
     "  relative [DIR]                                     rotations between places\n"
     "  orientation [--buildings 3] [--frames 1000]        turns, corridors, loops, nodes\n"
     "  joining DATA [--only NAME] [--frames 5000]         maps of halves beside the whole\n"
+    "  visits DATA [--visits 9]                           one place, mapped again and again\n"
     "  joining-panoramas [PLACES] [--flats 4]             the same for panoramas\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"
     "  build SOURCE... [--frames 250,500,1000]            whole builds against features alone\n"
@@ -77,8 +79,10 @@ int main(int argc, char** argv) {
       {"reconstruction", waystone::bench::RunReconstruction},
       {"scale", waystone::bench::RunScale},
       {"serve", waystone::bench::RunServe},
+      {"storeys", waystone::bench::RunStoreys},
       {"study", waystone::bench::RunStudy},
       {"verdicts", waystone::bench::RunVerdicts},
+      {"visits", waystone::bench::RunVisits},
       {"page", waystone::bench::RunPage}};
   if (argc < 2 || !benches.contains(argv[1])) {
     std::cerr << kUsage;

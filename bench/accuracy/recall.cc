@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "bench/accuracy/common.h"
+#include "bench/accuracy/print_evidence.h"
 #include "bench/accuracy/recall_sets.h"
 #include "bench/accuracy/settings.h"
 #include "bench/accuracy/stopwatch.h"
@@ -71,43 +72,15 @@ struct RecallArgs {
   BuildOptions build;
   LocalizeOptions localize;
   bool search = true;
+  bool exchanged = false;  // queries are mapped, and mapped images asked for
   bool verbose = false;
 };
-
-std::vector<Features> ExtractAll(const std::vector<fs::path>& images,
-                                 const FeatureOptions& options) {
-  std::vector<Features> features(images.size());
-  tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
-    features[i] = ExtractFeatures(DecodeGrey(ReadBytes(images[i])), options);
-  });
-  return features;
-}
 
 struct Asked {
   std::vector<Features> queries;
   std::vector<Features> look_alikes;
   std::vector<Features> foreign;
 };
-
-void PrintEvidence(const char* kind, int query, const Answer& answer, bool right) {
-  const auto& best = answer.planes.runner_up;
-  std::printf("%s %d: %s %.3f %s%s\n", kind, query, NameOf(answer.verdict), answer.probability,
-              answer.planes.keyframe ? answer.planes.keyframe->source.c_str()
-              : best                 ? best->keyframe.source.c_str()
-                                     : "-",
-              answer.verdict == Verdict::kLocalized && !right ? " WRONG" : "");
-  if (!answer.planes.explanation) return;
-  for (const ExplainedPlace& place : answer.planes.explanation->places) {
-    std::printf("  place at %lld: %d inliers, share %.2f, %.3f\n",
-                static_cast<long long>(place.nearest.value), place.inliers, place.best_share,
-                place.probability);
-  }
-  for (const ExplainedKeyframe& one : answer.planes.explanation->keyframes) {
-    std::printf("  keyframe %lld: %d of %d matches, %d expected, coverage %.2f, place %d\n",
-                static_cast<long long>(one.keyframe.value), one.inliers, one.matches, one.expected,
-                one.coverage, one.place);
-  }
-}
 
 Found AskWaystone(const RecallSet& set, const Asked& asked, int budget, const RecallArgs& args) {
   std::vector<std::unique_ptr<Source>> sources;
@@ -189,13 +162,15 @@ RecallArgs ParseRecallArgs(const Args& raw) {
   parsed.build = TakeBuildSettings(args);
   parsed.foreign = std::stoi(TakeOption(args, "foreign", "40"));
   parsed.search = TakeOption(args, "search", "yes") == "yes";
+  parsed.exchanged = TakeOption(args, "exchanged", "no") == "yes";
   parsed.verbose = TakeOption(args, "each", "no") == "yes";
   parsed.localize.explain = parsed.verbose;
   parsed.localize.planes.max_keyframes = std::stoi(TakeOption(args, "keyframes", "4"));
   if (args.size() > 1 || parsed.budgets.empty()) {
     throw MapError(ErrorCode::kUsage,
                    "recall takes a folder with data, --only NAME, --landmarks N,N,..., --foreign "
-                   "N, --keyframes N, --search yes|no, --each yes|no and --set NAME=VALUE");
+                   "N, --keyframes N, --search yes|no, --exchanged yes|no, --each yes|no and --set "
+                   "NAME=VALUE");
   }
   parsed.data = args.empty() ? fs::path(WAYSTONE_SOURCE_DIR) / "../shared/data" : fs::path(args[0]);
   return parsed;
@@ -207,8 +182,10 @@ int RunRecall(const Args& raw) {
   const RecallArgs args = ParseRecallArgs(raw);
   const std::vector<RecallSet> sets = ReadRecallSets(args.data);
   nlohmann::ordered_json json{{"bench", "recall"}, {"sets", nlohmann::ordered_json::array()}};
-  for (const RecallSet& set : sets) {
-    if (set.name.find(args.only) == std::string::npos) continue;
+  for (const RecallSet& one : sets) {
+    if (one.name.find(args.only) == std::string::npos) continue;
+    constexpr int kMaxQueries = 50;
+    const RecallSet set = args.exchanged ? Exchanged(one, kMaxQueries) : one;
     const FeatureOptions features = QueryOptionsOf(set, args.build.features);
     const Asked asked{ExtractAll(set.queries, features), ExtractAll(set.look_alikes, features),
                       ExtractAll(ChooseForeign(sets, set, args.foreign), features)};

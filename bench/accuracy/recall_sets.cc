@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/accuracy/recall_sets.h"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -185,10 +188,29 @@ std::vector<RecallSet> ReadRecallSets(const fs::path& data) {
   return sets;
 }
 
+RecallSet Exchanged(const RecallSet& set, int max_queries) {
+  RecallSet exchanged{set.name, set.queries, {}, set.look_alikes, {}};
+  const size_t step = std::max<size_t>(1, set.map.size() / std::max(1, max_queries));
+  for (size_t i = 0; i < set.map.size(); i += step) exchanged.queries.push_back(set.map[i]);
+  exchanged.is_right = [step, is_right = set.is_right](int query, int frame) {
+    return is_right(frame, query * static_cast<int>(step));
+  };
+  return exchanged;
+}
+
 FeatureOptions QueryOptionsOf(const RecallSet& set, FeatureOptions features) {
   const ImageHeader header = ReadImageHeader(ReadBytes(set.map.front()));
   const cv::Size size = WorkingSize({header.width, header.height}, features.working_pixels);
   features.working_pixels = size.area();
+  return features;
+}
+
+std::vector<Features> ExtractAll(const std::vector<fs::path>& images,
+                                 const FeatureOptions& options) {
+  std::vector<Features> features(images.size());
+  tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
+    features[i] = ExtractFeatures(DecodeGrey(ReadBytes(images[i])), options);
+  });
   return features;
 }
 

@@ -31,8 +31,16 @@ std::unique_ptr<Source> OpenRecallMap(const RecallSet& set);
 // those of them that `data` has.
 std::vector<RecallSet> ReadRecallSets(const std::filesystem::path& data);
 
+// The set with its roles exchanged: a map of the queries, asked for about `max_queries` of the
+// images that the map was made of, every n-th.
+RecallSet Exchanged(const RecallSet& set, int max_queries);
+
 // How features of a set's queries are extracted: as QueryFeatureOptions has it for its map.
 FeatureOptions QueryOptionsOf(const RecallSet& set, FeatureOptions features);
+
+// Of each image, in parallel.
+std::vector<Features> ExtractAll(const std::vector<std::filesystem::path>& images,
+                                 const FeatureOptions& options);
 
 // About `count` of the queries of the sets of other places, every n-th.
 std::vector<std::filesystem::path> ChooseForeign(const std::vector<RecallSet>& sets,

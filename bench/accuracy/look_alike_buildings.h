@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <opencv2/core.hpp>
+
+#include "world/render.h"
+#include "world/walk.h"
+#include "world/world.h"
+
+// Rendered buildings whose storeys share the plan, doors and some of the posters, and photos of
+// them.
+namespace waystone::bench {
+
+// How a building looks, which varies with its seed: how bare its walls are, how rich their looks,
+// how large its posters are, how many of them show one picture, and how many hang on every storey.
+WorldOptions DrawBuilding(int building);
+
+// Every second building has the demo plan, the others the other one.
+FloorPlan PlanOf(int building);
+
+// The storey of that number, from 0.
+World StoreyOf(int building, int storey);
+
+// Of maps and queries, `width` pixels wide and three quarters as high.
+Camera LookAlikeCamera(int width);
+
+// 48 images of the storey.
+Walk MapTour(const World& world);
+
+// 30 images of another visit, which varies with `seed`: another height and gaze, up to 0.8 m aside
+// and turned by up to 0.6 rad.
+Walk QueryTour(const World& world, int seed);
+
+// A photo, CV_8UC1, with another camera's blur, noise and exposure, and for every other `seed`
+// another light.
+cv::Mat Photograph(const Renderer& renderer, const World& world,
+                   const Eigen::Isometry3d& world_from_camera, uint64_t seed);
+
+}  // namespace waystone::bench
