@@ -133,6 +133,19 @@ cv::Mat Reduced(const cv::Mat& grey, const cv::Size& size) {
   return reduced;
 }
 
+// Cells most of whose pixels are at an end of the range, but for noise and traces of JPEG.
+std::vector<bool> FindClipped(const cv::Mat& grey) {
+  constexpr int kWithin = 4;  // grey levels
+  const cv::Mat at_an_end = (grey <= kWithin) | (grey >= 255 - kWithin);
+  cv::Mat share;
+  cv::resize(at_an_end, share, {kClippedCells, kClippedCells}, 0, 0, cv::INTER_AREA);
+  const auto is_clipped = [](uint8_t of_255) { return of_255 > 127; };
+  if (std::none_of(share.begin<uint8_t>(), share.end<uint8_t>(), is_clipped)) return {};
+  std::vector<bool> clipped(share.total());
+  std::transform(share.begin<uint8_t>(), share.end<uint8_t>(), clipped.begin(), is_clipped);
+  return clipped;
+}
+
 Keypoint ToKeypoint(const cv::KeyPoint& k) {
   const float angle = k.angle < 0 ? 0.0f : k.angle * std::numbers::pi_v<float> / 180.0f;
   return {k.pt.x, k.pt.y, k.size, angle};
@@ -189,6 +202,16 @@ cv::Size WorkingSize(const cv::Size& image, int working_pixels) {
   return {width, std::max(1, cvRound(scale * image.height))};
 }
 
+bool IsClipped(const Features& features, const Eigen::Vector2d& x) {
+  if (features.clipped.empty()) return false;
+  const auto cell = [](double position, int size) {
+    return std::clamp(static_cast<int>(kClippedCells * (position + 0.5) / size), 0,
+                      kClippedCells - 1);
+  };
+  const int row = cell(x.y(), features.height);
+  return features.clipped[kClippedCells * row + cell(x.x(), features.width)];
+}
+
 cv::Size ImageSize(const Features& features) {
   if (features.image_width == 0) return {features.width, features.height};
   return {features.image_width, features.image_height};
@@ -218,6 +241,7 @@ Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options) {
   const cv::Mat working = Reduced(grey, WorkingSize(grey.size(), options.working_pixels));
   features.width = working.cols;
   features.height = working.rows;
+  features.clipped = FindClipped(working);
   Detected found = Detect(working, options);
   const std::vector<int> order = StrongestFirst(found.keypoints, options.max_features);
   features.keypoints.reserve(order.size());

@@ -80,6 +80,8 @@ struct DescriptorsView {
   const uint8_t* row(int i) const { return data + static_cast<size_t>(i) * bytes; }
 };
 
+constexpr int kClippedCells = 32;  // a side of an image
+
 // What one image gave: keypoints[i] has descriptors.row(i). Strongest first, ties by position, so
 // that the same image gives the same features whatever the thread.
 // Keypoints, and all that is computed from them, are in pixels of the working image: the given one,
@@ -93,6 +95,9 @@ struct Features {
   int image_height = 0;  // px
   std::vector<Keypoint> keypoints;
   Descriptors descriptors;
+  // Whether the image is black or white there, so that it can't show a feature: of kClippedCells
+  // rows of as many cells, row by row. Empty where no cell is.
+  std::vector<bool> clipped;
 
   int size() const { return static_cast<int>(keypoints.size()); }
 };
@@ -124,6 +129,9 @@ struct FeatureOptions {
 
 // Of the copy of an image in which its features are found.
 cv::Size WorkingSize(const cv::Size& image, int working_pixels);
+
+// Whether a position in the working image, px, is in a clipped cell.
+bool IsClipped(const Features& features, const Eigen::Vector2d& x);
 
 // Of the given image, px.
 cv::Size ImageSize(const Features& features);

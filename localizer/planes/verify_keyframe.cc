@@ -32,19 +32,20 @@ Eigen::Matrix<double, 2, 3> FitAffinity(const VerifiedKeyframe& verified) {
   return from.colPivHouseholderQr().solve(to).transpose();
 }
 
-// Features of the keyframe that should be in the query, well away from its border.
-int CountExpected(const KeyframeFeatures& target, const VerifiedKeyframe& verified, int width,
-                  int height) {
+// Features of the keyframe that the query should show: well away from its border, and where it
+// isn't clipped.
+int CountExpected(const KeyframeFeatures& target, const VerifiedKeyframe& verified,
+                  const Features& query) {
   constexpr double kMargin = 0.05;  // of the image
   const Eigen::Matrix<double, 2, 3> query_from_keyframe = FitAffinity(verified);
   std::vector<Vector2d> expected;
-  const Vector2d margin(kMargin * width, kMargin * height);
+  const Vector2d size(query.width, query.height);
+  const Vector2d margin = kMargin * size;
   for (const Vector2d& x : target.positions) {
     const Vector2d there = query_from_keyframe * x.homogeneous();
-    if (IsInside(there - margin, static_cast<int>(width - 2 * margin.x()),
-                 static_cast<int>(height - 2 * margin.y()))) {
-      expected.push_back(there);
-    }
+    const bool inside = (there.array() >= margin.array()).all() &&  // not for NaN
+                        (there.array() < (size - margin).array()).all();
+    if (inside && !IsClipped(query, there)) expected.push_back(there);
   }
   return CountApart(expected, 4.0);
 }
@@ -103,7 +104,7 @@ std::optional<VerifiedKeyframe> VerifyKeyframe(const MapIndex& index, const Feat
     verified.inliers.push_back({matches[row].b, target.rows[matches[row].a]});
   }
   verified.distinct = CountApart(verified.query_points, options.gates.distinct_px);
-  verified.expected = CountExpected(target, verified, query.width, query.height);
+  verified.expected = CountExpected(target, verified, query);
   verified.coverage = ComputeCoverage(verified.query_points, query.width, query.height);
   verified.significance =
       EpipolarSignificance(verified.matches, verified.distinct, options.epipolar.max_error_px,

@@ -33,10 +33,11 @@ struct VerifiedKeyframe {
   std::vector<MapMatch> inliers;  // the same as features
   int matches = 0;                // among which they were found
   int distinct = 0;               // inliers at distinct positions of the query
-  int expected = 0;               // features of the keyframe that the inliers put inside the query
-  double coverage = 0;            // as ComputeCoverage has it for the inliers
-  double significance = 0;        // as EpipolarSignificance has it for the distinct inliers
-  bool planar = false;            // a homography explains the inliers as well
+  // Features of the keyframe that the inliers put inside the query, where it isn't clipped.
+  int expected = 0;
+  double coverage = 0;      // as ComputeCoverage has it for the inliers
+  double significance = 0;  // as EpipolarSignificance has it for the distinct inliers
+  bool planar = false;      // a homography explains the inliers as well
 };
 
 // Matches a keyframe with the query (mutually nearest, one to one, with the ratio test against the

@@ -41,7 +41,7 @@ struct ExplainedKeyframe {
   KeyframeId keyframe;
   int matches = 0;
   int inliers = 0;   // at distinct positions of the query
-  int expected = 0;  // features of the keyframe that the inliers put inside the query
+  int expected = 0;  // features of the keyframe that the query should show (VerifiedKeyframe)
   double coverage = 0;
   int place = -1;  // index in Explanation::places; -1 for one that is in none
   // The inliers, row by row: pixels of the query and of the keyframe.

@@ -244,6 +244,22 @@ TEST_P(Extraction, TheDarkHidesLittle) {
   EXPECT_GE(found, 0.6 * in_light.size()) << "of " << in_light.size();
 }
 
+TEST(Clipped, WhereAnImageIsBlackOrWhite) {
+  cv::Mat image = MadeImage(640, 480, 14);
+  cv::Mat grey;
+  image.convertTo(grey, CV_8UC1, 0.8, 20);
+  EXPECT_TRUE(ExtractFeatures(grey, {}).clipped.empty());
+  grey(cv::Rect(0, 0, 160, 480)) = 253;
+  grey(cv::Rect(480, 240, 160, 240)) = 2;
+  const Features features = ExtractFeatures(grey, {});
+  for (const Eigen::Vector2d x : {Eigen::Vector2d{0, 0}, {150, 479}, {639, 479}, {490, 250}}) {
+    EXPECT_TRUE(IsClipped(features, x)) << x.transpose();
+  }
+  for (const Eigen::Vector2d x : {Eigen::Vector2d{170, 240}, {630, 230}, {470, 479}}) {
+    EXPECT_FALSE(IsClipped(features, x)) << x.transpose();
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Types, Extraction, testing::ValuesIn(kAllTypes),
                          [](const auto& type) { return std::string(NameOf(type.param)); });
 

@@ -106,6 +106,27 @@ class LandmarkQueryTest : public testing::Test {
   std::shared_ptr<const MapIndex> index_ = MapIndex::Build(MapWithLandmarks());
 };
 
+// The right half of a photo is white.
+TEST_F(LandmarkQueryTest, WhatIsClippedIsNotMissing) {
+  const Features whole = Look(points_, {0.1, 0, 0}, 0, 3);
+  Features query{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128)};
+  for (int i = 0; i < whole.size(); ++i) {
+    if (whole.keypoints[i].x_px >= 320) continue;
+    query.keypoints.push_back(whole.keypoints[i]);
+    query.descriptors.Append(whole.descriptors.row(i));
+  }
+  const int keyframe = index_->IndexOf(KeyframeId{kFirst});
+  const auto missing = VerifyKeyframe(*index_, query, keyframe, {});
+  for (int i = 0; i < kClippedCells * kClippedCells; ++i) {
+    query.clipped.push_back(i % kClippedCells >= kClippedCells / 2);
+  }
+  const auto clipped = VerifyKeyframe(*index_, query, keyframe, {});
+  ASSERT_TRUE(missing && clipped);
+  EXPECT_EQ(missing->distinct, clipped->distinct);
+  EXPECT_LT(missing->distinct, 0.65 * missing->expected);
+  EXPECT_GT(clipped->distinct, 0.9 * clipped->expected);
+}
+
 TEST_F(LandmarkQueryTest, APlaceWithoutPlanesIsLocalized) {
   for (uint64_t seed = 0; seed < 5; ++seed) {
     const Answer answer = Ask(Look(points_, {0.1, 0.05, 0.1}, 200, seed));
