@@ -48,6 +48,46 @@ double SharedNoise(const HomographyEstimate& estimate, const HomologyOptions& op
   return std::sqrt(std::max(1.0, static_cast<double>(estimate.pairs) / options.independent));
 }
 
+// Root mean square of what is measured under draws of both homographies' noise.
+template <typename Measure>
+double SpreadOverDraws(const HomologyOptions& options, const Measure& measure) {
+  Random random(options.seed);
+  double sum = 0;
+  for (int draw = 0; draw < options.draws; ++draw) {
+    const Vector8d of_m = DrawNormals(random);
+    const Vector8d of_n = DrawNormals(random);
+    sum += std::pow(measure(of_m, of_n), 2);
+  }
+  return std::sqrt(sum / options.draws);
+}
+
+// TestHomology but for the third eigenvalue: kTwoPlanes for one and the same plane, too.
+Homology TestPair(const HomographyEstimate& m, const HomographyEstimate& n,
+                  const HomologyOptions& options) {
+  Homology result;
+  const Matrix3d measured = m.b_from_a.inverse() * n.b_from_a;  // H^{mn} = (H^m)^-1 H^n
+  const HomologyEigenvalues values = ComputeEigenvalues(measured);
+  if (!std::isfinite(values.split) || std::abs(values.scale) < 1e-9) return result;
+  result.matrix = measured / values.scale;
+  result.third_eigenvalue = values.third;
+  result.split = values.split;
+
+  const Matrix3d unit = UnitScale(m);
+  const Matrix3d ideal =
+      unit.inverse() * NearestHomology(unit * result.matrix * unit.inverse()) * unit;
+  const double shared_m = SharedNoise(m, options);
+  const double shared_n = SharedNoise(n, options);
+  result.split_sigma = SpreadOverDraws(options, [&](const Vector8d& of_m, const Vector8d& of_n) {
+    const Matrix3d two = Perturbed(m, shared_m * of_m).inverse() *
+                         WithNoiseOf(n, m.b_from_a * ideal, shared_n * of_n);
+    return ComputeEigenvalues(two).split;
+  });
+  if (result.split <= options.max_sigmas * result.split_sigma) {
+    result.kind = HomologyKind::kTwoPlanes;
+  }
+  return result;
+}
+
 }  // namespace
 
 void HomologyOptions::Check() const { CheckFields("homology", *this); }
@@ -71,45 +111,23 @@ HomologyEigenvalues ComputeEigenvalues(const Matrix3d& homology) {
   return result;
 }
 
+bool HaveHomology(const HomographyEstimate& m, const HomographyEstimate& n,
+                  const HomologyOptions& options) {
+  options.Check();
+  return TestPair(m, n, options).kind != HomologyKind::kInvalid;
+}
+
 Homology TestHomology(const HomographyEstimate& m, const HomographyEstimate& n,
                       const HomologyOptions& options) {
   options.Check();
-  Homology result;
-  const Matrix3d measured = m.b_from_a.inverse() * n.b_from_a;  // H^{mn} = (H^m)^-1 H^n
-  const HomologyEigenvalues values = ComputeEigenvalues(measured);
-  if (!std::isfinite(values.split) || std::abs(values.scale) < 1e-9) return result;
-  result.matrix = measured / values.scale;
-  result.third_eigenvalue = values.third;
-  result.split = values.split;
-
-  const Matrix3d unit = UnitScale(m);
-  const Matrix3d ideal =
-      unit.inverse() * NearestHomology(unit * result.matrix * unit.inverse()) * unit;
-  const double shared_m = SharedNoise(m, options);
-  const double shared_n = SharedNoise(n, options);
-  Random random(options.seed);
-  double split2 = 0;
-  double third2 = 0;
-  for (int draw = 0; draw < options.draws; ++draw) {
-    const Vector8d of_m = DrawNormals(random);
-    const Vector8d of_n = DrawNormals(random);
-    const auto two = ComputeEigenvalues(Perturbed(m, shared_m * of_m).inverse() *
-                                        WithNoiseOf(n, m.b_from_a * ideal, shared_n * of_n));
-    const auto same =
-        ComputeEigenvalues(Perturbed(m, of_m).inverse() * WithNoiseOf(n, m.b_from_a, of_n));
-    split2 += two.split * two.split;
-    third2 += (same.third - 1) * (same.third - 1);
-  }
-  result.split_sigma = std::sqrt(split2 / options.draws);
-  result.third_sigma = std::sqrt(third2 / options.draws);
-
-  const bool pair_near_one = result.split <= options.max_sigmas * result.split_sigma;
-  const bool third_near_one =
-      std::abs(result.third_eigenvalue - 1) <= options.max_sigmas * result.third_sigma;
-  if (!pair_near_one) {
-    result.kind = HomologyKind::kInvalid;
-  } else {
-    result.kind = third_near_one ? HomologyKind::kSamePlane : HomologyKind::kTwoPlanes;
+  Homology result = TestPair(m, n, options);
+  if (result.kind == HomologyKind::kInvalid) return result;
+  result.third_sigma = SpreadOverDraws(options, [&](const Vector8d& of_m, const Vector8d& of_n) {
+    const Matrix3d same = Perturbed(m, of_m).inverse() * WithNoiseOf(n, m.b_from_a, of_n);
+    return ComputeEigenvalues(same).third - 1;
+  });
+  if (std::abs(result.third_eigenvalue - 1) <= options.max_sigmas * result.third_sigma) {
+    result.kind = HomologyKind::kSamePlane;
   }
   return result;
 }

@@ -47,7 +47,8 @@ struct Homology {
   double third_eigenvalue = 1;  // 1 + v^T p
   double split = 0;             // distance of the closest pair of eigenvalues
   double split_sigma = 0;       // standard deviation of `split` for a true pair of planes
-  double third_sigma = 0;  // standard deviation of `third_eigenvalue` for one and the same plane
+  // Standard deviation of `third_eigenvalue` for one and the same plane; 0 for kInvalid.
+  double third_sigma = 0;
 };
 
 // Eigenvalue test of two planes seen in the same two images: m and n are both estimated from the
@@ -56,6 +57,10 @@ struct Homology {
 // Deterministic; thread-safe.
 Homology TestHomology(const HomographyEstimate& m, const HomographyEstimate& n,
                       const HomologyOptions& options);
+
+// Whether TestHomology would find any but kInvalid, in half its time.
+bool HaveHomology(const HomographyEstimate& m, const HomographyEstimate& n,
+                  const HomologyOptions& options);
 
 // The closest pair of eigenvalues and the third, for the homology's matrix alone.
 struct HomologyEigenvalues {

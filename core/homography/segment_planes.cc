@@ -205,8 +205,7 @@ class Segmenter {
       bool valid = labelling_.planes() == 1;
       for (int q = 0; q < labelling_.planes() && estimate && !valid; ++q) {
         const auto other = q == p ? std::nullopt : EstimateOf(q);
-        valid = other &&
-                TestHomology(*other, *estimate, options_.homology).kind != HomologyKind::kInvalid;
+        valid = other && HaveHomology(*other, *estimate, options_.homology);
       }
       if (estimate && valid) continue;
       labelling_.Remove(p);

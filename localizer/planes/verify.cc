@@ -125,9 +125,9 @@ std::optional<bool> PlanesAgree(const MapIndex& index, const VerifiedPlane& m,
       const auto via = [](const Matrix3d& keyframe_from_reference, const VerifiedPlane& plane) {
         return Composed(keyframe_from_reference, plane.reference_from_query);
       };
-      const Homology homology =
-          TestHomology(via(keyframe_from_m, m), via(keyframe_from_n, n), options.homology);
-      if (homology.kind != HomologyKind::kInvalid) return true;
+      if (HaveHomology(via(keyframe_from_m, m), via(keyframe_from_n, n), options.homology)) {
+        return true;
+      }
     }
   }
   if (!compared) return std::nullopt;

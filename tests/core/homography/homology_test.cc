@@ -228,6 +228,21 @@ TEST(TestHomology, IsDeterministicForASeed) {
   EXPECT_NE(TestHomology(m, n, other).split_sigma, once.split_sigma);
 }
 
+TEST(TestHomology, HaveHomologySaysTheSame) {
+  Random random(9);
+  int have = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    const MadeViews views = RandomViews(random);
+    const MadeViews others = trial % 2 == 0 ? views : RandomViews(random);
+    const HomographyEstimate m = Measured(views.HomographyOf(RandomPlane(random)), random);
+    const HomographyEstimate n = Measured(others.HomographyOf(RandomPlane(random)), random);
+    EXPECT_EQ(HaveHomology(m, n, {}), TestHomology(m, n, {}).kind != HomologyKind::kInvalid);
+    have += HaveHomology(m, n, {});
+  }
+  EXPECT_GE(have, 45);
+  EXPECT_LE(have, 60);
+}
+
 TEST(TestHomology, ASingularHomographyIsInvalid) {
   HomographyEstimate singular;
   singular.b_from_a = Matrix3d::Zero();
