@@ -19,7 +19,7 @@ constexpr int kSiftMax = 127;
 // An image smaller than this on one side has no room for a descriptor's neighbourhood.
 constexpr int kMinSide_px = 16;
 
-// What thresholds of contrast are for: images whose grey values span this share of the range.
+// The thresholds of contrast are meant for images whose grey values span this share of the range.
 constexpr double kFullSpan = 0.6;
 constexpr double kLeastContrast = 0.1;  // below it there is mostly noise
 constexpr double kTail = 0.01;          // of the pixels, at either end

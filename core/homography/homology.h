@@ -58,7 +58,7 @@ struct Homology {
 Homology TestHomology(const HomographyEstimate& m, const HomographyEstimate& n,
                       const HomologyOptions& options);
 
-// Whether TestHomology would find any but kInvalid, in half its time.
+// Whether TestHomology would find any but kInvalid, without the draws for the third eigenvalue.
 bool HaveHomology(const HomographyEstimate& m, const HomographyEstimate& n,
                   const HomologyOptions& options);
 

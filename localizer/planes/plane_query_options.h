@@ -66,9 +66,11 @@ struct PlaneQueryOptions {
                     "Planes with fewer votes are not tried."},
         OptionGroup{"match", &Self::match}, OptionGroup{"ransac", &Self::ransac},
         OptionGroup{"homology", &Self::homology}, OptionGroup{"gates", &Self::gates},
-        OptionField{"max_keyframes", &Self::max_keyframes, AtLeast(1), "",
-                    "Keyframes verified by all their matches, most votes beyond chance first. More "
-                    "find more and cost about 2 ms each."},
+        OptionField{
+            "max_keyframes", &Self::max_keyframes, AtLeast(1), "",
+            "Keyframes verified by all their matches: of places that planes agree on, of other "
+            "visits to the best of them, and of those with most votes beyond chance, this "
+            "many each. More find more and cost about 2 ms each."},
         OptionGroup{"keyframe_match", &Self::keyframe_match},
         OptionGroup{"epipolar", &Self::epipolar},
         OptionField{"seed", &Self::seed, AnyValue(), "",

@@ -27,8 +27,9 @@ KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified, const Place& plac
   }
   KeyframeEvidence evidence;
   evidence.significance = verified.significance;
-  evidence.found_share = ShareOf(CountApart(found, gates.distinct_px), verified.expected);
   evidence.coverage = ComputeCoverage(found, query.width, query.height);
+  std::erase_if(found, [&](const auto& x) { return IsClipped(query, x); });  // none is expected
+  evidence.found_share = ShareOf(CountApart(found, gates.distinct_px), verified.expected);
   evidence.inlier_share = ShareOf(verified.distinct, verified.matches);
   evidence.planes = static_cast<int>(place.planes.size());
   return evidence;
@@ -53,9 +54,8 @@ struct JoinedPlace {
 };
 
 bool WasSeenFrom(const MapIndex& index, const VerifiedPlane& plane, const std::set<int>& near) {
-  return std::ranges::any_of(index.map().planes[plane.plane].views, [&](const PlaneView& view) {
-    return near.contains(index.IndexOf(view.keyframe));
-  });
+  return std::ranges::any_of(index.KeyframesThatSaw(plane.plane),
+                             [&](int keyframe) { return near.contains(keyframe); });
 }
 
 // Gives each visit of a group's planes those that were seen from near it; the first one also those

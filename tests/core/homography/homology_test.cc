@@ -228,19 +228,19 @@ TEST(TestHomology, IsDeterministicForASeed) {
   EXPECT_NE(TestHomology(m, n, other).split_sigma, once.split_sigma);
 }
 
-TEST(TestHomology, HaveHomologySaysTheSame) {
+TEST(HaveHomology, PlanesOfOneSceneDo) {
   Random random(9);
-  int have = 0;
+  int of_one = 0;
+  int of_two = 0;
   for (int trial = 0; trial < 100; ++trial) {
     const MadeViews views = RandomViews(random);
     const MadeViews others = trial % 2 == 0 ? views : RandomViews(random);
     const HomographyEstimate m = Measured(views.HomographyOf(RandomPlane(random)), random);
     const HomographyEstimate n = Measured(others.HomographyOf(RandomPlane(random)), random);
-    EXPECT_EQ(HaveHomology(m, n, {}), TestHomology(m, n, {}).kind != HomologyKind::kInvalid);
-    have += HaveHomology(m, n, {});
+    (trial % 2 == 0 ? of_one : of_two) += HaveHomology(m, n, {});
   }
-  EXPECT_GE(have, 45);
-  EXPECT_LE(have, 60);
+  EXPECT_GE(of_one, 47);
+  EXPECT_LE(of_two, 5);
 }
 
 TEST(TestHomology, ASingularHomographyIsInvalid) {
