@@ -120,14 +120,14 @@ int LinkRevisits(const std::vector<SampledKeyframe>& images, const PlaneQueryOpt
   });
   const std::set<int> look_alikes = FindLookAlikes(*index, found);
   std::set<KeyframeLink> links;
-  std::set<int> linked;  // images
+  std::set<KeyframeId> linked;
   for (int i = 0; i < std::ssize(found); ++i) {
     if (look_alikes.contains(found[i].own)) continue;
     for (const int place : found[i].sure) {
       if (look_alikes.contains(place) || !IsConfirmed(*index, found, i, place)) continue;
       const auto [a, b] = std::minmax(images[i].keyframe, map.keyframes[place].id);
       links.insert({a, b});
-      linked.insert(i);
+      linked.insert({a, b});
     }
   }
   map.links.assign(links.begin(), links.end());

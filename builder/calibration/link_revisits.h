@@ -17,7 +17,7 @@ namespace waystone {
 // found again at two places of which none was found again near the other looks like both: nothing
 // near it is linked. `images` are of the map's keyframes, all or some, ordered by keyframe; those
 // of keyframes that don't follow each other (FollowEachOther) confirm nothing. Returns how many
-// images gave links; none in a map without landmarks. Deterministic on any number of threads (it
+// keyframes got links; none in a map without landmarks. Deterministic on any number of threads (it
 // uses TBB's).
 int LinkRevisits(const std::vector<SampledKeyframe>& images, const PlaneQueryOptions& options,
                  MapData& map);

@@ -25,6 +25,7 @@ constexpr int kThumbnailQuality = 80;  // of JPEG
 
 // Keyframes that are searched for planes seen again: their features take 150 kB each.
 constexpr int kMostSearched = 1000;
+constexpr int kSearchedInARow = 2;  // so that one can confirm the other (LinkRevisits)
 
 // Edges between planes that are left.
 std::vector<Edge> KeepEdges(const std::vector<Edge>& edges, const std::vector<Plane>& planes) {
@@ -89,7 +90,7 @@ PlaneLayerBuilder::PlaneLayerBuilder(const PlaneBuildOptions& options)
       tracker_(options.planes),
       landmarks_(options.planes.landmarks),
       sample_(options.max_samples),
-      searched_(kMostSearched),
+      searched_(kMostSearched, kSearchedInARow),
       images_(options.max_images) {}
 
 void PlaneLayerBuilder::StartSequence(SequenceId id, const Source& source) {

@@ -38,7 +38,7 @@ struct PlaneReport : FrameReport {
   int planes_fused = 0;      // by eq. (6)
   int planes_dropped = 0;    // too few features left after the votes
   int features_dropped = 0;  // by the votes
-  int keyframes_linked = 0;  // with those of another visit, by BuildMap (LinkRevisits)
+  int keyframes_linked = 0;  // with those of other visits, by BuildMap (LinkRevisits)
   double choose_s = 0;       // choice of keyframes
   double fusion_s = 0;
   double calibrate_s = 0;  // of the verdict, by BuildMap
@@ -70,7 +70,7 @@ class PlaneLayerBuilder : public LayerBuilder {
 
   const PlaneReport& report() const { return report_; }
   const std::vector<SampledKeyframe>& samples() const { return sample_.keyframes(); }
-  // Of all keyframes, or of 1,000 of them, evenly spread.
+  // Of all keyframes, or of 1,000 of them: pairs that follow each other, evenly spread.
   const std::vector<SampledKeyframe>& searched() const { return searched_.keyframes(); }
   // Of all keyframes, ascending; empty unless PlaneBuildOptions::keep_features.
   const std::vector<SampledKeyframe>& features() const { return features_; }

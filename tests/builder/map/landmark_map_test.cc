@@ -180,11 +180,19 @@ TEST(LandmarkMap, KeyframesThatLookLikeTwoPlacesAreNotLinked) {
     const WalkFrame& frame = walk.frames[i * walk.frames.size() / 4];
     four.push_back(TheStage().renderer.Render(world, frame.world_from_camera).grey);
   }
-  std::vector<std::unique_ptr<Source>> sources;
-  sources.push_back(OpenPhotos("both", Beside(four[0], four[1])));
-  sources.push_back(OpenPhotos("left", Beside(four[0], four[2])));
-  sources.push_back(OpenPhotos("right", Beside(four[3], four[1])));
-  EXPECT_TRUE(BuildMap(sources, {}, {}).map.links.empty());
+  const auto links = [](std::vector<std::vector<cv::Mat>> places) {
+    std::vector<std::unique_ptr<Source>> sources;
+    for (std::vector<cv::Mat>& photos : places) {
+      sources.push_back(OpenPhotos("place " + std::to_string(sources.size()), std::move(photos)));
+    }
+    return BuildMap(sources, {}, {}).map.links.size();
+  };
+  const std::vector<cv::Mat> both = Beside(four[0], four[1]);
+  const std::vector<cv::Mat> left = Beside(four[0], four[2]);
+  const std::vector<cv::Mat> right = Beside(four[3], four[1]);
+  EXPECT_GT(links({both, left}), 0u);
+  EXPECT_GT(links({both, right}), 0u);
+  EXPECT_EQ(links({both, left, right}), 0u);
 }
 
 // Another building's walk shows none of the same places.
