@@ -78,10 +78,13 @@ void MapIndex::TakeLandmarks() {
 
 void MapIndex::CollectViews() {
   seen_.resize(map_.keyframes.size());
+  saw_.resize(map_.planes.size());
   for (int p = 0; p < static_cast<int>(map_.planes.size()); ++p) {
     const std::vector<PlaneView>& views = map_.planes[p].views;
     for (int v = 0; v < static_cast<int>(views.size()); ++v) {
-      seen_[keyframe_index_.at(views[v].keyframe)].push_back({p, v});
+      const int keyframe = keyframe_index_.at(views[v].keyframe);
+      seen_[keyframe].push_back({p, v});
+      saw_[p].push_back(keyframe);
     }
   }
 }

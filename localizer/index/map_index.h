@@ -76,6 +76,8 @@ class MapIndex {
   };
   // What map().keyframes[keyframe] saw, by plane.
   const std::vector<SeenPlane>& PlanesSeenBy(int keyframe) const { return seen_[keyframe]; }
+  // The keyframes of map().planes[plane].views, in their order; indices in map().keyframes.
+  const std::vector<int>& KeyframesThatSaw(int plane) const { return saw_[plane]; }
   // The keyframes that a link joins with this one, ascending; indices in map().keyframes.
   const std::vector<int>& LinkedTo(int keyframe) const { return linked_[keyframe]; }
   // Index in map().keyframes; the keyframe is in the map (WS_CHECK).
@@ -115,10 +117,11 @@ class MapIndex {
   mutable std::unique_ptr<const NodeFeatureIndex> node_features_;
   std::vector<int> plane_of_row_;
   std::vector<int> keyframe_of_row_;
-  std::vector<int> first_row_;           // of each plane, and one more for the end
-  std::vector<int> first_landmark_row_;  // of each keyframe, and one more for the end
-  std::vector<std::vector<SeenPlane>> seen_;
-  std::vector<std::vector<int>> linked_;  // of each keyframe
+  std::vector<int> first_row_;                // of each plane, and one more for the end
+  std::vector<int> first_landmark_row_;       // of each keyframe, and one more for the end
+  std::vector<std::vector<SeenPlane>> seen_;  // by each keyframe
+  std::vector<std::vector<int>> saw_;         // each plane
+  std::vector<std::vector<int>> linked_;      // of each keyframe
   std::vector<PlaneId> surface_of_plane_;
   std::vector<MapPoint> points_;
   std::optional<Horizontal> horizontal_;

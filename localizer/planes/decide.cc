@@ -102,6 +102,15 @@ bool IsIn(const MapIndex& index, const Visit& visit, int keyframe) {
          FollowEachOther(index, visit.last, keyframe);
 }
 
+// Whether planes of both places are near each other.
+bool HaveNearPlanes(const MapIndex& index, const Place& a, const Place& b) {
+  return std::ranges::any_of(a.planes, [&](const VerifiedPlane& m) {
+    return std::ranges::any_of(b.planes, [&](const VerifiedPlane& n) {
+      return PlanesAreNear(index, PlaneOf(index, m), PlaneOf(index, n));
+    });
+  });
+}
+
 PlaceCandidate Candidate(const MapIndex& index, const Place& place, const Features& query) {
   return {RefTo(index, NearestKeyframe(index, place, query)), place.probability,
           CountInliers(place)};
@@ -174,14 +183,14 @@ std::string PlaceText(const MapIndex& index, const Place& place, const PlaceCand
 }
 
 // A place that isn't probable enough.
-Answer RefusePlace(const MapIndex& index, const Features& query, const Place& best,
+Answer RefusePlace(const MapIndex& index, const Place& best, const PlaceCandidate& described,
                    const PlaneQueryOptions& options) {
   Answer answer;
-  answer.planes.runner_up = Candidate(index, best, query);
+  answer.planes.runner_up = described;
   answer.probability = best.probability;
   answer.decided_by = DecidedBy::kPlaceProbability;
-  answer.message = "the best " + PlaceText(index, best, *answer.planes.runner_up) +
-                   ": confidence " + PercentText(best.probability) + ", required " +
+  answer.message = "the best " + PlaceText(index, best, described) + ": confidence " +
+                   PercentText(best.probability) + ", required " +
                    PercentText(options.gates.min_probability) + "; show more of the place";
   return answer;
 }
@@ -191,14 +200,15 @@ EpipolarMatches DescribeEpipolar(const MapIndex& index, const VerifiedKeyframe& 
           verified.matches, verified.query_points, verified.keyframe_points};
 }
 
-Answer Describe(const MapIndex& index, const Features& query, const Place& place) {
+Answer Describe(const MapIndex& index, const Features& query, const Place& place,
+                const PlaceCandidate& described) {
   Answer answer;
   answer.verdict = Verdict::kLocalized;
   answer.decided_by =
       place.planes.empty() ? DecidedBy::kEpipolarInliers : DecidedBy::kHomographyInliers;
   answer.probability = place.probability;
   if (place.keyframe) answer.planes.epipolar = DescribeEpipolar(index, *place.keyframe);
-  answer.planes.keyframe = RefTo(index, NearestKeyframe(index, place, query));
+  answer.planes.keyframe = described.keyframe;
   std::set<PlaneId> present;
   for (const VerifiedPlane& plane : place.planes) present.insert(PlaneOf(index, plane).id);
   for (const VerifiedPlane& plane : place.planes) {
@@ -214,13 +224,6 @@ Answer Describe(const MapIndex& index, const Features& query, const Place& place
 bool LooksAsWell(const Place& place, const Place& best, const PlaneQueryOptions& options) {
   if (place.planes.empty() && place.probability < options.gates.min_rival_probability) return false;
   return CountInliers(place) >= options.gates.ambiguous_share * CountInliers(best);
-}
-
-// What was considered, for those who ask why.
-void Account(const MapIndex& index, const Features& query, const std::vector<Place>& places,
-             Answer& answer) {
-  for (const Place& place : places)
-    answer.planes.candidates.push_back(Candidate(index, place, query));
 }
 
 }  // namespace
@@ -239,25 +242,19 @@ int CountInliers(const Place& place) {
   return std::max(place.evidence.inliers, place.keyframe ? place.keyframe->distinct : 0);
 }
 
-bool AreNear(const MapIndex& index, const Place& a, const Place& b) {
-  if (a.keyframe && b.keyframe) {
-    return KeyframesNearThird(index, a.keyframe->keyframe).contains(b.keyframe->keyframe);
-  }
-  for (const VerifiedPlane& m : a.planes) {
-    for (const VerifiedPlane& n : b.planes) {
-      if (PlanesAreNear(index, PlaneOf(index, m), PlaneOf(index, n))) return true;
-    }
-  }
-  return false;
-}
-
 std::vector<const Place*> FindRivals(const MapIndex& index, const std::vector<Place>& places,
                                      const PlaneQueryOptions& options) {
   std::vector<const Place*> rivals;
+  std::optional<std::set<int>> near;  // the best place's keyframe
   for (size_t i = 1; i < places.size(); ++i) {
-    if (LooksAsWell(places[i], places[0], options) && !AreNear(index, places[0], places[i])) {
-      rivals.push_back(&places[i]);
+    const Place& place = places[i];
+    if (!LooksAsWell(place, places[0], options)) continue;
+    if (!places[0].keyframe || !place.keyframe) {
+      if (!HaveNearPlanes(index, places[0], place)) rivals.push_back(&place);
+      continue;
     }
+    if (!near) near = KeyframesNearThird(index, places[0].keyframe->keyframe);
+    if (!near->contains(place.keyframe->keyframe)) rivals.push_back(&place);
   }
   return rivals;
 }
@@ -331,25 +328,27 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
               const std::vector<VerifiedPlane>& tried, const std::vector<Place>& places,
               const PlaneQueryOptions& options) {
   if (places.empty()) return RefusePlanes(index, query, shortlisted, tried, options);
-  if (places.front().probability < options.gates.min_probability) {
-    Answer answer = RefusePlace(index, query, places.front(), options);
-    Account(index, query, places, answer);
+  std::vector<PlaceCandidate> candidates;
+  for (const Place& place : places) candidates.push_back(Candidate(index, place, query));
+  Answer answer = places[0].probability < options.gates.min_probability
+                      ? RefusePlace(index, places[0], candidates[0], options)
+                      : Describe(index, query, places[0], candidates[0]);
+  answer.planes.candidates = candidates;
+  if (answer.verdict != Verdict::kLocalized || places.size() < 2) return answer;
+  const std::vector<const Place*> rivals = FindRivals(index, places, options);
+  if (rivals.empty()) {
+    answer.planes.runner_up = candidates[1];
     return answer;
   }
-  Answer answer = Describe(index, query, places.front());
-  Account(index, query, places, answer);
-  if (places.size() < 2) return answer;
-  const std::vector<const Place*> rivals = FindRivals(index, places, options);
-  answer.planes.runner_up = Candidate(index, rivals.empty() ? places[1] : *rivals[0], query);
-  if (rivals.empty()) return answer;
   answer.verdict = Verdict::kAmbiguous;
   answer.decided_by = DecidedBy::kAmbiguousPlaces;
   answer.planes.keyframe.reset();
   answer.message = "two mapped places match; move a little and query again";
-  answer.planes.places.push_back(Candidate(index, places[0], query));
+  answer.planes.places.push_back(candidates[0]);
   for (const Place* rival : rivals) {
-    answer.planes.places.push_back(Candidate(index, *rival, query));
+    answer.planes.places.push_back(candidates[rival - places.data()]);
   }
+  answer.planes.runner_up = answer.planes.places[1];
   return answer;
 }
 

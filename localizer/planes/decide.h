@@ -38,12 +38,9 @@ std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane>
 std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
                               const PlaneQueryOptions& options);
 
-// Whether two places are parts of one surrounding: a keyframe is near the verified keyframes of
-// both (KeyframesNearThird); where a place has none, planes of both are near.
-bool AreNear(const MapIndex& index, const Place& a, const Place& b);
-
 // The places that look as well as the first one, the best, and aren't near it: an answer that has
-// any is ambiguous.
+// any is ambiguous. Two places are near if a keyframe is near the verified keyframes of both
+// (KeyframesNearThird), or where a place has none, if planes of both are.
 std::vector<const Place*> FindRivals(const MapIndex& index, const std::vector<Place>& places,
                                      const PlaneQueryOptions& options);
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <set>
 
 #include "core/base/check.h"
 #include "core/base/clock.h"
@@ -33,9 +34,9 @@ std::vector<MapMatch> CollectMatches(const MapIndex& index, const Answer& answer
       matches.push_back({match.a, index.FirstRow(plane.plane) + match.b});
     }
   }
-  const int answered = index.IndexOf(answer.planes.keyframe->id);
+  const std::set<int> near = KeyframesNear(index, index.IndexOf(answer.planes.keyframe->id));
   for (const VerifiedKeyframe& keyframe : keyframes) {
-    if (!KeyframesAreNear(index, keyframe.keyframe, answered)) continue;
+    if (!near.contains(keyframe.keyframe)) continue;
     matches.insert(matches.end(), keyframe.inliers.begin(), keyframe.inliers.end());
   }
   return matches;

@@ -21,71 +21,112 @@ constexpr int kLinksInARow = 4;
 // One poster, sign or door may hang in two places, and planes of both may be fused.
 constexpr int kSharedPlanes = 2;
 
-// Those to which the plane was followed from the keyframe of one of its views.
-void AddFollowed(const MapIndex& index, const std::vector<PlaneView>& views, int view,
-                 std::set<int>& followed) {
-  const auto at = [&](int i) { return index.IndexOf(views[i].keyframe); };
-  const int last = static_cast<int>(views.size()) - 1;
-  for (int i = view; i < last && FollowEachOther(index, at(i), at(i + 1)); ++i) {
-    followed.insert(at(i + 1));
-  }
-  for (int i = view; i > 0 && FollowEachOther(index, at(i), at(i - 1)); --i) {
-    followed.insert(at(i - 1));
-  }
-}
+// Keyframes, each once, in the order in which they were added.
+class KeyframeSet {
+ public:
+  explicit KeyframeSet(const MapIndex& index) : has_(index.map().keyframes.size(), false) {}
 
-// KeyframesNear without links.
-std::set<int> KeyframesAround(const MapIndex& index, int keyframe) {
-  std::set<int> around;
-  const int last = static_cast<int>(index.map().keyframes.size()) - 1;
-  for (int other = std::max(0, keyframe - kNearKeyframes);
-       other <= std::min(last, keyframe + kNearKeyframes); ++other) {
-    if (FollowEachOther(index, keyframe, other)) around.insert(other);
+  // Whether it is new.
+  bool Add(int keyframe) {
+    if (has_[keyframe]) return false;
+    has_[keyframe] = true;
+    all_.push_back(keyframe);
+    return true;
   }
-  std::vector<int> seen_with;  // keyframes, once a plane
-  for (const MapIndex::SeenPlane& seen : index.PlanesSeenBy(keyframe)) {
-    const std::vector<PlaneView>& views = index.map().planes[seen.plane].views;
-    AddFollowed(index, views, seen.view, around);
-    for (const PlaneView& view : views) seen_with.push_back(index.IndexOf(view.keyframe));
-  }
-  std::ranges::sort(seen_with);
-  for (size_t i = kSharedPlanes - 1; i < seen_with.size(); ++i) {
-    if (seen_with[i] == seen_with[i + 1 - kSharedPlanes]) around.insert(seen_with[i]);
-  }
-  return around;
-}
+  const std::vector<int>& all() const { return all_; }
 
-std::set<int> LinkedToAny(const MapIndex& index, const std::set<int>& keyframes) {
-  std::set<int> linked;
-  for (const int keyframe : keyframes) {
-    linked.insert(index.LinkedTo(keyframe).begin(), index.LinkedTo(keyframe).end());
+ private:
+  std::vector<bool> has_;
+  std::vector<int> all_;
+};
+
+// Finds what is near without links: keyframes that follow each other, or to which a plane was
+// followed, or that saw the same two planes.
+class Around {
+ public:
+  explicit Around(const MapIndex& index)
+      : index_(index), shared_(index.map().keyframes.size(), 0) {}
+
+  // The keyframes around any of these, themselves too.
+  KeyframeSet Of(const std::vector<int>& keyframes) {
+    KeyframeSet around(index_);
+    for (const int keyframe : keyframes) Add(keyframe, around);
+    return around;
+  }
+
+ private:
+  void Add(int keyframe, KeyframeSet& around) {
+    const int last = static_cast<int>(index_.map().keyframes.size()) - 1;
+    for (int other = std::max(0, keyframe - kNearKeyframes);
+         other <= std::min(last, keyframe + kNearKeyframes); ++other) {
+      if (FollowEachOther(index_, keyframe, other)) around.Add(other);
+    }
+    const std::vector<MapIndex::SeenPlane>& planes = index_.PlanesSeenBy(keyframe);
+    for (const MapIndex::SeenPlane& seen : planes) {
+      AddFollowed(seen, around);
+      for (const int other : index_.KeyframesThatSaw(seen.plane)) {
+        if (++shared_[other] == kSharedPlanes) around.Add(other);
+      }
+    }
+    for (const MapIndex::SeenPlane& seen : planes) {
+      for (const int other : index_.KeyframesThatSaw(seen.plane)) shared_[other] = 0;
+    }
+  }
+
+  // Those to which the plane was followed from the keyframe of one of its views.
+  void AddFollowed(const MapIndex::SeenPlane& seen, KeyframeSet& around) const {
+    const std::vector<int>& saw = index_.KeyframesThatSaw(seen.plane);
+    const int last = static_cast<int>(saw.size()) - 1;
+    for (int i = seen.view; i < last && FollowEachOther(index_, saw[i], saw[i + 1]); ++i) {
+      around.Add(saw[i + 1]);
+    }
+    for (int i = seen.view; i > 0 && FollowEachOther(index_, saw[i], saw[i - 1]); --i) {
+      around.Add(saw[i - 1]);
+    }
+  }
+
+  const MapIndex& index_;
+  std::vector<int> shared_;  // planes, by keyframe; all 0 between calls
+};
+
+// The keyframes to which up to kLinksInARow links lead from any of these.
+KeyframeSet LinkedInARow(const MapIndex& index, std::vector<int> keyframes) {
+  KeyframeSet linked(index);
+  for (int i = 0; i < kLinksInARow; ++i) {
+    std::vector<int> next;
+    for (const int keyframe : keyframes) {
+      for (const int other : index.LinkedTo(keyframe)) {
+        if (linked.Add(other)) next.push_back(other);
+      }
+    }
+    keyframes = std::move(next);
   }
   return linked;
 }
 
-// The keyframes that show one surrounding with any of these.
-std::set<int> KeyframesNearAny(const MapIndex& index, const std::set<int>& keyframes) {
-  std::set<int> near;
-  for (const int keyframe : keyframes) near.merge(KeyframesAround(index, keyframe));
-  std::set<int> reached;  // by links, each once
-  std::set<int> last = near;
-  for (int i = 0; i < kLinksInARow && !last.empty(); ++i) {
-    std::set<int> next;
-    for (const int linked : LinkedToAny(index, last)) {
-      if (reached.insert(linked).second) next.insert(linked);
-    }
-    last = std::move(next);
+std::set<int> Union(const KeyframeSet& a, const KeyframeSet& b) {
+  std::set<int> all(a.all().begin(), a.all().end());
+  all.insert(b.all().begin(), b.all().end());
+  return all;
+}
+
+// Whether a keyframe saw both planes; their views are sorted by keyframe.
+bool WereSeenTogether(const Plane& a, const Plane& b) {
+  auto view_a = a.views.begin();
+  auto view_b = b.views.begin();
+  while (view_a != a.views.end() && view_b != b.views.end()) {
+    if (view_a->keyframe == view_b->keyframe) return true;
+    view_a->keyframe < view_b->keyframe ? ++view_a : ++view_b;
   }
-  for (const int other : reached) near.merge(KeyframesAround(index, other));
-  return near;
+  return false;
 }
 
 // Whether a keyframe that saw the one plane is linked with one that saw the other.
 bool LinkedKeyframesSaw(const MapIndex& index, const Plane& a, const Plane& b) {
-  return std::ranges::any_of(a.views, [&](const PlaneView& view_a) {
-    const std::vector<int>& linked = index.LinkedTo(index.IndexOf(view_a.keyframe));
-    return std::ranges::any_of(b.views, [&](const PlaneView& view_b) {
-      return std::ranges::binary_search(linked, index.IndexOf(view_b.keyframe));
+  return std::ranges::any_of(a.views, [&](const PlaneView& view) {
+    return std::ranges::any_of(index.LinkedTo(index.IndexOf(view.keyframe)), [&](int linked) {
+      return std::ranges::binary_search(b.views, index.map().keyframes[linked].id, {},
+                                        &PlaneView::keyframe);
     });
   });
 }
@@ -100,7 +141,9 @@ bool FollowEachOther(const MapIndex& index, int a, int b) {
 }
 
 std::set<int> KeyframesNear(const MapIndex& index, int keyframe) {
-  return KeyframesNearAny(index, {keyframe});
+  Around around(index);
+  const KeyframeSet near = around.Of({keyframe});
+  return Union(near, around.Of(LinkedInARow(index, near.all()).all()));
 }
 
 bool KeyframesAreNear(const MapIndex& index, int a, int b) {
@@ -108,15 +151,14 @@ bool KeyframesAreNear(const MapIndex& index, int a, int b) {
 }
 
 std::set<int> KeyframesNearThird(const MapIndex& index, int keyframe) {
-  return KeyframesNearAny(index, KeyframesAround(index, keyframe));
+  Around around(index);
+  const KeyframeSet near = around.Of(around.Of({keyframe}).all());
+  const KeyframeSet near_linked = around.Of(LinkedInARow(index, near.all()).all());
+  return Union(near, around.Of(near_linked.all()));
 }
 
 bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b) {
-  for (const PlaneView& view_a : a.views) {
-    for (const PlaneView& view_b : b.views) {
-      if (view_a.keyframe == view_b.keyframe) return true;
-    }
-  }
+  if (WereSeenTogether(a, b)) return true;
   if (!index.map().links.empty() && LinkedKeyframesSaw(index, a, b)) return true;
   const std::vector<PlaneId>& of_a = index.Neighbours(a.id);
   const std::vector<PlaneId>& of_b = index.Neighbours(b.id);

@@ -7,26 +7,28 @@
 
 namespace waystone {
 
-// What of a map shows one surrounding. Keyframes are indices in the map's keyframes.
+// Which keyframes and planes of a map show the same surroundings. Keyframes are indices in the
+// map's keyframes.
 
 // Whether two keyframes follow each other in one sequence, with at most three between them, one
 // where a stretch ends between them.
 bool FollowEachOther(const MapIndex& index, int a, int b);
 
-// The keyframes that show one surrounding with `keyframe`, itself too: they follow each other, or
-// a plane was followed from one to the other, or two planes were seen by both, or up to four links
-// in a row lead from one to the other, as where a place was visited often. One plane that was seen
-// by both isn't enough: it may be of a poster that hangs in two places.
+// The keyframes that show the same surroundings as `keyframe`, itself too: they follow each other,
+// or a plane was followed from one to the other, or two planes were seen by both, or up to four
+// links in a row lead from one to the other, as where a place was visited often. One plane that was
+// seen by both isn't enough: it may be of a poster that hangs in two places.
 std::set<int> KeyframesNear(const MapIndex& index, int keyframe);
 
 // Whether `b` is among KeyframesNear(a), and so `a` among those near `b`.
 bool KeyframesAreNear(const MapIndex& index, int a, int b);
 
-// The keyframes that are near one that shows one surrounding with `keyframe`.
+// The keyframes that are near one that is near `keyframe`, with up to four links in a row between
+// the two. Whatever is among those of `a` has `a` among its own.
 std::set<int> KeyframesNearThird(const MapIndex& index, int keyframe);
 
-// Whether two planes are parts of one surrounding: a keyframe saw both, or a link joins keyframes
-// that saw them, or an edge or a common neighbour joins the planes.
+// Whether two planes are parts of the same surroundings: a keyframe saw both, or a link joins
+// keyframes that saw them, or an edge or a common neighbour joins the planes.
 bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b);
 
 }  // namespace waystone

@@ -128,8 +128,10 @@ TEST(GroupPlaces, PlanesOfOneSurroundingMakeOnePlace) {
   }
   EXPECT_EQ(places[1].planes.size(), 1u);
   EXPECT_EQ(places[1].planes[0].plane, 3);
-  EXPECT_FALSE(AreNear(*index, places[0], places[1]));
-  EXPECT_TRUE(AreNear(*index, places[0], places[0]));
+  const std::vector<Place> apart{places[1], places[0]};
+  EXPECT_EQ(FindRivals(*index, apart, {}).size(), 1u);
+  const std::vector<Place> one{places[0], places[0]};
+  EXPECT_TRUE(FindRivals(*index, one, {}).empty());
 }
 
 TEST(GroupPlaces, OfNothingIsNothing) { EXPECT_TRUE(GroupPlaces(*MadeIndex(), {}, {}).empty()); }

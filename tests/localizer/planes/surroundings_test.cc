@@ -50,5 +50,15 @@ TEST(KeyframesAreNear, ByWayOfOtherVisits) {
   EXPECT_FALSE(KeyframesAreNear(*Stretch({}, {links.front()}), 6, 16));
 }
 
+TEST(KeyframesNearThird, IsMutual) {
+  const auto index = Stretch({7, 9, 12, 25, 28}, {{KeyframeId{8}, KeyframeId{22}}});
+  const int keyframes = static_cast<int>(index->map().keyframes.size());
+  for (int a = 0; a < keyframes; ++a) {
+    for (const int b : KeyframesNearThird(*index, a)) {
+      EXPECT_TRUE(KeyframesNearThird(*index, b).contains(a)) << a << ", " << b;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace waystone
