@@ -33,8 +33,8 @@ Walk MapTour(const World& world);
 // and turned by up to 0.6 rad.
 Walk QueryTour(const World& world, int seed);
 
-// A photo, CV_8UC1, with another camera's blur, noise and exposure, and for every other `seed`
-// another light.
+// A photo, CV_8UC1, with another camera's blur, noise and exposure, and for about half of
+// the seeds another light.
 cv::Mat Photograph(const Renderer& renderer, const World& world,
                    const Eigen::Isometry3d& world_from_camera, uint64_t seed);
 

@@ -190,7 +190,8 @@ std::vector<RecallSet> ReadRecallSets(const fs::path& data) {
 
 RecallSet Exchanged(const RecallSet& set, int max_queries) {
   RecallSet exchanged{set.name, set.queries, {}, set.look_alikes, {}};
-  const size_t step = std::max<size_t>(1, set.map.size() / std::max(1, max_queries));
+  const size_t most = std::max(1, max_queries);
+  const size_t step = (set.map.size() + most - 1) / most;
   for (size_t i = 0; i < set.map.size(); i += step) exchanged.queries.push_back(set.map[i]);
   exchanged.is_right = [step, is_right = set.is_right](int query, int frame) {
     return is_right(frame, query * static_cast<int>(step));

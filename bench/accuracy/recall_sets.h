@@ -31,7 +31,7 @@ std::unique_ptr<Source> OpenRecallMap(const RecallSet& set);
 // those of them that `data` has.
 std::vector<RecallSet> ReadRecallSets(const std::filesystem::path& data);
 
-// The set with its roles exchanged: a map of the queries, asked for about `max_queries` of the
+// The set with its roles exchanged: a map of the queries, asked for at most `max_queries` of the
 // images that the map was made of, every n-th.
 RecallSet Exchanged(const RecallSet& set, int max_queries);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tbb/parallel_for.h>
 
+#include <atomic>
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -61,45 +62,39 @@ struct Queries {
 
 Json Ask(const RecallSet& set, const Queries& queries, const MapData& map, int visits) {
   const auto index = MapIndex::Build(map);
-  const auto answers_to = [&](const std::vector<Features>& images) {
-    std::vector<Answer> answers(images.size());
-    tbb::parallel_for(size_t{0}, images.size(),
-                      [&](size_t q) { answers[q] = LocalizeFeatures(*index, images[q], {}); });
-    return answers;
-  };
   int localized = 0;
   int right = 0;
   int ambiguous = 0;
   std::vector<double> ms;
-  const std::vector<Answer> own = answers_to(queries.own);
-  for (size_t q = 0; q < own.size(); ++q) {
-    ms.push_back(own[q].timing.total_ms);
-    ambiguous += own[q].verdict == Verdict::kAmbiguous;
-    if (own[q].verdict != Verdict::kLocalized) continue;
+  for (size_t q = 0; q < queries.own.size(); ++q) {  // one at a time, for their time
+    const Answer answer = LocalizeFeatures(*index, queries.own[q], {});
+    ms.push_back(answer.timing.total_ms);
+    ambiguous += answer.verdict == Verdict::kAmbiguous;
+    if (answer.verdict != Verdict::kLocalized) continue;
     ++localized;
-    const int frame = index->FindKeyframe(own[q].planes.keyframe->id)->frame;
+    const int frame = index->FindKeyframe(answer.planes.keyframe->id)->frame;
     right += set.is_right(static_cast<int>(q), frame);
   }
-  int foreign = 0;
-  for (const Answer& answer : answers_to(queries.foreign)) {
-    foreign += answer.verdict == Verdict::kLocalized;
-  }
+  std::atomic<int> foreign = 0;
+  tbb::parallel_for(size_t{0}, queries.foreign.size(), [&](size_t q) {
+    foreign += LocalizeFeatures(*index, queries.foreign[q], {}).verdict == Verdict::kLocalized;
+  });
   std::printf(
       "%-16s %d visits: %zu keyframes, %zu planes, %zu links; localized %d, right %d, ambiguous "
       "%d of %zu; of other places %d of %zu\n",
       set.name.c_str(), visits, map.keyframes.size(), map.planes.size(), map.links.size(),
-      localized, right, ambiguous, own.size(), foreign, queries.foreign.size());
+      localized, right, ambiguous, queries.own.size(), foreign.load(), queries.foreign.size());
   (void)std::fflush(stdout);
   return {{"visits", visits},
           {"keyframes", map.keyframes.size()},
           {"planes", map.planes.size()},
           {"links", map.links.size()},
-          {"asked", own.size()},
+          {"asked", queries.own.size()},
           {"localized", localized},
           {"right", right},
           {"ambiguous", ambiguous},
           {"foreign", queries.foreign.size()},
-          {"foreign_localized", foreign},
+          {"foreign_localized", foreign.load()},
           {"median_query_ms", Quantile(ms, 0.5)}};
 }
 
