@@ -61,7 +61,7 @@ int MadeScene::AddWall(const MadeWall& wall, int points) {
 
 Features MadeScene::See(const Isometry3d& world_from_camera, double sigma_px,
                         const Detected& detected) {
-  Features features{FeatureType::kSift, kWidth, kHeight, kWidth, kHeight, {}, Descriptors(128)};
+  Features features{FeatureType::kSift, kWidth, kHeight, kWidth, kHeight, {}, Descriptors(128), {}};
   const Isometry3d camera_from_world = world_from_camera.inverse();
   for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
     const Vector3d x = camera_from_world * points_[i].x_world;

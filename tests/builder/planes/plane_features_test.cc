@@ -136,7 +136,7 @@ TEST(IsWithinReach, IsTheImageAndAMarginAroundIt) {
 
 // Features anywhere in the image, some of them at its very border.
 Features RandomFeatures(int count, Random& random) {
-  Features features{FeatureType::kSift, 200, 150, 200, 150, {}, Descriptors(128)};
+  Features features{FeatureType::kSift, 200, 150, 200, 150, {}, Descriptors(128), {}};
   for (int i = 0; i < count; ++i) {
     const double x = i % 10 == 0 ? 199.9 : random.Uniform(0, 200);
     const double y = i % 15 == 0 ? 0 : random.Uniform(0, 150);
@@ -196,7 +196,7 @@ TEST(KeypointGrid, FindsNothingOutsideTheImageOrTooFarAway) {
 
 TEST(KeypointGrid, MayBeEmpty) {
   Random random(5);
-  const Features none{FeatureType::kSift, 200, 150, 200, 150, {}, Descriptors(128)};
+  const Features none{FeatureType::kSift, 200, 150, 200, 150, {}, Descriptors(128), {}};
   EXPECT_EQ(KeypointGrid(none, 3).MostAlike({10, 10}, RandomDescriptor(random).data(), 1e9), -1);
 }
 

@@ -427,7 +427,7 @@ TEST(PlaneTracker, ALongWallGetsNewerReferenceImages) {
 
 TEST(PlaneTracker, FramesWithoutFeaturesGiveNothing) {
   PlaneTracker tracker({});
-  const Features empty{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128)};
+  const Features empty{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128), {}};
   MadeScene scene = CornerScene(10);
   for (int i = 0; i < 3; ++i) tracker.AddKeyframe(IdOf(i), empty, i == 0, std::nullopt);
   tracker.AddKeyframe(IdOf(3), scene.See(PassingPose(3)), false, std::nullopt);

@@ -58,7 +58,7 @@ bool IsSeen(const Vector2d& x) { return x.x() >= 0 && x.y() >= 0 && x.x() < 640 
 // What the points give a camera that has moved by `shift`, noisy by 0.3 px, and `clutter`.
 Features Look(const std::vector<Point>& points, const Vector3d& shift, int clutter, uint64_t seed) {
   Random random(5000 + seed);
-  Features features{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128)};
+  Features features{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128), {}};
   const auto add = [&](const Vector2d& x, const std::vector<uint8_t>& descriptor) {
     if (!IsSeen(x)) return;
     features.keypoints.push_back({static_cast<float>(x.x()), static_cast<float>(x.y()), 8, 0});
@@ -109,7 +109,7 @@ class LandmarkQueryTest : public testing::Test {
 // The right half of a photo is white.
 TEST_F(LandmarkQueryTest, WhatIsClippedIsNotMissing) {
   const Features whole = Look(points_, {0.1, 0, 0}, 0, 3);
-  Features query{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128)};
+  Features query{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128), {}};
   for (int i = 0; i < whole.size(); ++i) {
     if (whole.keypoints[i].x_px >= 320) continue;
     query.keypoints.push_back(whole.keypoints[i]);
@@ -328,7 +328,7 @@ TEST(PosterInTwoPlaces, EachVisitHasItsOwnPlanes) {
     verified.distinct = distinct;
     AddTo(*index, places.front(), verified);
   }
-  const Features query{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128)};
+  const Features query{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128), {}};
   JoinKeyframes(*index, query, {MakeVerified(4, 62), MakeVerified(6, 60)}, {}, places);
   ASSERT_EQ(places.size(), 2u);
   EXPECT_EQ(places[0].keyframe->keyframe, 4);
