@@ -152,9 +152,8 @@ bool KeyframesAreNear(const MapIndex& index, int a, int b) {
 
 std::set<int> KeyframesNearThird(const MapIndex& index, int keyframe) {
   Around around(index);
-  const KeyframeSet near = around.Of(around.Of({keyframe}).all());
-  const KeyframeSet near_linked = around.Of(LinkedInARow(index, near.all()).all());
-  return Union(near, around.Of(near_linked.all()));
+  const KeyframeSet near = around.Of({keyframe});
+  return Union(around.Of(near.all()), around.Of(LinkedInARow(index, near.all()).all()));
 }
 
 bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b) {

@@ -23,8 +23,8 @@ std::set<int> KeyframesNear(const MapIndex& index, int keyframe);
 // Whether `b` is among KeyframesNear(a), and so `a` among those near `b`.
 bool KeyframesAreNear(const MapIndex& index, int a, int b);
 
-// The keyframes that are near one that is near `keyframe`, with up to four links in a row between
-// the two. Whatever is among those of `a` has `a` among its own.
+// KeyframesNear, and those that are near one of them without links. Whatever is among those of `a`
+// has `a` among its own.
 std::set<int> KeyframesNearThird(const MapIndex& index, int keyframe);
 
 // Whether two planes are parts of the same surroundings: a keyframe saw both, or a link joins
