@@ -180,10 +180,10 @@ TEST(LandmarkMap, KeyframesThatLookLikeTwoPlacesAreNotLinked) {
     const WalkFrame& frame = walk.frames[i * walk.frames.size() / 4];
     four.push_back(TheStage().renderer.Render(world, frame.world_from_camera).grey);
   }
-  const auto links = [](std::vector<std::vector<cv::Mat>> places) {
+  const auto links = [](const std::vector<std::vector<cv::Mat>>& places) {
     std::vector<std::unique_ptr<Source>> sources;
-    for (std::vector<cv::Mat>& photos : places) {
-      sources.push_back(OpenPhotos("place " + std::to_string(sources.size()), std::move(photos)));
+    for (const std::vector<cv::Mat>& photos : places) {
+      sources.push_back(OpenPhotos("place " + std::to_string(sources.size()), photos));
     }
     return BuildMap(sources, {}, {}).map.links.size();
   };

@@ -252,10 +252,10 @@ TEST(Clipped, WhereAnImageIsBlackOrWhite) {
   grey(cv::Rect(0, 0, 160, 480)) = 253;
   grey(cv::Rect(480, 240, 160, 240)) = 2;
   const Features features = ExtractFeatures(grey, {});
-  for (const Eigen::Vector2d x : {Eigen::Vector2d{0, 0}, {150, 479}, {639, 479}, {490, 250}}) {
+  for (const Eigen::Vector2d& x : {Eigen::Vector2d{0, 0}, {150, 479}, {639, 479}, {490, 250}}) {
     EXPECT_TRUE(IsClipped(features, x)) << x.transpose();
   }
-  for (const Eigen::Vector2d x : {Eigen::Vector2d{170, 240}, {630, 230}, {470, 479}}) {
+  for (const Eigen::Vector2d& x : {Eigen::Vector2d{170, 240}, {630, 230}, {470, 479}}) {
     EXPECT_FALSE(IsClipped(features, x)) << x.transpose();
   }
 }
