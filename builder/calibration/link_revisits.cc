@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <map>
 #include <set>
 
 #include "builder/calibration/map_parts.h"
@@ -22,7 +21,9 @@ namespace {
 struct FoundAgain {
   int own = 0;
   std::vector<int> places;
-  std::vector<int> sure;  // of these, probable enough for an answer
+  std::vector<int> sure;      // of these, probable enough for an answer
+  std::set<int> near;         // own, where there are places
+  std::set<int> near_places;  // any of them
 };
 
 FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
@@ -43,40 +44,28 @@ FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
   std::ranges::stable_sort(verified, std::greater<>(), &VerifiedKeyframe::distinct);
   std::vector<Place> places;
   JoinKeyframes(index, image, verified, options, places);
-  FoundAgain found{own, {}, {}};
+  FoundAgain found;
+  found.own = own;
   if (places.empty() || places.front().probability < options.gates.min_probability) return found;
   std::vector<const Place*> alike = FindRivals(index, places, options);
   alike.insert(alike.begin(), &places.front());
   for (const Place* place : alike) {
     found.places.push_back(place->keyframe->keyframe);
+    found.near_places.merge(KeyframesNear(index, place->keyframe->keyframe));
     if (place->probability >= options.gates.min_probability) {
       found.sure.push_back(place->keyframe->keyframe);
     }
   }
+  found.near = KeyframesNear(index, own);
   return found;
 }
 
-// By keyframe: what images near it were found near.
-using FoundFrom = std::map<int, std::set<int>>;
-
-FoundFrom CollectFound(const MapIndex& index, const std::vector<FoundAgain>& images) {
-  FoundFrom found_from;
-  for (const FoundAgain& image : images) {
-    std::set<int> found;
-    for (const int place : image.places) found.merge(KeyframesNear(index, place));
-    if (found.empty()) continue;
-    for (const int near : KeyframesNear(index, image.own)) {
-      found_from[near].insert(found.begin(), found.end());
-    }
-  }
-  return found_from;
-}
-
 // Whether the places are one: of any two, an image near the one was found near the other.
-bool AreOne(const std::vector<int>& places, const FoundFrom& found_from) {
+bool AreOne(const std::vector<int>& places, const std::vector<FoundAgain>& images) {
   const auto found = [&](int from, int place) {
-    const auto one = found_from.find(from);
-    return one != found_from.end() && one->second.contains(place);
+    return std::ranges::any_of(images, [&](const FoundAgain& image) {
+      return image.near.contains(from) && image.near_places.contains(place);
+    });
   };
   for (size_t i = 0; i < places.size(); ++i) {
     for (size_t k = 0; k < i; ++k) {
@@ -87,11 +76,10 @@ bool AreOne(const std::vector<int>& places, const FoundFrom& found_from) {
 }
 
 // The keyframes near images that look like several places which aren't one.
-std::set<int> FindLookAlikes(const MapIndex& index, const std::vector<FoundAgain>& images) {
-  const FoundFrom found_from = CollectFound(index, images);
+std::set<int> FindLookAlikes(const std::vector<FoundAgain>& images) {
   std::set<int> look_alikes;
   for (const FoundAgain& image : images) {
-    if (!AreOne(image.places, found_from)) look_alikes.merge(KeyframesNear(index, image.own));
+    if (!AreOne(image.places, images)) look_alikes.insert(image.near.begin(), image.near.end());
   }
   return look_alikes;
 }
@@ -118,7 +106,7 @@ int LinkRevisits(const std::vector<SampledKeyframe>& images, const PlaneQueryOpt
   tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
     found[i] = FindAgain(*index, images[i].features, index->IndexOf(images[i].keyframe), options);
   });
-  const std::set<int> look_alikes = FindLookAlikes(*index, found);
+  const std::set<int> look_alikes = FindLookAlikes(found);
   std::set<KeyframeLink> links;
   std::set<KeyframeId> linked;
   for (int i = 0; i < std::ssize(found); ++i) {

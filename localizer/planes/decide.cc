@@ -289,10 +289,12 @@ std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedP
 std::vector<Visit> FindVisits(const MapIndex& index, const Place& place, const Features& query) {
   std::map<int, double> closeness;  // of the keyframes that saw the place
   for (const VerifiedPlane& plane : place.planes) {
-    for (const PlaneView& view : PlaneOf(index, plane).views) {
-      closeness[index.IndexOf(view.keyframe)] += Closeness(
-          plane, view.reference_from_keyframe.inverse() * plane.reference_from_query.b_from_a,
-          query, *index.FindKeyframe(view.keyframe));
+    const std::vector<PlaneView>& views = PlaneOf(index, plane).views;
+    const std::vector<int>& saw = index.KeyframesThatSaw(plane.plane);
+    for (size_t v = 0; v < views.size(); ++v) {
+      closeness[saw[v]] += Closeness(
+          plane, views[v].reference_from_keyframe.inverse() * plane.reference_from_query.b_from_a,
+          query, index.map().keyframes[saw[v]]);
     }
   }
   std::vector<Visit> visits;
