@@ -201,6 +201,7 @@ std::vector<Answer> Session::AskMaps(const QueryImage& image) const {
 
 RequestAnswer Session::AskEach() const {
   RequestAnswer result;
+  result.min_panorama_probability = options_.panorama.min_probability;
   const bool photos = AsksOnePanoramaMap() && HasPhotos();
   result.used_camera = std::ranges::any_of(maps_, [&](const QueriedMap& map) {
     const MapData& data = map.index->map();
@@ -245,26 +246,54 @@ RequestAnswer Joined(std::vector<RequestAnswer> lots) {
   return all;
 }
 
+namespace {
+
+// Whether the map contains the place: once, or at several places that look alike.
+bool IsRecognised(const Answer& answer, double min_panorama_probability) {
+  if (answer.verdict == Verdict::kLocalized) return true;
+  if (answer.verdict != Verdict::kAmbiguous) return false;
+  // Planes say so only where the best place is probable enough. Panoramas' places share the
+  // answer's probability among them, so that the best one's own is asked for.
+  if (!answer.panorama || answer.panorama->candidates.empty()) return true;
+  return answer.panorama->candidates.front().probability >= min_panorama_probability;
+}
+
+// A panorama's place has no keyframe.
+void AppendPlaces(const Answer& answer, std::vector<PlaceCandidate>& places) {
+  const PlaneAnswer& planes = answer.planes;
+  if (planes.keyframe) {
+    places.push_back({*planes.keyframe, answer.probability, CountBestInliers(planes)});
+  }
+  places.insert(places.end(), planes.places.begin(), planes.places.end());
+}
+
+// An answer without what holds for its own place alone.
+Answer WithoutPlace(Answer answer) {
+  if (answer.pose) answer.pose_reason = "several maps contain this place";
+  answer.pose.reset();
+  answer.planes.keyframe.reset();
+  return answer;
+}
+
+}  // namespace
+
 Answer OverallAnswer(const RequestAnswer& answer) {
   const std::vector<Answer>& maps = answer.images.at(answer.best);
-  Answer best = maps.front();
-  const auto localized = std::ranges::count(maps, Verdict::kLocalized, &Answer::verdict);
-  if (localized < 2) return best;
+  std::vector<PlaceCandidate> places;
+  int recognised = 0;
+  for (const Answer& one : maps) {
+    if (!IsRecognised(one, answer.min_panorama_probability)) continue;
+    ++recognised;
+    AppendPlaces(one, places);
+  }
+  if (recognised < 2) return maps.front();
+  Answer best = WithoutPlace(maps.front());
   best.verdict = Verdict::kAmbiguous;
   best.decided_by = DecidedBy::kAmbiguousMaps;
   best.message =
-      std::to_string(localized) +
+      std::to_string(recognised) +
       " maps contain this place; `maps` ranks them, query one of them for its full answer";
-  for (int i = 0; i < localized; ++i) {
-    const PlaneAnswer& planes = maps[i].planes;
-    const int inliers = CountBestInliers(planes);
-    // A panorama's place has no keyframe.
-    if (!planes.keyframe) continue;
-    best.planes.places.push_back({*planes.keyframe, maps[i].probability, inliers});
-  }
-  best.planes.keyframe.reset();
-  if (best.pose) best.pose_reason = "several maps contain this place";
-  best.pose.reset();
+  best.planes.places = std::move(places);
   return best;
 }
 

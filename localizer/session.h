@@ -49,6 +49,8 @@ struct RequestAnswer {
   bool series = false;         // whether the images were one
   bool used_previous = false;  // and began with the request's previous answer
   bool used_camera = false;    // whether anything of the map takes the photo's camera
+  // What the maps were asked to require of a panorama's place.
+  double min_panorama_probability = PanoramaQueryOptions{}.min_probability;
   // What the next panorama is asked with, rounded as clients keep it; nothing without.
   std::optional<std::vector<NodeBelief>> belief;
 };
@@ -56,8 +58,10 @@ struct RequestAnswer {
 // The answers of the same images by several lots of maps as one; at least one.
 RequestAnswer Joined(std::vector<RequestAnswer> lots);
 
-// The best answer of all, as one map's answer and, when several maps recognised the place, with the
-// verdict ambiguous and the maps' places.
+// The best answer of all, as one map's answer. When several maps recognised the place, the verdict
+// is ambiguous and `planes.places` are the keyframes of all of them. A map that found several
+// places alike recognised it where the best of them, taken alone, is as probable as a localized one
+// has to be.
 Answer OverallAnswer(const RequestAnswer& answer);
 
 // One request while it is answered. Immutable but for how far it is; one thread asks.

@@ -107,6 +107,42 @@ TEST(OverallAnswer, SeveralMapsThatRecogniseThePlaceAreAmbiguous) {
   EXPECT_EQ(two.planes.places[1].keyframe.source, "b.jpg");
 }
 
+TEST(OverallAnswer, AMapThatFindsThePlaceTwiceCountsAgainstAnother) {
+  Answer twice;
+  twice.verdict = Verdict::kAmbiguous;
+  twice.probability = 0.96;
+  twice.map = "b";
+  for (const char* source : {"b1.jpg", "b2.jpg"}) {
+    twice.planes.places.push_back({KeyframeRef{KeyframeId{1}, "walk", source, {}}, 0.96, 40});
+  }
+  const Answer overall = OverallAnswer(AnswersWith({LocalizedIn("a", 0.97), twice}));
+  EXPECT_EQ(overall.verdict, Verdict::kAmbiguous);
+  EXPECT_EQ(overall.decided_by, DecidedBy::kAmbiguousMaps);
+  ASSERT_EQ(overall.planes.places.size(), 3u);
+  EXPECT_EQ(overall.planes.places[0].keyframe.source, "a.jpg");
+  EXPECT_EQ(overall.planes.places[2].keyframe.source, "b2.jpg");
+  const Answer alone = OverallAnswer(AnswersWith({twice, Answer{}}));
+  EXPECT_EQ(alone.planes.places.size(), 2u);
+  EXPECT_NE(alone.decided_by, DecidedBy::kAmbiguousMaps);
+}
+
+// They share the answer's probability; each one's own says whether the map contains the place.
+TEST(OverallAnswer, PanoramasAlikeCountWhereTheyAreProbable) {
+  Answer alike;
+  alike.verdict = Verdict::kAmbiguous;
+  alike.probability = 0.5;
+  alike.map = "b";
+  alike.panorama.emplace();
+  alike.panorama->candidates.emplace_back().probability = 0.95;
+  RequestAnswer asked = AnswersWith({LocalizedIn("a", 0.97), alike});
+  EXPECT_EQ(OverallAnswer(asked).verdict, Verdict::kAmbiguous);
+  asked.min_panorama_probability = 0.96;
+  EXPECT_EQ(OverallAnswer(asked).verdict, Verdict::kLocalized);
+  asked.min_panorama_probability = 0.9;
+  asked.images[0][1].panorama->candidates[0].probability = 0.3;
+  EXPECT_EQ(OverallAnswer(asked).verdict, Verdict::kLocalized);
+}
+
 TEST(ResolveCamera, FollowsTheRequest) {
   MapData map;
   map.sequences.push_back({SequenceId{1}, "walk", "folder", 1, 0,
