@@ -272,6 +272,10 @@ Answer WithoutPlace(Answer answer) {
   if (answer.pose) answer.pose_reason = "several maps contain this place";
   answer.pose.reset();
   answer.planes.keyframe.reset();
+  answer.heading.reset();
+  answer.building.reset();
+  answer.place_name.reset();
+  answer.plan.reset();
   return answer;
 }
 
@@ -279,20 +283,20 @@ Answer WithoutPlace(Answer answer) {
 
 Answer OverallAnswer(const RequestAnswer& answer) {
   const std::vector<Answer>& maps = answer.images.at(answer.best);
+  std::string names;
   std::vector<PlaceCandidate> places;
   int recognised = 0;
   for (const Answer& one : maps) {
     if (!IsRecognised(one, answer.min_panorama_probability)) continue;
-    ++recognised;
+    names += (recognised++ == 0 ? "" : ", ") + one.map;
     AppendPlaces(one, places);
   }
   if (recognised < 2) return maps.front();
   Answer best = WithoutPlace(maps.front());
   best.verdict = Verdict::kAmbiguous;
   best.decided_by = DecidedBy::kAmbiguousMaps;
-  best.message =
-      std::to_string(recognised) +
-      " maps contain this place; `maps` ranks them, query one of them for its full answer";
+  best.message = std::to_string(recognised) + " maps contain this place (" + names +
+                 "); `maps` ranks them, query one of them for its full answer";
   best.planes.places = std::move(places);
   return best;
 }

@@ -59,9 +59,9 @@ struct RequestAnswer {
 RequestAnswer Joined(std::vector<RequestAnswer> lots);
 
 // The best answer of all, as one map's answer. When several maps recognised the place, the verdict
-// is ambiguous and `planes.places` are the keyframes of all of them. A map that found several
-// places alike recognised it where the best of them, taken alone, is as probable as a localized one
-// has to be.
+// is ambiguous, `planes.places` are the keyframes of all of them (a panorama's place has none), and
+// what only one of them says of the place is left out. A map that found several places alike
+// recognised it where the best of them, taken alone, is as probable as a localized one has to be.
 Answer OverallAnswer(const RequestAnswer& answer);
 
 // One request while it is answered. Immutable but for how far it is; one thread asks.

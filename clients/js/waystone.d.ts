@@ -307,6 +307,7 @@ export interface Answer {
   epipolar?: EpipolarMatches;
   panorama?: PanoramaPlace;
   belief?: Belief;
+  /** If ambiguous: the keyframes of the places that match, of all maps. Panoramas have none; for several maps, `maps` has the place of each. */
   places?: Place[];
   runner_up: null | RunnerUp;
   decided_by: string;

@@ -143,6 +143,27 @@ TEST(OverallAnswer, PanoramasAlikeCountWhereTheyAreProbable) {
   EXPECT_EQ(OverallAnswer(asked).verdict, Verdict::kLocalized);
 }
 
+TEST(OverallAnswer, OfSeveralMapsSaysNothingThatHoldsForOneAlone) {
+  Answer first = LocalizedIn("a", 0.97);
+  first.planes.keyframe.reset();
+  first.panorama.emplace();
+  first.heading = Heading{1, 0.1, HeadingFrame::kLayer};
+  first.building.emplace();
+  first.place_name = "Kitchen";
+  first.plan = PlanPosition{"ground", {3, 4}};
+  first.pose.emplace();
+  Answer second = first;
+  second.map = "b";
+  const Answer overall = OverallAnswer(AnswersWith({first, second}));
+  EXPECT_EQ(overall.verdict, Verdict::kAmbiguous);
+  EXPECT_FALSE(overall.heading || overall.building || overall.place_name || overall.plan);
+  EXPECT_FALSE(overall.pose);
+  EXPECT_FALSE(overall.pose_reason.empty());
+  EXPECT_TRUE(overall.planes.places.empty());
+  EXPECT_NE(overall.message.find("2 maps contain this place (a, b)"), std::string::npos)
+      << overall.message;
+}
+
 TEST(ResolveCamera, FollowsTheRequest) {
   MapData map;
   map.sequences.push_back({SequenceId{1}, "walk", "folder", 1, 0,
