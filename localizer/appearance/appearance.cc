@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 
 #include "core/base/check.h"
 #include "core/base/clock.h"
@@ -133,16 +132,11 @@ PanoramaQuery DescribeAppearance(const MapIndex& index, const cv::Mat& grey) {
   return query;
 }
 
-// ToPanorama bears an image that is a little narrower or wider than twice its height; faces don't.
 BearingFeatures ExtractQueryFeatures(const MapIndex& index, const cv::Mat& grey,
                                      const PanoramaQueryOptions& options) {
   PanoramaFeatureOptions features = options.features;
   features.bearings.features.type = index.map().info.feature_type;
-  const int rows = std::max(1, grey.cols / 2);
-  if (grey.cols == 2 * grey.rows) return ExtractPanoramaFeatures(grey, features);
-  cv::Mat whole;
-  cv::resize(grey, whole, {2 * rows, rows}, 0, 0, cv::INTER_AREA);
-  return ExtractPanoramaFeatures(whole, features);
+  return ExtractScaledPanorama(grey, features);
 }
 
 // Whether the appearance alone is sure of the place.

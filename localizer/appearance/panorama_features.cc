@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localizer/appearance/panorama_features.h"
 
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
@@ -36,6 +38,14 @@ BearingFeatures ExtractPanoramaFeatures(const cv::Mat& equirectangular,
     faces[static_cast<size_t>(side)] = FaceOf(equirectangular, side, width_px);
   }
   return ExtractBearings(CubeRig(width_px), faces, options.bearings);
+}
+
+BearingFeatures ExtractScaledPanorama(const cv::Mat& grey, const PanoramaFeatureOptions& options) {
+  if (grey.cols == 2 * grey.rows) return ExtractPanoramaFeatures(grey, options);
+  const int rows = std::max(1, grey.cols / 2);
+  cv::Mat whole;
+  cv::resize(grey, whole, {2 * rows, rows}, 0, 0, cv::INTER_AREA);
+  return ExtractPanoramaFeatures(whole, options);
 }
 
 }  // namespace waystone

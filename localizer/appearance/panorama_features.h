@@ -27,8 +27,13 @@ struct PanoramaFeatureOptions {
 // Features of a whole equirectangular panorama (CV_8UC1), taken from its front, right, back and
 // left faces, where lines are straight; rays in the rig's frame (x right, y down, z forward =
 // front). Both panoramas of a comparison should be taken with the same options. Deterministic;
-// thread-safe. Throws MapError(kBadImage) for a panorama of another shape.
+// thread-safe. Throws MapError(kBadImage) for an image that isn't exactly twice as wide as high.
 BearingFeatures ExtractPanoramaFeatures(const cv::Mat& equirectangular,
                                         const PanoramaFeatureOptions& options = {});
+
+// The same of a panorama that is a little narrower or wider (HasPanoramaShape), which is scaled to
+// the shape first.
+BearingFeatures ExtractScaledPanorama(const cv::Mat& grey,
+                                      const PanoramaFeatureOptions& options = {});
 
 }  // namespace waystone

@@ -25,7 +25,7 @@ std::vector<CoarseDescriptors> DescribeForCoarse(const cv::Mat& grey,
     if (faces) {
       PanoramaFeatureOptions options = panorama.features;
       options.bearings.features.type = need.type;
-      Append(ExtractPanoramaFeatures(grey, options).descriptors, one.rows);
+      Append(ExtractScaledPanorama(grey, options).descriptors, one.rows);
     }
     if (!faces || need.working_pixels > 0) {
       const FeatureOptions how = QueryFeatureOptions(need.type, need.working_pixels, planes);
