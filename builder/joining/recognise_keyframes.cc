@@ -8,6 +8,7 @@
 
 #include "builder/calibration/map_parts.h"
 #include "builder/calibration/stored_keyframes.h"
+#include "core/camera/image_plane.h"
 #include "localizer/localizer.h"
 #include "localizer/planes/surroundings.h"
 #include "localizer/poses/locate_pose.h"
@@ -19,7 +20,13 @@ Answer Localize(const MapIndex& index, const Features& features, const MapData& 
                 SequenceId sequence) {
   Answer answer = LocalizeFeatures(index, features, {});
   const auto taken_in = std::ranges::lower_bound(walk.sequences, sequence, {}, &Sequence::id);
-  AddPose(index, features, taken_in->camera, {}, answer);
+  std::optional<Camera> camera = taken_in->camera;
+  if (camera) {  // that of the images; pictures are in the pixels of their keyframes
+    const cv::Size size = ImageSize(features);
+    camera = ScaledCamera(*camera, size.width);
+    camera->height = size.height;  // may be rounded otherwise
+  }
+  AddPose(index, features, camera, {}, answer);
   return answer;
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/text.h"
 #include "core/camera/image_plane.h"
 #include "core/features/keypoint_grid.h"
 #include "localizer/poses/pose_sightings.h"
@@ -114,6 +115,14 @@ void AddPose(const MapIndex& index, const Features& query, const std::optional<C
   if (!layer) return;
   if (answer.verdict != Verdict::kLocalized) {
     answer.pose_reason = "not localized";
+    return;
+  }
+  // Of several images of a request only the first has to be the camera's.
+  const cv::Size size = ImageSize(query);
+  if (camera && cv::Size(camera->width, camera->height) != size) {
+    answer.pose_reason = "the camera has " + SizeText(camera->width, camera->height) +
+                         " pixels, the photo has " + SizeText(size.width, size.height) +
+                         "; send it in a request of its own, with its camera";
     return;
   }
   const Camera* own = camera ? nullptr : OwnCamera(index, answer, query);

@@ -8,6 +8,7 @@
 #include "builder/joining/merge_maps.h"
 #include "builder/joining/remove_keyframes.h"
 #include "core/base/error.h"
+#include "core/camera/image_plane.h"
 #include "core/geometry/angle.h"
 #include "core/geometry/rotation.h"
 #include "core/image/encode.h"
@@ -92,6 +93,23 @@ TEST(JoinPoses, FramesOfTwoMapsBecomeOne) {
   EXPECT_GE(errors.posed, 40);
   EXPECT_GE(errors.near, errors.posed - 3);
   EXPECT_TRUE(MergeMaps({InMetres(), InAnotherFrame()}, "joined", {}).map == map);
+}
+
+// Their pictures are asked for with the camera of the pictures.
+TEST(JoinPoses, ImagesMayHaveBeenLargerThanKeyframes) {
+  const auto of_large_images = [](MapData map) {
+    for (Sequence& sequence : map.sequences) {
+      sequence.camera = ScaledCamera(*sequence.camera, 3 * sequence.camera->width);
+    }
+    return map;
+  };
+  const MapData map =
+      MergeMaps({of_large_images(InAnotherFrame()), of_large_images(InMetres())}, "joined", {}).map;
+  for (const KeyframePose& pose : map.poses->keyframes) {
+    const auto keyframe = std::ranges::find(map.keyframes, pose.keyframe, &Keyframe::id);
+    const Eigen::Isometry3d truth = TheStage().walk.frames[keyframe->frame].world_from_camera;
+    EXPECT_LT((pose.position - truth.translation()).norm(), 0.03) << keyframe->source;
+  }
 }
 
 // An area around a keyframe stays around it.

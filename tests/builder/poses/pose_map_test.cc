@@ -223,6 +223,14 @@ TEST(PosedMap, SaysWhyThereIsNoPose) {
   ASSERT_EQ(other_size.verdict, Verdict::kLocalized);
   EXPECT_FALSE(other_size.pose);
   EXPECT_TRUE(Contains(other_size.pose_reason, "the camera isn't known"));
+  // As the second image of a request, whose camera is that of the first.
+  LocalizeOptions of_first;
+  of_first.camera = TheStage().renderer.camera();
+  const Answer second = LocalizeImage(*index, cropped, of_first);
+  ASSERT_EQ(second.verdict, Verdict::kLocalized);
+  EXPECT_FALSE(second.pose);
+  EXPECT_TRUE(Contains(second.pose_reason, "320x240 pixels, the photo has 300x220"))
+      << second.pose_reason;
 }
 
 // But for the poses, the map is the one that is built without them, and so are its verdicts.
