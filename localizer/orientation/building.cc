@@ -222,16 +222,17 @@ ManhattanFrame DetectLines(const cv::Mat& grey, const std::optional<Camera>& cam
 }
 
 // Bayes: axes of wrong places disagree by anything up to an eighth of a turn, and each guess is a
-// chance to agree.
+// chance of its own to agree.
 void JudgeByAxes(int guesses, double min_probability, const BuildingOptions& options,
                  Answer& answer) {
   const double limit = options.max_disagreement_rad;
   const double disagreement_rad = answer.building->disagreement_rad.value_or(0);
   if (disagreement_rad <= limit) return;
-  const double agree_by_chance = std::min(1.0, guesses * limit / (std::numbers::pi / 4));
+  const double disagree_by_chance = std::pow(1 - limit / (std::numbers::pi / 4), guesses);
   const double right = answer.probability * options.true_disagreeing;
-  const double wrong = (1 - answer.probability) * (1 - agree_by_chance);
-  answer.probability = right / (right + wrong);
+  const double wrong = (1 - answer.probability) * disagree_by_chance;
+  // A disagreement never speaks for a place, however seldom chance would have it.
+  answer.probability = std::min(answer.probability, right / (right + wrong));
   if (answer.probability >= min_probability) return;
   const auto degrees = std::lround(disagreement_rad * 180 / std::numbers::pi);
   answer.verdict = Verdict::kNotInMap;

@@ -177,6 +177,25 @@ TEST(BuildingAxes, RefuseWhatIsNotSureEnoughToDisagree) {
   EXPECT_LT(sure.probability, 0.9999);
 }
 
+TEST(BuildingAxes, SpeakAgainstAPlaceHoweverManyGuessesDisagree) {
+  double last = 0;
+  for (const int guesses : {1, 2, 5, 8, 12}) {
+    Answer answer = Localized(0.95, 0.4);
+    JudgeByAxes(guesses, 0, {}, answer);
+    EXPECT_LT(answer.probability, 0.95) << guesses;
+    EXPECT_GT(answer.probability, last) << "more chances to agree, less surprise";
+    last = answer.probability;
+  }
+  for (const int guesses : {20, 1000}) {
+    Answer answer = Localized(0.95, 0.4);
+    JudgeByAxes(guesses, 0, {}, answer);
+    EXPECT_EQ(answer.probability, 0.95) << guesses;
+  }
+  Answer refused = Localized(0.95, 0.4);
+  JudgeByAxes(5, 0.9, {}, refused);
+  EXPECT_EQ(refused.verdict, Verdict::kNotInMap);
+}
+
 // Of a room as builders leave it, seen by one camera and all around.
 TEST(Building, LinesOfRenderedImages) {
   WorldOptions look = TestOptions();
