@@ -93,8 +93,6 @@ class MapIndex {
   // takes about a second for a million features: who asks panoramas alone has no use for it, and a
   // server makes it before it takes queries. The map has an appearance layer (WS_CHECK).
   const NodeFeatureIndex& node_features() const;
-  // Whether node_features() answers at once.
-  bool has_node_features() const { return node_features_ != nullptr; }
 
  private:
   // A spacing is about a third of the distance to what is seen: nearer nodes are alike.

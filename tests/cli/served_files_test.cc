@@ -74,15 +74,6 @@ TEST_F(ServedFilesTest, BadFilesAreNamedOnReloadAndTheOthersExchanged) {
   EXPECT_TRUE(catalog.Now()->contains("good"));
 }
 
-// A query that made the index for photos would hold its turn meanwhile, and so would all others.
-TEST_F(ServedFilesTest, TheIndexForPhotosIsMadeBeforehand) {
-  MapData map = MadeLayeredMap(3);
-  map.edges.clear();
-  WriteMap(map, folder_ / "layered.db", {});
-  const ServedFiles::Opened opened = ServedFiles({folder_}).OpenAll();
-  EXPECT_TRUE(opened.maps.at("layered")->has_node_features());
-}
-
 TEST_F(ServedFilesTest, AFileThatWasNamedMustBeGood) {
   WriteGood("good.db");
   WriteDamaged("bad.db");
