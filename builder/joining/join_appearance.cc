@@ -51,7 +51,8 @@ class LayerJoiner {
       if (!maps[m].appearance) continue;
       if (first_map_ == kNone) {
         first_map_ = m;
-        spacing_ = AppearanceIndex(*maps[m].appearance).spacing();
+        const PoseLayer* poses = maps[m].poses ? &*maps[m].poses : nullptr;
+        spacing_ = AppearanceIndex(*maps[m].appearance, {}, poses).spacing();
       }
       for (size_t n = 0; n < maps[m].appearance->nodes.size(); ++n) nodes_.emplace_back(m, n);
     }

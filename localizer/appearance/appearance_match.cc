@@ -129,8 +129,11 @@ NodeRef RefOf(const MapIndex& index, const AppearanceNode& node) {
 }
 
 bool AreElsewhere(const MapIndex& index, int a, int b, const PanoramaQueryOptions& options) {
-  const double apart = (PositionOf(NodeAt(index, a)) - PositionOf(NodeAt(index, b))).norm();
-  return apart > options.elsewhere_spacings * index.appearance().spacing();
+  const NodeDistances& nodes = index.appearance().distances();
+  const double spacing = index.appearance().spacing();
+  // A storey is lower than many places are wide.
+  return nodes.Between(a, b) > options.elsewhere_spacings * spacing ||
+         nodes.Height(a, b) > kSameFloorSpacings * spacing;
 }
 
 namespace {

@@ -57,7 +57,8 @@ std::vector<ComparedNode> CompareQuery(const MapIndex& index, const PanoramaQuer
 // A node as answers name it.
 NodeRef RefOf(const MapIndex& index, const AppearanceNode& node);
 
-// Whether two nodes are too far apart to be one place.
+// Whether two nodes are too far apart to be one place, or on different floors where both have
+// poses.
 bool AreElsewhere(const MapIndex& index, int a, int b, const PanoramaQueryOptions& options);
 
 struct PlacedQuery {

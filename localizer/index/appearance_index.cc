@@ -24,20 +24,6 @@ float LargestRoot(const AppearanceLayer& layer, int columns) {
   return std::sqrt(largest);
 }
 
-double MedianSpacing(const std::vector<AppearanceNode>& nodes) {
-  std::vector<double> nearest;
-  for (const AppearanceNode& a : nodes) {
-    double best = std::numeric_limits<double>::infinity();
-    for (const AppearanceNode& b : nodes) {
-      const double x = a.pose.x - b.pose.x;
-      const double y = a.pose.y - b.pose.y;
-      if (&a != &b) best = std::min(best, x * x + y * y);  // squares: the pairs are many
-    }
-    nearest.push_back(std::sqrt(best));
-  }
-  return nearest.size() < 2 ? 0 : Median(std::move(nearest));
-}
-
 // Compiles to the processor's sum of absolute differences.
 uint32_t SumOfDifferences(const uint8_t* a, const uint8_t* b, int count) {
   uint32_t sum = 0;
@@ -57,8 +43,10 @@ struct Found {
 void AppearanceIndexOptions::Check() const { CheckFields("appearance_index", *this); }
 
 AppearanceIndex::AppearanceIndex(const AppearanceLayer& layer,
-                                 const AppearanceIndexOptions& options)
-    : nodes_(static_cast<int>(layer.nodes.size())), rows_(layer.described.rows) {
+                                 const AppearanceIndexOptions& options, const PoseLayer* poses)
+    : nodes_(static_cast<int>(layer.nodes.size())),
+      rows_(layer.described.rows),
+      distances_(layer, poses) {
   options.Check();
   columns_ = std::min(options.frequencies, layer.described.k1);
   stride_ = std::min(options.stride, columns_);
@@ -74,13 +62,24 @@ AppearanceIndex::AppearanceIndex(const AppearanceLayer& layer,
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
   typical_ = TypicalDistance(options.typical_pairs);
-  spacing_ = std::max(MedianSpacing(layer.nodes), ComputeReach(layer.nodes, options));
+  spacing_ = std::max(MedianSpacing(), ComputeReach(options));
+}
+
+double AppearanceIndex::MedianSpacing() const {
+  std::vector<double> nearest;
+  for (int a = 0; a < nodes_; ++a) {
+    double best = std::numeric_limits<double>::infinity();
+    for (int b = 0; b < nodes_; ++b) {
+      if (a != b) best = std::min(best, distances_.Squared(a, b));  // squares: the pairs are many
+    }
+    nearest.push_back(std::sqrt(best));
+  }
+  return nearest.size() < 2 ? 0 : Median(std::move(nearest));
 }
 
 // The median over nodes spread over the layer of how far one can go from them without coming to a
 // node that looks otherwise; places far away that look alike don't count.
-double AppearanceIndex::ComputeReach(const std::vector<AppearanceNode>& nodes,
-                                     const AppearanceIndexOptions& options) const {
+double AppearanceIndex::ComputeReach(const AppearanceIndexOptions& options) const {
   const auto limit = static_cast<uint32_t>(options.alike * typical_);
   const int samples = std::min(nodes_, options.reach_nodes);
   std::vector<double> reaches;
@@ -91,8 +90,7 @@ double AppearanceIndex::ComputeReach(const std::vector<AppearanceNode>& nodes,
     std::vector<double> like;  // distances to those that look alike
     for (int b = 0; b < nodes_; ++b) {
       if (b == a) continue;
-      const double apart =
-          std::hypot(nodes[a].pose.x - nodes[b].pose.x, nodes[a].pose.y - nodes[b].pose.y);
+      const double apart = distances_.Between(a, b);
       if (DistanceBelow(bytes, b, limit) < limit) {
         like.push_back(apart);
       } else {

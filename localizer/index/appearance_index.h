@@ -6,6 +6,7 @@
 
 #include "core/base/options.h"
 #include "core/panorama/fourier_signature.h"
+#include "localizer/index/node_distances.h"
 #include "schema/layers/appearance/appearance_layer.h"
 
 namespace waystone {
@@ -56,8 +57,9 @@ class AppearanceIndex {
  public:
   AppearanceIndex() = default;
   // Copies what it needs. All signatures have the shape that `layer.described` says (WS_CHECK).
-  explicit AppearanceIndex(const AppearanceLayer& layer,
-                           const AppearanceIndexOptions& options = {});
+  // `poses`: of the map, for NodeDistances; null where it has none.
+  explicit AppearanceIndex(const AppearanceLayer& layer, const AppearanceIndexOptions& options = {},
+                           const PoseLayer* poses = nullptr);
 
   int size() const { return nodes_; }
   // The size of a place, in the layer's units: the distance between nodes that are next to each
@@ -65,6 +67,7 @@ class AppearanceIndex {
   // with signatures alike are apart where that is more, since a robot that leaves an image every
   // few centimetres doesn't make places smaller. 0 with fewer than two nodes.
   double spacing() const { return spacing_; }
+  const NodeDistances& distances() const { return distances_; }
 
   // The `count` nearest nodes (fewer when there are fewer), nearest first, ties by node; exact to
   // the bytes that magnitudes are rounded to. Nodes i with left_out[i] are passed over; empty
@@ -75,8 +78,8 @@ class AppearanceIndex {
  private:
   std::vector<uint8_t> BytesOf(const FourierSignature& signature) const;
   double TypicalDistance(int pairs) const;
-  double ComputeReach(const std::vector<AppearanceNode>& nodes,
-                      const AppearanceIndexOptions& options) const;
+  double MedianSpacing() const;
+  double ComputeReach(const AppearanceIndexOptions& options) const;
   uint32_t DistanceBelow(const uint8_t* query, int node, uint32_t limit) const;
 
   int nodes_ = 0;
@@ -86,6 +89,7 @@ class AppearanceIndex {
   float levels_per_unit_ = 1;
   double typical_ = 1;  // sum of differences of two nodes at random
   double spacing_ = 0;
+  NodeDistances distances_;
   std::vector<uint8_t> bytes_;  // node after node, frequency after frequency, row after row
 };
 

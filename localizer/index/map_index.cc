@@ -90,7 +90,7 @@ void MapIndex::CollectViews() {
 }
 
 void MapIndex::TakeAppearance() {
-  appearance_ = AppearanceIndex(*map_.appearance);
+  appearance_ = AppearanceIndex(*map_.appearance, {}, map_.poses ? &*map_.poses : nullptr);
   const double measured =
       MeasureSpacingParallax(*map_.appearance, map_.info.feature_type, appearance_.spacing());
   if (measured > 0) spacing_parallax_rad_ = measured;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/check.h"
+#include "localizer/index/node_distances.h"
 
 namespace waystone {
 namespace {
@@ -16,8 +17,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using LevelAxes = Eigen::Matrix<double, 3, 2>;
 
-// Nodes farther from the nearest one may be on another floor.
-constexpr double kSameFloorSpacings = 2;
 // A node isn't nearer than this, for stability.
 constexpr double kLeastSpacings = 0.05;
 

@@ -101,6 +101,44 @@ TEST(Appearance, ANodesOwnPanoramaIsFoundAtTheNode) {
   }
 }
 
+// A floor above with the same walls: whether it looks the same.
+MapData TwoFloors(bool alike) {
+  WorldOptions other = TestOptions();
+  other.seed = 99;
+  const World above(TwoRooms(), other);
+  MapData map = GridMap(true);
+  map.poses.emplace().unit = LengthUnit::kMetres;
+  std::vector<AppearanceNode>& nodes = map.appearance->nodes;
+  const size_t count = nodes.size();
+  for (size_t i = 0; i < 2 * count; ++i) {
+    if (i >= count) nodes.push_back(nodes[i - count]);
+    AppearanceNode& node = nodes[i];
+    node.id = AppearanceNodeId{static_cast<int64_t>(i) + 1};
+    if (i >= count && !alike) {
+      const cv::Mat image = Panorama(above, node.pose);
+      node.signature = Signature(image, map.appearance->described);
+      node.features = ToNodeFeatures(ExtractPanoramaFeatures(image));
+    }
+    const double height = kHeight_m + (i < count ? 0 : 3);
+    map.poses->nodes.push_back(MakeNodePose(
+        node.id, WorldFromCamera({node.pose.x, node.pose.y, height}, node.pose.theta_rad)));
+  }
+  return map;
+}
+
+TEST(Appearance, FloorsAboveEachOtherAreDifferentPlaces) {
+  for (const bool alike : {true, false}) {
+    const auto index = MapIndex::Build(TwoFloors(alike));
+    for (const Pose2& truth : kQueries) {
+      const Answer answer = LocalizePanorama(*index, Panorama(Rooms(), truth), {});
+      EXPECT_EQ(answer.verdict, alike ? Verdict::kAmbiguous : Verdict::kLocalized)
+          << answer.message;
+      ASSERT_TRUE(answer.panorama->runner_up);
+      EXPECT_GT(answer.panorama->runner_up->node.id.value, 9);
+    }
+  }
+}
+
 // The warping search takes rows for elevations: with the wrong ones its headings are off.
 TEST(Appearance, HeadingsAreRefinedWithTheLayersBand) {
   MapData map = GridMap(false);

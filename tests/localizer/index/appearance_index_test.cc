@@ -96,5 +96,27 @@ TEST(AppearanceIndex, KnowsSpacingAndEmptiness) {
   EXPECT_THROW(AppearanceIndex(RandomLayer(2, 6), {.frequencies = 0}), MapError);
 }
 
+// Every second node is a floor above the one before.
+TEST(AppearanceIndex, FloorsAboveEachOtherArentNearer) {
+  AppearanceLayer layer = RandomLayer(8, 8);
+  PoseLayer poses;
+  for (int i = 0; i < 8; ++i) {
+    AppearanceNode& node = layer.nodes[i];
+    node.pose.x = 2.0 * (i / 2);
+    NodePose pose;
+    pose.node = node.id;
+    pose.rotation = Eigen::AngleAxisd(-EIGEN_PI / 2, Eigen::Vector3d::UnitX());  // z is up
+    pose.position = {node.pose.x, node.pose.y, 3.0 * (i % 2)};
+    poses.nodes.push_back(pose);
+  }
+  EXPECT_EQ(AppearanceIndex(layer).spacing(), 0);
+  const AppearanceIndex index(layer, {}, &poses);
+  EXPECT_DOUBLE_EQ(index.spacing(), 2.0);
+  EXPECT_DOUBLE_EQ(index.distances().Between(0, 1), 3.0);
+  EXPECT_DOUBLE_EQ(index.distances().Height(0, 1), 3.0);
+  poses.nodes.erase(poses.nodes.begin());
+  EXPECT_EQ(AppearanceIndex(layer, {}, &poses).distances().Between(0, 1), 0) << "no pose";
+}
+
 }  // namespace
 }  // namespace waystone
