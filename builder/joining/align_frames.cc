@@ -55,8 +55,10 @@ class Aligner {
   }
 
  private:
-  double Tolerance(const CameraInFrames& camera) const {
-    return kMaxSigmas * camera.position_sigma + drift_;
+  // In the unit of `to`, of which `scale` are one of `from`.
+  double Tolerance(const CameraInFrames& camera, double scale) const {
+    const double unit = camera.answered_in_from ? scale : 1;
+    return kMaxSigmas * unit * camera.position_sigma + drift_;
   }
 
   Matrix3d RotationBy(const CameraInFrames& camera) const {
@@ -69,9 +71,10 @@ class Aligner {
     };
     const double in_to = distance(&CameraInFrames::to_from_camera);
     const double in_from = distance(&CameraInFrames::from_from_camera);
+    if (!(in_from > 0)) return;
+    const double scale = in_to / in_from;
     // Nearer than their errors, they say nothing of the scale.
-    if (in_to < 2 * Tolerance(cameras_[i]) || !(in_from > 0)) return;
-    Try(i, in_to / in_from);
+    if (in_to >= 2 * Tolerance(cameras_[i], scale)) Try(i, scale);
   }
 
   void Try(size_t i, double scale) {
@@ -82,7 +85,7 @@ class Aligner {
     for (size_t k = 0; k < cameras_.size(); ++k) {
       const CameraInFrames& camera = cameras_[k];
       const Vector3d at = scale * rotation * camera.from_from_camera.translation() + translation;
-      if ((at - camera.to_from_camera.translation()).norm() > Tolerance(camera)) continue;
+      if ((at - camera.to_from_camera.translation()).norm() > Tolerance(camera, scale)) continue;
       if (RotationAngle(RotationBy(camera), rotation) > kMaxAngle_rad) continue;
       agreeing.push_back(k);
     }

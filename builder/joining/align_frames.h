@@ -13,7 +13,10 @@ namespace waystone {
 struct CameraInFrames {
   Eigen::Isometry3d to_from_camera = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d from_from_camera = Eigen::Isometry3d::Identity();
-  double position_sigma = 0;  // of to_from_camera, on each axis, in the unit of `to`
+  // Of the position that was answered, on each axis: that of to_from_camera, in the unit of `to`;
+  // or of from_from_camera, in the unit of `from`.
+  double position_sigma = 0;
+  bool answered_in_from = false;
 };
 
 // x_to = scale * rotation * x_from + translation.

@@ -19,6 +19,11 @@ constexpr double kScaleSigmas = 2;
 
 double Apart(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
+// In the unit of `to`, of which `scale` are one of `from`.
+double SigmaOf(const PoseInLayers& pose, double scale) {
+  return (pose.answered_in_from ? scale : 1) * pose.position_sigma;
+}
+
 std::vector<PoseInLayers> EvenlySpread(const std::vector<PoseInLayers>& poses) {
   if (poses.size() <= kMaxPoses) return poses;
   std::vector<PoseInLayers> chosen;
@@ -33,8 +38,10 @@ std::optional<double> FindScale(const std::vector<PoseInLayers>& poses) {
     for (size_t j = i + 1; j < poses.size(); ++j) {
       const double in_to = Apart(poses[i].in_to, poses[j].in_to);
       const double in_from = Apart(poses[i].in_from, poses[j].in_from);
-      const double sigma = std::max(poses[i].position_sigma, poses[j].position_sigma);
-      if (in_to > kScaleSigmas * sigma && in_from > 0) scales.push_back(in_to / in_from);
+      if (!(in_from > 0)) continue;
+      const double scale = in_to / in_from;
+      const double sigma = std::max(SigmaOf(poses[i], scale), SigmaOf(poses[j], scale));
+      if (in_to > kScaleSigmas * sigma) scales.push_back(scale);
     }
   }
   if (scales.empty()) return std::nullopt;
@@ -52,7 +59,7 @@ std::vector<size_t> AgreeingWith(const std::vector<PoseInLayers>& poses, size_t 
   std::vector<size_t> agreeing;
   for (size_t i = 0; i < poses.size(); ++i) {
     const Pose2 moved = change(poses[i].in_from);
-    const double sigma = std::max(poses[i].position_sigma, poses[tried].position_sigma);
+    const double sigma = std::max(SigmaOf(poses[i], scale), SigmaOf(poses[tried], scale));
     const double allowed =
         kAgreeingSigmas * sigma + kBend * Apart(poses[i].in_to, poses[tried].in_to);
     if (Apart(moved, poses[i].in_to) > allowed) continue;

@@ -12,7 +12,8 @@ namespace waystone {
 struct PoseInLayers {
   Pose2 in_to;
   Pose2 in_from;
-  double position_sigma = 0;  // of in_to, in the unit of `to`
+  double position_sigma = 0;  // of in_to, in the unit of `to`; or of in_from, in that of `from`
+  bool answered_in_from = false;
 };
 
 // A similarity on the ground: to_from, whose translation is in the unit of `to`.

@@ -116,9 +116,9 @@ class LayerJoiner {
     for (const Tie& tie : ties_) {
       const Pose2& own = NodeAt(tie.asking).pose;
       if (unit_of_[tie.found] == to && unit_of_[tie.asking] == from) {
-        common.push_back({tie.pose, own, tie.position_sigma});
+        common.push_back({tie.pose, own, tie.position_sigma, false});
       } else if (unit_of_[tie.found] == from && unit_of_[tie.asking] == to) {
-        common.push_back({own, tie.pose, tie.position_sigma});
+        common.push_back({own, tie.pose, tie.position_sigma, true});
       }
     }
     return common;

@@ -44,7 +44,8 @@ std::vector<CameraInFrames> CommonCameras(const std::vector<Recognition>& recogn
       if (own == nullptr || !answered) return;
       const Eigen::Isometry3d given = own->frame_from_camera();
       const Eigen::Isometry3d& found = answered->frame_from_camera;
-      cameras.push_back({forth ? found : given, forth ? given : found, PositionSigma(*answered)});
+      cameras.push_back(
+          {forth ? found : given, forth ? given : found, PositionSigma(*answered), back});
     };
     for (const RecognisedKeyframe& one : recognition.keyframes) {
       add(asking.poses->Find(asking.keyframes[one.asking].id), one.pose);
