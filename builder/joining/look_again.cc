@@ -80,9 +80,10 @@ std::vector<int> KeyframesAround(const MapIndex& index, const SessionNumbers& se
   return around;
 }
 
-void LookFrom(const MapIndex& index, int keyframe, const Features& image, const KeypointGrid& grid,
+void LookFrom(const AskedMap& asked, int keyframe, const Features& image, const KeypointGrid& grid,
               RowsSeen& seen) {
-  const auto verified = VerifyKeyframe(index, image, keyframe, PlaneQueryOptions{});
+  const MapIndex& index = *asked.index;
+  const auto verified = VerifyKeyframe(index, image, keyframe, asked.options.planes);
   if (!verified || verified->inliers.size() < kLeastMatches) return;
   const LocalMotion motion(verified->keyframe_points, verified->query_points, image.width);
   const KeyframeFeatures target = CollectKeyframeFeatures(index, keyframe);
@@ -100,14 +101,15 @@ void LookFrom(const MapIndex& index, int keyframe, const Features& image, const 
   }
 }
 
-RowsSeen LookFor(const MapIndex& index, const SessionNumbers& sessions, const Answer& answer,
+RowsSeen LookFor(const AskedMap& asked, const SessionNumbers& sessions, const Answer& answer,
                  const Features& image) {
+  const MapIndex& index = *asked.index;
   if (answer.verdict != Verdict::kLocalized || !answer.planes.keyframe) return {};
   const KeypointGrid grid(image, kReach * image.width);
   RowsSeen seen;
   const int answered = index.IndexOf(answer.planes.keyframe->id);
   for (const int k : KeyframesAround(index, sessions, answered)) {
-    LookFrom(index, k, image, grid, seen);
+    LookFrom(asked, k, image, grid, seen);
   }
   const auto found =
       static_cast<double>(std::ranges::count_if(seen, [](const auto& row) { return row.second; }));
@@ -235,7 +237,7 @@ LookCounts LookAgain(const AskedMap& asked, const MapData& walk,
   const SessionNumbers sessions = NumberSessions(index.map());
   std::vector<RowsSeen> seen(images.size());
   tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
-    seen[i] = LookFor(index, sessions, asked.answers[i], images[i].features);
+    seen[i] = LookFor(asked, sessions, asked.answers[i], images[i].features);
   });
   const std::map<SequenceId, SequenceId> ids = IdsAfter(map, walk);
   CountsOfSequence counts;

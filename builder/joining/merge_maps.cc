@@ -164,7 +164,8 @@ Recognition Recognise(const std::vector<MapData>& maps, size_t asked, size_t ask
         RecogniseKeyframes(map, maps[asking], images, PictureFeatures(maps, options));
   }
   if (maps[asked].appearance && maps[asking].appearance) {
-    recognition.nodes = RecogniseNodes(maps[asked], maps[asking], options.appearance.loops);
+    recognition.nodes = RecogniseNodes(maps[asked], maps[asking], options.appearance.loops,
+                                       options.appearance_calibration.query);
   }
   return recognition;
 }
@@ -173,7 +174,7 @@ std::vector<Recognition> RecogniseEachOther(const std::vector<MapData>& maps,
                                             const BuildOptions& options) {
   std::vector<Recognition> recognitions;
   for (size_t i = 0; i < maps.size(); ++i) {
-    const AskedMap map = AskMap(maps[i], {}, {});
+    const AskedMap map = AskMap(maps[i], {}, {}, options.calibration.localize);
     for (size_t j = 0; j < maps.size(); ++j) {
       if (i != j) recognitions.push_back(Recognise(maps, i, j, map, {}, options));
     }
@@ -308,7 +309,7 @@ JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options,
   std::vector<Recognition> recognitions;
   LookCounts looked;
   {
-    const AskedMap asked = AskMap(maps[0], maps[1], images);
+    const AskedMap asked = AskMap(maps[0], maps[1], images, options.calibration.localize);
     recognitions.push_back(Recognise(maps, 0, 1, asked, images, options));
     looked = LookAgain(asked, maps[1], images, maps[0]);
   }

@@ -16,9 +16,9 @@
 namespace waystone {
 namespace {
 
-Answer Localize(const MapIndex& index, const Features& features, const MapData& walk,
+Answer Localize(const AskedMap& map, const Features& features, const MapData& walk,
                 SequenceId sequence) {
-  Answer answer = LocalizeFeatures(index, features, {});
+  Answer answer = LocalizeFeatures(*map.index, features, map.options);
   const auto taken_in = std::ranges::lower_bound(walk.sequences, sequence, {}, &Sequence::id);
   std::optional<Camera> camera = taken_in->camera;
   if (camera) {  // that of the images; pictures are in the pixels of their keyframes
@@ -26,7 +26,7 @@ Answer Localize(const MapIndex& index, const Features& features, const MapData& 
     camera = ScaledCamera(*camera, size.width);
     camera->height = size.height;  // may be rounded otherwise
   }
-  AddPose(index, features, camera, {}, answer);
+  AddPose(*map.index, features, camera, map.options.pose, answer);
   return answer;
 }
 
@@ -44,16 +44,17 @@ std::optional<Answer> AnswerTo(const Keyframe& keyframe, const AskedMap& map, co
   }
   const std::optional<Features> features = FeaturesOfPicture(keyframe, options);
   if (!features) return std::nullopt;
-  return Localize(*map.index, *features, other, keyframe.sequence);
+  return Localize(map, *features, other, keyframe.sequence);
 }
 
 }  // namespace
 
-AskedMap AskMap(const MapData& map, const MapData& walk, const std::vector<WalkImage>& images) {
-  AskedMap asked{MapIndex::Build(CopyPlanes(map)), std::vector<Answer>(images.size())};
+AskedMap AskMap(const MapData& map, const MapData& walk, const std::vector<WalkImage>& images,
+                const LocalizeOptions& options) {
+  AskedMap asked{MapIndex::Build(CopyPlanes(map)), options, std::vector<Answer>(images.size())};
   if (map.keyframes.empty()) return asked;
   tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
-    asked.answers[i] = Localize(*asked.index, images[i].features, walk, images[i].sequence);
+    asked.answers[i] = Localize(asked, images[i].features, walk, images[i].sequence);
   });
   return asked;
 }

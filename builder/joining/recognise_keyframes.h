@@ -9,6 +9,7 @@
 #include "builder/planes/keyframe_sample.h"
 #include "core/features/features.h"
 #include "localizer/index/map_index.h"
+#include "localizer/options.h"
 #include "localizer/verdict/answer.h"
 #include "schema/map_data.h"
 
@@ -25,11 +26,13 @@ struct RecognisedKeyframe {
 // poses.
 struct AskedMap {
   std::shared_ptr<const MapIndex> index;  // of the map's planes and landmarks
+  LocalizeOptions options;                // that it is asked with
   std::vector<Answer> answers;
 };
 
 // Localizes images of `walk` in the map. The same on any number of threads.
-AskedMap AskMap(const MapData& map, const MapData& walk, const std::vector<WalkImage>& images);
+AskedMap AskMap(const MapData& map, const MapData& walk, const std::vector<WalkImage>& images,
+                const LocalizeOptions& options);
 
 // Which keyframes of `other` show places of the map: each was localized by its image, where that is
 // among `images`, which the map was asked for, or is by its stored picture (FeaturesOfPicture). So

@@ -31,12 +31,13 @@ bool KeepsFeatures(const AppearanceLayer& layer) {
 
 // Where a panorama was taken; nothing where it isn't localized.
 std::optional<RecognisedNode> LocalizeNode(const MapIndex& index, const AppearanceNode& node,
-                                           size_t asking, bool verify) {
+                                           size_t asking, bool verify,
+                                           const PanoramaQueryOptions& options) {
   PanoramaQuery query{node.signature, std::nullopt};
   if (verify && !node.features.bearings.empty()) {
     query.features = ToBearingFeatures(node.features, index.map().info.feature_type);
   }
-  Answer answer = LocatePanorama(index, query, {});
+  Answer answer = LocatePanorama(index, query, options);
   if (answer.verdict != Verdict::kLocalized || !answer.heading) return std::nullopt;
   AddNodePose(index, answer);
   const AppearanceLayer& layer = *index.map().appearance;
@@ -68,14 +69,15 @@ bool Agree(const AppearanceNode& a, const RecognisedNode& found_a, const Appeara
 }  // namespace
 
 std::vector<RecognisedNode> RecogniseNodes(const MapData& map, const MapData& other,
-                                           const LoopOptions& options) {
+                                           const LoopOptions& options,
+                                           const PanoramaQueryOptions& query) {
   WS_CHECK(map.appearance && other.appearance, "maps of panoramas");
   const auto index = MapIndex::Build(CopyPanoramas(map));
   const std::vector<AppearanceNode>& nodes = other.appearance->nodes;
-  const bool verify = KeepsFeatures(*map.appearance);
+  const bool verify = query.verify && KeepsFeatures(*map.appearance);
   std::vector<std::optional<RecognisedNode>> found(nodes.size());
   tbb::parallel_for(size_t{0}, nodes.size(),
-                    [&](size_t i) { found[i] = LocalizeNode(*index, nodes[i], i, verify); });
+                    [&](size_t i) { found[i] = LocalizeNode(*index, nodes[i], i, verify, query); });
   const double spacing = index->appearance().spacing();
   const auto reach = static_cast<size_t>(options.neighbourhood);
   std::vector<RecognisedNode> recognised;

@@ -8,6 +8,7 @@
 
 #include "builder/appearance/loop_closure.h"
 #include "core/geometry/pose2.h"
+#include "localizer/appearance/panorama_query_options.h"
 #include "localizer/verdict/answer.h"
 #include "schema/map_data.h"
 
@@ -30,9 +31,10 @@ struct RecognisedNode {
 // Which panoramas of `other` show places of `map`: each is localized by the signature and the
 // features that its map keeps. As within one build (LoopOptions), an answer counts only where
 // neighbours in its sequence are localized near it and turned as they are in their own map. In the
-// order of the nodes; the same on any number of threads. Both have appearance layers that describe
-// panoramas alike (WS_CHECK).
+// order of the nodes; the same on any number of threads. `query` says how the map is asked. Both
+// have appearance layers that describe panoramas alike (WS_CHECK).
 std::vector<RecognisedNode> RecogniseNodes(const MapData& map, const MapData& other,
-                                           const LoopOptions& options);
+                                           const LoopOptions& options,
+                                           const PanoramaQueryOptions& query);
 
 }  // namespace waystone

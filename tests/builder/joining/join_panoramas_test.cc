@@ -96,6 +96,15 @@ TEST(JoinPanoramas, TheOrderOfMapsDoesNotMatter) {
       JoinedPanoramas().map);
 }
 
+TEST(JoinPanoramas, AsksTheMapsAsConfigured) {
+  BuildOptions strict = PanoramaOptionsOf("joined");
+  strict.appearance_calibration.query.verify = false;
+  strict.appearance_calibration.query.min_probability = 1 - 1e-6;
+  const JoinReport report =
+      MergeMaps({MorningPanoramas(), EveningPanoramas()}, "joined", strict).report;
+  EXPECT_LT(report.panoramas_recognised, JoinedPanoramas().report.panoramas_recognised);
+}
+
 TEST(JoinPanoramas, WhatDoesNotMeetStaysApart) {
   const JoinResult joined =
       MergeMaps({MorningPanoramas(), Elsewhere()}, "apart", PanoramaOptionsOf("apart"));

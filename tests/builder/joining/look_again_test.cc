@@ -97,7 +97,7 @@ class LookAgainTest : public testing::Test {
 
   // What the walk's images show of the map.
   LookCounts Look(const std::vector<WalkImage>& images, MapData& map) const {
-    return LookAgain(AskMap(map, walk_, images), walk_, images, map);
+    return LookAgain(AskMap(map, walk_, images, {}), walk_, images, map);
   }
 
   MapData map_ = First();

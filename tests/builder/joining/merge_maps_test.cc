@@ -111,6 +111,12 @@ TEST(AddToMap, LinksTheAddedKeyframes) {
             static_cast<int>(joined.map.keyframes.size() - FirstHalf().keyframes.size()));
 }
 
+TEST(AddToMap, AsksTheMapAsConfigured) {
+  BuildOptions strict;
+  strict.calibration.localize.planes.gates.min_probability = 1 - 1e-12;
+  EXPECT_EQ(AddToMap(FirstHalf(), SecondHalf(), strict).report.keyframes_recognised, 0);
+}
+
 TEST(MergeMaps, DoesNotDependOnTheOrder) {
   EXPECT_TRUE(MergeMaps({SecondHalf(), FirstHalf()}, "joined", {}).map == Joined().map);
 }
