@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -152,33 +153,55 @@ FeatureOptions PictureFeatures(const std::vector<MapData>& maps, const BuildOpti
   return features;
 }
 
-// What maps[asked] shows of maps[asking].
-Recognition Recognise(const std::vector<MapData>& maps, size_t asked, size_t asking,
-                      const AskedMap& map, const std::vector<WalkImage>& images,
-                      const BuildOptions& options) {
-  Recognition recognition;
-  recognition.asked = asked;
-  recognition.asking = asking;
-  if (!maps[asked].keyframes.empty() && !maps[asking].keyframes.empty()) {
-    recognition.keyframes =
-        RecogniseKeyframes(map, maps[asking], images, PictureFeatures(maps, options));
-  }
-  if (maps[asked].appearance && maps[asking].appearance) {
-    recognition.nodes = RecogniseNodes(maps[asked], maps[asking], options.appearance.loops,
-                                       options.appearance_calibration.query);
-  }
-  return recognition;
-}
-
-std::vector<Recognition> RecogniseEachOther(const std::vector<MapData>& maps,
-                                            const BuildOptions& options) {
+// What the maps with these places in the list show of maps[asking]; `answering` are the same.
+std::vector<Recognition> Recognise(const std::vector<MapData>& maps,
+                                   const std::vector<size_t>& asked, size_t asking,
+                                   const std::vector<AskedMap>& answering,
+                                   const std::vector<WalkImage>& images,
+                                   const BuildOptions& options) {
   std::vector<Recognition> recognitions;
-  for (size_t i = 0; i < maps.size(); ++i) {
-    const AskedMap map = AskMap(maps[i], {}, {}, options.calibration.localize);
-    for (size_t j = 0; j < maps.size(); ++j) {
-      if (i != j) recognitions.push_back(Recognise(maps, i, j, map, {}, options));
+  std::vector<const AskedMap*> with_keyframes;
+  std::vector<size_t> places;  // of their recognitions
+  for (const size_t i : asked) {
+    Recognition& one = recognitions.emplace_back();
+    one.asked = i;
+    one.asking = asking;
+    if (!maps[i].keyframes.empty()) {
+      with_keyframes.push_back(&answering[i]);
+      places.push_back(recognitions.size() - 1);
+    }
+    if (maps[i].appearance && maps[asking].appearance) {
+      one.nodes = RecogniseNodes(maps[i], maps[asking], options.appearance.loops,
+                                 options.appearance_calibration.query);
     }
   }
+  if (with_keyframes.empty() || maps[asking].keyframes.empty()) return recognitions;
+  std::vector<std::vector<RecognisedKeyframe>> found =
+      RecogniseKeyframes(with_keyframes, maps[asking], images, PictureFeatures(maps, options));
+  for (size_t i = 0; i < places.size(); ++i) {
+    recognitions[places[i]].keyframes = std::move(found[i]);
+  }
+  return recognitions;
+}
+
+// Describing a picture takes as long as asking a map, so that all maps are asked for each: they are
+// indexed together, in as much memory as the joined map takes when it is calibrated.
+std::vector<Recognition> RecogniseEachOther(const std::vector<MapData>& maps,
+                                            const BuildOptions& options) {
+  std::vector<AskedMap> answering;
+  for (const MapData& map : maps) {
+    answering.push_back(AskMap(map, {}, {}, options.calibration.localize));
+  }
+  std::vector<Recognition> recognitions;
+  for (size_t asking = 0; asking < maps.size(); ++asking) {
+    std::vector<size_t> others;
+    for (size_t i = 0; i < maps.size(); ++i) {
+      if (i != asking) others.push_back(i);
+    }
+    std::ranges::move(Recognise(maps, others, asking, answering, {}, options),
+                      std::back_inserter(recognitions));
+  }
+  std::ranges::stable_sort(recognitions, {}, &Recognition::asked);
   return recognitions;
 }
 
@@ -309,9 +332,10 @@ JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options,
   std::vector<Recognition> recognitions;
   LookCounts looked;
   {
-    const AskedMap asked = AskMap(maps[0], maps[1], images, options.calibration.localize);
-    recognitions.push_back(Recognise(maps, 0, 1, asked, images, options));
-    looked = LookAgain(asked, maps[1], images, maps[0]);
+    const std::vector<AskedMap> asked{
+        AskMap(maps[0], maps[1], images, options.calibration.localize)};
+    recognitions = Recognise(maps, {0}, 1, asked, images, options);
+    looked = LookAgain(asked.front(), maps[1], images, maps[0]);
   }
   JoinResult result = Join(std::move(maps), std::move(recognitions), name, true, options);
   result.report.features_looked_for = looked.looked;

@@ -30,21 +30,38 @@ Answer Localize(const AskedMap& map, const Features& features, const MapData& wa
   return answer;
 }
 
-// The answer to a keyframe's image, where that is at hand, else to its picture: smaller, and so
-// sometimes nearer to what the map's camera saw. Nothing without either.
-std::optional<Answer> AnswerTo(const Keyframe& keyframe, const AskedMap& map, const MapData& other,
-                               const std::vector<WalkImage>& images,
-                               const FeatureOptions& options) {
+// The map's answer to a keyframe's image, where that is at hand and was localized.
+const Answer* AnswerToImage(const Keyframe& keyframe, const AskedMap& map,
+                            const std::vector<WalkImage>& images) {
   const auto image = std::ranges::find_if(images, [&](const WalkImage& one) {
     return one.sequence == keyframe.sequence && one.frame == keyframe.frame;
   });
-  if (image != images.end()) {
-    const Answer& answer = map.answers[image - images.begin()];
-    if (answer.verdict == Verdict::kLocalized) return answer;
+  if (image == images.end()) return nullptr;
+  const Answer& answer = map.answers[image - images.begin()];
+  return answer.verdict == Verdict::kLocalized ? &answer : nullptr;
+}
+
+using Found = std::vector<std::optional<RecognisedKeyframe>>;  // by the asking keyframes
+
+// Only those whose neighbour was found near the same place.
+std::vector<RecognisedKeyframe> Supported(const MapIndex& index,
+                                          const std::vector<Keyframe>& keyframes,
+                                          const Found& found) {
+  // Whether a keyframe and the next one were found near the same place.
+  const auto agree = [&](size_t k) {
+    return k + 1 < keyframes.size() && keyframes[k].sequence == keyframes[k + 1].sequence &&
+           found[k] && found[k + 1] &&
+           KeyframesAreNear(index, static_cast<int>(found[k]->found),
+                            static_cast<int>(found[k + 1]->found));
+  };
+  std::vector<RecognisedKeyframe> supported;
+  bool with_last = false;
+  for (size_t k = 0; k < keyframes.size(); ++k) {
+    const bool with_next = agree(k);
+    if (with_last || with_next) supported.push_back(*found[k]);
+    with_last = with_next;
   }
-  const std::optional<Features> features = FeaturesOfPicture(keyframe, options);
-  if (!features) return std::nullopt;
-  return Localize(map, *features, other, keyframe.sequence);
+  return supported;
 }
 
 }  // namespace
@@ -59,30 +76,33 @@ AskedMap AskMap(const MapData& map, const MapData& walk, const std::vector<WalkI
   return asked;
 }
 
-std::vector<RecognisedKeyframe> RecogniseKeyframes(const AskedMap& map, const MapData& other,
-                                                   const std::vector<WalkImage>& images,
-                                                   const FeatureOptions& options) {
+std::vector<std::vector<RecognisedKeyframe>> RecogniseKeyframes(
+    const std::vector<const AskedMap*>& maps, const MapData& other,
+    const std::vector<WalkImage>& images, const FeatureOptions& options) {
   const std::vector<Keyframe>& keyframes = other.keyframes;
-  std::vector<std::optional<RecognisedKeyframe>> found(keyframes.size());
+  std::vector<Found> found(maps.size(), Found(keyframes.size()));
   tbb::parallel_for(size_t{0}, keyframes.size(), [&](size_t k) {
-    const std::optional<Answer> answer = AnswerTo(keyframes[k], map, other, images, options);
-    if (!answer || answer->verdict != Verdict::kLocalized) return;
-    const int nearest = map.index->IndexOf(answer->planes.keyframe->id);
-    found[k] = RecognisedKeyframe{k, static_cast<size_t>(nearest), answer->pose};
+    // Of the picture: smaller than the image, and so sometimes nearer to what a map's camera saw.
+    std::optional<Features> features;
+    bool described = false;
+    for (size_t m = 0; m < maps.size(); ++m) {
+      const AskedMap& map = *maps[m];
+      const Answer* to_image = AnswerToImage(keyframes[k], map, images);
+      if (!to_image && !described) {
+        features = FeaturesOfPicture(keyframes[k], options);
+        described = true;
+      }
+      if (!to_image && !features) continue;
+      const Answer answer =
+          to_image ? *to_image : Localize(map, *features, other, keyframes[k].sequence);
+      if (answer.verdict != Verdict::kLocalized) continue;
+      const int nearest = map.index->IndexOf(answer.planes.keyframe->id);
+      found[m][k] = RecognisedKeyframe{k, static_cast<size_t>(nearest), answer.pose};
+    }
   });
-  // Whether a keyframe and the next one were found near the same place.
-  const auto agree = [&](size_t k) {
-    return k + 1 < keyframes.size() && keyframes[k].sequence == keyframes[k + 1].sequence &&
-           found[k] && found[k + 1] &&
-           KeyframesAreNear(*map.index, static_cast<int>(found[k]->found),
-                            static_cast<int>(found[k + 1]->found));
-  };
-  std::vector<RecognisedKeyframe> recognised;
-  bool with_last = false;
-  for (size_t k = 0; k < keyframes.size(); ++k) {
-    const bool with_next = agree(k);
-    if (with_last || with_next) recognised.push_back(*found[k]);
-    with_last = with_next;
+  std::vector<std::vector<RecognisedKeyframe>> recognised;
+  for (size_t m = 0; m < maps.size(); ++m) {
+    recognised.push_back(Supported(*maps[m]->index, keyframes, found[m]));
   }
   return recognised;
 }

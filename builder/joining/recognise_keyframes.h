@@ -34,13 +34,14 @@ struct AskedMap {
 AskedMap AskMap(const MapData& map, const MapData& walk, const std::vector<WalkImage>& images,
                 const LocalizeOptions& options);
 
-// Which keyframes of `other` show places of the map: each was localized by its image, where that is
-// among `images`, which the map was asked for, or is by its stored picture (FeaturesOfPicture). So
-// that no single mistake ties two buildings together, an answer counts only where the
-// keyframe before or after it in its sequence was localized near the same place
-// (KeyframesAreNear). In the order of the keyframes; the same on any number of threads.
-std::vector<RecognisedKeyframe> RecogniseKeyframes(const AskedMap& map, const MapData& other,
-                                                   const std::vector<WalkImage>& images,
-                                                   const FeatureOptions& options);
+// Which keyframes of `other` show places of each of the maps: each was localized by its image,
+// where that is among `images`, which the map was asked for, or is by its stored picture
+// (FeaturesOfPicture), which is described once for all maps. So that no single mistake ties two
+// buildings together, an answer counts only where the keyframe before or after it in its sequence
+// was localized near the same place (KeyframesAreNear). By the maps, in the order of the keyframes;
+// the same on any number of threads.
+std::vector<std::vector<RecognisedKeyframe>> RecogniseKeyframes(
+    const std::vector<const AskedMap*>& maps, const MapData& other,
+    const std::vector<WalkImage>& images, const FeatureOptions& options);
 
 }  // namespace waystone

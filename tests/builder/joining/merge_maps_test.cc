@@ -8,6 +8,7 @@
 #include <set>
 
 #include "builder/calibration/rendered_negatives.h"
+#include "builder/joining/recognise_keyframes.h"
 #include "builder/joining/remove_keyframes.h"
 #include "core/base/error.h"
 #include "localizer/planes/surroundings.h"
@@ -101,6 +102,26 @@ TEST(MergeMaps, LinksKeyframesThatShowOnePlace) {
     if (keyframe.sequence == SequenceId{2}) second.insert(keyframe.id);
   }
   EXPECT_TRUE(RemoveFromMap(joined.map, {second, {}}, {}).map.links.empty());
+}
+
+TEST(RecogniseKeyframes, AsksSeveralMapsAsItAsksEach) {
+  const MapData walk = MapOfFrames(12, 32, "walk");
+  const std::vector<AskedMap> asked{AskMap(FirstHalf(), {}, {}, {}),
+                                    AskMap(SecondHalf(), {}, {}, {})};
+  const auto ask = [&](const std::vector<const AskedMap*>& maps) {
+    std::vector<std::vector<std::pair<size_t, size_t>>> found;
+    for (const auto& of_map : RecogniseKeyframes(maps, walk, {}, {})) {
+      found.emplace_back();
+      for (const RecognisedKeyframe& one : of_map) found.back().emplace_back(one.asking, one.found);
+    }
+    return found;
+  };
+  const auto together = ask({&asked[0], &asked[1]});
+  ASSERT_EQ(together.size(), 2U);
+  EXPECT_EQ(together[0], ask({&asked[0]}).front());
+  EXPECT_EQ(together[1], ask({&asked[1]}).front());
+  EXPECT_FALSE(together[0].empty());
+  EXPECT_NE(together[0], together[1]);
 }
 
 // The keyframes of an added walk are asked in the map, and none of the map in the walk.
