@@ -35,13 +35,27 @@ struct LookRow {
 struct LookSum {
   int looked = 0;
   int found = 0;
+
+  void Add(const LookSum& other) {
+    looked += other.looked;
+    found += other.found;
+  }
 };
 
 // The features of a plane or a keyframe, with what later walks found of them.
 class LookedFor {
  public:
   LookedFor(std::vector<Vector2d> positions, std::vector<LookRow> rows)
-      : positions_(std::move(positions)), rows_(std::move(rows)) {}
+      : positions_(std::move(positions)), rows_(std::move(rows)) {
+    sums_.assign(rows_.size() + 1, std::vector<LookSum>(positions_.size()));
+    for (size_t r = rows_.size(); r-- > 0;) {
+      for (size_t f = 0; f < positions_.size(); ++f) {
+        const FeatureLooks& one = (*rows_[r].looks)[f];
+        sums_[r][f] = sums_[r + 1][f];
+        sums_[r][f].Add({one.looked, one.found});
+      }
+    }
+  }
 
   // Of each feature that goes: the sequences that missed it.
   std::map<int, std::set<SequenceId>> FindGone(int min_looks) const {
@@ -71,14 +85,7 @@ class LookedFor {
     return since;
   }
 
-  LookSum Sum(size_t f, size_t since) const {
-    LookSum sum;
-    for (size_t r = since; r < rows_.size(); ++r) {
-      sum.looked += (*rows_[r].looks)[f].looked;
-      sum.found += (*rows_[r].looks)[f].found;
-    }
-    return sum;
-  }
+  const LookSum& Sum(size_t f, size_t since) const { return sums_[since][f]; }
 
   // Whether walks found the nearest features in the same rows; so if none was looked for.
   bool WasFoundAround(size_t f, size_t since) const {
@@ -92,15 +99,14 @@ class LookedFor {
     std::ranges::partial_sort(around, around.begin() + static_cast<std::ptrdiff_t>(asked));
     LookSum all = Sum(f, since);
     for (size_t i = 0; i < asked; ++i) {
-      const LookSum one = Sum(around[i].second, since);
-      all.looked += one.looked;
-      all.found += one.found;
+      all.Add(Sum(around[i].second, since));
     }
     return all.found > kMostFoundAround * all.looked;
   }
 
   std::vector<Vector2d> positions_;
-  std::vector<LookRow> rows_;  // by sequence, in the order in which they were added
+  std::vector<LookRow> rows_;               // by sequence, in the order in which they were added
+  std::vector<std::vector<LookSum>> sums_;  // of each row and those after it, by feature
 };
 
 // Those of 0 to count - 1 that don't go.
@@ -142,8 +148,9 @@ class Pruner {
  private:
   void PrunePlane(Plane& plane) {
     std::vector<LookRow> rows;
-    for (const PlaneLooks& row : map_.looks.planes) {
-      if (row.plane == plane.id) rows.push_back({row.sequence, &row.features});
+    for (const PlaneLooks& row :
+         std::ranges::equal_range(map_.looks.planes, plane.id, {}, &PlaneLooks::plane)) {
+      rows.push_back({row.sequence, &row.features});
     }
     if (rows.empty()) return;
     std::vector<Vector2d> positions;
@@ -166,8 +173,9 @@ class Pruner {
 
   void PruneLandmarks(Keyframe& keyframe) {
     std::vector<LookRow> rows;
-    for (const LandmarkLooks& row : map_.looks.landmarks) {
-      if (row.keyframe == keyframe.id) rows.push_back({row.sequence, &row.landmarks});
+    for (const LandmarkLooks& row : std::ranges::equal_range(map_.looks.landmarks, keyframe.id, {},
+                                                             &LandmarkLooks::keyframe)) {
+      rows.push_back({row.sequence, &row.landmarks});
     }
     if (rows.empty()) return;
     Landmarks& landmarks = keyframe.landmarks;
