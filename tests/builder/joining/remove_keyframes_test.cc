@@ -77,6 +77,39 @@ TEST(RemoveKeyframes, ExpressesPlanesInAnotherReference) {
   EXPECT_EQ(WrittenAndRead(left.map).edges, left.map.edges);
 }
 
+// The second of three keyframes has gone past the features, which its homography puts upside down
+// into its image.
+TEST(RemoveKeyframes, WhatIsBehindAKeyframeIsNotShownByIt) {
+  MapData map = MapOfFrames(0, 20, "first");
+  ASSERT_GE(map.keyframes.size(), 3U);
+  for (Keyframe& keyframe : map.keyframes) keyframe.jpeg.clear();  // nothing to calibrate by
+  map.edges.clear();
+  Plane& plane = map.planes.front();
+  Eigen::Matrix3d second_from_first;
+  second_from_first << 1 - 400 / 160.0, 0, 400, -250 / 160.0, 1, 250, -1 / 160.0, 0, 1;
+  const auto id = [&](size_t k) { return map.keyframes[k].id; };
+  plane.reference = id(0);
+  plane.views = {{id(0), Eigen::Matrix3d::Identity(), 40},
+                 {id(1), second_from_first.inverse(), 40},
+                 {id(2), Eigen::Matrix3d::Identity(), 40}};
+  plane.features.clear();
+  Descriptors descriptors(plane.descriptors.bytes());
+  for (int i = 0; i < 40; ++i) {
+    const Keypoint at{290, 100.0F + static_cast<float>(i), 8, 0};
+    const Eigen::Vector3d there = second_from_first * Eigen::Vector3d(at.x_px, at.y_px, 1);
+    ASSERT_LT(there.z(), 0) << "behind";
+    const Eigen::Vector2d x = there.hnormalized();
+    ASSERT_TRUE(x.x() > 0 && x.y() > 0 && x.x() < 320 && x.y() < 240) << x.transpose();
+    plane.features.push_back({at, 3, 3});
+    descriptors.Append(std::vector<uint8_t>(128, static_cast<uint8_t>(i)).data());
+  }
+  plane.descriptors = descriptors;
+  map.index.reset();
+  const MapData left = RemoveFromMap(map, {{id(2)}, {}}, {}).map;
+  ASSERT_EQ(left.planes.front().features.size(), 40U);
+  for (const PlaneFeature& feature : left.planes.front().features) EXPECT_EQ(feature.visible, 1);
+}
+
 TEST(RemoveKeyframes, KeepsWhatIsLeftOfNamedPlaces) {
   MapData map = TheMap().map;
   map.names = {{"Begin", {{NamedKind::kKeyframes, 1, 1}}, {}},
