@@ -25,7 +25,8 @@ Descriptor BytesOf(const Features& features, int row) {
           static_cast<size_t>(features.descriptors.bytes())};
 }
 
-// Descriptors of queries that the map has as they are, because it took them from that keyframe.
+// Of all planes. A query that has one of them as it is, is the image that it was taken from: the
+// map doesn't say from which keyframe each is.
 std::unordered_set<Descriptor> DescriptorsInMap(const MapIndex& index) {
   std::unordered_set<Descriptor> all;
   for (int p = 0; p < static_cast<int>(index.map().planes.size()); ++p) {

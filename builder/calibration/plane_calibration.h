@@ -38,7 +38,9 @@ struct CalibrationOptions {
 };
 
 // The model of the verdict, fitted to answers of the map itself. Each keyframe is asked for without
-// the features that the map has from it (leave one out): the place that it shows is a right one.
+// the features whose descriptors the map has as they are, which it took from that image (leave one
+// out): the place that it shows is a right one. Features that were described anew, as those of
+// stored pictures are (RecalibratePlaneLayer), differ from the map's and are all asked for.
 // The best plane for the same features with their positions exchanged is a wrong one: what matches
 // looks alike, but fits by chance alone; so is the best plane for each of `outside`, pictures of
 // what the map doesn't show (RenderedNegatives). Places elsewhere that fit are no wrong ones to

@@ -22,7 +22,8 @@ std::vector<SampledKeyframe> FeaturesOfPictures(const std::vector<Keyframe>& key
                                                 int max_keyframes, const FeatureOptions& options);
 
 // CalibratePlaneLayer by these pictures in place of the images. They are smaller, so that places
-// have fewer inliers than a photo of today gives. A map with too few pictures gets the model that
+// have fewer inliers than a photo of today gives; and they are described anew, so that no feature
+// is left out that the map has from their keyframe. A map with too few pictures gets the model that
 // holds for any map (FitVerdictModel).
 void RecalibratePlaneLayer(MapData& map, const FeatureOptions& features,
                            const CalibrationOptions& options);
