@@ -37,8 +37,8 @@ struct PoseGraph {
 PoseGraph CollectPoseGraph(const MapData& map) {
   if (!map.appearance) {
     CannotGive(
-        "this map has homographies between images but no poses, which require an appearance layer "
-        "(build it from panoramas); use graphml or dot");
+        "this format exports the appearance layer, which this map doesn't have; use graphml or "
+        "dot, or geojson for a map with poses");
   }
   const std::optional<double> metres = map.appearance->metres_per_unit;
   return {map, *map.appearance, metres.value_or(1), metres ? "m" : "unit"};

@@ -26,8 +26,9 @@ constexpr const char* kDescription =
     "then localize single images in it.";
 
 constexpr const char* kFooter =
-    "Exit status: 0 success, 2 usage error, 3 invalid input, 4 no usable result,\n"
-    "5 internal error, 6 registry or store can't be reached, 130 interrupted.\n"
+    "Exit status: 0 success, 2 usage error, 3 invalid input or output, a server that refuses,\n"
+    "or out of memory, 4 no usable result, 5 internal error, 6 registry or store can't be\n"
+    "reached, 130 interrupted.\n"
     "To get started: waystone demo";
 
 int Fail(const std::string& message, ErrorCode code) {

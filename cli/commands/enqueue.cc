@@ -69,8 +69,7 @@ int RunEnqueue(const EnqueueFlags& flags) {
 
 void AddEnqueue(CLI::App& app, Run& run) {
   auto flags = std::make_shared<EnqueueFlags>();
-  CLI::App* command = app.add_subcommand(
-      "enqueue", "Put the building of a map into the queue of a registry, for workers");
+  CLI::App* command = app.add_subcommand("enqueue", "Queue the build of a map for workers");
   AddSourceFlags(*command, std::string(kBuildSources) + ", by paths that all workers reach",
                  flags->build.sources);
   AddBuildFlags(*command, flags->build);
@@ -99,7 +98,7 @@ void AddEnqueue(CLI::App& app, Run& run) {
                       "needs one");
   command->add_flag("--json", flags->json, "Print the job as one JSON object");
   command->footer(
-      "waystone work builds the map and publishes it, waystone jobs tells how far it is.\n"
+      "waystone work builds the map and publishes it, waystone jobs shows its progress.\n"
       "Example: waystone enqueue /data/lab-walk --name lab --registry postgresql://db/maps");
   command->callback([flags, &run] { run = [flags] { return RunEnqueue(*flags); }; });
 }

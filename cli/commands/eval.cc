@@ -117,7 +117,8 @@ void AddEval(CLI::App& app, Run& run) {
                    "Folder of images that are not in the map; may be repeated")
       ->allow_extra_args(false);
   command->add_option("--poses", flags->poses,
-                      "Poses of the map's images: CSV, TUM, KITTI or COLMAP (images.txt)");
+                      "Poses of the map's images: TUM, KITTI, EuRoC, COLMAP (images.txt or "
+                      "images.bin), g2o, ROS nav_msgs/Odometry as CSV, or CSV");
   command->add_option("--truth", flags->truth,
                       "Poses of the images of query folders, in the same formats; without --poses "
                       "those of the map's images as well");

@@ -157,8 +157,9 @@ void AddExport(CLI::App& app, Run& run) {
   command->add_flag("--force", flags->force, "Overwrite existing files");
   command->footer(
       "graphml and dot contain the graph of planes; g2o, tum, ply, geojson and poses contain the\n"
-      "poses of the appearance layer (maps of panoramas). colmap writes a project for `colmap\n"
-      "mapper`, which reconstructs poses of the keyframes (docs/poses.md).\n"
+      "poses of the appearance layer (maps of panoramas), geojson also the keyframes of maps with\n"
+      "poses. colmap writes a project for `colmap mapper`, which reconstructs poses of the\n"
+      "keyframes (docs/poses.md).\n"
       "Example: waystone export lab.db --format graphml -o lab.graphml\n"
       "         waystone export walk.db --format colmap --images walk.mp4 -o walk-colmap");
   command->callback([flags, &run] { run = [flags] { return RunExport(*flags); }; });

@@ -99,7 +99,7 @@ int RunJobs(const JobsFlags& flags) {
 
 void AddJobs(CLI::App& app, Run& run) {
   auto flags = std::make_shared<JobsFlags>();
-  CLI::App* command = app.add_subcommand("jobs", "List the jobs of a registry, or end one");
+  CLI::App* command = app.add_subcommand("jobs", "List, cancel or retry the jobs of a registry");
   command->add_option("registry", flags->registry, "Registry in PostgreSQL: postgresql://...")
       ->required();
   CLI::Option* job =

@@ -44,7 +44,7 @@ int RunPrune(const PruneFlags& flags) {
 void AddPrune(CLI::App& app, Run& run) {
   auto flags = std::make_shared<PruneFlags>();
   CLI::App* command = app.add_subcommand(
-      "prune", "Remove from a map what walks that were added to it looked for and didn't find");
+      "prune", "Remove features that later walks should have seen but did not find");
   command
       ->add_option("map", flags->map,
                    "Map file, which is replaced where something of it is removed")

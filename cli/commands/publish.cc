@@ -64,7 +64,7 @@ void AddPublish(CLI::App& app, Run& run) {
   command->add_option("map", flags->map, "Map file")->required();
   command
       ->add_option("--to", flags->registry,
-                   "Registry: a folder, or postgresql://...; made where it isn't there")
+                   "Registry: a folder, or postgresql://...; created if missing")
       ->required();
   command->add_option("--name", flags->name, "Name of the map; default: the file's");
   command->add_option("--tag", flags->tags, "A word about this version that lists show; repeatable")
@@ -74,8 +74,8 @@ void AddPublish(CLI::App& app, Run& run) {
                       "files. A new registry keeps it; default: the registry's own folder");
   command->add_flag("--json", flags->json, "Print the version's manifest as one JSON object");
   command->footer(
-      "Servers of the registry (waystone serve --registry) exchange the map within seconds.\n"
-      "Versions never change; publishing the current one again does nothing.\n"
+      "Servers of the registry (waystone serve --registry) switch to the new version\n"
+      "within seconds. Versions never change; publishing the current one again does nothing.\n"
       "Example: waystone publish lab.db --to /srv/maps --tag berlin");
   command->callback([flags, &run] { run = [flags] { return RunPublish(*flags); }; });
 }

@@ -75,7 +75,8 @@ int RunRemove(const RemoveFlags& flags) {
 void AddRemove(CLI::App& app, Run& run) {
   auto flags = std::make_shared<RemoveFlags>();
   CLI::App* command = app.add_subcommand(
-      "remove", "Remove sessions, keyframes or panoramas from a map, without its sources");
+      "remove",
+      "Remove sessions, keyframes or panoramas from a map; the original images are not needed");
   command->add_option("map", flags->map, "Map file, which is replaced")->required();
   command->add_option("--session", flags->sessions,
                       "Number or name of a session, as `waystone info` lists them; repeatable");
