@@ -3,8 +3,9 @@
 """bench.py BUILD [NAME...]: runs the benches that docs/benchmarks.md reports, or those named.
 
 What NAME measured goes to BUILD/bench/results/NAME.json, whole or not at all: the bench's last line
-with its command, commit, machine, date and seconds. A bench whose data is missing (WAYSTONE_DATA, or
-../shared/data) is skipped, and one that fails keeps its earlier result. Exits with 1 when one failed.
+with its command, commit, machine, date and seconds. Real data is read from the folder named by
+WAYSTONE_DATA; a bench whose data is missing is skipped, and one that fails keeps its earlier result. Exits
+with 1 when one failed.
 scripts/benchmark_tables.py writes the document from the results.
 """
 import argparse
@@ -53,8 +54,6 @@ large-307k           look-alikes --first 17 --buildings 4 --width 1280
 large-1m             look-alikes --first 17 --buildings 4 --width 1280 --set features.working_pixels=1000000
 scale                scale
 collection           collection DATA
-collection-orb       collection DATA --features orb
-collection-akaze     collection DATA --features akaze
 linear               linear DATA/kitchen 250 500 1000
 graphs               graphs DATA/kitchen DATA/church world
 density-300          graphs DATA/kitchen --keyframes 300:150 --opencv-every 0
