@@ -27,6 +27,8 @@ PATIENCE_S = 300
 # Of the walk through the room, one picture each 10 cm: those around the photo, which is near the 20th.
 WALKED = range(11, 41, 3)
 PHOTO_FRAME = WALKED.index(20)
+# Documents count in the images of the demo's walk.
+DEMO_IMAGES = 160
 
 PRELUDE = """set -euo pipefail
 curl() { command curl --silent --show-error --fail-with-body "$@"; }
@@ -83,6 +85,12 @@ def prepare(folder, built):
         (folder / f"{queries}poses.csv").write_text("frame,x,y,z\n" + rows)
 
 
+def shortened(block):
+    """The block with --from and --to in the frames of the walk that documents get here."""
+    scale = len(WALKED) / DEMO_IMAGES
+    return re.sub(r"--(from|to) (\d+)", lambda found: f"--{found[1]} {round(int(found[2]) * scale)}", block)
+
+
 def script_of(block, url, already):
     """A script of the block's commands that weren't run already, and all of its commands."""
     block = block.replace("build/release/cli/waystone", "waystone").replace(ADDRESS, url)
@@ -124,7 +132,7 @@ class Commands(unittest.TestCase):
         for line, block, reason in found:
             if reason:
                 continue
-            script, commands = script_of(block, self.url, self.ran_from_nothing if from_nothing else ())
+            script, commands = script_of(block if from_nothing else shortened(block), self.url, self.ran_from_nothing if from_nothing else ())
             start = time.monotonic()
             done = subprocess.run(["bash", "-c", PRELUDE + script], cwd=folder, capture_output=True, text=True, timeout=PATIENCE_S,
                                   env={"PATH": f"{self.home}/bin:/usr/bin:/bin", "HOME": str(folder)})  # fmt: skip
