@@ -58,8 +58,18 @@ void KeyframeSelector::Consider(ExtractedFrame frame, std::vector<ChosenKeyframe
   }
 }
 
+// Whether the last keyframe or the next one has enough of what a frame shows: N matches, or half of
+// what a frame has that shows little.
+bool KeyframeSelector::IsShownBy(const Candidate& candidate, const Features& next) const {
+  const Features& features = candidate.frame.features;
+  const int enough = std::min(options_.min_matches_before_last, features.size() / 2);
+  return candidate.matches_last >= enough || CountMatches(features, next) >= enough;
+}
+
 // The conditions can't be fulfilled any farther: takes the farthest frame that fulfilled them, else
-// the best of the others, else starts a new stretch. What comes after it is looked at again.
+// the best of the others, else starts a new stretch. No frame before the best is passed over that
+// shows what neither it nor the last keyframe does: photos may lie far apart. What comes after is
+// looked at again.
 void KeyframeSelector::Decide(std::vector<ChosenKeyframe>& chosen) {
   std::deque<Candidate> rest = std::move(beyond_);
   beyond_.clear();
@@ -70,8 +80,10 @@ void KeyframeSelector::Decide(std::vector<ChosenKeyframe>& chosen) {
     const auto most = std::max_element(rest.begin(), rest.end(), [](const auto& a, const auto& b) {
       return a.matches_last < b.matches_last;
     });
-    const bool broken = most->matches_last < options_.min_matches_stretch;
-    const auto pick = broken ? rest.begin() : most;
+    const auto pick = std::find_if(rest.begin(), most, [&](const Candidate& candidate) {
+      return !IsShownBy(candidate, most->frame.features);
+    });
+    const bool broken = pick->matches_last < options_.min_matches_stretch;
     ExtractedFrame frame = std::move(pick->frame);
     rest.erase(rest.begin(), pick + 1);
     Choose(std::move(frame), broken, chosen);

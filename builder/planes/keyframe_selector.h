@@ -71,6 +71,7 @@ class KeyframeSelector {
   void Consider(ExtractedFrame frame, std::vector<ChosenKeyframe>& chosen);
   void Decide(std::vector<ChosenKeyframe>& chosen);
   void Choose(ExtractedFrame frame, bool starts_stretch, std::vector<ChosenKeyframe>& chosen);
+  bool IsShownBy(const Candidate& candidate, const Features& next) const;
   int CountMatches(const Features& a, const Features& b) const;
 
   KeyframeOptions options_;

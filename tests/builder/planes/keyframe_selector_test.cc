@@ -104,6 +104,15 @@ TEST(KeyframeSelector, TheOneBeforeTheLastMustBeSeenToo) {
             (std::vector<Chosen>{{0, true}, {8, false}, {14, false}}));
 }
 
+TEST(KeyframeSelector, PassesOverNoPhotoOfAnotherPlace) {
+  // Photos that share little. The third has more in common with the first than the second does,
+  // which alone shows its place.
+  EXPECT_EQ(Select({0, 85, 70}, Options()), (std::vector<Chosen>{{0, true}, {2, false}}))
+      << "the third shows what the second does";
+  EXPECT_EQ(Select({0, 1000, 80}, Options()),
+            (std::vector<Chosen>{{0, true}, {1, true}, {2, true}}));
+}
+
 // The three conditions over random walks: what is skipped could not have been the next keyframe's
 // better choice, and what is chosen fulfils the conditions.
 TEST(KeyframeSelector, HoldsItsThreeConditionsOnRandomWalks) {
