@@ -253,9 +253,10 @@ void PlaneTracker::CountVotes(OpenPlane& open, const Step& step, const Tracked& 
   }
   const Matrix3d current_from_reference = tracked.reference_from_current.inverse();
   for (PlaneFeature& feature : open.plane.features) {
-    const Vector2d x = Apply(current_from_reference, PositionOf(feature.reference));
-    feature.visible +=
-        x.x() >= 0 && x.y() >= 0 && x.x() < step.current.width && x.y() < step.current.height;
+    const Vector2d reference = PositionOf(feature.reference);
+    const Vector2d x = Apply(current_from_reference, reference);
+    feature.visible += IsInFront(current_from_reference, reference) && x.x() >= 0 && x.y() >= 0 &&
+                       x.x() < step.current.width && x.y() < step.current.height;
   }
 }
 

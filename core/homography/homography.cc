@@ -178,6 +178,12 @@ Vector2d Apply(const Matrix3d& b_from_a, const Vector2d& x_a) {
   return (b_from_a * x_a.homogeneous()).hnormalized();
 }
 
+// H = s (R + t n' / d) has a positive determinant where s does, and (H x)_3 is then a positive
+// multiple of the depth.
+bool IsInFront(const Matrix3d& b_from_a, const Vector2d& x_a) {
+  return b_from_a.determinant() * b_from_a.row(2).dot(x_a.homogeneous()) > 0;
+}
+
 bool OnSameSide(const Matrix3d& b_from_a, const Vector2d& x_a, const Vector2d& inside) {
   return b_from_a.row(2).dot(x_a.homogeneous()) * b_from_a.row(2).dot(inside.homogeneous()) > 0;
 }

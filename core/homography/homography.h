@@ -27,6 +27,10 @@ Eigen::Matrix3d Normalised(const Eigen::Matrix3d& h);
 // The image of a point. Infinite or NaN for a point on the line that H sends to infinity.
 Eigen::Vector2d Apply(const Eigen::Matrix3d& b_from_a, const Eigen::Vector2d& x_a);
 
+// Whether a point of the plane that image a shows is in front of camera b, where both cameras are
+// on one side of the plane. What is behind b has an image, too.
+bool IsInFront(const Eigen::Matrix3d& b_from_a, const Eigen::Vector2d& x_a);
+
 // Whether a point lies on the side of H's horizon (the line sent to infinity) on which `inside`
 // lies: beyond it, the plane was behind the camera and the image of the point means nothing.
 bool OnSameSide(const Eigen::Matrix3d& b_from_a, const Eigen::Vector2d& x_a,

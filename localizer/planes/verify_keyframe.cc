@@ -71,8 +71,10 @@ KeyframeFeatures CollectKeyframeFeatures(const MapIndex& index, int keyframe) {
         plane.views[seen.view].reference_from_keyframe.inverse();
     const Descriptors descriptors = index.DescriptorsOf(seen.plane);
     for (int i = 0; i < static_cast<int>(plane.features.size()); ++i) {
-      const Vector2d x = Apply(keyframe_from_reference, PositionOf(plane.features[i].reference));
+      const Vector2d reference = PositionOf(plane.features[i].reference);
+      const Vector2d x = Apply(keyframe_from_reference, reference);
       if (!IsInside(x, image.width, image.height)) continue;
+      if (!IsInFront(keyframe_from_reference, reference)) continue;
       target.positions.push_back(x);
       target.descriptors.Append(descriptors.row(i));
       target.rows.push_back(index.FirstRow(seen.plane) + i);
@@ -97,7 +99,6 @@ std::optional<VerifiedKeyframe> VerifyKeyframe(const MapIndex& index, const Feat
   VerifiedKeyframe verified;
   verified.keyframe = keyframe;
   verified.matches = static_cast<int>(matches.size());
-  verified.planar = fit->planar;
   for (const int row : fit->inliers) {
     verified.query_points.push_back(in_query[row]);
     verified.keyframe_points.push_back(in_keyframe[row]);

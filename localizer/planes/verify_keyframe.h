@@ -37,7 +37,6 @@ struct VerifiedKeyframe {
   int expected = 0;
   double coverage = 0;      // as ComputeCoverage has it for the inliers
   double significance = 0;  // as EpipolarSignificance has it for the distinct inliers
-  bool planar = false;      // a homography explains the inliers as well
 };
 
 // Matches a keyframe with the query (mutually nearest, one to one, with the ratio test against the

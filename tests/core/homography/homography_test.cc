@@ -76,6 +76,17 @@ TEST(Normalised, HasUnitNormWhereTheCornerIsZero) {
   EXPECT_EQ(normalised(2, 2), 0);
 }
 
+// A wall x = 1 in front of camera a, which looks along it, and b, which is 5 farther ahead.
+TEST(IsInFront, TellsWhatACameraHasPassed) {
+  Matrix3d ahead = Matrix3d::Identity();
+  ahead(2, 0) = -5;
+  for (const double sign : {1.0, -1.0}) {
+    EXPECT_TRUE(IsInFront(sign * ahead, {1 / 6.0, 0.1}));
+    EXPECT_FALSE(IsInFront(sign * ahead, {1 / 4.0, 0.1}));
+    EXPECT_TRUE(IsInFront(sign * Matrix3d::Identity(), {1 / 4.0, 0.1}));
+  }
+}
+
 TEST(OnSameSide, ComparesWithTheHorizon) {
   Matrix3d h = Matrix3d::Identity();
   h.row(2) << -0.01, 0, 1;  // the horizon is x = 100
