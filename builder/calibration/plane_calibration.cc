@@ -88,16 +88,11 @@ void AskRight(const MapIndex& index, const Features& query, KeyframeId keyframe,
   if (!places.empty()) samples.push_back({places.front().evidence, true});
 }
 
-// The plane that fits best by chance, whether a gate would stop it or not.
+// The place that fits best by chance, whether a gate would stop its planes or not.
 void AskWrong(const MapIndex& index, const Features& query, const PlaneQueryOptions& options,
               std::vector<VerdictSample>& samples) {
-  const std::vector<VerifiedPlane> planes = TryAll(index, query, options);
-  const auto best =
-      std::max_element(planes.begin(), planes.end(),
-                       [](const auto& a, const auto& b) { return a.distinct < b.distinct; });
-  if (best == planes.end()) return;
-  const double share = static_cast<double>(best->distinct) / std::max(1, best->matches);
-  samples.push_back({{best->distinct, share}, false});
+  const std::vector<Place> places = GroupPlaces(index, TryAll(index, query, options), options);
+  if (!places.empty()) samples.push_back({places.front().evidence, false});
 }
 
 std::vector<VerdictSample> Ask(const MapIndex& index, const std::unordered_set<Descriptor>& in_map,

@@ -228,8 +228,20 @@ bool LooksAsWell(const Place& place, const Place& best, const PlaneQueryOptions&
 
 }  // namespace
 
+// Inliers of a plane that none of a place's planes has; where planes overlap, one feature of the
+// query may be an inlier of both.
+int CountNew(const Place& place, const VerifiedPlane& plane) {
+  std::set<int> counted;
+  for (const VerifiedPlane& member : place.planes) {
+    for (const Match& match : member.inliers) counted.insert(match.a);
+  }
+  const auto fresh = std::ranges::count_if(
+      plane.inliers, [&](const Match& match) { return !counted.contains(match.a); });
+  return std::min(plane.distinct, static_cast<int>(fresh));
+}
+
 void AddTo(const MapIndex& index, Place& place, const VerifiedPlane& plane) {
-  place.evidence.inliers += plane.distinct;
+  place.evidence.inliers += CountNew(place, plane);
   if (place.planes.empty()) {
     place.evidence.best_share = static_cast<double>(plane.distinct) / std::max(1, plane.matches);
   }

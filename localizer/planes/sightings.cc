@@ -58,6 +58,18 @@ bool WasSeenFrom(const MapIndex& index, const VerifiedPlane& plane, const std::s
                              [&](int keyframe) { return near.contains(keyframe); });
 }
 
+// A place of planes alone is at most as probable as those are whose keyframes saw its planes: of
+// what a keyframe refused, a part that contradicts the rest is no answer.
+void BoundByKeyframes(const MapIndex& index, std::vector<Place>& places) {
+  for (Place& place : places) {
+    if (place.keyframe) continue;
+    for (const Place& other : places) {
+      if (!other.keyframe || !SawPlanesOf(index, other.keyframe->keyframe, place)) continue;
+      place.probability = std::min(place.probability, other.probability);
+    }
+  }
+}
+
 // Gives each visit of a group's planes those that were seen from near it; the first one also those
 // that were seen from near none.
 void DividePlanes(const MapIndex& index, const std::vector<VerifiedPlane>& planes,
@@ -162,6 +174,7 @@ void JoinKeyframes(const MapIndex& index, const Features& query,
     place.keyframe_evidence = EvidenceFor(*place.keyframe, place, query, options.gates);
     place.probability = ComputeProbability(place.keyframe_evidence);
   }
+  BoundByKeyframes(index, places);
   const auto rank = [&](const Place& place) {
     return std::pair(place.probability >= options.gates.min_probability, CountInliers(place));
   };

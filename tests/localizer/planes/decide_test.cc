@@ -134,6 +134,20 @@ TEST(GroupPlaces, PlanesOfOneSurroundingMakeOnePlace) {
   EXPECT_TRUE(FindRivals(*index, one, {}).empty());
 }
 
+// Where planes overlap, as a plane and the one with a newer reference image do.
+TEST(GroupPlaces, AFeatureThatTwoPlanesHaveCountsOnce) {
+  const MapData map = MadeMap();
+  const auto index = MapIndex::Build(map);
+  const VerifiedPlane wall = Verified(*index, QueryOf(map, {1}, PoseOf(2), 0, 7), 0);
+  VerifiedPlane same = wall;
+  same.plane = 1;
+  Place place;
+  AddTo(*index, place, wall);
+  AddTo(*index, place, same);
+  EXPECT_EQ(place.planes.size(), 2u);
+  EXPECT_EQ(place.evidence.inliers, wall.distinct);
+}
+
 TEST(GroupPlaces, OfNothingIsNothing) { EXPECT_TRUE(GroupPlaces(*MadeIndex(), {}, {}).empty()); }
 
 }  // namespace

@@ -337,6 +337,51 @@ TEST(PosterInTwoPlaces, EachVisitHasItsOwnPlanes) {
   EXPECT_EQ(places[1].evidence.inliers, 68);
 }
 
+// Two planes of a keyframe that contradict each other, and little of what it shows besides.
+TEST(JoinKeyframes, WhatAKeyframeRefusesNoneOfItsPlanesAnswers) {
+  const auto index = MapIndex::Build(MapWithLandmarks());
+  std::vector<Place> places(2);
+  for (const int plane : {0, 1}) {
+    VerifiedPlane verified;
+    verified.plane = plane;
+    verified.matches = 50;
+    verified.distinct = 40 - plane;
+    for (int i = 0; i < verified.distinct; ++i) verified.inliers.push_back({i, i, 0});
+    AddTo(*index, places[plane], verified);
+    ASSERT_GE(places[plane].probability, 0.9);
+  }
+  Features query{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128), {}};
+  for (int i = 0; i < 40; ++i) query.keypoints.push_back({10.0F * i, 5, 8, 0});
+  VerifiedKeyframe verified = MakeVerified(1, 30);
+  verified.expected = 1000;
+  JoinKeyframes(*index, query, {verified}, {}, places);
+  ASSERT_EQ(places.size(), 2u);
+  EXPECT_LT(places[0].probability, 0.9);
+  EXPECT_LT(places[1].probability, 0.9);
+}
+
+// A wall at the right, and a keyframe five times as far ahead as the wall is away.
+TEST(CollectKeyframeFeatures, LeavesOutWhatIsBehindTheCamera) {
+  MapData map = MadeMap();
+  Plane& wall = map.planes[3];
+  for (size_t i = 0; i < wall.features.size(); ++i) {
+    const double depth = i % 2 == 0 ? 10 : 2;  // in the reference image, in distances of the wall
+    const Vector2d x = Project({1, 0.1 * depth, depth});
+    wall.features[i].reference.x_px = static_cast<float>(x.x());
+    wall.features[i].reference.y_px = static_cast<float>(x.y());
+  }
+  Eigen::Matrix3d camera;
+  camera << 500, 0, 319.5, 0, 500, 239.5, 0, 0, 1;
+  Eigen::Matrix3d moved = Eigen::Matrix3d::Identity();
+  moved(2, 0) = -5;  // X - t n' X / d
+  const Eigen::Matrix3d keyframe_from_reference = camera * moved * camera.inverse();
+  const KeyframeId ahead = map.keyframes[5].id;
+  std::erase_if(wall.views, [&](const PlaneView& view) { return view.keyframe == ahead; });
+  wall.views.push_back({ahead, keyframe_from_reference.inverse(), 20});
+  const auto index = MapIndex::Build(map);
+  EXPECT_EQ(CollectKeyframeFeatures(*index, 5).positions.size(), wall.features.size() / 2);
+}
+
 TEST(PosterInTwoPlaces, AloneItIsAmbiguous) {
   const PosterInTwoPlaces made;
   for (uint64_t seed = 1; seed <= 5; ++seed) {
