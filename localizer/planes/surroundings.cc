@@ -11,9 +11,8 @@ namespace {
 
 // In a stretch, steps between keyframes that show one surrounding: each still shares
 // min_matches_before_last features with the one two steps before, and so with a third view between
-// them. Where a stretch ends nothing is shared by construction, but the camera has hardly moved.
+// them. Where a stretch ends nothing is shared: the next photo may have been taken anywhere.
 constexpr int kNearKeyframes = 4;
-constexpr int kNextKeyframes = 2;
 
 // A visit is linked with some of those before it, not with all of them.
 constexpr int kLinksInARow = 4;
@@ -136,8 +135,7 @@ bool LinkedKeyframesSaw(const MapIndex& index, const Plane& a, const Plane& b) {
 bool FollowEachOther(const MapIndex& index, int a, int b) {
   const Keyframe& x = index.map().keyframes[a];
   const Keyframe& y = index.map().keyframes[b];
-  const int near = x.stretch == y.stretch ? kNearKeyframes : kNextKeyframes;
-  return x.sequence == y.sequence && std::abs(a - b) <= near;
+  return x.sequence == y.sequence && x.stretch == y.stretch && std::abs(a - b) <= kNearKeyframes;
 }
 
 std::set<int> KeyframesNear(const MapIndex& index, int keyframe) {

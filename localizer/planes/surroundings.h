@@ -10,8 +10,8 @@ namespace waystone {
 // Which keyframes and planes of a map show the same surroundings. Keyframes are indices in the
 // map's keyframes.
 
-// Whether two keyframes follow each other in one sequence, with at most three between them, one
-// where a stretch ends between them.
+// Whether two keyframes follow each other in one stretch of a sequence, with at most three between
+// them. Removed keyframes end a stretch, too.
 bool FollowEachOther(const MapIndex& index, int a, int b);
 
 // The keyframes that show the same surroundings as `keyframe`, itself too: they follow each other,

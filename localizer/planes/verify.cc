@@ -116,19 +116,16 @@ std::optional<bool> PlanesAgree(const MapIndex& index, const VerifiedPlane& m,
   const std::vector<PlaneView>& views_m = index.map().planes[m.plane].views;
   const std::vector<PlaneView>& views_n = index.map().planes[n.plane].views;
   bool compared = false;
-  for (const PlaneView& view_m : views_m) {
-    for (const PlaneView& view_n : views_n) {
-      if (view_m.keyframe != view_n.keyframe) continue;
-      compared = true;
-      const Matrix3d keyframe_from_m = view_m.reference_from_keyframe.inverse();
-      const Matrix3d keyframe_from_n = view_n.reference_from_keyframe.inverse();
-      const auto via = [](const Matrix3d& keyframe_from_reference, const VerifiedPlane& plane) {
-        return Composed(keyframe_from_reference, plane.reference_from_query);
-      };
-      if (HaveHomology(via(keyframe_from_m, m), via(keyframe_from_n, n), options.homology)) {
-        return true;
-      }
-    }
+  auto view_n = views_n.begin();
+  for (const PlaneView& view_m : views_m) {  // both are sorted by keyframe
+    while (view_n != views_n.end() && view_n->keyframe < view_m.keyframe) ++view_n;
+    if (view_n == views_n.end()) break;
+    if (view_n->keyframe != view_m.keyframe) continue;
+    compared = true;
+    const auto via = [](const PlaneView& view, const VerifiedPlane& plane) {
+      return Composed(view.reference_from_keyframe.inverse(), plane.reference_from_query);
+    };
+    if (HaveHomology(via(view_m, m), via(*view_n, n), options.homology)) return true;
   }
   if (!compared) return std::nullopt;
   return false;

@@ -25,6 +25,17 @@ std::shared_ptr<const MapIndex> Stretch(const std::vector<int64_t>& saw,
   return MapIndex::Build(map);
 }
 
+// The next stretch may be of another storey.
+TEST(FollowEachOther, NotWhereAStretchEnds) {
+  MapData map = Stretch({})->map();
+  EXPECT_TRUE(FollowEachOther(*MapIndex::Build(map), 9, 10));
+  for (size_t k = 10; k < map.keyframes.size(); ++k) map.keyframes[k].stretch = 10;
+  const auto index = MapIndex::Build(map);
+  EXPECT_FALSE(FollowEachOther(*index, 9, 10));
+  EXPECT_TRUE(FollowEachOther(*index, 10, 11));
+  EXPECT_FALSE(KeyframesAreNear(*index, 9, 10));
+}
+
 TEST(KeyframesAreNear, WhereAPlaneWasFollowedFromOneToTheOther) {
   const auto followed = Stretch({7, 9, 12, 15, 18});
   EXPECT_TRUE(KeyframesAreNear(*followed, 6, 17));
