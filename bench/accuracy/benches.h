@@ -80,6 +80,9 @@ int RunJoining(const Args& args);
 int RunJoiningPanoramas(const Args& args);
 // linear DIR N...: seconds per frame of builds over the first N frames.
 int RunLinear(const Args& args);
+// campus N...: one map of N rendered buildings, each walked through twice: the builder's time and
+// memory, links between visits, and queries.
+int RunCampus(const Args& args);
 // build SOURCE... [--frames N,N,...]: seconds of features alone and of whole builds, and the
 // builds' peak memory, over the first N frames of each source.
 int RunBuild(const Args& args);

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -64,12 +63,6 @@ int64_t BytesOf(const MapData& map) {
              std::ssize(plane.views) * static_cast<int64_t>(sizeof(PlaneView));
   }
   return bytes;
-}
-
-double PeakMb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
 void BuildOnce(const Args& paths, int frames, Run& run) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/accuracy/common.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <charconv>
 #include <fstream>
@@ -97,6 +99,12 @@ int64_t FeatureCount(const MapData& map) {
   int64_t count = 0;
   for (const Plane& plane : map.planes) count += static_cast<int64_t>(plane.features.size());
   return count;
+}
+
+double PeakMb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
 }  // namespace waystone::bench

@@ -46,4 +46,7 @@ std::vector<std::vector<std::string>> ReadCsv(const std::filesystem::path& path)
 // Features of all planes.
 int64_t FeatureCount(const MapData& map);
 
+// The most memory that the process has taken so far.
+double PeakMb();
+
 }  // namespace waystone::bench

@@ -11,7 +11,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kMapFrames = 48;
 constexpr int kQueries = 30;
 
 // A step aside and a look elsewhere, where there is room for it.
@@ -52,10 +51,11 @@ World StoreyOf(int building, int storey) {
 
 Camera LookAlikeCamera(int width) { return PinholeCamera(width, 3 * width / 4, 1.1); }
 
-Walk MapTour(const World& world) {
+Walk MapTour(const World& world, int visit) {
   WalkOptions options;
   options.gaze_rad = 0.4;
-  return SpreadOver(DemoWalk(world.plan(), options), kMapFrames);
+  options.seed = static_cast<uint64_t>(visit);
+  return SpreadOver(DemoWalk(world.plan(), options), kTourFrames);
 }
 
 Walk QueryTour(const World& world, int seed) {

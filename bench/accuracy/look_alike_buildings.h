@@ -26,8 +26,9 @@ World StoreyOf(int building, int storey);
 // Of maps and queries, `width` pixels wide and three quarters as high.
 Camera LookAlikeCamera(int width);
 
-// 48 images of the storey.
-Walk MapTour(const World& world);
+// That many images of the storey. Visits differ in how unsteady the hand is.
+constexpr int kTourFrames = 48;
+Walk MapTour(const World& world, int visit = 1);
 
 // 30 images of another visit, which varies with `seed`: another height and gaze, up to 0.8 m aside
 // and turned by up to 0.6 rad.

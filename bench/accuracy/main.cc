@@ -29,6 +29,7 @@ constexpr char kUsage[] =
     "  visits DATA [--visits 9]                           one place, mapped again and again\n"
     "  joining-panoramas [PLACES] [--flats 4]             the same for panoramas\n"
     "  linear DIR N...                                    seconds per frame over N frames\n"
+    "  campus N...                                        N buildings in one map\n"
     "  build SOURCE... [--frames 250,500,1000]            whole builds against features alone\n"
     "  graphs [SOURCE...] [--keyframes M:N]               image graph against plane graph\n"
     "  poses [--buildings N] [--flats N] [--kitchen DIR] [--church DIR] [--panoramas DIR]\n"
@@ -61,6 +62,7 @@ int main(int argc, char** argv) {
       {"rgbd", waystone::bench::RunRgbd},
       {"look-alikes", waystone::bench::RunLookAlikes},
       {"linear", waystone::bench::RunLinear},
+      {"campus", waystone::bench::RunCampus},
       {"build", waystone::bench::RunBuild},
       {"graphs", waystone::bench::RunGraphs},
       {"pairs", waystone::bench::RunPairs},
