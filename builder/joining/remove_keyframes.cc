@@ -112,14 +112,6 @@ bool IsFinite(const Keypoint& keypoint) {
          std::isfinite(keypoint.scale_px) && std::isfinite(keypoint.angle_rad);
 }
 
-// Whether a point of the plane is in front of the keyframe. Both cameras are on one side of it, so
-// that the homography which keeps depths positive has a positive determinant.
-bool IsInFront(const Matrix3d& keyframe_from_reference, const Vector2d& reference) {
-  return keyframe_from_reference.determinant() *
-             keyframe_from_reference.row(2).dot(reference.homogeneous()) >
-         0;
-}
-
 bool Shows(const Keyframe& keyframe, const Matrix3d& keyframe_from_reference,
            const Vector2d& reference) {
   if (!IsInFront(keyframe_from_reference, reference)) return false;
