@@ -321,14 +321,18 @@ TEST(PosterInTwoPlaces, EachVisitHasItsOwnPlanes) {
   }
   const auto index = MapIndex::Build(made.map);
   std::vector<Place> places(1);
+  Features query{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128), {}};
   for (const auto& [plane, distinct] : {std::pair(3, 40), std::pair(2, 30), std::pair(0, 28)}) {
     VerifiedPlane verified;
     verified.plane = plane;
     verified.matches = 50;
     verified.distinct = distinct;
+    for (int i = 0; i < distinct; ++i) {
+      verified.inliers.push_back({query.size(), i, 0});
+      query.keypoints.push_back({10, 10, 8, 0});
+    }
     AddTo(*index, places.front(), verified);
   }
-  const Features query{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128), {}};
   JoinKeyframes(*index, query, {MakeVerified(4, 62), MakeVerified(6, 60)}, {}, places);
   ASSERT_EQ(places.size(), 2u);
   EXPECT_EQ(places[0].keyframe->keyframe, 4);

@@ -9,8 +9,7 @@ namespace waystone {
 namespace {
 
 // One stretch of 26 keyframes, a plane that some of them saw, and links between them.
-std::shared_ptr<const MapIndex> Stretch(const std::vector<int64_t>& saw,
-                                        const std::vector<KeyframeLink>& links = {}) {
+MapData StretchMap(const std::vector<int64_t>& saw, const std::vector<KeyframeLink>& links) {
   MapData map = MadeMap();
   map.links = links;
   const Keyframe keyframe = map.keyframes.back();
@@ -22,12 +21,16 @@ std::shared_ptr<const MapIndex> Stretch(const std::vector<int64_t>& saw,
   for (const int64_t id : saw) {
     map.planes[3].views.push_back({KeyframeId{id}, Eigen::Matrix3d::Identity(), 20});
   }
-  return MapIndex::Build(map);
+  return map;
+}
+std::shared_ptr<const MapIndex> Stretch(const std::vector<int64_t>& saw,
+                                        const std::vector<KeyframeLink>& links = {}) {
+  return MapIndex::Build(StretchMap(saw, links));
 }
 
 // The next stretch may be of another storey.
 TEST(FollowEachOther, NotWhereAStretchEnds) {
-  MapData map = Stretch({})->map();
+  MapData map = StretchMap({}, {});
   EXPECT_TRUE(FollowEachOther(*MapIndex::Build(map), 9, 10));
   for (size_t k = 10; k < map.keyframes.size(); ++k) map.keyframes[k].stretch = 10;
   const auto index = MapIndex::Build(map);
