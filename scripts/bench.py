@@ -55,6 +55,7 @@ large-1m             look-alikes --first 17 --buildings 4 --width 1280 --set fea
 scale                scale
 collection           collection DATA
 linear               linear DATA/kitchen 250 500 1000
+campus               campus 4 16 52
 graphs               graphs DATA/kitchen DATA/church world
 density-300          graphs DATA/kitchen --keyframes 300:150 --opencv-every 0
 density-350          graphs DATA/kitchen --keyframes 350:175 --opencv-every 0
