@@ -148,9 +148,10 @@ class Pruner {
  private:
   void PrunePlane(Plane& plane) {
     std::vector<LookRow> rows;
-    for (const PlaneLooks& row :
-         std::ranges::equal_range(map_.looks.planes, plane.id, {}, &PlaneLooks::plane)) {
-      rows.push_back({row.sequence, &row.features});
+    const std::vector<PlaneLooks>& looks = map_.looks.planes;
+    auto row = std::ranges::lower_bound(looks, plane.id, {}, &PlaneLooks::plane);
+    for (; row != looks.end() && row->plane == plane.id; ++row) {
+      rows.push_back({row->sequence, &row->features});
     }
     if (rows.empty()) return;
     std::vector<Vector2d> positions;
@@ -173,9 +174,10 @@ class Pruner {
 
   void PruneLandmarks(Keyframe& keyframe) {
     std::vector<LookRow> rows;
-    for (const LandmarkLooks& row : std::ranges::equal_range(map_.looks.landmarks, keyframe.id, {},
-                                                             &LandmarkLooks::keyframe)) {
-      rows.push_back({row.sequence, &row.landmarks});
+    const std::vector<LandmarkLooks>& looks = map_.looks.landmarks;
+    auto row = std::ranges::lower_bound(looks, keyframe.id, {}, &LandmarkLooks::keyframe);
+    for (; row != looks.end() && row->keyframe == keyframe.id; ++row) {
+      rows.push_back({row->sequence, &row->landmarks});
     }
     if (rows.empty()) return;
     Landmarks& landmarks = keyframe.landmarks;
