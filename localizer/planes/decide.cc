@@ -226,8 +226,6 @@ bool LooksAsWell(const Place& place, const Place& best, const PlaneQueryOptions&
   return CountInliers(place) >= options.gates.ambiguous_share * CountInliers(best);
 }
 
-}  // namespace
-
 // Inliers of a plane that none of a place's planes has; where planes overlap, one feature of the
 // query may be an inlier of both.
 int CountNew(const Place& place, const VerifiedPlane& plane) {
@@ -239,6 +237,8 @@ int CountNew(const Place& place, const VerifiedPlane& plane) {
       plane.inliers, [&](const Match& match) { return !counted.contains(match.a); });
   return std::min(plane.distinct, static_cast<int>(fresh));
 }
+
+}  // namespace
 
 void AddTo(const MapIndex& index, Place& place, const VerifiedPlane& plane) {
   place.evidence.inliers += CountNew(place, plane);
