@@ -102,7 +102,7 @@ TEST(AppearanceIndex, FloorsAboveEachOtherArentNearer) {
   PoseLayer poses;
   for (int i = 0; i < 8; ++i) {
     AppearanceNode& node = layer.nodes[i];
-    node.pose.x = 2.0 * (i / 2);
+    node.pose.x = i - i % 2;
     NodePose pose;
     pose.node = node.id;
     pose.rotation = Eigen::AngleAxisd(-EIGEN_PI / 2, Eigen::Vector3d::UnitX());  // z is up
