@@ -38,7 +38,7 @@ int RunAdd(const AddFlags& flags) {
   options.threads = flags.threads;
   ApplySettings(flags.settings, options);
   options.Check();
-  CheckWritable(flags.map, {.overwrite = true});
+  CheckReplaceable(flags.map, flags.keep);
   NoteInterrupts();
   const auto sources = OpenSources(flags.sources, options.layers, flags.printed.quiet);
   std::optional<GivenPoses> poses;

@@ -3,8 +3,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -115,12 +117,36 @@ void SavePicture(const std::filesystem::path& folder, const std::string& source,
                  path.string() + " can't be written; choose another folder or free up space");
 }
 
+// Throws MapError where a picture would replace another one or a photo.
+void CheckPictures(const std::vector<RigSequence>& sequences, const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  std::set<fs::path> photos;
+  for (const RigSequence& sequence : sequences) {
+    for (const RigMoment& moment : sequence.moments) {
+      for (const fs::path& image : moment.images) photos.insert(fs::canonical(image, ignored));
+    }
+  }
+  std::map<std::string, std::string> source_of_picture;
+  for (const RigSequence& sequence : sequences) {
+    for (const RigMoment& moment : sequence.moments) {
+      const std::string picture = PictureName(moment.source);
+      const auto [other, fresh] = source_of_picture.emplace(picture, moment.source);
+      if (!fresh) {
+        throw MapError(ErrorCode::kUsage, "the pictures of " + other->second + " and " +
+                                              moment.source + " would both be " + picture +
+                                              "; draw them to different folders");
+      }
+      if (!photos.contains(fs::weakly_canonical(folder / picture, ignored))) continue;
+      throw MapError(ErrorCode::kFileExists,
+                     (folder / picture).string() + " is one of the photos; draw to another folder");
+    }
+  }
+}
+
 // Answers every moment of a photo or folder, following the axes from one to the next. Returns
 // whether all images could be read.
-bool AnswerSequence(const std::string& path, const DirectionsFlags& flags) {
-  RigOptions options;
-  if (!flags.camera.empty()) options.rig_file = flags.camera;
-  const RigSequence sequence = OpenRigSequence(path, options);
+bool AnswerSequence(const RigSequence& sequence, const DirectionsFlags& flags) {
   const SegmentOptions segments{.detector = SegmentDetectorByName(flags.detector)};
   bool all_read = true;
   // At first the axes nearest to the rig's own: x right, y down, z forward.
@@ -147,8 +173,13 @@ bool AnswerSequence(const std::string& path, const DirectionsFlags& flags) {
 }
 
 int RunDirections(const DirectionsFlags& flags) {
+  RigOptions options;
+  if (!flags.camera.empty()) options.rig_file = flags.camera;
+  std::vector<RigSequence> sequences;
+  for (const std::string& path : flags.photos) sequences.push_back(OpenRigSequence(path, options));
+  if (!flags.draw.empty()) CheckPictures(sequences, flags.draw);
   bool all_read = true;
-  for (const std::string& path : flags.photos) all_read &= AnswerSequence(path, flags);
+  for (const RigSequence& sequence : sequences) all_read &= AnswerSequence(sequence, flags);
   return all_read ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
 }
 

@@ -10,6 +10,7 @@
 
 #include "api/json.h"
 #include "cli/commands/commands.h"
+#include "cli/files/output_file.h"
 #include "cli/files/trajectory_file.h"
 #include "cli/output/trajectory_plot.h"
 #include "core/base/error.h"
@@ -77,6 +78,12 @@ void WritePlot(const TrajectoryFlags& flags, const Trajectory& truth, const Traj
 }
 
 int RunEvalTrajectory(const TrajectoryFlags& flags) {
+  if (!flags.plot.empty()) {
+    for (const std::string& input : {flags.estimate, flags.truth, flags.odometry}) {
+      CheckIsNotInput(flags.plot, input, "a trajectory that is evaluated");
+    }
+    CheckReplacesNoMap(flags.plot);
+  }
   const Trajectory truth = ReadTrajectory(flags.truth);
   const TrajectoryError error =
       CompareTrajectories(ReadTrajectory(flags.estimate), truth, flags.association);

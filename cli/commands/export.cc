@@ -15,6 +15,7 @@
 #include "cli/commands/commands.h"
 #include "cli/files/colmap_database.h"
 #include "cli/files/map_file.h"
+#include "cli/files/output_file.h"
 #include "cli/output/printable_output.h"
 #include "cli/output/progress.h"
 #include "cli/system/signals.h"
@@ -76,6 +77,7 @@ void CheckColmapFolder(const fs::path& folder, bool overwrite) {
   fs::create_directories(folder, error);
   if (error) throw UnwritableError(folder, error.message(), 0);
   for (const char* file : {kColmapDatabase, kColmapImageList}) {
+    CheckReplacesNoMap(folder / file);
     const FileReplacer writable(folder / file, overwrite);
   }
 }
@@ -118,11 +120,8 @@ int RunExport(const ExportFlags& flags) {
     std::cout << text.text << std::flush;
     return 0;
   }
-  std::error_code ignored;
-  if (std::filesystem::equivalent(flags.output, flags.map, ignored)) {
-    throw MapError(ErrorCode::kFileExists,
-                   flags.output + " is the map that is exported; choose another name");
-  }
+  CheckIsNotInput(flags.output, flags.map, "the map that is exported");
+  CheckReplacesNoMap(flags.output);
   FileReplacer file(flags.output, flags.force);
   std::ofstream out(file.temporary(), std::ios::binary);
   if (!(out << text.text).flush()) throw UnwritableError(flags.output, std::strerror(errno), 0);

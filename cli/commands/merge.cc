@@ -10,6 +10,7 @@
 #include "cli/commands/commands.h"
 #include "cli/commands/settings.h"
 #include "cli/files/map_file.h"
+#include "cli/files/output_file.h"
 #include "cli/output/join_text.h"
 #include "schema/file/map_store.h"
 
@@ -30,6 +31,9 @@ int RunMerge(const MergeFlags& flags) {
   BuildOptions options;
   ApplySettings(flags.settings, options);
   options.Check();
+  for (const std::string& path : flags.maps) {
+    CheckIsNotInput(flags.output, path, "one of the maps that are joined");
+  }
   CheckWritable(flags.output, write);
   std::vector<MapData> maps;
   for (const std::string& path : flags.maps) {

@@ -16,6 +16,7 @@
 #include "cli/commands/commands.h"
 #include "cli/files/chosen_ids.h"
 #include "cli/files/map_file.h"
+#include "cli/files/output_file.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "schema/file/file_replacer.h"
@@ -129,6 +130,8 @@ void TakeNamesFile(const NameFlags& flags, MapData& map) {
 }
 
 void WriteNamesFile(const NameFlags& flags, const MapData& map) {
+  CheckIsNotInput(flags.names_out, flags.map, "the map whose names are exported");
+  CheckReplacesNoMap(flags.names_out);
   FileReplacer file(flags.names_out, flags.force);
   std::ofstream out(file.temporary(), std::ios::binary);
   const Json json = NamesFileJson(MapNameOf(flags.map), map);

@@ -59,6 +59,7 @@ int RunRemove(const RemoveFlags& flags) {
   ApplySettings(flags.settings, options);
   options.Check();
   MapData map = ReadMap(flags.map);
+  CheckReplaceable(flags.map, flags.keep);
   const Removal removed = ChooseRemoval(map, flags);
   const RemoveResult result = RemoveFromMap(std::move(map), removed, options);
   ReplaceMap(result.map, flags.map, flags.keep);

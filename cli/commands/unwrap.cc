@@ -6,8 +6,11 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "cli/commands/commands.h"
+#include "cli/files/output_file.h"
 #include "cli/files/panorama_file.h"
 #include "core/base/error.h"
 
@@ -55,15 +58,15 @@ void Write(const fs::path& path, const cv::Mat& image) {
                  "can't write " + path.string() + "; choose a writable folder");
 }
 
-int RunUnwrap(const UnwrapFlags& flags) {
-  const PanoramaOptions options = PanoramaOptionsOf(flags.panorama);
-  const SignatureOptions signature = SignatureOptionsOf(flags.panorama);
-  std::error_code failure;
-  fs::create_directories(flags.out, failure);
+struct Unwrapped {
+  fs::path image, panorama, used;
+};
+
+// What is written for each image. Throws MapError where that would replace another image.
+std::vector<Unwrapped> OutputsOf(const UnwrapFlags& flags) {
+  std::vector<Unwrapped> outputs;
   std::set<std::string> names;
   for (const std::string& image : flags.images) {
-    const Panorama panorama = ReadPanorama(image, options);
-    ExtractBand(panorama, signature);  // refuses what a map would refuse
     const fs::path path(image);
     const std::string name = (path.has_filename() ? path : path.parent_path()).stem().string();
     if (!names.insert(name).second) {
@@ -71,11 +74,30 @@ int RunUnwrap(const UnwrapFlags& flags) {
                                             ", so their outputs would collide; unwrap them to "
                                             "different folders");
     }
-    const fs::path unwrapped = fs::path(flags.out) / (name + "_panorama.png");
-    const fs::path used = fs::path(flags.out) / (name + "_used.png");
+    outputs.push_back({path, fs::path(flags.out) / (name + "_panorama.png"),
+                       fs::path(flags.out) / (name + "_used.png")});
+  }
+  for (const Unwrapped& output : outputs) {
+    for (const std::string& image : flags.images) {
+      CheckIsNotInput(output.panorama, image, "an image that is unwrapped");
+      CheckIsNotInput(output.used, image, "an image that is unwrapped");
+    }
+  }
+  return outputs;
+}
+
+int RunUnwrap(const UnwrapFlags& flags) {
+  const PanoramaOptions options = PanoramaOptionsOf(flags.panorama);
+  const SignatureOptions signature = SignatureOptionsOf(flags.panorama);
+  const std::vector<Unwrapped> outputs = OutputsOf(flags);
+  std::error_code failure;
+  fs::create_directories(flags.out, failure);
+  for (const auto& [image, unwrapped, used] : outputs) {
+    const Panorama panorama = ReadPanorama(image, options);
+    ExtractBand(panorama, signature);  // refuses what a map would refuse
     Write(unwrapped, panorama.grey);
     Write(used, DrawUsed(panorama, signature.band));
-    std::cout << image << ": " << unwrapped.string() << " (" << panorama.grey.cols << "x"
+    std::cout << image.string() << ": " << unwrapped.string() << " (" << panorama.grey.cols << "x"
               << panorama.grey.rows << "), " << used.string() << '\n';
   }
   return 0;

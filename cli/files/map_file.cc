@@ -20,10 +20,21 @@ OpenMap OpenMapFile(const std::filesystem::path& path, bool images) {
   return {MapNameOf(path), MapIndex::Build(ReadMap(path, options))};
 }
 
-void ReplaceMap(const MapData& map, const std::filesystem::path& path, bool keep) {
+namespace {
+
+std::string PreviousOf(const std::filesystem::path& path) { return path.string() + ".previous"; }
+
+}  // namespace
+
+void CheckReplaceable(const std::filesystem::path& path, bool keep) {
   CheckWritable(path, {.overwrite = true});
+  if (keep) CheckWritable(PreviousOf(path), {.overwrite = true});
+}
+
+void ReplaceMap(const MapData& map, const std::filesystem::path& path, bool keep) {
+  CheckReplaceable(path, keep);
   if (keep) {
-    FileReplacer previous(path.string() + ".previous", true);
+    FileReplacer previous(PreviousOf(path), true);
     std::filesystem::copy_file(path, previous.temporary(),
                                std::filesystem::copy_options::overwrite_existing);
     previous.Commit();

@@ -24,9 +24,12 @@ std::string MapNameOf(const std::filesystem::path& path);
 OpenMap OpenMapFile(const std::filesystem::path& path, bool images);
 
 // Writes a map over the file that it came from, as a whole or not at all. With `keep`, what was
-// there is then in PATH.previous, which replaces one that is there. Throws as WriteMap and
+// there is then in PATH.previous, which replaces a map that is there. Throws as WriteMap and
 // FileReplacer do.
 void ReplaceMap(const MapData& map, const std::filesystem::path& path, bool keep);
+
+// Throws what ReplaceMap would throw for the paths alone. For asking before the work, not after.
+void CheckReplaceable(const std::filesystem::path& path, bool keep);
 
 // The bytes of a file. Throws MapError(kFileUnreadable) with the cause, and `wanted` as what to
 // give.

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// What commands write costs nothing that they read, and no file of another kind.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/e2e/shared_map.h"
+
+namespace waystone {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CarefulFiles : public testing::Test {
+ protected:
+  CarefulFiles() { fs::copy_file(TheMap().map, map_); }
+  ~CarefulFiles() override { fs::remove_all(folder_); }
+
+  // Refused in one line, with `kept` as it was.
+  static void ExpectKept(const std::vector<std::string>& arguments, const fs::path& kept,
+                         const std::string& about, int code = 3) {
+    const std::string before = ReadFile(kept);
+    const RunResult result = RunWaystone(arguments);
+    EXPECT_EQ(result.code, code) << result.err;
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+    EXPECT_NE(result.err.find(about), std::string::npos) << result.err;
+    EXPECT_TRUE(ReadFile(kept) == before) << kept;
+  }
+
+  fs::path Photo(const std::string& name) const {
+    const fs::path path = folder_ / name;
+    fs::create_directories(path.parent_path());
+    const cv::Mat image = cv::imread(TheMap().inside.string());
+    cv::imwrite(path.string(), image(cv::Rect(0, 0, 640, 320)));
+    return path;
+  }
+
+  const fs::path folder_ = FreshFolder();
+  const fs::path map_ = folder_ / "room.db";
+};
+
+TEST_F(CarefulFiles, NoMapBecomesATextFile) {
+  const fs::path other = folder_ / "other.db", link = folder_ / "link";
+  fs::copy_file(map_, other);
+  fs::create_symlink("room.db", link);
+  ExpectKept({"name", map_, "--export", map_, "--force"}, map_, "is the map");
+  ExpectKept({"name", map_, "--export", link, "--force"}, map_, "is the map");
+  ExpectKept({"name", map_, "--export", other, "--force"}, other, "is a map");
+  ExpectKept({"export", map_, "-o", other, "--force"}, other, "is a map");
+  EXPECT_EQ(RunWaystone({"name", map_, "--export", folder_ / "names.json"}).code, 0);
+  EXPECT_EQ(RunWaystone({"name", map_, "--export", folder_ / "names.json", "--force"}).code, 0);
+}
+
+TEST_F(CarefulFiles, JoinedMapsAreNotReplaced) {
+  const fs::path other = folder_ / "other.db", soft = folder_ / "soft.db",
+                 hard = folder_ / "hard.db";
+  fs::copy_file(map_, other);
+  fs::create_symlink("room.db", soft);
+  fs::create_hard_link(other, hard);
+  for (const fs::path& output : {map_, other, soft, hard}) {
+    ExpectKept({"merge", map_, other, "-o", output, "--force"}, output, "maps that are joined");
+  }
+}
+
+TEST_F(CarefulFiles, UnwrappingReplacesNoImage) {
+  const fs::path first = Photo("d/000.png"), second = Photo("d/000_panorama.png");
+  ExpectKept({"unwrap", first, second, "-o", folder_ / "d"}, second, "an image that is unwrapped");
+  EXPECT_FALSE(fs::exists(folder_ / "d" / "000_used.png")) << "written before the refusal";
+}
+
+TEST_F(CarefulFiles, PicturesOfDirectionsReplaceNothing) {
+  const fs::path a = Photo("a/y.png"), b = Photo("b/y.png"), lines = Photo("a/y_lines.png");
+  WriteFile(folder_ / "camera.yaml",
+            "camera_model: PINHOLE\nimage_width: 640\nimage_height: 320\nfx: 580\nfy: 580\n"
+            "cx: 320\ncy: 160\n");
+  const std::string camera = folder_ / "camera.yaml";
+  ExpectKept({"directions", a, b, "--camera", camera, "--draw", folder_ / "out"}, a,
+             "would both be y_lines.png", 2);
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+  ExpectKept({"directions", a, lines, "--camera", camera, "--draw", folder_ / "a"}, lines,
+             "is one of the photos");
+}
+
+TEST_F(CarefulFiles, APlotReplacesNoTrajectory) {
+  const fs::path estimate = folder_ / "t.txt", truth = folder_ / "g.txt";
+  std::string poses;
+  for (int i = 0; i < 5; ++i) {
+    poses +=
+        std::to_string(i) + " " + std::to_string(i * i) + " " + std::to_string(i) + " 0 0 0 0 1\n";
+  }
+  WriteFile(estimate, poses);
+  WriteFile(truth, poses);
+  for (const fs::path& plot : {estimate, truth}) {
+    ExpectKept({"eval", "trajectory", estimate, truth, "--plot", plot}, plot,
+               "a trajectory that is evaluated");
+  }
+  EXPECT_EQ(RunWaystone({"eval", "trajectory", estimate, truth, "--plot", folder_ / "p.svg"}).code,
+            0);
+}
+
+TEST_F(CarefulFiles, ThePreviousVersionReplacesMapsAlone) {
+  const fs::path previous = folder_ / "room.db.previous";
+  WriteFile(previous, "notes");
+  ExpectKept({"remove", map_, "--keyframes", "1", "--keep"}, previous, "only maps are overwritten");
+  EXPECT_TRUE(ReadFile(map_) == ReadFile(TheMap().map));
+  fs::remove(previous);
+  ASSERT_EQ(RunWaystone({"remove", map_, "--keyframes", "1", "--keep"}).code, 0);
+  EXPECT_EQ(RunWaystone({"remove", map_, "--keyframes", "2", "--keep"}).code, 0);
+}
+
+}  // namespace
+}  // namespace waystone
