@@ -15,6 +15,7 @@
 #include "cli/files/map_file.h"
 #include "cli/output/join_text.h"
 #include "cli/system/signals.h"
+#include "schema/file/map_lock.h"
 #include "schema/file/map_store.h"
 
 namespace waystone {
@@ -32,6 +33,7 @@ struct AddFlags {
 };
 
 int RunAdd(const AddFlags& flags) {
+  const MapLock lock(flags.map);
   MapData map = ReadMap(flags.map);
   BuildOptions options = OptionsOfRecord(map.info.options_json);
   options.features.type = map.info.feature_type;

@@ -20,6 +20,7 @@
 #include "cli/system/signals.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
+#include "schema/file/map_lock.h"
 #include "schema/file/map_store.h"
 
 namespace waystone {
@@ -74,6 +75,7 @@ int RunBuild(const MapBuildFlags& flags) {
   const BuildOptions options = MakeBuildOptions(flags.build, MapNameOf(flags.output));
   CheckWritable(flags.output, write);
   if (!flags.report_folder.empty()) CheckReportFolder(flags.report_folder);
+  const MapLock lock(flags.output);  // names that it gets meanwhile would be lost
   const std::optional<std::string> names = NamesOfOldMap(flags.output);
   const std::optional<KeptPlans> plans = PlansOfOldMap(flags.output);
   NoteInterrupts();

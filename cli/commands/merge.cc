@@ -12,6 +12,7 @@
 #include "cli/files/map_file.h"
 #include "cli/files/output_file.h"
 #include "cli/output/join_text.h"
+#include "schema/file/map_lock.h"
 #include "schema/file/map_store.h"
 
 namespace waystone {
@@ -35,6 +36,7 @@ int RunMerge(const MergeFlags& flags) {
     CheckIsNotInput(flags.output, path, "one of the maps that are joined");
   }
   CheckWritable(flags.output, write);
+  const MapLock lock(flags.output);
   std::vector<MapData> maps;
   for (const std::string& path : flags.maps) {
     maps.push_back(ReadMap(path));

@@ -4,12 +4,14 @@
 #include <string>
 
 #include "cli/commands/commands.h"
+#include "schema/file/map_lock.h"
 #include "schema/file/map_store.h"
 
 namespace waystone {
 namespace {
 
 int RunMigrate(const std::string& map) {
+  const MapLock lock(map);
   const int before = MigrateMap(map);
   if (before == kSchemaVersion) {
     std::cout << map << ": schema version is already " << before << "; nothing to do\n";

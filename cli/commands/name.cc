@@ -20,6 +20,7 @@
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "schema/file/file_replacer.h"
+#include "schema/file/map_lock.h"
 #include "schema/file/map_store.h"
 
 namespace waystone {
@@ -188,6 +189,8 @@ void CheckNameFlags(const NameFlags& flags) {
 int RunName(const NameFlags& flags) {
   CheckNameFlags(flags);
   const bool changes = !flags.name.empty() || !flags.remove.empty() || !flags.names_in.empty();
+  std::optional<MapLock> lock;
+  if (changes) lock.emplace(flags.map);
   MapData map = ReadMap(flags.map, {.images = changes});
   if (!flags.names_out.empty()) {
     WriteNamesFile(flags, map);

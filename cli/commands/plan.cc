@@ -17,6 +17,7 @@
 #include "core/base/text.h"
 #include "core/image/decode.h"
 #include "core/image/exif.h"
+#include "schema/file/map_lock.h"
 #include "schema/file/map_store.h"
 #include "schema/layers/poses/horizontal.h"
 
@@ -214,6 +215,8 @@ void CheckPlanFlags(const PlanFlags& flags) {
 int RunPlan(const PlanFlags& flags) {
   CheckPlanFlags(flags);
   const bool changes = !flags.image.empty() || !flags.remove.empty();
+  std::optional<MapLock> lock;
+  if (changes) lock.emplace(flags.map);
   MapData map = ReadMap(flags.map, {.images = changes});
   if (!flags.image.empty()) {
     if (!map.poses && !map.appearance) {

@@ -3,6 +3,7 @@
 
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "cli/commands/settings.h"
 #include "cli/files/map_file.h"
 #include "cli/output/join_text.h"
+#include "schema/file/map_lock.h"
 #include "schema/file/map_store.h"
 
 namespace waystone {
@@ -29,6 +31,8 @@ int RunPrune(const PruneFlags& flags) {
   BuildOptions options;
   ApplySettings(flags.settings, options);
   options.Check();
+  std::optional<MapLock> lock;
+  if (!flags.dry_run) lock.emplace(flags.map);
   const PruneResult result = PruneMap(ReadMap(flags.map), flags.min_looks, options);
   if (result.report.changed() && !flags.dry_run) ReplaceMap(result.map, flags.map, flags.keep);
   if (flags.json) {

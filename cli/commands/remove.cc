@@ -11,6 +11,7 @@
 #include "cli/files/map_file.h"
 #include "cli/output/join_text.h"
 #include "core/base/error.h"
+#include "schema/file/map_lock.h"
 #include "schema/file/map_store.h"
 
 namespace waystone {
@@ -58,6 +59,7 @@ int RunRemove(const RemoveFlags& flags) {
   BuildOptions options;
   ApplySettings(flags.settings, options);
   options.Check();
+  const MapLock lock(flags.map);
   MapData map = ReadMap(flags.map);
   CheckReplaceable(flags.map, flags.keep);
   const Removal removed = ChooseRemoval(map, flags);

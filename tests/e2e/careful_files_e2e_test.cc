@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <future>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
+#include "schema/file/map_lock.h"
 #include "tests/e2e/shared_map.h"
 
 namespace waystone {
@@ -110,6 +112,28 @@ TEST_F(CarefulFiles, ThePreviousVersionReplacesMapsAlone) {
   fs::remove(previous);
   ASSERT_EQ(RunWaystone({"remove", map_, "--keyframes", "1", "--keep"}).code, 0);
   EXPECT_EQ(RunWaystone({"remove", map_, "--keyframes", "2", "--keep"}).code, 0);
+}
+
+TEST_F(CarefulFiles, ChangesAtTheSameTimeAreAllKept) {
+  std::vector<std::future<RunResult>> runs;
+  for (int i = 1; i <= 6; ++i) {
+    runs.push_back(std::async(std::launch::async, [this, i] {
+      return RunWaystone({"name", map_, "Place " + std::to_string(i), "--keyframes", "1"});
+    }));
+  }
+  for (std::future<RunResult>& run : runs) {
+    const RunResult result = run.get();
+    EXPECT_EQ(result.code, 0) << result.err;
+  }
+  const RunResult listed = RunWaystone({"name", map_});
+  EXPECT_NE(listed.out.find("6 named places"), std::string::npos) << listed.out;
+}
+
+TEST_F(CarefulFiles, AMapThatIsBeingChangedIsLeftAloneAndRead) {
+  const MapLock lock(map_);
+  ExpectKept({"name", map_, "Door", "--keyframes", "1"}, map_, "is being changed by another");
+  EXPECT_EQ(RunWaystone({"name", map_}).code, 0);
+  EXPECT_EQ(RunWaystone({"localize", map_, TheMap().inside}).code, 0);
 }
 
 }  // namespace
