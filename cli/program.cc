@@ -3,7 +3,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -80,12 +82,16 @@ int ExitOfParse(CLI::App& app, const CLI::ParseError& error) {
   return app.exit(error) == 0 ? 0 : InfoOf(ErrorCode::kUsage).exit_code;
 }
 
-}  // namespace
+// The exit code once all output is written. Whoever reads it and wants no more may close the pipe.
+int AfterWriting(PrintableOutput& output, int code) {
+  const int error = output.Flush();
+  if (code != 0 || error == 0 || error == EPIPE) return code;
+  return Fail("can't write to standard output: " + std::string(std::strerror(error)) +
+                  "; free up space or write elsewhere",
+              ErrorCode::kFileUnwritable);
+}
 
-int RunProgram(int argc, char** argv) {
-  // A file that may not grow is an error of the write then, which says what is wrong.
-  std::signal(SIGXFSZ, SIG_IGN);
-  const PrintableOutput output(std::cout), errors(std::cerr);
+int RunCommand(int argc, char** argv) {
   CLI::App app(kDescription, "waystone");
   app.set_version_flag("--version", std::string("waystone ") + kVersion);
   app.require_subcommand(1);
@@ -136,6 +142,16 @@ int RunProgram(int argc, char** argv) {
   } catch (const std::exception& error) {
     return FailUnexpectedly(error.what());
   }
+}
+
+}  // namespace
+
+int RunProgram(int argc, char** argv) {
+  // A file that may not grow is an error of the write then, which says what is wrong.
+  std::signal(SIGXFSZ, SIG_IGN);
+  PrintableOutput output(std::cout);
+  const PrintableOutput errors(std::cerr);
+  return AfterWriting(output, RunCommand(argc, argv));
 }
 
 }  // namespace waystone

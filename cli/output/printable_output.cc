@@ -2,11 +2,13 @@
 #include "cli/output/printable_output.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <iostream>
 
 #include "core/base/text.h"
 
 namespace waystone {
+
 std::string PrintableBuffer::Take(std::string_view bytes) {
   pending_ += bytes;
   std::string_view left = pending_;
@@ -22,7 +24,13 @@ std::string PrintableBuffer::Take(std::string_view bytes) {
 
 bool PrintableBuffer::Write(const std::string& text) {
   const auto size = static_cast<std::streamsize>(text.size());
-  return target_.sputn(text.data(), size) == size;
+  errno = 0;
+  return Note(target_.sputn(text.data(), size) == size);
+}
+
+bool PrintableBuffer::Note(bool written) {
+  if (!written && error_ == 0) error_ = errno != 0 ? errno : EIO;
+  return written;
 }
 
 PrintableBuffer::int_type PrintableBuffer::overflow(int_type byte) {
@@ -35,7 +43,10 @@ std::streamsize PrintableBuffer::xsputn(const char* bytes, std::streamsize count
   return Write(Take({bytes, static_cast<size_t>(count)})) ? count : 0;
 }
 
-int PrintableBuffer::sync() { return target_.pubsync(); }
+int PrintableBuffer::sync() {
+  errno = 0;
+  return Note(target_.pubsync() == 0) ? 0 : -1;
+}
 
 PrintableOutput::PrintableOutput(std::ostream& stream)
     : stream_(stream), raw_(stream.rdbuf()), buffer_(*raw_) {
@@ -46,6 +57,11 @@ PrintableOutput::PrintableOutput(std::ostream& stream)
 PrintableOutput::~PrintableOutput() {
   stream_.flush();
   stream_.rdbuf(raw_);
+}
+
+int PrintableOutput::Flush() {
+  stream_.flush();
+  return buffer_.error();
 }
 
 std::ostream& RawErrors() {

@@ -16,6 +16,9 @@ class PrintableBuffer : public std::streambuf {
  public:
   explicit PrintableBuffer(std::streambuf& target) : target_(target) {}
 
+  // errno of the first write that failed, or 0.
+  int error() const { return error_; }
+
  protected:
   int_type overflow(int_type byte) override;
   std::streamsize xsputn(const char* bytes, std::streamsize count) override;
@@ -23,10 +26,12 @@ class PrintableBuffer : public std::streambuf {
 
  private:
   bool Write(const std::string& text);
+  bool Note(bool written);
   std::string Take(std::string_view bytes);
 
   std::streambuf& target_;
   std::string pending_;  // bytes that aren't written, because control characters begin with them
+  int error_ = 0;
 };
 
 // Makes a stream printable while it exists. What writes control characters on purpose writes to
@@ -37,6 +42,9 @@ class PrintableOutput {
   ~PrintableOutput();
   PrintableOutput(const PrintableOutput&) = delete;
   PrintableOutput& operator=(const PrintableOutput&) = delete;
+
+  // Writes what is pending. Returns errno of the first write that failed, or 0.
+  int Flush();
 
  private:
   std::ostream& stream_;
