@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "builder/layer_choice.h"
+#include "cli/files/finite.h"
 #include "cli/output/printable_output.h"
 #include "cli/output/progress.h"
 #include "cli/system/signals.h"
@@ -63,6 +64,7 @@ void AddPoseFlags(CLI::App& command, PoseFlags& flags) {
   command
       .add_option("--max-pose-gap", flags.max_gap_s,
                   "Longest time between two poses to interpolate between, s")
+      ->check(Finite())
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }

@@ -10,6 +10,7 @@
 
 #include "api/json.h"
 #include "cli/commands/commands.h"
+#include "cli/files/finite.h"
 #include "cli/files/output_file.h"
 #include "cli/files/trajectory_file.h"
 #include "cli/output/trajectory_plot.h"
@@ -117,8 +118,10 @@ void AddEvalTrajectory(CLI::App& eval, Run& run) {
       ->required();
   command->add_option("odometry", flags->odometry, "Odometry for comparison, in the same formats");
   command->add_option("--plot", flags->plot, "Plot the aligned trajectories to this SVG file");
-  command->add_option("--max-difference", flags->association.max_difference_s,
-                      "Maximum difference of associated time stamps, in seconds");
+  command
+      ->add_option("--max-difference", flags->association.max_difference_s,
+                   "Maximum difference of associated time stamps, in seconds")
+      ->check(Finite());
   command->add_flag("--json", flags->json, "Print one JSON object");
   command->footer(
       "Poses are associated by time stamp, or by order if a file has none.\n"

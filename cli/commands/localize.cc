@@ -10,6 +10,7 @@
 #include "cli/commands/asked_server.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/settings.h"
+#include "cli/files/finite.h"
 #include "cli/files/map_file.h"
 #include "cli/output/answer_text.h"
 #include "core/base/error.h"
@@ -168,6 +169,7 @@ void AddLocalize(CLI::App& app, Run& run) {
       ->add_option("--fov-deg", flags->fov_deg,
                    "Horizontal field of view of the photos in degrees, used by maps of panoramas; "
                    "default: EXIF data")
+      ->check(Finite())
       ->check(CLI::Range(1.0, 179.0))
       ->excludes("--series");
   AddSetFlag(*command, flags->settings);

@@ -12,6 +12,7 @@
 #include "cli/commands/commands.h"
 #include "cli/commands/served_files.h"
 #include "cli/commands/settings.h"
+#include "cli/files/finite.h"
 #include "cli/system/signals.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
@@ -217,12 +218,14 @@ void AddServiceFlags(CLI::App* command, ServeFlags& flags) {
       ->add_option("--drain", flags.drain_s,
                    "Seconds between the end of readiness (/readyz) and the end of the server")
       ->capture_default_str()
+      ->check(Finite())
       ->check(CLI::Range(0.0, 600.0));
   command
       ->add_option("--watch", flags.watch_s,
                    "Seconds between checks for changed map files, or of the registry; 0: only on "
                    "SIGHUP")
       ->capture_default_str()
+      ->check(Finite())
       ->check(CLI::Range(0.0, 3600.0));
   AddSetFlag(*command, flags.settings);
   command->add_flag("--log", flags.log, "Log each request to stderr as a line of JSON");

@@ -16,6 +16,7 @@
 #include "api/answer_json.h"
 #include "cli/commands/asked_server.h"
 #include "cli/commands/commands.h"
+#include "cli/files/finite.h"
 #include "cli/files/map_file.h"
 #include "cli/output/answer_text.h"
 #include "cli/system/signals.h"
@@ -145,6 +146,7 @@ void AddWatch(CLI::App& app, Run& run) {
       ->required();
   command->add_option("--every", flags->every_s, "Seconds between queries; 0 for every frame")
       ->capture_default_str()
+      ->check(Finite())
       ->check(CLI::Range(0.0, 3600.0));
   command
       ->add_option("--count", flags->count,

@@ -14,6 +14,7 @@
 #include "cli/commands/build_sources.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/job_worker.h"
+#include "cli/files/finite.h"
 #include "cli/system/signals.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
@@ -110,11 +111,13 @@ void AddWork(CLI::App& app, Run& run) {
   command
       ->add_option("--lease", worker.lease_s,
                    "Seconds after which the work of a worker that was silent is given to another")
+      ->check(Finite())
       ->check(CLI::Range(0.5, 86'400.0))
       ->capture_default_str();
   command
       ->add_option("--retry-after", worker.retry_s,
                    "Seconds until what failed is tried again; twice as long each time")
+      ->check(Finite())
       ->check(CLI::Range(0.0, 86'400.0))
       ->capture_default_str();
   command->add_flag("--quiet", flags->quiet, "Print errors only");

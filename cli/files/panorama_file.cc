@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/files/panorama_file.h"
 
+#include "cli/files/finite.h"
 #include "cli/files/map_file.h"
 #include "core/base/error.h"
 #include "core/camera/cube_faces.h"
@@ -39,18 +40,21 @@ void AddPanoramaFlags(CLI::App& command, PanoramaFlags& flags) {
       .add_option("--mirror", flags.mirror,
                   "Catadioptric (mirror) images: centre x and y, inner and outer radius in pixels "
                   "(detected if no values are given)")
-      ->expected(4);
+      ->expected(4)
+      ->check(Finite());
   command
       .add_option(
           "--mirror-band", flags.mirror_band,
           "Elevation at the outer and inner radius of the mirror image in degrees (default 20 -52)")
-      ->expected(2);
+      ->expected(2)
+      ->check(Finite());
   command.add_flag("--counter-clockwise", flags.counter_clockwise,
                    "Mirror images run counter-clockwise");
   command
       .add_option("--band", flags.band,
                   "Range of elevations to use, top and bottom, in degrees (default 34 -34)")
-      ->expected(2);
+      ->expected(2)
+      ->check(Finite());
 }
 
 PanoramaOptions PanoramaOptionsOf(const PanoramaFlags& flags) {

@@ -2,8 +2,10 @@
 #include "core/base/options.h"
 
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <sstream>
+#include <type_traits>
 
 namespace waystone {
 namespace {
@@ -19,7 +21,9 @@ template <class Value>
 void ParseNumber(const std::string& path, const std::string& text, const char* kind, Value* value) {
   const char* end = text.data() + text.size();
   const auto [at, error] = std::from_chars(text.data(), end, *value);
-  if (error == std::errc() && at == end) return;
+  bool is_number = error == std::errc() && at == end;
+  if constexpr (std::is_floating_point_v<Value>) is_number = is_number && std::isfinite(*value);
+  if (is_number) return;
   throw MapError(ErrorCode::kBadOptions, path + " is '" + text + "'; it must be " + kind);
 }
 
@@ -71,11 +75,11 @@ void ParseOptionValue(const std::string& path, const std::string& text, uint64_t
 }
 
 void ParseOptionValue(const std::string& path, const std::string& text, float* value) {
-  ParseNumber(path, text, "a number", value);
+  ParseNumber(path, text, "a finite number", value);
 }
 
 void ParseOptionValue(const std::string& path, const std::string& text, double* value) {
-  ParseNumber(path, text, "a number", value);
+  ParseNumber(path, text, "a finite number", value);
 }
 
 void ParseOptionValue(const std::string&, const std::string& text, std::string* value) {

@@ -57,5 +57,19 @@ TEST_F(CommandLine, OutputThatCannotBeWrittenIsAnError) {
   EXPECT_NE(ReadFile(folder_ / "err").find("no.db"), std::string::npos) << "the first error counts";
 }
 
+TEST_F(CommandLine, NumbersAreFinite) {
+  const fs::path map = folder_ / "m.db";
+  for (const char* number : {"nan", "inf"}) {
+    ExpectRefused({"serve", TheMap().map, "--watch", number}, 2, "--watch");
+    ExpectRefused({"serve", TheMap().map, "--drain", number}, 2, "--drain");
+    ExpectRefused({"localize", TheMap().map, "x.jpg", "--fov-deg", number}, 2, "--fov-deg");
+    ExpectRefused({"build", "x", "-o", map, "--poses", "p", "--max-pose-gap", number}, 2,
+                  "--max-pose-gap");
+    ExpectRefused({"unwrap", "x", "-o", folder_, "--mirror", number, "1", "2", "3"}, 2, "--mirror");
+    ExpectRefused({"build", "x", "-o", map, "--set", std::string("max_skipped_share=") + number}, 2,
+                  "it must be a finite number");
+  }
+}
+
 }  // namespace
 }  // namespace waystone

@@ -69,6 +69,13 @@ TEST(Options, TakeTextAndLists) {
   ParseOptionValue("o.numbers", "0,2.5,-3", &numbers);
   EXPECT_EQ(numbers, (std::vector<double>{0, 2.5, -3}));
   EXPECT_THROW(ParseOptionValue("o.numbers", "1,,2", &numbers), MapError);
+  double number = 0;
+  float small = 0;
+  for (const char* other : {"inf", "-inf", "nan", "1e999"}) {
+    EXPECT_THROW(ParseOptionValue("o.number", other, &number), MapError) << other;
+    EXPECT_THROW(ParseOptionValue("o.small", other, &small), MapError) << other;
+    EXPECT_THROW(ParseOptionValue("o.numbers", std::string("1,") + other, &numbers), MapError);
+  }
 }
 
 TEST(Options, AreSetByName) {

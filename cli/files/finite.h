@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "core/base/text.h"
+
+namespace waystone {
+
+// Of an option's value: refuses NaN, which is in every range of CLI11's, and infinity.
+inline CLI::Validator Finite() {
+  const auto check = [](const std::string& text) {
+    const auto number = ToNumber(text);
+    return number && !std::isfinite(*number) ? "Value " + text + " not a finite number"
+                                             : std::string();
+  };
+  return {check, "", "FINITE"};
+}
+
+}  // namespace waystone
