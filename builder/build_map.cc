@@ -116,13 +116,18 @@ class MapBuilder {
   void CalibratePlanes() {
     const Clock::time_point start = Clock::now();
     const PlaneQueryOptions& query = options_.calibration.localize.planes;
+    constexpr int kSteps = 3;
+    progress_.Report("calibration", 0, kSteps);
     const int linked = LinkRevisits(planes_.searched(), query, result_.map);
+    progress_.Report("calibration", 1, kSteps);
     CalibratePlaneLayer(result_.map, planes_.samples(), options_.features, options_.calibration);
+    progress_.Report("calibration", 2, kSteps);
     result_.report.planes = planes_.report();
     result_.report.planes->keyframes_linked = linked;
     result_.report.planes->own =
         FindOwnKeyframes(result_.map, planes_.samples(), options_.calibration.localize);
     result_.report.planes->calibrate_s = SecondsSince(start);
+    progress_.Report("calibration", kSteps, kSteps);
   }
 
   void CalibrateAppearance() {

@@ -33,6 +33,7 @@ struct AddFlags {
 };
 
 int RunAdd(const AddFlags& flags) {
+  EndAtInterrupts();
   const MapLock lock(flags.map);
   MapData map = ReadMap(flags.map);
   BuildOptions options = OptionsOfRecord(map.info.options_json);
@@ -41,7 +42,6 @@ int RunAdd(const AddFlags& flags) {
   ApplySettings(flags.settings, options);
   options.Check();
   CheckReplaceable(flags.map, flags.keep);
-  NoteInterrupts();
   const auto sources = OpenSources(flags.sources, options.layers, flags.printed.quiet);
   std::optional<GivenPoses> poses;
   if (!flags.poses.file.empty()) {
@@ -55,6 +55,7 @@ int RunAdd(const AddFlags& flags) {
   }
   added.info.name = flags.name.empty() ? added.sequences.front().name : flags.name;
   const JoinResult result = AddToMap(std::move(map), std::move(added), options, built.features);
+  NoteInterrupts();
   ReplaceMap(result.map, flags.map, flags.keep);
   if (flags.printed.json) {
     std::cout << Dump(JoinJson(flags.map, result)) << '\n';

@@ -71,6 +71,7 @@ void KeepOldPlans(const KeptPlans& plans, const std::string& path, MapData& map)
 }
 
 int RunBuild(const MapBuildFlags& flags) {
+  EndAtInterrupts();
   const WriteOptions write{.overwrite = flags.force};
   const BuildOptions options = MakeBuildOptions(flags.build, MapNameOf(flags.output));
   CheckWritable(flags.output, write);
@@ -78,9 +79,9 @@ int RunBuild(const MapBuildFlags& flags) {
   const MapLock lock(flags.output);  // names that it gets meanwhile would be lost
   const std::optional<std::string> names = NamesOfOldMap(flags.output);
   const std::optional<KeptPlans> plans = PlansOfOldMap(flags.output);
-  NoteInterrupts();
   BuildResult result = BuildFrom(flags, options);
   if (!CanAnswer(result)) return ReportNoPlanes(result.map);
+  NoteInterrupts();
   if (names) KeepOldNames(*names, flags.output, result.map);
   if (plans) KeepOldPlans(*plans, flags.output, result.map);
   WriteMap(result.map, flags.output, write);

@@ -12,6 +12,7 @@
 #include "cli/files/map_file.h"
 #include "cli/files/output_file.h"
 #include "cli/output/join_text.h"
+#include "cli/system/signals.h"
 #include "schema/file/map_lock.h"
 #include "schema/file/map_store.h"
 
@@ -28,6 +29,7 @@ struct MergeFlags {
 };
 
 int RunMerge(const MergeFlags& flags) {
+  EndAtInterrupts();
   const WriteOptions write{.overwrite = flags.force};
   BuildOptions options;
   ApplySettings(flags.settings, options);
@@ -43,6 +45,7 @@ int RunMerge(const MergeFlags& flags) {
     maps.back().info.name = MapNameOf(path);
   }
   const JoinResult result = MergeMaps(std::move(maps), MapNameOf(flags.output), options);
+  NoteInterrupts();
   WriteMap(result.map, flags.output, write);
   if (flags.json) {
     std::cout << Dump(JoinJson(flags.output, result)) << '\n';

@@ -11,6 +11,7 @@
 #include "cli/commands/settings.h"
 #include "cli/files/map_file.h"
 #include "cli/output/join_text.h"
+#include "cli/system/signals.h"
 #include "schema/file/map_lock.h"
 #include "schema/file/map_store.h"
 
@@ -28,12 +29,14 @@ struct PruneFlags {
 };
 
 int RunPrune(const PruneFlags& flags) {
+  EndAtInterrupts();
   BuildOptions options;
   ApplySettings(flags.settings, options);
   options.Check();
   std::optional<MapLock> lock;
   if (!flags.dry_run) lock.emplace(flags.map);
   const PruneResult result = PruneMap(ReadMap(flags.map), flags.min_looks, options);
+  NoteInterrupts();
   if (result.report.changed() && !flags.dry_run) ReplaceMap(result.map, flags.map, flags.keep);
   if (flags.json) {
     std::cout << Dump(PruneJson(flags.map, result)) << '\n';

@@ -10,6 +10,7 @@
 #include "cli/files/chosen_ids.h"
 #include "cli/files/map_file.h"
 #include "cli/output/join_text.h"
+#include "cli/system/signals.h"
 #include "core/base/error.h"
 #include "schema/file/map_lock.h"
 #include "schema/file/map_store.h"
@@ -56,6 +57,7 @@ Removal ChooseRemoval(const MapData& map, const RemoveFlags& flags) {
 }
 
 int RunRemove(const RemoveFlags& flags) {
+  EndAtInterrupts();
   BuildOptions options;
   ApplySettings(flags.settings, options);
   options.Check();
@@ -64,6 +66,7 @@ int RunRemove(const RemoveFlags& flags) {
   CheckReplaceable(flags.map, flags.keep);
   const Removal removed = ChooseRemoval(map, flags);
   const RemoveResult result = RemoveFromMap(std::move(map), removed, options);
+  NoteInterrupts();
   ReplaceMap(result.map, flags.map, flags.keep);
   if (flags.json) {
     std::cout << Dump(RemovalJson(flags.map, result)) << '\n';

@@ -8,6 +8,10 @@ namespace waystone {
 void NoteInterrupts();
 bool Interrupted();
 
+// From now on SIGINT and SIGTERM end the program at once, with status 130 and a line on stderr: for
+// work that writes nothing. NoteInterrupts comes before the writing.
+void EndAtInterrupts();
+
 // Holds SIGINT, SIGTERM and SIGHUP back in this thread and all it starts from now on, for
 // WaitForSignal.
 void BlockSignals();

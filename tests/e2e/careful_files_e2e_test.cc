@@ -3,12 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <future>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "cli/system/child_process.h"
 #include "schema/file/map_lock.h"
 #include "tests/e2e/shared_map.h"
 
@@ -127,6 +131,29 @@ TEST_F(CarefulFiles, ChangesAtTheSameTimeAreAllKept) {
   }
   const RunResult listed = RunWaystone({"name", map_});
   EXPECT_NE(listed.out.find("6 named places"), std::string::npos) << listed.out;
+}
+
+// The lock holds each up where nothing but memory has been written to.
+TEST_F(CarefulFiles, AnInterruptedChangeLeavesTheMap) {
+  const std::string before = ReadFile(map_);
+  const MapLock lock(map_);
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"add", map_, TheMap().images},
+           {"merge", TheMap().map, TheMap().map, "-o", map_, "--force"},
+           {"remove", map_, "--keyframes", "1"},
+           {"prune", map_},
+           {"build", TheMap().images, "-o", map_, "--force"}}) {
+    for (const int signal : {SIGINT, SIGTERM}) {
+      std::vector<std::string> command = arguments;
+      command.insert(command.begin(), WAYSTONE_PROGRAM);
+      ChildProcess child(command, false);
+      std::this_thread::sleep_for(std::chrono::milliseconds(700));
+      child.Send(signal);
+      EXPECT_EQ(child.Wait(), 130) << arguments.front();
+    }
+  }
+  EXPECT_TRUE(ReadFile(map_) == before);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
 }
 
 TEST_F(CarefulFiles, AMapThatIsBeingChangedIsLeftAloneAndRead) {
