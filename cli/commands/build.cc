@@ -16,6 +16,7 @@
 #include "cli/files/kept_names.h"
 #include "cli/files/kept_plans.h"
 #include "cli/files/map_file.h"
+#include "cli/files/output_file.h"
 #include "cli/output/build_text.h"
 #include "cli/system/signals.h"
 #include "core/base/error.h"
@@ -70,12 +71,26 @@ void KeepOldPlans(const KeptPlans& plans, const std::string& path, MapData& map)
   }
 }
 
+void CheckReport(const MapBuildFlags& flags) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::path folder = fs::weakly_canonical(flags.report_folder, ignored);
+  if (folder == fs::weakly_canonical(flags.output, ignored)) {
+    throw MapError(ErrorCode::kUsage, "-o and --report are both " + flags.output +
+                                          "; choose another folder for the report");
+  }
+  for (const std::string& source : flags.build.sources.paths) {
+    CheckIsNotInput(folder, source, "the folder of a source");
+  }
+  CheckReportFolder(flags.report_folder);
+}
+
 int RunBuild(const MapBuildFlags& flags) {
   EndAtInterrupts();
   const WriteOptions write{.overwrite = flags.force};
   const BuildOptions options = MakeBuildOptions(flags.build, MapNameOf(flags.output));
   CheckWritable(flags.output, write);
-  if (!flags.report_folder.empty()) CheckReportFolder(flags.report_folder);
+  if (!flags.report_folder.empty()) CheckReport(flags);
   const MapLock lock(flags.output);  // names that it gets meanwhile would be lost
   const std::optional<std::string> names = NamesOfOldMap(flags.output);
   const std::optional<KeptPlans> plans = PlansOfOldMap(flags.output);

@@ -133,6 +133,21 @@ TEST_F(CarefulFiles, ChangesAtTheSameTimeAreAllKept) {
   EXPECT_NE(listed.out.find("6 named places"), std::string::npos) << listed.out;
 }
 
+TEST_F(CarefulFiles, ReportsAreRefusedBeforeTheWork) {
+  const auto refuse = [&](const fs::path& report, const std::string& about, int code) {
+    const fs::path map = folder_ / "new.db";
+    ExpectKept({"build", TheMap().images, "-o", map, "--quiet", "--report", report}, map_, about,
+               code);
+    EXPECT_FALSE(fs::exists(map)) << "built before the refusal";
+  };
+  refuse(folder_ / "new.db", "-o and --report are both", 2);
+  refuse(map_, "room.db exists and is not a folder", 3);
+  refuse(TheMap().images, "is the folder of a source", 3);
+  refuse("/proc/report", "can't create /proc/report", 3);
+  fs::create_directories(folder_ / "site" / "images");
+  refuse(folder_ / "site", "images exists and is not of a Waystone report", 3);
+}
+
 // The lock holds each up where nothing but memory has been written to.
 TEST_F(CarefulFiles, AnInterruptedChangeLeavesTheMap) {
   const std::string before = ReadFile(map_);

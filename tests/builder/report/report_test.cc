@@ -173,7 +173,27 @@ TEST(WriteReport, ReplacesItsOwnFilesAlone) {
   std::filesystem::remove_all(dir);
 }
 
+TEST(WriteReport, NoPictureOfAnEarlierReportStays) {
+  const std::filesystem::path dir =
+      std::filesystem::path(testing::TempDir()) / "waystone_report_twice";
+  std::filesystem::remove_all(dir);
+  CheckReportFolder(dir / "deep");
+  EXPECT_FALSE(std::filesystem::exists(dir)) << "asking leaves no folder";
+  MapData two = Chain(1, 0);
+  two.keyframes.push_back({KeyframeId{2}, SequenceId{1}, 0, 1, "b.jpg", {}, 320, 240, {}, {}});
+  WriteReport(two, {}, {}, dir);
+  std::ofstream(dir / "images" / "notes.txt") << "mine";
+  ASSERT_TRUE(std::filesystem::exists(dir / "images" / "2.jpg"));
+  WriteReport(Chain(1, 0), {}, {}, dir);
+  EXPECT_TRUE(std::filesystem::exists(dir / "images" / "1.jpg"));
+  EXPECT_FALSE(std::filesystem::exists(dir / "images" / "2.jpg"));
+  EXPECT_TRUE(std::filesystem::exists(dir / "images" / "notes.txt"));
+  std::filesystem::remove_all(dir);
+}
+
 TEST(WriteReport, FolderThatCannotBeMade) {
+  EXPECT_THROW(CheckReportFolder("/proc/waystone-report"), MapError);
+  EXPECT_THROW(CheckReportFolder("/proc/version"), MapError);
   EXPECT_THROW(WriteReport(Chain(1, 0), {}, {}, "/proc/waystone-report"), MapError);
 }
 
