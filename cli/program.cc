@@ -60,11 +60,32 @@ std::string UsageMessage(const CLI::App* app, const CLI::Error& error) {
   return "waystone: " + cause + "; see " + command + " --help\n";
 }
 
+void CheckOption(const CLI::App& app, const std::string& word) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->check_name(word)) return;
+  }
+  throw MapError(ErrorCode::kUsage,
+                 "unknown option '" + word + "' before a command; see waystone --help");
+}
+
+// Throws MapError(kUsage) for an option or argument that was given without a value.
+void CheckValues(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands()) {
+    for (const CLI::Option* option : command->get_options()) {
+      if (option->count() == 0 || std::ranges::count(option->results(), "") == 0) continue;
+      throw MapError(ErrorCode::kUsage,
+                     option->get_name() + " is empty; give it a value or leave it out");
+    }
+    CheckValues(*command);
+  }
+}
+
 // CLI11 would only say that a command is required. Throws MapError (kUsage) when the first argument
-// is neither an option nor a command.
+// is neither an option nor a command of ours.
 void CheckCommand(const CLI::App& app, int argc, char** argv) {
   const std::string word = argc > 1 ? argv[1] : "";
-  if (word.empty() || word[0] == '-') return;
+  if (word.starts_with('-') && word != "--") return CheckOption(app, word);
+  if (word.empty() || word == "--") return;
   std::string nearest;
   size_t least = std::max<size_t>(1, word.size() / 3) + 1;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
@@ -131,6 +152,7 @@ int RunCommand(int argc, char** argv) {
   try {
     CheckCommand(app, argc, argv);
     app.parse(argc, argv);
+    CheckValues(app);
     return run();
   } catch (const CLI::ParseError& error) {
     return ExitOfParse(app, error);

@@ -50,20 +50,25 @@ void AddPoseFlags(CLI::App& command, PoseFlags& flags) {
       "Poses of the images: TUM, KITTI, EuRoC, COLMAP (images.txt, images.bin), g2o, "
       "nav_msgs/Odometry as CSV, or CSV; with --camera, queries are answered with their pose");
   command.add_option("--frame", flags.frame, "Name of the frame of the poses")
+      ->needs("--poses")
       ->capture_default_str();
   command.add_option("--unit", flags.unit, "Unit of the poses: metres or unknown")
+      ->needs("--poses")
       ->capture_default_str();
   command
       .add_option("--scale-by", flags.scale_by,
                   "Two images and the distance of their cameras in metres: A B METRES. Scales "
                   "poses of unknown unit")
+      ->needs("--poses")
       ->expected(3);
-  command.add_option("--body-from-camera", flags.body_from_camera,
-                     "Where the camera is on the body that the poses are of: \"x y z qx qy qz "
-                     "qw\"");
+  command
+      .add_option("--body-from-camera", flags.body_from_camera,
+                  "Where the camera is on the body that the poses are of: \"x y z qx qy qz qw\"")
+      ->needs("--poses");
   command
       .add_option("--max-pose-gap", flags.max_gap_s,
                   "Longest time between two poses to interpolate between, s")
+      ->needs("--poses")
       ->check(Finite())
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/commands/settings.h"
 
+#include <set>
 #include <sstream>
 #include <type_traits>
 
@@ -43,6 +44,7 @@ std::vector<OptionLine> CollectLines() {
 
 template <class Options>
 void SetOptions(const std::vector<std::string>& settings, Options& options) {
+  std::set<std::string> set;
   for (const std::string& setting : settings) {
     const size_t equals = setting.find('=');
     if (equals == std::string::npos) {
@@ -50,6 +52,9 @@ void SetOptions(const std::vector<std::string>& settings, Options& options) {
                      "--set " + setting + ": write NAME=VALUE; `waystone options` lists the names");
     }
     const std::string name = setting.substr(0, equals);
+    if (!set.insert(name).second) {
+      throw MapError(ErrorCode::kUsage, "--set " + name + " is given twice; give it once");
+    }
     if (SetField("", options, name, setting.substr(equals + 1))) continue;
     std::vector<std::string> names;
     for (const OptionLine& line : CollectLines<Options>()) names.push_back(line.name);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <sstream>
 
 #include "api/query_request_json.h"
 #include "core/base/error.h"
@@ -139,10 +140,9 @@ const MapSession& FindSession(const std::vector<MapSession>& sessions, const std
 
 std::vector<NamedRange> RangesOfIds(const MapData& map, NamedKind kind, const std::string& text) {
   const std::vector<int64_t> ids = IdsOf(map, kind);
-  const std::vector<std::string> words = Words(text, ",");
-  if (words.empty()) IdIn(text, kind, ids);
   std::vector<NamedRange> ranges;
-  for (const std::string& word : words) {
+  std::istringstream words(text + ",");  // no id is empty, the last one neither
+  for (std::string word; std::getline(words, word, ',');) {
     const size_t colon = word.find(':');
     const int64_t first = IdIn(word.substr(0, colon), kind, ids);
     const int64_t last =

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <fstream>
 #include <initializer_list>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -24,13 +25,37 @@ namespace fs = std::filesystem;
 constexpr size_t kKittiNumbers = 12;
 constexpr size_t kColmapFields = 10;
 
+// Of positions, in any unit: far beyond the Earth's own frame in millimetres.
+constexpr double kMostPosition = 1e12;
+// Of the rotations of KITTI's poses, by their 9 numbers.
+constexpr double kMostSkew = 0.1;
+constexpr const char* kNoPose =
+    "the pose is none: the rotation must be one (a quaternion other than 0), and coordinates at "
+    "most 1e12";
+
+// Not a number, where the quaternion is 0.
 Eigen::Isometry3d PoseOf(const Eigen::Vector3d& at, const Eigen::Quaterniond& rotation) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = at;
+  if (rotation.coeffs().isZero(0)) {
+    pose.linear().setConstant(std::numeric_limits<double>::quiet_NaN());
+    return pose;
+  }
   // Stable: a quaternion far from unit length is no reason for one that isn't a rotation.
   pose.linear() =
       Eigen::Quaterniond(rotation.coeffs().stableNormalized().normalized()).toRotationMatrix();
   return pose;
+}
+
+bool IsPose(const TruePose& pose) {
+  const Eigen::Isometry3d& at = pose.world_from_camera;
+  return at.matrix().allFinite() && at.translation().cwiseAbs().maxCoeff() <= kMostPosition;
+}
+
+void CheckPose(const fs::path& path, int line, const FilePose& pose) {
+  if (IsPose(pose.pose)) return;
+  throw MapError(ErrorCode::kBadRequest,
+                 path.string() + ", line " + std::to_string(line) + ": " + kNoPose);
 }
 
 int FrameNumber(const CsvFile& file, const CsvFile::Row& row, size_t column) {
@@ -107,6 +132,7 @@ std::vector<FilePose> ReadEurocPoses(const fs::path& path) {
     pose.time_s = (*n)[0] * kNanosecond_s;
     pose.number = static_cast<int>(poses.size());
     pose.pose = {PoseOf({(*n)[1], (*n)[2], (*n)[3]}, {(*n)[4], (*n)[5], (*n)[6], (*n)[7]}), true};
+    CheckPose(path, line, pose);
     poses.push_back(std::move(pose));
   }
   return poses;
@@ -210,6 +236,7 @@ std::vector<FilePose> ReadOdometry(const fs::path& path, const OdometryColumns& 
     pose.time_s = (*n)[8] + (*n)[7] * kNanosecond_s;
     pose.number = static_cast<int>(poses.size());
     pose.pose = {PoseOf({(*n)[0], (*n)[1], (*n)[2]}, {(*n)[6], (*n)[3], (*n)[4], (*n)[5]}), true};
+    CheckPose(path, line, pose);
     poses.push_back(std::move(pose));
   }
   return poses;
@@ -231,7 +258,10 @@ std::optional<FilePose> G2oPose(const std::vector<std::string>& fields) {
 FilePose KittiPose(const std::vector<double>& n) {
   FilePose pose;
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(n.data());
-  pose.pose = {PoseOf(matrix.col(3), Eigen::Quaterniond(Eigen::Matrix3d(matrix.leftCols<3>()))),
+  const Eigen::Matrix3d rotation = matrix.leftCols<3>();
+  const bool is_rotation = rotation.determinant() > 0 && rotation.isUnitary(kMostSkew);
+  pose.pose = {PoseOf(matrix.col(3),
+                      is_rotation ? Eigen::Quaterniond(rotation) : Eigen::Quaterniond(0, 0, 0, 0)),
                true};
   return pose;
 }
@@ -289,8 +319,8 @@ class TextPoses {
   }
 
   FilePose Parse(const std::string& text, const std::vector<std::string>& fields, int line) {
-    if (auto pose = AnyPose(text, fields);
-        pose && pose->pose.world_from_camera.matrix().allFinite()) {
+    if (auto pose = AnyPose(text, fields)) {
+      CheckPose(path_, line, *pose);
       return *pose;
     }
     throw MapError(ErrorCode::kBadRequest,
@@ -331,7 +361,9 @@ std::optional<TruePose> PoseColumns::Read(const CsvFile& file, const CsvFile::Ro
     const auto& [qw, qx, qy, qz] = *rotation_;
     rotation = {number(qw), number(qx), number(qy), number(qz)};
   }
-  return TruePose{PoseOf({number(x), number(y), number(z)}, rotation), rotation_.has_value()};
+  const TruePose pose{PoseOf({number(x), number(y), number(z)}, rotation), rotation_.has_value()};
+  if (!IsPose(pose)) file.Fail(row.line, kNoPose);
+  return pose;
 }
 
 namespace {

@@ -176,6 +176,28 @@ TEST_F(PoseFileTest, ABinaryModelsPoseIsOneOrRefused) {
   }
 }
 
+TEST_F(PoseFileTest, ALineThatIsNoPoseIsNamed) {
+  using File = std::pair<std::string, std::string>;  // name, header and first line
+  const auto refusal = [&](const File& file, const std::string& line) {
+    return RefusalOf([&] { ReadPoseFile(Write(file.first, file.second + line + "\n")); });
+  };
+  const File tum{"t.txt", "0 1 2 3 0 0 0 1\n"};
+  const File kitti{"k.txt", "0 -1 0 1 1 0 0 2 0 0 1 3\n"};
+  const File csv{"p.csv", "image,x,y,z,qx,qy,qz,qw\n"};
+  const File euroc{"e.csv", "#timestamp,x,y,z,qw,qx,qy,qz\n"};
+  const File g2o{"g.g2o", "VERTEX_SE3:QUAT 0 1 2 3 0 0 0 1\n"};
+  using Bad = std::pair<File, std::string>;
+  for (const auto& [file, line] :
+       {Bad(tum, "1 1 2 3 0 0 0 0"), Bad(tum, "1 1e300 2 3 0 0 0 1"), Bad(tum, "1 nan 2 3 0 0 0 1"),
+        Bad(kitti, "0 0 0 1 0 0 0 2 0 0 0 3"), Bad(kitti, "-1 0 0 1 0 1 0 2 0 0 1 3"),
+        Bad(csv, "a,1,2,3,0,0,0,0"), Bad(csv, "a,1e13,2,3,0,0,0,1"), Bad(csv, "a,1,2,3,0,0,0,inf"),
+        Bad(euroc, "1,1,2,3,0,0,0,0"), Bad(g2o, "VERTEX_SE3:QUAT 1 1 2 3 0 0 0 0")}) {
+    EXPECT_NE(refusal(file, line).find("line 2: "), std::string::npos)
+        << line << ": " << refusal(file, line);
+  }
+  EXPECT_EQ(refusal(tum, "1 4e6 5e5 3 0 0 0 2"), "");
+}
+
 FilePose PoseAt(double time_s, double x, double turn_rad) {
   FilePose pose;
   pose.time_s = time_s;

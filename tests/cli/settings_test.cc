@@ -24,9 +24,10 @@ std::string ErrorOfSetting(const std::string& setting) {
 
 TEST(ApplySettings, SetsFieldsByTheirFullNames) {
   BuildOptions options;
-  ApplySettings({"image_width=200", "images=false", "image_width=240"}, options);
+  ApplySettings({"image_width=240", "images=false"}, options);
   EXPECT_EQ(options.image_width, 240);
   EXPECT_FALSE(options.images);
+  EXPECT_THROW(ApplySettings({"image_width=200", "image_width=240"}, options), MapError);
 }
 
 TEST(ApplySettings, SetsOptionsOfQueries) {

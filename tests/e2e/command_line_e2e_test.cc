@@ -71,5 +71,26 @@ TEST_F(CommandLine, NumbersAreFinite) {
   }
 }
 
+TEST_F(CommandLine, FlagsThatMeanNothingAreRefused) {
+  const fs::path map = folder_ / "m.db";
+  ExpectRefused({"build", "x", "-o", map, "--scale-by", "a", "b", "1"}, 2, "requires --poses");
+  ExpectRefused({"build", "x", "-o", map, "--max-pose-gap", "1"}, 2, "requires --poses");
+  ExpectRefused({"add", map, "x", "--body-from-camera", "0 0 0 0 0 0 1"}, 2, "requires --poses");
+  ExpectRefused({"build", "x", "-o", map, "--set", "image_width=99", "--set", "image_width=98"}, 2,
+                "--set image_width is given twice");
+  ExpectRefused({"publish", TheMap().map, "--to", folder_, "--name", ""}, 2, "--name is empty");
+  ExpectRefused({"localize", TheMap().map, "x", "--server", ""}, 2, "--server is empty");
+  ExpectRefused({"build", "x", "-o", ""}, 2, "--output is empty");
+  ExpectRefused({"serve", TheMap().map, "--host", ""}, 2, "--host is empty");
+  ExpectRefused({"info", ""}, 2, "map is empty");
+  ExpectRefused({"--foo"}, 2, "unknown option '--foo'");
+  ExpectRefused({"--foo", "info"}, 2, "unknown option '--foo'");
+  for (const char* ids : {"1,,2", ",1", "1,", ""}) {
+    const std::string flag = std::string("--keyframes=") + ids;
+    ExpectRefused({"remove", TheMap().map, flag}, 2,
+                  *ids == '\0' ? "--keyframes" : "'' is not an id");
+  }
+}
+
 }  // namespace
 }  // namespace waystone
