@@ -2,8 +2,8 @@
 #include "cli/commands/asked_server.h"
 
 #include <cstdlib>
-#include <fstream>
 
+#include "api/token_file.h"
 #include "clients/cpp/waystone_client.h"
 #include "core/base/error.h"
 
@@ -15,13 +15,7 @@ std::string TokenOf(const ServerFlags& flags) {
     const char* token = std::getenv("WAYSTONE_TOKEN");
     return token ? token : "";
   }
-  std::ifstream in(flags.token_file);
-  std::string token;
-  if (!std::getline(in, token) || token.empty()) {
-    throw MapError(ErrorCode::kFileUnreadable,
-                   flags.token_file + " has no token on its first line; write the token there");
-  }
-  return token;
+  return ReadTokenFile(flags.token_file).front();
 }
 
 }  // namespace
@@ -35,6 +29,14 @@ void AddServerFlags(CLI::App* command, ServerFlags& flags) {
       ->add_option("--token-file", flags.token_file,
                    "File with the server's token; default: environment variable WAYSTONE_TOKEN")
       ->needs("--server");
+}
+
+void CheckServerFlags(const ServerFlags& flags) {
+  if (!flags.url.starts_with("http://") && !flags.url.starts_with("https://")) {
+    throw MapError(ErrorCode::kUsage,
+                   "--server " + flags.url + " is no address of a server; give http://HOST:PORT");
+  }
+  TokenOf(flags);
 }
 
 Json AskServer(const ServerFlags& flags, const std::string& map, const std::string& name,

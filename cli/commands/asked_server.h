@@ -11,9 +11,13 @@ namespace waystone {
 // How commands are told to ask a server instead of a map file.
 struct ServerFlags {
   std::string url;         // empty: none
-  std::string token_file;  // its first line is the token; else the variable WAYSTONE_TOKEN
+  std::string token_file;  // its first token; else the variable WAYSTONE_TOKEN
 };
 void AddServerFlags(CLI::App* command, ServerFlags& flags);
+
+// Throws MapError: kUsage for an address that is none of HTTP's, and as ReadTokenFile does. For
+// asking before photos are read.
+void CheckServerFlags(const ServerFlags& flags);
 
 // Asks a server where a photo was taken: of the map of that name, or of all for "-", with the
 // fields of `request` (docs/http-api.md). Throws MapError for what keeps it from answering, by the

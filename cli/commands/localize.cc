@@ -141,6 +141,7 @@ int RunLocalize(const LocalizeFlags& flags) {
                    "--tag, --near and --previous-map narrow a query of all maps of a server; give "
                    "- as the map and --server");
   }
+  if (by_server) CheckServerFlags(flags.server);
   bool all_read = true;
   if (by_server) {
     all_read = AnswerByServer(flags);

@@ -91,7 +91,11 @@ class Eye {
 class Oracle {
  public:
   explicit Oracle(const WatchFlags& flags) : flags_(flags) {
-    if (flags.server.url.empty()) map_ = OpenMapFile(flags.map, false);
+    if (flags.server.url.empty()) {
+      map_ = OpenMapFile(flags.map, false);
+    } else {
+      CheckServerFlags(flags.server);
+    }
   }
 
   Json Ask(const cv::Mat& grey, const std::string& name) const {

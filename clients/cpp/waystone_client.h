@@ -58,7 +58,8 @@ class Client {
   explicit Client(const std::string& server, ClientOptions options = {})
       : options_(std::move(options)) {
     const size_t host = server.find("://");
-    if (host == std::string::npos || host + 3 == server.size()) {
+    const bool http = server.rfind("http://", 0) == 0 || server.rfind("https://", 0) == 0;
+    if (!http || host + 3 == server.size()) {
       throw ClientError("unreachable", 0,
                         "'" + server + "' is not a server address; expected http://HOST:PORT");
     }

@@ -13,9 +13,7 @@ class Tokens {
  public:
   Tokens() = default;  // none: everybody may
 
-  // One token a line; blank lines and those that begin with # are left out. A token has 16 to 512
-  // printable characters. Throws MapError: kFileUnreadable; kBadOptions with the line, and for a
-  // file without any token.
+  // Throws as ReadTokenFile does.
   static Tokens FromFile(const std::filesystem::path& path);
 
   bool empty() const { return digests_.empty(); }

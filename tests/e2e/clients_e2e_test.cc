@@ -184,6 +184,11 @@ TEST_F(CppClient, LocalizeByAServer) {
                                       "--token-file", folder_ / "tokens"});
   EXPECT_EQ(line.code, 0) << line.err;
   EXPECT_NE(line.out.find("inside.jpg: localized near "), std::string::npos) << line.out;
+  // As the server's own reader takes them.
+  WriteFile(folder_ / "windows", "\r\n# ours\r\n" + std::string(kToken) + "\r\n");
+  const RunResult windows = RunWaystone({"localize", "-", TheMap().inside, "--server", guarded_url_,
+                                         "--token-file", folder_ / "windows"});
+  EXPECT_EQ(windows.code, 0) << windows.err;
 }
 
 TEST_F(CppClient, WatchAnswersAVideo) {

@@ -2,6 +2,7 @@
 // What the program says of a command line, of files beside maps, and of an output that can't be
 // written.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/e2e/calibrated_maps.h"
 #include "tests/e2e/shared_map.h"
 
 namespace waystone {
@@ -90,6 +92,17 @@ TEST_F(CommandLine, FlagsThatMeanNothingAreRefused) {
     ExpectRefused({"remove", TheMap().map, flag}, 2,
                   *ids == '\0' ? "--keyframes" : "'' is not an id");
   }
+}
+
+TEST_F(CommandLine, ServersAreGivenByTheirAddress) {
+  for (const char* server : {"ftp://x", "nowhere", "127.0.0.1:8080"}) {
+    ExpectRefused({"localize", "-", TheMap().inside, "--server", server}, 2,
+                  "is no address of a server");
+  }
+  WriteFile(folder_ / "tokens", "\n# none yet\n");
+  ExpectRefused({"localize", "-", TheMap().inside, "--server", "http://127.0.0.1:1", "--token-file",
+                 folder_ / "tokens"},
+                2, "has no tokens");
 }
 
 }  // namespace

@@ -113,6 +113,7 @@ TEST_F(ApplicationTest, TokenFilesAreChecked) {
     EXPECT_THROW(TokensOf(text), MapError) << text;
   }
   EXPECT_THROW(Tokens::FromFile(folder_ / "nowhere"), MapError);
+  EXPECT_THROW(Tokens::FromFile("/dev/zero"), MapError);
 }
 
 TEST_F(ApplicationTest, RequestsHaveNamesAndHeaders) {
