@@ -12,8 +12,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kPointBytes = 24;  // x, y, id
-constexpr size_t kImageBytes = 73;  // without a name and points
+constexpr int64_t kMaxModelBytes = 16'000'000'000;  // some 60,000 images of 10,000 points
+constexpr size_t kPointBytes = 24;                  // x, y, id
+constexpr size_t kImageBytes = 73;                  // without a name and points
 
 MapError NotImages(const fs::path& path, const std::string& what) {
   return {ErrorCode::kBadRequest, path.string() + " " + what +
@@ -47,7 +48,7 @@ FilePose TakeImage(ByteReader& reader, const fs::path& path) {
 }  // namespace
 
 std::vector<FilePose> ReadColmapImages(const fs::path& path) {
-  const std::vector<uint8_t> bytes = ReadBytes(path, "COLMAP's images.bin");
+  const std::vector<uint8_t> bytes = ReadBytes(path, "COLMAP's images.bin", kMaxModelBytes);
   ByteReader reader(bytes, NotImages(path, "is cut"));
   const uint64_t count = reader.TakeCount(kImageBytes);
   std::vector<FilePose> poses;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/files/map_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <string>
+#include <system_error>
 
 #include "core/base/error.h"
 #include "schema/file/file_replacer.h"
@@ -42,15 +45,41 @@ void ReplaceMap(const MapData& map, const std::filesystem::path& path, bool keep
   WriteMap(map, path, {.overwrite = true});
 }
 
-std::vector<uint8_t> ReadBytes(const std::filesystem::path& path, const std::string& wanted) {
-  errno = 0;
-  if (std::filesystem::is_directory(path)) errno = EISDIR;
-  std::ifstream in(path, std::ios::binary);
-  if (!in || errno == EISDIR) {
-    throw MapError(ErrorCode::kFileUnreadable,
-                   path.string() + ": " + std::strerror(errno) + "; expected " + wanted);
+namespace {
+
+[[noreturn]] void RefuseFile(const std::filesystem::path& path, const std::string& cause,
+                             const std::string& wanted) {
+  throw MapError(ErrorCode::kFileUnreadable, path.string() + ": " + cause + "; expected " + wanted);
+}
+
+}  // namespace
+
+std::ifstream OpenText(const std::filesystem::path& path, const std::string& wanted) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_directory(status)) RefuseFile(path, std::strerror(EISDIR), wanted);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    RefuseFile(path, "is not a regular file", wanted);
   }
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  std::ifstream in(path, std::ios::binary);
+  if (!in) RefuseFile(path, std::strerror(errno), wanted);
+  return in;
+}
+
+std::vector<uint8_t> ReadBytes(const std::filesystem::path& path, const std::string& wanted,
+                               int64_t max_bytes) {
+  std::ifstream in = OpenText(path, wanted);
+  const auto size = static_cast<int64_t>(in.seekg(0, std::ios::end).tellg());
+  if (size > max_bytes) {
+    RefuseFile(path,
+               "has " + std::to_string(size) + " bytes, more than " + std::to_string(max_bytes),
+               wanted);
+  }
+  std::vector<uint8_t> bytes(static_cast<size_t>(std::max<int64_t>(size, 0)));
+  in.seekg(0).read(reinterpret_cast<char*>(bytes.data()), std::ssize(bytes));
+  bytes.resize(static_cast<size_t>(in.gcount()));
+  if (size < 0 || in.bad()) RefuseFile(path, "can't be read", wanted);
+  return bytes;
 }
 
 }  // namespace waystone

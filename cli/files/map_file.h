@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,9 +32,17 @@ void ReplaceMap(const MapData& map, const std::filesystem::path& path, bool keep
 // Throws what ReplaceMap would throw for the paths alone. For asking before the work, not after.
 void CheckReplaceable(const std::filesystem::path& path, bool keep);
 
+// Bytes of a file that is read at once: the largest request that a server can be told to take.
+inline constexpr int64_t kMaxReadBytes = 400'000'000;
+
 // The bytes of a file. Throws MapError(kFileUnreadable) with the cause, and `wanted` as what to
-// give.
+// give: also for what is no regular file, since a pipe or device might never end, or is larger than
+// `max_bytes`.
 std::vector<uint8_t> ReadBytes(const std::filesystem::path& path,
-                               const std::string& wanted = "an image file");
+                               const std::string& wanted = "an image file",
+                               int64_t max_bytes = kMaxReadBytes);
+
+// Opens a text file. Throws as ReadBytes does; a text may be of any length.
+std::ifstream OpenText(const std::filesystem::path& path, const std::string& wanted);
 
 }  // namespace waystone

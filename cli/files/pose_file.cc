@@ -14,6 +14,7 @@
 #include "api/tum_pose.h"
 #include "cli/files/colmap_images.h"
 #include "cli/files/csv_file.h"
+#include "cli/files/map_file.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
 
@@ -22,6 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kWanted = "a file of poses";
 constexpr size_t kKittiNumbers = 12;
 constexpr size_t kColmapFields = 10;
 
@@ -108,7 +110,7 @@ std::optional<std::vector<double>> ParseNumbers(const std::vector<std::string>& 
 
 // "timestamp [ns], p_x, p_y, p_z, q_w, q_x, q_y, q_z, ...": EuRoC's ground truth of the body.
 bool IsEurocPoses(const fs::path& path) {
-  std::ifstream in(path);
+  std::ifstream in = OpenText(path, kWanted);
   std::string first;
   return std::getline(in, first) && first.starts_with("#timestamp");
 }
@@ -116,7 +118,7 @@ bool IsEurocPoses(const fs::path& path) {
 std::vector<FilePose> ReadEurocPoses(const fs::path& path) {
   constexpr size_t kEurocNumbers = 8;
   constexpr double kNanosecond_s = 1e-9;
-  std::ifstream in(path);
+  std::ifstream in = OpenText(path, kWanted);
   std::vector<FilePose> poses;
   std::string text;
   for (int line = 1; std::getline(in, text); ++line) {
@@ -205,7 +207,7 @@ std::optional<OdometryColumns> FindOdometry(const std::vector<std::string>& firs
 }
 
 std::optional<OdometryColumns> FindOdometry(const fs::path& path) {
-  std::ifstream in(path);
+  std::ifstream in = OpenText(path, kWanted);
   std::string first;
   std::getline(in, first);
   return FindOdometry(SplitCells(first));
@@ -213,7 +215,7 @@ std::optional<OdometryColumns> FindOdometry(const fs::path& path) {
 
 std::vector<FilePose> ReadOdometry(const fs::path& path, const OdometryColumns& columns) {
   constexpr double kNanosecond_s = 1e-9;
-  std::ifstream in(path);
+  std::ifstream in = OpenText(path, kWanted);
   std::vector<FilePose> poses;
   std::string text;
   for (int line = 1; std::getline(in, text); ++line) {
@@ -281,11 +283,7 @@ std::optional<FilePose> ColmapPose(const std::vector<std::string>& fields) {
 
 class TextPoses {
  public:
-  explicit TextPoses(const fs::path& path) : path_(path), in_(path) {
-    if (in_) return;
-    throw MapError(ErrorCode::kFileUnreadable,
-                   path.string() + " can't be read; check the path and the permissions");
-  }
+  explicit TextPoses(const fs::path& path) : path_(path), in_(OpenText(path, kWanted)) {}
 
   std::vector<FilePose> Read() {
     std::vector<FilePose> poses;

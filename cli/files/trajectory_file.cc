@@ -10,6 +10,7 @@
 
 #include "api/tum_pose.h"
 #include "cli/files/csv_file.h"
+#include "cli/files/map_file.h"
 #include "core/base/error.h"
 
 namespace waystone {
@@ -75,11 +76,7 @@ Trajectory ReadCsv(const fs::path& path) {
 }
 
 Trajectory ReadTum(const fs::path& path) {
-  std::ifstream in(path);
-  if (!in) {
-    throw MapError(ErrorCode::kFileUnreadable,
-                   path.string() + " can't be read; check the path and the permissions");
-  }
+  std::ifstream in = OpenText(path, "a trajectory");
   Trajectory trajectory;
   trajectory.has_headings = true;
   std::string text;

@@ -94,6 +94,27 @@ TEST_F(CommandLine, FlagsThatMeanNothingAreRefused) {
   }
 }
 
+TEST_F(CommandLine, FilesThatNeverEndAreRefused) {
+  const fs::path map = folder_ / "m.db", pipe = folder_ / "pipe";
+  fs::copy_file(ThePosedHall().map, map);
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::string limits = "ulimit -v 4000000; timeout 20";
+  for (const std::string& file : {std::string("/dev/zero"), pipe.string()}) {
+    const auto refuse = [&](const std::vector<std::string>& arguments, const std::string& about) {
+      ExpectRefused(arguments, 3, about, limits);
+    };
+    refuse({"plan", map, file, "--anchor", "1,1=0,0", "--anchor", "9,9=1,1"}, "not a regular file");
+    refuse({"name", map, "--from", file}, "not a regular file");
+    refuse({"localize", map, file}, "not a regular file");
+    refuse({"compass", file, file}, "not a regular file");
+    refuse({"unwrap", file, "-o", folder_}, "not a regular file");
+    refuse({"eval", map, file}, "not a regular file");
+    refuse({"eval", "trajectory", file, file}, "not a regular file");
+    refuse({"build", TheMap().images, "-o", folder_ / "n.db", "--quiet", "--poses", file},
+           "not a regular file");
+  }
+}
+
 TEST_F(CommandLine, ServersAreGivenByTheirAddress) {
   for (const char* server : {"ftp://x", "nowhere", "127.0.0.1:8080"}) {
     ExpectRefused({"localize", "-", TheMap().inside, "--server", server}, 2,
