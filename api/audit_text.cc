@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/text.h"
+
 namespace waystone {
 namespace {
 
@@ -17,8 +19,8 @@ std::string RoundedPercent(double share) { return std::to_string(std::lround(100
 // As `waystone eval` takes it.
 std::string SourceOf(const MapIndex& index, KeyframeId id) {
   const Keyframe& keyframe = *index.FindKeyframe(id);
-  if (index.map().sequences.size() == 1) return keyframe.source;
-  return index.FindSequence(keyframe.sequence)->name + ":" + keyframe.source;
+  if (index.map().sequences.size() == 1) return Printable(keyframe.source);
+  return Printable(index.FindSequence(keyframe.sequence)->name + ":" + keyframe.source);
 }
 
 std::string Advice(const MapIndex& index, const AliasPair& alias) {

@@ -129,10 +129,16 @@ fs::path CreateTemporary(const fs::path& target) {
   }
 }
 
-// A replaced file keeps its permissions.
+// A replaced file keeps its owner and group, as far as this process may give them away, and its
+// permissions.
 void CopyPermissions(const fs::path& from, const fs::path& to) {
   struct stat status {};
-  if (stat(from.c_str(), &status) == 0) chmod(to.c_str(), status.st_mode & 07777);
+  if (stat(from.c_str(), &status) != 0) return;
+  const bool owned = chown(to.c_str(), status.st_uid, status.st_gid) == 0;
+  if (!owned && chown(to.c_str(), static_cast<uid_t>(-1), status.st_gid) != 0) {
+    errno = 0;  // another group then
+  }
+  chmod(to.c_str(), status.st_mode & 07777);
 }
 
 bool Flush(const fs::path& path, int flags) {

@@ -199,6 +199,11 @@ MapHeader ReadMapHeader(const fs::path& path) { return ReadHeader(path, File(pat
 
 void CheckVersion(const fs::path& path, int file_version, int program_version) {
   if (file_version == program_version) return;
+  if (file_version < 0) {
+    throw MapError(ErrorCode::kMapVersion,
+                   path.string() + " has schema version " + std::to_string(file_version) +
+                       ", which no Waystone wrote; restore the map from a backup or rebuild it");
+  }
   const bool newer = file_version > program_version;
   throw MapError(ErrorCode::kMapVersion,
                  path.string() + " has schema version " + std::to_string(file_version) + " and " +

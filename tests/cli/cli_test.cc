@@ -162,6 +162,9 @@ TEST(AuditText, FindingsComeWithAdvice) {
             std::string::npos)
       << text;
   const Json json = AuditJson(*index, report);
+  map.keyframes[0].source = "7\n8.jpg";
+  const std::string escaped = AuditText(*MapIndex::Build(map), report);
+  EXPECT_NE(escaped.find("7\\u000a8.jpg: no plane"), std::string::npos) << escaped;
   EXPECT_EQ(json["weak"][0]["weakness"], "no_plane");
   EXPECT_EQ(json["weak"][0]["first"]["sequence"], "hall");
   EXPECT_TRUE(json["aliases"].empty());

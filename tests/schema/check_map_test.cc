@@ -84,6 +84,8 @@ TEST_F(CheckMapTest, AnotherVersion) {
   RunSql(path_, "PRAGMA user_version = 0");
   EXPECT_NE(std::string(ErrorOf([&] { ReadMap(path_); }).what()).find("waystone migrate"),
             std::string::npos);
+  RunSql(path_, "PRAGMA user_version = -7");
+  ExpectRefused(path_, ErrorCode::kMapVersion, "-7, which no Waystone wrote");
 }
 
 TEST_F(CheckMapTest, BlobsOfAWrongLength) {

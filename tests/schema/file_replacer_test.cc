@@ -2,6 +2,7 @@
 #include "schema/file/file_replacer.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -32,6 +33,22 @@ TEST(FileReplacer, ReplacesOnCommitAlone) {
   file.Commit();
   EXPECT_EQ(ReadFile(folder / "a"), "new");
   EXPECT_EQ(folder.Names(), Names{"a"});
+}
+
+TEST(FileReplacer, KeepsOwnerAndPermissions) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root may give files away";
+  const TemporaryFolder folder;
+  WriteFile(folder / "a", "old");
+  ASSERT_EQ(chown((folder / "a").c_str(), 1234, 4321), 0);
+  ASSERT_EQ(chmod((folder / "a").c_str(), 0640), 0);
+  FileReplacer file(folder / "a", true);
+  WriteFile(file.temporary(), "new");
+  file.Commit();
+  struct stat status {};
+  ASSERT_EQ(stat((folder / "a").c_str(), &status), 0);
+  EXPECT_EQ(status.st_uid, 1234u);
+  EXPECT_EQ(status.st_gid, 4321u);
+  EXPECT_EQ(status.st_mode & 07777, 0640u);
 }
 
 TEST(FileReplacer, TwoAtOnceDontMeet) {
