@@ -134,7 +134,8 @@ class ConnectionLoop::Impl {
 
   void Accept() {
     while (true) {
-      if (std::ssize(clients_) >= max_connections_ && !Evict()) return Listen(false);
+      const bool full = std::ssize(clients_) >= max_connections_;
+      if (full && FirstToEvict() == clients_.end()) return Listen(false);
       sockaddr_storage address{};
       socklen_t size = sizeof(address);
       FileDescriptor socket(accept4(listener_.get(), reinterpret_cast<sockaddr*>(&address), &size,
@@ -144,36 +145,46 @@ class ConnectionLoop::Impl {
         if (out_of_files && !Evict()) Listen(false);
         return;
       }
+      if (full) Evict();  // not before there is one to make room for
       const int on = 1;
       setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
       const auto [client, added] = clients_.try_emplace(
           next_id_++, std::move(socket), AddressText(address, size), options_, admit_, budgets_);
-      Step(client, [] {});
+      // One whose request is there already isn't idle, and makes no room for the next.
+      Step(client, [&, it = client] { Receive(it->second); });
     }
   }
 
-  // Closes the connection that does least harm: one that only waits for its client to close, else
-  // the one that has been idle longest, else the one that has been sending or taking bytes longest.
-  // Whether there was one.
-  bool Evict() {
-    return EvictFirst([](const Connection& connection) -> std::optional<int> {
+  // The connection whose end does least harm: one that only waits for its client to close, else the
+  // one that has been idle longest, else the one that has been sending or taking bytes longest.
+  Clients::iterator FirstToEvict() {
+    return First([](const Connection& connection) -> std::optional<int> {
       if (connection.state() == ConnectionState::kAnswer) return std::nullopt;
       if (connection.state() == ConnectionState::kClosing) return 0;
       return connection.is_idle() ? 1 : 2;
     });
   }
 
+  bool Evict() { return Close(FirstToEvict()); }
+
   // Closes the connection that has been taking its answer longest.
   bool EvictReader() {
-    return EvictFirst([](const Connection& connection) -> std::optional<int> {
+    return Close(First([](const Connection& connection) -> std::optional<int> {
       if (connection.state() != ConnectionState::kWriting) return std::nullopt;
       return 0;
-    });
+    }));
   }
 
-  // Closes the longest waiting one of the connections of the lowest rank, but none without a rank.
+  // Whether there was one.
+  bool Close(Clients::iterator client) {
+    if (client == clients_.end()) return false;
+    clients_.erase(client);
+    return true;
+  }
+
+  // The longest waiting one of the connections of the lowest rank, but none without a rank.
   template <class Rank>
-  bool EvictFirst(const Rank& rank) {
+  Clients::iterator First(const Rank& rank) {
     auto first = clients_.end();
     std::pair<int, Clock::time_point> lowest;
     for (auto it = clients_.begin(); it != clients_.end(); ++it) {
@@ -184,9 +195,7 @@ class ConnectionLoop::Impl {
       first = it;
       lowest = key;
     }
-    if (first == clients_.end()) return false;
-    clients_.erase(first);
-    return true;
+    return first;
   }
 
   void Receive(Client& client) {

@@ -4,11 +4,15 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <string>
+
+#include "core/base/error.h"
 
 namespace waystone {
 namespace {
 
-constexpr int kOtherFiles = 100;  // descriptors that aren't connections
+constexpr int kOtherFiles = 100;     // descriptors that aren't connections
+constexpr int kFewConnections = 16;  // with fewer, clients close each other's
 
 }  // namespace
 
@@ -21,8 +25,16 @@ int RaiseFileLimit(int wanted) {
     setrlimit(RLIMIT_NOFILE, &limit);
     getrlimit(RLIMIT_NOFILE, &limit);
   }
-  const rlim_t free = limit.rlim_cur > kOtherFiles ? limit.rlim_cur - kOtherFiles : 1;
-  return static_cast<int>(std::min<rlim_t>(free, static_cast<rlim_t>(wanted)));
+  const rlim_t left = limit.rlim_cur > kOtherFiles ? limit.rlim_cur - kOtherFiles : 0;
+  const int got = static_cast<int>(std::min<rlim_t>(left, static_cast<rlim_t>(wanted)));
+  if (got < std::min(wanted, kFewConnections)) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "the limit of open files is " + std::to_string(limit.rlim_cur) +
+                       ", which leaves " + std::to_string(got) + " of " + std::to_string(wanted) +
+                       " connections; raise it to " + std::to_string(need) +
+                       " (ulimit -n, LimitNOFILE)");
+  }
+  return got;
 }
 
 }  // namespace waystone

@@ -85,7 +85,7 @@ class HttpServer {
   using Admit = std::function<bool(const std::string& authorization)>;
 
   // Binds and listens, without answering yet. Throws MapError(kBadOptions) for an address that
-  // isn't ours, is taken or needs --insecure.
+  // isn't ours, is taken or needs --insecure, and where the limit of open files leaves little.
   HttpServer(const HttpOptions& options, Dispatch dispatch, Admit admit = nullptr);
   ~HttpServer();  // stops
   HttpServer(const HttpServer&) = delete;

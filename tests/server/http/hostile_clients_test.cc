@@ -181,6 +181,19 @@ TEST_F(HostileClients, IdleConnectionsMakeRoom) {
   for (int i = 0; i < 20; ++i) EXPECT_TRUE(IsAlive()) << i;
 }
 
+TEST_F(HostileClients, OneConnectionIsServedUntilAnotherComes) {
+  options_.max_connections = 1;
+  Start();
+  RawClient client(server_->port());
+  for (int i = 0; i < 3; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));  // the loop has looked around
+    ASSERT_TRUE(client.Send(kHello));
+    ASSERT_NE(client.Receive("hello").find("200 OK"), std::string::npos) << i;
+  }
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(IsAlive()) << i;
+  EXPECT_EQ(client.Receive(), "") << "it made room";
+}
+
 TEST_F(HostileClients, HealthIsAnsweredWhileAllThreadsAreBusy) {
   options_.request_threads = 2;
   Start();

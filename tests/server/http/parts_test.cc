@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // HTTP's small parts: problems, paging, routes.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <cstdio>
+#include <cstdlib>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -10,6 +13,7 @@
 #include "api/json.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
+#include "server/http/file_limit.h"
 #include "server/http/paging.h"
 #include "server/http/problem.h"
 #include "server/http/router.h"
@@ -51,6 +55,28 @@ TEST(Problem, BusySaysWhenToComeBack) {
 TEST(Problem, OddStatusKeepsItself) {
   EXPECT_EQ(ProblemResponseForStatus(414).status, 414);
   EXPECT_EQ(ProblemResponseForStatus(503).status, 503);
+}
+
+// In a process of its own, because a limit can't be raised again.
+TEST(FileLimit, SaysWhereLittleIsLeft) {
+  const auto raise = [](rlim_t files, int wanted) {
+    const rlimit limit = {files, files};
+    setrlimit(RLIMIT_NOFILE, &limit);
+    try {
+      std::fprintf(stderr, "%d connections", RaiseFileLimit(wanted));
+    } catch (const MapError& error) {
+      std::fprintf(stderr, "%s", error.what());
+    }
+    std::_Exit(0);
+  };
+  const testing::ExitedWithCode good(0);
+  EXPECT_EXIT(
+      raise(100, 1024), good,
+      "the limit of open files is 100, which leaves 0 of 1024 connections; raise it to 1124");
+  EXPECT_EXIT(raise(100, 1), good, "leaves 0 of 1 ");
+  EXPECT_EXIT(raise(110, 1024), good, "leaves 10 of 1024");
+  EXPECT_EXIT(raise(110, 10), good, "^10 connections");
+  EXPECT_EXIT(raise(200, 1024), good, "^100 connections");
 }
 
 TEST(Paging, PagesJoinToTheWholeList) {
