@@ -31,19 +31,52 @@ constexpr double kMaxFovDeg = 179;
 
 }  // namespace
 
-Json ParseJson(std::string_view text, const JsonBounds& bounds) {
-  int values = 0;
-  const auto bounded = [&](int depth, Json::parse_event_t event, const Json&) {
-    if (depth > bounds.depth) RefuseRequest("the JSON is nested too deeply");
+namespace {
+
+// Counts what is parsed, and remembers the names of the objects that are open.
+class JsonWatch {
+ public:
+  explicit JsonWatch(const JsonBounds& bounds) : bounds_(bounds) {}
+
+  void See(int depth, Json::parse_event_t event, const Json& value) {
+    if (depth > bounds_.depth) RefuseRequest("the JSON is nested too deeply");
     const bool ends =
         event == Json::parse_event_t::array_end || event == Json::parse_event_t::object_end;
-    if (!ends && ++values > bounds.values) RefuseRequest("the JSON has too many values");
+    if (!ends && ++values_ > bounds_.values) RefuseRequest("the JSON has too many values");
+    if (event == Json::parse_event_t::object_start) names_.emplace_back();
+    if (event == Json::parse_event_t::object_end) names_.pop_back();
+    if (event != Json::parse_event_t::key) return;
+    const auto& name = value.get_ref<const std::string&>();
+    if (!names_.back().insert(name).second) {
+      RefuseRequest("the JSON has the field " + QuoteShortened(name) +
+                    " more than once in an object; give it once");
+    }
+  }
+
+ private:
+  const JsonBounds bounds_;
+  int values_ = 0;
+  std::vector<std::set<std::string>> names_;
+};
+
+}  // namespace
+
+Json ParseJson(std::string_view text, const JsonBounds& bounds) {
+  JsonWatch watch(bounds);
+  const auto see = [&](int depth, Json::parse_event_t event, const Json& value) {
+    watch.See(depth, event, value);
     return true;
   };
   try {
-    return Json::parse(text, bounded);
-  } catch (const Json::exception& error) {
-    RefuseRequest("invalid JSON: " + std::string(error.what()).substr(0, 120));
+    return Json::parse(text, see);
+  } catch (const Json::parse_error& error) {
+    if (error.byte > text.size()) {
+      RefuseRequest("invalid JSON: it ends too early, after " + std::to_string(text.size()) +
+                    " bytes");
+    }
+    RefuseRequest("invalid JSON: unexpected text at byte " + std::to_string(error.byte));
+  } catch (const Json::exception&) {
+    RefuseRequest("invalid JSON: a number in it is too large");
   }
 }
 

@@ -62,6 +62,7 @@ struct JsonBounds {
 constexpr JsonBounds kRequestBounds{8, 20'000};
 constexpr JsonBounds kAnswerBounds{32, 1'000'000};
 
+// Refuses what is over the bounds, and objects that have a field twice.
 Json ParseJson(std::string_view text, const JsonBounds& bounds = kRequestBounds);
 
 // A text of at most kMaxNameBytes.

@@ -8,6 +8,7 @@
 
 #include "api/json.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "registry/folder_registry.h"
 #include "registry/postgres_registry.h"
 
@@ -46,8 +47,8 @@ void CheckRegistryFormat(const std::string& url, int format) {
 }
 
 MapError NoMapError(const std::string& name) {
-  return {ErrorCode::kNotFound,
-          "no map '" + name.substr(0, 100) + "' in this registry; waystone maps lists the maps"};
+  return {ErrorCode::kNotFound, "no map '" + Printable(name.substr(0, 100)) +
+                                    "' in this registry; waystone maps lists the maps"};
 }
 
 MapError NoVersionError(const std::string& name, std::optional<int> number) {

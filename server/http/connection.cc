@@ -208,6 +208,9 @@ ReceivedRequest Connection::TakeRequest() {
   constexpr const char* kAnyHead = "GET / HTTP/1.1\r\n\r\n";  // of an answer that is fixed
   ready_ = false;
   return {.head = head_.refusal ? kAnyHead : std::exchange(head_.text, {}),
+          .method = std::exchange(head_.method, {}),
+          .target = std::exchange(head_.target, {}),
+          .host = std::exchange(head_.host, {}),
           .body = std::exchange(body_, {}),
           .remote = remote_,
           .close = close_ || input_ended_,

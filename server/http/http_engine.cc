@@ -2,6 +2,7 @@
 #include "server/http/http_engine.h"
 
 #include <httplib.h>
+#include <strings.h>
 
 #include <algorithm>
 #include <cstring>
@@ -10,6 +11,7 @@
 #include <utility>
 
 #include "server/http/problem.h"
+#include "server/http/request_target.h"
 
 namespace waystone {
 namespace {
@@ -64,14 +66,28 @@ class MemoryStream : public httplib::Stream {
   std::string out_;
 };
 
+// The library is given the line of some request of that kind; the real one is read without it.
+std::string HeadForLibrary(const ReceivedRequest& request) {
+  const size_t line_end = request.head.find("\r\n");
+  const size_t version = request.head.rfind(' ', line_end);
+  return (request.method == "HEAD" ? "HEAD /" : "GET /") + request.head.substr(version);
+}
+
 HttpRequest ToRequest(const httplib::Request& in, int port, ReceivedRequest& received) {
   HttpRequest request;
-  request.method = in.method;
-  request.path = in.path;
+  request.method = received.method;
+  request.path = PathOf(received.target);
   request.remote = received.remote;
   request.port = port;
-  for (const auto& [name, value] : in.params) request.query.emplace(name, value);
-  request.header = [&in](const std::string& name) -> std::optional<std::string> {
+  request.refusal = received.refusal;
+  try {
+    request.query = QueryOf(received.target);
+  } catch (const MapError& error) {
+    if (!request.refusal) request.refusal = error;
+  }
+  request.header = [&in, &received](const std::string& name) -> std::optional<std::string> {
+    // The library drops an empty one.
+    if (strcasecmp(name.c_str(), "Host") == 0) return received.host;
     if (!in.has_header(name)) return std::nullopt;
     return in.get_header_value(name);
   };
@@ -100,9 +116,7 @@ HttpResponse ProblemOf(const std::exception_ptr& thrown) {
 
 // The request is the library's own variable, not a constant.
 void LeaveUndone(const httplib::Request& request) {
-  auto& own = const_cast<httplib::Request&>(request);
-  own.ranges.clear();
-  own.headers.erase("Accept-Encoding");
+  const_cast<httplib::Request&>(request).headers.erase("Accept-Encoding");
 }
 
 }  // namespace
@@ -116,18 +130,19 @@ class HttpEngine::Library : public httplib::Server {
     set_default_headers({{"X-Content-Type-Options", "nosniff"}});
     set_pre_routing_handler([this](const httplib::Request& in, httplib::Response& out) {
       LeaveUndone(in);
-      ReceivedRequest& received = *current_request;
-      Fill(received.refusal ? ProblemResponse(*received.refusal)
-                            : dispatch_(ToRequest(in, port_, received)),
-           out);
+      Fill(dispatch_(ToRequest(in, port_, *current_request)), out);
       return HandlerResponse::Handled;
     });
     // Heads that the library can't read.
-    set_error_handler(HandlerWithResponse([](const httplib::Request&, httplib::Response& out) {
-      if (!out.body.empty() || out.content_length_ > 0) return HandlerResponse::Unhandled;
-      Fill(ProblemResponseForStatus(out.status), out);
-      return HandlerResponse::Handled;
-    }));
+    set_error_handler(
+        HandlerWithResponse([this](const httplib::Request& in, httplib::Response& out) {
+          if (!out.body.empty() || out.content_length_ > 0) return HandlerResponse::Unhandled;
+          ReceivedRequest& received = *current_request;
+          received.close = true;
+          received.refusal.emplace(ErrorCode::kBadRequest, "malformed HTTP request");
+          Fill(dispatch_(ToRequest(in, port_, received)), out);
+          return HandlerResponse::Handled;
+        }));
     // Without it the library would send the exception's text as a header.
     set_exception_handler([](const httplib::Request&, httplib::Response& out,
                              const std::exception_ptr& thrown) { Fill(ProblemOf(thrown), out); });
@@ -153,12 +168,13 @@ HttpEngine::HttpEngine(Dispatch dispatch, int port, int keep_alive_s)
 HttpEngine::~HttpEngine() = default;
 
 SentResponse HttpEngine::Answer(ReceivedRequest request) {
-  MemoryStream stream(request.head, request.remote);
+  const std::string head = HeadForLibrary(request);
+  MemoryStream stream(head, request.remote);
   current_request = &request;
   bool closed = request.close;
   const bool kept = library_->Process(stream, request.remote, request.close, closed);
   current_request = nullptr;
-  return {.bytes = std::move(stream.out()), .close = closed || !kept};
+  return {.bytes = std::move(stream.out()), .close = closed || request.close || !kept};
 }
 
 }  // namespace waystone

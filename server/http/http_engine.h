@@ -14,6 +14,9 @@ namespace waystone {
 // A request whose bytes have all arrived. Inside server/http only.
 struct ReceivedRequest {
   std::string head;  // request line and headers, without those of the body's framing
+  std::string method;
+  std::string target;               // percent-encoded, from the path on
+  std::optional<std::string> host;  // that was asked
   std::string body;
   std::string remote;                  // the client's address
   bool close = false;                  // the connection is closed after the answer
@@ -26,10 +29,10 @@ struct SentResponse {
   bool close = false;
 };
 
-// From the bytes of a request to those of its answer. The HTTP library parses the head, decodes the
-// target and writes the answer; it never sees a socket or a body. Ranges and compression, which a
-// server may leave undone, are: the library applies the first to errors too, as often as it is
-// asked, and takes the slowest setting of the second.
+// From the bytes of a request to those of its answer. The HTTP library parses the headers and
+// writes the answer; it never sees a socket, a target or a body. Compression and ranges, which a
+// server may leave undone, are: the library takes the slowest setting of the first, and applies the
+// second to errors too, as often as it is asked.
 class HttpEngine {
  public:
   using Dispatch = std::function<HttpResponse(const HttpRequest&)>;

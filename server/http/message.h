@@ -8,13 +8,15 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/error.h"
+
 // A request and its response as our handlers see them: no HTTP library shows through.
 namespace waystone {
 
 struct HttpRequest {
   std::string method;                        // "GET", "POST", ...
   std::string path;                          // without the query, percent-decoded
-  std::map<std::string, std::string> query;  // percent-decoded; the first of a repeated name
+  std::map<std::string, std::string> query;  // percent-decoded
   std::string id;      // names the request in logs: the client's X-Request-Id, or one of ours
   std::string remote;  // the client's address; empty when it isn't known
   int port = 0;        // ours, that the request came to
@@ -23,6 +25,8 @@ struct HttpRequest {
   // Reads the whole body. To be called once at most. Throws MapError(kPayloadTooLarge) when it is
   // over the server's limit and MapError(kBadRequest) when it ends early.
   std::function<std::string()> read_body;
+  // The answer of a request that can't be read: method, path and headers may be missing then.
+  std::optional<MapError> refusal = {};
 };
 
 struct HttpResponse {

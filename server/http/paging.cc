@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/base/error.h"
+#include "core/base/text.h"
 
 namespace waystone {
 namespace {
@@ -30,7 +31,7 @@ uint64_t Limit(const HttpRequest& request) {
   if (it == request.query.end()) return kDefaultLimit;
   const std::optional<uint64_t> limit = ParseWhole(it->second, 10);
   if (!limit || *limit < 1 || *limit > kMaxLimit) {
-    throw MapError(ErrorCode::kBadRequest, "limit '" + it->second.substr(0, 40) +
+    throw MapError(ErrorCode::kBadRequest, "limit '" + Printable(it->second.substr(0, 40)) +
                                                "' is invalid; it must be between 1 and " +
                                                std::to_string(kMaxLimit));
   }

@@ -2,6 +2,8 @@
 #include "server/http/problem.h"
 
 #include "api/json.h"
+#include "api/query_request_json.h"
+#include "core/base/text.h"
 
 namespace waystone {
 namespace {
@@ -9,6 +11,7 @@ namespace {
 constexpr int kRetryS = 1;  // for what is busy for a moment only
 constexpr int kUnavailable = 503;
 
+// A control character would be a line break or worse to whoever prints the detail.
 HttpResponse Problem(ErrorCode code, int status, const std::string& detail,
                      int retry_after_s = kRetryS) {
   const ErrorInfo& info = InfoOf(code);
@@ -16,7 +19,7 @@ HttpResponse Problem(ErrorCode code, int status, const std::string& detail,
   body["type"] = "urn:waystone:problem:" + std::string(info.name);
   body["title"] = info.title;
   body["status"] = status;
-  body["detail"] = detail;
+  body["detail"] = Printable(detail);
   body["code"] = info.name;
   HttpResponse response{status, "application/problem+json", Dump(body), {}};
   if (code == ErrorCode::kBusy || info.http_status == kUnavailable) {
@@ -43,17 +46,10 @@ HttpResponse OutOfMemoryResponse() {
                          "the server is out of memory; try again or send a smaller image");
 }
 
-HttpResponse ProblemResponseForStatus(int status) {
-  switch (status) {
-    case 404:
-      return ProblemResponse(ErrorCode::kNotFound, "no resource at this path");
-    case 413:
-      return ProblemResponse(ErrorCode::kPayloadTooLarge, "the request body exceeds the limit");
-    default:
-      break;
-  }
-  if (status >= 500) return Problem(ErrorCode::kInternal, status, "internal server error");
-  return Problem(ErrorCode::kBadRequest, status, "malformed HTTP request");
+HttpResponse UnknownMethodResponse(const std::string& method) {
+  constexpr int kNotImplemented = 501;
+  return Problem(ErrorCode::kMethodNotAllowed, kNotImplemented,
+                 QuoteShortened(method) + " is not a method of HTTP; methods are in capitals");
 }
 
 }  // namespace waystone

@@ -30,7 +30,7 @@ HttpResponse ProblemResponse(const MapError& error);
 // For std::bad_alloc.
 HttpResponse OutOfMemoryResponse();
 
-// The same for a status that the HTTP library chose by itself (a request line it can't read).
-HttpResponse ProblemResponseForStatus(int status);
+// For a method that isn't one of HTTP's: status 501.
+HttpResponse UnknownMethodResponse(const std::string& method);
 
 }  // namespace waystone

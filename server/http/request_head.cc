@@ -4,6 +4,7 @@
 #include <strings.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 
 #include "core/base/text.h"
@@ -29,21 +30,41 @@ std::optional<int64_t> ParseLength(std::string_view text) {
   return length;
 }
 
+// As RFC 9110 says what a method or a header's name is made of.
+bool IsHttpToken(std::string_view text) {
+  constexpr std::string_view kSigns = "!#$%&'*+-.^_`|~";
+  return !text.empty() && std::ranges::all_of(text, [&](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || kSigns.find(c) != kSigns.npos;
+  });
+}
+
+bool HasControlOrSpace(std::string_view text) {
+  return std::ranges::any_of(text, [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte <= ' ' || byte == 0x7F;
+  });
+}
+
 // Collects what the headers say of the body.
 class HeadParser {
  public:
   void RequestLine(std::string_view line) {
-    const std::string_view method = line.substr(0, line.find(' '));
-    std::string_view target = line.substr(std::min(line.size(), method.size() + 1));
-    target = target.substr(0, target.find_first_of(" ?"));
-    head_.is_post = method == "POST";
-    head_.is_urgent = target == "/healthz" || target == "/readyz";
     Keep(line);
-    needs_host_ = line.ends_with(" HTTP/1.1");
-    const bool sound = !method.empty() && !target.empty() &&
-                       (line.ends_with(" HTTP/1.1") || line.ends_with(" HTTP/1.0"));
-    if (!sound) Refuse(ErrorCode::kBadRequest, "malformed HTTP request");
-    with_body_ = head_.is_post ? "" : std::string(method) + " requests must not have a body";
+    const std::string_view method = line.substr(0, line.find(' '));
+    const std::string_view version = line.substr(std::min(line.rfind(' '), line.size() - 1) + 1);
+    std::string_view target = line.substr(std::min(method.size() + 1, line.size()));
+    target.remove_suffix(std::min(version.size() + 1, target.size()));
+    needs_host_ = version == "HTTP/1.1";
+    if (!IsHttpToken(method) || !ReadTarget(method, target) ||
+        (!needs_host_ && version != "HTTP/1.0")) {
+      return Refuse(ErrorCode::kBadRequest,
+                    "malformed HTTP request line; expected METHOD /PATH HTTP/1.1");
+    }
+    head_.method = method;
+    head_.is_post = method == "POST";
+    const std::string path = head_.target.substr(0, head_.target.find_first_of("?#"));
+    head_.is_urgent = path == "/healthz" || path == "/readyz";
+    with_body_ = head_.is_post ? "" : head_.method + " requests must not have a body";
   }
 
   void Header(std::string_view line) {
@@ -60,7 +81,11 @@ class HeadParser {
       Refuse(ErrorCode::kUnsupportedMedia,
              "encoded bodies are not supported; send the image without Content-Encoding");
     }
-    if (EqualsIgnoringCase(name, "Host")) ++hosts_;
+    if (EqualsIgnoringCase(name, "Range")) return;
+    if (EqualsIgnoringCase(name, "Host")) {
+      ++hosts_;
+      if (!head_.host) head_.host = value;
+    }
     if (EqualsIgnoringCase(name, "Authorization")) head_.authorization = value;
     Keep(line);
   }
@@ -78,6 +103,22 @@ class HeadParser {
   }
 
  private:
+  // A path, or a URL, whose name counts instead of the header Host.
+  bool ReadTarget(std::string_view method, std::string_view target) {
+    if (target.empty() || HasControlOrSpace(target)) return false;
+    for (const std::string_view scheme : {"http://", "https://"}) {
+      if (!EqualsIgnoringCase(target.substr(0, scheme.size()), scheme)) continue;
+      target.remove_prefix(scheme.size());
+      head_.host = target.substr(0, target.find_first_of("/?#"));
+      target.remove_prefix(head_.host->size());
+      head_.target = target.starts_with('/') ? "" : "/";
+      head_.target += target;
+      return !head_.host->empty();
+    }
+    head_.target = target;
+    return target.starts_with('/') || (target == "*" && method == "OPTIONS");
+  }
+
   void Keep(std::string_view line) {
     head_.text += line;
     head_.text += kLineEnd;

@@ -35,7 +35,12 @@ class HeadScanner {
 
 // What the transport has to know of a request before its body is read.
 struct RequestHead {
-  std::string text;  // for the HTTP library: without the headers of the body's framing
+  // For the HTTP library: without the headers of the body's framing, and without Range, which the
+  // library would judge before anybody is asked.
+  std::string text;
+  std::string method;               // empty where the request line can't be read
+  std::string target;               // percent-encoded, from the path's '/' on
+  std::optional<std::string> host;  // that was asked: the target's, else the header's
   bool is_post = false;
   bool is_urgent = false;         // a health check
   bool expects_continue = false;  // the client sends the body once it is told to
@@ -51,7 +56,8 @@ struct RequestHead {
 
 // Reads a complete head. What could be read in two ways (repeated, contradicting or malformed
 // lengths, continued lines, a space before a colon, codings but "chunked", two headers Host, none
-// in HTTP/1.1) is refused, and so are encoded bodies and bodies of other methods than POST. Pure.
+// in HTTP/1.1) is refused, and so are encoded bodies and bodies of other methods than POST. A
+// target is a path, or a whole URL (RFC 9112, section 3.2.2); OPTIONS may ask for "*". Pure.
 RequestHead ParseRequestHead(std::string_view bytes);
 
 }  // namespace waystone

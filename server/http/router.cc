@@ -26,6 +26,13 @@ std::vector<std::string> Split(const std::string& path) {
   }
 }
 
+// RFC 9110, section 9, and PATCH.
+bool IsHttpMethod(const std::string& method) {
+  static const std::set<std::string> kMethods = {"CONNECT", "DELETE", "GET", "HEAD", "OPTIONS",
+                                                 "PATCH",   "POST",   "PUT", "TRACE"};
+  return kMethods.contains(method);
+}
+
 bool IsCapture(const std::string& segment) { return segment.starts_with('{'); }
 
 std::optional<Router::Captures> CapturesOf(const std::vector<std::string>& pattern,
@@ -63,6 +70,8 @@ void Router::OnInternalError(std::function<void(const std::string&)> listener) {
 }
 
 HttpResponse Router::Dispatch(const HttpRequest& request) const {
+  if (request.refusal) return ProblemResponse(*request.refusal);
+  if (!IsHttpMethod(request.method)) return UnknownMethodResponse(request.method);
   const std::vector<std::string> path = Split(request.path);
   const std::string method = request.method == "HEAD" ? "GET" : request.method;
   std::set<std::string> allowed;

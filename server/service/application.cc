@@ -157,6 +157,7 @@ HttpResponse Application::Answer(const HttpRequest& incoming) {
 }
 
 HttpResponse Application::Admitted(const HttpRequest& request) const {
+  if (request.refusal) return router_.Dispatch(request);
   try {
     if (!IsHealthCheck(request.path)) options_.names.Check(request);
   } catch (const MapError& error) {

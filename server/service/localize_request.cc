@@ -29,7 +29,7 @@ QueryRequest ReadRaw(const HttpRequest& http, const RequestLimits& limits) {
   QueryImage image{"query", ""};
   for (const auto& [name, text] : http.query) {
     if (name == "name") {
-      image.name = text.substr(0, kMaxNameBytes);
+      image.name = NameIn(text, name);
     } else if (name == "prior_keyframe") {
       object["prior"]["keyframe"] = ParameterValue(name, text);
     } else if (name == "hints") {

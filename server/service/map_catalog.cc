@@ -5,6 +5,7 @@
 
 #include "api/map_json.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 
 namespace waystone {
 
@@ -26,7 +27,7 @@ std::shared_ptr<const ServedMap> MapCatalog::Find(const std::string& name) const
   const auto it = maps->find(name);
   if (it == maps->end()) {
     throw MapError(ErrorCode::kNotFound,
-                   "no map '" + name.substr(0, 80) + "'; GET /v1/maps lists the maps");
+                   "no map '" + Printable(name.substr(0, 80)) + "'; GET /v1/maps lists the maps");
   }
   return it->second;
 }

@@ -41,7 +41,7 @@ int64_t IdIn(const Router::Captures& captures, const std::string& kind) {
   int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) {
-    throw MapError(ErrorCode::kNotFound, "no " + kind + " '" + text.substr(0, 40) +
+    throw MapError(ErrorCode::kNotFound, "no " + kind + " '" + Printable(text.substr(0, 40)) +
                                              "' in this map; ids are positive integers");
   }
   return value;
@@ -78,7 +78,7 @@ int WidthIn(const HttpRequest& request) {
   const bool whole = error == std::errc() && end == text.data() + text.size();
   if (whole && width >= 0 && width <= kMaxImageWidth) return width;
   throw MapError(ErrorCode::kBadRequest,
-                 "width '" + text.substr(0, 40) +
+                 "width '" + Printable(text.substr(0, 40)) +
                      "' is invalid; it must be between 0 (stored size) and " +
                      std::to_string(kMaxImageWidth));
 }
@@ -101,10 +101,11 @@ HttpResponse PlanImageResponse(const HttpRequest& request, const MapData& map) {
     return name.empty() || one.name == name;
   });
   if (plan == map.floor_plans.end()) {
-    throw MapError(ErrorCode::kNotFound,
-                   (name.empty() ? "this map has no floor plan"
-                                 : "no floor plan '" + name.substr(0, 40) + "' in this map") +
-                       std::string("; /plan lists the plans"));
+    throw MapError(
+        ErrorCode::kNotFound,
+        (name.empty() ? "this map has no floor plan"
+                      : "no floor plan '" + Printable(name.substr(0, 40)) + "' in this map") +
+            std::string("; /plan lists the plans"));
   }
   return {200, MediaTypeOf(plan->image), std::string(plan->image.begin(), plan->image.end()), {}};
 }

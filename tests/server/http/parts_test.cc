@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -16,6 +17,7 @@
 #include "server/http/file_limit.h"
 #include "server/http/paging.h"
 #include "server/http/problem.h"
+#include "server/http/request_target.h"
 #include "server/http/router.h"
 
 namespace waystone {
@@ -52,9 +54,10 @@ TEST(Problem, BusySaysWhenToComeBack) {
   EXPECT_EQ(HeaderOf(ProblemResponse(MapError(ErrorCode::kNotFound, "x")), "Retry-After"), "");
 }
 
-TEST(Problem, OddStatusKeepsItself) {
-  EXPECT_EQ(ProblemResponseForStatus(414).status, 414);
-  EXPECT_EQ(ProblemResponseForStatus(503).status, 503);
+TEST(Problem, ControlCharactersAreShown) {
+  const std::string detail = std::string("a\0b\n", 4);
+  EXPECT_EQ(Json::parse(ProblemResponse(ErrorCode::kNotFound, detail).body)["detail"],
+            "a\\u0000b\\u000a");
 }
 
 // In a process of its own, because a limit can't be raised again.
@@ -77,6 +80,32 @@ TEST(FileLimit, SaysWhereLittleIsLeft) {
   EXPECT_EXIT(raise(110, 1024), good, "leaves 10 of 1024");
   EXPECT_EXIT(raise(110, 10), good, "^10 connections");
   EXPECT_EXIT(raise(200, 1024), good, "^100 connections");
+}
+
+TEST(RequestTarget, IsDecoded) {
+  EXPECT_EQ(PathOf("/a%20b+c%2F%zz%4?x=1"), "/a b+c/%zz%4");
+  EXPECT_EQ(PathOf("/a%00b#f?x"), std::string("/a\0b", 4));
+  const std::map<std::string, std::string> expected = {
+      {"name", "a=b.jpg"}, {"fov deg", "6 3+"}, {"flag", ""}, {"s", "1;t=2?u"}};
+  EXPECT_EQ(QueryOf("/p?name=a=b.jpg&&fov%20deg=6+3%2B&flag&s=1;t=2?u&"), expected);
+  EXPECT_TRUE(QueryOf("/p").empty());
+  EXPECT_TRUE(QueryOf("/p?").empty());
+}
+
+TEST(RequestTarget, RepeatedAndNamelessFieldsAreRefused) {
+  const auto refusal = [](const std::string& target) -> std::string {
+    try {
+      QueryOf(target);
+    } catch (const MapError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal("/p?fov_deg=63&top_k=1&fov_deg=abc"),
+            "the URL has the field 'fov_deg' more than once; give it once");
+  EXPECT_NE(refusal("/p?a=1&a=1"), "");
+  EXPECT_NE(refusal("/p?%61&a"), "");
+  EXPECT_EQ(refusal("/p?=1"), "the URL has a value without a name, '=1'; fields are NAME=VALUE");
 }
 
 TEST(Paging, PagesJoinToTheWholeList) {
@@ -148,6 +177,18 @@ TEST_F(RouterTest, WrongMethodNamesTheRightOnes) {
   EXPECT_EQ(response.status, 405);
   EXPECT_EQ(HeaderOf(response, "Allow"), "GET, HEAD");
   EXPECT_EQ(HeaderOf(router_.Dispatch(Request("DELETE", "/a/x/c")), "Allow"), "POST");
+}
+
+TEST_F(RouterTest, UnknownMethodsAreNotImplemented) {
+  for (const char* method : {"FOO", "get", ""}) {
+    EXPECT_EQ(router_.Dispatch(Request(method, "/a/x/b")).status, 501) << method;
+  }
+}
+
+TEST_F(RouterTest, WhatCannotBeReadIsRefusedWithItsCause) {
+  HttpRequest request = Request("GET", "/a/x/b");
+  request.refusal.emplace(ErrorCode::kTooSlow, "late");
+  EXPECT_EQ(router_.Dispatch(request).status, 408);
 }
 
 TEST_F(RouterTest, BugsAreLoggedAndNotSent) {

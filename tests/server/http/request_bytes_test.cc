@@ -89,6 +89,29 @@ TEST(RequestHead, RefusesWhatCanBeReadInTwoWays) {
   EXPECT_TRUE(ParseRequestHead("GET / HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\n\r\n").refusal);
 }
 
+TEST(RequestHead, HasMethodTargetAndHost) {
+  const auto read = [](const std::string& line) {
+    return ParseRequestHead(line + " HTTP/1.1\r\nHost: x:1\r\nRange: nonsense\r\n\r\n");
+  };
+  const RequestHead head = read("get /a?b#c");
+  EXPECT_FALSE(head.refusal);
+  EXPECT_EQ(head.method + " " + head.target + " " + *head.host, "get /a?b#c x:1");
+  EXPECT_EQ(head.text.find("Range"), std::string::npos);
+  const RequestHead absolute = read("POST HTTP://127.0.0.1:80/v1/maps?x=http://y");
+  EXPECT_EQ(absolute.target, "/v1/maps?x=http://y");
+  EXPECT_EQ(absolute.host, "127.0.0.1:80") << "RFC 9112, section 3.2.2";
+  EXPECT_EQ(read("GET https://y?x=1").target, "/?x=1");
+  EXPECT_TRUE(read("GET http://x/healthz").is_urgent);
+  EXPECT_EQ(read("OPTIONS *").target, "*");
+  EXPECT_EQ(ParseRequestHead("GET / HTTP/1.1\r\nHost:\r\n\r\n").host, "");
+  EXPECT_EQ(ParseRequestHead("GET / HTTP/1.0\r\n\r\n").host, std::nullopt);
+  for (const char* line :
+       {"GET *", "GET x", "GET http:///a", "GET http://", "GET ftp://x/a", "GET /a b", "GET  /a",
+        "GET /a ", "GET /a\tb", "G(T /a", "CONNECT x:1", "GET a:/"}) {
+    EXPECT_TRUE(read(line).refusal) << line;
+  }
+}
+
 TEST(RequestHead, OneHostIsRequiredSinceHttp11) {
   EXPECT_TRUE(ParseRequestHead("GET / HTTP/1.1\r\n\r\n").refusal);
   EXPECT_FALSE(ParseRequestHead("GET / HTTP/1.1\r\nHost: x\r\n\r\n").refusal);

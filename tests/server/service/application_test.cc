@@ -143,6 +143,27 @@ TEST_F(ApplicationTest, LogsALineOfJsonARequest) {
   EXPECT_EQ(Json::parse(access_[1])["status"], 404);
 }
 
+// Whatever couldn't be read of it.
+TEST_F(ApplicationTest, RefusedRequestsAreLoggedLikeOthers) {
+  Start();
+  HttpRequest request;
+  request.refusal.emplace(ErrorCode::kBadRequest, "malformed");
+  request.header = [](const std::string&) { return std::nullopt; };
+  const HttpResponse response = app_->Answer(request);
+  EXPECT_EQ(response.status, 400);
+  EXPECT_NE(HeaderOf(response, "X-Request-Id"), "");
+  ASSERT_EQ(access_.size(), 1u);
+  EXPECT_EQ(Json::parse(access_[0])["status"], 400);
+}
+
+TEST_F(ApplicationTest, ControlCharactersOfNamesAreShown) {
+  Start();
+  const HttpResponse response = Ask("GET", std::string("/v1/maps/c5\0x", 13));
+  EXPECT_EQ(response.status, 404);
+  EXPECT_EQ(Json::parse(response.body)["detail"],
+            "no map 'c5\\u0000x'; GET /v1/maps lists the maps");
+}
+
 TEST_F(ApplicationTest, CountsWhatItDoes) {
   Start();
   Ask("GET", "/v1/maps/lab/planes/2");
@@ -155,7 +176,7 @@ TEST_F(ApplicationTest, CountsWhatItDoes) {
        {R"(waystone_localized_total{verdict="bad_image"} 1)", "waystone_maps 1",
         R"(waystone_localized_total{verdict="localized"} 0)", "waystone_queries_waiting 0",
         R"(method="GET",route="/v1/maps/{map}/planes/{id}",status="200"} 2)",
-        R"(method="other",route="none",status="404"} 1)", "process_resident_memory_bytes"}) {
+        R"(method="other",route="none",status="501"} 1)", "process_resident_memory_bytes"}) {
     EXPECT_NE(metrics.body.find(line), std::string::npos) << line << "\n" << metrics.body;
   }
 }

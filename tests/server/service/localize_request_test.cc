@@ -22,6 +22,15 @@ QueryRequest Read(const std::string& type, const std::string& body, const Query&
   return ReadQueryRequest(request, {.max_images = 3});
 }
 
+std::string Refusal(const std::string& type, const std::string& body, const Query& query = {}) {
+  try {
+    Read(type, body, query);
+  } catch (const MapError& error) {
+    return error.what();
+  }
+  return "";
+}
+
 ErrorCode CodeOf(const std::string& type, const std::string& body, const Query& query = {}) {
   try {
     Read(type, body, query);
@@ -141,6 +150,29 @@ TEST(LocalizeRequest, WhatIsWrongIsABadRequest) {
   }
   EXPECT_EQ(CodeOf("application/json", R"({"images":[{"data":""}]})", {{"top_k", "1"}}),
             ErrorCode::kBadRequest);
+}
+
+TEST(LocalizeRequest, FieldsThatAreGivenTwiceAreNamed) {
+  EXPECT_EQ(Refusal("application/json", R"({"fov_deg":60,"images":[{"data":""}],"fov_deg":90})"),
+            "the JSON has the field 'fov_deg' more than once in an object; give it once");
+  EXPECT_NE(Refusal("application/json", R"({"images":[{"data":"","data":""}]})").find("'data'"),
+            std::string::npos);
+  EXPECT_EQ(Refusal("application/json", R"({"images":[{"data":""},{"data":""}]})"), "");
+}
+
+TEST(LocalizeRequest, JsonThatCannotBeReadSaysWhere) {
+  EXPECT_EQ(Refusal("application/json", R"({"images":)"),
+            "invalid JSON: it ends too early, after 10 bytes");
+  EXPECT_EQ(Refusal("application/json", R"({"top_k":])"),
+            "invalid JSON: unexpected text at byte 10");
+  EXPECT_EQ(Refusal("application/json", R"({"fx":1e999})"),
+            "invalid JSON: a number in it is too large");
+}
+
+TEST(LocalizeRequest, NamesHaveABound) {
+  EXPECT_EQ(Read("image/jpeg", "x", {{"name", std::string(200, 'n')}}).images[0].name.size(), 200u);
+  EXPECT_EQ(Refusal("image/jpeg", "x", {{"name", std::string(201, 'n')}}),
+            "name must be a string of at most 200 bytes");
 }
 
 TEST(LocalizeRequest, BrokenFormsAreBadRequests) {

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// The first line of a request, from the socket to the handler.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "server/http/http_server.h"
+#include "server/http/router.h"
+#include "tests/server/http/raw_client.h"
+
+namespace waystone {
+namespace {
+
+class RequestLines : public testing::Test {
+ protected:
+  RequestLines() {
+    router_.Add("GET", "/hello", [](const auto&, const auto&) {
+      return HttpResponse{200, "text/plain", "hello", {}};
+    });
+    HttpOptions options;
+    options.port = 0;
+    server_ = std::make_unique<HttpServer>(
+        options, [this](const HttpRequest& in) { return router_.Dispatch(in); });
+    server_->Start();
+  }
+
+  std::string Exchange(const std::string& bytes) const {
+    RawClient client(server_->port());
+    client.Send(bytes);
+    return client.Receive();
+  }
+
+  Router router_;
+  std::unique_ptr<HttpServer> server_;
+};
+
+TEST_F(RequestLines, MalformedRequestLinesCloseTheConnection) {
+  for (const char* line : {"GET /hel lo HTTP/1.1", "GET * HTTP/1.1", "GET hello HTTP/1.1",
+                           "G@T /hello HTTP/1.1", "GET /hello HTTP/1.2"}) {
+    const auto start = std::chrono::steady_clock::now();
+    const std::string text = Exchange(std::string(line) + "\r\nHost: x\r\n\r\n");
+    EXPECT_NE(text.find(" 400 "), std::string::npos) << line << '\n' << text;
+    EXPECT_NE(text.find("Connection: close"), std::string::npos) << text;
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1)) << line;
+  }
+}
+
+TEST_F(RequestLines, UnknownMethodsAreAnsweredLikeOthers) {
+  RawClient client(server_->port());
+  for (const char* method : {"FOO", "get"}) {
+    client.Send(std::string(method) + " /hello HTTP/1.1\r\nHost: x\r\n\r\n");
+    const std::string text = client.Receive("}");
+    EXPECT_NE(text.find(" 501 "), std::string::npos) << text;
+    EXPECT_NE(text.find(method), std::string::npos) << text;
+  }
+  client.Send("FOO /hello HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  EXPECT_NE(client.Receive().find("Connection: close"), std::string::npos);
+}
+
+TEST_F(RequestLines, TheRequestIsReadAsItWasSent) {
+  router_.Add("GET", "/echo", [](const HttpRequest& in, const auto&) {
+    std::string text = in.header("host").value_or("none") + " " + in.path;
+    for (const auto& [name, value] : in.query) text += " " + name + "=" + value;
+    return HttpResponse{200, "text/plain", text, {}};
+  });
+  const auto body = [this](const std::string& target, const std::string& host) {
+    const std::string text =
+        Exchange("GET " + target + " HTTP/1.1\r\nHost:" + host + "\r\nConnection: close\r\n\r\n");
+    return text.substr(text.find("\r\n\r\n") + 4);
+  };
+  EXPECT_EQ(body("/%65cho?a=b=c&d=e+f", " x"), "x /echo a=b=c d=e f");
+  EXPECT_EQ(body("http://y:7/echo?a=1", " x"), "y:7 /echo a=1");
+  EXPECT_EQ(body("/echo", ""), " /echo") << "an empty name is one";
+  EXPECT_NE(body("/echo?a=1&a=2", " x").find("'a' more than once"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace waystone
