@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -77,6 +78,17 @@ bool WriteAll(const FileDescriptor& file, std::string_view bytes) {
   return file.is_open();
 }
 
+// All of the line or nothing: the next one would be glued to a part.
+bool AppendLine(const fs::path& path, std::string_view line) {
+  const FileDescriptor file = OpenPrivate(path, O_APPEND);
+  struct stat before = {};
+  if (!file.is_open() || fstat(file.get(), &before) != 0) return false;
+  if (WriteAll(file, line)) return true;
+  // What a disk that was just full doesn't even take back, nobody can help.
+  [[maybe_unused]] const int undone = ftruncate(file.get(), before.st_size);
+  return false;
+}
+
 }  // namespace
 
 QueryLog::QueryLog(fs::path folder, int64_t max_bytes,
@@ -95,11 +107,15 @@ void QueryLog::Add(const std::string& id, const Json& map, const QueryRequest& r
   const std::lock_guard lock(mutex_);
   if (full_) return;
   std::vector<std::string> files;
-  for (const QueryImage& image : request.images) files.push_back(Store(image.bytes));
+  for (const QueryImage& image : request.images) {
+    std::optional<std::string> file = Store(image.bytes);
+    if (!file) return;  // `replay` couldn't ask this query again
+    files.push_back(*std::move(file));
+  }
   const std::string text =
       Dump(LoggedQueryJson({id, map, request, answer}, SecondsSinceEpoch(), files)) + "\n";
-  if (!WriteAll(OpenPrivate(folder_ / kQueryLogLines, O_APPEND), text)) {
-    on_error_("the query log " + folder_.string() + " can't be written");
+  if (!AppendLine(folder_ / kQueryLogLines, text)) {
+    return on_error_("the query log " + folder_.string() + " can't be written");
   }
   bytes_ += static_cast<int64_t>(text.size());
   full_ = bytes_ >= max_bytes_;
@@ -107,7 +123,7 @@ void QueryLog::Add(const std::string& id, const Json& map, const QueryRequest& r
     on_error_("the query log " + folder_.string() + " is full; further queries are not logged");
 }
 
-std::string QueryLog::Store(const std::string& bytes) {
+std::optional<std::string> QueryLog::Store(const std::string& bytes) {
   std::string name = Sha256Hex(bytes) + ".image";
   const fs::path path = folder_ / name;
   const FileDescriptor file = OpenPrivate(path, O_EXCL);
@@ -115,7 +131,7 @@ std::string QueryLog::Store(const std::string& bytes) {
   if (!WriteAll(file, bytes)) {
     on_error_("an image of the query log " + folder_.string() + " can't be written");
     if (file.is_open()) unlink(path.c_str());  // a part would count as the image from now on
-    return name;
+    return std::nullopt;
   }
   bytes_ += static_cast<int64_t>(bytes.size());
   return name;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "api/json.h"
@@ -22,10 +23,12 @@ class QueryLog {
   QueryLog(std::filesystem::path folder, int64_t max_bytes,
            std::function<void(const std::string&)> on_error);
 
+  // A query of which a part can't be written is left out.
   void Add(const std::string& id, const Json& map, const QueryRequest& request, const Json& answer);
 
  private:
-  std::string Store(const std::string& bytes);
+  // The name of the image's file; nothing where it can't be written.
+  std::optional<std::string> Store(const std::string& bytes);
 
   std::filesystem::path folder_;
   int64_t max_bytes_;
