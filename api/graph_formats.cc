@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <sstream>
+#include <string_view>
 
 #include "api/json.h"
 #include "api/pose_formats.h"
@@ -12,12 +13,18 @@
 namespace waystone {
 namespace {
 
-// The name of a plane's reference image, without characters that XML has no way to write.
+// The name of a plane's reference image as UTF-8, without characters that XML has no way to write:
+// controls, U+FFFE and U+FFFF.
 std::string SourceOf(const MapIndex& index, const Plane& plane) {
   const Keyframe* keyframe = index.FindKeyframe(plane.reference);
-  std::string text;
-  for (const char c : keyframe ? keyframe->source : "") {
-    text += static_cast<unsigned char>(c) < ' ' ? '?' : c;
+  std::string text = keyframe ? ToUtf8(keyframe->source) : "";
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < ' ') c = '?';
+  }
+  for (const std::string_view none : {"\xEF\xBF\xBE", "\xEF\xBF\xBF"}) {
+    for (size_t at = text.find(none); at != text.npos; at = text.find(none)) {
+      text.replace(at, none.size(), "?");
+    }
   }
   return text;
 }
@@ -96,8 +103,8 @@ GraphText FormatGraph(const MapIndex& index, const std::string& format) {
   if (std::optional<GraphText> poses = FormatPoses(index.map(), format)) return *poses;
   std::string names = "json";
   for (const std::string& name : GraphFormatNames()) names += ", " + name;
-  throw MapError(ErrorCode::kBadRequest,
-                 "format '" + format.substr(0, 40) + "' is unknown; supported formats: " + names);
+  throw MapError(ErrorCode::kBadRequest, "format '" + Printable(format.substr(0, 40)) +
+                                             "' is unknown; supported formats: " + names);
 }
 
 }  // namespace waystone

@@ -15,6 +15,9 @@ namespace waystone {
 // One line of text. Never throws: bytes of a name that are not UTF-8 become U+FFFD.
 std::string Dump(const Json& json);
 
+// `text` with U+FFFD for bytes that are not UTF-8.
+std::string ToUtf8(const std::string& text);
+
 // The number rounded to `decimals`, so that what was measured to a tenth isn't printed to 1e-16.
 double Rounded(double value, int decimals);
 

@@ -28,9 +28,6 @@ struct MappedImage {
   const std::string* source = nullptr;
 };
 
-// As JSON has the text: what isn't UTF-8 is replaced.
-std::string AsJson(const std::string& text) { return Json::parse(Dump(Json(text))); }
-
 std::vector<MappedImage> ImagesOf(const MapData& map, NamedKind kind, SequenceId sequence) {
   std::vector<MappedImage> images;
   const auto collect = [&](const auto& items) {
@@ -55,7 +52,7 @@ int NumberAmongNamesakes(const MapData& map, const Sequence& sequence) {
 
 const Sequence* FindSequence(const MapData& map, const std::string& name, int number) {
   for (const Sequence& sequence : map.sequences) {
-    if (AsJson(sequence.name) == name && NumberAmongNamesakes(map, sequence) == number) {
+    if (ToUtf8(sequence.name) == name && NumberAmongNamesakes(map, sequence) == number) {
       return &sequence;
     }
   }
@@ -283,7 +280,7 @@ struct KnownImages {
 KnownImages Know(std::vector<MappedImage> images) {
   KnownImages known{std::move(images), {}, {}};
   for (const MappedImage& image : known.images) {
-    known.frames.emplace(AsJson(*image.source), image.frame);
+    known.frames.emplace(ToUtf8(*image.source), image.frame);
     known.sources.emplace(image.frame, *image.source);
   }
   return known;
@@ -386,7 +383,7 @@ class FileReader {
     WholeField(ref, what_, "frame", 0);
     if (!sequence) return;
     for (const Keyframe& keyframe : map_.keyframes) {
-      if (keyframe.sequence != sequence->id || AsJson(keyframe.source) != image) continue;
+      if (keyframe.sequence != sequence->id || ToUtf8(keyframe.source) != image) continue;
       if (const Plane* plane = FindPlaneAt(keyframe.id, at)) {
         place_.ranges.push_back({NamedKind::kPlanes, plane->id.value, plane->id.value});
         return;
@@ -486,7 +483,7 @@ std::optional<std::string> FindFrameMisfit(const Json& frame, const std::string&
   if (!map.poses && !map.appearance) {
     return "in the frame " + QuoteShortened(name) + ", and the map has no positions";
   }
-  const std::string own = map.poses ? AsJson(map.poses->frame) : kLayerFrame;
+  const std::string own = map.poses ? ToUtf8(map.poses->frame) : kLayerFrame;
   if (name != own) {
     return "in the frame " + QuoteShortened(name) + ", and the map in " + QuoteShortened(own);
   }

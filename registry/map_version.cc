@@ -33,7 +33,7 @@ std::string UtcNow() {
 }
 
 // Whether JSON holds the text as it is: others' bytes would become U+FFFD.
-bool IsUtf8(const std::string& text) { return Json::parse(Dump(Json(text))) == text; }
+bool IsUtf8(const std::string& text) { return ToUtf8(text) == text; }
 
 Json PlaceNamesJson(const MapData& map) {
   std::set<std::string> names;

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "api/graph_formats.h"
 #include "api/json.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
@@ -244,6 +245,16 @@ TEST_F(MapServiceTest, GraphForOtherPrograms) {
   for (const char* format : {"g2o", "geojson", "ply", "tum", "poses"}) {
     EXPECT_EQ(Get("/v1/maps/lab/graph", {{"format", format}}).status, 422) << format;
   }
+}
+
+TEST(GraphFormats, NamesThatAreNoUtf8AreReplaced) {
+  MapData map = MadeMap(1);
+  map.keyframes[0].source = "k\xFC<\x01\xEF\xBF\xBF.jpg";
+  const auto index = MapIndex::Build(std::move(map));
+  const std::string replaced = "k\xEF\xBF\xBD";
+  EXPECT_NE(FormatGraph(*index, "graphml").text.find(">" + replaced + "&lt;??.jpg</data>"),
+            std::string::npos);
+  EXPECT_NE(FormatGraph(*index, "dot").text.find(replaced + "<??.jpg"), std::string::npos);
 }
 
 TEST_F(MapServiceTest, WidthsAreChecked) {
