@@ -287,17 +287,32 @@ class FolderRegistry : public Registry {
   std::map<std::string, EntryStamp> known_;
 };
 
-void CreateRegistry(const fs::path& folder, const NewRegistry& registry) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw UnwritableError(folder, error.message(), 0);
-  const RegistryLock lock(folder);
-  if (fs::exists(folder / "registry.json", error)) return;  // another program was faster
+void RefuseOtherFiles(const fs::path& folder) {
   for (const std::string& name : FolderEntries(folder)) {
     if (name == "lock" || name == "current" || name.starts_with('.')) continue;
     Fail(folder, "has no registry.json, but other files",
          "give an empty folder, or one that is a registry");
   }
+}
+
+bool IsRegistry(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::exists(folder / "registry.json", ignored);
+}
+
+void CreateRegistry(const fs::path& folder, const NewRegistry& registry) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw UnwritableError(folder, error.message(), 0);
+  try {
+    RefuseOtherFiles(folder);  // before the lock, which would be one more
+  } catch (const MapError&) {
+    if (IsRegistry(folder)) return;  // another program was faster
+    throw;
+  }
+  const RegistryLock lock(folder);
+  if (IsRegistry(folder)) return;
+  RefuseOtherFiles(folder);
   fs::create_directories(folder / "current", error);
   if (error) throw UnwritableError(folder, error.message(), 0);
   const Json head = {{"format", kFormatName},
@@ -311,8 +326,7 @@ void CreateRegistry(const fs::path& folder, const NewRegistry& registry) {
 
 std::unique_ptr<Registry> OpenFolderRegistry(const fs::path& folder,
                                              const std::optional<NewRegistry>& create) {
-  std::error_code error;
-  if (create && !fs::exists(folder / "registry.json", error)) CreateRegistry(folder, *create);
+  if (create && !IsRegistry(folder)) CreateRegistry(folder, *create);
   return std::make_unique<FolderRegistry>(folder);
 }
 

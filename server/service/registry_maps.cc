@@ -11,6 +11,7 @@
 
 #include "api/map_json.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "schema/file/sha256.h"
 #include "server/http/problem.h"
 #include "server/http/start_thread.h"
@@ -27,11 +28,18 @@ constexpr int64_t kCoarseShare = 4;  // of the memory of maps, for the coarse in
 constexpr double kBytesPerMb = 1e6;
 
 MapError NotServed(const std::string& name) {
-  return {ErrorCode::kNotFound, "no map '" + name.substr(0, 80) + "'; GET /v1/maps lists the maps"};
+  return {ErrorCode::kNotFound,
+          "no map '" + Printable(name.substr(0, 80)) + "'; GET /v1/maps lists the maps"};
 }
 [[noreturn]] void ThrowUnopened(const std::string& name, ErrorCode code, const std::string& error) {
   if (code == ErrorCode::kOutOfMemory) throw std::bad_alloc();
   throw MapError(code, "map '" + name + "': " + error);
+}
+// A registry that can't be opened is refused before a cache is made for it.
+const RegistryMapsOptions& Checked(const RegistryMapsOptions& options) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(options.cache, ignored)) OpenRegistry(options.registry);
+  return options;
 }
 MapError Ending() { return {ErrorCode::kNotReady, "the server is shutting down"}; }
 
@@ -48,7 +56,7 @@ std::string RegistryMaps::Megabytes(int64_t bytes) {
 }
 
 RegistryMaps::RegistryMaps(const RegistryMapsOptions& options, Log log)
-    : options_(options),
+    : options_(Checked(options)),
       log_(std::move(log)),
       memory_(std::make_shared<MapMemory>(options.memory_bytes)),
       cache_(options.cache, options.cache_bytes),

@@ -251,6 +251,7 @@ TEST_F(FolderRegistryTest, AFolderThatIsNoRegistryIsLeftAlone) {
   WriteBytes(folder_ / "registry" / "photo.jpg", "x");
   EXPECT_NE(ErrorOf([&] { Create(); }).find("has no registry.json, but other files"),
             std::string::npos);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "registry"), {}), 1) << "and no lock";
   EXPECT_NE(ErrorOf([] { OpenRegistry("ftp://x/y"); }, ErrorCode::kUsage).find("is not a registry"),
             std::string::npos);
 }

@@ -92,6 +92,12 @@ class RegistryMapsTest : public testing::Test {
   std::unique_ptr<RegistryMaps> maps_;
 };
 
+TEST_F(RegistryMapsTest, ARegistryThatIsNoneLeavesNoCache) {
+  options_.registry = (folder_ / "nowhere").string();
+  EXPECT_THROW(Start(), MapError);
+  EXPECT_FALSE(fs::exists(options_.cache));
+}
+
 TEST_F(RegistryMapsTest, MapsAreOpenedWhenTheyAreAskedFor) {
   Publish("hall", 3);
   Publish("lab", 5);
