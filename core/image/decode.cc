@@ -30,6 +30,7 @@ cv::Mat Decode(std::span<const uint8_t> bytes, const DecodeLimits& limits, int f
   if (header.format == "heic") return DecodeHeic(ReadHeic(bytes), flags == cv::IMREAD_COLOR);
   std::vector<uint8_t> reduced;
   if (header.format == "png") {
+    CheckPngChecksums(bytes);
     CheckPngBlocks(bytes);
     if (HasPngTexts(bytes)) bytes = reduced = WithoutPngTexts(bytes);
   } else if (header.format == "webp") {
@@ -39,6 +40,10 @@ cv::Mat Decode(std::span<const uint8_t> bytes, const DecodeLimits& limits, int f
   std::string cause = "its pixels can't be decoded";
   errno = 0;
   try {
+    if (header.format == "jpeg") {
+      image.create(header.height, header.width, flags == cv::IMREAD_COLOR ? CV_8UC3 : CV_8UC1);
+      if (DecodeJpeg(bytes, image)) return image;
+    }
     // imdecode takes a Mat that it doesn't change.
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1,
                           const_cast<uint8_t*>(bytes.data()));

@@ -16,11 +16,17 @@ namespace waystone {
 using Bytes = std::span<const uint8_t>;
 
 ImageHeader ReadJpegHeader(Bytes bytes);
+// Decodes a JPEG, whose header was read, into an image of its size, grey or BGR, by libjpeg itself:
+// through OpenCV nobody hears of data that ends early or isn't what it should be, and libjpeg
+// prints it to stderr. False, with nothing decoded, for four colours.
+bool DecodeJpeg(Bytes bytes, cv::Mat& image);
 ImageHeader ReadPngHeader(Bytes bytes);
 // Refuses a PNG, whose header was read, with image data made to take long to inflate: each block of
 // deflate brings its own code tables, and many small ones cost a hundred times what their bytes
 // cost otherwise. Encoders write blocks of thousands of symbols, or a few a row.
 void CheckPngBlocks(Bytes bytes);
+// Refuses a PNG with damage in what the decoder needs: it would print the same to stderr.
+void CheckPngChecksums(Bytes bytes);
 // Whether a PNG has texts, which the decoder would inflate, each to several megabytes; and a copy
 // up to its end without them.
 bool HasPngTexts(Bytes bytes);

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <new>
 #include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
 
 namespace waystone {
 namespace {
@@ -18,6 +19,9 @@ int OnOpenCvError(int code, const char*, const char* message, const char*, int, 
 
 }  // namespace
 
-void ThrowOpenCvErrors() { cv::redirectError(OnOpenCvError); }
+void ThrowOpenCvErrors() {
+  cv::redirectError(OnOpenCvError);
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+}
 
 }  // namespace waystone

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/text.h"
 #include "core/image/formats.h"
 
 namespace waystone {
@@ -174,6 +175,19 @@ void CheckPngBlocks(Bytes bytes) {
   RefuseImage("the PNG has more than " + std::to_string(most) +
               " blocks of compressed data, far more than its " + std::to_string(data.size.height) +
               " rows need; save it again");
+}
+
+void CheckPngChecksums(Bytes bytes) {
+  PngChunks chunks(bytes);
+  while (const std::optional<PngChunk> chunk = chunks.Next()) {
+    // The decoder skips a small letter's chunk, which it can do without.
+    const bool needed = chunk->name[0] >= 'A' && chunk->name[0] <= 'Z';
+    const Bytes summed = chunk->whole.subspan(4, 4 + chunk->data.size());
+    const uLong sum = crc32(0, summed.data(), static_cast<uInt>(summed.size()));
+    if (!needed || sum == BigEndian32(chunk->whole, 8 + chunk->data.size())) continue;
+    RefuseImage("the PNG is damaged: the checksum of its chunk " + Printable(chunk->name) +
+                " is wrong; copy or send the file again");
+  }
 }
 
 bool HasPngTexts(Bytes bytes) {

@@ -254,6 +254,45 @@ TEST(JpegTest, RestartMarkersAndFillBytesAreSteppedOver) {
   EXPECT_EQ(DecodeGrey(jpeg).size(), cv::Size(300, 200));
 }
 
+cv::Mat NoisyColours(int width, int height) {
+  cv::Mat noise(height, width, CV_8UC3);
+  cv::setRNGSeed(5);
+  cv::randu(noise, 0, 255);
+  return noise;
+}
+
+// Maps of the same images have the same bytes, whoever calls libjpeg.
+TEST(JpegTest, PixelsAreThoseThatOpenCvGives) {
+  cv::Mat grey;
+  cv::extractChannel(NoisyColours(77, 50), grey, 1);
+  for (const Bytes& jpeg :
+       {Encoded(".jpg", NoisyColours(77, 50)),
+        Encoded(".jpg", NoisyColours(64, 33), {cv::IMWRITE_JPEG_QUALITY, 30}),
+        Encoded(".jpg", NoisyColours(301, 200), {cv::IMWRITE_JPEG_PROGRESSIVE, 1}),
+        Encoded(".jpg", NoisyColours(301, 200), {cv::IMWRITE_JPEG_RST_INTERVAL, 3}),
+        Encoded(".jpg", grey)}) {
+    const cv::Mat colour_by_opencv = cv::imdecode(jpeg, cv::IMREAD_COLOR);
+    const cv::Mat grey_by_opencv = cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE);
+    EXPECT_EQ(cv::norm(DecodeColour(jpeg), colour_by_opencv, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(DecodeGrey(jpeg), grey_by_opencv, cv::NORM_INF), 0);
+  }
+}
+
+TEST(JpegTest, DataThatEndsEarlyIsDamage) {
+  testing::internal::CaptureStderr();
+  for (const int progressive : {0, 1}) {
+    const Bytes jpeg =
+        Encoded(".jpg", NoisyColours(200, 160), {cv::IMWRITE_JPEG_PROGRESSIVE, progressive});
+    Bytes cut(jpeg.begin(), jpeg.end() - static_cast<std::ptrdiff_t>(jpeg.size() / 3));
+    cut.insert(cut.end(), {0, 0xFF, 0xD9});
+    ExpectRefusal(cut, ErrorCode::kBadImage, "its image data ends too early; copy or send");
+    Bytes larger = jpeg;
+    larger[FrameSizeAt(larger)] += 1;  // by 256 rows
+    ExpectRefusal(larger, ErrorCode::kBadImage, "its image data ends too early; copy or send");
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "a log may be there";
+}
+
 TEST(JpegTest, SegmentsThatCouldHideScansAreRefused) {
   ExpectRefusal(WithSegment(Encoded(".jpg"), 0x02, {0, 0}), ErrorCode::kBadImage,
                 "unknown segment 2");
@@ -276,6 +315,14 @@ TEST(PngTest, NeedsItsHeaderAndItsData) {
   Bytes empty(png.begin(), png.begin() + 33);  // signature and IHDR
   empty.insert(empty.end(), png.end() - 12, png.end());
   ExpectRefusal(empty, ErrorCode::kBadImage, "no image data");
+}
+
+TEST(PngTest, DamageIsSaidByTheRefusalAlone) {
+  Bytes png = Encoded(".png");
+  png[png.size() - 12 - 10] ^= 1;  // in the data, before IEND
+  testing::internal::CaptureStderr();
+  ExpectRefusal(png, ErrorCode::kBadImage, "the checksum of its chunk IDAT is wrong");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(BmpTest, TopDownAndCompressedOnes) {
