@@ -39,7 +39,7 @@ FilePose TakeImage(ByteReader& reader, const fs::path& path) {
       Eigen::Quaterniond(unit[0], unit[1], unit[2], unit[3]).toRotationMatrix();
   camera_from_world.translation() = t;
   pose.pose = {camera_from_world.inverse(), true};
-  if (q.isZero(0) || !q.allFinite() || !pose.pose.world_from_camera.matrix().allFinite()) {
+  if (q.isZero(0) || !q.allFinite() || !IsPose(pose.pose)) {
     throw NotImages(path, "has a pose that is no pose");
   }
   return pose;

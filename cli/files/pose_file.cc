@@ -32,8 +32,8 @@ constexpr double kMostPosition = 1e12;
 // Of the rotations of KITTI's poses, by their 9 numbers.
 constexpr double kMostSkew = 0.1;
 constexpr const char* kNoPose =
-    "the pose is none: the rotation must be one (a quaternion other than 0), and coordinates at "
-    "most 1e12";
+    "not a pose: the rotation must be one (a quaternion other than 0), and no coordinate beyond "
+    "1e12";
 
 // Not a number, where the quaternion is 0.
 Eigen::Isometry3d PoseOf(const Eigen::Vector3d& at, const Eigen::Quaterniond& rotation) {
@@ -47,11 +47,6 @@ Eigen::Isometry3d PoseOf(const Eigen::Vector3d& at, const Eigen::Quaterniond& ro
   pose.linear() =
       Eigen::Quaterniond(rotation.coeffs().stableNormalized().normalized()).toRotationMatrix();
   return pose;
-}
-
-bool IsPose(const TruePose& pose) {
-  const Eigen::Isometry3d& at = pose.world_from_camera;
-  return at.matrix().allFinite() && at.translation().cwiseAbs().maxCoeff() <= kMostPosition;
 }
 
 void CheckPose(const fs::path& path, int line, const FilePose& pose) {
@@ -374,6 +369,11 @@ std::vector<FilePose> ReadAnyPoses(const fs::path& path) {
 }
 
 }  // namespace
+
+bool IsPose(const TruePose& pose) {
+  const Eigen::Isometry3d& at = pose.world_from_camera;
+  return at.matrix().allFinite() && at.translation().cwiseAbs().maxCoeff() <= kMostPosition;
+}
 
 std::vector<FilePose> ReadPoseFile(const fs::path& path) {
   std::vector<FilePose> poses = ReadAnyPoses(path);

@@ -21,6 +21,9 @@ struct FilePose {
   TruePose pose;
 };
 
+// Whether it is one that a file may have: finite, and no coordinate beyond 1e12, in any unit.
+bool IsPose(const TruePose& pose);
+
 // The columns x, y, z of a CSV file and, where all four are there, qw, qx, qy, qz.
 class PoseColumns {
  public:

@@ -169,7 +169,7 @@ TEST_F(PoseFileTest, ABinaryModelsPoseIsOneOrRefused) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   using Bad = std::pair<double, double>;
   for (const Bad& bad :
-       {Bad(0, -2), Bad(kInfinite, -2), Bad(std::nan(""), -2), Bad(1, kInfinite)}) {
+       {Bad(0, -2), Bad(kInfinite, -2), Bad(std::nan(""), -2), Bad(1, kInfinite), Bad(1, 1e13)}) {
     const std::string refusal = RefusalOf([&] { read(bad.first, bad.second); });
     EXPECT_NE(refusal.find("has a pose that is no pose"), std::string::npos)
         << bad.first << " " << bad.second << ": " << refusal;
