@@ -23,11 +23,9 @@ namespace {
 // about as long as extracting its features.
 constexpr int kMostImages = 100;
 
-PlaneBuildOptions OptionsOfPlanes(const BuildOptions& options, bool with_poses,
-                                  BuiltFeatures features) {
-  const bool keep = features == BuiltFeatures::kKeep;
-  PlaneBuildOptions planes = MakePlaneOptions(options, with_poses || keep);
-  if (keep) planes.max_images = kMostImages;
+PlaneBuildOptions OptionsOfPlanes(const BuildOptions& options, BuiltFeatures features) {
+  PlaneBuildOptions planes = MakePlaneOptions(options);
+  if (features == BuiltFeatures::kKeep) planes.max_images = kMostImages;
   return planes;
 }
 
@@ -40,7 +38,7 @@ class MapBuilder {
         poses_(poses),
         features_(features),
         progress_(progress),
-        planes_(OptionsOfPlanes(options, poses.has_value(), features)),
+        planes_(OptionsOfPlanes(options, features)),
         appearance_(MakeAppearanceOptions(options)),
         orientation_(MakeOrientationOptions(options)) {
     result_.map.info = MakeMapInfo(options);
@@ -85,8 +83,7 @@ class MapBuilder {
       case LayerKind::kPlanes:
         CalibratePlanes();
         if (poses_) PutPlanesIntoFrame();
-        if (features_ == BuiltFeatures::kKeep) result_.features = planes_.TakeFeatures();
-        return;
+        return TakeFeatures();
       case LayerKind::kAppearance:
         if (poses_) PutPanoramasIntoFrame();
         return CalibrateAppearance();
@@ -105,6 +102,12 @@ class MapBuilder {
     progress_.Report("structure", 1, 1);
   }
 
+  // The layers after this one need their memory.
+  void TakeFeatures() {
+    std::vector<WalkImage> features = planes_.TakeFeatures();
+    if (features_ == BuiltFeatures::kKeep) result_.features = std::move(features);
+  }
+
   // Before the verdict is calibrated, which goes by where nodes are.
   void PutPanoramasIntoFrame() {
     progress_.Report("structure", 0, 1);
@@ -118,7 +121,7 @@ class MapBuilder {
     const PlaneQueryOptions& query = options_.calibration.localize.planes;
     constexpr int kSteps = 3;
     progress_.Report("calibration", 0, kSteps);
-    const int linked = LinkRevisits(planes_.searched(), query, result_.map);
+    const int linked = LinkRevisits(planes_.features(), query, result_.map);
     progress_.Report("calibration", 1, kSteps);
     CalibratePlaneLayer(result_.map, planes_.samples(), options_.features, options_.calibration);
     progress_.Report("calibration", 2, kSteps);

@@ -17,13 +17,12 @@ MapInfo MakeMapInfo(const BuildOptions& options) {
   return info;
 }
 
-PlaneBuildOptions MakePlaneOptions(const BuildOptions& options, bool keep_features) {
+PlaneBuildOptions MakePlaneOptions(const BuildOptions& options) {
   return {.features = options.features,
           .keyframes = options.keyframes,
           .planes = options.planes,
           .image_width = options.images ? options.image_width : 0,
-          .max_samples = options.calibration.max_keyframes,
-          .keep_features = keep_features};
+          .max_samples = options.calibration.max_keyframes};
 }
 
 AppearanceOptions MakeAppearanceOptions(const BuildOptions& options) {

@@ -12,8 +12,8 @@ namespace waystone {
 MapInfo MakeMapInfo(const BuildOptions& options);
 
 // Of each layer: without thumbnails where a map keeps no images, with as many samples as its
-// calibration takes, and with the features of the build. `keep_features` is for maps with poses.
-PlaneBuildOptions MakePlaneOptions(const BuildOptions& options, bool keep_features = false);
+// calibration takes, and with the features of the build.
+PlaneBuildOptions MakePlaneOptions(const BuildOptions& options);
 AppearanceOptions MakeAppearanceOptions(const BuildOptions& options);
 OrientationOptions MakeOrientationOptions(const BuildOptions& options);
 

@@ -60,26 +60,40 @@ FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
   return found;
 }
 
-// Whether the places are one: of any two, an image near the one was found near the other.
-bool AreOne(const std::vector<int>& places, const std::vector<FoundAgain>& images) {
-  const auto found = [&](int from, int place) {
-    return std::ranges::any_of(images, [&](const FoundAgain& image) {
-      return image.near.contains(from) && image.near_places.contains(place);
-    });
-  };
-  for (size_t i = 0; i < places.size(); ++i) {
-    for (size_t k = 0; k < i; ++k) {
-      if (!found(places[i], places[k]) && !found(places[k], places[i])) return false;
+// Tells places that are one from those that look alike: of any two that are, an image near the one
+// was found near the other.
+class Places {
+ public:
+  Places(const std::vector<FoundAgain>& images, size_t keyframes) : near_(keyframes) {
+    for (const FoundAgain& image : images) {
+      for (const int keyframe : image.near) near_[keyframe].push_back(&image);
     }
   }
-  return true;
-}
+
+  bool AreOne(const std::vector<int>& places) const {
+    for (size_t i = 0; i < places.size(); ++i) {
+      for (size_t k = 0; k < i; ++k) {
+        if (!Found(places[i], places[k]) && !Found(places[k], places[i])) return false;
+      }
+    }
+    return true;
+  }
+
+ private:
+  bool Found(int from, int place) const {
+    return std::ranges::any_of(
+        near_[from], [&](const FoundAgain* image) { return image->near_places.contains(place); });
+  }
+
+  std::vector<std::vector<const FoundAgain*>> near_;  // images near each keyframe
+};
 
 // The keyframes near images that look like several places which aren't one.
-std::set<int> FindLookAlikes(const std::vector<FoundAgain>& images) {
+std::set<int> FindLookAlikes(const std::vector<FoundAgain>& images, size_t keyframes) {
+  const Places places(images, keyframes);
   std::set<int> look_alikes;
   for (const FoundAgain& image : images) {
-    if (!AreOne(image.places, images)) look_alikes.insert(image.near.begin(), image.near.end());
+    if (!places.AreOne(image.places)) look_alikes.insert(image.near.begin(), image.near.end());
   }
   return look_alikes;
 }
@@ -106,7 +120,7 @@ int LinkRevisits(const std::vector<SampledKeyframe>& images, const PlaneQueryOpt
   tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
     found[i] = FindAgain(*index, images[i].features, index->IndexOf(images[i].keyframe), options);
   });
-  const std::set<int> look_alikes = FindLookAlikes(found);
+  const std::set<int> look_alikes = FindLookAlikes(found, map.keyframes.size());
   std::set<KeyframeLink> links;
   std::set<KeyframeId> linked;
   for (int i = 0; i < std::ssize(found); ++i) {

@@ -6,16 +6,14 @@
 namespace waystone {
 
 void KeyframeSample::Add(KeyframeId keyframe, const Features& features) {
-  const int run = added_++ / run_;
-  if (run % stride_ != 0) return;
-  if (static_cast<int>(kept_.size()) == max_keyframes_) {  // every other run of them stays
+  const int number = added_++;
+  if (number % stride_ != 0) return;
+  if (static_cast<int>(kept_.size()) == max_keyframes_) {  // every other one of them stays
     stride_ *= 2;
     std::vector<SampledKeyframe> staying;
-    for (size_t i = 0; i < kept_.size(); ++i) {
-      if (i / run_ % 2 == 0) staying.push_back(std::move(kept_[i]));
-    }
+    for (size_t i = 0; i < kept_.size(); i += 2) staying.push_back(std::move(kept_[i]));
     kept_ = std::move(staying);
-    if (run % stride_ != 0) return;
+    if (number % stride_ != 0) return;
   }
   kept_.push_back({keyframe, features});
 }

@@ -21,20 +21,18 @@ struct WalkImage {
   Features features;
 };
 
-// Keeps the features of at most a given number of keyframes, in runs of keyframes that follow each
-// other, evenly spread over all that were added, however many there will be. Deterministic.
+// Keeps the features of at most a given number of keyframes, evenly spread over all that were
+// added, however many there will be. Deterministic.
 class KeyframeSample {
  public:
-  explicit KeyframeSample(int max_keyframes, int run = 1)
-      : max_keyframes_(max_keyframes), run_(run) {}
+  explicit KeyframeSample(int max_keyframes) : max_keyframes_(max_keyframes) {}
 
   void Add(KeyframeId keyframe, const Features& features);
   const std::vector<SampledKeyframe>& keyframes() const { return kept_; }
 
  private:
   int max_keyframes_;
-  int run_;
-  int stride_ = 1;  // of the runs
+  int stride_ = 1;
   int added_ = 0;
   std::vector<SampledKeyframe> kept_;
 };

@@ -23,10 +23,6 @@ namespace {
 
 constexpr int kThumbnailQuality = 80;  // of JPEG
 
-// Keyframes that are searched for planes seen again: their features take 150 kB each.
-constexpr int kMostSearched = 1000;
-constexpr int kSearchedInARow = 2;  // so that one can confirm the other (LinkRevisits)
-
 // Edges between planes that are left.
 std::vector<Edge> KeepEdges(const std::vector<Edge>& edges, const std::vector<Plane>& planes) {
   std::set<PlaneId> ids;
@@ -90,7 +86,6 @@ PlaneLayerBuilder::PlaneLayerBuilder(const PlaneBuildOptions& options)
       tracker_(options.planes),
       landmarks_(options.planes.landmarks),
       sample_(options.max_samples),
-      searched_(kMostSearched, kSearchedInARow),
       images_(options.max_images) {}
 
 void PlaneLayerBuilder::StartSequence(SequenceId id, const Source& source) {
@@ -145,8 +140,7 @@ void PlaneLayerBuilder::AddKeyframe(const ChosenKeyframe& chosen) {
   tracker_.AddKeyframe(keyframe.id, chosen.frame.features, chosen.starts_stretch, camera);
   landmarks_.Add(keyframe.id, chosen.frame.features, chosen.starts_stretch);
   sample_.Add(keyframe.id, chosen.frame.features);
-  searched_.Add(keyframe.id, chosen.frame.features);
-  if (options_.keep_features) features_.push_back({keyframe.id, chosen.frame.features});
+  features_.push_back({keyframe.id, chosen.frame.features});
   image_of_keyframe_.emplace_back(sequence_, keyframe.frame);
   keyframes_.push_back(std::move(keyframe));
 }
@@ -206,7 +200,7 @@ void PlaneLayerBuilder::Fuse(MapData& map) {
   map.planes = std::move(fusion.planes);
   map.edges = std::move(fusion.edges);
   report_.planes_fused = fusion.fused;
-  const Revisits again = FindRevisits(map.planes, map.edges, map.keyframes, searched_.keyframes(),
+  const Revisits again = FindRevisits(map.planes, map.edges, map.keyframes, features_,
                                       options_.features.type, options_.planes);
   for (const PlaneSeenAgain& one : again.seen) {
     std::vector<PlaneView>& views =

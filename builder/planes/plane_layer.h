@@ -22,10 +22,9 @@ struct PlaneBuildOptions {
   FeatureOptions features;
   KeyframeOptions keyframes;
   PlaneLayerOptions planes;
-  int image_width = 320;       // of the picture kept of each keyframe, px; 0 keeps none
-  int max_samples = 40;        // keyframes whose features are handed out whole, for calibration
-  bool keep_features = false;  // hand out those of all keyframes
-  int max_images = 0;          // other images whose features are kept for TakeFeatures
+  int image_width = 320;  // of the picture kept of each keyframe, px; 0 keeps none
+  int max_samples = 40;   // keyframes that samples() hands out, for calibration
+  int max_images = 0;     // other images whose features are kept for TakeFeatures
 };
 
 // What the building of the layer did. FrameReport::add_s is the choice of keyframes and planes.
@@ -70,9 +69,7 @@ class PlaneLayerBuilder : public LayerBuilder {
 
   const PlaneReport& report() const { return report_; }
   const std::vector<SampledKeyframe>& samples() const { return sample_.keyframes(); }
-  // Of all keyframes, or of 1,000 of them: pairs that follow each other, evenly spread.
-  const std::vector<SampledKeyframe>& searched() const { return searched_.keyframes(); }
-  // Of all keyframes, ascending; empty unless PlaneBuildOptions::keep_features.
+  // Of all keyframes, ascending: 150 kB each.
   const std::vector<SampledKeyframe>& features() const { return features_; }
   // Of all keyframes, and of at most max_images other images, evenly spread over the sequences; the
   // layer has none afterwards.
@@ -90,7 +87,6 @@ class PlaneLayerBuilder : public LayerBuilder {
   PlaneTracker tracker_;
   LandmarkChooser landmarks_;
   KeyframeSample sample_;
-  KeyframeSample searched_;  // for planes that are seen again
   std::vector<SampledKeyframe> features_;
   std::vector<ImageRef> image_of_keyframe_;
   KeyframeSample images_;  // numbered as they came, from 1

@@ -34,26 +34,6 @@ TEST(KeyframeSample, IsSpreadOverAllThatWasAdded) {
   }
 }
 
-TEST(KeyframeSample, KeepsWholeRuns) {
-  Features features;
-  features.type = FeatureType::kSift;
-  for (int count : {8, 9, 30, 100, 1000}) {
-    KeyframeSample sample(8, 2);
-    for (int k = 1; k <= count; ++k) sample.Add(KeyframeId{k}, features);
-    const auto& kept = sample.keyframes();
-    ASSERT_LE(kept.size(), 8u) << count;
-    ASSERT_GE(kept.size(), 4u) << count;
-    for (size_t i = 1; i < kept.size(); i += 2) {
-      EXPECT_EQ(kept[i].keyframe.value, kept[i - 1].keyframe.value + 1) << count;
-    }
-    for (size_t i = 4; i < kept.size(); i += 2) {
-      EXPECT_EQ(kept[i].keyframe.value - kept[i - 2].keyframe.value,
-                kept[2].keyframe.value - kept[0].keyframe.value)
-          << count;
-    }
-  }
-}
-
 std::vector<SampledKeyframe> QueriesOf(const MapData& map) {
   std::vector<SampledKeyframe> queries;
   for (const Keyframe& keyframe : map.keyframes) {
