@@ -119,12 +119,11 @@ class MapBuilder {
   void CalibratePlanes() {
     const Clock::time_point start = Clock::now();
     const PlaneQueryOptions& query = options_.calibration.localize.planes;
-    constexpr int kSteps = 3;
+    constexpr int kSteps = 2;
+    const int linked = LinkRevisits(planes_.features(), query, result_.map, progress_);
     progress_.Report("calibration", 0, kSteps);
-    const int linked = LinkRevisits(planes_.features(), query, result_.map);
-    progress_.Report("calibration", 1, kSteps);
     CalibratePlaneLayer(result_.map, planes_.samples(), options_.features, options_.calibration);
-    progress_.Report("calibration", 2, kSteps);
+    progress_.Report("calibration", 1, kSteps);
     result_.report.planes = planes_.report();
     result_.report.planes->keyframes_linked = linked;
     result_.report.planes->own =

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 #include <set>
 
@@ -113,17 +114,20 @@ bool IsConfirmed(const MapIndex& index, const std::vector<FoundAgain>& images, i
 }  // namespace
 
 int LinkRevisits(const std::vector<SampledKeyframe>& images, const PlaneQueryOptions& options,
-                 MapData& map) {
+                 MapData& map, ProgressReporter& progress) {
   const auto index = MapIndex::Build(CopyPlanes(map));
   if (!index->HasLandmarks()) return 0;  // answered by its planes alone
+  const auto count = static_cast<int>(images.size());
   std::vector<FoundAgain> found(images.size());
-  tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
+  std::atomic<int> done = 0;
+  tbb::parallel_for(0, count, [&](int i) {
     found[i] = FindAgain(*index, images[i].features, index->IndexOf(images[i].keyframe), options);
+    progress.Report("links", ++done, count);
   });
   const std::set<int> look_alikes = FindLookAlikes(found, map.keyframes.size());
   std::set<KeyframeLink> links;
   std::set<KeyframeId> linked;
-  for (int i = 0; i < std::ssize(found); ++i) {
+  for (int i = 0; i < count; ++i) {
     if (look_alikes.contains(found[i].own)) continue;
     for (const int place : found[i].sure) {
       if (look_alikes.contains(place) || !IsConfirmed(*index, found, i, place)) continue;

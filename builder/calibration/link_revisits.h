@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "builder/frames/progress.h"
 #include "builder/planes/keyframe_sample.h"
 #include "localizer/planes/plane_query_options.h"
 #include "schema/map_data.h"
@@ -17,9 +18,9 @@ namespace waystone {
 // found again at two places of which none was found again near the other looks like both: nothing
 // near it is linked. `images` are of the map's keyframes, all or some, ordered by keyframe; those
 // of keyframes that don't follow each other (FollowEachOther) confirm nothing. Returns how many
-// keyframes got links; none in a map without landmarks. Deterministic on any number of threads (it
-// uses TBB's).
+// keyframes got links; none in a map without landmarks. Reports the stage "links". Deterministic on
+// any number of threads (it uses TBB's).
 int LinkRevisits(const std::vector<SampledKeyframe>& images, const PlaneQueryOptions& options,
-                 MapData& map);
+                 MapData& map, ProgressReporter& progress);
 
 }  // namespace waystone

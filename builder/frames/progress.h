@@ -11,8 +11,9 @@ namespace waystone {
 
 // How far a build is.
 struct BuildProgress {
-  // "frames", "fusion"; "panoramas", "odometry", "loops", "poses", "calibration"; "directions"
-  std::string stage;  // with poses, "structure"
+  // "frames", "fusion", "revisits", "links"; "panoramas", "odometry", "loops", "poses";
+  // "directions"; "structure" (with poses), "calibration"
+  std::string stage;
   int done = 0;
   int total = 0;      // 0 when not known
   int keyframes = 0;  // so far, as the following

@@ -168,7 +168,7 @@ void PlaneLayerBuilder::Finish(MapData& map, ProgressReporter& progress) {
     progress.Report("fusion", done, 1);
   };
   report(0);
-  Fuse(map);
+  Fuse(map, progress);
   Renumber(map);
   OutlinePlanes(map);
   landmarks_.Finish(map);
@@ -193,7 +193,7 @@ void PlaneLayerBuilder::FinishTracking(MapData& map) {
 
 // Features that few keyframes found are dropped last, so that fusion sees all that planes have in
 // common.
-void PlaneLayerBuilder::Fuse(MapData& map) {
+void PlaneLayerBuilder::Fuse(MapData& map, ProgressReporter& progress) {
   const Clock::time_point start = Clock::now();
   FusionResult fusion = FusePlanes(std::move(map.planes), std::move(map.edges), map.keyframes,
                                    options_.features.type, options_.planes);
@@ -201,7 +201,7 @@ void PlaneLayerBuilder::Fuse(MapData& map) {
   map.edges = std::move(fusion.edges);
   report_.planes_fused = fusion.fused;
   const Revisits again = FindRevisits(map.planes, map.edges, map.keyframes, features_,
-                                      options_.features.type, options_.planes);
+                                      options_.features.type, options_.planes, progress);
   for (const PlaneSeenAgain& one : again.seen) {
     std::vector<PlaneView>& views =
         std::ranges::lower_bound(map.planes, one.plane, {}, &Plane::id)->views;

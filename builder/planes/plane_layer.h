@@ -81,7 +81,7 @@ class PlaneLayerBuilder : public LayerBuilder {
 
   void AddKeyframe(const ChosenKeyframe& chosen);
   void FinishTracking(MapData& map);
-  void Fuse(MapData& map);
+  void Fuse(MapData& map, ProgressReporter& progress);
 
   PlaneBuildOptions options_;
   PlaneTracker tracker_;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <optional>
 #include <set>
@@ -82,10 +83,14 @@ class RevisitFinder {
   }
 
   // candidates[i]: planes that image i may show.
-  Revisits Run(const std::vector<std::vector<int>>& candidates) const {
+  Revisits Run(const std::vector<std::vector<int>>& candidates, ProgressReporter& progress) const {
+    const auto count = static_cast<int>(images_.size());
     std::vector<Revisits> found(images_.size());
-    tbb::parallel_for(0, static_cast<int>(images_.size()),
-                      [&](int i) { found[i] = FindIn(i, candidates[i]); });
+    std::atomic<int> done = 0;
+    tbb::parallel_for(0, count, [&](int i) {
+      found[i] = FindIn(i, candidates[i]);
+      progress.Report("revisits", ++done, count);
+    });
     Revisits all;
     std::map<PlanePair, Edge> edges;  // the first image that shows a pair of planes counts
     for (const Revisits& of_image : found) {
@@ -224,9 +229,9 @@ class RevisitFinder {
 Revisits FindRevisits(const std::vector<Plane>& planes, const std::vector<Edge>& edges,
                       const std::vector<Keyframe>& keyframes,
                       const std::vector<SampledKeyframe>& images, FeatureType type,
-                      const PlaneLayerOptions& options) {
+                      const PlaneLayerOptions& options, ProgressReporter& progress) {
   return RevisitFinder(planes, edges, keyframes, images, type, options)
-      .Run(ProposeSightings(planes, images, type, options.fusion));
+      .Run(ProposeSightings(planes, images, type, options.fusion), progress);
 }
 
 }  // namespace waystone

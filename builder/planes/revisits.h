@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "builder/frames/progress.h"
 #include "builder/planes/keyframe_sample.h"
 #include "builder/planes/options.h"
 #include "schema/map_data.h"
@@ -31,10 +32,10 @@ struct Revisits {
 // matches (sec. II-A); where their homology is the identity (sec. II-B: one and the same plane),
 // they get an edge with the homology as measured, unless an edge joins their surfaces already.
 // The arguments are ordered by id and (a, b); `images` are of `keyframes`, all or some.
-// Deterministic on any number of threads (it uses TBB's).
+// Reports the stage "revisits". Deterministic on any number of threads (it uses TBB's).
 Revisits FindRevisits(const std::vector<Plane>& planes, const std::vector<Edge>& edges,
                       const std::vector<Keyframe>& keyframes,
                       const std::vector<SampledKeyframe>& images, FeatureType type,
-                      const PlaneLayerOptions& options);
+                      const PlaneLayerOptions& options, ProgressReporter& progress);
 
 }  // namespace waystone

@@ -210,6 +210,15 @@ TEST(BuildMap, StopsBeforeAndAfterFusionWhenAsked) {
   }
 }
 
+TEST(BuildMap, StopsWhileItLooksForRevisitsWhenAsked) {
+  for (const char* stage : {"revisits", "links"}) {
+    std::vector<std::unique_ptr<Source>> sources;
+    sources.push_back(OpenStage(10));
+    const auto stop = [&](const BuildProgress& p) { return p.stage != stage || p.done < 2; };
+    EXPECT_EQ(CodeOf([&] { BuildMap(sources, {}, stop); }), ErrorCode::kInterrupted) << stage;
+  }
+}
+
 TEST(BuildMap, LeavesPicturesOutWhenAsked) {
   BuildOptions options;
   options.images = false;

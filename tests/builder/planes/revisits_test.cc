@@ -62,7 +62,8 @@ struct TwoVisits {
   }
 
   Revisits Find(const std::vector<Plane>& planes, const std::vector<Edge>& edges = {}) const {
-    return FindRevisits(planes, edges, keyframes, images, FeatureType::kSift, {});
+    ProgressReporter nobody;
+    return FindRevisits(planes, edges, keyframes, images, FeatureType::kSift, {}, nobody);
   }
 
   // Both visits' planes of the first wall, without a feature in common.
