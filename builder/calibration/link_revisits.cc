@@ -17,15 +17,25 @@
 namespace waystone {
 namespace {
 
+// More likely than not: enough of a place that was passed just before or after, which most images
+// show again.
+constexpr double kProbable = 0.5;
+
 // An image's own keyframe, and places outside its surroundings that show what it shows: the best
 // one and those that look as well. Keyframes are indices in the map's keyframes.
 struct FoundAgain {
   int own = 0;
   std::vector<int> places;
-  std::vector<int> sure;      // of these, probable enough for an answer
+  std::vector<int> sure;      // of these
   std::set<int> near;         // own, where there are places
   std::set<int> near_places;  // any of them
 };
+
+// Whether the place is probable enough for an answer, or was passed just before or after.
+bool IsSure(const MapIndex& index, int own, const Place& place, const PlaneQueryOptions& options) {
+  const bool in_a_row = WereTakenInARow(index, own, place.keyframe->keyframe);
+  return place.probability >= (in_a_row ? kProbable : options.gates.min_probability);
+}
 
 FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
                      const PlaneQueryOptions& options) {
@@ -47,15 +57,13 @@ FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
   JoinKeyframes(index, image, verified, options, places);
   FoundAgain found;
   found.own = own;
-  if (places.empty() || places.front().probability < options.gates.min_probability) return found;
+  if (places.empty() || !IsSure(index, own, places.front(), options)) return found;
   std::vector<const Place*> alike = FindRivals(index, places, options);
   alike.insert(alike.begin(), &places.front());
   for (const Place* place : alike) {
     found.places.push_back(place->keyframe->keyframe);
     found.near_places.merge(KeyframesNear(index, place->keyframe->keyframe));
-    if (place->probability >= options.gates.min_probability) {
-      found.sure.push_back(place->keyframe->keyframe);
-    }
+    if (IsSure(index, own, *place, options)) found.sure.push_back(place->keyframe->keyframe);
   }
   found.near = KeyframesNear(index, own);
   return found;
@@ -99,7 +107,8 @@ std::set<int> FindLookAlikes(const std::vector<FoundAgain>& images, size_t keyfr
   return look_alikes;
 }
 
-// Whether the image before or after one was found near the same place.
+// Whether the place is one that was passed just before or after, or the image before or after was
+// found near it, too.
 bool IsConfirmed(const MapIndex& index, const std::vector<FoundAgain>& images, int image,
                  int place) {
   const auto confirms = [&](int other) {
@@ -108,7 +117,8 @@ bool IsConfirmed(const MapIndex& index, const std::vector<FoundAgain>& images, i
            std::ranges::any_of(images[other].sure,
                                [&](int found) { return KeyframesAreNear(index, found, place); });
   };
-  return confirms(image - 1) || confirms(image + 1);
+  return WereTakenInARow(index, images[image].own, place) || confirms(image - 1) ||
+         confirms(image + 1);
 }
 
 }  // namespace

@@ -133,9 +133,13 @@ bool LinkedKeyframesSaw(const MapIndex& index, const Plane& a, const Plane& b) {
 }  // namespace
 
 bool FollowEachOther(const MapIndex& index, int a, int b) {
-  const Keyframe& x = index.map().keyframes[a];
-  const Keyframe& y = index.map().keyframes[b];
-  return x.sequence == y.sequence && x.stretch == y.stretch && std::abs(a - b) <= kNearKeyframes;
+  return WereTakenInARow(index, a, b) &&
+         index.map().keyframes[a].stretch == index.map().keyframes[b].stretch;
+}
+
+bool WereTakenInARow(const MapIndex& index, int a, int b) {
+  return std::abs(a - b) <= kNearKeyframes &&
+         index.map().keyframes[a].sequence == index.map().keyframes[b].sequence;
 }
 
 std::set<int> KeyframesNear(const MapIndex& index, int keyframe) {

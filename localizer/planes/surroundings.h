@@ -14,6 +14,10 @@ namespace waystone {
 // them. Removed keyframes end a stretch, too.
 bool FollowEachOther(const MapIndex& index, int a, int b);
 
+// The same of a sequence: stretches may end between them, where nothing tells how far the camera
+// went.
+bool WereTakenInARow(const MapIndex& index, int a, int b);
+
 // The keyframes that show the same surroundings as `keyframe`, itself too: they follow each other,
 // or a plane was followed from one to the other, or two planes were seen by both, or up to four
 // links in a row lead from one to the other, as where a place was visited often. One plane that was
