@@ -69,11 +69,12 @@ FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
   return found;
 }
 
-// Tells places that are one from those that look alike: of any two that are, an image near the one
-// was found near the other.
+// Tells places that are one from those that look alike: any two that are were passed one after the
+// other, or an image near the one was found near the other.
 class Places {
  public:
-  Places(const std::vector<FoundAgain>& images, size_t keyframes) : near_(keyframes) {
+  Places(const MapIndex& index, const std::vector<FoundAgain>& images)
+      : index_(index), near_(index.map().keyframes.size()) {
     for (const FoundAgain& image : images) {
       for (const int keyframe : image.near) near_[keyframe].push_back(&image);
     }
@@ -82,7 +83,10 @@ class Places {
   bool AreOne(const std::vector<int>& places) const {
     for (size_t i = 0; i < places.size(); ++i) {
       for (size_t k = 0; k < i; ++k) {
-        if (!Found(places[i], places[k]) && !Found(places[k], places[i])) return false;
+        if (!WereTakenInARow(index_, places[i], places[k]) && !Found(places[i], places[k]) &&
+            !Found(places[k], places[i])) {
+          return false;
+        }
       }
     }
     return true;
@@ -94,12 +98,13 @@ class Places {
         near_[from], [&](const FoundAgain* image) { return image->near_places.contains(place); });
   }
 
+  const MapIndex& index_;
   std::vector<std::vector<const FoundAgain*>> near_;  // images near each keyframe
 };
 
 // The keyframes near images that look like several places which aren't one.
-std::set<int> FindLookAlikes(const std::vector<FoundAgain>& images, size_t keyframes) {
-  const Places places(images, keyframes);
+std::set<int> FindLookAlikes(const MapIndex& index, const std::vector<FoundAgain>& images) {
+  const Places places(index, images);
   std::set<int> look_alikes;
   for (const FoundAgain& image : images) {
     if (!places.AreOne(image.places)) look_alikes.insert(image.near.begin(), image.near.end());
@@ -134,7 +139,7 @@ int LinkRevisits(const std::vector<SampledKeyframe>& images, const PlaneQueryOpt
     found[i] = FindAgain(*index, images[i].features, index->IndexOf(images[i].keyframe), options);
     progress.Report("links", ++done, count);
   });
-  const std::set<int> look_alikes = FindLookAlikes(found, map.keyframes.size());
+  const std::set<int> look_alikes = FindLookAlikes(*index, found);
   std::set<KeyframeLink> links;
   std::set<KeyframeId> linked;
   for (int i = 0; i < count; ++i) {
