@@ -38,7 +38,7 @@ class CarefulFiles : public testing::Test {
   }
 
   fs::path Photo(const std::string& name) const {
-    const fs::path path = folder_ / name;
+    fs::path path = folder_ / name;
     fs::create_directories(path.parent_path());
     const cv::Mat image = cv::imread(TheMap().inside.string());
     cv::imwrite(path.string(), image(cv::Rect(0, 0, 640, 320)));
