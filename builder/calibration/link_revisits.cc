@@ -26,16 +26,10 @@ constexpr double kProbable = 0.5;
 struct FoundAgain {
   int own = 0;
   std::vector<int> places;
-  std::vector<int> sure;      // of these
+  std::vector<int> sure;      // probable enough for a link
   std::set<int> near;         // own, where there are places
   std::set<int> near_places;  // any of them
 };
-
-// Whether the place is probable enough for an answer, or was passed just before or after.
-bool IsSure(const MapIndex& index, int own, const Place& place, const PlaneQueryOptions& options) {
-  const bool in_a_row = WereTakenInARow(index, own, place.keyframe->keyframe);
-  return place.probability >= (in_a_row ? kProbable : options.gates.min_probability);
-}
 
 FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
                      const PlaneQueryOptions& options) {
@@ -57,34 +51,48 @@ FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
   JoinKeyframes(index, image, verified, options, places);
   FoundAgain found;
   found.own = own;
-  if (places.empty() || !IsSure(index, own, places.front(), options)) return found;
+  for (const Place& place : places) {
+    const int keyframe = place.keyframe->keyframe;
+    if (place.probability >= kProbable && WereTakenInARow(index, own, keyframe)) {
+      found.sure.push_back(keyframe);
+    }
+  }
+  if (places.empty() || places.front().probability < options.gates.min_probability) return found;
   std::vector<const Place*> alike = FindRivals(index, places, options);
   alike.insert(alike.begin(), &places.front());
   for (const Place* place : alike) {
     found.places.push_back(place->keyframe->keyframe);
     found.near_places.merge(KeyframesNear(index, place->keyframe->keyframe));
-    if (IsSure(index, own, *place, options)) found.sure.push_back(place->keyframe->keyframe);
+    if (place->probability >= options.gates.min_probability) {
+      found.sure.push_back(place->keyframe->keyframe);
+    }
   }
   found.near = KeyframesNear(index, own);
   return found;
 }
 
 // Tells places that are one from those that look alike: any two that are were passed one after the
-// other, or an image near the one was found near the other.
+// other, or an image near the one was found near the other; near is also what was passed just
+// before or after. Images around the one that asks don't count.
 class Places {
  public:
   Places(const MapIndex& index, const std::vector<FoundAgain>& images)
       : index_(index), near_(index.map().keyframes.size()) {
     for (const FoundAgain& image : images) {
-      for (const int keyframe : image.near) near_[keyframe].push_back(&image);
+      if (image.places.empty()) continue;
+      std::set<int> near = image.near;
+      for (int k = image.own; k >= 0 && InARow(k, image.own); --k) near.insert(k);
+      for (int k = image.own; k < std::ssize(near_) && InARow(k, image.own); ++k) near.insert(k);
+      for (const int keyframe : near) near_[keyframe].push_back(&image);
     }
   }
 
-  bool AreOne(const std::vector<int>& places) const {
+  bool AreOne(const FoundAgain& asking) const {
+    const std::vector<int>& places = asking.places;
     for (size_t i = 0; i < places.size(); ++i) {
       for (size_t k = 0; k < i; ++k) {
-        if (!WereTakenInARow(index_, places[i], places[k]) && !Found(places[i], places[k]) &&
-            !Found(places[k], places[i])) {
+        if (!InARow(places[i], places[k]) && !Found(places[i], places[k], asking) &&
+            !Found(places[k], places[i], asking)) {
           return false;
         }
       }
@@ -93,9 +101,14 @@ class Places {
   }
 
  private:
-  bool Found(int from, int place) const {
-    return std::ranges::any_of(
-        near_[from], [&](const FoundAgain* image) { return image->near_places.contains(place); });
+  bool InARow(int a, int b) const { return WereTakenInARow(index_, a, b); }
+
+  bool Found(int from, int place, const FoundAgain& asking) const {
+    return std::ranges::any_of(near_[from], [&](const FoundAgain* image) {
+      return !InARow(image->own, asking.own) &&
+             (image->near_places.contains(place) ||
+              std::ranges::any_of(image->places, [&](int p) { return InARow(p, place); }));
+    });
   }
 
   const MapIndex& index_;
@@ -107,7 +120,7 @@ std::set<int> FindLookAlikes(const MapIndex& index, const std::vector<FoundAgain
   const Places places(index, images);
   std::set<int> look_alikes;
   for (const FoundAgain& image : images) {
-    if (!places.AreOne(image.places)) look_alikes.insert(image.near.begin(), image.near.end());
+    if (!places.AreOne(image)) look_alikes.insert(image.near.begin(), image.near.end());
   }
   return look_alikes;
 }
