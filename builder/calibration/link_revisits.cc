@@ -72,27 +72,21 @@ FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
 }
 
 // Tells places that are one from those that look alike: any two that are were passed one after the
-// other, or an image near the one was found near the other; near is also what was passed just
-// before or after. Images around the one that asks don't count.
+// other, or an image near the one was found near the other.
 class Places {
  public:
   Places(const MapIndex& index, const std::vector<FoundAgain>& images)
       : index_(index), near_(index.map().keyframes.size()) {
     for (const FoundAgain& image : images) {
-      if (image.places.empty()) continue;
-      std::set<int> near = image.near;
-      for (int k = image.own; k >= 0 && InARow(k, image.own); --k) near.insert(k);
-      for (int k = image.own; k < std::ssize(near_) && InARow(k, image.own); ++k) near.insert(k);
-      for (const int keyframe : near) near_[keyframe].push_back(&image);
+      for (const int keyframe : image.near) near_[keyframe].push_back(&image);
     }
   }
 
-  bool AreOne(const FoundAgain& asking) const {
-    const std::vector<int>& places = asking.places;
+  bool AreOne(const std::vector<int>& places) const {
     for (size_t i = 0; i < places.size(); ++i) {
       for (size_t k = 0; k < i; ++k) {
-        if (!InARow(places[i], places[k]) && !Found(places[i], places[k], asking) &&
-            !Found(places[k], places[i], asking)) {
+        if (!WereTakenInARow(index_, places[i], places[k]) && !Found(places[i], places[k]) &&
+            !Found(places[k], places[i])) {
           return false;
         }
       }
@@ -101,14 +95,9 @@ class Places {
   }
 
  private:
-  bool InARow(int a, int b) const { return WereTakenInARow(index_, a, b); }
-
-  bool Found(int from, int place, const FoundAgain& asking) const {
-    return std::ranges::any_of(near_[from], [&](const FoundAgain* image) {
-      return !InARow(image->own, asking.own) &&
-             (image->near_places.contains(place) ||
-              std::ranges::any_of(image->places, [&](int p) { return InARow(p, place); }));
-    });
+  bool Found(int from, int place) const {
+    return std::ranges::any_of(
+        near_[from], [&](const FoundAgain* image) { return image->near_places.contains(place); });
   }
 
   const MapIndex& index_;
@@ -120,7 +109,7 @@ std::set<int> FindLookAlikes(const MapIndex& index, const std::vector<FoundAgain
   const Places places(index, images);
   std::set<int> look_alikes;
   for (const FoundAgain& image : images) {
-    if (!places.AreOne(image)) look_alikes.insert(image.near.begin(), image.near.end());
+    if (!places.AreOne(image.places)) look_alikes.insert(image.near.begin(), image.near.end());
   }
   return look_alikes;
 }
