@@ -29,10 +29,6 @@ constexpr double kMaxPixel = 100'000;   // of focal lengths and principal points
 constexpr double kMinFovDeg = 1;
 constexpr double kMaxFovDeg = 179;
 
-}  // namespace
-
-namespace {
-
 // Counts what is parsed, and remembers the names of the objects that are open.
 class JsonWatch {
  public:

@@ -26,7 +26,7 @@ constexpr double kProbable = 0.5;
 struct FoundAgain {
   int own = 0;
   std::vector<int> places;
-  std::vector<int> sure;      // probable enough for a link
+  std::vector<int> sure;      // probable enough for a link; also others passed just before or after
   std::set<int> near;         // own, where there are places
   std::set<int> near_places;  // any of them
 };

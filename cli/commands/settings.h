@@ -10,7 +10,7 @@
 // Options by their full names: what --set changes, and their documentation.
 namespace waystone {
 
-// Sets options, each "planes.fusion.min_votes=6"; Ranges are left to Check(). Throws
+// Sets options, each "planes.fusion.min_votes=6". Ranges are left to Check(). Throws
 // MapError(kUsage) for a name that is given twice or that no option has, with the nearest one, and
 // kBadOptions for what is no value of its type.
 void ApplySettings(const std::vector<std::string>& settings, BuildOptions& options);

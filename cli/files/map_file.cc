@@ -14,6 +14,16 @@
 #include "schema/file/map_store.h"
 
 namespace waystone {
+namespace {
+
+std::string PreviousOf(const std::filesystem::path& path) { return path.string() + ".previous"; }
+
+[[noreturn]] void RefuseFile(const std::filesystem::path& path, const std::string& cause,
+                             const std::string& wanted) {
+  throw MapError(ErrorCode::kFileUnreadable, path.string() + ": " + cause + "; expected " + wanted);
+}
+
+}  // namespace
 
 std::string MapNameOf(const std::filesystem::path& path) { return path.stem().string(); }
 
@@ -22,12 +32,6 @@ OpenMap OpenMapFile(const std::filesystem::path& path, bool images) {
   options.images = images;
   return {MapNameOf(path), MapIndex::Build(ReadMap(path, options))};
 }
-
-namespace {
-
-std::string PreviousOf(const std::filesystem::path& path) { return path.string() + ".previous"; }
-
-}  // namespace
 
 void CheckReplaceable(const std::filesystem::path& path, bool keep) {
   CheckWritable(path, {.overwrite = true});
@@ -44,15 +48,6 @@ void ReplaceMap(const MapData& map, const std::filesystem::path& path, bool keep
   }
   WriteMap(map, path, {.overwrite = true});
 }
-
-namespace {
-
-[[noreturn]] void RefuseFile(const std::filesystem::path& path, const std::string& cause,
-                             const std::string& wanted) {
-  throw MapError(ErrorCode::kFileUnreadable, path.string() + ": " + cause + "; expected " + wanted);
-}
-
-}  // namespace
 
 std::ifstream OpenText(const std::filesystem::path& path, const std::string& wanted) {
   std::error_code ignored;
