@@ -21,18 +21,23 @@ namespace {
 // show again.
 constexpr double kProbable = 0.5;
 
-// An image's own keyframe, and places outside its surroundings that show what it shows: the best
-// one and those that look as well. Keyframes are indices in the map's keyframes.
-struct FoundAgain {
-  int own = 0;
+// Places that show what an image shows: the best one, if it is sure enough for an answer, and its
+// rivals. Keyframes are indices in the map's keyframes.
+struct Alike {
   std::vector<int> places;
-  std::vector<int> sure;      // probable enough for a link; also others passed just before or after
-  std::set<int> near;         // own, where there are places
-  std::set<int> near_places;  // any of them
+  std::vector<int> sure;  // those that are sure enough, too
 };
 
-FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
-                     const PlaneQueryOptions& options) {
+// What is found again of an image outside the surroundings of its keyframe.
+struct FoundAgain {
+  int own = 0;
+  std::vector<int> neighbours;  // passed just before or after, and probable
+  Alike earlier;
+  Alike all;  // later ones, too
+};
+
+std::vector<VerifiedKeyframe> VerifyOthers(const MapIndex& index, const Features& image, int own,
+                                           const PlaneQueryOptions& options) {
   PlaneQueryOptions all = options;  // the image's own surroundings get most votes
   all.max_keyframes = static_cast<int>(index.map().keyframes.size());
   const std::set<int> surroundings = KeyframesNearThird(index, own);
@@ -47,86 +52,122 @@ FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
     }
   }
   std::ranges::stable_sort(verified, std::greater<>(), &VerifiedKeyframe::distinct);
-  std::vector<Place> places;
-  JoinKeyframes(index, image, verified, options, places);
-  FoundAgain found;
-  found.own = own;
-  for (const Place& place : places) {
-    const int keyframe = place.keyframe->keyframe;
-    if (place.probability >= kProbable && WereTakenInARow(index, own, keyframe)) {
-      found.sure.push_back(keyframe);
-    }
-  }
+  return verified;
+}
+
+Alike FindAlike(const MapIndex& index, const std::vector<Place>& places,
+                const PlaneQueryOptions& options) {
+  Alike found;
   if (places.empty() || places.front().probability < options.gates.min_probability) return found;
   std::vector<const Place*> alike = FindRivals(index, places, options);
   alike.insert(alike.begin(), &places.front());
   for (const Place* place : alike) {
     found.places.push_back(place->keyframe->keyframe);
-    found.near_places.merge(KeyframesNear(index, place->keyframe->keyframe));
     if (place->probability >= options.gates.min_probability) {
       found.sure.push_back(place->keyframe->keyframe);
     }
   }
-  found.near = KeyframesNear(index, own);
   return found;
 }
 
-// Tells places that are one from those that look alike: any two that are were passed one after the
-// other, or an image near the one was found near the other.
-class Places {
- public:
-  Places(const MapIndex& index, const std::vector<FoundAgain>& images)
-      : index_(index), near_(index.map().keyframes.size()) {
-    for (const FoundAgain& image : images) {
-      for (const int keyframe : image.near) near_[keyframe].push_back(&image);
+FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
+                     const PlaneQueryOptions& options) {
+  std::vector<VerifiedKeyframe> verified = VerifyOthers(index, image, own, options);
+  std::vector<Place> places;
+  JoinKeyframes(index, image, verified, options, places);
+  FoundAgain found;
+  found.own = own;
+  found.all = FindAlike(index, places, options);
+  for (const Place& place : places) {
+    const int keyframe = place.keyframe->keyframe;
+    if (place.probability >= kProbable && WereTakenInARow(index, own, keyframe)) {
+      found.neighbours.push_back(keyframe);
     }
   }
+  std::erase_if(verified, [&](const VerifiedKeyframe& one) { return one.keyframe > own; });
+  std::vector<Place> earlier;
+  JoinKeyframes(index, image, verified, options, earlier);
+  found.earlier = FindAlike(index, earlier, options);
+  return found;
+}
 
-  bool AreOne(const std::vector<int>& places) const {
-    for (size_t i = 0; i < places.size(); ++i) {
-      for (size_t k = 0; k < i; ++k) {
-        if (!WereTakenInARow(index_, places[i], places[k]) && !Found(places[i], places[k]) &&
-            !Found(places[k], places[i])) {
-          return false;
-        }
-      }
+// Links the keyframes of images one after the other, so that each is judged by the links of those
+// before it.
+class Linker {
+ public:
+  Linker(const MapIndex& index, const std::vector<FoundAgain>& images)
+      : index_(index), images_(images), linked_(index.map().keyframes.size()) {}
+
+  // Links of all images but of those that look like several places.
+  std::vector<KeyframeLink> Run() {
+    for (size_t i = 0; i < images_.size(); ++i) Link(i);
+    std::set<KeyframeId> look_alikes;
+    for (const FoundAgain& image : images_) {
+      if (!AreOneWithout(image)) look_alikes.insert(index_.map().keyframes[image.own].id);
     }
-    return true;
+    std::vector<KeyframeLink> links(links_.begin(), links_.end());
+    std::erase_if(links, [&](const KeyframeLink& link) {
+      return look_alikes.contains(link.a) || look_alikes.contains(link.b);
+    });
+    return links;
   }
 
  private:
-  bool Found(int from, int place) const {
-    return std::ranges::any_of(
-        near_[from], [&](const FoundAgain* image) { return image->near_places.contains(place); });
+  void Link(size_t image) {
+    const FoundAgain& found = images_[image];
+    for (const int keyframe : found.neighbours) Add(found.own, keyframe);
+    if (!AreOne(found.earlier.places)) return;
+    for (const int place : found.earlier.sure) {
+      if (IsConfirmed(image, place)) Add(found.own, place);
+    }
+  }
+
+  void Add(int own, int keyframe) {
+    const std::vector<Keyframe>& keyframes = index_.map().keyframes;
+    const auto [a, b] = std::minmax(keyframes[own].id, keyframes[keyframe].id);
+    if (!links_.insert({a, b}).second) return;
+    linked_[own].push_back(keyframe);
+    linked_[keyframe].push_back(own);
+  }
+
+  // Whether the best of the places has no rival left: others are near it, or were passed just
+  // before or after.
+  bool AreOne(const std::vector<int>& places) const {
+    if (places.size() < 2) return true;
+    const std::set<int> near = KeyframesNearThird(index_, linked_, places.front());
+    return std::ranges::all_of(places, [&](int place) {
+      return near.contains(place) || WereTakenInARow(index_, places.front(), place);
+    });
+  }
+
+  // The same of all places that an image shows, by the links of other keyframes than those near it.
+  bool AreOneWithout(const FoundAgain& image) {
+    if (image.all.places.size() < 2) return true;
+    const std::set<int> near = KeyframesNear(index_, image.own);
+    LinkedKeyframes left_out(linked_.size());
+    for (const int keyframe : near) std::swap(linked_[keyframe], left_out[keyframe]);
+    const bool are_one = AreOne(image.all.places);
+    for (const int keyframe : near) std::swap(linked_[keyframe], left_out[keyframe]);
+    return are_one;
+  }
+
+  // Whether the image before or after it was found near the place, too.
+  bool IsConfirmed(size_t image, int place) const {
+    const std::set<int> near = KeyframesNear(index_, linked_, place);
+    const auto confirms = [&](size_t other) {
+      return other < images_.size() &&
+             FollowEachOther(index_, images_[image].own, images_[other].own) &&
+             std::ranges::any_of(images_[other].earlier.sure,
+                                 [&](int found) { return near.contains(found); });
+    };
+    return confirms(image - 1) || confirms(image + 1);
   }
 
   const MapIndex& index_;
-  std::vector<std::vector<const FoundAgain*>> near_;  // images near each keyframe
+  const std::vector<FoundAgain>& images_;
+  std::set<KeyframeLink> links_;
+  LinkedKeyframes linked_;
 };
-
-// The keyframes near images that look like several places which aren't one.
-std::set<int> FindLookAlikes(const MapIndex& index, const std::vector<FoundAgain>& images) {
-  const Places places(index, images);
-  std::set<int> look_alikes;
-  for (const FoundAgain& image : images) {
-    if (!places.AreOne(image.places)) look_alikes.insert(image.near.begin(), image.near.end());
-  }
-  return look_alikes;
-}
-
-// Whether the place is one that was passed just before or after, or the image before or after was
-// found near it, too.
-bool IsConfirmed(const MapIndex& index, const std::vector<FoundAgain>& images, int image,
-                 int place) {
-  const auto confirms = [&](int other) {
-    return other >= 0 && other < std::ssize(images) &&
-           FollowEachOther(index, images[image].own, images[other].own) &&
-           std::ranges::any_of(images[other].sure,
-                               [&](int found) { return KeyframesAreNear(index, found, place); });
-  };
-  return WereTakenInARow(index, images[image].own, place) || confirms(image - 1) ||
-         confirms(image + 1);
-}
 
 }  // namespace
 
@@ -141,19 +182,9 @@ int LinkRevisits(const std::vector<SampledKeyframe>& images, const PlaneQueryOpt
     found[i] = FindAgain(*index, images[i].features, index->IndexOf(images[i].keyframe), options);
     progress.Report("links", ++done, count);
   });
-  const std::set<int> look_alikes = FindLookAlikes(*index, found);
-  std::set<KeyframeLink> links;
+  map.links = Linker(*index, found).Run();
   std::set<KeyframeId> linked;
-  for (int i = 0; i < count; ++i) {
-    if (look_alikes.contains(found[i].own)) continue;
-    for (const int place : found[i].sure) {
-      if (look_alikes.contains(place) || !IsConfirmed(*index, found, i, place)) continue;
-      const auto [a, b] = std::minmax(images[i].keyframe, map.keyframes[place].id);
-      links.insert({a, b});
-      linked.insert({a, b});
-    }
-  }
-  map.links.assign(links.begin(), links.end());
+  for (const KeyframeLink& link : map.links) linked.insert({link.a, link.b});
   return static_cast<int>(linked.size());
 }
 

@@ -78,7 +78,8 @@ class MapIndex {
   const std::vector<SeenPlane>& PlanesSeenBy(int keyframe) const { return seen_[keyframe]; }
   // The keyframes of map().planes[plane].views, in their order; indices in map().keyframes.
   const std::vector<int>& KeyframesThatSaw(int plane) const { return saw_[plane]; }
-  // The keyframes that a link joins with this one, ascending; indices in map().keyframes.
+  // The keyframes that a link joins with each one, ascending; indices in map().keyframes.
+  const std::vector<std::vector<int>>& linked() const { return linked_; }
   const std::vector<int>& LinkedTo(int keyframe) const { return linked_[keyframe]; }
   // Index in map().keyframes; the keyframe is in the map (WS_CHECK).
   int IndexOf(KeyframeId id) const;

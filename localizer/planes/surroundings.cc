@@ -89,12 +89,13 @@ class Around {
 };
 
 // The keyframes to which up to kLinksInARow links lead from any of these.
-KeyframeSet LinkedInARow(const MapIndex& index, std::vector<int> keyframes) {
+KeyframeSet LinkedInARow(const MapIndex& index, const LinkedKeyframes& links,
+                         std::vector<int> keyframes) {
   KeyframeSet linked(index);
   for (int i = 0; i < kLinksInARow; ++i) {
     std::vector<int> next;
     for (const int keyframe : keyframes) {
-      for (const int other : index.LinkedTo(keyframe)) {
+      for (const int other : links[keyframe]) {
         if (linked.Add(other)) next.push_back(other);
       }
     }
@@ -143,9 +144,13 @@ bool WereTakenInARow(const MapIndex& index, int a, int b) {
 }
 
 std::set<int> KeyframesNear(const MapIndex& index, int keyframe) {
+  return KeyframesNear(index, index.linked(), keyframe);
+}
+
+std::set<int> KeyframesNear(const MapIndex& index, const LinkedKeyframes& linked, int keyframe) {
   Around around(index);
   const KeyframeSet near = around.Of({keyframe});
-  return Union(near, around.Of(LinkedInARow(index, near.all()).all()));
+  return Union(near, around.Of(LinkedInARow(index, linked, near.all()).all()));
 }
 
 bool KeyframesAreNear(const MapIndex& index, int a, int b) {
@@ -153,9 +158,14 @@ bool KeyframesAreNear(const MapIndex& index, int a, int b) {
 }
 
 std::set<int> KeyframesNearThird(const MapIndex& index, int keyframe) {
+  return KeyframesNearThird(index, index.linked(), keyframe);
+}
+
+std::set<int> KeyframesNearThird(const MapIndex& index, const LinkedKeyframes& linked,
+                                 int keyframe) {
   Around around(index);
   const KeyframeSet near = around.Of({keyframe});
-  return Union(around.Of(near.all()), around.Of(LinkedInARow(index, near.all()).all()));
+  return Union(around.Of(near.all()), around.Of(LinkedInARow(index, linked, near.all()).all()));
 }
 
 bool PlanesAreNear(const MapIndex& index, const Plane& a, const Plane& b) {

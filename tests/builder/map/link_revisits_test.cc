@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "builder/joining/append_map.h"
 #include "tests/builder/map/stage.h"
 
 namespace waystone {
@@ -53,6 +54,22 @@ TEST(LinkRevisits, ReachesAcrossTheEndOfAStretch) {
 }
 
 TEST(LinkRevisits, OneImageOfAnotherWalkIsNoProof) { EXPECT_EQ(LinksOf(TakePhotos(false)), 0); }
+
+// Photos, and a second visit in one stretch whose images show them. Only its images are at hand.
+Photos VisitAgain(Photos photos) {
+  Photos visit = TakePhotos(true);
+  for (Keyframe& keyframe : visit.map.keyframes) keyframe.stretch = 1;
+  const auto behind = static_cast<int64_t>(photos.map.keyframes.size());
+  for (SampledKeyframe& image : visit.images) image.keyframe.value += behind;
+  AppendMap(std::move(visit.map), photos.map);
+  photos.images = std::move(visit.images);
+  return photos;
+}
+
+// Most images show several of the photos, of which none is linked with another.
+TEST(LinkRevisits, PlacesPassedOneAfterTheOtherDoNotLookAlike) {
+  EXPECT_GT(LinksOf(VisitAgain(TakePhotos(true))), LinksOf(VisitAgain(TakePhotos(false))));
+}
 
 }  // namespace
 }  // namespace waystone
