@@ -21,43 +21,48 @@ namespace {
 // show again.
 constexpr double kProbable = 0.5;
 
-// Places that show what an image shows: the best one, if it is sure enough for an answer, and its
-// rivals. Keyframes are indices in the map's keyframes.
-struct Alike {
-  std::vector<int> places;
-  std::vector<int> sure;  // those that are sure enough, too
-};
-
-// What is found again of an image outside the surroundings of its keyframe.
+// What an image shows of places that were passed earlier, and of neighbours: those that were passed
+// just before or after, in another stretch. Keyframes are indices in the map's keyframes.
 struct FoundAgain {
   int own = 0;
-  std::vector<int> neighbours;  // passed just before or after, and probable
-  Alike earlier;
-  Alike all;  // later ones, too
+  std::vector<int> neighbours;  // more likely than not
+  std::vector<int> places;      // the best one, if it is sure enough for an answer, and its rivals
+  std::vector<int> sure;        // of the places: sure enough, too
 };
 
-std::vector<VerifiedKeyframe> VerifyOthers(const MapIndex& index, const Features& image, int own,
-                                           const PlaneQueryOptions& options) {
+std::vector<VerifiedKeyframe> VerifyEarlier(const MapIndex& index, const Features& image, int own,
+                                            const PlaneQueryOptions& options) {
   PlaneQueryOptions all = options;  // the image's own surroundings get most votes
   all.max_keyframes = static_cast<int>(index.map().keyframes.size());
-  const std::set<int> surroundings = KeyframesNearThird(index, own);
+  std::set<int> known = KeyframesNearThird(index, own);  // and what is near those verified
   std::vector<VerifiedKeyframe> verified;
   int asked = 0;
   for (const ShortlistedKeyframe& candidate : VoteForPlaces(index, image, all).keyframes) {
     if (asked == options.max_keyframes) break;
-    if (surroundings.contains(candidate.keyframe)) continue;
+    if (known.contains(candidate.keyframe)) continue;
+    if (candidate.keyframe > own && !WereTakenInARow(index, own, candidate.keyframe)) continue;
     ++asked;
     if (auto one = VerifyKeyframe(index, image, candidate.keyframe, options)) {
       verified.push_back(std::move(*one));
+      known.merge(KeyframesNear(index, candidate.keyframe));
     }
   }
   std::ranges::stable_sort(verified, std::greater<>(), &VerifiedKeyframe::distinct);
   return verified;
 }
 
-Alike FindAlike(const MapIndex& index, const std::vector<Place>& places,
-                const PlaneQueryOptions& options) {
-  Alike found;
+FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
+                     const PlaneQueryOptions& options) {
+  std::vector<Place> places;
+  JoinKeyframes(index, image, VerifyEarlier(index, image, own, options), options, places);
+  FoundAgain found;
+  found.own = own;
+  for (const Place& place : places) {
+    const int keyframe = place.keyframe->keyframe;
+    if (place.probability >= kProbable && WereTakenInARow(index, own, keyframe)) {
+      found.neighbours.push_back(keyframe);
+    }
+  }
   if (places.empty() || places.front().probability < options.gates.min_probability) return found;
   std::vector<const Place*> alike = FindRivals(index, places, options);
   alike.insert(alike.begin(), &places.front());
@@ -70,54 +75,23 @@ Alike FindAlike(const MapIndex& index, const std::vector<Place>& places,
   return found;
 }
 
-FoundAgain FindAgain(const MapIndex& index, const Features& image, int own,
-                     const PlaneQueryOptions& options) {
-  std::vector<VerifiedKeyframe> verified = VerifyOthers(index, image, own, options);
-  std::vector<Place> places;
-  JoinKeyframes(index, image, verified, options, places);
-  FoundAgain found;
-  found.own = own;
-  found.all = FindAlike(index, places, options);
-  for (const Place& place : places) {
-    const int keyframe = place.keyframe->keyframe;
-    if (place.probability >= kProbable && WereTakenInARow(index, own, keyframe)) {
-      found.neighbours.push_back(keyframe);
-    }
-  }
-  std::erase_if(verified, [&](const VerifiedKeyframe& one) { return one.keyframe > own; });
-  std::vector<Place> earlier;
-  JoinKeyframes(index, image, verified, options, earlier);
-  found.earlier = FindAlike(index, earlier, options);
-  return found;
-}
-
 // Links the keyframes of images one after the other, so that each is judged by the links of those
 // before it.
 class Linker {
  public:
   Linker(const MapIndex& index, const std::vector<FoundAgain>& images)
-      : index_(index), images_(images), linked_(index.map().keyframes.size()) {}
-
-  // Links of all images but of those that look like several places.
-  std::vector<KeyframeLink> Run() {
+      : index_(index), images_(images), linked_(index.map().keyframes.size()) {
     for (size_t i = 0; i < images_.size(); ++i) Link(i);
-    std::set<KeyframeId> look_alikes;
-    for (const FoundAgain& image : images_) {
-      if (!AreOneWithout(image)) look_alikes.insert(index_.map().keyframes[image.own].id);
-    }
-    std::vector<KeyframeLink> links(links_.begin(), links_.end());
-    std::erase_if(links, [&](const KeyframeLink& link) {
-      return look_alikes.contains(link.a) || look_alikes.contains(link.b);
-    });
-    return links;
   }
+
+  const std::set<KeyframeLink>& links() const { return links_; }
 
  private:
   void Link(size_t image) {
     const FoundAgain& found = images_[image];
     for (const int keyframe : found.neighbours) Add(found.own, keyframe);
-    if (!AreOne(found.earlier.places)) return;
-    for (const int place : found.earlier.sure) {
+    if (!AreOne(found.places)) return;
+    for (const int place : found.sure) {
       if (IsConfirmed(image, place)) Add(found.own, place);
     }
   }
@@ -130,35 +104,22 @@ class Linker {
     linked_[keyframe].push_back(own);
   }
 
-  // Whether the best of the places has no rival left: others are near it, or were passed just
-  // before or after.
+  // Whether the best of the places has no rival left.
   bool AreOne(const std::vector<int>& places) const {
     if (places.size() < 2) return true;
     const std::set<int> near = KeyframesNearThird(index_, linked_, places.front());
-    return std::ranges::all_of(places, [&](int place) {
-      return near.contains(place) || WereTakenInARow(index_, places.front(), place);
-    });
+    return std::ranges::all_of(places, [&](int place) { return near.contains(place); });
   }
 
-  // The same of all places that an image shows, by the links of other keyframes than those near it.
-  bool AreOneWithout(const FoundAgain& image) {
-    if (image.all.places.size() < 2) return true;
-    const std::set<int> near = KeyframesNear(index_, image.own);
-    LinkedKeyframes left_out(linked_.size());
-    for (const int keyframe : near) std::swap(linked_[keyframe], left_out[keyframe]);
-    const bool are_one = AreOne(image.all.places);
-    for (const int keyframe : near) std::swap(linked_[keyframe], left_out[keyframe]);
-    return are_one;
-  }
-
-  // Whether the image before or after it was found near the place, too.
+  // Whether the image before or after it was found near the place, too, or just before or after it.
   bool IsConfirmed(size_t image, int place) const {
     const std::set<int> near = KeyframesNear(index_, linked_, place);
     const auto confirms = [&](size_t other) {
       return other < images_.size() &&
-             FollowEachOther(index_, images_[image].own, images_[other].own) &&
-             std::ranges::any_of(images_[other].earlier.sure,
-                                 [&](int found) { return near.contains(found); });
+             WereTakenInARow(index_, images_[image].own, images_[other].own) &&
+             std::ranges::any_of(images_[other].sure, [&](int found) {
+               return near.contains(found) || WereTakenInARow(index_, place, found);
+             });
     };
     return confirms(image - 1) || confirms(image + 1);
   }
@@ -182,7 +143,8 @@ int LinkRevisits(const std::vector<SampledKeyframe>& images, const PlaneQueryOpt
     found[i] = FindAgain(*index, images[i].features, index->IndexOf(images[i].keyframe), options);
     progress.Report("links", ++done, count);
   });
-  map.links = Linker(*index, found).Run();
+  const Linker linker(*index, found);
+  map.links.assign(linker.links().begin(), linker.links().end());
   std::set<KeyframeId> linked;
   for (const KeyframeLink& link : map.links) linked.insert({link.a, link.b});
   return static_cast<int>(linked.size());

@@ -7,14 +7,17 @@ MapData CopyPlanes(const MapData& map) {
   MapData part;
   part.info = map.info;
   part.sequences = map.sequences;
-  part.keyframes = map.keyframes;
   part.planes = map.planes;
   part.edges = map.edges;
   part.links = map.links;
   part.index = map.index;
   part.verdict = map.verdict;
   part.poses = map.poses;
-  for (Keyframe& keyframe : part.keyframes) keyframe.jpeg.clear();
+  part.keyframes.reserve(map.keyframes.size());
+  for (const Keyframe& keyframe : map.keyframes) {
+    part.keyframes.push_back(keyframe);
+    part.keyframes.back().jpeg = std::vector<uint8_t>();  // frees it, unlike clear()
+  }
   return part;
 }
 
@@ -24,7 +27,7 @@ MapData CopyPanoramas(const MapData& map) {
   part.sequences = map.sequences;
   part.appearance = map.appearance;
   part.poses = map.poses;
-  for (AppearanceNode& node : part.appearance->nodes) node.jpeg.clear();
+  for (AppearanceNode& node : part.appearance->nodes) node.jpeg = std::vector<uint8_t>();
   return part;
 }
 

@@ -45,8 +45,8 @@ std::optional<Features> FeaturesOfPicture(const Keyframe& keyframe, const Featur
   Features features = ExtractFeatures(picture, options);
   const float scale = static_cast<float>(keyframe.width) / static_cast<float>(picture.cols);
   for (Keypoint& keypoint : features.keypoints) {
-    keypoint.x_px *= scale;
-    keypoint.y_px *= scale;
+    keypoint.x_px = scale * (keypoint.x_px + 0.5f) - 0.5f;
+    keypoint.y_px = scale * (keypoint.y_px + 0.5f) - 0.5f;
     keypoint.scale_px *= scale;
   }
   features.width = features.image_width = keyframe.width;

@@ -26,8 +26,9 @@ class PlanePositions {
   void Add(const Plane& plane, const PlaneView& view) {
     const Eigen::Matrix3d keyframe_from_reference = view.reference_from_keyframe.inverse();
     for (const PlaneFeature& feature : plane.features) {
-      const Vector2d x = Apply(keyframe_from_reference, PositionOf(feature.reference));
-      if (x.allFinite()) positions_.push_back(x);
+      const Vector2d reference = PositionOf(feature.reference);
+      const Vector2d x = Apply(keyframe_from_reference, reference);
+      if (x.allFinite() && IsInFront(keyframe_from_reference, reference)) positions_.push_back(x);
     }
   }
   bool Near(const Vector2d& x) const {

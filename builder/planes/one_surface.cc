@@ -20,6 +20,10 @@ using Eigen::Vector2d;
 
 constexpr size_t kFewestFeatures = 5;  // of a plane for their median to count
 
+// Views of both planes that are compared in pairs, spread over all: a camera that stands still sees
+// the same two planes thousands of times.
+constexpr size_t kMostViews = 20;
+
 // What two planes are in a keyframe that saw both.
 struct SharedView {
   const Keyframe* keyframe;
@@ -41,7 +45,12 @@ std::vector<SharedView> ViewsOfBoth(const Plane& m, const Plane& n,
                       of_n->reference_from_keyframe.inverse(), of_m.reference_from_keyframe,
                       of_n->reference_from_keyframe});
   }
-  return shared;
+  if (shared.size() <= kMostViews) return shared;
+  std::vector<SharedView> spread;
+  for (size_t i = 0; i < kMostViews; ++i) {
+    spread.push_back(shared[i * (shared.size() - 1) / (kMostViews - 1)]);
+  }
+  return spread;
 }
 
 bool IsIn(const Keyframe& keyframe, const Vector2d& x) {

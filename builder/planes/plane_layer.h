@@ -37,7 +37,7 @@ struct PlaneReport : FrameReport {
   int planes_fused = 0;      // by eq. (6)
   int planes_dropped = 0;    // too few features left after the votes
   int features_dropped = 0;  // by the votes
-  int keyframes_linked = 0;  // with those of other visits, by BuildMap (LinkRevisits)
+  int keyframes_linked = 0;  // with others of the same place, by BuildMap (LinkRevisits)
   double choose_s = 0;       // choice of keyframes
   double fusion_s = 0;
   double calibrate_s = 0;  // of the verdict, by BuildMap

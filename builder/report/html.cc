@@ -137,7 +137,7 @@ std::string CountsTable(const MapData& map, const SurfaceGraph& graph, const Pla
          Row("planes rejected by the homology test", report.planes_rejected) +
          Row("planes merged by the homology test", report.planes_merged) +
          Row("planes fused", report.planes_fused) + Row("planes dropped", report.planes_dropped) +
-         Row("keyframes linked with those of other visits", report.keyframes_linked) +
+         Row("keyframes linked with others of the same place", report.keyframes_linked) +
          Row("<b>planes</b>", map.planes.size()) + Row("<b>surfaces</b>", graph.surfaces.size()) +
          Row("<b>edges</b>", map.edges.size()) + Row("<b>features</b>", features) +
          Row("features dropped", report.features_dropped) +

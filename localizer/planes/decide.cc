@@ -265,8 +265,10 @@ std::vector<const Place*> FindRivals(const MapIndex& index, const std::vector<Pl
       if (!HaveNearPlanes(index, places[0], place)) rivals.push_back(&place);
       continue;
     }
+    const int keyframe = place.keyframe->keyframe;
+    if (WereTakenInARow(index, places[0].keyframe->keyframe, keyframe)) continue;
     if (!near) near = KeyframesNearThird(index, places[0].keyframe->keyframe);
-    if (!near->contains(place.keyframe->keyframe)) rivals.push_back(&place);
+    if (!near->contains(keyframe)) rivals.push_back(&place);
   }
   return rivals;
 }

@@ -40,7 +40,8 @@ std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedP
 
 // The places that look as well as the first one, the best, and aren't near it: an answer that has
 // any is ambiguous. Two places are near if a keyframe is near the verified keyframes of both
-// (KeyframesNearThird), or where a place has none, if planes of both are.
+// (KeyframesNearThird), or if these were taken in a row (WereTakenInARow), or where a place has
+// none, if planes of both are near.
 std::vector<const Place*> FindRivals(const MapIndex& index, const std::vector<Place>& places,
                                      const PlaneQueryOptions& options);
 

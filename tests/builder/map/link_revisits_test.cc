@@ -55,10 +55,9 @@ TEST(LinkRevisits, ReachesAcrossTheEndOfAStretch) {
 
 TEST(LinkRevisits, OneImageOfAnotherWalkIsNoProof) { EXPECT_EQ(LinksOf(TakePhotos(false)), 0); }
 
-// Photos, and a second visit in one stretch whose images show them. Only its images are at hand.
+// Photos, and a second visit whose images show them. Only its images are at hand.
 Photos VisitAgain(Photos photos) {
   Photos visit = TakePhotos(true);
-  for (Keyframe& keyframe : visit.map.keyframes) keyframe.stretch = 1;
   const auto behind = static_cast<int64_t>(photos.map.keyframes.size());
   for (SampledKeyframe& image : visit.images) image.keyframe.value += behind;
   AppendMap(std::move(visit.map), photos.map);
@@ -66,9 +65,9 @@ Photos VisitAgain(Photos photos) {
   return photos;
 }
 
-// Most images show several of the photos, of which none is linked with another.
-TEST(LinkRevisits, PlacesPassedOneAfterTheOtherDoNotLookAlike) {
-  EXPECT_GT(LinksOf(VisitAgain(TakePhotos(true))), LinksOf(VisitAgain(TakePhotos(false))));
+// The images before and after were found just before and after.
+TEST(LinkRevisits, PhotosInARowConfirmEachOther) {
+  EXPECT_GT(LinksOf(VisitAgain(TakePhotos(true))), 0);
 }
 
 }  // namespace

@@ -134,6 +134,28 @@ TEST(GroupPlaces, PlanesOfOneSurroundingMakeOnePlace) {
   EXPECT_TRUE(FindRivals(*index, one, {}).empty());
 }
 
+TEST(FindRivals, NotAPlaceThatWasPassedJustBeforeOrAfter) {
+  MapData map = MadeMap();
+  for (size_t k = 0; k < map.keyframes.size(); ++k) {
+    map.keyframes[k].stretch = static_cast<int>(k);
+  }
+  const auto rivals = [&](int a, int b) {
+    std::vector<Place> places(2);
+    for (int i = 0; i < 2; ++i) {
+      places[i].keyframe.emplace().keyframe = i == 0 ? a : b;
+      places[i].keyframe->distinct = 40;
+      places[i].probability = 0.95;
+    }
+    return FindRivals(*MapIndex::Build(map), places, {}).size();
+  };
+  EXPECT_EQ(rivals(0, 4), 0u);
+  EXPECT_EQ(rivals(0, 5), 1u);
+  map.sequences.push_back(map.sequences.front());
+  map.sequences.back().id.value = 2;
+  for (size_t k = 4; k < map.keyframes.size(); ++k) map.keyframes[k].sequence.value = 2;
+  EXPECT_EQ(rivals(0, 4), 1u);
+}
+
 // Where planes overlap, as a plane and the one with a newer reference image do.
 TEST(GroupPlaces, AFeatureThatTwoPlanesHaveCountsOnce) {
   const MapData map = MadeMap();
