@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <sstream>
 #include <unordered_map>
 
@@ -142,10 +143,19 @@ void AddPlaceName(const NamedPlaces& names, const std::string* name, Json& prope
   if (!names.empty()) properties["place"] = name ? Json(*name) : Json(nullptr);
 }
 
-std::string CollectionText(const std::string& frame_name, const std::string& unit, Json features) {
-  const Json frame = {{"name", frame_name},
-                      {"unit", unit},
-                      {"note", "coordinates are x and y of the map's own frame, not degrees"}};
+// `view` is given where positions have three coordinates.
+std::string CollectionText(const std::string& frame_name, const std::string& unit,
+                           const std::optional<Horizontal>& view, Json features) {
+  Json frame = {{"name", frame_name}, {"unit", unit}};
+  if (view) {
+    frame["right"] = {view->right.x(), view->right.y(), view->right.z()};
+    frame["top"] = {view->top.x(), view->top.y(), view->top.z()};
+    frame["note"] =
+        "coordinates are along 'right' and 'top', directions in the map's own frame, "
+        "not degrees";
+  } else {
+    frame["note"] = "coordinates are x and y of the map's own frame, not degrees";
+  }
   const Json json = {
       {"type", "FeatureCollection"}, {"frame", frame}, {"features", std::move(features)}};
   return Dump(json) + "\n";
@@ -179,7 +189,7 @@ std::string KeyframesGeoJson(const MapData& map, const PoseLayer& layer) {
   AddKeyframes(map, layer, features);
   AddPlaces(map, 1, features);
   return CollectionText(layer.frame, layer.unit == LengthUnit::kMetres ? "m" : "unit",
-                        std::move(features));
+                        HorizontalOf(layer), std::move(features));
 }
 
 std::string GeoJson(const PoseGraph& graph) {
@@ -209,7 +219,8 @@ std::string GeoJson(const PoseGraph& graph) {
   const bool in_given_frame = IsInGivenFrame(graph.map);
   if (in_given_frame) AddKeyframes(graph.map, *graph.map.poses, features);
   if (in_given_frame || !graph.map.poses) AddPlaces(graph.map, graph.scale, features);
-  return CollectionText(in_given_frame ? graph.map.poses->frame : "layer", graph.unit,
+  if (!in_given_frame) return CollectionText("layer", graph.unit, {}, std::move(features));
+  return CollectionText(graph.map.poses->frame, graph.unit, HorizontalOf(*graph.map.poses),
                         std::move(features));
 }
 

@@ -3,6 +3,7 @@
 
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -166,7 +167,8 @@ BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
   const Clock::time_point start = Clock::now();
   cv::setNumThreads(1);  // frames are what runs in parallel
   ThrowOpenCvErrors();
-  tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : options.threads);
+  const int most = tbb::this_task_arena::max_concurrency();  // of more, TBB warns on its own
+  tbb::task_arena arena(options.threads == 0 ? most : std::min(options.threads, most));
   return arena.execute([&] {
     BuildResult result = MapBuilder(options, progress, poses, features)
                              .Build(AssignSources(sources, options.layers));

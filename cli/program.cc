@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <string>
@@ -161,6 +162,10 @@ int RunCommand(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return Fail("out of memory; end other programs, or use a machine with more memory",
                 ErrorCode::kOutOfMemory);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return Fail("'" + error.path1().string() + "' can't be used: " + error.code().message() +
+                    "; check the path and its permissions",
+                ErrorCode::kFileUnreadable);
   } catch (const std::exception& error) {
     return FailUnexpectedly(error.what());
   }

@@ -89,8 +89,8 @@ void MakeFolder(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);
   if (error) {
-    throw MapError(ErrorCode::kFileUnwritable,
-                   "cannot make the folder " + path.string() + ": " + error.message());
+    throw MapError(ErrorCode::kFileUnwritable, "cannot make the folder " + path.string() + ": " +
+                                                   error.message() + "; write to another one");
   }
 }
 

@@ -9,6 +9,7 @@
 #include "cli/output/printable_output.h"
 #include "cli/output/progress.h"
 #include "cli/system/signals.h"
+#include "core/base/text.h"
 
 namespace waystone {
 namespace {
@@ -96,7 +97,7 @@ std::vector<std::unique_ptr<Source>> OpenSources(const SourceFlags& flags,
   for (const std::string& path : flags.paths) {
     sources.push_back(OpenSource(path, options));
     if (quiet) continue;
-    std::cerr << path << ": " << sources.back()->Announcement()
+    std::cerr << Printable(path) << ": " << sources.back()->Announcement()
               << LayerText(*sources.back(), layers) << '\n';
   }
   return sources;

@@ -57,7 +57,11 @@ Eigen::Vector2d PositionOfKeyframe(const MapData& map, int64_t id) {
 
 Eigen::Vector2d PositionOfNode(const MapData& map, int64_t id) {
   if (map.poses) {
-    RefuseFlag("--anchor: panoramas are not in the frame of the map's poses; give keyframe:ID");
+    const NodePose* pose = map.poses->Find(AppearanceNodeId{id});
+    if (pose) return HorizontalOf(*map.poses).Of(pose->position);
+    throw MapError(ErrorCode::kNotFound,
+                   "--anchor: the map has no panorama " + std::to_string(id) +
+                       " with a pose; choose another one, give keyframe:ID, or x and y");
   }
   const std::vector<AppearanceNode>& nodes = map.appearance->nodes;
   const auto found = std::ranges::find(nodes, AppearanceNodeId{id}, &AppearanceNode::id);

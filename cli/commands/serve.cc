@@ -60,7 +60,7 @@ void Announce(const HttpServer& server, const std::vector<std::string>& names, b
 }
 
 void Report(const ServedFiles::Change& change) {
-  WriteError("map " + change.name + ": " + change.message);
+  WriteError((change.name.empty() ? "" : "map " + change.name + ": ") + change.message);
 }
 
 void Refresh(ServedFiles& files, MapCatalog& catalog, Application& application, bool all) {

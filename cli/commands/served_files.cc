@@ -23,7 +23,7 @@ constexpr const char* kExtension = ".db";
 // Nothing is thrown for an entry that can't be looked at: opening it says what is wrong.
 std::vector<fs::path> ListFiles(const fs::path& path) {
   std::error_code ignored;
-  if (!fs::is_directory(path, ignored)) return {path};
+  if (!fs::is_directory(fs::status(path))) return {path};  // throws where it can't be told
   std::vector<fs::path> files;
   for (const std::string& name : FolderEntries(path)) {
     const fs::path file = path / name;
@@ -46,10 +46,22 @@ constexpr uint64_t kNoInode = 0;
 
 }  // namespace
 
-std::map<std::string, ServedFiles::Stamp> ServedFiles::Scan() const {
-  std::map<std::string, Stamp> found;
+ServedFiles::Scanned ServedFiles::Scan() const {
+  Scanned scanned;
+  std::map<std::string, Stamp>& found = scanned.found;
   for (const fs::path& path : paths_) {
-    for (const fs::path& file : ListFiles(path)) {
+    std::vector<fs::path> files;
+    try {
+      files = ListFiles(path);
+    } catch (const fs::filesystem_error& error) {
+      scanned.problems.emplace_back(ErrorCode::kFileUnreadable,
+                                    "'" + path.string() + "' can't be read: " +
+                                        error.code().message() + "; check its permissions");
+      for (const auto& [name, stamp] : known_) {  // served on
+        if (stamp.path.parent_path() == path) found.emplace(name, stamp);
+      }
+    }
+    for (const fs::path& file : files) {
       struct stat status = {};
       std::error_code error;
       Stamp stamp{file, fs::last_write_time(file, error), 0, 0};
@@ -58,14 +70,16 @@ std::map<std::string, ServedFiles::Stamp> ServedFiles::Scan() const {
         stamp.inode = status.st_ino;
       }
       const auto [it, is_new] = found.emplace(MapNameOf(file), stamp);
-      if (!is_new && it->second.path != file) {
-        throw MapError(ErrorCode::kUsage, it->second.path.string() + " and " + file.string() +
-                                              " have the same name; maps are named after their "
-                                              "files, so rename one");
-      }
+      if (is_new || it->second.path == file) continue;
+      scanned.problems.emplace_back(ErrorCode::kUsage,
+                                    it->second.path.string() + " and " + file.string() +
+                                        " have the same name; maps are named after their files, "
+                                        "so rename one");
+      const auto known = known_.find(it->first);
+      if (known != known_.end() && known->second.path == file) it->second = stamp;
     }
   }
-  return found;
+  return scanned;
 }
 
 bool ServedFiles::IsGiven(const fs::path& file) const {
@@ -74,7 +88,9 @@ bool ServedFiles::IsGiven(const fs::path& file) const {
 
 ServedFiles::Opened ServedFiles::OpenAll() {
   Opened opened;
-  known_ = Scan();
+  Scanned scanned = Scan();
+  if (!scanned.problems.empty()) throw MapError(scanned.problems.front());
+  known_ = std::move(scanned.found);
   std::exception_ptr first;
   for (auto& [name, stamp] : known_) {
     try {
@@ -115,14 +131,13 @@ ServedFiles::Change ServedFiles::Reload(MapCatalog& catalog, const std::string& 
 
 std::vector<ServedFiles::Change> ServedFiles::Refresh(MapCatalog& catalog, bool all) {
   std::vector<Change> changes;
-  std::map<std::string, Stamp> found;
-  try {
-    found = Scan();
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& error) {  // a folder that is gone, or two maps of one name
-    return {{"", error.what(), false}};
+  auto [found, problems] = Scan();
+  std::set<std::string> said;
+  for (const MapError& problem : problems) {
+    said.insert(problem.what());
+    if (!said_.contains(problem.what())) changes.push_back({"", problem.what(), false});
   }
+  said_ = std::move(said);
   for (auto& [name, stamp] : found) {
     const auto before = known_.find(name);
     if (!all && before != known_.end() && before->second == stamp) continue;

@@ -5,9 +5,11 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "core/base/error.h"
 #include "server/service/map_catalog.h"
 
 namespace waystone {
@@ -18,9 +20,9 @@ class ServedFiles {
  public:
   explicit ServedFiles(std::vector<std::filesystem::path> paths) : paths_(std::move(paths)) {}
 
-  // What became of one file.
+  // What became of one file, or what is wrong with several.
   struct Change {
-    std::string name;
+    std::string name;     // of the map; empty for several
     std::string message;  // for people; with the cause when the map was refused
     bool good = true;     // the map was swapped, added or taken away
     bool retry = false;   // there was no memory for it: the next Refresh looks at it again
@@ -30,13 +32,16 @@ class ServedFiles {
     std::vector<Change> refused;  // files of folders that can't be read; the others are served
   };
   // Reads all maps. Throws as ReadMap does for a file that was given by its name, and where no file
-  // can be read; MapError(kUsage) for two of one name and for none.
+  // can be read; MapError(kUsage) for two of one name and for none, and MapError(kFileUnreadable)
+  // for a folder that can't be read.
   Opened OpenAll();
 
   // Looks which files are new, gone or changed (all that are there with `all`), and puts each new
   // map into the catalog once it is whole. One that can't be read is refused: the map before it is
   // served on, and the file is looked at again when it changes once more, or the next time where
-  // memory ran out. Throws std::bad_alloc; the next Refresh does what this one left.
+  // memory ran out. Of two files of one name the one that is served stays, and the maps of a folder
+  // that can't be read are served on; either is said once. Throws std::bad_alloc; the next Refresh
+  // does what this one left.
   std::vector<Change> Refresh(MapCatalog& catalog, bool all);
 
  private:
@@ -48,13 +53,18 @@ class ServedFiles {
     uint64_t inode = 0;
     bool operator==(const Stamp&) const = default;
   };
-  std::map<std::string, Stamp> Scan() const;              // by the maps' names
+  struct Scanned {
+    std::map<std::string, Stamp> found;  // by the maps' names
+    std::vector<MapError> problems;
+  };
+  Scanned Scan() const;
   bool IsGiven(const std::filesystem::path& file) const;  // by its own name
   static Change Reload(MapCatalog& catalog, const std::string& name,
                        const std::filesystem::path& file);
 
   std::vector<std::filesystem::path> paths_;
   std::map<std::string, Stamp> known_;
+  std::set<std::string> said_;  // problems that the last Refresh met
 };
 
 }  // namespace waystone

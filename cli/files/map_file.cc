@@ -42,8 +42,12 @@ void ReplaceMap(const MapData& map, const std::filesystem::path& path, bool keep
   CheckReplaceable(path, keep);
   if (keep) {
     FileReplacer previous(PreviousOf(path), true);
-    std::filesystem::copy_file(path, previous.temporary(),
-                               std::filesystem::copy_options::overwrite_existing);
+    try {
+      std::filesystem::copy_file(path, previous.temporary(),
+                                 std::filesystem::copy_options::overwrite_existing);
+    } catch (const std::filesystem::filesystem_error& error) {
+      throw UnwritableError(PreviousOf(path), error.code().message(), 0);
+    }
     previous.Commit();
   }
   WriteMap(map, path, {.overwrite = true});

@@ -296,8 +296,9 @@ std::vector<MapProblem> FindUnusedPages(OpenedMap& map) {
     if (map.header.claimed_bytes > kLockByte) --unused;
   });
   if (unused > 0) {
-    problems.push_back({"file", "has " + std::to_string(unused) +
-                                    " unused pages; run `sqlite3 FILE VACUUM` on it"});
+    problems.push_back(
+        {"file", "has " + std::to_string(unused) +
+                     " unused pages; run `sqlite3 FILE 'PRAGMA auto_vacuum = 0; VACUUM'` on it"});
   }
   return problems;
 }

@@ -177,7 +177,8 @@ MapError UnwritableError(const fs::path& path, const std::string& cause, int64_t
   std::error_code error;
   const fs::space_info space = fs::space(FolderOf(path), error);
   if (!error) message += ", " + Megabytes(space.available) + " free";
-  return {ErrorCode::kFileUnwritable, message + "; free up space or write to another folder"};
+  return {ErrorCode::kFileUnwritable,
+          message + "; free up space, check the permissions, or write to another folder"};
 }
 
 FileReplacer::FileReplacer(const fs::path& target, bool overwrite)

@@ -3,6 +3,7 @@
 #include "cli/commands/served_files.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -72,6 +73,57 @@ TEST_F(ServedFilesTest, BadFilesAreNamedOnReloadAndTheOthersExchanged) {
   ASSERT_EQ(changes.size(), 1U);
   EXPECT_NE(changes[0].message.find("still serving"), std::string::npos) << changes[0].message;
   EXPECT_TRUE(catalog.Now()->contains("good"));
+}
+
+TEST_F(ServedFilesTest, AFolderThatCantBeReadKeepsTheOthersServed) {
+  fs::create_directory(folder_ / "a");
+  fs::create_directory(folder_ / "b");
+  WriteGood("a/one.db");
+  WriteGood("b/two.db");
+  ServedFiles files({folder_ / "a", folder_ / "b"});
+  MapCatalog catalog(files.OpenAll().maps);
+  WriteGood("b/three.db");
+  fs::permissions(folder_, fs::perms::all);
+  fs::permissions(folder_ / "b", fs::perms::all);
+  fs::permissions(folder_ / "b/three.db", fs::perms::all);
+  fs::permissions(folder_ / "a", fs::perms::none);
+  constexpr uid_t kNobody = 65534;
+  const bool root = geteuid() == 0;
+  if (root) {
+    ASSERT_EQ(seteuid(kNobody), 0);
+  }
+  const std::vector<ServedFiles::Change> changes = files.Refresh(catalog, false);
+  const std::vector<ServedFiles::Change> again = files.Refresh(catalog, false);
+  if (root) {
+    ASSERT_EQ(seteuid(0), 0);
+  }
+  fs::permissions(folder_ / "a", fs::perms::owner_all);
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_EQ(changes[0].name, "");
+  EXPECT_NE(changes[0].message.find("a' can't be read: Permission denied; check"),
+            std::string::npos)
+      << changes[0].message;
+  EXPECT_EQ(changes[1].name, "three");
+  EXPECT_TRUE(changes[1].good) << changes[1].message;
+  EXPECT_TRUE(again.empty()) << "said once";
+  EXPECT_EQ(catalog.Now()->size(), 3U);
+  EXPECT_TRUE(files.Refresh(catalog, false).empty());
+}
+
+TEST_F(ServedFilesTest, OfTwoFilesOfOneNameTheServedOneStays) {
+  fs::create_directory(folder_ / "a");
+  fs::create_directory(folder_ / "b");
+  WriteGood("b/one.db");
+  ServedFiles files({folder_ / "a", folder_ / "b"});
+  MapCatalog catalog(files.OpenAll().maps);
+  fs::copy(folder_ / "b/one.db", folder_ / "a/one.db");
+  WriteGood("b/two.db");
+  const std::vector<ServedFiles::Change> changes = files.Refresh(catalog, false);
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_NE(changes[0].message.find("have the same name"), std::string::npos);
+  EXPECT_EQ(changes[1].name, "two");
+  EXPECT_TRUE(files.Refresh(catalog, false).empty()) << "said once";
+  EXPECT_THROW(ServedFiles({folder_ / "a", folder_ / "b"}).OpenAll(), MapError);
 }
 
 TEST_F(ServedFilesTest, AFileThatWasNamedMustBeGood) {

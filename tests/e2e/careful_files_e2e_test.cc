@@ -72,6 +72,22 @@ TEST_F(CarefulFiles, JoinedMapsAreNotReplaced) {
   }
 }
 
+TEST_F(CarefulFiles, APathThatCantBeFollowedIsNamed) {
+  const fs::path loop = folder_ / "loop";
+  fs::create_symlink("loop", loop);
+  ExpectKept({"eval", map_, loop}, map_, "loop' can't be used: Too many levels of symbolic links");
+  ExpectKept({"unwrap", loop, "-o", folder_ / "out"}, map_, "loop");
+}
+
+TEST_F(CarefulFiles, MoreThreadsThanCoresAreNoMatter) {
+  fs::create_directory(folder_ / "photos");
+  fs::copy_file(TheMap().inside, folder_ / "photos" / TheMap().inside.filename());
+  const RunResult built = RunWaystone(
+      {"build", folder_ / "photos", "-o", folder_ / "photos.db", "--threads", "64", "--quiet"});
+  EXPECT_EQ(built.code, 0);
+  EXPECT_EQ(built.err, "");
+}
+
 TEST_F(CarefulFiles, UnwrappingReplacesNoImage) {
   const fs::path first = Photo("d/000.png"), second = Photo("d/000_panorama.png");
   ExpectKept({"unwrap", first, second, "-o", folder_ / "d"}, second, "an image that is unwrapped");

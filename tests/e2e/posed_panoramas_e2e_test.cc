@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
 
@@ -96,6 +97,14 @@ TEST_F(PosedPanoramaMap, IsBuiltAskedExportedAndEvaluated) {
   EXPECT_EQ(geojson["frame"]["name"], "hall");
   EXPECT_EQ(geojson["frame"]["unit"], "m");
   EXPECT_EQ(geojson["features"][0]["geometry"]["coordinates"], Json({5.6, 10.5}));
+  EXPECT_EQ(geojson["frame"]["right"], Json({1.0, 0.0, 0.0}));
+  EXPECT_EQ(geojson["frame"]["top"], Json({0.0, 1.0, 0.0}));
+
+  const fs::path plan = folder_ / "plan.png";
+  ASSERT_TRUE(cv::imwrite(plan.string(), cv::Mat(200, 300, CV_8UC1, cv::Scalar(255))));
+  const RunResult anchored = RunWaystone({"plan", map, plan, "--anchor", "20,30=node:1", "--anchor",
+                                          "20,130=node:" + std::to_string(kPanoramas)});
+  EXPECT_EQ(anchored.code, 0) << anchored.err;
 
   // Poses of the queries, in the same frame.
   std::ofstream queries(folder_ / "queries.csv");
