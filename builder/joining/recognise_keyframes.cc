@@ -43,16 +43,19 @@ const Answer* AnswerToImage(const Keyframe& keyframe, const AskedMap& map,
 
 using Found = std::vector<std::optional<RecognisedKeyframe>>;  // by the asking keyframes
 
-// Only those whose neighbour was found near the same place.
+// Only those whose neighbour was found near the same place, or just before or after it.
 std::vector<RecognisedKeyframe> Supported(const MapIndex& index,
                                           const std::vector<Keyframe>& keyframes,
                                           const Found& found) {
   // Whether a keyframe and the next one were found near the same place.
   const auto agree = [&](size_t k) {
-    return k + 1 < keyframes.size() && keyframes[k].sequence == keyframes[k + 1].sequence &&
-           found[k] && found[k + 1] &&
-           KeyframesAreNear(index, static_cast<int>(found[k]->found),
-                            static_cast<int>(found[k + 1]->found));
+    if (k + 1 >= keyframes.size() || keyframes[k].sequence != keyframes[k + 1].sequence ||
+        !found[k] || !found[k + 1]) {
+      return false;
+    }
+    const auto one = static_cast<int>(found[k]->found);
+    const auto next = static_cast<int>(found[k + 1]->found);
+    return WereTakenInARow(index, one, next) || KeyframesAreNear(index, one, next);
   };
   std::vector<RecognisedKeyframe> supported;
   bool with_last = false;

@@ -38,8 +38,8 @@ AskedMap AskMap(const MapData& map, const MapData& walk, const std::vector<WalkI
 // where that is among `images`, which the map was asked for, or is by its stored picture
 // (FeaturesOfPicture), which is described once for all maps. So that no single mistake ties two
 // buildings together, an answer counts only where the keyframe before or after it in its sequence
-// was localized near the same place (KeyframesAreNear). By the maps, in the order of the keyframes;
-// the same on any number of threads.
+// was localized near the same place (KeyframesAreNear), or just before or after it
+// (WereTakenInARow). By the maps, in the order of the keyframes; the same on any number of threads.
 std::vector<std::vector<RecognisedKeyframe>> RecogniseKeyframes(
     const std::vector<const AskedMap*>& maps, const MapData& other,
     const std::vector<WalkImage>& images, const FeatureOptions& options);

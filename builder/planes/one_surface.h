@@ -13,8 +13,8 @@ namespace waystone {
 // `max_apart_px` (the median over a plane's features that both keyframes show, in their pixels).
 // This is the homology test of sec. II-B (the identity: one and the same plane) over all pairs of
 // keyframes instead of two consecutive ones, of which the widest decides: parts of one wall stay
-// together however far the camera moves. Of more than twenty keyframes, twenty are compared that are
-// spread over all. False where no two keyframes show enough features of both.
+// together however far the camera moves. Of more than twenty keyframes, twenty are compared that
+// are spread over all. False where no two keyframes show enough features of both.
 bool LieOnOneSurface(const Plane& m, const Plane& n, const std::vector<Keyframe>& keyframes,
                      double max_apart_px);
 

@@ -56,6 +56,9 @@ Eigen::Vector2d PositionOfKeyframe(const MapData& map, int64_t id) {
 }
 
 Eigen::Vector2d PositionOfNode(const MapData& map, int64_t id) {
+  if (map.poses && map.poses->nodes.empty()) {
+    RefuseFlag("--anchor: panoramas are not in the frame of the map's poses; give keyframe:ID");
+  }
   if (map.poses) {
     const NodePose* pose = map.poses->Find(AppearanceNodeId{id});
     if (pose) return HorizontalOf(*map.poses).Of(pose->position);

@@ -232,7 +232,8 @@ void PlanesLines(std::ostream& out, const PlaneReport& report) {
   Line(out, "planes", PlanesText(report));
   if (report.keyframes_linked > 0) {
     Line(out, "revisits",
-         std::to_string(report.keyframes_linked) + " keyframes linked with others of the same place");
+         std::to_string(report.keyframes_linked) +
+             " keyframes linked with others of the same place");
   }
   OwnImagesLines(out, report.own);
   Line(out, "seconds",
