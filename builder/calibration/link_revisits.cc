@@ -121,7 +121,7 @@ class Linker {
                return near.contains(found) || WereTakenInARow(index_, place, found);
              });
     };
-    return confirms(image - 1) || confirms(image + 1);
+    return (image > 0 && confirms(image - 1)) || confirms(image + 1);
   }
 
   const MapIndex& index_;

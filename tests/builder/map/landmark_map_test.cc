@@ -170,9 +170,9 @@ std::vector<cv::Mat> Beside(const cv::Mat& left, const cv::Mat& right) {
   return photos;
 }
 
-// A place shows what hangs in one and what hangs in another, which share nothing: it only looks
-// like both.
-TEST(LandmarkMap, KeyframesThatLookLikeTwoPlacesAreNotLinked) {
+// The last visit shows what hangs in one place and what hangs in another, which share nothing: it
+// only looks like both. Of a first visit that shows both, the others are linked with it.
+TEST(LandmarkMap, KeyframesThatLookLikeTwoEarlierPlacesAreNotLinked) {
   const World world(OtherPlan(), WorldOptions{.seed = 9, .texture_richness = 0.5});
   const Walk walk = DemoWalk(world.plan());
   std::vector<cv::Mat> four;  // nothing is seen twice
