@@ -131,7 +131,7 @@ void Fuse(const MapOfPlane& origin, const PlaneLayerOptions& options, MapData& m
   const NamedBefore named(map);
   const LooksBefore looks(map);
   const PosesBefore poses(map);
-  FusionResult fused = FusePairs(std::move(map.planes), std::move(map.edges), map.keyframes, pairs,
+  FusionResult fused = FusePairs(std::move(map.planes), map.edges, map.keyframes, pairs,
                                  map.info.feature_type, options);
   map.planes = std::move(fused.planes);
   map.edges = std::move(fused.edges);

@@ -8,8 +8,10 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <ranges>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "builder/planes/one_surface.h"
 #include "builder/planes/outline.h"
@@ -53,18 +55,14 @@ bool OverlapAgrees(const Plane& m, const Plane& n, const FusionMatch& match, dou
                   OverlapShare(m, m_from_n.inverse(), n, of_m)) >= min_overlap;
 }
 
-// Share of n's features that lie in or near m's reference image and where the matches determine
-// their position in it. The others could only be expressed by extrapolation.
-double ShareWithinReach(const Plane& n, const FusionMatch& match, const Keyframe& reference,
-                        const PlaneLayerOptions& options) {
-  int within = 0;
-  for (const PlaneFeature& feature : n.features) {
-    const Vector2d x_n = PositionOf(feature);
-    within += IsWithinReach(Apply(match.m_from_n.b_from_a, x_n), reference.width, reference.height,
-                            options.max_extrapolation) &&
-              TransferSigma(match.m_from_n, x_n) <= options.fusion.max_moved_px;
-  }
-  return static_cast<double>(within) / static_cast<double>(n.features.size());
+// Whether a feature of n lies in or near m's reference image, and where the matches determine its
+// position in it. Others could only be expressed by extrapolation.
+bool CanBeMoved(const PlaneFeature& feature, const FusionMatch& match, const Keyframe& reference,
+                const PlaneLayerOptions& options) {
+  const Vector2d x_n = PositionOf(feature);
+  return IsWithinReach(Apply(match.m_from_n.b_from_a, x_n), reference.width, reference.height,
+                       options.max_extrapolation) &&
+         TransferSigma(match.m_from_n, x_n) <= options.fusion.max_moved_px;
 }
 
 // The same surface in two reference images that show different parts of it: both planes stay, and
@@ -78,8 +76,9 @@ Edge SameSurface(const Plane& m, const Plane& n) {
           1.0};
 }
 
-// Moves n's features and views into m's reference image.
-void MergeInto(Plane& m, const Plane& n, const FusionMatch& match) {
+// Moves n's features and views into m's reference image, but for features beyond its reach.
+void MergeInto(Plane& m, const Plane& n, const FusionMatch& match, const Keyframe& reference,
+               const PlaneLayerOptions& options) {
   const Matrix3d& m_from_n = match.m_from_n.b_from_a;
   std::set<int> same;
   for (const Match& inlier : match.inliers) {
@@ -89,10 +88,9 @@ void MergeInto(Plane& m, const Plane& n, const FusionMatch& match) {
     same.insert(inlier.b);
   }
   for (int f = 0; f < static_cast<int>(n.features.size()); ++f) {
-    if (same.contains(f)) continue;
+    if (same.contains(f) || !CanBeMoved(n.features[f], match, reference, options)) continue;
     PlaneFeature feature = n.features[f];
     feature.reference = Transferred(m_from_n, feature.reference);
-    if (!PositionOf(feature).allFinite()) continue;
     m.features.push_back(feature);
     m.descriptors.Append(n.descriptors.row(f));
   }
@@ -107,29 +105,144 @@ void MergeInto(Plane& m, const Plane& n, const FusionMatch& match) {
             [](const PlaneView& a, const PlaneView& b) { return a.keyframe < b.keyframe; });
 }
 
-// Eq. (6): A' = I_n (A or P_mn A or A P_mn) I_n^T: n's edges pass to m, n's row and column go.
-void PassEdges(PlaneId m, PlaneId n, std::vector<Edge>& edges) {
-  for (Edge& edge : edges) {
-    if (edge.a != n && edge.b != n) continue;
-    const PlaneId other = edge.a == n ? edge.b : edge.a;
-    const bool turned = (edge.a == n) != (m < other);
-    if (turned) {  // H^{ba} is the inverse of H^{ab}, the third eigenvalue its reciprocal
-      edge.homology = edge.homology.inverse().eval();
-      edge.third_eigenvalue = 1 / edge.third_eigenvalue;
-    }
-    edge.a = std::min(m, other);
-    edge.b = std::max(m, other);
+// The edges between planes, while planes are merged.
+class PlaneGraph {
+ public:
+  explicit PlaneGraph(const std::vector<Edge>& edges) {
+    for (const Edge& edge : edges) Add(edge);
   }
-  // Of two edges between the same planes, one that says that they are one surface goes first.
-  std::stable_sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
-    const auto key = [](const Edge& e) { return std::tuple(e.a, e.b, !JoinsOneSurface(e)); };
-    return key(x) < key(y);
-  });
-  const auto repeated = std::unique(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
-    return x.a == y.a && x.b == y.b;
-  });
-  edges.erase(repeated, edges.end());
-}
+
+  // A(m,n) = 1.
+  bool AreCovisible(PlaneId m, PlaneId n) const { return edges_.contains(Ordered(m, n)); }
+
+  // Of two edges between the same planes, the first one stays, unless only the other one says that
+  // they are one surface.
+  void Add(const Edge& edge) {
+    const auto [known, is_new] = edges_.try_emplace(Ordered(edge.a, edge.b), edge);
+    if (!is_new && !JoinsOneSurface(known->second) && JoinsOneSurface(edge)) known->second = edge;
+    neighbours_[edge.a].insert(edge.b);
+    neighbours_[edge.b].insert(edge.a);
+  }
+
+  // Eq. (6): A' = I_n (A or P_mn A or A P_mn) I_n^T: n's edges pass to m, n's row and column go.
+  void Merge(PlaneId m, PlaneId n) {
+    for (const PlaneId other : std::exchange(neighbours_[n], {})) {
+      Edge edge = edges_.extract(Ordered(n, other)).mapped();
+      neighbours_[other].erase(n);
+      const bool turned = (edge.a == n) != (m < other);
+      if (turned) {  // H^{ba} is the inverse of H^{ab}, the third eigenvalue its reciprocal
+        edge.homology = edge.homology.inverse().eval();
+        edge.third_eigenvalue = 1 / edge.third_eigenvalue;
+      }
+      std::tie(edge.a, edge.b) = Ordered(m, other);
+      Add(edge);
+    }
+    neighbours_.erase(n);
+  }
+
+  // By (a, b).
+  std::vector<Edge> edges() const {
+    const auto all = std::views::values(edges_);
+    return {all.begin(), all.end()};
+  }
+
+ private:
+  std::map<PlanePair, Edge> edges_;
+  std::map<PlaneId, std::set<PlaneId>> neighbours_;
+};
+
+// A set of planes that shrinks as pairs are merged.
+class Fuser {
+ public:
+  Fuser(std::vector<Plane> planes, const std::vector<Edge>& edges,
+        const std::vector<Keyframe>& keyframes, FeatureType type, const PlaneLayerOptions& options)
+      : keyframes_(keyframes), graph_(edges), type_(type), options_(options) {
+    for (Plane& plane : planes) {
+      PackedRows packed(type_, plane.descriptors);
+      const PlaneId id = plane.id;
+      planes_[id] = {std::move(plane), std::move(packed), false};
+    }
+  }
+
+  void Run(const std::vector<FusionCandidate>& candidates) {
+    // All pairs at once as they are now: few planes will have changed when it is their turn.
+    std::vector<std::optional<FusionMatch>> matches(candidates.size());
+    tbb::parallel_for(size_t{0}, candidates.size(),
+                      [&](size_t i) { matches[i] = MatchNow(candidates[i].m, candidates[i].n); });
+    for (size_t i = 0; i < candidates.size(); ++i) Try(candidates[i], matches[i]);
+  }
+
+  FusionResult Finish() {
+    FusionResult result;
+    result.fused = static_cast<int>(merged_into_.size());
+    for (const auto& [id, into] : merged_into_) result.merged_into.emplace(id, Root(into));
+    result.joined = joined_;
+    for (auto& [id, entry] : planes_) result.planes.push_back(std::move(entry.plane));
+    result.edges = graph_.edges();
+    JoinSurfaces(result.planes, keyframes_, options_.fusion.max_apart_px, result.edges);
+    return result;
+  }
+
+ private:
+  struct Entry {
+    Plane plane;
+    PackedRows packed;     // its descriptors
+    bool changed = false;  // since the beginning
+  };
+
+  std::optional<FusionMatch> MatchNow(PlaneId m, PlaneId n) const {
+    const Entry& entry_m = planes_.at(m);
+    const Plane& plane_n = planes_.at(n).plane;
+    std::optional<FusionMatch> match =
+        MatchPlanes(entry_m.plane, entry_m.packed, plane_n, options_);
+    if (match && !OverlapAgrees(entry_m.plane, plane_n, *match, options_.fusion.min_overlap)) {
+      return std::nullopt;
+    }
+    return match;
+  }
+
+  // Line 17: tries a pair, or what its planes have become. `first` is the match of what they were.
+  void Try(const FusionCandidate& candidate, const std::optional<FusionMatch>& first) {
+    const auto [m, n] = Ordered(Root(candidate.m), Root(candidate.n));
+    if (m == n || graph_.AreCovisible(m, n)) return;
+    Entry& entry_m = planes_.at(m);
+    const Plane& plane_n = planes_.at(n).plane;
+    const bool as_before =
+        m == candidate.m && n == candidate.n && !entry_m.changed && !planes_.at(n).changed;
+    const std::optional<FusionMatch> match = as_before ? first : MatchNow(m, n);
+    if (!match) return;
+    const Keyframe& reference =
+        *std::ranges::lower_bound(keyframes_, entry_m.plane.reference, {}, &Keyframe::id);
+    const auto within = std::ranges::count_if(plane_n.features, [&](const PlaneFeature& feature) {
+      return CanBeMoved(feature, *match, reference, options_);
+    });
+    const auto all = static_cast<double>(plane_n.features.size());
+    if (static_cast<double>(within) < options_.fusion.min_within_reach * all) {
+      graph_.Add(SameSurface(entry_m.plane, plane_n));
+      ++joined_;
+    } else {
+      MergeInto(entry_m.plane, plane_n, *match, reference, options_);
+      entry_m.packed = PackedRows(type_, entry_m.plane.descriptors);
+      entry_m.changed = true;
+      planes_.erase(n);
+      merged_into_[n] = m;
+      graph_.Merge(m, n);
+    }
+  }
+
+  PlaneId Root(PlaneId id) const {
+    while (merged_into_.contains(id)) id = merged_into_.at(id);
+    return id;
+  }
+
+  const std::vector<Keyframe>& keyframes_;
+  std::map<PlaneId, Entry> planes_;
+  std::map<PlaneId, PlaneId> merged_into_;
+  PlaneGraph graph_;
+  int joined_ = 0;
+  FeatureType type_;
+  const PlaneLayerOptions& options_;
+};
 
 }  // namespace
 
@@ -161,115 +274,20 @@ std::optional<FusionMatch> MatchPlanes(const Plane& m, const PackedRows& packed_
   return result;
 }
 
-// A set of planes that shrinks as pairs are merged.
-class Fuser {
- public:
-  Fuser(std::vector<Plane> planes, std::vector<Edge> edges, const std::vector<Keyframe>& keyframes,
-        FeatureType type, const PlaneLayerOptions& options)
-      : keyframes_(keyframes), edges_(std::move(edges)), type_(type), options_(options) {
-    for (Plane& plane : planes) {
-      PackedRows packed(type_, plane.descriptors);
-      const PlaneId id = plane.id;
-      planes_[id] = {std::move(plane), std::move(packed), false};
-    }
-    covisible_ = Covisible(edges_);
-  }
-
-  void Run(const std::vector<FusionCandidate>& candidates) {
-    // All pairs at once as they are now: few planes will have changed when it is their turn.
-    std::vector<std::optional<FusionMatch>> matches(candidates.size());
-    tbb::parallel_for(size_t{0}, candidates.size(),
-                      [&](size_t i) { matches[i] = MatchNow(candidates[i].m, candidates[i].n); });
-    for (size_t i = 0; i < candidates.size(); ++i) Try(candidates[i], matches[i]);
-  }
-
-  FusionResult Finish() {
-    FusionResult result;
-    result.fused = static_cast<int>(merged_into_.size());
-    for (const auto& [id, into] : merged_into_) result.merged_into.emplace(id, Root(into));
-    result.joined = joined_;
-    for (auto& [id, entry] : planes_) result.planes.push_back(std::move(entry.plane));
-    std::sort(edges_.begin(), edges_.end(), [](const Edge& x, const Edge& y) {
-      return std::pair(x.a, x.b) < std::pair(y.a, y.b);
-    });
-    JoinSurfaces(result.planes, keyframes_, options_.fusion.max_apart_px, edges_);
-    result.edges = std::move(edges_);
-    return result;
-  }
-
- private:
-  struct Entry {
-    Plane plane;
-    PackedRows packed;     // its descriptors
-    bool changed = false;  // since the beginning
-  };
-
-  std::optional<FusionMatch> MatchNow(PlaneId m, PlaneId n) const {
-    const Entry& entry_m = planes_.at(m);
-    const Plane& plane_n = planes_.at(n).plane;
-    std::optional<FusionMatch> match =
-        MatchPlanes(entry_m.plane, entry_m.packed, plane_n, options_);
-    if (match && !OverlapAgrees(entry_m.plane, plane_n, *match, options_.fusion.min_overlap)) {
-      return std::nullopt;
-    }
-    return match;
-  }
-
-  // Line 17: tries a pair, or what its planes have become. `first` is the match of what they were.
-  void Try(const FusionCandidate& candidate, const std::optional<FusionMatch>& first) {
-    const auto [m, n] = Ordered(Root(candidate.m), Root(candidate.n));
-    if (m == n || covisible_.contains({m, n})) return;
-    Entry& entry_m = planes_.at(m);
-    const Plane& plane_n = planes_.at(n).plane;
-    const bool as_before =
-        m == candidate.m && n == candidate.n && !entry_m.changed && !planes_.at(n).changed;
-    const std::optional<FusionMatch> match = as_before ? first : MatchNow(m, n);
-    if (!match) return;
-    const Keyframe& reference =
-        *std::ranges::lower_bound(keyframes_, entry_m.plane.reference, {}, &Keyframe::id);
-    if (ShareWithinReach(plane_n, *match, reference, options_) < options_.fusion.min_within_reach) {
-      edges_.push_back(SameSurface(entry_m.plane, plane_n));
-      ++joined_;
-    } else {
-      MergeInto(entry_m.plane, plane_n, *match);
-      entry_m.packed = PackedRows(type_, entry_m.plane.descriptors);
-      entry_m.changed = true;
-      planes_.erase(n);
-      merged_into_[n] = m;
-      PassEdges(m, n, edges_);
-    }
-    covisible_ = Covisible(edges_);
-  }
-
-  PlaneId Root(PlaneId id) const {
-    while (merged_into_.contains(id)) id = merged_into_.at(id);
-    return id;
-  }
-
-  const std::vector<Keyframe>& keyframes_;
-  std::map<PlaneId, Entry> planes_;
-  std::map<PlaneId, PlaneId> merged_into_;
-  std::vector<Edge> edges_;
-  std::set<PlanePair> covisible_;
-  int joined_ = 0;
-  FeatureType type_;
-  const PlaneLayerOptions& options_;
-};
-
-FusionResult FusePairs(std::vector<Plane> planes, std::vector<Edge> edges,
+FusionResult FusePairs(std::vector<Plane> planes, const std::vector<Edge>& edges,
                        const std::vector<Keyframe>& keyframes,
                        const std::vector<FusionCandidate>& pairs, FeatureType type,
                        const PlaneLayerOptions& options) {
-  Fuser fuser(std::move(planes), std::move(edges), keyframes, type, options);
+  Fuser fuser(std::move(planes), edges, keyframes, type, options);
   fuser.Run(pairs);
   return fuser.Finish();
 }
 
-FusionResult FusePlanes(std::vector<Plane> planes, std::vector<Edge> edges,
+FusionResult FusePlanes(std::vector<Plane> planes, const std::vector<Edge>& edges,
                         const std::vector<Keyframe>& keyframes, FeatureType type,
                         const PlaneLayerOptions& options) {
   const auto candidates = ProposeFusions(planes, edges, type, options.fusion);
-  return FusePairs(std::move(planes), std::move(edges), keyframes, candidates, type, options);
+  return FusePairs(std::move(planes), edges, keyframes, candidates, type, options);
 }
 
 }  // namespace waystone

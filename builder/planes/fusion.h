@@ -39,13 +39,13 @@ struct FusionResult {
 // were seen together as parts of one surface say so, too (JoinSurfaces).
 // `planes`, `edges` and `keyframes` are ordered by id and (a, b). Deterministic on any number of
 // threads (it uses TBB's).
-FusionResult FusePlanes(std::vector<Plane> planes, std::vector<Edge> edges,
+FusionResult FusePlanes(std::vector<Plane> planes, const std::vector<Edge>& edges,
                         const std::vector<Keyframe>& keyframes, FeatureType type,
                         const PlaneLayerOptions& options);
 
 // The same of these pairs of planes that share no edge, instead of those that ProposeFusions gives;
 // the paper tries all.
-FusionResult FusePairs(std::vector<Plane> planes, std::vector<Edge> edges,
+FusionResult FusePairs(std::vector<Plane> planes, const std::vector<Edge>& edges,
                        const std::vector<Keyframe>& keyframes,
                        const std::vector<FusionCandidate>& pairs, FeatureType type,
                        const PlaneLayerOptions& options);

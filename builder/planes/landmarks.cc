@@ -109,11 +109,9 @@ void LandmarkChooser::Retire() {
 void LandmarkChooser::Finish(MapData& map) {
   if (options_.max_kept == 0) return;
   while (!recent_.empty()) Retire();
-  std::map<KeyframeId, PlanePositions> claimed;
+  std::map<KeyframeId, std::vector<std::pair<const Plane*, const PlaneView*>>> seen;
   for (const Plane& plane : map.planes) {
-    for (const PlaneView& view : plane.views) {
-      claimed.try_emplace(view.keyframe, options_.on_plane_px).first->second.Add(plane, view);
-    }
+    for (const PlaneView& view : plane.views) seen[view.keyframe].emplace_back(&plane, &view);
   }
   const int cells = options_.cells * options_.cells;
   const int share = static_cast<int>(std::ceil(options_.max_crowd * options_.max_kept / cells));
@@ -121,12 +119,13 @@ void LandmarkChooser::Finish(MapData& map) {
   for (Keyframe& keyframe : map.keyframes) {
     const auto found = std::ranges::lower_bound(candidates_, keyframe.id, {}, &Candidates::id);
     if (found == candidates_.end() || found->id != keyframe.id) continue;
-    const auto planes = claimed.find(keyframe.id);
+    PlanePositions claimed(options_.on_plane_px);
+    for (const auto& [plane, view] : seen[keyframe.id]) claimed.Add(*plane, *view);
     std::vector<int> filled(cells, 0);
     std::vector<const Candidate*> kept;
     std::vector<const Candidate*> rest;
     for (const Candidate& candidate : found->ranked) {
-      if (planes != claimed.end() && planes->second.Near(PositionOf(candidate.keypoint))) continue;
+      if (claimed.Near(PositionOf(candidate.keypoint))) continue;
       if (candidate.found == 0 && kept.size() + rest.size() >= lone) break;
       (filled[SpreadCell(candidate.keypoint, keyframe, options_.cells)]++ < share ? kept : rest)
           .push_back(&candidate);

@@ -195,7 +195,7 @@ void PlaneLayerBuilder::FinishTracking(MapData& map) {
 // common.
 void PlaneLayerBuilder::Fuse(MapData& map, ProgressReporter& progress) {
   const Clock::time_point start = Clock::now();
-  FusionResult fusion = FusePlanes(std::move(map.planes), std::move(map.edges), map.keyframes,
+  FusionResult fusion = FusePlanes(std::move(map.planes), map.edges, map.keyframes,
                                    options_.features.type, options_.planes);
   map.planes = std::move(fusion.planes);
   map.edges = std::move(fusion.edges);

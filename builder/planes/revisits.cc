@@ -76,7 +76,10 @@ class RevisitFinder {
         options_(options),
         surface_of_(FindSurfaces(planes, edges)) {
     std::map<PlaneId, int> index;
-    for (const Plane& plane : planes) index.emplace(plane.id, static_cast<int>(index.size()));
+    for (const Plane& plane : planes) {
+      const int p = index.emplace(plane.id, static_cast<int>(index.size())).first->second;
+      for (const PlaneView& view : plane.views) followed_to_[view.keyframe].push_back(p);
+    }
     for (const Edge& edge : edges) {
       joined_.insert(Ordered(surface_of_[index.at(edge.a)], surface_of_[index.at(edge.b)]));
     }
@@ -132,10 +135,11 @@ class RevisitFinder {
       for (const Match& inlier : match->inliers) sightings.back().shows[inlier.b] = true;
     }
     if (sightings.empty()) return sightings;
-    for (int p = 0; p < static_cast<int>(planes_.size()); ++p) {
-      const PlaneView* view = FindView(planes_[p], all.reference);
-      if (view == nullptr) continue;
-      sightings.push_back({p, std::nullopt, KeypointsOf(planes_[p], *view, all)});
+    const auto followed = followed_to_.find(all.reference);
+    if (followed == followed_to_.end()) return sightings;
+    for (const int p : followed->second) {
+      const PlaneView& view = *FindView(planes_[p], all.reference);
+      sightings.push_back({p, std::nullopt, KeypointsOf(planes_[p], view, all)});
     }
     return sightings;
   }
@@ -220,8 +224,9 @@ class RevisitFinder {
   const std::vector<SampledKeyframe>& images_;
   FeatureType type_;
   const PlaneLayerOptions& options_;
-  std::vector<PlaneId> surface_of_;  // of each plane
-  std::set<PlanePair> joined_;       // surfaces with an edge between them
+  std::vector<PlaneId> surface_of_;                     // of each plane
+  std::set<PlanePair> joined_;                          // surfaces with an edge between them
+  std::map<KeyframeId, std::vector<int>> followed_to_;  // planes, by the keyframe of a view
 };
 
 }  // namespace
