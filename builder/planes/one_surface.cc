@@ -10,6 +10,7 @@
 #include "core/features/features.h"
 #include "core/homography/homography.h"
 #include "core/robust/median.h"
+#include "schema/layers/planes/shared_views.h"
 #include "schema/layers/planes/surfaces.h"
 
 namespace waystone {
@@ -20,12 +21,8 @@ using Eigen::Vector2d;
 
 constexpr size_t kFewestFeatures = 5;  // of a plane for their median to count
 
-// Views of both planes that are compared in pairs, spread over all: a camera that stands still sees
-// the same two planes thousands of times.
-constexpr size_t kMostViews = 20;
-
-// What two planes are in a keyframe that saw both.
-struct SharedView {
+// The motion of two planes between the reference images and a keyframe that saw both.
+struct Sight {
   const Keyframe* keyframe;
   Matrix3d from_m;  // keyframe from reference image
   Matrix3d from_n;
@@ -33,24 +30,17 @@ struct SharedView {
   Matrix3d to_n;
 };
 
-std::vector<SharedView> ViewsOfBoth(const Plane& m, const Plane& n,
-                                    const std::vector<Keyframe>& keyframes) {
-  std::vector<SharedView> shared;
-  for (const PlaneView& of_m : m.views) {
-    const auto of_n = std::ranges::lower_bound(n.views, of_m.keyframe, {}, &PlaneView::keyframe);
-    if (of_n == n.views.end() || of_n->keyframe != of_m.keyframe) continue;
+std::vector<Sight> SightsOfBoth(const Plane& m, const Plane& n,
+                                const std::vector<Keyframe>& keyframes) {
+  std::vector<Sight> sights;
+  for (const auto& [of_m, of_n] : SharedViews(m, n)) {
     const Keyframe& keyframe =
-        *std::ranges::lower_bound(keyframes, of_m.keyframe, {}, &Keyframe::id);
-    shared.push_back({&keyframe, of_m.reference_from_keyframe.inverse(),
-                      of_n->reference_from_keyframe.inverse(), of_m.reference_from_keyframe,
+        *std::ranges::lower_bound(keyframes, of_m->keyframe, {}, &Keyframe::id);
+    sights.push_back({&keyframe, of_m->reference_from_keyframe.inverse(),
+                      of_n->reference_from_keyframe.inverse(), of_m->reference_from_keyframe,
                       of_n->reference_from_keyframe});
   }
-  if (shared.size() <= kMostViews) return shared;
-  std::vector<SharedView> spread;
-  for (size_t i = 0; i < kMostViews; ++i) {
-    spread.push_back(shared[i * (shared.size() - 1) / (kMostViews - 1)]);
-  }
-  return spread;
+  return sights;
 }
 
 bool IsIn(const Keyframe& keyframe, const Vector2d& x) {
@@ -77,10 +67,10 @@ std::optional<double> MedianApart(const Plane& plane, const Matrix3d& a_from_ref
 
 bool LieOnOneSurface(const Plane& m, const Plane& n, const std::vector<Keyframe>& keyframes,
                      double max_apart_px) {
-  const std::vector<SharedView> shared = ViewsOfBoth(m, n, keyframes);
+  const std::vector<Sight> sights = SightsOfBoth(m, n, keyframes);
   bool compared = false;
-  for (const SharedView& b : shared) {
-    for (const SharedView& a : shared) {
+  for (const Sight& b : sights) {
+    for (const Sight& a : sights) {
       if (&a == &b) break;  // each pair once
       const Matrix3d by_m = b.from_m * a.to_m;
       const Matrix3d by_n = b.from_n * a.to_n;

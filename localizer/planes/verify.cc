@@ -2,12 +2,13 @@
 #include "localizer/planes/verify.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "core/homography/estimate_homography.h"
-
 #include "localizer/planes/spread.h"
 #include "localizer/planes/surroundings.h"
+#include "schema/layers/planes/shared_views.h"
 
 namespace waystone {
 namespace {
@@ -113,22 +114,15 @@ std::vector<VerifiedPlane> TryPlanes(const MapIndex& index, const Features& quer
 
 std::optional<bool> PlanesAgree(const MapIndex& index, const VerifiedPlane& m,
                                 const VerifiedPlane& n, const PlaneQueryOptions& options) {
-  const std::vector<PlaneView>& views_m = index.map().planes[m.plane].views;
-  const std::vector<PlaneView>& views_n = index.map().planes[n.plane].views;
-  bool compared = false;
-  auto view_n = views_n.begin();
-  for (const PlaneView& view_m : views_m) {  // both are sorted by keyframe
-    while (view_n != views_n.end() && view_n->keyframe < view_m.keyframe) ++view_n;
-    if (view_n == views_n.end()) break;
-    if (view_n->keyframe != view_m.keyframe) continue;
-    compared = true;
-    const auto via = [](const PlaneView& view, const VerifiedPlane& plane) {
-      return Composed(view.reference_from_keyframe.inverse(), plane.reference_from_query);
-    };
-    if (HaveHomology(via(view_m, m), via(*view_n, n), options.homology)) return true;
-  }
-  if (!compared) return std::nullopt;
-  return false;
+  const std::vector<Plane>& planes = index.map().planes;
+  const std::vector<SharedView> shared = SharedViews(planes[m.plane], planes[n.plane]);
+  if (shared.empty()) return std::nullopt;
+  const auto via = [](const PlaneView& view, const VerifiedPlane& plane) {
+    return Composed(view.reference_from_keyframe.inverse(), plane.reference_from_query);
+  };
+  return std::ranges::any_of(shared, [&](const SharedView& view) {
+    return HaveHomology(via(*view.of_m, m), via(*view.of_n, n), options.homology);
+  });
 }
 
 }  // namespace waystone
