@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -20,25 +22,33 @@ namespace {
 double Apart(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
 // Places of the map by how it was driven: nodes that follow each other, or that a loop joins, are
-// neighbours however far the odometry drifted between them.
+// neighbours however far the odometry drifted between them. Floors lie above each other.
 class Surroundings {
  public:
-  explicit Surroundings(const AppearanceLayer& layer) : layer_(layer), joined_(layer.nodes.size()) {
+  explicit Surroundings(const MapIndex& index)
+      : layer_(*index.map().appearance),
+        distances_(index.appearance().distances()),
+        floor_height_(kSameFloorSpacings * index.appearance().spacing()),
+        joined_(layer_.nodes.size()) {
     std::map<AppearanceNodeId, int> at;
-    for (size_t i = 0; i < layer.nodes.size(); ++i) at[layer.nodes[i].id] = static_cast<int>(i);
-    for (const AppearanceEdge& edge : layer.edges) {
+    for (size_t i = 0; i < layer_.nodes.size(); ++i) at[layer_.nodes[i].id] = static_cast<int>(i);
+    for (const AppearanceEdge& edge : layer_.edges) {
       joined_[at.at(edge.a)].push_back(at.at(edge.b));
       joined_[at.at(edge.b)].push_back(at.at(edge.a));
     }
   }
 
-  // Which nodes are within `radius` of a pose or within `steps` edges of a node; none for -1.
-  std::vector<bool> Within(const Pose2& pose, double radius, int node, int steps) const {
+  // Which nodes are within `radius` of where the query was taken, on its floor, or within `steps`
+  // edges of the node that it is.
+  std::vector<bool> Within(const AppearanceCalibrationQuery& query, double radius,
+                           int steps) const {
     std::vector<bool> within;
-    for (const AppearanceNode& other : layer_.nodes) {
-      within.push_back(Apart(other.pose, pose) <= radius);
+    for (int i = 0; i < static_cast<int>(layer_.nodes.size()); ++i) {
+      const bool same_floor =
+          query.beside < 0 || distances_.Height(i, query.beside) <= floor_height_;
+      within.push_back(same_floor && Apart(layer_.nodes[i].pose, query.truth) <= radius);
     }
-    if (node >= 0) Walk(node, steps, within);
+    if (query.node >= 0) Walk(query.node, steps, within);
     return within;
   }
 
@@ -54,6 +64,8 @@ class Surroundings {
   }
 
   const AppearanceLayer& layer_;
+  const NodeDistances& distances_;
+  double floor_height_;
   std::vector<std::vector<int>> joined_;
 };
 
@@ -79,7 +91,7 @@ std::optional<AppearanceSample> AskWithout(const MapIndex& index, const Surround
                                            const AppearanceCalibrationQuery& query, double blank,
                                            const AppearanceCalibrationOptions& options) {
   const auto within = [&](double spacings) {
-    return surroundings.Within(query.truth, spacings * index.appearance().spacing(), query.node,
+    return surroundings.Within(query, spacings * index.appearance().spacing(),
                                static_cast<int>(spacings));
   };
   const auto best = AskBest(index, query.query, within(blank), options.query);
@@ -145,7 +157,7 @@ AppearanceVerdict CalibrateAppearance(const MapIndex& index,
                                       const std::function<void()>& before_each) {
   options.Check();
   WS_CHECK(index.HasAppearance(), "the map has no appearance layer");
-  const Surroundings surroundings(*index.map().appearance);
+  const Surroundings surroundings(index);
   const size_t blanks = options.blank_spacings.size();
   const size_t asked = queries.size() * blanks;
   std::vector<std::optional<AppearanceSample>> found(asked + outside.size());
@@ -169,6 +181,20 @@ AppearanceVerdict CalibrateAppearance(const MapIndex& index,
 
 namespace {
 
+// The sample's own node, or the one of its sequence that was taken nearest to it; -1 for none.
+int NodeBeside(const AppearanceLayer& layer, const AppearanceSampleFrame& sample) {
+  if (sample.node >= 0) return sample.node;
+  int beside = -1;
+  int least = std::numeric_limits<int>::max();
+  for (int i = 0; i < static_cast<int>(layer.nodes.size()); ++i) {
+    const int apart = std::abs(layer.nodes[i].frame - sample.info.number);
+    if (layer.nodes[i].sequence != sample.sequence || apart >= least) continue;
+    beside = i;
+    least = apart;
+  }
+  return beside;
+}
+
 void FitAppearanceVerdicts(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
                            const AppearanceCalibrationOptions& options,
                            ProgressReporter& progress) {
@@ -178,9 +204,10 @@ void FitAppearanceVerdicts(MapData& map, const std::vector<AppearanceSampleFrame
   std::vector<AppearanceCalibrationQuery> verified;
   std::vector<AppearanceCalibrationQuery> alone;
   for (const AppearanceSampleFrame& sample : samples) {
-    alone.push_back({{sample.signature, std::nullopt}, sample.pose, sample.node});
+    const int beside = NodeBeside(*map.appearance, sample);
+    alone.push_back({{sample.signature, std::nullopt}, sample.pose, sample.node, beside});
     if (sample.features.size() == 0) continue;
-    verified.push_back({{sample.signature, sample.features}, sample.pose, sample.node});
+    verified.push_back({{sample.signature, sample.features}, sample.pose, sample.node, beside});
   }
   std::vector<PanoramaQuery> outside_alone;
   for (const PanoramaQuery& query : outside) {

@@ -55,8 +55,9 @@ struct AppearanceCalibrationOptions {
 // A panorama of which the truth is known.
 struct AppearanceCalibrationQuery {
   PanoramaQuery query;
-  Pose2 truth;    // in the layer's frame
-  int node = -1;  // the layer's node that it is; -1 where it was left out as redundant
+  Pose2 truth;      // in the layer's frame
+  int node = -1;    // the layer's node that it is; -1 where it was left out as redundant
+  int beside = -1;  // a node on its floor: itself, or the nearest of its sequence; -1: not known
 };
 
 // The model of one kind of answers, verified by features or by appearance alone as the queries ask

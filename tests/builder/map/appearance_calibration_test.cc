@@ -54,7 +54,8 @@ std::vector<AppearanceCalibrationQuery> QueriesOfNodes(const MapIndex& index) {
   for (const AppearanceNode& node : index.map().appearance->nodes) {
     PanoramaQuery query{node.signature,
                         ToBearingFeatures(node.features, index.map().info.feature_type)};
-    queries.push_back({std::move(query), node.pose, static_cast<int>(queries.size())});
+    const int at = static_cast<int>(queries.size());
+    queries.push_back({std::move(query), node.pose, at, at});
   }
   return queries;
 }
@@ -90,6 +91,33 @@ TEST(AppearanceCalibration, ATrajectoryThatContradictsItsImagesTeachesNothing) {
     map.appearance->nodes[i].features = walk.appearance->nodes[i * kStride % kNodes].features;
   }
   EXPECT_EQ(Calibrated(std::move(map)), DefaultVerdict(true));
+}
+
+// The walk on two floors that look alike, `height` apart; the upper one lies a little aside.
+MapData TwoFloors(double height) {
+  MapData map = WalkMap();
+  const std::vector<AppearanceNode> walk = map.appearance->nodes;
+  map.sequences.push_back({SequenceId{2}, "above", "panorama", 0, 0, {}});
+  map.poses.emplace();
+  const auto add_pose = [&](const AppearanceNode& node, double z) {
+    map.poses->nodes.push_back(
+        MakeNodePose(node.id, WorldFromCamera({node.pose.x, node.pose.y, z}, node.pose.theta_rad)));
+  };
+  for (const AppearanceNode& node : walk) add_pose(node, 1.4);
+  for (AppearanceNode node : walk) {
+    node.id.value += kNodes;
+    node.sequence = SequenceId{2};
+    node.pose.x += 0.1;
+    add_pose(node, 1.4 + height);
+    map.appearance->nodes.push_back(std::move(node));
+  }
+  return map;
+}
+
+// The answer to a panorama whose neighbours aren't in the map is its twin on the other floor.
+TEST(AppearanceCalibration, AnAnswerOnTheFloorAboveIsWrong) {
+  EXPECT_NE(Calibrated(TwoFloors(0)), DefaultVerdict(true));
+  EXPECT_EQ(Calibrated(TwoFloors(10)), DefaultVerdict(true));
 }
 
 TEST(AppearanceCalibration, AMapFindsItsOwnImages) {
