@@ -6,6 +6,22 @@
 #include "core/base/error.h"
 
 namespace waystone {
+namespace {
+
+// Of a keyframe's features: more matches with it are never asked for, so that a camera in front of
+// a bare wall, or one that sees little, gets no more keyframes than others.
+constexpr double kLastShare = 0.6;
+constexpr double kBeforeLastShare = 0.3;
+constexpr double kStretchShare = 0.3;
+
+// Whether it has the eight features that an epipolar geometry takes.
+bool CanBeRecognised(const Features& frame) { return frame.size() >= 8; }
+
+int AtMostShare(int matches, double share, const Features& keyframe) {
+  return std::min(matches, static_cast<int>(share * keyframe.size()));
+}
+
+}  // namespace
 
 void KeyframeOptions::Check() const {
   CheckFields("keyframes", *this);
@@ -38,16 +54,13 @@ int KeyframeSelector::CountMatches(const Features& a, const Features& b) const {
 }
 
 void KeyframeSelector::Consider(ExtractedFrame frame, std::vector<ChosenKeyframe>& chosen) {
+  ++gap_;
   if (!last_) {
-    Choose(std::move(frame), true, chosen);
+    if (CanBeRecognised(frame.features)) Choose(std::move(frame), true, chosen);
     return;
   }
-  ++gap_;
   const int matches_last = CountMatches(frame.features, *last_);
-  const bool fulfils = matches_last >= options_.min_matches_last &&
-                       (!before_last_ || CountMatches(frame.features, *before_last_) >=
-                                             options_.min_matches_before_last);
-  if (fulfils) {
+  if (FulfilsConditions(frame.features, matches_last)) {
     best_ = std::move(frame);
     beyond_.clear();
   } else {
@@ -56,6 +69,15 @@ void KeyframeSelector::Consider(ExtractedFrame frame, std::vector<ChosenKeyframe
   if (gap_ >= options_.max_gap || static_cast<int>(beyond_.size()) > options_.lookahead) {
     Decide(chosen);
   }
+}
+
+// Whether it shares M features with the last keyframe and N with the one before.
+bool KeyframeSelector::FulfilsConditions(const Features& frame, int matches_last) const {
+  if (!CanBeRecognised(frame)) return false;
+  if (matches_last < AtMostShare(options_.min_matches_last, kLastShare, *last_)) return false;
+  return !before_last_ ||
+         CountMatches(frame, *before_last_) >=
+             AtMostShare(options_.min_matches_before_last, kBeforeLastShare, *before_last_);
 }
 
 // Whether the last keyframe or the next one has enough of what a frame shows: N matches, or half of
@@ -77,13 +99,16 @@ void KeyframeSelector::Decide(std::vector<ChosenKeyframe>& chosen) {
     ExtractedFrame frame = std::move(*best_);
     Choose(std::move(frame), false, chosen);
   } else {
+    std::erase_if(rest, [](const auto& one) { return !CanBeRecognised(one.frame.features); });
+    if (rest.empty()) return;
     const auto most = std::max_element(rest.begin(), rest.end(), [](const auto& a, const auto& b) {
       return a.matches_last < b.matches_last;
     });
     const auto pick = std::find_if(rest.begin(), most, [&](const Candidate& candidate) {
       return !IsShownBy(candidate, most->frame.features);
     });
-    const bool broken = pick->matches_last < options_.min_matches_stretch;
+    const bool broken =
+        pick->matches_last < AtMostShare(options_.min_matches_stretch, kStretchShare, *last_);
     ExtractedFrame frame = std::move(pick->frame);
     rest.erase(rest.begin(), pick + 1);
     Choose(std::move(frame), broken, chosen);

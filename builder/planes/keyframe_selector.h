@@ -24,9 +24,12 @@ struct KeyframeOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"min_matches_last", &KeyframeOptions::min_matches_last, AtLeast(4), "",
-                    "M: matches with the last keyframe. Higher: more keyframes, closer together."},
+                    "M: matches with the last keyframe, or 0.6 of its features if these are fewer. "
+                    "Higher: more keyframes, closer together."},
         OptionField{"min_matches_before_last", &KeyframeOptions::min_matches_before_last,
-                    AtLeast(4), "", "N: matches with the keyframe before the last, at most M."},
+                    AtLeast(4), "",
+                    "N: matches with the keyframe before the last, or 0.3 of its features; at most "
+                    "M."},
         OptionField{"lookahead", &KeyframeOptions::lookahead, AtLeast(0), "frames",
                     "Frames tried beyond the first one that breaks the conditions, so that one "
                     "blurred frame doesn't end the search."},
@@ -34,8 +37,8 @@ struct KeyframeOptions {
                     "Most frames from one keyframe to the next; bounds the cost of a camera that "
                     "stands still."},
         OptionField{"min_matches_stretch", &KeyframeOptions::min_matches_stretch, AtLeast(4), "",
-                    "With fewer matches with the last keyframe, the sequence counts as interrupted "
-                    "and a new stretch starts; at most N."});
+                    "With fewer matches with the last keyframe, or than 0.3 of its features, the "
+                    "sequence counts as interrupted and a new stretch starts; at most N."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -57,7 +60,8 @@ class KeyframeSelector {
  public:
   KeyframeSelector(const KeyframeOptions& options, const MatchOptions& match);
 
-  // Takes the next frame; returns the keyframes that are decided by it, in order.
+  // Takes the next frame; returns the keyframes that are decided by it, in order. One with fewer
+  // than 8 features becomes none.
   std::vector<ChosenKeyframe> Add(ExtractedFrame frame);
   // The keyframes still undecided at the end of the sequence.
   std::vector<ChosenKeyframe> Finish();
@@ -71,6 +75,7 @@ class KeyframeSelector {
   void Consider(ExtractedFrame frame, std::vector<ChosenKeyframe>& chosen);
   void Decide(std::vector<ChosenKeyframe>& chosen);
   void Choose(ExtractedFrame frame, bool starts_stretch, std::vector<ChosenKeyframe>& chosen);
+  bool FulfilsConditions(const Features& frame, int matches_last) const;
   bool IsShownBy(const Candidate& candidate, const Features& next) const;
   int CountMatches(const Features& a, const Features& b) const;
 

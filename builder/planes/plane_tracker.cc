@@ -241,7 +241,7 @@ std::vector<int> PlaneTracker::Grow(OpenPlane& open, const Step& step, const Tra
     }
     AddFeature(open, keypoint, {reference, 1, 1}, descriptor, false);
   }
-  CountVotes(open, step, tracked);
+  if (!step.rotation_only) CountVotes(open, step, tracked);  // else every feature would fit
   plane.views.push_back(
       {step.id, reference_from_current, static_cast<int>(tracked.segment.rows.size())});
   return beyond;

@@ -104,6 +104,20 @@ TEST(KeyframeSelector, TheOneBeforeTheLastMustBeSeenToo) {
             (std::vector<Chosen>{{0, true}, {8, false}, {14, false}}));
 }
 
+TEST(KeyframeSelector, AStillCameraThatSeesLittleGetsFewKeyframes) {
+  KeyframeOptions options;  // asks for 300 matches
+  ASSERT_GT(options.min_matches_last, kVisible);
+  const std::vector<int> still(10 * options.max_gap + 1, 0);
+  EXPECT_EQ(Select(still, options).size(), 11u);
+  // One that walks gets as many as if it saw more, in proportion.
+  EXPECT_EQ(Select(SteadyWalk(60, 5), options), Select(SteadyWalk(60, 5), Options()));
+}
+
+TEST(KeyframeSelector, AFrameOfNothingBecomesNoKeyframe) {
+  EXPECT_EQ(Select({-1, -1, 0, 5, -1}, Options()), (std::vector<Chosen>{{2, true}, {3, false}}));
+  EXPECT_TRUE(Select({-1, -1}, Options()).empty());
+}
+
 TEST(KeyframeSelector, PassesOverNoPhotoOfAnotherPlace) {
   // Photos that share little. The third has more in common with the first than the second does,
   // which alone shows its place.
@@ -221,11 +235,11 @@ TEST(KeyframeSelector, AStandingCameraIsBoundedByMaxGap) {
 }
 
 TEST(KeyframeSelector, HoldsAHandfulOfFramesAtMost) {
-  // A camera that sees nothing at all still decides: each frame is a stretch of its own in the end.
+  // Each frame shows another place: each is a stretch of its own in the end.
   KeyframeSelector selector(Options(), MatchOptions{});
   int given = 0;
   for (int number = 0; number < 100; ++number) {
-    given += static_cast<int>(selector.Add(FrameAt(number, 0, 0)).size());
+    given += static_cast<int>(selector.Add(FrameAt(number, 20 * number, 10)).size());
     EXPECT_LE(number + 1 - given, Options().lookahead + 2);
   }
 }
