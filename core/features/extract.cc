@@ -16,6 +16,7 @@ namespace {
 
 constexpr float kSiftScale = 256.0f;  // length of a RootSIFT descriptor in bytes' units
 constexpr int kSiftMax = 127;
+constexpr float kOrbScale = 1.2F;  // from one level of the pyramid to the next
 // An image smaller than this on one side has no room for a descriptor's neighbourhood.
 constexpr int kMinSide_px = 16;
 
@@ -47,7 +48,7 @@ cv::Ptr<cv::Feature2D> MakeDetector(const FeatureOptions& options, double contra
     case FeatureType::kSift:
       return cv::SIFT::create(options.max_features, 3, contrast * options.contrast_threshold);
     case FeatureType::kOrb: {
-      const cv::Ptr<cv::ORB> orb = cv::ORB::create(options.max_features);
+      const cv::Ptr<cv::ORB> orb = cv::ORB::create(options.max_features, kOrbScale);
       orb->setFastThreshold(std::max(1, cvRound(contrast * orb->getFastThreshold())));
       return orb;
     }
@@ -146,9 +147,19 @@ std::vector<bool> FindClipped(const cv::Mat& grey) {
   return clipped;
 }
 
-Keypoint ToKeypoint(const cv::KeyPoint& k) {
+// OpenCV takes positions in a resized image times a factor, as if pixels' corners were at integers:
+// SIFT's in the image of twice the size, ORB's in those of its pyramid. The shift is of both x and
+// y, px.
+float ShiftOf(const cv::KeyPoint& k, FeatureType type) {
+  if (type == FeatureType::kSift) return -0.25F;
+  if (type == FeatureType::kOrb) return (std::pow(kOrbScale, static_cast<float>(k.octave)) - 1) / 2;
+  return 0;
+}
+
+Keypoint ToKeypoint(const cv::KeyPoint& k, FeatureType type) {
+  const float shift = ShiftOf(k, type);
   const float angle = k.angle < 0 ? 0.0f : k.angle * std::numbers::pi_v<float> / 180.0f;
-  return {k.pt.x, k.pt.y, k.size, angle};
+  return {k.pt.x + shift, k.pt.y + shift, k.size, angle};
 }
 
 }  // namespace
@@ -247,7 +258,7 @@ Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options) {
   features.keypoints.reserve(order.size());
   features.descriptors.Reserve(static_cast<int>(order.size()));
   for (int i : order) {
-    features.keypoints.push_back(ToKeypoint(found.keypoints[i]));
+    features.keypoints.push_back(ToKeypoint(found.keypoints[i], options.type));
     if (options.type == FeatureType::kSift) {
       AppendRootSift(found.descriptors.ptr<float>(i), features.descriptors);
     } else {

@@ -105,7 +105,7 @@ struct Features {
 struct FeatureOptions {
   FeatureType type = FeatureType::kSift;
   int max_features = 1000;
-  double contrast_threshold = 0.02;
+  double contrast_threshold = 0.005;
   int working_pixels = 1'000'000;
 
   static constexpr auto Fields(const auto& use) {
@@ -117,7 +117,8 @@ struct FeatureOptions {
                     "time and map size."},
         OptionField{"contrast_threshold", &FeatureOptions::contrast_threshold, Open(0, 1), "",
                     "SIFT: lowest contrast of a keypoint, in OpenCV's scale; in an image of little "
-                    "contrast it is lowered alike. Lower finds more on plain walls."},
+                    "contrast it is lowered alike. Lower finds more on plain walls, and takes "
+                    "longer."},
         OptionField{"working_pixels", &FeatureOptions::working_pixels, Closed(10'000, 50'000'000),
                     "",
                     "Larger images are reduced to this many pixels before detection, which bounds "

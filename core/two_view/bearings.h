@@ -14,7 +14,7 @@
 namespace waystone {
 
 struct BearingFeatureOptions {
-  FeatureOptions features{.max_features = 1500};
+  FeatureOptions features{.max_features = 1500, .contrast_threshold = 0.02};
   int buckets = 8;
   int max_kept = 500;
 

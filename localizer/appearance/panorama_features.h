@@ -10,7 +10,8 @@ namespace waystone {
 
 struct PanoramaFeatureOptions {
   // Features of each face, and how they are spread over it.
-  BearingFeatureOptions bearings{.features = {.max_features = 600}, .max_kept = 300};
+  BearingFeatureOptions bearings{.features = {.max_features = 600, .contrast_threshold = 0.02},
+                                 .max_kept = 300};
   double face_width = 0.318;
 
   static constexpr auto Fields(const auto& use) {

@@ -16,7 +16,7 @@ namespace waystone {
 // How a perspective photo is looked for among a map's planes.
 struct PlaneQueryOptions {
   int max_features = 1000;
-  double contrast_threshold = 0.02;
+  double contrast_threshold = 0.005;
   int votes_per_feature = 3;
   int neighbours = 8;
   int probes = 64;

@@ -193,7 +193,9 @@ TEST(JoinPoses, AMapWithoutPosesLeavesTheOthersAsTheyAre) {
   ASSERT_TRUE(joined.poses);
   EXPECT_EQ(joined.poses->keyframes.size(), InMetres().poses->keyframes.size());
   EXPECT_EQ(WrittenAndRead(joined).poses, joined.poses);
-  EXPECT_GE(AskAll(joined).near, 20);
+  const PoseErrors errors = AskAll(joined);  // answers with keyframes of the other map have none
+  EXPECT_GE(errors.posed, 8);
+  EXPECT_GE(errors.near, errors.posed - 1);
 }
 
 TEST(JoinPoses, FramesThatNothingTiesTogetherAreRefused) {
@@ -229,11 +231,12 @@ TEST(RemoveKeyframes, LeavesThePosesOfTheOthers) {
   EXPECT_EQ(left.map.poses->keyframes.size() + 1, before.poses->keyframes.size());
   EXPECT_EQ(left.map.poses->Find(first), nullptr);
   EXPECT_EQ(WrittenAndRead(left.map).poses, left.map.poses);
-  // Planes that are expressed in another image still know where their features are.
+  // Planes that are expressed in another image still know where their features are, but for a few
+  // near its border.
   const auto [unknown_before, all_before] = CountUnknownDepths(before);
   const auto [unknown, all] = CountUnknownDepths(left.map);
   EXPECT_GT(all, all_before / 2);
-  EXPECT_LE(unknown, unknown_before);
+  EXPECT_LE(unknown, unknown_before + all / 100);
   const PoseErrors errors = AskAll(left.map);
   EXPECT_GE(errors.near, AskAll(before).near - 4);
 }

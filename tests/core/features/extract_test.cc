@@ -224,6 +224,41 @@ TEST_P(Extraction, AnglesTurnWithTheImage) {
   EXPECT_GT(right, 0.9 * static_cast<double>(matches.size()));
 }
 
+// Blurred discs at known positions between the pixels. Positions are those of pixels' centres.
+TEST_P(Extraction, PositionsHaveNoBias) {
+  Random random(21);
+  cv::Mat_<float> image(480, 640, 60.0F);
+  std::vector<Eigen::Vector2d> discs;
+  for (int row = 40; row < 460; row += 50) {
+    for (int column = 40; column < 620; column += 50) {
+      discs.emplace_back(column + random.Uniform(0, 1), row + random.Uniform(0, 1));
+      const double sigma = random.Uniform(2, 4);
+      for (int y = row - 20; y <= row + 20; ++y) {
+        for (int x = column - 20; x <= column + 20; ++x) {
+          const double apart = (Eigen::Vector2d(x, y) - discs.back()).squaredNorm();
+          image(y, x) += static_cast<float>(150 * std::exp(-apart / (2 * sigma * sigma)));
+        }
+      }
+    }
+  }
+  cv::Mat grey;
+  image.convertTo(grey, CV_8UC1);
+  const Features features = ExtractFeatures(grey, OptionsOf(GetParam(), 2000));
+  Eigen::Vector2d sum(0, 0);
+  int count = 0;
+  for (const Keypoint& keypoint : features.keypoints) {
+    const auto nearest = std::ranges::min_element(discs, {}, [&](const Eigen::Vector2d& disc) {
+      return (PositionOf(keypoint) - disc).norm();
+    });
+    const Eigen::Vector2d off = PositionOf(keypoint) - *nearest;
+    if (off.norm() > 1) continue;  // of something else
+    sum += off;
+    ++count;
+  }
+  ASSERT_GE(count, 30);
+  EXPECT_LT((sum / count).cwiseAbs().maxCoeff(), 0.1) << (sum / count).transpose();
+}
+
 // A sixth of the light, with grey values rounded again and the noise of a sensor.
 TEST_P(Extraction, TheDarkHidesLittle) {
   const cv::Mat bright = MadeImage(320, 240, 12);
