@@ -119,9 +119,10 @@ TEST_F(PanoramaMap, AFieldOfViewSaysWhatAPhotoSees) {
   const RunResult blind = ask({});
   ASSERT_EQ(blind.code, 0) << blind.err;
   EXPECT_NE(blind.out.find("field of view"), std::string::npos) << blind.out;
-  // It is asked now; panoramas of 256 pixels keep too little to find it.
   const Json seen = Json::parse(ask({"--fov-deg", "80"}).out);
-  EXPECT_NE(seen["message"].get<std::string>().find("match this photo"), std::string::npos) << seen;
+  ASSERT_EQ(seen["verdict"], "localized") << seen;
+  // Two panoramas before or after it at most: 40 cm.
+  EXPECT_NEAR(std::stod(seen["place"]["image"].get<std::string>()), 3.5, 2) << seen;
   EXPECT_EQ(ask({"--fov-deg", "200"}).code, 2);
   EXPECT_EQ(ask({"--fov-deg", "80", "--series"}).code, 2);
   ChildProcess server({WAYSTONE_PROGRAM, "serve", home_ / "hall.db", "--port", "0"}, true);
@@ -130,7 +131,7 @@ TEST_F(PanoramaMap, AFieldOfViewSaysWhatAPhotoSees) {
                                                "80", "--server", line.substr(line.find("http://"))})
                                       .out);
   EXPECT_EQ(served["camera"]["source"], "fov") << served;
-  EXPECT_EQ(served["message"], seen["message"]);
+  EXPECT_EQ(served["place"], seen["place"]);
 }
 
 TEST_F(PanoramaMap, SeveralPanoramasOverHttpAreASeriesAndTheBeliefGoesOn) {
