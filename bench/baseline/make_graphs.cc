@@ -71,8 +71,7 @@ Cost TimePlanes(const Shared& shared, const MapData& map, const BuildOptions& op
     for (const Edge& edge : tracker.edges()) {
       if (ids.contains(edge.a) && ids.contains(edge.b)) edges.push_back(edge);
     }
-    FusePlanes(std::move(planes), edges, map.keyframes, options.features.type,
-               options.planes);
+    FusePlanes(std::move(planes), edges, map.keyframes, options.features.type, options.planes);
   });
 }
 

@@ -8,7 +8,6 @@
 #include <map>
 #include <numeric>
 #include <optional>
-#include <ranges>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -142,8 +141,9 @@ class PlaneGraph {
 
   // By (a, b).
   std::vector<Edge> edges() const {
-    const auto all = std::views::values(edges_);
-    return {all.begin(), all.end()};
+    std::vector<Edge> all;
+    for (const auto& [pair, edge] : edges_) all.push_back(edge);
+    return all;
   }
 
  private:
