@@ -82,6 +82,14 @@ LoggedQuery ParseLine(const fs::path& folder, const std::string& line) {
                            " is not a logged query (" + cause + "); remove the line");
 }
 
+LoggedQuery ReadLine(const fs::path& folder, const std::string& line, int number) {
+  try {
+    return ParseLine(folder, line);
+  } catch (const MapError& error) {
+    RefuseLine(folder, number, error.code(), error.what());
+  }
+}
+
 }  // namespace
 
 QueryOutcome ReadOutcome(const Json& answer) {
@@ -109,24 +117,19 @@ Json LoggedQueryJson(const LoggedQuery& query, double time_s,
   return line;
 }
 
-std::vector<LoggedQuery> ReadQueryLog(const fs::path& folder) {
+void ReadQueryLog(const fs::path& folder, const std::function<void(LoggedQuery&)>& take) {
   std::ifstream in(folder / kQueryLogLines, std::ios::binary);
   if (!in) {
     throw MapError(ErrorCode::kFileUnreadable,
                    (folder / kQueryLogLines).string() +
                        " can't be read; expected a folder written by `waystone serve --query-log`");
   }
-  std::vector<LoggedQuery> queries;
   int number = 0;
   for (std::string line; std::getline(in, line);) {
     ++number;
-    try {
-      queries.push_back(ParseLine(folder, line));
-    } catch (const MapError& error) {
-      RefuseLine(folder, number, error.code(), error.what());
-    }
+    LoggedQuery query = ReadLine(folder, line, number);
+    take(query);
   }
-  return queries;
 }
 
 }  // namespace waystone

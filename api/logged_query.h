@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -37,8 +38,10 @@ QueryOutcome ReadOutcome(const Json& answer);
 Json LoggedQueryJson(const LoggedQuery& query, double time_s,
                      const std::vector<std::string>& files);
 
-// All queries of a log in their order, with their images, at least one each. Throws MapError, with
-// the line and the field where it is theirs: kFileUnreadable, kBadRequest.
-std::vector<LoggedQuery> ReadQueryLog(const std::filesystem::path& folder);
+// Gives all queries of a log in their order, with their images, at least one each: one at a time,
+// as a log may be larger than the memory. Throws MapError, with the line and the field where it is
+// theirs: kFileUnreadable, kBadRequest.
+void ReadQueryLog(const std::filesystem::path& folder,
+                  const std::function<void(LoggedQuery&)>& take);
 
 }  // namespace waystone

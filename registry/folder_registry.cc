@@ -266,16 +266,21 @@ class FolderRegistry : public Registry {
     WriteText(StatePath(state.version.name), Dump(json), true);
   }
 
-  // Reads the state of one map, if it isn't what it was.
+  // Reads the state of one map, if it isn't what it was or couldn't be read.
   void Look(const std::string& name, RegistryNews& news) {
     const EntryStamp stamp = StampOf(StatePath(name));
     const auto [known, is_new] = known_.try_emplace(name);
-    if (!is_new && known->second == stamp) return;
+    const auto unread = unread_.find(name);
+    if (!is_new && known->second == stamp && unread == unread_.end()) return;
     known->second = stamp;
     try {
       news.changed.push_back(ReadState(name));
+      if (unread != unread_.end()) unread_.erase(unread);
     } catch (const MapError& error) {
-      news.problems.push_back({name, error.what()});
+      settled_ = false;  // a stamp says nothing of permissions, nor of a network that failed
+      std::string& told = unread_[name];
+      if (told != error.what()) news.problems.push_back({name, error.what()});
+      told = error.what();
     }
   }
 
@@ -285,6 +290,7 @@ class FolderRegistry : public Registry {
   EntryStamp stamp_;      // of the folder of states, when it was looked at last
   bool settled_ = false;  // that was the second look with this stamp
   std::map<std::string, EntryStamp> known_;
+  std::map<std::string, std::string> unread_;  // maps whose state couldn't be read: why
 };
 
 void RefuseOtherFiles(const fs::path& folder) {

@@ -14,11 +14,13 @@
 
 namespace waystone {
 
+bool IsPostgres(const std::string& url) {
+  return url.starts_with("postgresql://") || url.starts_with("postgres://");
+}
+
 std::unique_ptr<Registry> OpenRegistry(const std::string& url,
                                        const std::optional<NewRegistry>& create) {
-  if (url.starts_with("postgresql://") || url.starts_with("postgres://")) {
-    return OpenPostgresRegistry(url, create);
-  }
+  if (IsPostgres(url)) return OpenPostgresRegistry(url, create);
   if (url.empty() || url.find("://") != std::string::npos) {
     throw MapError(ErrorCode::kUsage,
                    "'" + url + "' is not a registry; give a folder or postgresql://...");

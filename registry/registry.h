@@ -67,6 +67,9 @@ struct NewRegistry {
   std::string store;  // for OpenStore; empty: the registry's own folder
 };
 
+// Whether it is the address of a database, which has jobs too.
+bool IsPostgres(const std::string& url);
+
 // Opens a registry: "postgresql://..." or a folder. With `create`, one that isn't there is made.
 // Throws MapError: as its functions do, kFileUnreadable for a format of another version, and
 // kFileUnwritable.

@@ -18,6 +18,16 @@ std::string TokenOf(const ServerFlags& flags) {
   return ReadTokenFile(flags.token_file).front();
 }
 
+// The server's own code; a server that can't be reached, or isn't ours, is a file that can't be
+// read.
+ErrorCode CodeOf(const ClientError& error) {
+  for (int i = 0; i <= static_cast<int>(ErrorCode::kInternal); ++i) {
+    const auto code = static_cast<ErrorCode>(i);
+    if (InfoOf(code).name == error.code()) return code;
+  }
+  return ErrorCode::kFileUnreadable;
+}
+
 }  // namespace
 
 void AddServerFlags(CLI::App* command, ServerFlags& flags) {
@@ -45,7 +55,7 @@ Json AskServer(const ServerFlags& flags, const std::string& map, const std::stri
     const Client client(flags.url, {.token = TokenOf(flags)});
     return client.Localize(Photo{name, bytes}, map == "-" ? "" : map, request);
   } catch (const ClientError& error) {
-    throw MapError(ErrorCode::kFileUnreadable, flags.url + ": " + error.what());
+    throw MapError(CodeOf(error), flags.url + ": " + error.what());
   }
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -7,6 +8,7 @@
 
 #include "api/answer_json.h"
 #include "api/query_request_json.h"
+#include "api/request_answer_json.h"
 #include "cli/commands/asked_server.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/settings.h"
@@ -34,14 +36,16 @@ struct LocalizeFlags {
   std::vector<std::string> tags;
   std::vector<std::string> near;  // frame, x, y, perhaps z, radius
   std::string previous_map;
+  std::optional<MapHints> hints;  // what these say
 
   bool HasHints() const { return !tags.empty() || !near.empty() || !previous_map.empty(); }
 };
 
 double NumberOf(const std::string& text) {
-  if (const std::optional<double> number = ToNumber(text)) return *number;
+  const std::optional<double> number = ToNumber(text);
+  if (number && std::isfinite(*number)) return *number;
   throw MapError(ErrorCode::kUsage, "--near: " + QuoteShortened(text) +
-                                        " is not a number; give FRAME X Y RADIUS or "
+                                        " is not a finite number; give FRAME X Y RADIUS or "
                                         "FRAME X Y Z RADIUS");
 }
 
@@ -71,7 +75,7 @@ QueryRequest MakeRequest(const LocalizeFlags& flags, const std::string& photo) {
   QueryRequest request;
   request.images.push_back({photo, std::string(bytes.begin(), bytes.end())});
   if (flags.fov_deg) request.fov_rad = kDegree * *flags.fov_deg;
-  if (flags.HasHints()) request.hints = MakeHints(flags);
+  request.hints = flags.hints;
   return request;
 }
 
@@ -79,35 +83,39 @@ void Print(const Json& answer, bool json) {
   std::cout << (json ? Dump(answer) : AnswerLine(answer)) << std::endl;
 }
 
-// Asks each photo; `ask` gives its answer as JSON. One that can't be read is named and passed over.
-// Returns whether all could be read.
+// Asks each photo; `ask` gives its answer as JSON. One that can't be read, or that a server
+// refuses, is named and passed over. Returns the exit status, of the first of these.
 template <class AskPhoto>
-bool AnswerEach(const LocalizeFlags& flags, const AskPhoto& ask) {
-  bool all_read = true;
+int AnswerEach(const LocalizeFlags& flags, const AskPhoto& ask) {
+  int status = 0;
+  const auto pass_over = [&status](ErrorCode code) {
+    if (status == 0) status = InfoOf(code).exit_code;
+  };
   for (const std::string& photo : flags.photos) {
     try {
       const Json answer = ask(photo);
       Print(answer, flags.json);
-      all_read &= answer.value("verdict", "") != NameOf(Verdict::kBadImage);
+      if (answer.value("verdict", "") == NameOf(Verdict::kBadImage))
+        pass_over(ErrorCode::kBadImage);
     } catch (const MapError& error) {
       if (error.code() != ErrorCode::kFileUnreadable && flags.server.url.empty()) throw;
       std::cerr << "waystone: " << Printable(error.what()) << '\n';
-      all_read = false;
+      pass_over(error.code());
     }
   }
-  return all_read;
+  return status;
 }
 
-bool AnswerByMap(const QueriedMap& map, const LocalizeFlags& flags) {
+int AnswerByMap(const QueriedMap& map, const LocalizeFlags& flags) {
   const LocalizeOptions options = MakeLocalizeOptions(flags);
   return AnswerEach(flags, [&](const std::string& photo) {
     const Session session(MakeRequest(flags, photo), {map}, options);
-    return ToJson(OverallAnswer(session.Ask()));
+    return ToJson(session, session.Ask(), false);
   });
 }
 
 // One panorama after the other, each asked with what the ones before it showed.
-bool AnswerSeries(const QueriedMap& map, const LocalizeFlags& flags) {
+int AnswerSeries(const QueriedMap& map, const LocalizeFlags& flags) {
   if (!map.index->HasAppearance()) {
     throw MapError(ErrorCode::kUsage, "map '" + map.name +
                                           "' has no appearance layer, which --series requires; "
@@ -120,14 +128,14 @@ bool AnswerSeries(const QueriedMap& map, const LocalizeFlags& flags) {
 }
 
 // Asks a server instead, which names what it can't do.
-bool AnswerByServer(const LocalizeFlags& flags) {
+int AnswerByServer(const LocalizeFlags& flags) {
   return AnswerEach(flags, [&](const std::string& photo) {
     const QueryRequest request = MakeRequest(flags, photo);
     return AskServer(flags.server, flags.map, photo, request.images.front().bytes, ToJson(request));
   });
 }
 
-int RunLocalize(const LocalizeFlags& flags) {
+int RunLocalize(LocalizeFlags flags) {
   const bool by_server = !flags.server.url.empty();
   if (by_server && flags.series) {
     throw MapError(ErrorCode::kUsage, "--series requires a map file; omit --series or --server");
@@ -141,16 +149,14 @@ int RunLocalize(const LocalizeFlags& flags) {
                    "--tag, --near and --previous-map narrow a query of all maps of a server; give "
                    "- as the map and --server");
   }
-  if (by_server) CheckServerFlags(flags.server);
-  bool all_read = true;
+  if (flags.HasHints()) flags.hints = MakeHints(flags);
   if (by_server) {
-    all_read = AnswerByServer(flags);
-  } else {
-    const OpenMap opened = OpenMapFile(flags.map, false);
-    const QueriedMap map{opened.name, opened.index};
-    all_read = flags.series ? AnswerSeries(map, flags) : AnswerByMap(map, flags);
+    CheckServerFlags(flags.server);
+    return AnswerByServer(flags);
   }
-  return all_read ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
+  const OpenMap opened = OpenMapFile(flags.map, false);
+  const QueriedMap map{opened.name, opened.index};
+  return flags.series ? AnswerSeries(map, flags) : AnswerByMap(map, flags);
 }
 
 }  // namespace
@@ -187,7 +193,8 @@ void AddLocalize(CLI::App& app, Run& run) {
   command->add_option("--previous-map", flags->previous_map,
                       "With - as the map: a map that is asked in any case");
   command->footer(
-      "Exits with status 3 if any image can't be read, after processing the others.\n"
+      "Exits with status 3 if any image can't be read, 6 if a server says to try again later,\n"
+      "after processing the others.\n"
       "Example: waystone localize lab.db photo.jpg --json\n"
       "         waystone localize office.db 1.jpg 2.jpg 3.jpg --series\n"
       "         waystone localize office.db photo.jpg --fov-deg 63\n"

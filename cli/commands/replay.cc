@@ -60,7 +60,7 @@ void LeaveOutForeign(const MapData& map, QueryRequest& request) {
   }
 }
 
-Replayed Replay(LoggedQuery query, const QueriedMap& map, Beliefs& beliefs) {
+Replayed Replay(LoggedQuery& query, const QueriedMap& map, Beliefs& beliefs) {
   // Time is the server's: what is compared is what the map makes of the image.
   query.request.deadline_ms.reset();
   TakePrevious(beliefs, query.request);
@@ -96,10 +96,10 @@ int RunReplay(const ReplayFlags& flags) {
   std::vector<Replayed> queries;
   Beliefs beliefs;
   size_t changed = 0;
-  for (LoggedQuery& query : ReadQueryLog(flags.log)) {
-    queries.push_back(Replay(std::move(query), map, beliefs));
+  ReadQueryLog(flags.log, [&](LoggedQuery& query) {
+    queries.push_back(Replay(query, map, beliefs));
     changed += queries.back().before != queries.back().after;
-  }
+  });
   if (flags.json) {
     std::cout << Dump(ReplayJson(queries, changed)) << '\n';
     return 0;

@@ -100,13 +100,12 @@ void Complete(ServeFlags& flags) {
   flags.service.names = ServerNames(flags.http.host, flags.public_names);
   // Queries that compute or wait must leave threads for other requests.
   constexpr int kOtherRequests = 16;
-  constexpr int kMostThreads = 4096;
-  flags.http.request_threads =
-      std::clamp(flags.service.query_threads + flags.service.queue_length + kOtherRequests,
-                 flags.http.request_threads, kMostThreads);
-  flags.http.Check();  // before maps are read, which may take a while
   ApplySettings(flags.settings, flags.service.localize);
   flags.service.Check();
+  flags.http.request_threads =
+      std::max(CountQueryThreads(flags.service) + flags.service.queue_length + kOtherRequests,
+               flags.http.request_threads);
+  flags.http.Check();  // before maps are read, which may take a while
 }
 
 // Serves until the program is told to end. `watch` gets the application.

@@ -41,10 +41,20 @@ std::string Standing(const MapCatalog& catalog, const std::string& name) {
   return catalog.Now()->contains(name) ? "still serving the previous version" : "not served";
 }
 
+// Of a folder with a slash at its end, too, so that its files' parent_path() is it.
+fs::path WithoutSlash(const fs::path& path) {
+  const fs::path normal = path.lexically_normal();
+  return normal.has_filename() || !normal.has_relative_path() ? normal : normal.parent_path();
+}
+
 // No file has it: a file with such a stamp counts as changed.
 constexpr uint64_t kNoInode = 0;
 
 }  // namespace
+
+ServedFiles::ServedFiles(std::vector<fs::path> paths) : paths_(std::move(paths)) {
+  std::ranges::transform(paths_, paths_.begin(), WithoutSlash);
+}
 
 ServedFiles::Scanned ServedFiles::Scan() const {
   Scanned scanned;

@@ -18,7 +18,7 @@ namespace waystone {
 // changed on the disk and reads it again. Not thread-safe; one thread looks after the files.
 class ServedFiles {
  public:
-  explicit ServedFiles(std::vector<std::filesystem::path> paths) : paths_(std::move(paths)) {}
+  explicit ServedFiles(std::vector<std::filesystem::path> paths);
 
   // What became of one file, or what is wrong with several.
   struct Change {

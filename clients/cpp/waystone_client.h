@@ -85,7 +85,11 @@ class Client {
     for (const Photo& photo : photos) {
       parts.push_back({"image", photo.bytes, Plain(photo.name), "application/octet-stream"});
     }
-    if (!request.empty()) parts.push_back({"request", request.dump(), "", "application/json"});
+    if (!request.empty()) {
+      // What isn't UTF-8 gets U+FFFD, which the server may refuse.
+      const std::string text = request.dump(-1, ' ', false, Json::error_handler_t::replace);
+      parts.push_back({"request", text, "", "application/json"});
+    }
     const std::string target = map.empty() ? "/v1/localize" : MapPath(map) + "/localize";
     return Parsed(Ask([&](httplib::Client& client, const httplib::Headers& headers) {
       return client.Post(prefix_ + target, headers, parts);
@@ -106,8 +110,14 @@ class Client {
     std::string target = path + "?limit=1000";
     while (true) {
       Json page = Get(target);
-      for (Json& row : page.at(key)) rows.push_back(std::move(row));
-      if (page.at("next").is_null()) return rows;
+      const bool is_page = page.is_object() && page.contains(key) && page[key].is_array() &&
+                           page.contains("next") &&
+                           (page["next"].is_null() || page["next"].is_string());
+      if (!is_page) {
+        throw ClientError("bad_answer", 200, path + " is not a list of " + key);
+      }
+      for (Json& row : page[key]) rows.push_back(std::move(row));
+      if (page["next"].is_null()) return rows;
       target = path + "?limit=1000&cursor=" + page["next"].get<std::string>();
     }
   }

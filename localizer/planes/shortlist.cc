@@ -97,8 +97,7 @@ Ballots Vote(const MapIndex& index, const Features& query, const PlaneQueryOptio
 // `per_feature` is the weight that each feature of the index gets on average.
 ShortlistedKeyframe WeighKeyframe(const MapIndex& index, int keyframe, const Ballots& ballots,
                                   double per_feature) {
-  ShortlistedKeyframe weighed{keyframe, 0, 0};
-  weighed.votes = ballots.keyframes.votes(keyframe);
+  ShortlistedKeyframe weighed{keyframe, 0};
   double weight = ballots.keyframes.weight(keyframe);
   double features = index.map().keyframes[keyframe].landmarks.size();
   for (const MapIndex::SeenPlane& seen : index.PlanesSeenBy(keyframe)) {
@@ -106,7 +105,6 @@ ShortlistedKeyframe WeighKeyframe(const MapIndex& index, int keyframe, const Bal
     if (plane.features.empty()) continue;
     const auto all = static_cast<double>(plane.features.size());
     const double share = std::min(1.0, plane.views[seen.view].inliers / all);
-    weighed.votes += share * ballots.planes.votes(seen.plane);
     weight += share * ballots.planes.weight(seen.plane);
     features += share * all;
   }
@@ -116,9 +114,7 @@ ShortlistedKeyframe WeighKeyframe(const MapIndex& index, int keyframe, const Bal
 }
 
 template <class Candidate, class Rank>
-void KeepBest(double min_votes, int max_kept, Rank Candidate::*rank,
-              std::vector<Candidate>& candidates) {
-  std::erase_if(candidates, [&](const auto& one) { return one.votes < min_votes; });
+void KeepBest(int max_kept, Rank Candidate::*rank, std::vector<Candidate>& candidates) {
   std::ranges::stable_sort(candidates, std::ranges::greater{}, rank);
   if (std::ssize(candidates) > max_kept) candidates.resize(max_kept);
 }
@@ -137,9 +133,9 @@ Shortlist VoteForPlaces(const MapIndex& index, const Features& query,
   for (int f = 0; f < static_cast<int>(index.map().keyframes.size()); ++f) {
     shortlist.keyframes.push_back(WeighKeyframe(index, f, ballots, per_feature));
   }
-  KeepBest(options.min_votes, options.max_candidates, &ShortlistedPlane::votes, shortlist.planes);
-  KeepBest(options.min_votes, options.max_keyframes, &ShortlistedKeyframe::excess,
-           shortlist.keyframes);
+  std::erase_if(shortlist.planes, [&](const auto& one) { return one.votes < options.min_votes; });
+  KeepBest(options.max_candidates, &ShortlistedPlane::votes, shortlist.planes);
+  KeepBest(options.max_keyframes, &ShortlistedKeyframe::excess, shortlist.keyframes);
   return shortlist;
 }
 

@@ -16,8 +16,7 @@ struct ShortlistedPlane {
 
 // A keyframe that the query may be near.
 struct ShortlistedKeyframe {
-  int keyframe = 0;  // index in the map's keyframes
-  double votes = 0;
+  int keyframe = 0;   // index in the map's keyframes
   double excess = 0;  // weight of the votes beyond that by chance, in sigmas of the latter
 };
 
@@ -30,7 +29,8 @@ struct Shortlist {
 // nearest descriptors, and once for each keyframe that has a landmark among them. A keyframe has
 // the votes of the planes that it saw too, each by the share of the plane's features that it saw.
 // Planes are ranked by their votes. Keyframes are ranked by how far the weight of their votes is
-// beyond what as many features get by chance: one that saw more isn't likelier to be seen again.
+// beyond what as many features get by chance: one that saw more isn't likelier to be seen again. No
+// number of votes is required of them, which are spread over as many as there were visits.
 // A vote weighs more the nearer its descriptor is than those of the background, and less where many
 // features of the query vote for the same descriptor.
 Shortlist VoteForPlaces(const MapIndex& index, const Features& query,

@@ -199,9 +199,11 @@ void FileReplacer::Commit() {
   if (overwrite_) CopyPermissions(target_, temporary_);
   if (!Flush(temporary_, O_RDONLY)) {
     const std::string cause = std::strerror(errno);
-    const int64_t bytes = static_cast<int64_t>(fs::file_size(temporary_));
-    fs::remove(temporary_);  // so that what is free is all that is
-    throw UnwritableError(target_, cause, bytes);
+    std::error_code error;
+    const uintmax_t bytes = fs::file_size(temporary_, error);
+    const int64_t needed = error ? 0 : static_cast<int64_t>(bytes);
+    fs::remove(temporary_, error);  // so that what is free is all that is
+    throw UnwritableError(target_, cause, needed);
   }
   const bool renamed = overwrite_ ? std::rename(temporary_.c_str(), target_.c_str()) == 0
                                   : RenameOntoNothing(temporary_, target_);

@@ -57,9 +57,9 @@ void Connection::OnTimeout() {
   if (state_ == ConnectionState::kHead && !in_.empty()) {
     Refuse(MapError(ErrorCode::kTooSlow, "the request was not received in time"));
   } else if (state_ == ConnectionState::kBody) {
-    FailBody(ErrorCode::kTooSlow,
-             "the request body was not received in time; send a smaller image or use a faster "
-             "connection");
+    FailBody({ErrorCode::kTooSlow,
+              "the request body was not received in time; send a smaller image or use a faster "
+              "connection"});
   } else {
     finished_ = true;
   }
@@ -94,7 +94,7 @@ void Connection::ReceiveEnd() {
       state_ == ConnectionState::kHead || state_ == ConnectionState::kClosing;
   if (waits_for_client && !ready_) finished_ = true;
   if (state_ == ConnectionState::kBody) {
-    FailBody(ErrorCode::kBadRequest, "the request body is shorter than its Content-Length");
+    FailBody({ErrorCode::kBadRequest, "the request body is shorter than its Content-Length"});
   }
 }
 
@@ -131,13 +131,15 @@ void Connection::ReadHead() {
 void Connection::StartBody() {
   if (!head_.has_body()) return Settle();
   if (!admit_(head_.authorization)) {
-    return FailBody(ErrorCode::kUnauthorized, "the request body was not read");
+    return FailBody({ErrorCode::kUnauthorized, "the request body was not read"});
   }
   if (head_.body_bytes > kDrainFactor * options_.max_body_bytes) {
     received_ = head_.body_bytes;
     return HoldBody(0);
   }
-  if (head_.expects_continue) out_ += kContinue;
+  if (!head_.expects_continue) return;
+  if (head_.body_bytes > options_.max_body_bytes) return FailBody(TooLarge());
+  out_ += kContinue;
 }
 
 void Connection::ReadBody() {
@@ -147,7 +149,7 @@ void Connection::ReadBody() {
     try {
       in_.erase(0, chunks_.Take(in_, body_));
     } catch (const MapError& error) {
-      return FailBody(error.code(), error.what());
+      return FailBody({error.code(), error.what()});
     }
     complete = chunks_.complete();
     received_ += static_cast<int64_t>(body_.size() - before);
@@ -169,9 +171,7 @@ void Connection::HoldBody(size_t before) {
   if (received_ > options_.max_body_bytes) {
     body_ = {};
     ReturnBody();
-    body_error_.emplace(ErrorCode::kPayloadTooLarge, "the request body exceeds " +
-                                                         std::to_string(options_.max_body_bytes) +
-                                                         " bytes; send a smaller image");
+    body_error_ = TooLarge();
     if (received_ > kDrainFactor * options_.max_body_bytes) {
       close_ = true;
       Settle();
@@ -180,14 +180,20 @@ void Connection::HoldBody(size_t before) {
   }
   held_ += grown;
   if (!budgets_.bodies.Take(grown)) {
-    FailBody(ErrorCode::kBusy, "too many request bodies in progress; try again");
+    FailBody({ErrorCode::kBusy, "too many request bodies in progress; try again"});
   }
 }
 
-void Connection::FailBody(ErrorCode code, const std::string& message) {
+MapError Connection::TooLarge() const {
+  return {ErrorCode::kPayloadTooLarge, "the request body exceeds " +
+                                           std::to_string(options_.max_body_bytes) +
+                                           " bytes; send a smaller image"};
+}
+
+void Connection::FailBody(const MapError& error) {
   body_ = {};
   ReturnBody();
-  body_error_.emplace(code, message);
+  body_error_ = error;
   close_ = true;
   Settle();
 }
@@ -211,9 +217,11 @@ ReceivedRequest Connection::TakeRequest() {
           .method = std::exchange(head_.method, {}),
           .target = std::exchange(head_.target, {}),
           .host = std::exchange(head_.host, {}),
+          .headers = head_.refusal ? HttpHeaders() : std::exchange(head_.headers, {}),
           .body = std::exchange(body_, {}),
           .remote = remote_,
-          .close = close_ || input_ended_,
+          .received = Clock::now(),
+          .close = close_ || head_.close || input_ended_,
           .refusal = head_.refusal,
           .body_error = std::exchange(body_error_, {})};
 }

@@ -87,7 +87,8 @@ class Connection {
   void ReadBody();
   void HoldBody(size_t before);
   void Refuse(const MapError& error);
-  void FailBody(ErrorCode code, const std::string& message);
+  void FailBody(const MapError& error);
+  MapError TooLarge() const;
   void Settle();
   void Enter(ConnectionState state);
   void ReturnBody();

@@ -5,9 +5,12 @@
 #include <strings.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <ctime>
 #include <exception>
 #include <new>
+#include <string_view>
 #include <utility>
 
 #include "server/http/problem.h"
@@ -73,23 +76,28 @@ std::string HeadForLibrary(const ReceivedRequest& request) {
   return (request.method == "HEAD" ? "HEAD /" : "GET /") + request.head.substr(version);
 }
 
-HttpRequest ToRequest(const httplib::Request& in, int port, ReceivedRequest& received) {
+HttpRequest ToRequest(int port, ReceivedRequest& received) {
   HttpRequest request;
   request.method = received.method;
   request.path = PathOf(received.target);
   request.remote = received.remote;
   request.port = port;
+  request.received = received.received;
   request.refusal = received.refusal;
   try {
     request.query = QueryOf(received.target);
   } catch (const MapError& error) {
     if (!request.refusal) request.refusal = error;
   }
-  request.header = [&in, &received](const std::string& name) -> std::optional<std::string> {
-    // The library drops an empty one.
+  // As they came: the library decodes percent signs and drops empty ones.
+  request.header = [&received](const std::string& name) -> std::optional<std::string> {
+    const auto is_named = [&](const auto& header) {
+      return strcasecmp(header.first.c_str(), name.c_str()) == 0;
+    };
     if (strcasecmp(name.c_str(), "Host") == 0) return received.host;
-    if (!in.has_header(name)) return std::nullopt;
-    return in.get_header_value(name);
+    const auto found = std::ranges::find_if(received.headers, is_named);
+    if (found == received.headers.end()) return std::nullopt;
+    return found->second;
   };
   request.read_body = [&received] {
     if (const auto& error = received.body_error) throw MapError(error->code(), error->what());
@@ -98,8 +106,19 @@ HttpRequest ToRequest(const httplib::Request& in, int port, ReceivedRequest& rec
   return request;
 }
 
+// "Sun, 06 Nov 1994 08:49:37 GMT" (RFC 9110, section 5.6.7).
+std::string DateNow() {
+  const time_t now = std::time(nullptr);
+  tm parts = {};
+  gmtime_r(&now, &parts);
+  std::array<char, 40> text{};
+  std::strftime(text.data(), text.size(), "%a, %d %b %Y %H:%M:%S GMT", &parts);  // "C" locale
+  return text.data();
+}
+
 void Fill(const HttpResponse& from, httplib::Response& to) {
   to.status = from.status;
+  to.set_header("Date", DateNow());
   for (const auto& [name, value] : from.headers) to.set_header(name, value);
   if (from.status != 304) to.set_content(from.body, from.content_type);
 }
@@ -112,6 +131,14 @@ HttpResponse ProblemOf(const std::exception_ptr& thrown) {
   } catch (...) {
     return ProblemResponse(ErrorCode::kInternal, "internal server error");
   }
+}
+
+// Of a 304 the library says that its content, which isn't sent, is empty (RFC 9110, section 8.6).
+void DropLengthOfUnchanged(std::string& response) {
+  constexpr std::string_view kLength = "\r\nContent-Length: 0";
+  if (!response.starts_with("HTTP/1.1 304")) return;
+  const size_t at = response.find(kLength);
+  if (at != std::string::npos) response.erase(at, kLength.size());
 }
 
 // The request is the library's own variable, not a constant.
@@ -130,19 +157,18 @@ class HttpEngine::Library : public httplib::Server {
     set_default_headers({{"X-Content-Type-Options", "nosniff"}});
     set_pre_routing_handler([this](const httplib::Request& in, httplib::Response& out) {
       LeaveUndone(in);
-      Fill(dispatch_(ToRequest(in, port_, *current_request)), out);
+      Fill(dispatch_(ToRequest(port_, *current_request)), out);
       return HandlerResponse::Handled;
     });
     // Heads that the library can't read.
-    set_error_handler(
-        HandlerWithResponse([this](const httplib::Request& in, httplib::Response& out) {
-          if (!out.body.empty() || out.content_length_ > 0) return HandlerResponse::Unhandled;
-          ReceivedRequest& received = *current_request;
-          received.close = true;
-          received.refusal.emplace(ErrorCode::kBadRequest, "malformed HTTP request");
-          Fill(dispatch_(ToRequest(in, port_, received)), out);
-          return HandlerResponse::Handled;
-        }));
+    set_error_handler(HandlerWithResponse([this](const httplib::Request&, httplib::Response& out) {
+      if (!out.body.empty() || out.content_length_ > 0) return HandlerResponse::Unhandled;
+      ReceivedRequest& received = *current_request;
+      received.close = true;
+      received.refusal.emplace(ErrorCode::kBadRequest, "malformed HTTP request");
+      Fill(dispatch_(ToRequest(port_, received)), out);
+      return HandlerResponse::Handled;
+    }));
     // Without it the library would send the exception's text as a header.
     set_exception_handler([](const httplib::Request&, httplib::Response& out,
                              const std::exception_ptr& thrown) { Fill(ProblemOf(thrown), out); });
@@ -174,6 +200,7 @@ SentResponse HttpEngine::Answer(ReceivedRequest request) {
   bool closed = request.close;
   const bool kept = library_->Process(stream, request.remote, request.close, closed);
   current_request = nullptr;
+  DropLengthOfUnchanged(stream.out());
   return {.bytes = std::move(stream.out()), .close = closed || request.close || !kept};
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "server/http/message.h"
 
@@ -17,8 +18,10 @@ struct ReceivedRequest {
   std::string method;
   std::string target;               // percent-encoded, from the path on
   std::optional<std::string> host;  // that was asked
+  HttpHeaders headers;
   std::string body;
   std::string remote;                  // the client's address
+  Clock::time_point received;          // when the last byte was
   bool close = false;                  // the connection is closed after the answer
   std::optional<MapError> refusal;     // the answer, instead of what the application says
   std::optional<MapError> body_error;  // what whoever reads the body is told

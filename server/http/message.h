@@ -8,10 +8,13 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/clock.h"
 #include "core/base/error.h"
 
 // A request and its response as our handlers see them: no HTTP library shows through.
 namespace waystone {
+
+using HttpHeaders = std::vector<std::pair<std::string, std::string>>;  // in their order
 
 struct HttpRequest {
   std::string method;                        // "GET", "POST", ...
@@ -20,6 +23,7 @@ struct HttpRequest {
   std::string id;      // names the request in logs: the client's X-Request-Id, or one of ours
   std::string remote;  // the client's address; empty when it isn't known
   int port = 0;        // ours, that the request came to
+  Clock::time_point received = Clock::now();  // when its last byte was
   // A header's value by its name in any case; nothing when it isn't there.
   std::function<std::optional<std::string>(const std::string&)> header;
   // Reads the whole body. To be called once at most. Throws MapError(kPayloadTooLarge) when it is
@@ -33,7 +37,7 @@ struct HttpResponse {
   int status = 200;
   std::string content_type;
   std::string body;
-  std::vector<std::pair<std::string, std::string>> headers;
+  HttpHeaders headers;
   std::string route = {};  // the pattern whose handler answered, for logs; empty without one
 };
 

@@ -70,7 +70,7 @@ class HeadParser {
   void Header(std::string_view line) {
     const size_t colon = line.find(':');
     const std::string_view name = line.substr(0, colon);
-    if (colon == std::string_view::npos || name.empty() || name != Trimmed(name, kSpace)) {
+    if (colon == std::string_view::npos || !IsHttpToken(name)) {
       return Refuse(ErrorCode::kBadRequest, "malformed header in the HTTP request");
     }
     const std::string_view value = Trimmed(line.substr(colon + 1), kSpace);
@@ -87,10 +87,16 @@ class HeadParser {
       if (!head_.host) head_.host = value;
     }
     if (EqualsIgnoringCase(name, "Authorization")) head_.authorization = value;
+    if (EqualsIgnoringCase(name, "Connection")) Connection(value);
+    head_.headers.emplace_back(name, value);
     Keep(line);
   }
 
   RequestHead Finish() {
+    if (!needs_host_ && head_.chunked) {  // RFC 9112, section 6.1
+      Refuse(ErrorCode::kBadRequest, "HTTP/1.0 has no Transfer-Encoding; send HTTP/1.1");
+    }
+    if (!needs_host_) head_.expects_continue = false;
     if (lengths_ > 1 || (lengths_ == 1 && head_.chunked)) {
       Refuse(ErrorCode::kBadRequest, "the length of the body is given twice");
     }
@@ -141,6 +147,15 @@ class HeadParser {
       Refuse(ErrorCode::kBadRequest, "the only supported Transfer-Encoding is chunked");
     }
     head_.chunked = true;
+  }
+
+  // A list; the HTTP library knows a lone "close" in small letters.
+  void Connection(std::string_view value) {
+    while (!value.empty()) {
+      const size_t comma = std::min(value.find(','), value.size());
+      head_.close |= EqualsIgnoringCase(Trimmed(value.substr(0, comma), kSpace), "close");
+      value.remove_prefix(std::min(comma + 1, value.size()));
+    }
   }
 
   void Expect(std::string_view value) {

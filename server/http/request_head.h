@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 
@@ -46,7 +48,10 @@ struct RequestHead {
   bool expects_continue = false;  // the client sends the body once it is told to
   bool chunked = false;
   int64_t body_bytes = 0;  // where not chunked
+  bool close = false;      // the client wants no other request on the connection
   std::string authorization;
+  // As they came, in their order; without those of the body's framing, and without Range.
+  std::vector<std::pair<std::string, std::string>> headers;
   // Why it is refused before its body is read; the connection can't be used any further then,
   // because nobody knows where the next request begins.
   std::optional<MapError> refusal;
@@ -56,8 +61,9 @@ struct RequestHead {
 
 // Reads a complete head. What could be read in two ways (repeated, contradicting or malformed
 // lengths, continued lines, a space before a colon, codings but "chunked", two headers Host, none
-// in HTTP/1.1) is refused, and so are encoded bodies and bodies of other methods than POST. A
-// target is a path, or a whole URL (RFC 9112, section 3.2.2); OPTIONS may ask for "*". Pure.
+// in HTTP/1.1, a name of a header that is none, codings in HTTP/1.0) is refused, and so are encoded
+// bodies and bodies of other methods than POST. A target is a path, or a whole URL (RFC 9112,
+// section 3.2.2); OPTIONS may ask for "*". Pure.
 RequestHead ParseRequestHead(std::string_view bytes);
 
 }  // namespace waystone

@@ -26,11 +26,6 @@ constexpr size_t kMaxIdBytes = 64;
 // For answers that are no page: nothing in them may be run or framed.
 constexpr const char* kStrictPolicy = "default-src 'none'; frame-ancestors 'none'";
 
-int CountThreads(const ServiceOptions& options) {
-  if (options.query_threads > 0) return options.query_threads;
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
-
 bool IsId(const std::string& text) {
   return !text.empty() && text.size() <= kMaxIdBytes &&
          std::all_of(text.begin(), text.end(), [](char c) {
@@ -99,16 +94,21 @@ void ServiceOptions::Check() const {
   localize.Check();
 }
 
+int CountQueryThreads(const ServiceOptions& options) {
+  if (options.query_threads > 0) return options.query_threads;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
 Application::Application(std::shared_ptr<MapSource> maps, const ServiceOptions& options,
                          Sinks sinks)
     : options_((options.Check(), options)),
       sinks_(Complete(std::move(sinks))),
       maps_(std::move(maps)),
-      gate_(CountThreads(options), options.queue_length),
+      gate_(CountQueryThreads(options), options.queue_length),
       log_(OpenLog(options, sinks_.error)),
       inspection_(*maps_, gate_),
       queries_(*maps_, gate_, metrics_, log_.get(), options.localize, options.limits),
-      jobs_(options_.registry),
+      jobs_(options_.registry, sinks_.error),
       id_prefix_(Hex(std::random_device()())) {
   cv::setNumThreads(1);  // queries are what runs in parallel
   ThrowOpenCvErrors();

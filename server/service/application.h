@@ -40,7 +40,7 @@ struct ServiceOptions {
         OptionField{"query_threads", &Self::query_threads, Closed(0, 1024), "",
                     "Queries computed at once; 0 takes as many as there are cores. More don't "
                     "answer faster, they only answer later together."},
-        OptionField{"queue_length", &Self::queue_length, Closed(0, 100'000), "",
+        OptionField{"queue_length", &Self::queue_length, Closed(0, 3000), "",
                     "Queries that wait for their turn; the next ones get 429. A longer queue turns "
                     "fewer away and keeps the last ones waiting longer."},
         OptionField{"query_log_bytes", &Self::query_log_bytes, AtLeast(1), "bytes",
@@ -51,6 +51,12 @@ struct ServiceOptions {
 
 // Everything behind the sockets: maps, queries, inspection, health and metrics, and around them who
 // may ask, names of requests, logs and headers. Thread-safe.
+// As many as there are cores where the options say 0.
+int CountQueryThreads(const ServiceOptions& options);
+
+// As many as there are cores where the options say 0.
+int CountQueryThreads(const ServiceOptions& options);
+
 class Application {
  public:
   struct Sinks {

@@ -115,23 +115,29 @@ CoarseHoldings CoarseMaps::holdings() const {
 // ---- fetching
 
 void CoarseMaps::KeepFetching() {
-  std::unique_lock lock(mutex_);
-  while (!stopped_) {
-    const std::vector<Wanted> wanted = ListWanted();
-    lock.unlock();
-    Clock::time_point made = Clock::now();
-    for (const Wanted& one : wanted) {
-      if (IsStopped()) return;
-      Fetch(one);
-      if (SecondsSince(made) < kRebuildS) continue;
-      Rebuild();
-      made = Clock::now();
+  while (!IsStopped()) {
+    bool all = false;
+    try {
+      FetchWanted();
+      all = true;
+    } catch (const std::bad_alloc&) {  // the next round fetches what is left
     }
-    Rebuild();
-    TellWithout();
-    lock.lock();
-    if (!stopped_ && !index_is_old_) changed_.wait_for(lock, kPause);
+    std::unique_lock lock(mutex_);
+    if (!stopped_ && !(all && index_is_old_)) changed_.wait_for(lock, kPause);
   }
+}
+
+void CoarseMaps::FetchWanted() {
+  Clock::time_point made = Clock::now();
+  for (const Wanted& one : ListWanted()) {
+    if (IsStopped()) return;
+    Fetch(one);
+    if (SecondsSince(made) < kRebuildS) continue;
+    Rebuild();
+    made = Clock::now();
+  }
+  Rebuild();
+  TellWithout();
 }
 
 bool CoarseMaps::IsStopped() const {
@@ -142,6 +148,7 @@ bool CoarseMaps::IsStopped() const {
 // Entries that aren't there, and may be tried now.
 std::vector<CoarseMaps::Wanted> CoarseMaps::ListWanted() {
   const Clock::time_point now = Clock::now();
+  const std::lock_guard lock(mutex_);
   std::vector<Wanted> wanted;
   int64_t bytes = held_bytes_;
   for (auto& [name, entry] : entries_) {
@@ -210,15 +217,15 @@ void CoarseMaps::Take(const Wanted& wanted, std::shared_ptr<const CoarseEntry> t
 }
 
 void CoarseMaps::Rebuild() {
-  std::vector<CoarseIndex::Map> maps;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!std::exchange(index_is_old_, false)) return;
-    for (const auto& [name, entry] : entries_) {
-      if (entry.held) maps.push_back({name, entry.held});
-    }
-  }
   try {
+    std::vector<CoarseIndex::Map> maps;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!std::exchange(index_is_old_, false)) return;
+      for (const auto& [name, entry] : entries_) {
+        if (entry.held) maps.push_back({name, entry.held});
+      }
+    }
     auto index = std::make_shared<const CoarseIndex>(std::move(maps));
     const std::lock_guard lock(mutex_);
     index_ = std::move(index);

@@ -81,6 +81,7 @@ class CoarseMaps {
   };
 
   void KeepFetching();
+  void FetchWanted();
   bool IsStopped() const;
   std::vector<Wanted> ListWanted();  // with the lock held
   void Fetch(const Wanted& wanted);

@@ -18,6 +18,11 @@ constexpr double kFreshS = 1;
 // For a request that waits for another one's answer.
 constexpr std::chrono::seconds kLongestWait(2);
 
+MapError NoDatabase() {
+  return {ErrorCode::kRegistryUnavailable,
+          "the registry's database doesn't answer; the server's log says why"};
+}
+
 }  // namespace
 
 void JobsService::AddTo(Router& router) {
@@ -38,9 +43,7 @@ auto JobsService::AskQueue(const Ask& ask) {
     throw MapError(ErrorCode::kRegistryUnavailable,
                    "the registry's database is slow; try again in a moment");
   }
-  if (!failure_.empty() && SecondsSince(failed_) < kFreshS) {
-    throw MapError(ErrorCode::kRegistryUnavailable, failure_);
-  }
+  if (!failure_.empty() && SecondsSince(failed_) < kFreshS) throw NoDatabase();
   try {
     if (!queue_) queue_ = std::make_unique<JobQueue>(registry_, false);
     auto answer = ask(*queue_);
@@ -51,9 +54,10 @@ auto JobsService::AskQueue(const Ask& ask) {
                         error.code() == ErrorCode::kFileUnreadable;
     if (!passes) throw;
     queue_.reset();
+    if (failure_ != error.what()) on_error_(error.what());
     failure_ = error.what();
     failed_ = Clock::now();
-    throw MapError(ErrorCode::kRegistryUnavailable, failure_);
+    throw NoDatabase();
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -10,6 +11,7 @@
 #include "api/json.h"
 #include "core/base/clock.h"
 #include "registry/job_queue.h"
+#include "registry/registry.h"
 #include "server/http/router.h"
 
 namespace waystone {
@@ -19,10 +21,12 @@ namespace waystone {
 class JobsService {
  public:
   // `registry` in PostgreSQL; any other, or an empty one, has no jobs to tell of.
-  explicit JobsService(std::string registry) : registry_(std::move(registry)) {}
+  // `on_error` hears why the database doesn't answer, which is no concern of clients.
+  JobsService(std::string registry, std::function<void(const std::string&)> on_error)
+      : registry_(std::move(registry)), on_error_(std::move(on_error)) {}
 
   // Whether there is a registry with jobs.
-  bool available() const { return registry_.starts_with("postgres"); }
+  bool available() const { return IsPostgres(registry_); }
 
   // Adds the routes. The service must outlive the router's last request.
   void AddTo(Router& router);
@@ -37,11 +41,12 @@ class JobsService {
   auto AskQueue(const Ask& ask);
 
   const std::string registry_;
+  const std::function<void(const std::string&)> on_error_;
   std::timed_mutex mutex_;
   std::unique_ptr<JobQueue> queue_;
   std::vector<Json> jobs_;  // as they were at `read_`
   Clock::time_point read_;
-  std::string failure_;  // of the last question, at `failed_`; empty for none
+  std::string failure_;  // why the last question had no answer; empty where it had one
   Clock::time_point failed_;
 };
 

@@ -54,11 +54,10 @@ void LocalizeService::AddTo(Router& router) {
 }
 
 QueryRequest LocalizeService::Read(const HttpRequest& http) {
-  const Clock::time_point received = Clock::now();
   std::unique_lock turn(parsing_json_, std::defer_lock);
   if (IsJson(http)) turn.lock();
   QueryRequest request = ReadQueryRequest(http, limits_);
-  request.received = received;
+  request.received = http.received;
   return request;
 }
 
@@ -101,7 +100,8 @@ HttpResponse LocalizeService::Answer(const HttpRequest& http,
   json["searched"] = SearchedJson(search.searched);
   json["partial"] = search.IsPartial();
   if (search.unindexed > 0) json["unindexed"] = search.unindexed;
-  return Respond(http, name, {std::move(request), std::move(json)});
+  return Respond(http, name,
+                 {std::make_shared<const QueryRequest>(std::move(request)), std::move(json)});
 }
 
 LocalizeService::Answered LocalizeService::AskMaps(const std::optional<std::string>& name,
@@ -113,14 +113,15 @@ LocalizeService::Answered LocalizeService::AskMaps(const std::optional<std::stri
   const RequestAnswer answer =
       turn ? computing_.Ask(session, std::move(*turn)) : session->TimeOut();
   metrics_.CountAnswer(OverallAnswer(answer));
-  return {session->request(), ToJson(*session, answer, !name)};
+  return {std::shared_ptr<const QueryRequest>(session, &session->request()),
+          ToJson(*session, answer, !name)};
 }
 
 HttpResponse LocalizeService::Respond(const HttpRequest& http,
                                       const std::optional<std::string>& name,
                                       const Answered& answered) {
   if (log_) {
-    log_->Add(http.id, name ? Json(*name) : Json(nullptr), answered.request, answered.json);
+    log_->Add(http.id, name ? Json(*name) : Json(nullptr), *answered.request, answered.json);
   }
   return JsonResponse(answered.json);
 }

@@ -43,7 +43,7 @@ class LocalizeService {
   QueryRequest Read(const HttpRequest& http);
   // A request and its answer.
   struct Answered {
-    QueryRequest request;
+    std::shared_ptr<const QueryRequest> request;
     Json json;
   };
   // The map of that name, or all of the scope: opened by the request's deadline.

@@ -8,6 +8,11 @@
 #include "core/base/text.h"
 
 namespace waystone {
+namespace {
+
+MapError NoMaps() { return {ErrorCode::kNotReady, "no maps loaded"}; }
+
+}  // namespace
 
 MapCatalog::MapCatalog(const Indices& indices) {
   Maps maps;
@@ -41,7 +46,7 @@ std::vector<std::string> MapCatalog::Names() const {
 std::vector<MapSource::MapPtr> MapCatalog::FindAll(const Deadline&) {
   std::vector<MapPtr> found;
   for (const auto& [name, map] : *Now()) found.push_back(map);
-  if (found.empty()) throw MapError(ErrorCode::kNotReady, "no maps loaded");
+  if (found.empty()) throw NoMaps();
   return found;
 }
 
@@ -51,7 +56,9 @@ SearchScope MapCatalog::ScopeOf(const MapHints& hints) const {
                    "hints.position and hints.tags need maps of a registry (waystone serve "
                    "--registry); omit them");
   }
-  return {Names(), nullptr, 0};
+  SearchScope scope{Names(), nullptr, 0};
+  if (scope.names.empty()) throw NoMaps();
+  return scope;
 }
 
 std::vector<FoundMap> MapCatalog::FindLot(std::span<const std::string> names, const Deadline&) {

@@ -9,6 +9,9 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -58,12 +61,12 @@ void MakePrivateFolder(const fs::path& folder) {
   if (mkdir(path.c_str(), S_IRWXU) == 0) chmod(path.c_str(), S_IRWXU);  // whatever the umask
 }
 
+constexpr mode_t kOwner = S_IRUSR | S_IWUSR;
+
 // Opens a file that its owner alone may read and write, whatever the umask and the folder's rights;
 // none through a link that somebody else put there.
 FileDescriptor OpenPrivate(const fs::path& path, int flags) {
-  constexpr mode_t kOwner = S_IRUSR | S_IWUSR;
-  FileDescriptor file(
-      open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | flags, kOwner));
+  FileDescriptor file(open(path.c_str(), O_CREAT | O_CLOEXEC | O_NOFOLLOW | flags, kOwner));
   if (file.is_open() && fchmod(file.get(), kOwner) != 0) file.Close();
   return file;
 }
@@ -78,9 +81,33 @@ bool WriteAll(const FileDescriptor& file, std::string_view bytes) {
   return file.is_open();
 }
 
+constexpr const char* kPartName = ".part-";  // of images that are being written
+
+// What a program that was killed left of images.
+void RemoveParts(const fs::path& folder) {
+  for (const std::string& name : FolderEntries(folder)) {
+    std::error_code ignored;
+    if (name.starts_with(kPartName)) fs::remove(folder / name, ignored);
+  }
+}
+
+// Takes back the part of a line that a program that was killed wrote: the next line would be glued
+// to it, and nobody can ask it again.
+bool RemoveTornLine(const fs::path& path) {
+  const FileDescriptor file = OpenPrivate(path, O_RDWR);
+  struct stat status = {};
+  if (!file.is_open() || fstat(file.get(), &status) != 0) return false;
+  off_t end = status.st_size;
+  for (char last = 0; end > 0; --end) {
+    if (pread(file.get(), &last, 1, end - 1) != 1) return false;
+    if (last == '\n') break;
+  }
+  return end == status.st_size || ftruncate(file.get(), end) == 0;
+}
+
 // All of the line or nothing: the next one would be glued to a part.
 bool AppendLine(const fs::path& path, std::string_view line) {
-  const FileDescriptor file = OpenPrivate(path, O_APPEND);
+  const FileDescriptor file = OpenPrivate(path, O_WRONLY | O_APPEND);
   struct stat before = {};
   if (!file.is_open() || fstat(file.get(), &before) != 0) return false;
   if (WriteAll(file, line)) return true;
@@ -95,17 +122,24 @@ QueryLog::QueryLog(fs::path folder, int64_t max_bytes,
                    std::function<void(const std::string&)> on_error)
     : folder_(std::move(folder)), max_bytes_(max_bytes), on_error_(std::move(on_error)) {
   MakePrivateFolder(folder_);
-  if (!OpenPrivate(folder_ / kQueryLogLines, O_APPEND).is_open()) {
+  if (!RemoveTornLine(folder_ / kQueryLogLines)) {
     throw MapError(ErrorCode::kFileUnwritable,
                    folder_.string() + " can't be written; choose another folder for --query-log");
   }
-  bytes_ = BytesIn(folder_);
+  RemoveParts(folder_);
+  Count(BytesIn(folder_));
+}
+
+void QueryLog::Count(int64_t bytes) {
+  const int64_t before = bytes_.fetch_add(bytes);
+  if (before < max_bytes_ && before + bytes >= max_bytes_) {
+    on_error_("the query log " + folder_.string() + " is full; further queries are not logged");
+  }
 }
 
 void QueryLog::Add(const std::string& id, const Json& map, const QueryRequest& request,
                    const Json& answer) {
-  const std::lock_guard lock(mutex_);
-  if (full_) return;
+  if (bytes_ >= max_bytes_) return;
   std::vector<std::string> files;
   for (const QueryImage& image : request.images) {
     std::optional<std::string> file = Store(image.bytes);
@@ -114,26 +148,32 @@ void QueryLog::Add(const std::string& id, const Json& map, const QueryRequest& r
   }
   const std::string text =
       Dump(LoggedQueryJson({id, map, request, answer}, SecondsSinceEpoch(), files)) + "\n";
-  if (!AppendLine(folder_ / kQueryLogLines, text)) {
-    return on_error_("the query log " + folder_.string() + " can't be written");
+  {
+    const std::lock_guard lock(mutex_);
+    if (!AppendLine(folder_ / kQueryLogLines, text)) {
+      return on_error_("the query log " + folder_.string() + " can't be written");
+    }
   }
-  bytes_ += static_cast<int64_t>(text.size());
-  full_ = bytes_ >= max_bytes_;
-  if (full_)
-    on_error_("the query log " + folder_.string() + " is full; further queries are not logged");
+  Count(std::ssize(text));
 }
 
 std::optional<std::string> QueryLog::Store(const std::string& bytes) {
   std::string name = Sha256Hex(bytes) + ".image";
   const fs::path path = folder_ / name;
-  const FileDescriptor file = OpenPrivate(path, O_EXCL);
-  if (!file.is_open() && errno == EEXIST) return name;
-  if (!WriteAll(file, bytes)) {
+  struct stat there = {};
+  if (lstat(path.c_str(), &there) == 0 && S_ISREG(there.st_mode) &&
+      there.st_size == std::ssize(bytes)) {
+    return name;
+  }
+  std::string part = (folder_ / kPartName).string() + "XXXXXX";
+  const FileDescriptor file(mkostemp(part.data(), O_CLOEXEC));
+  if (file.is_open()) fchmod(file.get(), kOwner);  // whatever the umask
+  if (!WriteAll(file, bytes) || std::rename(part.c_str(), path.c_str()) != 0) {
     on_error_("an image of the query log " + folder_.string() + " can't be written");
-    if (file.is_open()) unlink(path.c_str());  // a part would count as the image from now on
+    if (file.is_open()) unlink(part.c_str());
     return std::nullopt;
   }
-  bytes_ += static_cast<int64_t>(bytes.size());
+  Count(std::ssize(bytes));
   return name;
 }
 

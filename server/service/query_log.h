@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -15,7 +16,8 @@ namespace waystone {
 
 // Writes what was asked, for asking it again (api/logged_query.h has the format). Thread-safe. The
 // folder holds photos of people's rooms: it and its files are made for their owner alone, whatever
-// the umask, and files that are there become so.
+// the umask. Images are written whole or not at all, and so are lines: what a program that was
+// killed left of either is removed.
 class QueryLog {
  public:
   // Makes the folder. Writes nothing more once it holds `max_bytes`; `on_error` hears of that and
@@ -27,15 +29,15 @@ class QueryLog {
   void Add(const std::string& id, const Json& map, const QueryRequest& request, const Json& answer);
 
  private:
+  void Count(int64_t bytes);
   // The name of the image's file; nothing where it can't be written.
   std::optional<std::string> Store(const std::string& bytes);
 
   std::filesystem::path folder_;
   int64_t max_bytes_;
   std::function<void(const std::string&)> on_error_;
-  std::mutex mutex_;
-  int64_t bytes_ = 0;
-  bool full_ = false;
+  std::mutex mutex_;  // of the lines
+  std::atomic<int64_t> bytes_ = 0;
 };
 
 }  // namespace waystone

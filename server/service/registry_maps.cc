@@ -31,9 +31,13 @@ MapError NotServed(const std::string& name) {
   return {ErrorCode::kNotFound,
           "no map '" + Printable(name.substr(0, 80)) + "'; GET /v1/maps lists the maps"};
 }
+// The cause names files and addresses of ours, but for want of room: the log has it.
 [[noreturn]] void ThrowUnopened(const std::string& name, ErrorCode code, const std::string& error) {
   if (code == ErrorCode::kOutOfMemory) throw std::bad_alloc();
-  throw MapError(code, "map '" + name + "': " + error);
+  const std::string cause = code == ErrorCode::kNoRoom
+                                ? error
+                                : std::string("it can't be opened now; the server's log says why");
+  throw MapError(code, "map '" + name + "': " + cause);
 }
 // A registry that can't be opened is refused before a cache is made for it.
 const RegistryMapsOptions& Checked(const RegistryMapsOptions& options) {
@@ -113,8 +117,9 @@ void RegistryMaps::EndWaits() {
 
 void RegistryMaps::QueueOpening(const std::string& name, Entry& entry) {
   if (entry.opening) return;
-  entry.opening = std::make_shared<Opening>();
+  auto opening = std::make_shared<Opening>();
   queue_.push_back(name);
+  entry.opening = std::move(opening);  // which is in the queue: someone ends it
   changed_.notify_all();
 }
 
@@ -123,10 +128,14 @@ void RegistryMaps::KeepOpening() {
   while (true) {
     changed_.wait(lock, [this] { return stopped_ || !queue_.empty(); });
     if (stopped_) return;
-    const std::string name = queue_.front();
+    const std::string name = std::move(queue_.front());
     queue_.pop_front();
     lock.unlock();
-    OpenQueued(name);
+    try {
+      OpenQueued(name);
+    } catch (const std::bad_alloc&) {
+      GiveUp(name);
+    }
     lock.lock();
   }
 }
@@ -266,6 +275,21 @@ void RegistryMaps::Finish(const std::string& name, const MapVersion& version, Op
   }
   changed_.notify_all();
   if (!said.empty()) log_("map " + name + ": " + said);
+}
+
+// Where there is no memory to say what became of it: takes none itself.
+void RegistryMaps::GiveUp(const std::string& name) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto it = entries_.find(name);
+    if (it == entries_.end() || !it->second.opening) return;
+    const std::shared_ptr<Opening> opening = std::exchange(it->second.opening, nullptr);
+    opening->map = it->second.open;
+    opening->error = "out of memory";
+    opening->code = ErrorCode::kOutOfMemory;
+    opening->done = true;
+  }
+  changed_.notify_all();
 }
 
 // What became of the current version.

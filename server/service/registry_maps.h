@@ -105,6 +105,7 @@ class RegistryMaps : public MapSource {
   using Lock = std::unique_lock<std::mutex>;
 
   bool ReadKnown();  // whether there is anything
+  std::string TakeKnown();
   void WriteKnown();
   void Look();  // at the registry; throws what it throws
   void CheckId(const Registry& registry);
@@ -126,6 +127,7 @@ class RegistryMaps : public MapSource {
   std::shared_ptr<MapMemory::Share> TakeMemory(const MapVersion& version);
   void Finish(const std::string& name, const MapVersion& version, Opened opened,
               const Opening& failure, bool tried_current);
+  void GiveUp(const std::string& name);
   void Count(const Opening& failure, Entry& entry, std::string& said);  // with the lock held
   std::shared_ptr<const Store> StoreNow() const;
   static std::string Megabytes(int64_t bytes);

@@ -72,22 +72,26 @@ bool RegistryMaps::ReadKnown() {
   return false;
 }
 
-void RegistryMaps::WriteKnown() {
-  std::string text;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!known_changed_) return;
-    known_changed_ = false;
-    text = Dump({{"format", kKnownFormat},
-                 {"registry", HashOf(options_.registry)},
-                 {"id", registry_id_},
-                 {"store", registry_store_}}) +
-           "\n";
-    for (const auto& [name, entry] : entries_) {
-      text += "{\"current\":" + ManifestOf(entry.current) +
-              ",\"served\":" + (entry.served ? ManifestOf(*entry.served) : "null") + "}\n";
-    }
+// Empty where nothing has changed since the last time.
+std::string RegistryMaps::TakeKnown() {
+  const std::lock_guard lock(mutex_);
+  if (!known_changed_) return {};
+  std::string text = Dump({{"format", kKnownFormat},
+                           {"registry", HashOf(options_.registry)},
+                           {"id", registry_id_},
+                           {"store", registry_store_}}) +
+                     "\n";
+  for (const auto& [name, entry] : entries_) {
+    text += "{\"current\":" + ManifestOf(entry.current) +
+            ",\"served\":" + (entry.served ? ManifestOf(*entry.served) : "null") + "}\n";
   }
+  known_changed_ = false;
+  return text;
+}
+
+void RegistryMaps::WriteKnown() {
+  const std::string text = TakeKnown();
+  if (text.empty()) return;
   written_ = Clock::now();
   try {
     FileReplacer file(KnownPath(options_.cache), true);
@@ -96,10 +100,12 @@ void RegistryMaps::WriteKnown() {
     out.close();
     if (!out) throw UnwritableError(KnownPath(options_.cache), std::strerror(errno), 0);
     file.Commit();
-  } catch (const MapError& error) {
+  } catch (const std::exception& error) {
+    {
+      const std::lock_guard lock(mutex_);
+      known_changed_ = true;  // tried again
+    }
     log_(error.what());
-    const std::lock_guard lock(mutex_);
-    known_changed_ = true;  // tried again
   }
 }
 
@@ -213,10 +219,16 @@ void RegistryMaps::KeepLooking() {
       LookAgain();
       looked = Clock::now();
     }
-    QueueUpdates();
-    if (SecondsSince(written_) >= kWriteKnownS) WriteKnown();
+    try {
+      QueueUpdates();
+      if (SecondsSince(written_) >= kWriteKnownS) WriteKnown();
+    } catch (const std::bad_alloc&) {  // the next look does what this one left
+    }
   }
-  WriteKnown();
+  try {
+    WriteKnown();
+  } catch (const std::bad_alloc&) {  // the next start asks the registry
+  }
 }
 
 // Says when the registry goes and when it comes back.

@@ -3,14 +3,22 @@
 
 #include "quality/audit.h"
 #include "schema/file/map_store.h"
+#include "server/http/problem.h"
 
 namespace waystone {
 
 const AuditReport& ServedMap::Audit(QueryGate& gate) const {
-  std::call_once(audited_, [&] {
+  if (is_audited_) return *audit_;
+  const std::unique_lock lock(auditing_, std::try_to_lock);
+  if (!lock.owns_lock()) {
+    constexpr int kRetryS = 2;
+    throw BusyError("the map is being audited; try again", kRetryS);
+  }
+  if (!is_audited_) {
     const QueryGate::Turn turn = gate.Enter();
     audit_ = std::make_shared<const AuditReport>(AuditMap(*index_));
-  });
+    is_audited_ = true;
+  }
   return *audit_;
 }
 

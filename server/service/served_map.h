@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -24,14 +25,15 @@ class ServedMap {
   const MapIndex& index() const { return *index_; }
   const std::shared_ptr<const MapIndex>& shared_index() const { return index_; }
   const std::string& version() const { return index_->map().info.version; }
-  // The first one who asks computes it, for seconds and on all cores, in a query's turn; who asks
-  // meanwhile waits without one. Throws what QueryGate::Enter throws.
+  // The first one who asks computes it, for seconds and on all cores, in a query's turn. Throws
+  // what QueryGate::Enter throws, and BusyError to who asks meanwhile: waiting would take a thread.
   const AuditReport& Audit(QueryGate& gate) const;
 
  private:
   std::string name_;
   std::shared_ptr<const MapIndex> index_;
-  mutable std::once_flag audited_;
+  mutable std::mutex auditing_;
+  mutable std::atomic<bool> is_audited_ = false;  // `audit_` is there, for good
   mutable std::shared_ptr<const AuditReport> audit_;
 };
 

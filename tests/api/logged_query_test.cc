@@ -10,6 +10,7 @@
 
 #include "api/query_request_json.h"
 #include "core/base/error.h"
+#include "tests/api/read_queries.h"
 
 namespace waystone {
 namespace {
@@ -38,7 +39,7 @@ class LoggedQueryTest : public testing::Test {
 
   std::vector<LoggedQuery> Read(const std::string& lines) {
     std::ofstream(folder_ / kQueryLogLines) << lines;
-    return ReadQueryLog(folder_);
+    return ReadQueries(folder_);
   }
 
   // What reading says of a log whose second line is this one.

@@ -80,7 +80,7 @@ TEST_F(ServedFilesTest, AFolderThatCantBeReadKeepsTheOthersServed) {
   fs::create_directory(folder_ / "b");
   WriteGood("a/one.db");
   WriteGood("b/two.db");
-  ServedFiles files({folder_ / "a", folder_ / "b"});
+  ServedFiles files({folder_ / "a/", folder_ / "b/."});
   MapCatalog catalog(files.OpenAll().maps);
   WriteGood("b/three.db");
   fs::permissions(folder_, fs::perms::all);

@@ -168,7 +168,8 @@ TEST_F(CliTest, LocalizeTakesOptionsOfQueries) {
     return RunWaystone({"localize", TheMap().map, TheMap().inside, "--set", setting});
   };
   EXPECT_NE(ask("planes.max_features=800").out.find(": localized near "), std::string::npos);
-  EXPECT_EQ(ask("planes.min_votes=100000").out.find(": localized near "), std::string::npos);
+  EXPECT_EQ(ask("planes.gates.min_inliers=100000").out.find(": localized near "),
+            std::string::npos);
   ExpectFailure(ask("planes.min_votes=0"), 2, "planes.min_votes is 0");
   ExpectFailure(ask("planes.min_vote=5"), 2, "did you mean 'planes.min_votes'");
   ExpectFailure(RunWaystone({"serve", TheMap().map, "--set", "planes.min_vote=5"}), 2,

@@ -3,6 +3,7 @@
 
 #include "api/logged_query.h"
 #include "api/query_request_json.h"
+#include "tests/api/read_queries.h"
 #include "tests/fuzz/fuzz_targets.h"
 
 namespace waystone {
@@ -44,10 +45,10 @@ void FuzzQueryLog(FuzzInput input) {
   std::filesystem::create_directories(FuzzFolder() / "read");
   WriteInput(std::string("read/") + kQueryLogLines, TextOf(input));
   WriteInput("read/a.jpg", "an image");
-  const auto queries = ReadOrRefuse([] { return ReadQueryLog(FuzzFolder() / "read"); });
+  const auto queries = ReadOrRefuse([] { return ReadQueries(FuzzFolder() / "read"); });
   if (!queries) return;
   WriteLog(*queries);
-  const auto again = ReadBack([] { return ReadQueryLog(FuzzFolder() / "written"); }, "a query log");
+  const auto again = ReadBack([] { return ReadQueries(FuzzFolder() / "written"); }, "a query log");
   Require(std::ranges::equal(*queries, again, SameQuery), "a log is written and read to the same");
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -284,6 +285,34 @@ TEST_F(FolderRegistryTest, ADamagedManifestIsNamedAndTheOthersAreRead) {
   EXPECT_EQ(news.problems[0].name, "copy");
   EXPECT_NE(news.problems[0].message.find("is of another map"), std::string::npos);
   EXPECT_EQ(news.problems[1].name, "lab");
+}
+
+// Permissions, or a network that failed for a moment, leave no trace in a file's stamp.
+TEST_F(FolderRegistryTest, AStateThatCouldntBeReadIsReadLater) {
+  const auto publisher = Create();
+  publisher->Publish(Made("lab", 'a'));
+  const fs::path current = folder_ / "registry/current";
+  for (const fs::path& folder : {fs::path(folder_ / "."), folder_ / "registry", current}) {
+    fs::permissions(folder, fs::perms::all);
+  }
+  fs::permissions(current / "lab.json", fs::perms::none);
+  const auto server = Open();
+  constexpr uid_t kNobody = 65534;
+  const bool root = geteuid() == 0;  // who may read it all the same
+  if (root) {
+    ASSERT_EQ(seteuid(kNobody), 0);
+  }
+  std::vector<RegistryNews> news;
+  for (int i = 0; i < 3; ++i) news.push_back(server->Refresh());
+  if (root) {
+    ASSERT_EQ(seteuid(0), 0);
+  }
+  ASSERT_EQ(news[0].problems.size(), 1U);
+  EXPECT_NE(news[0].problems[0].message.find("Permission denied"), std::string::npos);
+  EXPECT_TRUE(news[1].problems.empty() && news[2].problems.empty()) << "said once";
+  fs::permissions(current / "lab.json", fs::perms::owner_all);
+  EXPECT_EQ(Current(server->Refresh()), (std::map<std::string, int>{{"lab", 1}}));
+  EXPECT_TRUE(server->Refresh().changed.empty());
 }
 
 // What a publisher that was killed left behind.

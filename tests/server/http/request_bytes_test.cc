@@ -78,7 +78,8 @@ TEST(RequestHead, RefusesWhatCanBeReadInTwoWays) {
         "Transfer-Encoding: gzip, chunked",
         "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked", "Transfer-Encoding : chunked",
         "A: b\r\n folded: c", "no colon", ": no name", "Expect: the unexpected",
-        "Content-Length: 5\r\nContent-Encoding: gzip", "Host: x", "hOST: y"}) {
+        "Content-Length: 5\r\nContent-Encoding: gzip", "Host: x", "hOST: y",
+        "Transfer-Encoding\x0b: chunked", "A B: c"}) {
     const RequestHead head =
         ParseRequestHead("POST / HTTP/1.1\r\nHost: x\r\n" + std::string(headers) + "\r\n\r\n");
     EXPECT_TRUE(head.refusal) << headers;
@@ -87,6 +88,30 @@ TEST(RequestHead, RefusesWhatCanBeReadInTwoWays) {
     EXPECT_TRUE(ParseRequestHead(std::string(line) + "\r\nHost: x\r\n\r\n").refusal) << line;
   }
   EXPECT_TRUE(ParseRequestHead("GET / HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\n\r\n").refusal);
+}
+
+TEST(RequestHead, HeadersAreAsTheyCame) {
+  const RequestHead head = ParseRequestHead(
+      "GET / HTTP/1.1\r\nHost: x\r\nauthorization: Bearer a%41b\r\nA:\r\nRange: b\r\n\r\n");
+  const std::vector<std::pair<std::string, std::string>> expected = {
+      {"Host", "x"}, {"authorization", "Bearer a%41b"}, {"A", ""}};
+  EXPECT_EQ(head.headers, expected);
+}
+
+TEST(RequestHead, ClosesWhereTheListOfTheConnectionSaysSo) {
+  const auto closes = [](const std::string& value) {
+    return ParseRequestHead("GET / HTTP/1.1\r\nHost: x\r\nConnection: " + value + "\r\n\r\n").close;
+  };
+  EXPECT_TRUE(closes("close") && closes("Close") && closes("TE , CLOSE") && closes("close, TE"));
+  EXPECT_FALSE(closes("") || closes(",") || closes("keep-alive") || closes("closed, TE"));
+}
+
+TEST(RequestHead, OlderClientsHaveNeitherCodingsNorExpectations) {
+  const std::string line = "POST / HTTP/1.0\r\n";
+  EXPECT_TRUE(ParseRequestHead(line + "Transfer-Encoding: chunked\r\n\r\n").refusal);
+  const RequestHead head =
+      ParseRequestHead(line + "Content-Length: 1\r\nExpect: 100-continue\r\n\r\n");
+  EXPECT_FALSE(head.refusal || head.expects_continue) << "RFC 9110, section 10.1.1";
 }
 
 TEST(RequestHead, HasMethodTargetAndHost) {

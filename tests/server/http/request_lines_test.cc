@@ -76,5 +76,17 @@ TEST_F(RequestLines, TheRequestIsReadAsItWasSent) {
   EXPECT_NE(body("/echo?a=1&a=2", " x").find("'a' more than once"), std::string::npos);
 }
 
+// RFC 9110, sections 6.6.1 and 8.6.
+TEST_F(RequestLines, AnswersHaveADateAndUnchangedOnesNoLength) {
+  router_.Add("GET", "/same", [](const auto&, const auto&) {
+    return HttpResponse{304, "", "", {}};
+  });
+  const std::string same = Exchange("GET /same HTTP/1.1\r\nHost: x\r\nConnection: Close\r\n\r\n");
+  EXPECT_NE(same.find(" 304 "), std::string::npos) << same;
+  EXPECT_EQ(same.find("Content-Length"), std::string::npos) << same;
+  EXPECT_NE(same.find("\r\nDate: "), std::string::npos) << same;
+  EXPECT_NE(same.find(" GMT\r\n"), std::string::npos) << same;
+}
+
 }  // namespace
 }  // namespace waystone

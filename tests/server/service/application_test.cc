@@ -19,7 +19,9 @@
 #include "api/logged_query.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
+#include "server/http/problem.h"
 #include "server/service/map_catalog.h"
+#include "tests/api/read_queries.h"
 #include "tests/server/http/no_threads.h"
 #include "tests/server/service/made_map.h"
 
@@ -223,7 +225,7 @@ TEST_F(ApplicationTest, QueriesAreLoggedAndReadAgain) {
   Ask("POST", "/v1/maps/lab/localize", {{"X-Request-Id", "../../x"}}, "one");
   Ask("POST", "/v1/maps/lab/localize", {}, "one");
   Ask("POST", "/v1/localize", {}, "two");
-  const std::vector<LoggedQuery> queries = ReadQueryLog(options.query_log);
+  const std::vector<LoggedQuery> queries = ReadQueries(options.query_log);
   ASSERT_EQ(queries.size(), 3u);
   EXPECT_EQ(queries[0].map, "lab");
   EXPECT_EQ(queries[0].request.images[0].bytes, "one");
@@ -261,19 +263,20 @@ TEST_F(ApplicationTest, ImagesAreComputedInOneThread) {
   EXPECT_EQ(cv::getNumThreads(), 1);
 }
 
-// Who waits for another's audit takes no query's turn meanwhile.
-TEST_F(ApplicationTest, OneAuditTakesOneTurn) {
+// Waiting for another's audit would take a thread, and many who wait all of them.
+TEST_F(ApplicationTest, WhoAsksWhileAMapIsAuditedIsToldToTryAgain) {
   const ServedMap map("lab", MapIndex::Build(MadeMap(3)));
   QueryGate gate(1, 10);
-  std::vector<std::thread> askers;
+  std::thread first;
   {
     const QueryGate::Turn busy = gate.Enter();
-    for (int i = 0; i < 3; ++i) askers.emplace_back([&] { map.Audit(gate); });
+    first = std::thread([&] { map.Audit(gate); });
     while (gate.load().waiting == 0) std::this_thread::yield();
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_THROW(map.Audit(gate), BusyError);
     EXPECT_EQ(gate.load().waiting, 1);
   }
-  for (std::thread& asker : askers) asker.join();
+  first.join();
+  EXPECT_EQ(&map.Audit(gate), &map.Audit(gate)) << "made once";
   EXPECT_EQ(gate.load().running, 0);
 }
 
@@ -295,7 +298,7 @@ TEST_F(ApplicationTest, DeadlinesAreKeptWhileAnImageIsDecoded) {
   request.read_body = [&] { return body; };
   Json answer;
   const auto ask_ms = [&] {
-    const Clock::time_point start = Clock::now();
+    const Clock::time_point start = request.received = Clock::now();
     answer = Json::parse(app_->Answer(request).body);
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   };
@@ -325,7 +328,7 @@ TEST_F(ApplicationTest, QueryLogIsPrivate) {
       Start(options);
       Ask("POST", "/v1/localize", {}, "x");
       umask(before);
-      EXPECT_EQ(ReadQueryLog(log).size(), 1U);
+      EXPECT_EQ(ReadQueries(log).size(), 1U);
       for (const auto& entry : fs::directory_iterator(log)) {
         if (!entry.is_regular_file()) continue;
         EXPECT_EQ(rights(entry), file) << entry.path();
@@ -352,7 +355,7 @@ TEST_F(ApplicationTest, FullQueryLogSaysSoOnce) {
   options.query_log_bytes = 10;
   Start(options);
   for (int i = 0; i < 3; ++i) Ask("POST", "/v1/localize", {}, "x");
-  EXPECT_EQ(ReadQueryLog(options.query_log).size(), 1u);
+  EXPECT_EQ(ReadQueries(options.query_log).size(), 1u);
   ASSERT_EQ(errors_.size(), 1u);
   EXPECT_NE(errors_[0].find("full"), std::string::npos);
 }

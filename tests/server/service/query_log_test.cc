@@ -6,10 +6,12 @@
 
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include "api/logged_query.h"
+#include "tests/api/read_queries.h"
 #include "tests/registry/test_folder.h"
 
 namespace waystone {
@@ -57,9 +59,51 @@ TEST(QueryLog, HasWholeQueriesAlone) {
   }
   EXPECT_EQ(errors.size(), 2u);
   add("two");
-  const std::vector<LoggedQuery> queries = ReadQueryLog(folder / "log");
+  const std::vector<LoggedQuery> queries = ReadQueries(folder / "log");
   ASSERT_EQ(queries.size(), 2u);
   EXPECT_EQ(queries[1].request.images[0].bytes, "two");
+}
+
+void WriteText(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+// A program that was killed while it wrote leaves parts of an image and of a line.
+TEST(QueryLog, GoesOnAfterAKill) {
+  const TestFolder folder;
+  const std::filesystem::path log = folder / "log";
+  std::vector<std::string> errors;
+  const auto on_error = [&](const std::string& error) { errors.push_back(error); };
+  QueryRequest request;
+  request.images.push_back({"photo", "an image"});
+  const Json answer = {{"verdict", "not_in_map"}};
+  QueryLog(log, 1'000'000, on_error).Add("id", "lab", request, answer);
+  const std::string image = ReadQueries(log).at(0).request.images[0].bytes;
+  for (const auto& entry : std::filesystem::directory_iterator(log)) {
+    if (entry.path().extension() == ".image") WriteText(entry.path(), "an im");
+  }
+  WriteText(log / ".part-abcdef", "an im");
+  std::ofstream(log / kQueryLogLines, std::ios::app) << R"({"id": "b", "time)";
+  QueryLog(log, 1'000'000, on_error).Add("id2", "lab", request, answer);
+  const std::vector<LoggedQuery> queries = ReadQueries(log);
+  ASSERT_EQ(queries.size(), 2U);
+  EXPECT_EQ(queries[0].request.images[0].bytes, image);
+  EXPECT_EQ(queries[1].id, "id2");
+  EXPECT_FALSE(std::filesystem::exists(log / ".part-abcdef"));
+  EXPECT_TRUE(errors.empty());
+}
+
+TEST(QueryLog, StaysFullAfterARestart) {
+  const TestFolder folder;
+  std::vector<std::string> errors;
+  const auto on_error = [&](const std::string& error) { errors.push_back(error); };
+  QueryRequest request;
+  request.images.push_back({"photo", "an image"});
+  for (int i = 0; i < 2; ++i) {
+    QueryLog(folder / "log", 10, on_error).Add("id", "lab", request, {{"verdict", "bad_image"}});
+  }
+  EXPECT_EQ(ReadQueries(folder / "log").size(), 1U);
+  EXPECT_EQ(errors.size(), 2U) << "each server says once that it is full";
 }
 
 }  // namespace
