@@ -35,6 +35,8 @@ cv::Mat Decode(std::span<const uint8_t> bytes, const DecodeLimits& limits, int f
     if (HasPngTexts(bytes)) bytes = reduced = WithoutPngTexts(bytes);
   } else if (header.format == "webp") {
     bytes = reduced = BareWebp(bytes);
+  } else if (header.format == "pnm" && HasOwnMaximum(bytes)) {
+    bytes = reduced = WithMaximum255(bytes);
   }
   cv::Mat image;
   std::string cause = "its pixels can't be decoded";

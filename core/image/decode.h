@@ -82,9 +82,9 @@ void PrepareDecoders();
 // megapixels and 5.8 MB, the slowest that was measured, 2 s. EXIF
 // orientation is not applied, nor are a HEIC's rotation, mirroring and cropping: pixels are where
 // the camera put them, which is what calibrations and answers refer to. 16-bit images become 8-bit
-// ones, by their upper bytes. Throws MapError(kBadImage) when it can't be decoded, also
-// for a JPEG whose data ends early or has invalid codes above its last row of blocks, and nothing
-// else. Thread-safe.
+// ones, by their upper bytes; a PNM's maximum becomes 255. Throws MapError(kBadImage) when it can't
+// be decoded, also for a JPEG whose data ends early or has invalid codes above its last row of
+// blocks, and nothing else. Thread-safe.
 cv::Mat DecodeGrey(std::span<const uint8_t> bytes, const DecodeLimits& limits = {});
 
 // The same in colour (CV_8UC3, BGR).

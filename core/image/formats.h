@@ -39,6 +39,10 @@ std::vector<uint8_t> BareWebp(Bytes bytes);
 ImageHeader ReadHeicHeader(Bytes bytes);
 ImageHeader ReadBmpHeader(Bytes bytes);
 ImageHeader ReadPnmHeader(Bytes bytes);
+// Whether a PNM, whose header was read, has another maximum than its samples' bytes can hold, such
+// as 4095 for 12 bits, which the decoder would ignore; and a copy with 255 in its place.
+bool HasOwnMaximum(Bytes bytes);
+std::vector<uint8_t> WithMaximum255(Bytes bytes);
 
 // Throws MapError(kBadImage) with the message.
 [[noreturn]] void RefuseImage(const std::string& message);

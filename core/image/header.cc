@@ -139,24 +139,59 @@ class PnmNumbers {
   size_t position_ = 2;  // behind "P5" or "P6"
 };
 
+// What comes before the samples of a PNM.
+struct PnmHeader {
+  int width = 0;
+  int height = 0;
+  int maximum = 0;
+  uint64_t samples = 0;
+  size_t samples_at = 0;
+
+  int sample_bytes() const { return maximum > 255 ? 2 : 1; }
+};
+
+PnmHeader ReadPnm(Bytes bytes) {
+  PnmNumbers numbers(bytes);
+  PnmHeader pnm;
+  pnm.width = numbers.Next();
+  pnm.height = numbers.Next();
+  pnm.maximum = numbers.Next();
+  pnm.samples = static_cast<uint64_t>(pnm.width) * pnm.height * (bytes[1] == '6' ? 3 : 1);
+  pnm.samples_at = numbers.position();
+  return pnm;
+}
+
 }  // namespace
 
 ImageHeader ReadPnmHeader(Bytes bytes) {
-  PnmNumbers numbers(bytes);
-  ImageHeader header{.format = "pnm"};
-  header.width = numbers.Next();
-  header.height = numbers.Next();
-  const int brightest = numbers.Next();
-  if (brightest < 1 || brightest > 65535) {
-    RefuseImage("the maximum value of the PNM is " + std::to_string(brightest) +
+  const PnmHeader pnm = ReadPnm(bytes);
+  if (pnm.maximum < 1 || pnm.maximum > 65535) {
+    RefuseImage("the maximum value of the PNM is " + std::to_string(pnm.maximum) +
                 ", not 1 to 65535; it is damaged");
   }
-  const uint64_t pixel_bytes = (bytes[1] == '6' ? 3 : 1) * (brightest > 255 ? 2 : 1);
-  const uint64_t pixels = static_cast<uint64_t>(header.width) * header.height;
-  if (numbers.position() + pixels * pixel_bytes > bytes.size()) {
+  if (pnm.samples_at + pnm.samples * pnm.sample_bytes() > bytes.size()) {
     RefuseCutOff("PNM", bytes, "the end of its pixels");
   }
-  return header;
+  return {.format = "pnm", .width = pnm.width, .height = pnm.height};
+}
+
+bool HasOwnMaximum(Bytes bytes) {
+  const int maximum = ReadPnm(bytes).maximum;
+  return maximum != 255 && maximum != 65535;
+}
+
+std::vector<uint8_t> WithMaximum255(Bytes bytes) {
+  const PnmHeader pnm = ReadPnm(bytes);
+  const std::string header = std::string(bytes.begin(), bytes.begin() + 2) + " " +
+                             std::to_string(pnm.width) + " " + std::to_string(pnm.height) + " 255 ";
+  std::vector<uint8_t> scaled(header.begin(), header.end());
+  scaled.reserve(header.size() + pnm.samples);
+  for (uint64_t i = 0; i < pnm.samples; ++i) {
+    const size_t at = pnm.samples_at + i * pnm.sample_bytes();
+    const int sample = pnm.sample_bytes() == 1 ? bytes[at] : bytes[at] << 8 | bytes[at + 1];
+    scaled.push_back((std::min(sample, pnm.maximum) * 255 + pnm.maximum / 2) / pnm.maximum);
+  }
+  return scaled;
 }
 
 ImageHeader ReadImageHeader(Bytes bytes) {

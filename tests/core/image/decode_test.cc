@@ -347,6 +347,34 @@ TEST(PnmTest, ACommentEndsAtACarriageReturn) {
   EXPECT_EQ(DecodeGrey(pgm).at<uint8_t>(0, 1), 'b');
 }
 
+Bytes Pnm(const std::string& header, std::initializer_list<int> samples, int sample_bytes) {
+  Bytes bytes = AsBytes(header);
+  for (const int sample : samples) {
+    if (sample_bytes == 2) bytes.push_back(sample >> 8);
+    bytes.push_back(sample & 0xFF);
+  }
+  return bytes;
+}
+
+// Industrial cameras write 10 and 12 bits.
+TEST(PnmTest, TheMaximumIsWhite) {
+  const Bytes grey = Pnm("P5 4 1 4095\n", {0, 2048, 4095, 5000}, 2);
+  EXPECT_EQ(
+      cv::norm(DecodeGrey(grey), cv::Mat(cv::Matx<uint8_t, 1, 4>(0, 128, 255, 255)), cv::NORM_INF),
+      0);
+  EXPECT_EQ(DecodeColour(grey).at<cv::Vec3b>(0, 1), cv::Vec3b(128, 128, 128));
+  const Bytes colour = Pnm("P6 # ten bits\n1 1 1023\n", {1023, 512, 0}, 2);
+  EXPECT_EQ(DecodeColour(colour).at<cv::Vec3b>(0, 0), cv::Vec3b(0, 128, 255));
+  EXPECT_EQ(DecodeGrey(colour).at<uint8_t>(0, 0), 151);  // 0.299 * 255 + 0.587 * 128
+  EXPECT_EQ(DecodeGrey(Pnm("P5 2 1 100\n", {100, 50}, 1)).at<uint8_t>(0, 1), 128);
+  EXPECT_EQ(DecodeGrey(Pnm("P5 2 1 1\n", {0, 1}, 1)).at<uint8_t>(0, 1), 255);
+}
+
+TEST(PnmTest, AFullRangeStaysAsItIs) {
+  EXPECT_EQ(DecodeGrey(Pnm("P5 1 1 65535\n", {0x12FF}, 2)).at<uint8_t>(0, 0), 0x12);
+  EXPECT_EQ(DecodeGrey(Pnm("P5 1 1 255\n", {77}, 1)).at<uint8_t>(0, 0), 77);
+}
+
 // OpenCV would take the size behind the '#', which the limits haven't seen.
 TEST(PnmTest, ANumberNeedsWhiteSpaceBehindIt) {
   ExpectRefusal(AsBytes("P5 2#9000 \n1 255 ab"), ErrorCode::kBadImage, "white space");
