@@ -55,7 +55,7 @@ class MapBuilder {
       }
       if (used) Finish(kind);
     }
-    if (poses_ && !result_.map.poses) {
+    if (poses_ && !result_.map.poses && !result_.report.planes) {
       throw MapError(ErrorCode::kBadRequest,
                      "poses were given, but no source has a layer to put into their frame; add "
                      "planes or appearance to --layers");
@@ -94,6 +94,7 @@ class MapBuilder {
   }
 
   void PutPlanesIntoFrame() {
+    if (result_.map.keyframes.empty()) return;
     progress_.Report("structure", 0, 1);
     PoseReport report = AddPoses(planes_.features(), *poses_, options_.poses, result_.map);
     report.noise = MeasurePoseNoise(result_.map, planes_.samples(), options_.poses.neighbours,

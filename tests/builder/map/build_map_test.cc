@@ -193,6 +193,22 @@ TEST(BuildMap, NothingUsableIsAnError) {
   EXPECT_EQ(CodeOf([] { Build(1, {0, 1, 2}, 3); }), ErrorCode::kBadSource);
 }
 
+// Walls without a feature give no keyframe, with poses as without.
+TEST(BuildMap, PosesOfNoKeyframeAreNoError) {
+  MemorySequence sequence{.name = "white", .camera = PinholeCamera(320, 240, 1.2)};
+  for (int i = 0; i < 3; ++i) {
+    sequence.frames.emplace_back(FrameInfo{i, std::to_string(i), {}},
+                                 [] { return cv::Mat(240, 320, CV_8UC1, cv::Scalar(200)); });
+  }
+  std::vector<std::unique_ptr<Source>> sources;
+  sources.push_back(std::make_unique<MemorySource>(std::move(sequence)));
+  GivenPoses poses;
+  poses.of_image = [](const Sequence&, const FrameInfo&) { return Eigen::Isometry3d::Identity(); };
+  const BuildResult result = BuildMap(sources, {}, {}, poses);
+  EXPECT_TRUE(result.map.keyframes.empty());
+  EXPECT_FALSE(result.map.poses);
+}
+
 TEST(BuildMap, StopsWhenAsked) {
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(OpenStage(10));
