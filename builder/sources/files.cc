@@ -78,6 +78,13 @@ std::vector<uint8_t> ReadFile(const fs::path& path, int64_t max_bytes, ErrorCode
   return bytes;
 }
 
+std::vector<uint8_t> ReadImageFile(const fs::path& path, const DecodeLimits& limits,
+                                   ErrorCode code) {
+  constexpr int64_t kPixelBytes = 6;        // 16 bits in three colours
+  constexpr int64_t kOtherBytes = 1 << 20;  // headers and thumbnails
+  return ReadFile(path, limits.max_pixels * kPixelBytes + kOtherBytes, code);
+}
+
 std::vector<TextLine> ReadLines(const fs::path& path, ErrorCode code) {
   const std::vector<uint8_t> bytes = ReadFile(path, kMaxTextBytes, code);
   std::istringstream stream(std::string(bytes.begin(), bytes.end()));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/image/decode.h"
 
 // Small helpers on files and text: inside builder/sources only.
 namespace waystone {
@@ -24,6 +25,10 @@ bool NaturalLess(std::string_view a, std::string_view b);
 // Whole file. Throws MapError(code) when it isn't there, isn't a file, can't be read or has more
 // than `max_bytes`.
 std::vector<uint8_t> ReadFile(const std::filesystem::path& path, int64_t max_bytes, ErrorCode code);
+
+// A file that is to be an image: one that is larger than any image within the limits isn't read.
+std::vector<uint8_t> ReadImageFile(const std::filesystem::path& path, const DecodeLimits& limits,
+                                   ErrorCode code);
 
 // A line of a text file with its number, from 1; without line end and surrounding white space.
 struct TextLine {

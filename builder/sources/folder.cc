@@ -80,16 +80,6 @@ std::string FoldersText(const std::vector<std::string>& folders) {
   throw MapError(ErrorCode::kBadSource, message);
 }
 
-// Folder of the pattern: its parts before the first wildcard.
-fs::path BaseOf(const fs::path& pattern) {
-  fs::path base;
-  for (const fs::path& part : pattern.parent_path()) {
-    if (HasWildcard(part.string())) break;
-    base /= part;
-  }
-  return base.empty() ? "." : base;
-}
-
 std::vector<std::string> Matches(const std::string& pattern) {
   glob_t found{};
   const int code = glob(pattern.c_str(), GLOB_NOSORT | GLOB_TILDE, nullptr, &found);
@@ -97,6 +87,23 @@ std::vector<std::string> Matches(const std::string& pattern) {
   if (code == 0) paths.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
   globfree(&found);
   return paths;
+}
+
+// "~" and "~user" as the matches have them: the home directory.
+fs::path Expanded(const fs::path& part) {
+  if (!part.string().starts_with('~')) return part;
+  const std::vector<std::string> homes = Matches(part.string());
+  return homes.empty() ? part : fs::path(homes.front());
+}
+
+// Folder of the pattern: its parts before the first wildcard.
+fs::path BaseOf(const fs::path& pattern) {
+  fs::path base;
+  for (const fs::path& part : pattern.parent_path()) {
+    if (HasWildcard(part.string())) break;
+    base /= base.empty() ? Expanded(part) : part;
+  }
+  return base.empty() ? "." : base;
 }
 
 }  // namespace

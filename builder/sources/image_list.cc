@@ -13,16 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Bytes of the largest file that could be an image within the limits: 16 bits in three colours, and
-// a megabyte for headers and thumbnails.
-int64_t MaxFileBytes(const DecodeLimits& limits) { return limits.max_pixels * 6 + (1 << 20); }
-
-std::vector<uint8_t> ReadImageFile(const fs::path& path, const DecodeLimits& limits) {
-  return ReadFile(path, MaxFileBytes(limits), ErrorCode::kBadImage);
-}
-
 cv::Mat LoadImage(const fs::path& path, const DecodeLimits& limits, cv::Size size) {
-  cv::Mat grey = DecodeGrey(ReadImageFile(path, limits), limits);
+  cv::Mat grey = DecodeGrey(ReadImageFile(path, limits, ErrorCode::kBadImage), limits);
   if (grey.size() != size) {
     throw MapError(ErrorCode::kBadImage, "it is " + SizeText(grey.cols, grey.rows) +
                                              ", but the first frame is " +
@@ -70,7 +62,8 @@ class ImageListSource : public Source {
     for (int i = range_.first; i <= range_.last; i += range_.every) {
       const fs::path& path = list_.images[i].path;
       try {
-        const ImageHeader header = ReadImageHeader(ReadImageFile(list_.root / path, limits_));
+        const ImageHeader header =
+            ReadImageHeader(ReadImageFile(list_.root / path, limits_, ErrorCode::kBadImage));
         CheckLimits(header, limits_);
         return {header.width, header.height};
       } catch (const MapError& error) {
@@ -115,7 +108,8 @@ FrameRange RangeOf(const SourceOptions& options, int frames, const std::string& 
                                               std::to_string(options.from) +
                                               "; use a smaller --from");
   }
-  return {options.from, std::min(options.to.value_or(frames - 1), frames - 1), options.every};
+  return {options.from, std::min(options.to.value_or(frames - 1), frames - 1),
+          std::min(options.every, frames)};
 }
 
 std::string UsedPart(int used, int frames) {

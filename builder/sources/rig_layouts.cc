@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
+#include <utility>
 
 #include "builder/sources/files.h"
 #include "core/base/error.h"
@@ -108,19 +110,38 @@ bool AllTimed(const std::vector<std::vector<NamedImage>>& images) {
   });
 }
 
+// A camera's images by time: where the first of each time is in its list.
+using Timeline = std::map<double, size_t>;
+
+Timeline TimelineOf(const std::vector<NamedImage>& list) {
+  Timeline timeline;
+  for (size_t i = 0; i < list.size(); ++i) timeline.emplace(*TimeOf(list[i].path), i);
+  return timeline;
+}
+
+// The image nearest in time, the earlier one of the list where two are.
+std::pair<double, size_t> Nearest(const Timeline& timeline, double time_s) {
+  const auto gap_and_place = [&](Timeline::const_iterator at) {
+    return std::pair(std::abs(at->first - time_s), at->second);
+  };
+  const auto after = timeline.lower_bound(time_s);
+  if (after == timeline.begin()) return gap_and_place(after);
+  const auto before = gap_and_place(std::prev(after));
+  return after == timeline.end() ? before : std::min(before, gap_and_place(after));
+}
+
 // Each image of the first camera with those of the others that are nearest in time; moments that
 // lack one are left out.
 std::vector<RigMoment> ByTime(const std::vector<std::vector<NamedImage>>& images,
                               const fs::path& folder, double max_gap_s) {
+  std::vector<Timeline> timelines;
+  for (const auto& list : images) timelines.push_back(TimelineOf(list));
   std::vector<RigMoment> moments;
   for (const NamedImage& first : images.front()) {
     RigMoment moment{.source = first.moment, .time_s = TimeOf(first.path), .images = {}};
-    for (const auto& list : images) {
-      const auto gap = [&](const NamedImage& image) {
-        return std::abs(*TimeOf(image.path) - *moment.time_s);
-      };
-      const auto nearest = std::ranges::min_element(list, {}, gap);
-      if (gap(*nearest) <= max_gap_s) moment.images.push_back(nearest->path);
+    for (size_t c = 0; c < images.size(); ++c) {
+      const auto [gap_s, nearest] = Nearest(timelines[c], *moment.time_s);
+      if (gap_s <= max_gap_s) moment.images.push_back(images[c][nearest].path);
     }
     if (moment.images.size() == images.size()) moments.push_back(std::move(moment));
   }

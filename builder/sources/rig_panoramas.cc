@@ -14,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t kBytesPerColourPixel = 6;  // of a file: 16 bits in three colours
-
 std::vector<std::string> FaceNames() {
   std::vector<std::string> names;
   for (int i = 0; i < kCubeFaces; ++i) names.emplace_back(NameOf(static_cast<CubeFace>(i)));
@@ -34,8 +32,7 @@ using FacePaths = std::vector<std::pair<CubeFace, fs::path>>;  // by face
 std::vector<cv::Mat> LoadFaces(const FacePaths& paths, const DecodeLimits& limits) {
   std::vector<cv::Mat> faces;
   for (const auto& [face, path] : paths) {
-    faces.push_back(DecodeGrey(
-        ReadFile(path, limits.max_pixels * kBytesPerColourPixel, ErrorCode::kBadImage), limits));
+    faces.push_back(DecodeGrey(ReadImageFile(path, limits, ErrorCode::kBadImage), limits));
   }
   return faces;
 }
@@ -83,8 +80,8 @@ class RigPanoramaSource : public Source {
     for (int frame = range_.first; frame <= range_.last; frame += range_.every) {
       const FacePaths paths = PathsOf(frame);
       try {
-        const ImageHeader header = ReadImageHeader(ReadFile(
-            paths.front().second, limits_.max_pixels * kBytesPerColourPixel, ErrorCode::kBadImage));
+        const ImageHeader header =
+            ReadImageHeader(ReadImageFile(paths.front().second, limits_, ErrorCode::kBadImage));
         CheckLimits(header, limits_);
         Rig rig;
         for (const auto& [face, path] : paths) {

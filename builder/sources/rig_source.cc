@@ -38,14 +38,9 @@ std::optional<Rig> CameraBeside(const fs::path& folder, const RigOptions& option
   return file ? std::optional(ReadRigFile(*file)) : std::nullopt;
 }
 
-std::vector<uint8_t> ReadImageBytes(const fs::path& path, const DecodeLimits& limits) {
-  constexpr int64_t kBytesPerPixel = 4;
-  return ReadFile(path, limits.max_pixels * kBytesPerPixel, ErrorCode::kFileUnreadable);
-}
-
 ImageHeader ReadFileHeader(const fs::path& path, const DecodeLimits& limits) {
   try {
-    ImageHeader header = ReadImageHeader(ReadImageBytes(path, limits));
+    ImageHeader header = ReadImageHeader(ReadImageFile(path, limits, ErrorCode::kFileUnreadable));
     CheckLimits(header, limits);
     return header;
   } catch (const MapError& error) {
@@ -134,7 +129,7 @@ RigSequence OpenFolder(const fs::path& folder, const RigOptions& options) {
 
 cv::Mat ReadGrey(const fs::path& path, const DecodeLimits& limits) {
   try {
-    return DecodeGrey(ReadImageBytes(path, limits), limits);
+    return DecodeGrey(ReadImageFile(path, limits, ErrorCode::kFileUnreadable), limits);
   } catch (const MapError& error) {
     throw MapError(error.code(), Quoted(path) + ": " + error.what());
   }

@@ -14,6 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// More than any video has; with as many left out, numbers of frames still are integers.
+constexpr int kMostFrames = std::numeric_limits<int>::max() / 2;
+
 cv::Mat Grey(const cv::Mat& image) {
   if (image.channels() == 1) return image;
   cv::Mat grey;
@@ -37,8 +40,8 @@ class VideoSource : public Source {
       : path_(path),
         name_(NameOfPath(path)),
         next_(options.from),
-        every_(options.every),
-        last_(options.to.value_or(std::numeric_limits<int>::max() - options.every)) {
+        every_(std::min(options.every, kMostFrames)),
+        last_(std::min(options.to.value_or(kMostFrames), kMostFrames)) {
     Open(options.limits);
     if (!GrabUntil(options.from)) {
       RefuseVideo(path, "it has " + std::to_string(grabbed_ + 1) + " frames, none with index " +

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <thread>
 
 #include "builder/sources/files.h"
@@ -97,6 +99,13 @@ TEST_F(FolderTest, EveryFromAndToCountFrames) {
   EXPECT_EQ(Open({.every = 100})->size(), 1);
   EXPECT_EQ(Open({.from = 9, .to = 1000})->size(), 1);
   ExpectError([&] { Open({.from = 10}); }, ErrorCode::kBadSource, {"10 frames", "--from"});
+}
+
+TEST_F(FolderTest, TheLargestStepTakesTheFirstFrame) {
+  for (int i = 0; i < 3; ++i) WriteImage(std::to_string(i) + ".png");
+  const auto source = Open({.every = std::numeric_limits<int>::max(), .from = 1});
+  EXPECT_EQ(source->size(), 1);
+  EXPECT_EQ(NamesOf(AllFrames(*source)), (Strings{"1.png"}));
 }
 
 TEST_F(FolderTest, BadOptionsAreRefused) {
@@ -212,6 +221,21 @@ TEST_F(FolderTest, PatternsMatchInNaturalOrder) {
             (Strings{"run/img3.png", "walk/img9.png", "walk/img10.png"}));
   ExpectError([&] { OpenSource((folder_ / "walk/*.txt").string(), {}); }, ErrorCode::kBadSource,
               {"no image matches", "matches 1"});
+}
+
+// As a program gets them from a shell when they are quoted.
+TEST_F(FolderTest, PatternsMayBeInTheHomeDirectory) {
+  WriteImage("walk/img1.png", 7);
+  const std::string home = std::getenv("HOME") ? std::getenv("HOME") : "";
+  setenv("HOME", folder_.c_str(), 1);
+  const auto source = OpenSource("~/walk/*.png", {});
+  const auto deep = OpenSource("~/*/img1.png", {});
+  setenv("HOME", home.c_str(), 1);
+  EXPECT_EQ(source->name(), "walk");
+  const std::vector<Frame> frames = AllFrames(*source);
+  EXPECT_EQ(NamesOf(frames), (Strings{"img1.png"}));
+  EXPECT_EQ(frames[0].grey.at<uint8_t>(5, 5), 7);
+  EXPECT_EQ(NamesOf(AllFrames(*deep)), (Strings{"walk/img1.png"}));
 }
 
 TEST_F(FolderTest, AFolderWhoseNameLooksLikeAPattern) {

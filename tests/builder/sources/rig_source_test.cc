@@ -2,7 +2,10 @@
 #include "builder/sources/rig_source.h"
 
 #include <Eigen/Geometry>
+#include <chrono>
+#include <limits>
 
+#include "builder/sources/rig_layouts.h"
 #include "builder/sources/source.h"
 #include "tests/builder/sources/temporary_folder.h"
 
@@ -135,6 +138,41 @@ TEST_F(RigSourceTest, ACalibratedRigIsASource) {
   EXPECT_FALSE(source->NextEncoded().has_value());
 }
 
+TEST_F(RigSourceTest, TheLargestStepTakesTheFirstMoment) {
+  const auto size_by_step = [&] {
+    const auto source =
+        OpenSource(folder_.string(), {.every = std::numeric_limits<int>::max(), .from = 1});
+    EXPECT_TRUE(source->faces().has_value());
+    return AllFrames(*source).size();
+  };
+  for (int i = 0; i < 3; ++i) {
+    for (const char* face : kFaces) {
+      WriteImage(std::string(face) + "/" + std::to_string(i) + ".png", 50, {32, 32});
+    }
+  }
+  EXPECT_EQ(size_by_step(), 1u);
+  Write("rig.yaml", OwnRig(kSidePose));
+  for (int i = 0; i < 3; ++i) {
+    WriteImage("ahead/" + std::to_string(i) + ".png");
+    WriteImage("side/" + std::to_string(i) + ".png");
+  }
+  EXPECT_EQ(size_by_step(), 1u);
+}
+
+// A file of the deepest format may be as large in a rig as in a folder.
+TEST_F(RigSourceTest, DeepColourImagesAreWithinTheLimits) {
+  Write("rig.yaml", OwnRig(kSidePose));
+  DecodeLimits limits;
+  limits.max_pixels = 1'000'000;
+  const std::string deep(size_t{6} * limits.max_pixels, 'd');
+  for (const char* camera : {"ahead", "side"}) {
+    Write(std::string(camera) + "/0.ppm", "P6 1000 1000 65535 " + deep);
+  }
+  const RigSequence sequence = Open();
+  ExpectError([&] { ReadMoment(sequence, sequence.moments[0], limits); }, ErrorCode::kBadImage,
+              {"1000x1000"});
+}
+
 TEST_F(RigSourceTest, ASourceWhoseRigLacksImages) {
   const auto chain = Write("camchain.yaml", Camchain());
   WriteImage("cam0/0.png", 1, {64, 48});
@@ -184,6 +222,39 @@ TEST_F(RigSourceTest, TimeStampsPairWhatBelongsTogether) {
   EXPECT_EQ(ReadMoment(sequence, sequence.moments[1])[1].at<uchar>(0, 0), 13);
   ExpectError([&] { Open({.rig_file = {}, .max_time_gap_s = 0.001}); }, ErrorCode::kBadSource,
               {"within 0.001", "check the time stamp"});
+}
+
+// Of two images as near as each other the first in its folder is taken.
+TEST_F(RigSourceTest, TimeStampsThatAreAsNear) {
+  Write("rig.yaml", OwnRig(kSidePose));
+  WriteImage("ahead/0.5.png");
+  WriteImage("ahead/2.5.png");
+  for (const char* side : {"0.25", "0.75", "2.375", "2.625"}) {
+    WriteImage("side/" + std::string(side) + ".png");
+  }
+  const RigSequence sequence = Open({.rig_file = {}, .max_time_gap_s = 1});
+  ASSERT_EQ(sequence.moments.size(), 2u);
+  EXPECT_EQ(sequence.moments[0].images[1].filename(), "0.25.png");
+  EXPECT_EQ(sequence.moments[1].images[1].filename(), "2.375.png");
+}
+
+TEST_F(RigSourceTest, ManyTimeStampsArePairedAtOnce) {
+  constexpr int kMoments = 20'000;
+  const Rig rig = ReadRigFile(Write("rig.yaml", OwnRig(kSidePose)));
+  CameraImages found{
+      .layout = "parallel folders", .cameras = {"ahead", "side"}, .images = {{}, {}}};
+  for (int i = 0; i < kMoments; ++i) {
+    for (int camera = 0; camera < 2; ++camera) {
+      const int64_t time_ns = 1'700'000'000'000'000'000 + 100'000'000LL * i + 1'000'000 * camera;
+      const std::string name = std::to_string(time_ns) + ".png";
+      found.images[camera].push_back({name, name});
+    }
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<RigMoment> moments = GroupMoments(found, rig, folder_, 0.02);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+  ASSERT_EQ(moments.size(), static_cast<size_t>(kMoments));
+  EXPECT_EQ(moments[777].images[1], found.images[1][777].path);
 }
 
 TEST_F(RigSourceTest, NumberedFoldersOfFacesNeedNoFile) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <limits>
 #include <opencv2/videoio.hpp>
+#include <optional>
 
 #include "tests/builder/sources/temporary_folder.h"
 
@@ -62,6 +64,17 @@ TEST_F(VideoTest, EveryFromAndTo) {
     EXPECT_NEAR(frames[i].info.time_s.value(), 0.1 * (2 + 4 * i), 1e-6);
   }
   ExpectError([&] { OpenSource(path_, {.from = 12}); }, ErrorCode::kBadSource, {"12"});
+}
+
+TEST_F(VideoTest, TheLargestStepTakesTheFirstFrame) {
+  constexpr int kMost = std::numeric_limits<int>::max();
+  for (const std::optional<int> to : {std::optional<int>(), std::optional(kMost)}) {
+    const auto source = OpenSource(path_, {.every = kMost, .from = 1, .to = to});
+    EXPECT_EQ(source->size(), 1);
+    const std::vector<Frame> frames = AllFrames(*source);
+    ASSERT_EQ(frames.size(), 1u);
+    EXPECT_EQ(frames[0].info.number, 1);
+  }
 }
 
 TEST_F(VideoTest, CameraOption) {
