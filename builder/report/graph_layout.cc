@@ -10,7 +10,6 @@
 #include <boost/graph/topology.hpp>
 #include <cmath>
 #include <random>
-#include <unordered_map>
 
 namespace waystone {
 namespace {
@@ -33,14 +32,16 @@ constexpr int kForceRounds = 200;
 // Room between two parts of the graph, as a share of the smallest part's width.
 constexpr double kComponentGap = 0.25;
 
-// A connected part of the graph: its nodes, and where they are, in [0, 1] x [0, 1].
+using Pairs = std::vector<std::pair<size_t, size_t>>;
+
+// A connected part of the graph: its nodes, its edges (between indices of `rows`), and where the
+// nodes are, in [0, 1] x [0, 1].
 struct Part {
   std::vector<size_t> rows;
+  Pairs edges;
   std::vector<Eigen::Vector2d> at;
   double width() const { return std::sqrt(static_cast<double>(rows.size())); }
 };
-
-using Pairs = std::vector<std::pair<size_t, size_t>>;
 
 // Ends the springs' steps.
 class SpringsEnd {
@@ -65,7 +66,14 @@ std::vector<Part> FindParts(size_t count, const Pairs& edges) {
   for (const auto& [a, b] : edges) boost::add_edge(a, b, 1.0, graph);
   std::vector<size_t> part_of(count);
   std::vector<Part> parts(static_cast<size_t>(boost::connected_components(graph, part_of.data())));
-  for (size_t i = 0; i < count; ++i) parts[part_of[i]].rows.push_back(i);
+  std::vector<size_t> index_in_part(count);
+  for (size_t i = 0; i < count; ++i) {
+    index_in_part[i] = parts[part_of[i]].rows.size();
+    parts[part_of[i]].rows.push_back(i);
+  }
+  for (const auto& [a, b] : edges) {
+    parts[part_of[a]].edges.emplace_back(index_in_part[a], index_in_part[b]);
+  }
   std::stable_sort(parts.begin(), parts.end(),
                    [](const Part& a, const Part& b) { return a.rows.size() > b.rows.size(); });
   return parts;
@@ -90,13 +98,9 @@ std::vector<Eigen::Vector2d> FitToUnitSquare(const std::vector<SquarePoint>& poi
   return fitted;
 }
 
-void LayOut(Part& part, const Pairs& edges) {
-  std::unordered_map<size_t, size_t> local;
-  for (size_t i = 0; i < part.rows.size(); ++i) local[part.rows[i]] = i;
+void LayOut(Part& part) {
   Graph graph(part.rows.size());
-  for (const auto& [a, b] : edges) {
-    if (local.count(a) != 0) boost::add_edge(local.at(a), local.at(b), 1.0, graph);
-  }
+  for (const auto& [a, b] : part.edges) boost::add_edge(a, b, 1.0, graph);
   std::vector<SquarePoint> points(part.rows.size());
   const auto positions =
       boost::make_iterator_property_map(points.begin(), boost::get(boost::vertex_index, graph));
@@ -107,7 +111,7 @@ void LayOut(Part& part, const Pairs& edges) {
     boost::fruchterman_reingold_force_directed_layout(
         graph, positions, square,
         boost::cooling(boost::linear_cooling<double>(kForceRounds, 0.1))
-            .force_pairs(boost::all_force_pairs()));
+            .force_pairs(boost::make_grid_force_pairs(square, positions, graph)));
   } else if (part.rows.size() > 1) {
     boost::kamada_kawai_spring_layout(graph, positions, boost::get(boost::edge_weight, graph),
                                       square, boost::side_length(1.0),
@@ -129,7 +133,7 @@ std::vector<Eigen::Vector2d> LayOutGraph(size_t nodes, const Pairs& edges) {
   const double tallest = parts.front().width();
   double x = 0;
   for (Part& part : parts) {
-    LayOut(part, edges);
+    LayOut(part);
     const double height = part.width() / tallest;
     for (size_t i = 0; i < part.rows.size(); ++i) {
       at[part.rows[i]] = {(x + part.at[i].x() * part.width()) / total,

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -76,6 +77,36 @@ TEST(GraphLayout, EndsThoughTheSpringsSwingForEver) {
   const auto at = LayOutGraph(16, edges);
   ASSERT_EQ(at.size(), 16u);
   EXPECT_LT((at[13] - at[14]).norm(), (at[0] - at[15]).norm());
+}
+
+// A long corridor with doors, and surfaces in pairs.
+std::vector<std::pair<size_t, size_t>> CorridorAndPairs(size_t corridor, size_t pairs) {
+  std::vector<std::pair<size_t, size_t>> edges;
+  for (size_t i = 1; i < corridor; ++i) edges.emplace_back(i - 1, i);
+  for (size_t i = 3; i < corridor; i += 7) edges.emplace_back(i - 3, i);
+  for (size_t i = 0; i < pairs; ++i) edges.emplace_back(corridor + 2 * i, corridor + 2 * i + 1);
+  return edges;
+}
+
+TEST(GraphLayout, ManyNodesTakeSeconds) {
+  const auto edges = CorridorAndPairs(10'000, 5'000);
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(LayOutGraph(20'000, edges).size(), 20'000u);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+}
+
+TEST(GraphLayout, ForcesLayOutManyNodes) {
+  constexpr size_t kNodes = 1000;
+  const auto edges = CorridorAndPairs(kNodes, 0);
+  const auto at = LayOutGraph(kNodes, edges);
+  double near = 0;
+  double far = 0;
+  for (size_t i = 0; i < kNodes / 2; ++i) {
+    near += (at[i] - at[i + 1]).norm();
+    far += (at[i] - at[i + kNodes / 2]).norm();
+  }
+  EXPECT_LT(near, far / 5);
+  EXPECT_EQ(at, LayOutGraph(kNodes, edges));
 }
 
 TEST(SurfaceGraph, PlanesOfOneSurfaceAreOneNode) {
