@@ -12,7 +12,7 @@ namespace waystone {
 // How far a build is.
 struct BuildProgress {
   // "frames", "fusion", "revisits", "links"; "panoramas", "odometry", "loops", "poses";
-  // "directions"; "structure" (with poses), "calibration"
+  // "directions", "loops"; "structure" (with poses), "calibration"
   std::string stage;
   int done = 0;
   int total = 0;      // 0 when not known

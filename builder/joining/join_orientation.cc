@@ -155,7 +155,8 @@ class OrientationJoiner {
       at[frame.id] = nodes.size();
       nodes.push_back({{.features = &features[i], .frame = &frame}, MapOf(frame.sequence)});
     }
-    loops_ = FindLoops(nodes, options_.loops, options_.traversability);
+    ProgressReporter nobody;
+    loops_ = FindLoops(nodes, options_.loops, options_.traversability, nobody);
     result_.loops = static_cast<int>(loops_.size());
     for (const OrientationEdge& loop : loops_) {
       const OrientedFeatures& a = nodes[at.at(loop.a)].features;

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <utility>
 
@@ -98,10 +99,15 @@ class LoopFinder {
 
 std::vector<OrientationEdge> FindLoops(std::span<const LoopNode> nodes,
                                        const OrientationLoopOptions& options,
-                                       const TraversabilityOptions& traversability) {
+                                       const TraversabilityOptions& traversability,
+                                       ProgressReporter& progress) {
   const LoopFinder finder(nodes, options, traversability);
   std::vector<std::vector<OrientationEdge>> of_node(nodes.size());
-  tbb::parallel_for(size_t{0}, nodes.size(), [&](size_t b) { of_node[b] = finder.To(b); });
+  std::atomic<int> done = 0;
+  tbb::parallel_for(size_t{0}, nodes.size(), [&](size_t b) {
+    of_node[b] = finder.To(b);
+    progress.Report("loops", ++done, static_cast<int>(nodes.size()));
+  });
   std::vector<OrientationEdge> edges;
   for (const auto& some : of_node) edges.insert(edges.end(), some.begin(), some.end());
   std::ranges::sort(edges, {}, [](const OrientationEdge& e) { return std::pair(e.a, e.b); });

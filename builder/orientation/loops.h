@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "builder/frames/progress.h"
 #include "builder/orientation/traversability.h"
 
 namespace waystone {
@@ -17,9 +18,11 @@ struct LoopNode {
 // Loop closures (sec. III-C.2): nodes that have the orientation of an earlier node and enough
 // verified correspondences with it. Earlier nodes are ranked by the matches of their strongest
 // features, and the best are verified. Nodes of different sequences may differ by a quarter turn in
-// their axes. Ordered by (a, b). Runs on TBB's threads; deterministic.
+// their axes. Ordered by (a, b). Runs on TBB's threads; deterministic. Throws
+// MapError(kInterrupted).
 std::vector<OrientationEdge> FindLoops(std::span<const LoopNode> nodes,
                                        const OrientationLoopOptions& options,
-                                       const TraversabilityOptions& traversability);
+                                       const TraversabilityOptions& traversability,
+                                       ProgressReporter& progress);
 
 }  // namespace waystone

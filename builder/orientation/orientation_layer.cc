@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "builder/orientation/loops.h"
@@ -70,16 +71,17 @@ std::vector<OrientationEdge> FindTrajectoryEdges(const MappedSequence& mapped,
 
 // A loop between nodes that the trajectory joins already is no news.
 void AddLoops(const std::vector<MappedSequence>& sequences, const OrientationOptions& options,
-              OrientationLayer& layer) {
+              ProgressReporter& progress, OrientationLayer& layer) {
   std::vector<LoopNode> nodes;
   for (const MappedSequence& mapped : sequences) {
     for (const NodeInWork& node : mapped.nodes) nodes.push_back({Oriented(mapped, node)});
   }
   const auto key = [](const OrientationEdge& edge) { return std::pair(edge.a, edge.b); };
-  for (const OrientationEdge& loop : FindLoops(nodes, options.loops, options.traversability)) {
-    if (std::ranges::find(layer.edges, key(loop), key) == layer.edges.end()) {
-      layer.edges.push_back(loop);
-    }
+  std::set<std::pair<OrientationFrameId, OrientationFrameId>> joined;
+  for (const OrientationEdge& edge : layer.edges) joined.insert(key(edge));
+  for (const OrientationEdge& loop :
+       FindLoops(nodes, options.loops, options.traversability, progress)) {
+    if (!joined.contains(key(loop))) layer.edges.push_back(loop);
   }
   std::ranges::sort(layer.edges, {}, key);
 }
@@ -147,7 +149,7 @@ void OrientationLayerBuilder::FinishSequence(const FrameReport& sequence) {
   mapper_.reset();
 }
 
-void OrientationLayerBuilder::Finish(MapData& map, ProgressReporter&) {
+void OrientationLayerBuilder::Finish(MapData& map, ProgressReporter& progress) {
   if (report_.frames == report_.skipped) {
     throw MapError(ErrorCode::kBadSource,
                    "none of " + std::to_string(report_.frames) + " frames can be read" +
@@ -157,7 +159,7 @@ void OrientationLayerBuilder::Finish(MapData& map, ProgressReporter&) {
   OrientationLayer& layer = map.orientation.emplace();
   layer.step = options_.step;
   for (const MappedSequence& sequence : mapped_) AddSequence(sequence, options_, layer);
-  AddLoops(mapped_, options_, layer);
+  AddLoops(mapped_, options_, progress, layer);
   report_.unreliable =
       static_cast<int>(std::ranges::count(layer.frames, false, &OrientationFrame::reliable)) -
       report_.skipped;

@@ -49,14 +49,21 @@ TEST(OrientationLayer, RefusesASequenceOfWhichNothingCanBeRead) {
   }
 }
 
-TEST(OrientationLayer, CanBeStopped) {
-  const auto stop = [](const BuildProgress& now) { return now.done < 3; };
+void ExpectStops(const ProgressCallback& stop) {
   try {
     BuildOrientation(Corner().images, 2, stop);
     FAIL();
   } catch (const MapError& error) {
     EXPECT_EQ(error.code(), ErrorCode::kInterrupted);
   }
+}
+
+TEST(OrientationLayer, CanBeStopped) {
+  ExpectStops([](const BuildProgress& now) { return now.done < 3; });
+}
+
+TEST(OrientationLayer, CanBeStoppedWhileItLooksForLoops) {
+  ExpectStops([](const BuildProgress& now) { return now.stage != "loops"; });
 }
 
 TEST(OrientationLayer, RefusesASourceWithoutACamera) {

@@ -123,14 +123,15 @@ TEST(Loops, JoinAPlaceWithWhatItWasLongBefore) {
                                              FrameOf(210, std::numbers::pi)};
   std::vector<LoopNode> nodes;
   for (size_t i = 0; i < frames.size(); ++i) nodes.push_back({{&features[i], &frames[i]}});
-  const auto loops = FindLoops(nodes, {}, {});
+  ProgressReporter nobody;
+  const auto loops = FindLoops(nodes, {}, {}, nobody);
   ASSERT_EQ(loops.size(), 1U);  // who comes back the other way has another orientation
   EXPECT_EQ(loops[0].a, frames[0].id);
   EXPECT_EQ(loops[0].b, frames[2].id);
   EXPECT_EQ(loops[0].kind, OrientationEdgeKind::kLoop);
   OrientationLoopOptions longer;
   longer.min_gap_frames = 300;
-  EXPECT_TRUE(FindLoops(nodes, longer, {}).empty());
+  EXPECT_TRUE(FindLoops(nodes, longer, {}, nobody).empty());
 }
 
 // A view whose lines gave a rotation, or didn't.
