@@ -4,7 +4,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "builder/calibration/map_parts.h"
 #include "builder/calibration/stored_keyframes.h"
@@ -30,14 +32,22 @@ Answer Localize(const AskedMap& map, const Features& features, const MapData& wa
   return answer;
 }
 
+using ImageNumbers = std::map<std::pair<SequenceId, int>, size_t>;  // by sequence and frame
+
+ImageNumbers NumberImages(const std::vector<WalkImage>& images) {
+  ImageNumbers numbers;
+  for (size_t i = 0; i < images.size(); ++i) {
+    numbers.emplace(std::pair(images[i].sequence, images[i].frame), i);
+  }
+  return numbers;
+}
+
 // The map's answer to a keyframe's image, where that is at hand and was localized.
 const Answer* AnswerToImage(const Keyframe& keyframe, const AskedMap& map,
-                            const std::vector<WalkImage>& images) {
-  const auto image = std::ranges::find_if(images, [&](const WalkImage& one) {
-    return one.sequence == keyframe.sequence && one.frame == keyframe.frame;
-  });
+                            const ImageNumbers& images) {
+  const auto image = images.find({keyframe.sequence, keyframe.frame});
   if (image == images.end()) return nullptr;
-  const Answer& answer = map.answers[image - images.begin()];
+  const Answer& answer = map.answers[image->second];
   return answer.verdict == Verdict::kLocalized ? &answer : nullptr;
 }
 
@@ -83,6 +93,7 @@ std::vector<std::vector<RecognisedKeyframe>> RecogniseKeyframes(
     const std::vector<const AskedMap*>& maps, const MapData& other,
     const std::vector<WalkImage>& images, const FeatureOptions& options) {
   const std::vector<Keyframe>& keyframes = other.keyframes;
+  const ImageNumbers numbers = NumberImages(images);
   std::vector<Found> found(maps.size(), Found(keyframes.size()));
   tbb::parallel_for(size_t{0}, keyframes.size(), [&](size_t k) {
     // Of the picture: smaller than the image, and so sometimes nearer to what a map's camera saw.
@@ -90,7 +101,7 @@ std::vector<std::vector<RecognisedKeyframe>> RecogniseKeyframes(
     bool described = false;
     for (size_t m = 0; m < maps.size(); ++m) {
       const AskedMap& map = *maps[m];
-      const Answer* to_image = AnswerToImage(keyframes[k], map, images);
+      const Answer* to_image = AnswerToImage(keyframes[k], map, numbers);
       if (!to_image && !described) {
         features = FeaturesOfPicture(keyframes[k], options);
         described = true;

@@ -48,8 +48,8 @@ class KeyframeReader : public LayerBuilder {
 
  private:
   const Keyframe* FindKeyframe(int frame) const {
-    const auto found = std::ranges::find(keyframes_, frame, &Keyframe::frame);
-    return found == keyframes_.end() ? nullptr : *found;
+    const auto found = std::ranges::lower_bound(keyframes_, frame, {}, &Keyframe::frame);
+    return found != keyframes_.end() && (*found)->frame == frame ? *found : nullptr;
   }
 
   void RequireSame(const Keyframe& keyframe, const PlaneObservation& observed) const {
@@ -97,6 +97,7 @@ std::vector<SampledKeyframe> ReadKeyframes(const MapData& map,
     for (const Keyframe& keyframe : map.keyframes) {
       if (keyframe.sequence == id) keyframes.push_back(&keyframe);
     }
+    std::ranges::stable_sort(keyframes, {}, &Keyframe::frame);
     KeyframeReader reader(keyframes, options);
     LayerBuilder* const layers[] = {&reader};
     ObserveSequence(*sources[i], id, layers, reporter);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/poses/structure.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -18,7 +20,7 @@ constexpr int kLeastPlanePoints = 8;
 constexpr double kOnPlaneSigmas = 3;
 constexpr double kSamePixel_px = 0.5;
 // Views in which a feature is searched for where its first depth puts it.
-constexpr size_t kNearestViews = 40;
+constexpr std::ptrdiff_t kNearestViews = 40;
 constexpr double kSameDirectionCosine = 0.5;
 
 // The normal points away from the camera.
@@ -70,8 +72,9 @@ StructureEstimator::StructureEstimator(const MapData& map, const std::vector<Pos
   for (int i = 0; i < std::ssize(views_); ++i) {
     view_of_[views_[i].keyframe->id] = i;
     grids_.emplace_back(*views_[i].features, options.near_px * noise);
-    near_.push_back(NearestViews(i));
   }
+  near_.resize(views_.size());
+  tbb::parallel_for(0, static_cast<int>(views_.size()), [&](int i) { near_[i] = NearestViews(i); });
 }
 
 int StructureEstimator::ViewOf(KeyframeId id) const {
@@ -170,11 +173,10 @@ std::vector<int> StructureEstimator::NearestViews(int view) const {
     if (other == view || cosine < kSameDirectionCosine) continue;
     near.emplace_back((there.translation() - pose.translation()).norm(), other);
   }
-  std::ranges::sort(near);
+  const auto end = near.begin() + std::min(std::ssize(near), kNearestViews);
+  std::ranges::partial_sort(near, end);
   std::vector<int> nearest;
-  for (const auto& [distance, other] : near) {
-    if (nearest.size() < kNearestViews) nearest.push_back(other);
-  }
+  for (auto at = near.begin(); at != end; ++at) nearest.push_back(at->second);
   return nearest;
 }
 
