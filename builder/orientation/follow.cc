@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/orientation/follow.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -46,23 +45,11 @@ Eigen::Vector3d RotationVector(const Eigen::Matrix3d& rotation) {
   return turn.angle() * turn.axis();
 }
 
-Eigen::Matrix3d RotationBy(const Eigen::Vector3d& vector) {
-  const double angle = vector.norm();
-  if (angle == 0) return Eigen::Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
-}
-
-// Standard sigma about the worst-known direction.
-double EstimateFrameSigma(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
-}
-
 // Joins a measured rotation to a known one by their covariances (Kalman's update).
 void Join(const Eigen::Matrix3d& measured, const Eigen::Matrix3d& measured_covariance,
           Eigen::Matrix3d& known, Eigen::Matrix3d& covariance) {
   const Eigen::Matrix3d gain = covariance * (covariance + measured_covariance).inverse();
-  known = RotationBy(gain * RotationVector(measured * known.transpose())) * known;
+  known = RotationByVector(gain * RotationVector(measured * known.transpose())) * known;
   const Eigen::Matrix3d left = (Eigen::Matrix3d::Identity() - gain) * covariance;
   covariance = 0.5 * (left + left.transpose());
 }
@@ -89,7 +76,7 @@ std::optional<AxesFollower::Known> AxesFollower::Predict(const Known& from,
   double sigma = options_.step_sigma_rad;
   if (pose.one_of_two()) {
     if (frames > options_.steady_frames) return std::nullopt;
-    const Eigen::Matrix3d expected = RotationBy(from.rate * frames);
+    const Eigen::Matrix3d expected = RotationByVector(from.rate * frames);
     const double off = RotationAngle(pose.b_from_a, expected);
     const double rival_off = RotationAngle(pose.rival->b_from_a, expected);
     if (rival_off < off) turn = pose.rival->b_from_a;
@@ -118,8 +105,7 @@ std::optional<ManhattanFrame> AxesFollower::AxesNear(const OrientationViewPtr& v
     if (drift(own) <= options_.max_drift_rad) return own;
   }
   // A doubtful prediction would find lines near it anyway.
-  if (EstimateFrameSigma(predicted.covariance) >
-      options_.clear_share * options_.max_rival_drift_rad)
+  if (WorstAxisSigma(predicted.covariance) > options_.clear_share * options_.max_rival_drift_rad)
     return std::nullopt;
   ManhattanFrame near =
       FindManhattanFrameNear(view->lines, predicted.rig_from_building, manhattan_);
@@ -232,7 +218,7 @@ FollowedFrame AxesFollower::Follow(const OrientationViewPtr& view) {
   if (!last_) return Settle(view);
   const bool clear = view->frame.reliable() && view->frame.rival <= options_.max_clear_rival;
   const bool doubtful =
-      EstimateFrameSigma(last_->covariance) > options_.clear_share * options_.max_rival_drift_rad;
+      WorstAxisSigma(last_->covariance) > options_.clear_share * options_.max_rival_drift_rad;
   if ((!anchored_ || doubtful) && frame_ % options_.retry_frames == 0) {
     if (auto known = Anchored(view)) {
       anchored_ = true;
