@@ -55,6 +55,24 @@ void PrintSummary(const MapBuildFlags& flags, const BuildResult& result) {
   }
 }
 
+// What people gave to the map that is replaced.
+struct GivenToOldMap {
+  std::optional<std::string> names;
+  std::optional<KeptPlans> plans;
+};
+
+GivenToOldMap ReadOldMap(const std::string& path) {
+  if (!std::filesystem::exists(path)) return {};
+  try {
+    return {NamesOfOldMap(path), PlansOfOldMap(path)};
+  } catch (const MapError& error) {
+    std::cerr << "waystone: the new map won't have the names and floor plans of the old one, if "
+                 "there are any, unless you stop now and put a backup in its place: "
+              << Printable(error.what()) << '\n';
+    return {};
+  }
+}
+
 void KeepOldNames(const std::string& names, const std::string& path, MapData& map) {
   const std::optional<std::filesystem::path> kept_apart = KeepNames(names, path, map);
   if (!kept_apart) return;
@@ -92,13 +110,12 @@ int RunBuild(const MapBuildFlags& flags) {
   CheckWritable(flags.output, write);
   if (!flags.report_folder.empty()) CheckReport(flags);
   const MapLock lock(flags.output);  // names that it gets meanwhile would be lost
-  const std::optional<std::string> names = NamesOfOldMap(flags.output);
-  const std::optional<KeptPlans> plans = PlansOfOldMap(flags.output);
+  const GivenToOldMap old = ReadOldMap(flags.output);
   BuildResult result = BuildFrom(flags, options);
   if (!CanAnswer(result)) return ReportNoPlanes(result.map);
   NoteInterrupts();
-  if (names) KeepOldNames(*names, flags.output, result.map);
-  if (plans) KeepOldPlans(*plans, flags.output, result.map);
+  if (old.names) KeepOldNames(*old.names, flags.output, result.map);
+  if (old.plans) KeepOldPlans(*old.plans, flags.output, result.map);
   WriteMap(result.map, flags.output, write);
   if (!flags.report_folder.empty()) {
     WriteReport(result.map, result.report, TableSizes(flags.output), flags.report_folder);

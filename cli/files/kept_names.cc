@@ -40,13 +40,9 @@ fs::path FreeName(const fs::path& map) {
 }  // namespace
 
 std::optional<std::string> NamesOfOldMap(const fs::path& path) {
-  try {
-    const MapData map = ReadMap(path, {.images = false});
-    if (map.names.empty()) return std::nullopt;
-    return Dump(NamesFileJson(MapNameOf(path), map));
-  } catch (const MapError&) {
-    return std::nullopt;
-  }
+  const MapData map = ReadMap(path, {.images = false});
+  if (map.names.empty()) return std::nullopt;
+  return Dump(NamesFileJson(MapNameOf(path), map));
 }
 
 std::optional<fs::path> KeepNames(const std::string& names, const fs::path& path, MapData& map) {

@@ -10,8 +10,8 @@
 // Names that people gave to places outlive the map that they were given to.
 namespace waystone {
 
-// The names of the map at `path` as a names file; nothing where there is no map that can be read,
-// or none with names.
+// The names of the map at `path` as a names file; nothing where it has none. Throws MapError for a
+// map that can't be read.
 std::optional<std::string> NamesOfOldMap(const std::filesystem::path& path);
 
 // Puts the places of a names file that `map` has into it. Where it hasn't got all of them, the file

@@ -41,13 +41,9 @@ fs::path WriteBeside(const FloorPlanImage& plan, const fs::path& map) {
 }  // namespace
 
 std::optional<KeptPlans> PlansOfOldMap(const fs::path& path) {
-  try {
-    if (ReadMap(path, {.images = false}).floor_plans.empty()) return std::nullopt;
-    MapData map = ReadMap(path);
-    return KeptPlans{AreaFrameJson(map), std::move(map.floor_plans)};
-  } catch (const MapError&) {
-    return std::nullopt;
-  }
+  if (ReadMap(path, {.images = false}).floor_plans.empty()) return std::nullopt;
+  MapData map = ReadMap(path);
+  return KeptPlans{AreaFrameJson(map), std::move(map.floor_plans)};
 }
 
 std::vector<PlanApart> KeepPlans(const KeptPlans& kept, const fs::path& path, MapData& map) {

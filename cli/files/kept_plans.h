@@ -17,8 +17,8 @@ struct KeptPlans {
   std::vector<FloorPlanImage> plans;
 };
 
-// The floor plans of the map at `path`; nothing where there is no map that can be read, or none
-// with plans.
+// The floor plans of the map at `path`; nothing where it has none. Throws MapError for a map that
+// can't be read.
 std::optional<KeptPlans> PlansOfOldMap(const std::filesystem::path& path);
 
 // A plan that wasn't kept.

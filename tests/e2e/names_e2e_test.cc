@@ -127,6 +127,19 @@ TEST_F(NameTest, ABuildKeepsTheNamesOfTheMapItReplaces) {
   EXPECT_EQ(Json::parse(ReadFile(apart))["places"][0]["name"], "Door");
 }
 
+TEST_F(NameTest, ABuildSaysThatItCantReadTheNamesOfADamagedMap) {
+  ASSERT_EQ(Name({"--keyframes", "2:3", "Door"}).code, 0);
+  fs::resize_file(map_, fs::file_size(map_) / 2);
+  const RunResult result =
+      RunWaystone({"build", TheMap().images, "-o", map_, "--to", "20", "--force", "--quiet"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+  for (const char* part : {"names and floor plans of the old one", "backup", "is damaged"}) {
+    EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+  }
+  EXPECT_TRUE(Places().empty());
+}
+
 TEST_F(NameTest, NamesOfAnotherMapAreRefusedOrKeptApart) {
   const fs::path file = folder_ / "names.json";
   ASSERT_EQ(Name({"--keyframes", "1:2", "Door"}).code, 0);
