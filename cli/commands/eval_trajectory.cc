@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -15,6 +17,7 @@
 #include "cli/files/trajectory_file.h"
 #include "cli/output/trajectory_plot.h"
 #include "core/base/error.h"
+#include "schema/file/file_replacer.h"
 
 namespace waystone {
 namespace {
@@ -25,6 +28,7 @@ struct TrajectoryFlags {
   std::string odometry;
   std::string plot;
   AssociationOptions association;
+  bool force = false;
   bool json = false;
 };
 
@@ -68,14 +72,12 @@ void WritePlot(const TrajectoryFlags& flags, const Trajectory& truth, const Traj
   };
   if (odometry) lines.push_back({label("odometry", *odometry), "#e08214", odometry->shape.aligned});
   lines.push_back({label("estimate", error), "#2166ac", error.shape.aligned});
-  std::ofstream out(flags.plot, std::ios::binary);
+  FileReplacer file(flags.plot, flags.force);
+  std::ofstream out(file.temporary(), std::ios::binary);
   out << PlotTrajectories(
       std::filesystem::path(flags.estimate).filename().string() + " and ground truth", lines);
-  out.close();
-  if (!out) {
-    throw MapError(ErrorCode::kFileUnwritable,
-                   flags.plot + " can't be written; check the folder and the free space");
-  }
+  if (!out.flush()) throw UnwritableError(flags.plot, std::strerror(errno), 0);
+  file.Commit();
 }
 
 int RunEvalTrajectory(const TrajectoryFlags& flags) {
@@ -117,7 +119,9 @@ void AddEvalTrajectory(CLI::App& eval, Run& run) {
   command->add_option("truth", flags->truth, "Ground-truth trajectory, in the same formats")
       ->required();
   command->add_option("odometry", flags->odometry, "Odometry for comparison, in the same formats");
-  command->add_option("--plot", flags->plot, "Plot the aligned trajectories to this SVG file");
+  CLI::Option* plot =
+      command->add_option("--plot", flags->plot, "Plot the aligned trajectories to this SVG file");
+  command->add_flag("--force", flags->force, "--plot: overwrite an existing file")->needs(plot);
   command
       ->add_option("--max-difference", flags->association.max_difference_s,
                    "Maximum difference of associated time stamps, in seconds")

@@ -120,8 +120,12 @@ TEST_F(CarefulFiles, APlotReplacesNoTrajectory) {
     ExpectKept({"eval", "trajectory", estimate, truth, "--plot", plot}, plot,
                "a trajectory that is evaluated");
   }
-  EXPECT_EQ(RunWaystone({"eval", "trajectory", estimate, truth, "--plot", folder_ / "p.svg"}).code,
-            0);
+  const fs::path plot = folder_ / "p.svg";
+  std::vector<std::string> plotted{"eval", "trajectory", estimate, truth, "--plot", plot};
+  EXPECT_EQ(RunWaystone(plotted).code, 0);
+  ExpectKept(plotted, plot, "--force");
+  plotted.emplace_back("--force");
+  EXPECT_EQ(RunWaystone(plotted).code, 0);
 }
 
 TEST_F(CarefulFiles, ThePreviousVersionReplacesMapsAlone) {
