@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ struct ExportFlags {
   std::string format = "graphml";
   std::string output;
   std::vector<std::string> images;
-  int max_features = kReconstructionFeatures;
+  std::optional<int> max_features;
   bool force = false;
   bool quiet = false;
   std::string progress = "auto";
@@ -99,7 +100,7 @@ int RunColmapExport(const ExportFlags& flags) {
   };
   FeatureOptions features;
   features.type = map.info.feature_type;
-  features.max_features = flags.max_features;
+  features.max_features = flags.max_features.value_or(kReconstructionFeatures);
   ColmapProject project{&map, ReadKeyframes(map, images, features, show), {}};
   project.matches = MatchKeyframes(*open.index, project.features, show);
   meter.Finish();
@@ -114,6 +115,11 @@ int RunColmapExport(const ExportFlags& flags) {
 
 int RunExport(const ExportFlags& flags) {
   if (flags.format == kColmap) return RunColmapExport(flags);
+  if (!flags.images.empty() || flags.max_features) {
+    throw MapError(ErrorCode::kUsage,
+                   "--images and --max-features are for --format colmap, and the format is " +
+                       flags.format + "; omit them or specify colmap");
+  }
   const OpenMap map = OpenMapFile(flags.map, false);
   const GraphText text = FormatGraph(*map.index, flags.format);
   if (flags.output.empty()) {
@@ -149,7 +155,7 @@ void AddExport(CLI::App& app, Run& run) {
   command->add_option("--images", flags->images,
                       "colmap: what the map was built from, in the order of the build");
   command->add_option("--max-features", flags->max_features, "colmap: maximum features per image")
-      ->capture_default_str();
+      ->default_str(std::to_string(kReconstructionFeatures));
   command->add_flag("--quiet", flags->quiet, "Print errors only");
   command->add_option("--progress", flags->progress, "Progress on stderr: auto, none or json")
       ->capture_default_str();

@@ -223,15 +223,17 @@ void AddName(CLI::App& app, Run& run) {
   add("--nodes", flags->nodes, "Ids of panoramas (nodes of the appearance layer)");
   add("--planes", flags->planes, "Ids of planes: what an answer recognizes first");
   add("--images", flags->images, "FIRST:LAST, images of a sequence by name, or by number of frame");
-  command->add_option("--sequence", flags->sequence, "Name of the sequence of --images");
+  command->add_option("--sequence", flags->sequence, "Name of the sequence of --images")
+      ->needs("--images");
   add("--polygon", flags->polygons,
       "Area from above, \"x,y x,y x,y ...\", in the frame of the map's poses");
   command->add_option("--remove", flags->remove, "Remove the place of this name");
   command->add_option("--export", flags->names_out, "Write the names to this file");
   command->add_option("--from", flags->names_in, "Take the names of a file of --export");
-  command->add_flag("--fitting", flags->fitting,
-                    "--from: take what the map has, and list the rest");
-  command->add_flag("--force", flags->force, "--export: overwrite an existing file");
+  command->add_flag("--fitting", flags->fitting, "--from: take what the map has, and list the rest")
+      ->needs("--from");
+  command->add_flag("--force", flags->force, "--export: overwrite an existing file")
+      ->needs("--export");
   command->add_flag("--json", flags->json, "Print one JSON object");
   command->footer(
       "A name that is there already gets what is specified in addition. The map file is written\n"

@@ -97,6 +97,13 @@ TEST_F(CliTest, InputsAreNeverOverwritten) {
   EXPECT_TRUE(ReadFile(map) == ReadFile(TheMap().map));
 }
 
+TEST_F(CliTest, FlagsOfAnotherFormatAreRefused) {
+  ExpectFailure(RunWaystone({"export", TheMap().map, "--images", TheMap().images}), 2,
+                "--format colmap");
+  ExpectFailure(RunWaystone({"export", TheMap().map, "--format", "dot", "--max-features", "5"}), 2,
+                "the format is dot");
+}
+
 // Three quarters of the photos were lost on their way.
 TEST_F(CliTest, AMostlyUnreadableSequenceIsNoMapAndTheOldOneStays) {
   const fs::path walk = folder_ / "walk";

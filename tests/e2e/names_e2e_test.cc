@@ -176,6 +176,9 @@ TEST_F(NameTest, BadInputIsRefused) {
   ExpectRefusal({"--keyframes", "1", "red\x1b[31m"}, 2, "\\u001b");
   ExpectRefusal({"--keyframes", "1", "\xff"}, 2, "UTF-8");
   ExpectRefusal({"--remove", "Attic"}, 3, "no place named 'Attic'");
+  ExpectRefusal({"--keyframes", "1", "Door", "--sequence", "walk"}, 2, "--images");
+  ExpectRefusal({"--keyframes", "1", "Door", "--fitting"}, 2, "--from");
+  ExpectRefusal({"--keyframes", "1", "Door", "--force"}, 2, "--export");
   ExpectRefusal({"--remove", "Attic", "Door", "--keyframes", "1"}, 2, "specify one of");
 }
 
