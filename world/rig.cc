@@ -6,16 +6,11 @@
 
 #include "core/base/error.h"
 #include "core/base/options.h"
+#include "core/camera/cube_faces.h"
+#include "core/camera/rig.h"
 
 namespace waystone {
 namespace {
-
-// Columns are the camera's right, down and forward axes in the rig's frame.
-Eigen::Matrix3d Axes(const Eigen::Vector3d& right, const Eigen::Vector3d& down) {
-  Eigen::Matrix3d axes;
-  axes << right, down, right.cross(down);
-  return axes;
-}
 
 void RequireWithin(const OptionRange& range, const std::string& name, double value) {
   if (range.Contains(value)) return;
@@ -28,15 +23,12 @@ void RequireWithin(const OptionRange& range, const std::string& name, double val
 std::array<RigFace, 6> SixFaceRig(int width_px) {
   RequireWithin(Closed(1, 8192), "width of the rig's faces", width_px);
   const Camera camera = PinholeCamera(width_px, width_px, 0.5 * std::numbers::pi);
-  const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
-  const Eigen::Vector3d y = Eigen::Vector3d::UnitY();
-  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
-  return {{{"front", camera, Axes(x, y)},
-           {"right", camera, Axes(-z, y)},
-           {"back", camera, Axes(-x, y)},
-           {"left", camera, Axes(z, y)},
-           {"up", camera, Axes(x, z)},
-           {"down", camera, Axes(x, -z)}}};
+  const Rig cube = CubeRig(width_px);
+  std::array<RigFace, 6> rig;
+  for (size_t i = 0; i < rig.size(); ++i) {
+    rig[i] = {NameOf(static_cast<CubeFace>(i)), camera, cube.cameras[i].rig_from_camera.linear()};
+  }
+  return rig;
 }
 
 Camera PanoramaCamera(int width_px) {
