@@ -201,6 +201,7 @@ Json NodeRows::Row(const AppearanceNode& node) const {
   Json json;
   json["id"] = node.id.value;
   json["sequence"] = NameOf(map_, node.sequence);
+  json["sequence_id"] = node.sequence.value;
   json["source"] = node.source;
   const std::string* place = names_.OfNode(node);
   json["place"] = place ? Json(*place) : Json(nullptr);

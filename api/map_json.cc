@@ -162,6 +162,7 @@ Json KeyframeJson(const std::string& map_name, const MapIndex& index, const Keyf
   Json json;
   json["id"] = keyframe.id.value;
   json["sequence"] = SequenceName(index, keyframe.sequence);
+  json["sequence_id"] = keyframe.sequence.value;
   json["source"] = keyframe.source;
   const std::string* place = index.names().OfKeyframe(keyframe.id);
   json["place"] = place ? Json(*place) : Json(nullptr);
@@ -176,6 +177,7 @@ Json KeyframeJson(const std::string& map_name, const MapIndex& index, const Keyf
                     std::to_string(keyframe.id.value) + "/image";
   }
   json["planes"] = SeenPlanesJson(index, keyframe);
+  json["landmarks"] = keyframe.landmarks.size();
   return json;
 }
 

@@ -168,6 +168,9 @@ export type Id = number;
 /** The surface, such as a wall, that the plane is a part of: the lowest id of its planes. */
 export type SurfaceId = number;
 
+/** The id in `sequences` of the map; two sequences may have one name. */
+export type SequenceId = number;
+
 export type Probability = number;
 
 export type Count = number;
@@ -573,6 +576,7 @@ export interface AppearanceEdge {
 export interface AppearanceNode {
   id: Id;
   sequence: string;
+  sequence_id: SequenceId;
   source: string;
   place: PlaceName;
   time_s: number | null;
@@ -984,6 +988,7 @@ export interface GraphEdge {
 export interface Keyframe {
   id: Id;
   sequence: string;
+  sequence_id: SequenceId;
   source: string;
   place: PlaceName;
   time_s: number | null;
@@ -993,6 +998,8 @@ export interface Keyframe {
   height: Count;
   image: string | null;
   planes: SeenPlane[];
+  /** Features on no plane by which the keyframe can be recognized as well. */
+  landmarks: number;
 }
 
 export interface SeenPlane {

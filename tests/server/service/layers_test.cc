@@ -111,6 +111,7 @@ TEST_F(LayersTest, AppearanceInLists) {
   ASSERT_EQ(page["nodes"].size(), 2u);
   EXPECT_EQ(page["nodes"][0]["image"], "/v1/maps/both/appearance/nodes/1/image");
   EXPECT_EQ(page["nodes"][0]["sequence"], "kit\"chen");
+  EXPECT_EQ(page["nodes"][0]["sequence_id"], 1);
   EXPECT_TRUE(page["nodes"][1]["image"].is_null());
   EXPECT_TRUE(page["nodes"][1]["time_s"].is_null());
   const Json rest = GetJson("both/appearance/nodes", {{"cursor", page["next"]}});

@@ -166,6 +166,8 @@ TEST_F(MapServiceTest, ShowsKeyframesAndTheirImages) {
   ASSERT_EQ(json["keyframes"].size(), 2u);
   EXPECT_EQ(json["keyframes"][0]["image"], "/v1/maps/lab/keyframes/1/image");
   EXPECT_TRUE(json["keyframes"][1]["image"].is_null());
+  EXPECT_EQ(json["keyframes"][0]["sequence_id"], 1);
+  EXPECT_EQ(json["keyframes"][0]["landmarks"], 0);
   EXPECT_EQ(GetJson("/v1/maps/lab/keyframes/2")["planes"].size(), 7u);
   EXPECT_EQ(GetJson("/v1/maps/lab/keyframes/2")["planes"][2]["surface"], 2);
   EXPECT_EQ(GetJson("/v1/maps/a b/keyframes/1")["image"], "/v1/maps/a%20b/keyframes/1/image");
