@@ -416,31 +416,115 @@ const known = (keyframes) => ({
   edges: { a: [], b: [] },
 });
 
-// A JPEG with an EXIF orientation of 6: stored lying on its side, to be turned 90 degrees clockwise.
-function turnedPhoto(photo) {
-  const jpeg = readFileSync(photo);
-  const exif = Buffer.from("ffe1002245786966000049492a00080000000100120103000100000006000000" + "00000000", "hex");
-  return Buffer.concat([jpeg.subarray(0, 2), exif, jpeg.subarray(2)]);
+// EXIF data of an orientation alone: 6 is that of an image stored lying on its side, to be turned 90 degrees
+// clockwise.
+const exifOf = (orientation) =>
+  Buffer.from(`49492a0008000000010012010300010000000${orientation}00000000000000`, "hex");
+
+function turnedJpeg(jpeg, orientation) {
+  const segment = Buffer.concat([Buffer.from("ffe10022457869660000", "hex"), exifOf(orientation)]);
+  return Buffer.concat([jpeg.subarray(0, 2), segment, jpeg.subarray(2)]);
 }
 
-// The browser shows such a photo upright; what the server answers in stored pixels follows it.
+function crcOf(bytes) {
+  let crc = ~0;
+  for (const byte of bytes) {
+    crc ^= byte;
+    for (let k = 0; k < 8; ++k) crc = (crc >>> 1) ^ (crc & 1 ? 0xedb88320 : 0);
+  }
+  return ~crc >>> 0;
+}
+
+function turnedPng(png, orientation) {
+  const exif = exifOf(orientation);
+  const chunk = Buffer.concat([Buffer.alloc(4), Buffer.from("eXIf"), exif, Buffer.alloc(4)]);
+  chunk.writeUInt32BE(exif.length);
+  chunk.writeUInt32BE(crcOf(chunk.subarray(4, -4)), chunk.length - 4);
+  return Buffer.concat([png.subarray(0, 33), chunk, png.subarray(33)]); // behind IHDR
+}
+
+// A WebP in the extended form, to which the chunk with its orientation is added.
+function turnedWebp(webp, orientation) {
+  assert.equal(webp.toString("latin1", 12, 16), "VP8X");
+  const exif = exifOf(orientation);
+  const turned = Buffer.concat([webp, Buffer.from("EXIF"), Buffer.from([exif.length, 0, 0, 0]), exif]);
+  turned.writeUInt32LE(turned.length - 8, 4);
+  turned[20] |= 8;
+  return turned;
+}
+
+// A photo in another format.
+async function converted(page, jpeg, type) {
+  const base64 = await page.evaluate(async ([data, type]) => {
+    const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/jpeg" }));
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [bitmap.width, bitmap.height];
+    canvas.getContext("2d").drawImage(bitmap, 0, 0);
+    return canvas.toDataURL(type, 0.9).split(",")[1];
+  }, [jpeg.toString("base64"), type]);
+  return Buffer.from(base64, "base64");
+}
+
+// As which EXIF orientation a screenshot shows a stored photo.
+function shownOrientation(page, shot, jpeg) {
+  return page.evaluate(async ([shot, jpeg]) => {
+    const bitmapOf = (data, type) =>
+      createImageBitmap(new Blob([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))], { type }));
+    const kSide = 48;
+    const greys = (bitmap, turn) => {
+      const context = new OffscreenCanvas(kSide, kSide).getContext("2d");
+      context.setTransform(...turn.map((v, i) => (i < 4 ? v : v * kSide)));
+      context.drawImage(bitmap, 0, 0, kSide, kSide);
+      return context.getImageData(0, 0, kSide, kSide).data.filter((_, i) => i % 4 === 1);
+    };
+    const kTurns = [[1, 0, 0, 1, 0, 0], [-1, 0, 0, 1, 1, 0], [-1, 0, 0, -1, 1, 1], [1, 0, 0, -1, 0, 1],
+      [0, 1, 1, 0, 0, 0], [0, 1, -1, 0, 1, 0], [0, -1, -1, 0, 1, 1], [0, -1, 1, 0, 0, 1]];
+    const seen = greys(await bitmapOf(shot, "image/png"), kTurns[0]);
+    const stored = await bitmapOf(jpeg, "image/jpeg");
+    const off = kTurns.map((turn) => greys(stored, turn).reduce((sum, grey, i) => sum + Math.abs(grey - seen[i]), 0));
+    return 1 + off.indexOf(Math.min(...off));
+  }, [shot.toString("base64"), jpeg.toString("base64")]);
+}
+
+// Such a photo is shown upright; what the server answers in stored pixels follows it.
 async function testTurnedPhoto() {
   const { page, complaints, close } = await open({ viewport: { width: 1280, height: 900 } });
   await page.goto(`${url}/`);
-  const file = { name: "turned.jpg", mimeType: "image/jpeg", buffer: turnedPhoto(inside) };
+  const jpeg = readFileSync(inside);
+  const file = { name: "turned.jpg", mimeType: "image/jpeg", buffer: turnedJpeg(jpeg, 6) };
   let answer = null;
   page.on("response", async (r) => { if (r.url().includes("/localize")) answer = await r.json(); });
   assert.match(await ask(page, file), /Localized near keyframe \d+/);
   await page.locator("figure svg line").first().waitFor();
   const { width, height } = answer.explanation.image;
-  const shown = await page.locator("figure img").first().evaluate((i) => [i.naturalWidth, i.naturalHeight]);
-  assert.deepEqual(shown, [height, width], "the browser turns the photo");
   const box = await page.locator("figure .part").first().boundingBox();
   assert.ok(Math.abs(box.height / box.width - width / height) < 0.02, "its frame is as high as the upright photo");
   const [x, y] = answer.planes[0].outline[0];
   const points = await page.locator("figure .outline polygon").evaluateAll((all) => all.map((p) => p.getAttribute("points")));
   assert.ok(points.some((list) => list.split(" ")[0] === `${height - y},${x}`), `outlines are turned: ${points[0]}`);
   await shoot(page, "turned_photo");
+  assert.deepEqual(complaints, []);
+  await close();
+  await testTurnedFormats(jpeg, answer);
+}
+
+async function testTurnedFormats(jpeg, answer) {
+  const { page, complaints, close } = await open({ viewport: { width: 1280, height: 900 } });
+  await page.route("**/localize?*", (route) => route.fulfill(json(answer)));
+  await page.goto(`${url}/`);
+  const [png, webp] = [await converted(page, jpeg, "image/png"), await converted(page, jpeg, "image/webp")];
+  const files = [["image/png", turnedPng(png, 6), 6], ["image/webp", turnedWebp(webp, 8), 8],
+    ...[1, 2, 3, 4, 5, 6, 7, 8].map((orientation) => ["image/jpeg", turnedJpeg(jpeg, orientation), orientation])];
+  for (const [mimeType, buffer, orientation] of files) {
+    const name = `${mimeType.slice(6)} ${orientation}`;
+    await page.setInputFiles(".chooser input >> nth=0", { name, mimeType, buffer });
+    await page.getByLabel(`Answer for ${name}`).waitFor();
+    const part = page.locator("figure .part").first();
+    await part.locator("img").evaluate((img) => img.decode());
+    await page.locator("figure svg").evaluate((drawn) => { drawn.style.visibility = "hidden"; });
+    assert.equal(await shownOrientation(page, await part.screenshot(), jpeg), orientation, name);
+  }
   assert.deepEqual(complaints, []);
   await close();
 }

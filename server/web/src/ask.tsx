@@ -218,7 +218,7 @@ function PlanesFound({ map, query }: { map: string; query: Query }) {
   const matched = why.keyframes.find((k) => k.keyframe === answer.epipolar?.keyframe.id);
   if (!candidate && matched) return <LandmarksFound map={map} query={query} matched={matched} />;
   if (!candidate) {
-    const picture = { src: query.photo, alt: "query image", ...why.image };
+    const picture = { src: query.photo, alt: "query image", orientation: query.orientation, ...why.image };
     return <Overlay picture={picture} shapes={[]} />;
   }
   const index = answer.planes.findIndex((p) => p.id === selected);
@@ -267,7 +267,7 @@ export function AskView({ map, query, setQuery }: ViewProps) {
       const answer = uprightAnswer(await localize(map.name, photo), orientation);
       if (query) URL.revokeObjectURL(query.photo);
       const url = URL.createObjectURL(photo);
-      setQuery({ map: map.name, photo: url, name: photo.name, answer });
+      setQuery({ map: map.name, photo: url, orientation, name: photo.name, answer });
     } catch (e) {
       setError((e as Error).message);
     }

@@ -2,13 +2,15 @@
 // A photo or two with what was found drawn over them, in the pixels of the originals.
 import type { ComponentChildren } from "preact";
 import type { Candidate, Point } from "./api";
+import { turnedStyle } from "./exif";
 import { useMedia, usePicture } from "./use";
 
 export interface Picture {
   src: string | null; // null: the map was built without images
   alt: string;
-  width: number;
+  width: number; // of the upright image
   height: number;
+  orientation?: number; // as EXIF has it; else it is stored upright
 }
 
 export interface Shape {
@@ -64,9 +66,10 @@ export function Outlines({ shapes, unit }: { shapes: Shape[]; unit: number }) {
 
 export function Frame({ picture, children }: { picture: Picture; children?: ComponentChildren }) {
   const src = usePicture(picture.src);
+  const { alt, width, height, orientation = 1 } = picture;
   return picture.src
-    ? <img src={src ?? undefined} alt={picture.alt} width={picture.width} height={picture.height} />
-    : <div class="no-image" role="img" aria-label={picture.alt}>{children ?? "no image stored"}</div>;
+    ? <img src={src ?? undefined} alt={alt} width={width} height={height} style={turnedStyle(orientation, width, height)} />
+    : <div class="no-image" role="img" aria-label={alt}>{children ?? "no image stored"}</div>;
 }
 
 // One picture with outlines and points.

@@ -31,7 +31,7 @@ export function MatchFigure(props: {
   return (
     <figure>
       <Pair
-        left={{ src: query.photo, alt: "query image", ...why.image }}
+        left={{ src: query.photo, alt: "query image", orientation: query.orientation, ...why.image }}
         right={{
           src: image && imagePath(map, candidate.reference),
           alt: `keyframe ${candidate.reference}`,

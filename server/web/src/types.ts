@@ -7,8 +7,9 @@ import type { Route } from "./route";
 export interface Query {
   map: string;
   photo: string; // object URL
+  orientation: number; // of the photo, as EXIF has it
   name: string;
-  answer: Answer;
+  answer: Answer; // in pixels of the upright photo
 }
 
 export interface ViewProps {
