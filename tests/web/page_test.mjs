@@ -244,6 +244,65 @@ async function testNames(page, complaints) {
   assert.ok(first < second && second < third);
 }
 
+// Two sequences of one name, the first of which took panoramas: a keyframe has the camera of its own one, and
+// is named in it.
+async function testNamesakes() {
+  const { page, complaints, close } = await open({});
+  const summary = await getJson("/v1/maps/room");
+  const [own] = summary.sequences;
+  const other = { ...own, id: 1000, camera: { model: "EQUIRECTANGULAR", width: 640, height: 480, params: [] } };
+  summary.sequences = [other, own];
+  await page.route("**/v1/maps?*", (route) => route.fulfill(json({ maps: [summary], next: null })));
+  await page.route("**/keyframes/3", async (route) => {
+    const keyframe = await (await route.fetch()).json();
+    await route.fulfill(json({ ...keyframe, sequence_id: other.id }));
+  });
+  await page.goto(`${url}/#/room/keyframes/1`);
+  await page.locator(".facts").waitFor();
+  assert.equal(await page.locator(".panorama").count(), 0);
+  await go(page, "keyframes/3", "Keyframe 3");
+  await page.locator(".panorama").waitFor();
+  await go(page, "names", "Named places");
+  const name = async (first, last, text) => {
+    await page.getByLabel("First keyframe").fill(first);
+    await page.getByLabel("Last keyframe").fill(last);
+    await page.getByLabel("Name", { exact: true }).fill(text);
+    await page.getByRole("button", { name: "Add" }).click();
+  };
+  await name("1", "3", "Both");
+  await page.locator(".failure", { hasText: "are of different sequences" }).waitFor();
+  await name("1", "2", "Second");
+  await page.locator(".names tbody tr").nth(1).waitFor();
+  await name("3", "3", "First");
+  await page.locator(".names tbody tr").nth(2).waitFor();
+  const said = await page.locator(".names tbody tr").allInnerTexts();
+  assert.match(said.find((row) => row.startsWith("Second")), / of images number 2/);
+  const waiting = page.waitForEvent("download");
+  await page.getByRole("link", { name: "Download room-names.json" }).click();
+  const { places } = JSON.parse(readFileSync(await (await waiting).path(), "utf8"));
+  const numberOf = (place) => places.find((p) => p.name === place).keyframes[0].sequence_number;
+  assert.deepEqual([numberOf("First"), numberOf("Second")], [undefined, 2]);
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+// A keyframe without planes: whether a query from there can be localized.
+async function testLandmarks() {
+  const { page, complaints, close } = await open({});
+  let landmarks = 12;
+  await page.route("**/keyframes/*", async (route) => {
+    const keyframe = await (await route.fetch()).json();
+    await route.fulfill(json({ ...keyframe, planes: [], landmarks }));
+  });
+  await page.goto(`${url}/#/room/keyframes/1`);
+  await page.getByText("the keyframe is recognized by its 12 landmarks").waitFor();
+  landmarks = 0;
+  await go(page, "keyframes/2", "Keyframe 2");
+  await page.getByText("a query from here can’t be localized").waitFor();
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
 async function testLayers(page) {
   await go(page, "layers", "Trajectory");
   await page.getByText("has no appearance layer").waitFor();
@@ -610,6 +669,8 @@ await run(async () => {
     assert.deepEqual(complaints, [], test.name);
   }
   await close();
+  await testNamesakes();
+  await testLandmarks();
   await testSessions();
   await testJobs();
   await testOtherLayers();

@@ -75,6 +75,13 @@ function testPanoramas({ asPoseLayer, headingSeen, viewFromAbove }) {
   }
 }
 
+function testPointInside({ holds, pointInside }) {
+  near(pointInside([[0, 0], [4, 0], [4, 2], [0, 2]]), [2, 1]);
+  const thin = [[0, 0], [10, 0], [10, 10], [9, 10], [9, 1], [5, 1], [0, 1]]; // its corners' mean is outside
+  assert.ok(holds(thin, pointInside(thin)));
+  near(pointInside(thin), [10 / 3, 1 / 3]);
+}
+
 function testAreas({ areaOf, holds, idsIn, cornersIn, cornerText, withoutLast }) {
   const hook = [[0, 0], [3, 0], [3, 3], [2, 3], [2, 1], [0, 1]];
   near(areaOf(hook), 5);
@@ -145,7 +152,7 @@ function testNumbers({ unitOf, withDeviation }) {
 
 try {
   const module = await load();
-  const tests = [testTurned, testViews, testPlans, testPanoramas, testAreas, testHeadings, testEllipses, testPlanes, testLayout,
+  const tests = [testTurned, testViews, testPlans, testPanoramas, testPointInside, testAreas, testHeadings, testEllipses, testPlanes, testLayout,
     testNumbers];
   for (const test of tests) test(module);
 } catch (error) {

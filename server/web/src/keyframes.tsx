@@ -61,7 +61,11 @@ function PlaneTable({ map, keyframe, shown, toggle }: {
 }
 
 const cameraOf = (map: MapSummary, keyframe: Keyframe) =>
-  map.sequences.find((s) => s.name === keyframe.sequence)?.camera ?? null;
+  map.sequences.find((s) => s.id === keyframe.sequence_id)?.camera ?? null;
+
+const withoutPlanes = (landmarks: number) => landmarks > 0
+  ? `No mapped plane is in view: the keyframe is recognized by its ${counted(landmarks, "landmark")}.`
+  : "No mapped plane is in view, and the keyframe has no landmarks: a query from here can’t be localized.";
 
 function Show({ map, id }: { map: MapSummary; id: number }) {
   const keyframe = useGet<Keyframe>(`${mapPath(map.name)}/keyframes/${id}`);
@@ -70,7 +74,7 @@ function Show({ map, id }: { map: MapSummary; id: number }) {
   const lines = useGet<DirectedLines>(withLines ? `${mapPath(map.name)}/keyframes/${id}/lines` : null);
   if (keyframe.error) return <Failure error={keyframe.error} />;
   if (!keyframe.value) return <Waiting what={`keyframe ${id}`} />;
-  const { width, height, image, planes, place, source, sequence, frame, stretch, time_s } = keyframe.value;
+  const { width, height, image, planes, landmarks, place, source, sequence, frame, stretch, time_s } = keyframe.value;
   const camera = cameraOf(map, keyframe.value);
   const panorama = camera?.model === "EQUIRECTANGULAR";
   const shown = (plane: number) => !hidden.includes(plane);
@@ -107,7 +111,7 @@ function Show({ map, id }: { map: MapSummary; id: number }) {
           />
           {planes.length > 0
             ? <PlaneTable map={map.name} keyframe={keyframe.value} shown={shown} toggle={toggle} />
-            : <p>No mapped plane is in view: a query from here can’t be localized.</p>}
+            : <p>{withoutPlanes(landmarks)}</p>}
         </div>
       </div>
       {planes.length > 0 && camera && !panorama && <InSpace map={map} keyframe={keyframe.value} />}

@@ -2,13 +2,13 @@
 // What a named place is made of, chosen by people: ranges of images, planes, and areas.
 import { useState } from "preact/hooks";
 import {
-  type AppearanceNode, type FloorPlans, get, type ImageRange, imagePath, type Keyframe, mapPath, type NamedArea,
-  type NamesFilePlace, type Plane, type PlaneInImage,
+  type AppearanceNode, type FloorPlans, get, type ImageRange, imagePath, type Keyframe, mapPath, type MapSummary,
+  type NamedArea, type NamesFilePlace, type Plane, type PlaneInImage,
 } from "./api";
 import { colourOf } from "./colours";
 import { Overlay } from "./figure";
 import { Failure, Waiting } from "./parts";
-import { areaOf } from "./pose_view";
+import { areaOf, pointInside } from "./pose_view";
 import { useGet } from "./use";
 import { cornersIn, idsIn, withoutLast } from "./words";
 
@@ -26,22 +26,28 @@ const kPreviews = 6; // planes that are shown
 
 const imageOf = ({ source, frame }: Taken) => ({ image: source, frame });
 
+// The sequence of an image as names files have it: by its name, and which of that name it is unless the first.
+function sequenceRef({ sequences }: MapSummary, { sequence, sequence_id }: Taken) {
+  const number = 1 + sequences.filter((s) => s.name === sequence).findIndex((s) => s.id === sequence_id);
+  return { sequence, ...(number > 1 && { sequence_number: number }) };
+}
+
 // The range from one keyframe or panorama to another as names files have it. Throws for two of
 // different sequences.
-function rangeOf(first: Taken, last: Taken): ImageRange {
-  if (first.sequence !== last.sequence) {
+function rangeOf(map: MapSummary, first: Taken, last: Taken): ImageRange {
+  if (first.sequence_id !== last.sequence_id) {
     throw new Error(`${first.source} and ${last.source} are of different sequences; name them one after the other`);
   }
   const [a, b] = first.frame <= last.frame ? [first, last] : [last, first];
-  return { sequence: a.sequence, first: imageOf(a), last: imageOf(b) };
+  return { ...sequenceRef(map, a), first: imageOf(a), last: imageOf(b) };
 }
 
 // A plane by a pixel of its reference image that shows it.
-function planeInImage({ id, outline }: Plane, { sequence, source, frame }: Keyframe): PlaneInImage {
+function planeInImage(map: MapSummary, { id, outline }: Plane, keyframe: Keyframe): PlaneInImage {
   if (outline.length === 0) throw new Error(`Plane ${id} has no outline; name keyframes that show it.`);
-  const middle = (axis: 0 | 1) => outline.reduce((sum, p) => sum + p[axis], 0) / outline.length;
   const rounded = (value: number) => Math.round(100 * value) / 100;
-  return { sequence, image: source, frame, at_px: [rounded(middle(0)), rounded(middle(1))] };
+  const [x, y] = pointInside(outline);
+  return { ...sequenceRef(map, keyframe), ...imageOf(keyframe), at_px: [rounded(x), rounded(y)] };
 }
 
 // The places with a part added to the one of this name, in the order of their names.
@@ -60,15 +66,15 @@ function problemOf(name: string): string | null {
   return null;
 }
 
-const load = (map: string, kind: Kind, id: number) =>
-  get<Taken>(`${mapPath(map)}/${kind === "nodes" ? "appearance/nodes" : "keyframes"}/${id}`);
+const load = (map: MapSummary, kind: Kind, id: number) =>
+  get<Taken>(`${mapPath(map.name)}/${kind === "nodes" ? "appearance/nodes" : "keyframes"}/${id}`);
 
-async function loadPlane(map: string, id: number): Promise<PlaneInImage> {
-  const plane = await get<Plane>(`${mapPath(map)}/planes/${id}`);
-  return planeInImage(plane, (await load(map, "keyframes", plane.reference.id)) as Keyframe);
+async function loadPlane(map: MapSummary, id: number): Promise<PlaneInImage> {
+  const plane = await get<Plane>(`${mapPath(map.name)}/planes/${id}`);
+  return planeInImage(map, plane, (await load(map, "keyframes", plane.reference.id)) as Keyframe);
 }
 
-function planeParts(map: string, text: string, known: number[]): Promise<PlaneInImage[]> {
+function planeParts(map: MapSummary, text: string, known: number[]): Promise<PlaneInImage[]> {
   const ids = idsIn(text);
   if (!ids?.length) throw new Error("Give ids of planes, such as 3, 5.");
   const unknown = ids.find((id) => !known.includes(id));
@@ -118,7 +124,7 @@ export interface Draft {
 }
 
 export function Composer(props: {
-  map: string;
+  map: MapSummary;
   kinds: Kind[];
   planes: number[]; // that the map has
   plans: FloorPlans; // for their frame
@@ -136,7 +142,7 @@ export function Composer(props: {
     if (kind === "polygons") return [areaPart(draft.corners, props.plans)];
     const [first, last] = await Promise.all(
       [field("first"), field("last") || field("first")].map((id) => load(map, kind, Number(id))));
-    return [rangeOf(first, last)];
+    return [rangeOf(map, first, last)];
   };
   const submit = async (event: Event) => {
     event.preventDefault();

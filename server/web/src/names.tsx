@@ -15,8 +15,10 @@ import { asPoseLayer, holds, seen, type Vec2, viewFromAbove } from "./pose_view"
 import { useGet } from "./use";
 import { cornersIn, cornerText, counted, idsIn } from "./words";
 
-const rangeInWords = ({ sequence, first, last }: ImageRange) =>
-  first.image === last.image ? `${first.image} of ${sequence}` : `${first.image} to ${last.image} of ${sequence}`;
+function rangeInWords({ sequence, sequence_number: number, first, last }: ImageRange): string {
+  const images = first.image === last.image ? first.image : `${first.image} to ${last.image}`;
+  return `${images} of ${sequence}${number ? ` number ${number}` : ""}`;
+}
 
 function heldInWords(place: NamesFilePlace): string {
   const parts = [...place.keyframes, ...place.nodes].map(rangeInWords);
@@ -156,7 +158,7 @@ export function NamesView({ map, route }: ViewProps) {
       <p class="quiet">Answers carry the name of the place where a photo was taken.</p>
       <Places places={places} remove={(name) => edit(places.filter((p) => p.name !== name))} />
       <h2>Name another</h2>
-      <Composer map={map.name} kinds={(Object.keys(kNouns) as Kind[]).filter((k) => has[k])} planes={known}
+      <Composer map={map} kinds={(Object.keys(kNouns) as Kind[]).filter((k) => has[k])} planes={known}
         plans={plans.value} places={places} draft={draft} setDraft={setDraft} setPlaces={edit} />
       {draft.kind === "planes" &&
         <PlanePreviews map={map.name} ids={(idsIn(draft.planes) ?? []).filter((id) => known.includes(id))} />}

@@ -192,6 +192,21 @@ export function holds(polygon: Vec2[], [x, y]: Vec2): boolean {
   return inside;
 }
 
+// A point inside a polygon, near its middle: that where the corners' mean is one, else the nearest to it of
+// the middles of three corners in a row, of which some are, as for any polygon.
+export function pointInside(polygon: Vec2[]): Vec2 {
+  const mean = (corners: Vec2[]): Vec2 => [
+    corners.reduce((sum, [x]) => sum + x, 0) / corners.length,
+    corners.reduce((sum, [, y]) => sum + y, 0) / corners.length,
+  ];
+  const middle = mean(polygon);
+  const away = ([x, y]: Vec2) => Math.hypot(x - middle[0], y - middle[1]);
+  const corner = (i: number) => polygon[i % polygon.length];
+  const others = polygon.map((_, i) => mean([corner(i), corner(i + 1), corner(i + 2)]))
+    .sort((a, b) => away(a) - away(b));
+  return [middle, ...others].find((point) => holds(polygon, point)) ?? middle;
+}
+
 export function areaOf(polygon: Vec2[]): number {
   const [ox, oy] = polygon[0] ?? [0, 0];
   return Math.abs(polygon.reduce((sum, [ax, ay], i) => {
