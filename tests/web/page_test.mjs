@@ -286,6 +286,49 @@ async function testNamesakes() {
   await close();
 }
 
+// A map that changes while the page is open, as the server answers: what was asked of the old one is asked
+// anew, and its answer goes.
+async function testNewVersion() {
+  const { page, complaints, close } = await open({});
+  let [version, said] = ["sha256:one", "old"];
+  const summary = await getJson("/v1/maps/room");
+  await page.route("**/v1/maps?*", (route) => route.fulfill(json({ maps: [{ ...summary, version }], next: null })));
+  await page.route("**/v1/maps/room", (route) => route.fulfill(json({ ...summary, version })));
+  await page.route("**/overview", async (route) => {
+    const known = await (await route.fetch()).json();
+    known.keyframes.place.fill(said);
+    await route.fulfill(json(known));
+  });
+  await page.route("**/localize?*", async (route) => {
+    const answer = await (await route.fetch()).json();
+    await route.fulfill(json({ ...answer, map_version: version }));
+  });
+  const places = page.locator(".grid li", { hasText: said });
+  const pictures = () => page.locator(".thumbnail img").evaluateAll((all) => all.map((img) => img.src));
+  await page.goto(`${url}/#/room/keyframes`);
+  await places.first().waitFor();
+  const before = await pictures();
+  await go(page, "ask", "Where was this photo taken?");
+  await ask(page, inside);
+  [version, said] = ["sha256:two", "new"];
+  await go(page, "keyframes", "Keyframes");
+  await page.locator(".grid li", { hasText: "new" }).first().waitFor();
+  assert.ok((await pictures()).every((src) => !before.includes(src)), "pictures have other addresses");
+  await go(page, "ask", "Where was this photo taken?");
+  assert.equal(await page.locator(".verdict").count(), 0, "the answer was of the old version");
+  [version, said] = ["sha256:three", "newest"];
+  await ask(page, inside);
+  await page.locator("footer code", { hasText: "three" }).waitFor();
+  assert.equal(await page.locator(".verdict").count(), 1, "the answer is of the new version");
+  await go(page, "keyframes", "Keyframes");
+  await page.locator(".grid li", { hasText: "newest" }).first().waitFor();
+  version = "sha256:four";
+  await page.getByRole("button", { name: "Refresh the list of maps" }).click();
+  await page.locator("footer code", { hasText: "four" }).waitFor();
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
 // A keyframe without planes: whether a query from there can be localized.
 async function testLandmarks() {
   const { page, complaints, close } = await open({});
@@ -412,7 +455,7 @@ async function testPanoramaAnswer() {
     },
     runner_up: null, decided_by: "appearance", timing_ms: { decode: 1, extract: 2, shortlist: 3, verify: 4, total: 10 },
   })));
-  await page.route("**/appearance/nodes/51/image", (route) => route.fulfill({
+  await page.route("**/appearance/nodes/51/image?*", (route) => route.fulfill({
     contentType: "image/jpeg", body: readFileSync(inside),
   }));
   await page.goto(`${url}/`);
@@ -671,6 +714,7 @@ await run(async () => {
   await close();
   await testNamesakes();
   await testLandmarks();
+  await testNewVersion();
   await testSessions();
   await testJobs();
   await testOtherLayers();

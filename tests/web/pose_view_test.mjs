@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // node pose_view_test.mjs: how the page sees maps with poses from above (server/web/src/pose_view.ts),
-// and how it writes their numbers. Exit status: 0 on success, 1 after a message about what failed.
+// how it writes their numbers, and what it keeps of what it loaded. Exit status: 0 on success, 1 after a message about what failed.
 import assert from "node:assert/strict";
 import { createRequire } from "node:module";
 import { fileURLToPath } from "node:url";
@@ -11,7 +11,7 @@ async function load() {
   const esbuild = createRequire(kWeb)("esbuild");
   const built = esbuild.buildSync({
     stdin: {
-      contents: 'export * from "./pose_view"; export * from "./words";',
+      contents: 'export * from "./kept"; export * from "./pose_view"; export * from "./words";',
       resolveDir: fileURLToPath(new URL("src", kWeb)),
     },
     bundle: true,
@@ -150,11 +150,36 @@ function testNumbers({ unitOf, withDeviation }) {
   assert.deepEqual([unitOf("metres"), unitOf("unknown")], ["m", "map units"]);
 }
 
+// The latest two that nobody holds are kept; what is held is never dropped.
+async function testKept({ Kept }) {
+  let loads = 0;
+  const dropped = [];
+  const load = async (path) => {
+    if (path === "bad") throw new Error("bad");
+    return `${path}${++loads}`;
+  };
+  const kept = new Kept(2, load, (value) => dropped.push(value));
+  const a = kept.hold("a");
+  assert.equal(await a.value, "a1");
+  for (const path of ["b", "c", "b", "d"]) await kept.get(path);
+  assert.deepEqual(dropped, ["c3"], "b was used after c, and a is held");
+  assert.equal(await kept.get("b"), "b2");
+  kept.forget((path) => path === "a");
+  await null;
+  assert.deepEqual(dropped, ["c3"], "a is forgotten, and still shown");
+  assert.equal(await kept.get("a"), "a5");
+  a.release();
+  await null;
+  assert.deepEqual(dropped, ["c3", "d4", "a1"]);
+  await assert.rejects(kept.get("bad"));
+  await assert.rejects(kept.get("bad"), "a failure isn't kept");
+}
+
 try {
   const module = await load();
   const tests = [testTurned, testViews, testPlans, testPanoramas, testPointInside, testAreas, testHeadings, testEllipses, testPlanes, testLayout,
-    testNumbers];
-  for (const test of tests) test(module);
+    testNumbers, testKept];
+  for (const test of tests) await test(module);
 } catch (error) {
   console.log(String(error.stack ?? error).replace(/\n\s*\n/g, "\n"));
   process.exit(1);

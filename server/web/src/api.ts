@@ -9,6 +9,7 @@ import {
   type Map as MapSummary,
   WaystoneError,
 } from "../../../clients/js/waystone.js";
+import { Kept } from "./kept";
 
 export type {
   Appearance, AppearanceNode, Audit, DirectedLines, ExplainedKeyframe, Explanation, FloorPlan, FloorPlans, ImageRange, Keyframe, NamesFile,
@@ -39,39 +40,50 @@ export function keepToken(token: string) {
   client.token = token;
 }
 
-// Maps don't change while the server runs, so what was asked once is kept.
-const kept = new Map<string, Promise<unknown>>();
+const kMaxAnswers = 200;
+const kMaxPictures = 300; // that are fetched and not shown
 
-export function get<T>(path: string): Promise<T> {
-  let answer = kept.get(path) as Promise<T> | undefined;
-  if (!answer) {
-    answer = client.ask("GET", path) as Promise<T>;
-    answer.catch(() => kept.delete(path));
-    kept.set(path, answer);
-  }
-  return answer;
-}
+const answers = new Kept<unknown>(kMaxAnswers, (path) => client.ask("GET", path));
+const pictures = new Kept<string>(
+  kMaxPictures,
+  async (path) => URL.createObjectURL((await client.ask("GET", path)) as Blob),
+  (address) => URL.revokeObjectURL(address),
+);
+
+export const get = <T>(path: string) => answers.get(path) as Promise<T>;
 
 // An <img> can't show a token, so with one pictures are fetched.
 export const picturesAreFetched = () => client.token !== null;
 
-const addresses = new Map<string, Promise<string>>();
+// The address of a fetched picture, until it is released.
+export const holdPicture = (path: string) => pictures.hold(path);
 
-// The address of a fetched picture; the same for the same path.
-export function fetchedPicture(path: string): Promise<string> {
-  let address = addresses.get(path);
-  if (!address) {
-    address = (client.ask("GET", path) as Promise<Blob>).then((blob) => URL.createObjectURL(blob));
-    address.catch(() => addresses.delete(path));
-    addresses.set(path, address);
-  }
-  return address;
-}
+const versions = new Map<string, string>(); // of the maps that were listed, by their names
+
+const mapOf = (path: string) => decodeURIComponent(path.split("/")[3]);
+
+// The address of a picture for an <img>: one for each version of the map, since browsers show what they have of
+// an address again without asking.
+export const pictureAddress = (path: string) =>
+  `${path}${path.includes("?") ? "&" : "?"}version=${encodeURIComponent(versions.get(mapOf(path)) ?? "")}`;
 
 export async function listMaps(): Promise<MapSummary[]> {
   const maps: MapSummary[] = [];
   for await (const map of client.rows("listMaps")) maps.push(map);
   return maps;
+}
+
+export const versionOf = async (map: string) => (await client.getMap(map)).version;
+
+// Forgets what was asked of maps that have changed. Returns the versions that they had.
+export function keepVersions(maps: MapSummary[]): string[] {
+  const listed = new Map(maps.map((map) => [map.name, map.version]));
+  const changed = [...versions].filter(([name, version]) => listed.get(name) !== version);
+  const names = new Set(changed.map(([name]) => name));
+  for (const kept of [answers, pictures]) kept.forget((path) => names.has(mapOf(path)));
+  versions.clear();
+  listed.forEach((version, name) => versions.set(name, version));
+  return changed.map(([, version]) => version);
 }
 
 // Whether the server knows of jobs.

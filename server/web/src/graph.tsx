@@ -5,7 +5,7 @@ import Sigma from "sigma";
 import { EdgeLineProgram, type NodeHoverDrawingFunction, NodePointProgram } from "sigma/rendering";
 import { createNodeImageProgram } from "@sigma/node-image";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { fetchedPicture, picturesAreFetched, thumbnailPath } from "./api";
+import { holdPicture, pictureAddress, picturesAreFetched, thumbnailPath } from "./api";
 import { colourOf, cssColour } from "./colours";
 import type { SurfaceGraph } from "./surfaces";
 import { useMedia } from "./use";
@@ -17,23 +17,28 @@ const kFullSizeWidth = 700; // px, of the canvas; likewise
 const kMinSize = 3;
 const kMaxSize = 16;
 
-// Shows images in the nodes as they arrive.
-function fetchPictures(graph: Graph) {
-  graph.forEachNode((node, { image }) => {
-    fetchedPicture(image).then(
-      (address) => graph.hasNode(node) && graph.mergeNodeAttributes(node, { type: "image", image: address }),
-      () => {}, // stays a circle
-    );
+// Shows images in the nodes, as they arrive. Returns a function that gives them back.
+function addPictures(graph: Graph, map: string, { surfaces }: SurfaceGraph): () => void {
+  if (surfaces.length > kMostPictures) return () => {};
+  const show = (node: number, image: string) => graph.mergeNodeAttributes(node, { type: "image", image });
+  if (!picturesAreFetched()) {
+    for (const { id, reference } of surfaces) show(id, pictureAddress(thumbnailPath(map, reference)));
+    return () => {};
+  }
+  const held = surfaces.map(({ id, reference }) => {
+    const { value, release } = holdPicture(thumbnailPath(map, reference));
+    value.then((address) => show(id, address), () => {}); // or stays a circle
+    return release;
   });
+  return () => held.forEach((release) => release());
 }
 
-function graphOf(map: string, { surfaces, edges }: SurfaceGraph, width: number): Graph {
+function graphOf({ surfaces, edges }: SurfaceGraph, width: number): Graph {
   const graph = new Graph({ type: "undirected" });
   const most = surfaces.reduce((most, { features }) => Math.max(most, features), 1);
-  const pictures = surfaces.length <= kMostPictures;
   const scale =
     Math.min(1, Math.sqrt(kFullSizeNodes / surfaces.length)) * Math.min(1, width / kFullSizeWidth);
-  surfaces.forEach(({ id, features, reference }, i) => {
+  surfaces.forEach(({ id, features }, i) => {
     const angle = (2 * Math.PI * i) / surfaces.length;
     graph.addNode(id, {
       x: Math.cos(angle),
@@ -41,11 +46,9 @@ function graphOf(map: string, { surfaces, edges }: SurfaceGraph, width: number):
       size: scale * (kMinSize + (kMaxSize - kMinSize) * Math.sqrt(features / most)),
       color: colourOf(id),
       label: `surface ${id}`,
-      type: pictures && !picturesAreFetched() ? "image" : "circle",
-      image: pictures ? thumbnailPath(map, reference) : null,
+      type: "circle",
     });
   });
-  if (pictures && picturesAreFetched()) fetchPictures(graph);
   for (const [a, b] of edges) graph.mergeEdge(a, b, { size: scale });
   return graph;
 }
@@ -140,7 +143,8 @@ export function PlaneGraph(props: {
   const [state, setState] = useState<"moving" | "settled">("moving");
   const dark = useMedia("(prefers-color-scheme: dark)");
   useEffect(() => {
-    const graph = graphOf(map, surfaces, box.current!.clientWidth);
+    const graph = graphOf(surfaces, box.current!.clientWidth);
+    const giveBack = addPictures(graph, map, surfaces);
     setState("moving");
     const stop = layOut(graph, surfaces, () => setState("settled"));
     const renderer = makeSigma(graph, box.current!);
@@ -150,6 +154,7 @@ export function PlaneGraph(props: {
     return () => {
       stop();
       renderer.kill();
+      giveBack();
       sigma.current = null;
     };
   }, [map, surfaces, dark]);

@@ -3,7 +3,9 @@
 import type { ComponentType } from "preact";
 import { render } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { hasJobs, keepToken, listMaps, mapPath, type MapSummary, type Overview, wantsToken } from "./api";
+import {
+  hasJobs, keepToken, keepVersions, listMaps, mapPath, type MapSummary, type Overview, versionOf, wantsToken,
+} from "./api";
 import { AskView } from "./ask";
 import { Failure, Waiting } from "./parts";
 import { href, useRoute, type View } from "./route";
@@ -64,7 +66,8 @@ function viewsOf(map: MapSummary, layers: string[], jobs: boolean): View[] {
   return (Object.keys(kTitles) as View[]).filter((view) => needs[view]);
 }
 
-function Header({ maps, map, view }: { maps: MapSummary[]; map: MapSummary; view: View }) {
+function Header(props: { maps: MapSummary[]; map: MapSummary; view: View; refresh: () => void }) {
+  const { maps, map, view } = props;
   const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
   const [jobs, setJobs] = useState(false);
   useEffect(() => {
@@ -76,12 +79,15 @@ function Header({ maps, map, view }: { maps: MapSummary[]; map: MapSummary; view
   return (
     <header>
       <a class="name" href={href(map.name, "ask")}>Waystone</a>
-      <label class="map">
-        <span>Map</span>
-        <select value={map.name} onChange={choose}>
-          {maps.map((m) => <option key={m.name}>{m.name}</option>)}
-        </select>
-      </label>
+      <div class="map">
+        <label>
+          <span>Map</span>
+          <select value={map.name} onChange={choose}>
+            {maps.map((m) => <option key={m.name}>{m.name}</option>)}
+          </select>
+        </label>
+        <button aria-label="Refresh the list of maps" title="Refresh the list of maps" onClick={props.refresh}>↻</button>
+      </div>
       <nav aria-label="Views">
         {viewsOf(map, overview.value?.layers ?? [], jobs).map((v) => (
           <a key={v} href={href(map.name, v)} aria-current={v === view ? "page" : undefined}>
@@ -138,35 +144,55 @@ function App() {
   const [query, setQuery] = useState<Query | null>(null);
   const show = useView(route.view);
   const [asked, setAsked] = useState<"no" | "yes" | "again">("no"); // whether a token is needed
+  const take = (found: MapSummary[]) => {
+    const gone = keepVersions(found);
+    setMaps(found);
+    setQuery((last) => (last && gone.includes(last.answer.map_version) ? null : last));
+  };
   const load = () =>
-    listMaps().then(setMaps, (e: Error) => {
+    listMaps().then(take, (e: Error) => {
       if (wantsToken(e)) setAsked((before) => (before === "no" ? "yes" : "again"));
       else setError(e.message);
     });
+  // Maps may change while the server runs.
   useEffect(() => {
     load();
+    const seen = () => document.visibilityState === "visible" && load();
+    document.addEventListener("visibilitychange", seen);
+    return () => document.removeEventListener("visibilitychange", seen);
   }, []);
   const useToken = (token: string) => {
     keepToken(token);
     load();
   };
   const map = maps?.find((m) => m.name === route.map) ?? maps?.[0];
+  const check = (version: string) => {
+    if (version !== map?.version) load();
+  };
+  useEffect(() => {
+    if (map) versionOf(map.name).then(check, load);
+  }, [map?.name, route.view]);
   useEffect(() => {
     document.title = `${kTitles[route.view]} · ${map?.name ?? ""} · Waystone`;
   }, [route.view, map]);
-  if (error) return <main><Failure error={error} /></main>;
+  if (!maps && error) return <main><Failure error={error} /></main>;
   if (!maps && asked !== "no") return <TokenForm refused={asked === "again"} use={useToken} />;
   if (!maps) return <main><Waiting what="the maps" /></main>;
   if (!map) return <main><p>This server has no maps.</p></main>;
   const Show = show;
   const own = query?.map === map.name ? query : null;
+  const keep = (answered: Query) => {
+    setQuery(answered);
+    check(answered.answer.map_version);
+  };
+  const mapAndVersion = `${map.name} ${map.version}`;
   return (
     <>
       <a class="skip" href="#main" onClick={skip}>Skip to content</a>
-      <Header maps={maps} map={map} view={route.view} />
-      <main id="main" tabIndex={-1} key={map.name}>
+      <Header key={mapAndVersion} maps={maps} map={map} view={route.view} refresh={load} />
+      <main id="main" tabIndex={-1} key={mapAndVersion}>
         {Show
-          ? <Show map={map} route={route} query={own} setQuery={setQuery} />
+          ? <Show map={map} route={route} query={own} setQuery={keep} />
           : <Waiting what="the view" />}
       </main>
       <Footer map={map} />

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The hooks that several views use.
 import { useEffect, useState } from "preact/hooks";
-import { fetchedPicture, get, picturesAreFetched } from "./api";
+import { get, holdPicture, pictureAddress, picturesAreFetched } from "./api";
 
 export interface Loaded<T> {
   value: T | null;
@@ -45,21 +45,24 @@ export function useMedia(query: string): boolean {
   return holds;
 }
 
-// The address of a map's picture; null until it is there and for none.
+// The address of a map's picture; null until it is there and for none. Others are their own addresses.
 export function usePicture(path: string | null): string | null {
-  const fetched = path !== null && picturesAreFetched() && path.startsWith("/v1/");
+  const ofMap = path !== null && path.startsWith("/v1/");
+  const fetched = ofMap && picturesAreFetched();
   const [state, setState] = useState<{ path: string; address: string } | null>(null);
   useEffect(() => {
     if (!fetched) return;
     let current = true;
-    fetchedPicture(path).then(
+    const { value, release } = holdPicture(path);
+    value.then(
       (address) => current && setState({ path, address }),
       () => {}, // stays without a picture
     );
     return () => {
       current = false;
+      release();
     };
   }, [path, fetched]);
-  if (!fetched) return path;
+  if (!fetched) return ofMap ? pictureAddress(path) : path;
   return state?.path === path ? state.address : null;
 }
