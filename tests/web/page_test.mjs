@@ -443,6 +443,57 @@ async function testOtherLayers() {
   await close();
 }
 
+// A photo that is chosen before the last one was answered: its answer stays, whichever arrives last.
+async function testTwoPhotos() {
+  const { page, complaints, close } = await open({});
+  await page.addInitScript(() => {
+    window.photos = { made: [], gone: [] };
+    const [make, revoke] = [URL.createObjectURL, URL.revokeObjectURL];
+    URL.createObjectURL = (blob) => {
+      const address = make(blob);
+      window.photos.made.push(address);
+      return address;
+    };
+    URL.revokeObjectURL = (address) => {
+      window.photos.gone.push(address);
+      revoke(address);
+    };
+  });
+  let pending = [];
+  await page.route("**/localize?*", (route) => pending.push(route));
+  await page.goto(`${url}/`);
+  const choose = async (name) => {
+    const asked = pending.length + 1;
+    await page.setInputFiles(".chooser input >> nth=0", { name, mimeType: "image/jpeg", buffer: readFileSync(inside) });
+    while (pending.length < asked) await page.waitForTimeout(20);
+  };
+  const busy = page.locator(".chooser", { hasText: "Localizing" });
+  const answer = async (route) => {
+    const arrived = page.waitForResponse("**/localize?*");
+    await route.continue();
+    await (await arrived).finished();
+    await page.waitForTimeout(200);
+  };
+  await choose("first.jpg");
+  await choose("second.jpg");
+  await answer(pending[0]);
+  assert.equal(await busy.count(), 1, "the second one isn't answered yet");
+  assert.equal(await page.locator(".verdict").count(), 0);
+  await answer(pending[1]);
+  await page.getByLabel("Answer for second.jpg").waitFor();
+  assert.equal(await busy.count(), 0);
+  pending = [];
+  await choose("third.jpg");
+  await choose("fourth.jpg");
+  await answer(pending[1]);
+  await answer(pending[0]);
+  await page.getByLabel("Answer for fourth.jpg").waitFor();
+  const { made, gone } = await page.evaluate(() => window.photos);
+  assert.deepEqual(gone, made.slice(0, -1), "all but the photo that is shown");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
 // A panorama asked of a map of panoramas: words, place and heading, and no keyframe made up.
 async function testPanoramaAnswer() {
   const { page, complaints, close } = await open({});
@@ -720,6 +771,7 @@ await run(async () => {
   await testOtherLayers();
   await testCorridors();
   await testPanorama();
+  await testTwoPhotos();
   await testPanoramaAnswer();
   await testPanoramaMap();
   await testTurnedPhoto();

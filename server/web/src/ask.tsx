@@ -256,22 +256,27 @@ function LandmarksFound(props: { map: string; query: Query; matched: ExplainedKe
   );
 }
 
+let chosen = 0; // photos so far: the answer to the last one is shown, whichever arrives last
+
 export function AskView({ map, query, setQuery }: ViewProps) {
   const [busy, setBusy] = useState(false);
   const [error, setError] = useState<string | null>(null);
   const choose = async (photo: File) => {
+    const number = ++chosen;
+    const settle = (show: () => void) => {
+      if (number !== chosen) return;
+      show();
+      setBusy(false);
+    };
     setBusy(true);
     setError(null);
     try {
       const orientation = await readOrientation(photo);
       const answer = uprightAnswer(await localize(map.name, photo), orientation);
-      if (query) URL.revokeObjectURL(query.photo);
-      const url = URL.createObjectURL(photo);
-      setQuery({ map: map.name, photo: url, orientation, name: photo.name, answer });
+      settle(() => setQuery({ map: map.name, photo: URL.createObjectURL(photo), orientation, name: photo.name, answer }));
     } catch (e) {
-      setError((e as Error).message);
+      settle(() => setError((e as Error).message));
     }
-    setBusy(false);
   };
   return (
     <>

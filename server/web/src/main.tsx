@@ -172,6 +172,9 @@ function App() {
   useEffect(() => {
     if (map) versionOf(map.name).then(check, load);
   }, [map?.name, route.view]);
+  useEffect(() => () => {
+    if (query) URL.revokeObjectURL(query.photo);
+  }, [query]);
   useEffect(() => {
     document.title = `${kTitles[route.view]} · ${map?.name ?? ""} · Waystone`;
   }, [route.view, map]);

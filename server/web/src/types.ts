@@ -6,7 +6,7 @@ import type { Route } from "./route";
 // The last query image and its answer; several views show parts of it.
 export interface Query {
   map: string;
-  photo: string; // object URL
+  photo: string; // object URL, as long as this is the last query
   orientation: number; // of the photo, as EXIF has it
   name: string;
   answer: Answer; // in pixels of the upright photo
