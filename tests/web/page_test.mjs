@@ -329,6 +329,56 @@ async function testNewVersion() {
   await close();
 }
 
+// An address of a map that the server hasn't got.
+async function testNoMap() {
+  const { page, complaints, close } = await open({});
+  await page.goto(`${url}/#/warehouse/keyframes/2`);
+  await page.getByText("This server has no map “warehouse”.").waitFor();
+  assert.deepEqual(await page.locator("main a").allTextContents(), ["room", "turns", "walls"]);
+  await checkAccess(page, "no such map");
+  await page.getByRole("link", { name: "room" }).click();
+  await page.getByRole("heading", { name: "Where was this photo taken?" }).waitFor();
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
+// A view that can't be loaded says so, as does one that can't be drawn; the others can be chosen.
+async function testFailures() {
+  const { page, complaints, close } = await open({});
+  await page.route(/\/page\/coverage-.*\.js$/, (route) => route.abort());
+  await page.route("**/maps/walls/overview", (route) => route.fulfill(json({ layers: [] })));
+  await page.goto(`${url}/#/room/coverage`);
+  await page.getByRole("alert").getByText("The view can’t be loaded").waitFor();
+  await page.getByRole("button", { name: "Reload the page" }).waitFor();
+  await checkAccess(page, "a view that isn't loaded");
+  await page.goto(`${url}/#/walls/keyframes`);
+  await page.getByRole("alert").getByText("this view can’t be shown").waitFor();
+  await page.getByRole("link", { name: "Localize" }).click();
+  await page.getByRole("heading", { name: "Where was this photo taken?" }).waitFor();
+  assert.deepEqual(complaints.filter((said) => !/ERR_FAILED/.test(said)), []);
+  await close();
+}
+
+// A browser without WebGL says what it can't draw.
+async function testNoWebGl() {
+  const { page, complaints, close } = await open({});
+  await page.addInitScript(() => {
+    const get = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...options) {
+      return /webgl/.test(kind) ? null : get.call(this, kind, ...options);
+    };
+  });
+  await page.goto(`${url}/#/room/planes`);
+  await page.getByText("The graph can’t be drawn: this browser has no WebGL").waitFor();
+  assert.ok(await page.locator("tbody tr").count() > 0, "the table is there");
+  await page.goto(`${url}/#/walls/keyframes/2`);
+  await page.getByRole("button", { name: "Show planes in 3D" }).click();
+  await page.getByText("Planes can’t be drawn in 3D: this browser has no WebGL").waitFor();
+  await checkAccess(page, "a browser without WebGL");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
 // A keyframe without planes: whether a query from there can be localized.
 async function testLandmarks() {
   const { page, complaints, close } = await open({});
@@ -766,6 +816,9 @@ await run(async () => {
   await testNamesakes();
   await testLandmarks();
   await testNewVersion();
+  await testNoMap();
+  await testFailures();
+  await testNoWebGl();
   await testSessions();
   await testJobs();
   await testOtherLayers();

@@ -129,13 +129,14 @@ function highlight(sigma: Sigma, graph: Graph, chosen: () => string | null) {
   });
 }
 
-// `selected` is a plane; what is selected in the graph is a surface, by its first plane.
-export function PlaneGraph(props: {
+export interface GraphProps {
   map: string;
   surfaces: SurfaceGraph;
-  selected: number | null;
+  selected: number | null; // a plane; what is selected in the graph is a surface, by its first plane
   select: (plane: number) => void;
-}) {
+}
+
+export function PlaneGraph(props: GraphProps) {
   const { map, surfaces, selected, select } = props;
   const box = useRef<HTMLDivElement>(null);
   const sigma = useRef<Sigma | null>(null);

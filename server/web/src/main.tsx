@@ -7,7 +7,7 @@ import {
   hasJobs, keepToken, keepVersions, listMaps, mapPath, type MapSummary, type Overview, versionOf, wantsToken,
 } from "./api";
 import { AskView } from "./ask";
-import { Failure, Waiting } from "./parts";
+import { Boundary, Failure, NotLoaded, Waiting } from "./parts";
 import { href, useRoute, type View } from "./route";
 import type { Query, ViewProps } from "./types";
 import { useGet } from "./use";
@@ -37,6 +37,15 @@ const kLater: Record<Exclude<View, "ask">, () => Promise<ComponentType<ViewProps
   jobs: async () => (await import("./jobs")).JobsView,
 };
 
+function NoView({ route }: ViewProps) {
+  return (
+    <>
+      <h1>{kTitles[route.view]}</h1>
+      <NotLoaded what="The view" />
+    </>
+  );
+}
+
 function useView(view: View): ComponentType<ViewProps> | null {
   const [loaded, setLoaded] = useState<{ view: View; show: ComponentType<ViewProps> }>({
     view: "ask",
@@ -44,7 +53,7 @@ function useView(view: View): ComponentType<ViewProps> | null {
   });
   useEffect(() => {
     if (view === "ask") setLoaded({ view, show: AskView });
-    else kLater[view]().then((show) => setLoaded({ view, show }));
+    else kLater[view]().then((show) => setLoaded({ view, show }), () => setLoaded({ view, show: NoView }));
   }, [view]);
   if (view === "ask") return AskView;
   return loaded.view === view ? loaded.show : null;
@@ -137,6 +146,20 @@ function TokenForm({ refused, use }: { refused: boolean; use: (token: string) =>
   );
 }
 
+// In place of a map that the address names and the server hasn't got.
+function NoMap({ name, maps }: { name: string | null; maps: MapSummary[] }) {
+  if (maps.length === 0) return <main><p>This server has no maps.</p></main>;
+  return (
+    <main>
+      <h1>No such map</h1>
+      <p>This server has no map “{name}”. It has:</p>
+      <ul class="columns">
+        {maps.map((m) => <li key={m.name}><a href={href(m.name, "ask")}>{m.name}</a></li>)}
+      </ul>
+    </main>
+  );
+}
+
 function App() {
   const route = useRoute();
   const [maps, setMaps] = useState<MapSummary[] | null>(null);
@@ -165,13 +188,14 @@ function App() {
     keepToken(token);
     load();
   };
-  const map = maps?.find((m) => m.name === route.map) ?? maps?.[0];
+  const map = maps?.find((m) => route.map === null || m.name === route.map);
   const check = (version: string) => {
     if (version !== map?.version) load();
   };
   useEffect(() => {
     if (map) versionOf(map.name).then(check, load);
-  }, [map?.name, route.view]);
+    else if (maps) load(); // it may be new
+  }, [route.map, map?.name, route.view]);
   useEffect(() => () => {
     if (query) URL.revokeObjectURL(query.photo);
   }, [query]);
@@ -181,7 +205,7 @@ function App() {
   if (!maps && error) return <main><Failure error={error} /></main>;
   if (!maps && asked !== "no") return <TokenForm refused={asked === "again"} use={useToken} />;
   if (!maps) return <main><Waiting what="the maps" /></main>;
-  if (!map) return <main><p>This server has no maps.</p></main>;
+  if (!map) return <NoMap name={route.map} maps={maps} />;
   const Show = show;
   const own = query?.map === map.name ? query : null;
   const keep = (answered: Query) => {
@@ -194,9 +218,11 @@ function App() {
       <a class="skip" href="#main" onClick={skip}>Skip to content</a>
       <Header key={mapAndVersion} maps={maps} map={map} view={route.view} refresh={load} />
       <main id="main" tabIndex={-1} key={mapAndVersion}>
-        {Show
-          ? <Show map={map} route={route} query={own} setQuery={keep} />
-          : <Waiting what="the view" />}
+        <Boundary key={route.view}>
+          {Show
+            ? <Show map={map} route={route} query={own} setQuery={keep} />
+            : <Waiting what="the view" />}
+        </Boundary>
       </main>
       <Footer map={map} />
     </>

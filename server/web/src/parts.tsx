@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Small components shared by several views.
-import type { ComponentChildren } from "preact";
+import { Component, type ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { type MapSummary, thumbnailPath } from "./api";
 import { href } from "./route";
@@ -12,6 +12,37 @@ export function Failure({ error }: { error: string }) {
 
 export function Waiting({ what }: { what: string }) {
   return <p class="quiet" role="status">Loading {what} …</p>;
+}
+
+// In place of a part of the page that didn't load: the server has another one by now, or can't be reached.
+export function NotLoaded({ what }: { what: string }) {
+  return (
+    <p class="failure" role="alert">
+      {what} can’t be loaded. <button onClick={() => location.reload()}>Reload the page</button>
+    </p>
+  );
+}
+
+// In place of what can't be drawn, which would leave the page empty.
+export class Boundary extends Component<{ children: ComponentChildren }, { error: Error | null }> {
+  state = { error: null as Error | null };
+
+  static getDerivedStateFromError(error: Error) {
+    return { error };
+  }
+
+  render() {
+    const { error } = this.state;
+    return error ? <Failure error={`this view can’t be shown (${error.message})`} /> : this.props.children;
+  }
+}
+
+let webGl: boolean | null = null;
+
+// Whether the browser draws with WebGL. It is asked once: browsers have few contexts to give.
+export function hasWebGl(): boolean {
+  webGl ??= document.createElement("canvas").getContext("webgl2") !== null;
+  return webGl;
 }
 
 export function KeyframeLink(props: { map: string; id: number; children?: ComponentChildren }) {
@@ -58,18 +89,19 @@ export function Panorama({ path }: { path: string }) {
 
 function PanoramaViewer({ src }: { src: string }) {
   const box = useRef<HTMLDivElement>(null);
+  const [failed, setFailed] = useState(false);
   useEffect(() => {
     let viewer: { destroy(): void } | null = null;
     let gone = false;
     import("./panorama").then(({ showPanorama }) => {
       if (!gone) viewer = showPanorama(box.current!, src);
-    });
+    }).catch(() => setFailed(true));
     return () => {
       gone = true;
       viewer?.destroy();
     };
   }, [src]);
-  return <div class="panorama" ref={box} />;
+  return failed ? <NotLoaded what="The panorama viewer" /> : <div class="panorama" ref={box} />;
 }
 
 export function Swatch({ colour }: { colour: string }) {

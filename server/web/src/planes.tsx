@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // View: the graph of surfaces, and one plane with its views, features and neighbours.
-import { useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Keyframe, mapPath, type Overview, type Plane } from "./api";
 import { colourOf } from "./colours";
 import { Overlay } from "./figure";
-import { PlaneGraph } from "./graph";
+import type { GraphProps } from "./graph";
 import type { ViewProps } from "./types";
-import { Facts, Failure, KeyframeLink, PlaneLink, PlaneLinks, Swatch, Waiting } from "./parts";
+import { Facts, Failure, hasWebGl, KeyframeLink, NotLoaded, PlaneLink, PlaneLinks, Swatch, Waiting } from "./parts";
 import { href } from "./route";
 import { surfaceGraph } from "./surfaces";
 import { useGet } from "./use";
@@ -129,6 +129,16 @@ function PlanePanel({ map, id, siblings }: { map: string; id: number; siblings: 
   );
 }
 
+// The graph, whose code needs WebGL to be loaded.
+function Graph(props: GraphProps) {
+  const [graph, setGraph] = useState<typeof import("./graph") | "failed" | null>(null);
+  useEffect(() => {
+    import("./graph").then(setGraph, () => setGraph("failed"));
+  }, []);
+  if (graph === "failed") return <NotLoaded what="The graph" />;
+  return graph ? <graph.PlaneGraph {...props} /> : <Waiting what="the graph" />;
+}
+
 export function PlanesView({ map, route }: ViewProps) {
   const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
   const surfaces = useMemo(() => overview.value && surfaceGraph(overview.value), [overview.value]);
@@ -152,7 +162,14 @@ export function PlanesView({ map, route }: ViewProps) {
       <h1>Plane graph</h1>
       <Legend planes={map.planes} surfaces={surfaces.surfaces.length} />
       <div class="split">
-        <PlaneGraph map={map.name} surfaces={surfaces} selected={route.id} select={select} />
+        {hasWebGl()
+          ? <Graph map={map.name} surfaces={surfaces} selected={route.id} select={select} />
+          : (
+            <p class="missing">
+              The graph can’t be drawn: this browser has no WebGL. The{" "}
+              <a href={href(map.name, "planes")}>table of planes</a> has the same information.
+            </p>
+          )}
         {route.id === null
           ? <Table map={map.name} overview={overview.value} selected={route.id} />
           : <PlanePanel map={map.name} id={route.id} siblings={siblings.filter((id) => id !== route.id)} />}

@@ -3,7 +3,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { type Keyframe, mapPath, type MapSummary, type Space } from "./api";
 import { colourOf } from "./colours";
-import { Failure, PlaneLink, Swatch, Waiting } from "./parts";
+import { Failure, hasWebGl, NotLoaded, PlaneLink, Swatch, Waiting } from "./parts";
 import type { Side, SpaceView } from "./space_view";
 import { useGet, useMedia, usePicture } from "./use";
 import { counted } from "./words";
@@ -29,6 +29,7 @@ function Scene({ space, keyframe, colours }: {
 }) {
   const box = useRef<HTMLDivElement>(null);
   const view = useRef<SpaceView | null>(null);
+  const [failed, setFailed] = useState(false);
   const picture = usePicture(keyframe.image);
   const dark = useMedia("(prefers-color-scheme: dark)");
   useEffect(() => {
@@ -37,13 +38,14 @@ function Scene({ space, keyframe, colours }: {
       if (gone) return;
       const size: [number, number] = [keyframe.width, keyframe.height];
       view.current = showSpace(box.current!, { space, colours, picture, size });
-    });
+    }).catch(() => setFailed(true));
     return () => {
       gone = true;
       view.current?.destroy();
       view.current = null;
     };
   }, [space, picture, dark]);
+  if (failed) return <NotLoaded what="The drawing" />;
   return (
     <>
       <div class="space" ref={box} role="img"
@@ -96,7 +98,9 @@ function Found({ map, keyframe }: { map: MapSummary; keyframe: Keyframe }) {
         {counted(space.value.views, "other keyframe")}. The scale is unknown, so distances are relative.
         Drag to rotate, scroll to zoom.
       </p>
-      {placed > 0 && <Scene space={space.value} keyframe={keyframe} colours={colours} />}
+      {placed > 0 && (hasWebGl()
+        ? <Scene space={space.value} keyframe={keyframe} colours={colours} />
+        : <p class="missing">Planes can’t be drawn in 3D: this browser has no WebGL.</p>)}
       {space.value.unit_plane !== null && <Table map={map.name} space={space.value} colours={colours} />}
     </>
   );
