@@ -133,6 +133,38 @@ async function testCorridors() {
   await close();
 }
 
+// A walk of more frames than a call has arguments, in two sequences: a node of the first one is none of the second.
+async function testLongWalk() {
+  const { page, complaints, close } = await open({});
+  const layer = await getJson("/v1/maps/turns/orientation");
+  const kFrames = 150_000;
+  const rows = Array.from({ length: kFrames }, (_, i) => i);
+  const column = (value) => rows.map(() => value);
+  layer.frames = {
+    id: rows.map((i) => i + 1), sequence: rows.map((i) => (i < kFrames - 100 ? 1 : 2)), frame: rows,
+    x: rows, y: rows.map((i) => i % 50), heading_rad: column(null), reliable: column(false),
+    lines_x: column(1), lines_y: column(2), lines_z: column(3),
+  };
+  layer.nodes = [{ ...layer.nodes[0], id: 5 }];
+  [layer.edges, layer.turns, layer.corridors] = [[], [], []];
+  await page.route("**/turns/orientation", (route) => route.fulfill(json(layer)));
+  await page.route("**/turns/orientation/frames/*", (route) => route.fulfill(json({
+    id: 1, sequence: "walk", source: "1.jpg", time_s: null, frame: 1, keyframe: null, reliable: false,
+    heading_rad: null, deviation_rad: null, building_from_head: null, lines: [1, 2, 3],
+  })));
+  await page.goto(`${url}/#/turns/orientation/9`);
+  await page.getByRole("img", { name: `1 nodes in ${kFrames - 100} frames` }).waitFor();
+  await page.getByRole("heading", { name: /Previous node, frame 4/ }).waitFor();
+  assert.equal(await page.getByRole("link", { name: "Previous node" }).count(), 1);
+  await go(page, `orientation/${kFrames}`, "Turns and corridors", "turns");
+  await page.getByRole("img", { name: "0 nodes in 100 frames" }).waitFor();
+  await page.locator(".facts").waitFor();
+  assert.equal(await page.getByText("Previous node, frame").count(), 0);
+  assert.equal(await page.getByRole("link", { name: "Previous node" }).count(), 0);
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
 // A keyframe that has planes with a place: lines by direction, and planes in space.
 async function testSpace(page) {
   const { keyframes } = await getJson("/v1/maps/walls/keyframes");
@@ -544,6 +576,29 @@ async function testTwoPhotos() {
   await close();
 }
 
+// A panorama that could be of two places: they are listed.
+async function testAmbiguousPanorama() {
+  const { page, complaints, close } = await open({});
+  const node = (id) => ({ id, sequence: "walk", source: `${id - 1}.jpg`, time_s: null });
+  await page.route("**/localize?*", (route) => route.fulfill(json({
+    verdict: "ambiguous", probability: 0.57, image: "p.jpg", map: "room", map_version: "sha256:0",
+    keyframe: null, heading: null, planes: [], places: [], message: "two places match",
+    panorama: {
+      node: null, position: null, runner_up: null,
+      candidates: [{ node: node(51), probability: 0.57, cost: 1 }, { node: node(7), probability: 0.29, cost: 2 }],
+    },
+    runner_up: null, decided_by: "ambiguous_places", timing_ms: { decode: 1, extract: 2, shortlist: 3, verify: 4, total: 10 },
+  })));
+  await page.goto(`${url}/`);
+  assert.equal(await ask(page, inside), "Ambiguous: several places match");
+  assert.deepEqual(await page.locator(".verdict li").allInnerTexts(), [
+    "panorama 51, 50.jpg of sequence walk, confidence 57%", "panorama 7, 6.jpg of sequence walk, confidence 29%",
+  ]);
+  await checkAccess(page, "an ambiguous panorama");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
 // A panorama asked of a map of panoramas: words, place and heading, and no keyframe made up.
 async function testPanoramaAnswer() {
   const { page, complaints, close } = await open({});
@@ -823,8 +878,10 @@ await run(async () => {
   await testJobs();
   await testOtherLayers();
   await testCorridors();
+  await testLongWalk();
   await testPanorama();
   await testTwoPhotos();
+  await testAmbiguousPanorama();
   await testPanoramaAnswer();
   await testPanoramaMap();
   await testTurnedPhoto();

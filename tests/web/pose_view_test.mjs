@@ -11,7 +11,7 @@ async function load() {
   const esbuild = createRequire(kWeb)("esbuild");
   const built = esbuild.buildSync({
     stdin: {
-      contents: 'export * from "./kept"; export * from "./pose_view"; export * from "./words";',
+      contents: 'export * from "./kept"; export * from "./pose_view"; export * from "./triangles"; export * from "./words";',
       resolveDir: fileURLToPath(new URL("src", kWeb)),
     },
     bundle: true,
@@ -137,17 +137,41 @@ function testLayout({ barLength, boxOf, layOut }) {
   const high = layOut({ low: [0, 0], high: [1, 15] }, room);
   near([high.scale, high.height, high.at([0, 15])], [10, 200, 145, 10]);
   const point = layOut({ low: [3, 3], high: [3, 3] }, room);
-  assert.ok(point.at([3, 3]).every(Number.isFinite) && point.height <= room.height, "a single place");
+  near([point.scale, point.height, point.at([3, 3])], [150, 200, 150, 85]); // one position
   near([barLength(40, 120), barLength(12, 120), barLength(7, 120), barLength(0.01, 120)], [2, 10, 10, 10000]);
   near([barLength(1000, 120), barLength(24, 120)], [0.1, 5]);
 }
 
-function testNumbers({ unitOf, withDeviation }) {
+function testNumbers({ percent, unitOf, withDeviation }) {
   assert.equal(withDeviation(1.23456, 0.0123), "1.235 ± 0.012");
   assert.equal(withDeviation(123.456, 12.3), "123 ± 12");
   assert.equal(withDeviation(-4.2, 0.3), "-4.20 ± 0.30");
   assert.equal(withDeviation(1, 0), "1.000 ± 0.000");
   assert.deepEqual([unitOf("metres"), unitOf("unknown")], ["m", "map units"]);
+  assert.deepEqual([0.29, 0.57, 0.899, 1].map(percent), ["29%", "57%", "89%", "100%"]);
+}
+
+function testShellWords({ shellWord }) {
+  assert.equal(shellWord("http://127.0.0.1:8080/v1/maps/a%20b/localize"), "http://127.0.0.1:8080/v1/maps/a%20b/localize");
+  assert.equal(shellWord("office (2).db"), "'office (2).db'");
+  assert.equal(shellWord("Tom's.db"), "'Tom'\\''s.db'");
+}
+
+// The triangles of a concave outline are all inside it, and fill it.
+function testTriangles({ areaOf, holds, trianglesOf }) {
+  const hook = [[0, 0], [3, 0], [3, 3], [2, 3], [2, 1], [0, 1]];
+  const inSpace = [
+    [hook.map(([x, y]) => [5, x, y]), [1, 0, 0]],
+    [hook.map(([x, y]) => [x, 5, y]), [0, -1, 0]],
+    [hook.map(([x, y]) => [x, y, x / 2]), [-0.447, 0, 0.894]],
+  ];
+  for (const [outline, normal] of inSpace) {
+    const indices = trianglesOf(outline, normal);
+    const triangles = Array.from({ length: indices.length / 3 }, (_, i) => indices.slice(3 * i, 3 * i + 3).map((k) => hook[k]));
+    const middle = (corners) => [0, 1].map((axis) => corners.reduce((sum, p) => sum + p[axis], 0) / 3);
+    assert.ok(triangles.every((corners) => holds(hook, middle(corners))), "each is inside");
+    near(triangles.reduce((sum, corners) => sum + areaOf(corners), 0), areaOf(hook));
+  }
 }
 
 // The latest two that nobody holds are kept; what is held is never dropped.
@@ -178,7 +202,7 @@ async function testKept({ Kept }) {
 try {
   const module = await load();
   const tests = [testTurned, testViews, testPlans, testPanoramas, testPointInside, testAreas, testHeadings, testEllipses, testPlanes, testLayout,
-    testNumbers, testKept];
+    testNumbers, testShellWords, testTriangles, testKept];
   for (const test of tests) await test(module);
 } catch (error) {
   console.log(String(error.stack ?? error).replace(/\n\s*\n/g, "\n"));

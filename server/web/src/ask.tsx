@@ -12,10 +12,11 @@ import { planRows, poseRows } from "./pose_answer";
 import { PoseFigure } from "./pose_map";
 import { href } from "./route";
 import { usePicture } from "./use";
-import { confidence, counted, degrees, verdictInWords } from "./words";
+import { confidence, counted, degrees, shellWord, verdictInWords } from "./words";
 
 function curlLine(map: string): string {
-  return `curl --data-binary @photo.jpg -H 'Content-Type: image/jpeg' ${location.origin}${mapPath(map)}/localize`;
+  const address = shellWord(`${location.origin}${mapPath(map)}/localize`);
+  return `curl --data-binary @photo.jpg -H 'Content-Type: image/jpeg' ${address}`;
 }
 
 function Curl({ map }: { map: string }) {
@@ -68,6 +69,8 @@ function Chooser({ choose, busy }: { choose: (photo: File) => void; busy: boolea
     </div>
   );
 }
+
+const kMostPlaces = 5; // panoramas that are listed
 
 const kStages = ["decode", "extract", "shortlist", "verify"] as const;
 
@@ -132,6 +135,31 @@ function Numbers({ map, answer }: { map: string; answer: Answer }) {
   );
 }
 
+// The places that an ambiguous answer can't decide between.
+function Candidates({ map, answer }: { map: string; answer: Answer }) {
+  const places = answer.places ?? [];
+  if (answer.panorama && places.length === 0) {
+    return (
+      <ul>
+        {answer.panorama.candidates.slice(0, kMostPlaces).map(({ node, probability }) => (
+          <li key={node.id}>
+            panorama {node.id}, {node.source} of sequence {node.sequence}, confidence {confidence(probability)}
+          </li>
+        ))}
+      </ul>
+    );
+  }
+  return (
+    <ul>
+      {places.map((place) => (
+        <li key={place.keyframe.id}>
+          keyframe <KeyframeLink map={map} id={place.keyframe.id} />, {place.inliers} inliers
+        </li>
+      ))}
+    </ul>
+  );
+}
+
 function Verdict({ map, query }: { map: string; query: Query }) {
   const { answer } = query;
   const near = answer.keyframe ?? answer.panorama?.node;
@@ -144,15 +172,7 @@ function Verdict({ map, query }: { map: string; query: Query }) {
           : answer.message}{" "}
         {answer.explanation && answer.verdict !== "bad_image" && <a href={href(map, "why")}>Why?</a>}
       </p>
-      {answer.places && (
-        <ul>
-          {answer.places.map((place) => (
-            <li key={place.keyframe.id}>
-              keyframe <KeyframeLink map={map} id={place.keyframe.id} />, {place.inliers} inliers
-            </li>
-          ))}
-        </ul>
-      )}
+      {answer.verdict === "ambiguous" && <Candidates map={map} answer={answer} />}
     </div>
   );
 }

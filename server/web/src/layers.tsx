@@ -7,7 +7,7 @@ import { colourOf } from "./colours";
 import type { ViewProps } from "./types";
 import { Facts, Failure, KeyframeLink, Panorama, PlaneLink, Swatch, Waiting } from "./parts";
 import { PlanChooser, PlanImage, PoseFigure, usePlan } from "./pose_map";
-import { planCorners } from "./pose_view";
+import { boxOf, planCorners, type Vec2 } from "./pose_view";
 import { href } from "./route";
 import { Sessions } from "./sessions";
 import { useGet } from "./use";
@@ -106,18 +106,16 @@ function Trajectory(props: {
   choose: (index: number) => void;
 }) {
   const { layer, plan, chosen, choose } = props;
+  const at = ([x, y]: Vec2): Vec2 => [x, -y]; // y up, as on a floor plan
   const corners = plan ? planCorners(plan) : [];
-  const xs = [...layer.nodes.map((n) => n.x), ...corners.map(([x]) => x)];
-  const ys = [...layer.nodes.map((n) => -n.y), ...corners.map(([, y]) => -y)]; // y up, as on a floor plan
-  const [left, top] = [Math.min(...xs), Math.min(...ys)];
-  const size = Math.max(Math.max(...xs) - left, Math.max(...ys) - top, 1e-6);
-  const unit = size / 100;
+  const { low: [left, top], high: [right, bottom] } = boxOf([...layer.nodes.map((n): Vec2 => [n.x, n.y]), ...corners].map(at), []);
+  const unit = Math.max(right - left, bottom - top, 1e-6) / 100;
   const byId = new Map<number, Drawn>(layer.nodes.map((n) => [n.id, { id: n.id, x: n.x, y: -n.y }]));
-  const box = [left - 4 * unit, top - 4 * unit, Math.max(...xs) - left + 8 * unit, Math.max(...ys) - top + 8 * unit];
+  const box = [left - 4 * unit, top - 4 * unit, right - left + 8 * unit, bottom - top + 8 * unit];
   return (
     <svg class="plot trajectory" viewBox={box.join(" ")} role="img"
       aria-label={`Trajectory of ${layer.nodes.length} nodes`}>
-      {plan && <PlanImage plan={plan} at={([x, y]) => [x, -y]} />}
+      {plan && <PlanImage plan={plan} at={at} />}
       {layer.edges.map((e, i) => {
         const [a, b] = [byId.get(e.a), byId.get(e.b)];
         return a && b && (
@@ -162,6 +160,7 @@ function AppearanceLayer({ map, planned }: { map: string; planned: boolean }) {
   if (layer.error) return <Failure error={layer.error} />;
   if (!layer.value) return <Waiting what="the appearance layer" />;
   const count = layer.value.nodes.length;
+  if (count === 0) return <p class="missing">The layer has no panoramas.</p>;
   const loops = layer.value.edges.filter((e) => e.kind === "loop").length;
   return (
     <>
@@ -176,7 +175,7 @@ function AppearanceLayer({ map, planned }: { map: string; planned: boolean }) {
         <button disabled={chosen === 0} onClick={() => choose(chosen - 1)}>← Previous</button>{" "}
         <button disabled={chosen + 1 >= count} onClick={() => choose(chosen + 1)}>Next →</button>
       </p>
-      {count > 0 && <Node map={map} id={layer.value.nodes[chosen].id} />}
+      <Node map={map} id={layer.value.nodes[chosen].id} />
     </>
   );
 }

@@ -13,7 +13,7 @@ import { Failure, Waiting } from "./parts";
 import { areasOf, type Compose, PlanChooser, PoseMap, usePlan } from "./pose_map";
 import { asPoseLayer, holds, seen, type Vec2, viewFromAbove } from "./pose_view";
 import { useGet } from "./use";
-import { cornersIn, cornerText, counted, idsIn } from "./words";
+import { cornersIn, cornerText, counted, idsIn, shellWord } from "./words";
 
 function rangeInWords({ sequence, sequence_number: number, first, last }: ImageRange): string {
   const images = first.image === last.image ? first.image : `${first.image} to ${last.image}`;
@@ -54,11 +54,12 @@ function Download({ map, file }: { map: string; file: NamesFile }) {
     setAddress(made);
     return () => URL.revokeObjectURL(made);
   }, [file]);
+  const name = `${map}-names.json`;
   return (
     <>
-      <p><a class="button" href={address ?? "#"} download={`${map}-names.json`}>Download {map}-names.json</a></p>
+      <p><a class="button" href={address ?? "#"} download={name}>Download {name}</a></p>
       <p class="quiet">
-        Then, where the map is: <code>waystone name {map}.db --from {map}-names.json</code>. Places that the file doesn’t
+        Then, where the map is: <code>waystone name {shellWord(`${map}.db`)} --from {shellWord(name)}</code>. Places that the file doesn’t
         have stay; <code>--remove NAME</code> removes one.
       </p>
     </>

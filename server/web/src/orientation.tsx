@@ -123,18 +123,17 @@ function headingInWords(frame: OrientationFrame): string {
   return `${heading}${sure}${frame.reliable ? "" : ", not reliable"}`;
 }
 
-// The node at a frame, or the last one before it.
-function nodeAt(layer: Orientation, id: number): Node | undefined {
-  const before = layer.nodes.filter((n) => n.id <= id);
-  return before[before.length - 1] ?? layer.nodes[0];
+// The nodes of a stretch, by their frames.
+function nodesOf({ frames, nodes }: Orientation, { first, last }: Stretch): Node[] {
+  return nodes.filter((n) => frames.id[first] <= n.id && n.id <= frames.id[last]);
 }
 
-function Frame({ map, layer, id }: { map: string; layer: Orientation; id: number }) {
+function Frame({ map, layer, stretch, id }: { map: string; layer: Orientation; stretch: Stretch; id: number }) {
   const frame = useGet<OrientationFrame>(`${mapPath(map)}/orientation/frames/${id}`);
   if (frame.error) return <Failure error={frame.error} />;
   if (!frame.value) return <Waiting what={`frame ${id}`} />;
   const { source, sequence, time_s, keyframe, lines } = frame.value;
-  const node = nodeAt(layer, id);
+  const node = nodesOf(layer, stretch).findLast((n) => n.id <= id);
   const there = node?.id === id;
   const corridor = layer.corridors.find((c) => c.first <= id && id <= c.last);
   const turn = layer.turns.find((t) => t.frame === id);
@@ -225,9 +224,9 @@ function Lists({ map, layer }: { map: string; layer: Orientation }) {
   );
 }
 
-function Steps({ map, layer, id }: { map: string; layer: Orientation; id: number }) {
-  const before = layer.nodes.filter((n) => n.id < id).pop();
-  const after = layer.nodes.find((n) => n.id > id);
+function Steps({ map, nodes, id }: { map: string; nodes: Node[]; id: number }) {
+  const before = nodes.findLast((n) => n.id < id);
+  const after = nodes.find((n) => n.id > id);
   const link = (node: Node | undefined, text: string) =>
     node ? <a href={href(map, "orientation", node.id)}>{text}</a> : <span class="quiet">{text}</span>;
   return <p class="steps">{link(before, "← Previous node")} {link(after, "Next node →")}</p>;
@@ -260,8 +259,8 @@ function Layer({ map, id }: { map: string; id: number | null }) {
       <div class="split">
         <TrajectoryMap layer={layer.value} stretch={stretch} row={row} choose={choose} />
         <section aria-label="Selected frame">
-          <Steps map={map} layer={layer.value} id={frames.id[row]} />
-          <Frame map={map} layer={layer.value} id={frames.id[row]} />
+          <Steps map={map} nodes={nodesOf(layer.value, stretch)} id={frames.id[row]} />
+          <Frame map={map} layer={layer.value} stretch={stretch} id={frames.id[row]} />
         </section>
       </div>
       <Plots layer={layer.value} stretch={stretch} row={row} choose={choose} />

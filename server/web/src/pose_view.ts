@@ -129,11 +129,20 @@ export interface Room {
   strip: number; // left free at the bottom
 }
 
+// The box, or that of one unit around a single position.
+function widened(box: Box): Box {
+  const kLeast = 1e-6; // extent, in units
+  const extent = Math.max(...box.high.map((v, axis) => v - box.low[axis]));
+  if (extent > kLeast) return box;
+  return { low: [box.low[0] - 0.5, box.low[1] - 0.5], high: [box.high[0] + 0.5, box.high[1] + 0.5] };
+}
+
 // A drawing of a box: pixels per unit, its height, where it has a point (y down), and the reverse.
-export function layOut({ low, high }: Box, room: Room) {
+export function layOut(box: Box, room: Room) {
+  const { low, high } = widened(box);
   const { width, margin, strip } = room;
   const [dx, dy] = [high[0] - low[0], high[1] - low[1]];
-  const least = Math.max(dx, dy, 1e-9) / 1e3;
+  const least = Math.max(dx, dy) / 1e3;
   const scale = Math.min(
     (width - 2 * margin) / Math.max(dx, least),
     (room.height - 2 * margin - strip) / Math.max(dy, least),

@@ -9,6 +9,7 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Space } from "./api";
 import { cssColour } from "./colours";
+import { trianglesOf } from "./triangles";
 
 type Point3 = [number, number, number];
 export type Side = "camera" | "side" | "above";
@@ -72,8 +73,7 @@ function planeMeshes({ space, colours, size }: Drawing, picture: Texture | null)
     if (plane.outline.length < 3) continue;
     const colour = colours.get(plane.id)!;
     const geometry = geometryOf(plane.outline);
-    // Outlines are convex.
-    geometry.setIndex(plane.outline.slice(2).flatMap((_, i) => [0, i + 1, i + 2]));
+    geometry.setIndex(trianglesOf(plane.outline, plane.normal!));
     const material = new ShaderMaterial({
       vertexShader: kVertex,
       fragmentShader: kFragment,

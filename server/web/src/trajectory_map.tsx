@@ -2,6 +2,7 @@
 // The trajectory of a sequence in the plane, reconstructed from its turns (the paper's fig. 10).
 import type { Orientation } from "./api";
 import { Swatch } from "./parts";
+import { boxOf, type Vec2 } from "./pose_view";
 import type { Stretch } from "./types";
 
 const kWidth = 600; // of the drawing, in its own units
@@ -16,10 +17,8 @@ interface Point {
 
 // Where the drawing has the frames of a stretch: y up, as on a floor plan.
 function frameOf({ frames }: Orientation, { first, last }: Stretch) {
-  const xs = frames.x.slice(first, last + 1);
-  const ys = frames.y.slice(first, last + 1);
-  const [left, right] = [Math.min(...xs), Math.max(...xs)];
-  const [bottom, top] = [Math.min(...ys), Math.max(...ys)];
+  const places = frames.x.slice(first, last + 1).map((x, i): Vec2 => [x, frames.y[first + i]]);
+  const { low: [left, bottom], high: [right, top] } = boxOf(places, []);
   const scale = Math.min(
     (kWidth - 2 * kMargin) / Math.max(right - left, 1),
     (kHeight - 2 * kMargin) / Math.max(top - bottom, 1),

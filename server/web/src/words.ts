@@ -6,8 +6,9 @@ import type { Vec2 } from "./pose_view";
 // Four matches always fit a homography, and a fifth one easily does.
 const kByChance = 5;
 
-// Rounded down, so that 89.9 % doesn't read as the required 90 %.
-export const percent = (share: number): string => `${Math.floor(100 * share)}%`;
+// Rounded down, so that 89.9 % doesn't read as the required 90 %; but 0.29 is 29 %, and not what is left of it in
+// binary.
+export const percent = (share: number): string => `${Math.floor(100 * share + 1e-9)}%`;
 
 // A probability; never 100%.
 export const confidence = (probability: number): string =>
@@ -19,6 +20,10 @@ export const degrees = (rad: number, digits = 0): string =>
 
 export const counted = (n: number, what: string): string =>
   `${n.toLocaleString("en")} ${what}${n === 1 ? "" : "s"}`;
+
+// A word of a shell's command line.
+export const shellWord = (text: string): string =>
+  /^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
 
 // The unit of a frame, behind a number.
 export const unitOf = (unit: Pose["unit"]): string => (unit === "metres" ? "m" : "map units");
