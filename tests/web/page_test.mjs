@@ -86,12 +86,12 @@ async function testOrientation(page) {
   const turn = layer.turns.find((t) => t.confirmed);
   assert.ok(turn, "the walk around the corner has a turn");
   await go(page, "orientation", "Turns and corridors", "turns");
-  await page.locator(".trajectory-map .turn circle").first().waitFor();
-  assert.equal(await page.locator(".trajectory-map g circle").count(), layer.nodes.length);
+  await page.locator(".trajectory-map .turn path").first().waitFor();
+  assert.equal(await page.locator(".trajectory-map g .mark").count(), layer.nodes.length);
   assert.equal(await page.locator(".trajectory-map .corridor").count(), layer.corridors.length);
   await page.locator(".series canvas").nth(1).waitFor();
   assert.equal(await page.locator(".series canvas").count(), 2, "heading and lines");
-  await page.locator(".trajectory-map .turn circle").first().click();
+  await page.locator(".trajectory-map .turn path").first().click();
   await page.waitForURL(new RegExp(`orientation/${turn.frame}$`));
   await page.locator(".facts", { hasText: `Turn${turn.direction}` }).waitFor();
   const cells = layer.nodes.find((n) => n.id === turn.frame).directions;
@@ -109,6 +109,9 @@ async function testOrientation(page) {
   await checkAccess(page, "orientation");
   await page.getByRole("link", { name: "Next node" }).or(page.getByRole("link", { name: "Previous node" })).first().click();
   await page.waitForURL((to) => !to.hash.endsWith(`/${turn.frame}`));
+  await page.getByLabel("Frame", { exact: true }).fill(`${layer.frames.frame[7]}`);
+  await page.keyboard.press("Enter");
+  await page.waitForURL(new RegExp(`orientation/${layer.frames.id[7]}$`));
 }
 
 // The same layer with a corridor, a turn of the camera alone and a loop, which its short walk hasn't.
@@ -128,6 +131,7 @@ async function testCorridors() {
   assert.equal(await page.locator(".trajectory-map .loop").count(), 1);
   assert.match(await page.getByRole("region", { name: "Corridors" }).innerText(), /1\s+x/);
   assert.match(await page.getByRole("region", { name: "Loop closures" }).innerText(), /60/);
+  await shootWhole(page, "corridors");
   await checkAccess(page, "corridors");
   assert.deepEqual(complaints, []);
   await close();
@@ -214,7 +218,7 @@ async function testKeyframes(page) {
   await page.locator(".outline polygon").first().waitFor();
   const drawn = await page.locator(".outline polygon").count();
   const { planes } = await getJson(`/v1/maps/room/keyframes/${seeing}`);
-  const colours = await page.locator("tbody .swatch").evaluateAll((all) => all.map((s) => s.style.backgroundColor));
+  const colours = await page.locator("tbody .swatch").evaluateAll((all) => all.map((s) => s.style.color));
   planes.forEach(({ surface }, i) => {
     const first = planes.findIndex((p) => p.surface === surface);
     assert.equal(colours[i], colours[first], "planes of one surface have one colour");
@@ -231,6 +235,9 @@ async function testCoverage(page) {
   await page.locator(".series canvas").waitFor();
   await shoot(page, "coverage");
   await checkAccess(page, "coverage");
+  await page.getByLabel("Keyframe", { exact: true }).fill("3");
+  await page.keyboard.press("Enter");
+  await page.getByRole("heading", { level: 1, name: "Keyframe 3" }).waitFor();
 }
 
 // The walk's map has one named place, its first three keyframes; another is composed and downloaded.
@@ -520,6 +527,10 @@ async function testOtherLayers() {
   await page.getByText("0.jpg of sequence walk").waitFor();
   await page.getByRole("button", { name: "Next" }).click();
   await page.locator(".trajectory circle.chosen").waitFor({ state: "attached" });
+  await page.getByLabel("Node", { exact: true }).fill("12");
+  await page.keyboard.press("Enter");
+  await page.locator(".trajectory circle:nth-of-type(13).chosen").waitFor({ state: "attached" });
+  await shoot(page, "other_layers");
   await checkAccess(page, "the other layers");
   assert.deepEqual(complaints, []);
   await close();

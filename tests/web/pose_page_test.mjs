@@ -222,6 +222,10 @@ async function testLinks(page) {
   await go(page, "hall", "layers", "Trajectory");
   const plane = await named(".pose-map .wall");
   await page.getByRole("heading", { level: 2, name: `Plane ${plane}` }).waitFor();
+  await go(page, "hall", "layers", "Trajectory");
+  await page.getByLabel("Plane", { exact: true }).fill(plane);
+  await page.keyboard.press("Enter");
+  await page.getByRole("heading", { level: 2, name: `Plane ${plane}` }).waitFor();
 }
 
 // Without a pose there is a reason, and no drawing.

@@ -3,7 +3,7 @@
 import { useMemo } from "preact/hooks";
 import { type Audit, mapPath, type MapSummary, type Overview } from "./api";
 import type { ViewProps } from "./types";
-import { Failure, KeyframeLink, PlaneLink, Thumbnail, Waiting } from "./parts";
+import { Failure, GoTo, KeyframeLink, PlaneLink, Thumbnail, Waiting } from "./parts";
 import { href } from "./route";
 import { Series } from "./series";
 import { useGet } from "./use";
@@ -107,12 +107,15 @@ function Profile({ map, overview, audit }: { map: string; overview: Overview; au
   const none = features.filter((f) => f === 0).length;
   const sorted = [...features].sort((a, b) => a - b);
   const median = sorted[Math.floor(sorted.length / 2)] ?? 0;
+  const open = (i: number) => {
+    location.hash = href(map, "keyframes", id[i]);
+  };
   return (
     <section>
       <h2>Features in view by keyframe</h2>
       <p class="legend">
         Median {median}; {counted(none, "keyframe")} with none. Shaded: weak keyframes. Click to open a
-        keyframe.
+        keyframe, or enter its number.
       </p>
       <Series
         at={id}
@@ -121,10 +124,9 @@ function Profile({ map, overview, audit }: { map: string; overview: Overview; au
         unit="features"
         marked={weak}
         what={`Features in view of ${id.length} keyframes, median ${median}`}
-        choose={(i) => {
-          location.hash = href(map, "keyframes", id[i]);
-        }}
+        choose={open}
       />
+      <GoTo what="Keyframe" numbers={id} choose={open} />
     </section>
   );
 }

@@ -5,8 +5,8 @@ import { useState } from "preact/hooks";
 import { type Appearance, type AppearanceNode, type FloorPlan, type FloorPlans, mapPath, type Overview } from "./api";
 import { colourOf } from "./colours";
 import type { ViewProps } from "./types";
-import { Facts, Failure, KeyframeLink, Panorama, PlaneLink, Swatch, Waiting } from "./parts";
-import { PlanChooser, PlanImage, PoseFigure, usePlan } from "./pose_map";
+import { Facts, Failure, GoTo, KeyframeLink, Panorama, PlaneLink, Sign, Waiting } from "./parts";
+import { openOn, PlanChooser, PlanImage, PoseFigure, usePlan } from "./pose_map";
 import { boxOf, planCorners, type Vec2 } from "./pose_view";
 import { href } from "./route";
 import { Sessions } from "./sessions";
@@ -119,7 +119,8 @@ function Trajectory(props: {
       {layer.edges.map((e, i) => {
         const [a, b] = [byId.get(e.a), byId.get(e.b)];
         return a && b && (
-          <line key={i} class={e.kind} x1={a.x} y1={a.y} x2={b.x} y2={b.y} stroke-width={unit / 3} />
+          <line key={i} class={e.kind} x1={a.x} y1={a.y} x2={b.x} y2={b.y} stroke-width={unit / 3}
+            stroke-dasharray={e.kind === "loop" ? `${unit} ${unit / 2}` : undefined} />
         );
       })}
       {layer.nodes.map((n, i) => (
@@ -165,8 +166,8 @@ function AppearanceLayer({ map, planned }: { map: string; planned: boolean }) {
   return (
     <>
       <p class="legend">
-        <Swatch colour="var(--text)" />odometry <Swatch colour="var(--accent)" />
-        {counted(loops, "loop closure")}.{" "}
+        <Sign colour="var(--text)" shape="line">odometry</Sign>
+        <Sign colour="var(--accent)" shape="dashed">{counted(loops, "loop closure")}.</Sign>
         {layer.value.scale === "metric" ? "Units: metres." : "The scale is arbitrary."}
       </p>
       <Trajectory layer={layer.value} plan={under.plan} chosen={chosen} choose={choose} />
@@ -175,6 +176,7 @@ function AppearanceLayer({ map, planned }: { map: string; planned: boolean }) {
         <button disabled={chosen === 0} onClick={() => choose(chosen - 1)}>← Previous</button>{" "}
         <button disabled={chosen + 1 >= count} onClick={() => choose(chosen + 1)}>Next →</button>
       </p>
+      <GoTo what="Node" numbers={layer.value.nodes.map((n) => n.id)} choose={choose} />
       <Node map={map} id={layer.value.nodes[chosen].id} />
     </>
   );
@@ -189,12 +191,17 @@ function Layer(props: { name: string; has: boolean; children: ComponentChildren;
   );
 }
 
-function Poses({ map, query }: { map: string; query: ViewProps["query"] }) {
+function Poses({ map, overview, query }: { map: string; overview: Overview; query: ViewProps["query"] }) {
+  const { keyframes, planes } = overview;
   return (
     <section>
       <h2>Poses</h2>
-      <p class="quiet">Click on a keyframe or a plane to open it.</p>
+      <p class="quiet">Click on a keyframe or a plane to open it, or enter its number.</p>
       <PoseFigure map={map} answer={query?.answer ?? null} />
+      <div class="steps">
+        <GoTo what="Keyframe" numbers={keyframes.id} choose={(i) => openOn(map, "keyframes")(keyframes.id[i])} />
+        <GoTo what="Plane" numbers={planes.id} choose={(i) => openOn(map, "planes")(planes.id[i])} />
+      </div>
     </section>
   );
 }
@@ -207,7 +214,7 @@ export function LayersView({ map, query }: ViewProps) {
   return (
     <>
       <h1>Trajectory</h1>
-      {layers.includes("poses") && <Poses map={map.name} query={query} />}
+      {layers.includes("poses") && <Poses map={map.name} overview={overview.value} query={query} />}
       <Sessions map={map} />
       {map.planes > 0 && <SeenAgain map={map.name} overview={overview.value} />}
       <Layer

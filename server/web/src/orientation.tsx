@@ -5,7 +5,7 @@ import { useMemo } from "preact/hooks";
 import { mapPath, type Orientation, type OrientationFrame, type Overview } from "./api";
 import { LinedPicture } from "./lines";
 import type { Stretch, ViewProps } from "./types";
-import { Facts, Failure, KeyframeLink, Swatch, Waiting } from "./parts";
+import { Facts, Failure, GoTo, KeyframeLink, Sign, Waiting } from "./parts";
 import { href } from "./route";
 import { type Mark, Series } from "./series";
 import { useGet } from "./use";
@@ -13,6 +13,8 @@ import { TrajectoryMap } from "./trajectory_map";
 import { counted, degrees } from "./words";
 
 const kDegrees = 180 / Math.PI;
+const kDashed = [6, 4]; // px
+const kDotted = [2, 3];
 const kQuarters = [-180, -90, 0, 90, 180];
 
 type Node = Orientation["nodes"][number];
@@ -39,20 +41,20 @@ function plotted(layer: Orientation, { first, last }: Stretch) {
     });
   const marks: Mark[] = layer.turns.filter((t) => row.has(t.frame)).map((t) => ({
     at: frames.frame[row.get(t.frame)!],
-    colour: t.confirmed ? "--red" : "--blue",
+    ...(t.confirmed ? { colour: "--red" } : { colour: "--blue", dash: kDashed }),
   }));
   const marked = layer.corridors.filter((c) => row.has(c.first)).map((c): [number, number] =>
     [frames.frame[row.get(c.first)!], frames.frame[row.get(c.last)!]]);
   return {
     at: rows.map((i) => frames.frame[i]),
     headings: [
-      { values: heading(false), colour: "--quiet", dots: true },
-      { values: heading(true), colour: "--accent", dots: true },
+      { values: heading(false), colour: "--quiet", dots: "hollow" as const },
+      { values: heading(true), colour: "--accent", dots: "full" as const },
     ],
     lines: [
       { values: rows.map((i) => frames.lines_x[i]), colour: "--red" },
-      { values: rows.map((i) => frames.lines_y[i]), colour: "--green" },
-      { values: rows.map((i) => frames.lines_z[i]), colour: "--blue" },
+      { values: rows.map((i) => frames.lines_y[i]), colour: "--green", dash: kDashed },
+      { values: rows.map((i) => frames.lines_z[i]), colour: "--blue", dash: kDotted },
     ],
     marks,
     marked,
@@ -70,18 +72,19 @@ function Plots(props: { layer: Orientation; stretch: Stretch; row: number; choos
     <section>
       <h2>Heading and lines</h2>
       <p class="legend">
-        <Swatch colour="var(--accent)" />heading, 0° along the map’s x and 90° along its y{" "}
-        <Swatch colour="var(--quiet)" />not reliable{" "}
-        <Swatch colour="var(--weak)" />corridor{" "}
-        <Swatch colour="var(--red)" />turn{" "}
-        <Swatch colour="var(--blue)" />camera-only turn
+        <Sign colour="var(--accent)" shape="circle">heading, 0° along the map’s x and 90° along its y</Sign>
+        <Sign colour="var(--quiet)" shape="ring">not reliable</Sign>
+        <Sign colour="var(--weak)">corridor</Sign>
+        <Sign colour="var(--red)" shape="line">turn</Sign>
+        <Sign colour="var(--blue)" shape="dashed">camera-only turn</Sign>
       </p>
       <Series at={at} along="frame" curves={plot.headings} unit="heading (degrees)"
         range={[-185, 185]} ticks={kQuarters} marked={marked} marks={marks} chosen={chosen}
         what={`Heading of ${at.length} frames; ${turns}`} choose={choose} />
       <p class="legend">
-        Lines along the axes of the map: <Swatch colour="var(--red)" />x{" "}
-        <Swatch colour="var(--green)" />y <Swatch colour="var(--blue)" />z (vertical)
+        Lines along the axes of the map: <Sign colour="var(--red)" shape="line">x</Sign>
+        <Sign colour="var(--green)" shape="dashed">y</Sign>
+        <Sign colour="var(--blue)" shape="dotted">z (vertical)</Sign>
       </p>
       <Series at={at} along="frame" curves={plot.lines} unit="lines" marked={marked} marks={marks}
         chosen={chosen} what={`Lines along each axis in ${at.length} frames; ${turns}`} choose={choose} />
@@ -260,6 +263,8 @@ function Layer({ map, id }: { map: string; id: number | null }) {
         <TrajectoryMap layer={layer.value} stretch={stretch} row={row} choose={choose} />
         <section aria-label="Selected frame">
           <Steps map={map} nodes={nodesOf(layer.value, stretch)} id={frames.id[row]} />
+          <GoTo what="Frame" numbers={frames.frame.slice(stretch.first, stretch.last + 1)}
+            choose={(i) => choose(stretch.first + i)} />
           <Frame map={map} layer={layer.value} stretch={stretch} id={frames.id[row]} />
         </section>
       </div>

@@ -104,8 +104,36 @@ function PanoramaViewer({ src }: { src: string }) {
   return failed ? <NotLoaded what="The panorama viewer" /> : <div class="panorama" ref={box} />;
 }
 
-export function Swatch({ colour }: { colour: string }) {
-  return <span class="swatch" style={{ backgroundColor: colour }} />;
+export function Swatch({ colour, shape = "" }: { colour: string; shape?: Shape }) {
+  return <span class={`swatch ${shape}`} style={{ color: colour }} />;
+}
+
+// As a drawing has it; a square otherwise.
+type Shape = "circle" | "ring" | "diamond" | "line" | "dashed" | "dotted" | "";
+
+// What a sign of a drawing means.
+export function Sign(props: { colour: string; shape?: Shape; children: ComponentChildren }) {
+  return <span class="sign"><Swatch colour={props.colour} shape={props.shape} />{props.children} </span>;
+}
+
+// Chooses by its number what a drawing offers to the mouse: the nearest one of `numbers`.
+export function GoTo(props: { what: string; numbers: number[]; choose: (index: number) => void }) {
+  const { what, numbers } = props;
+  const submit = (event: Event) => {
+    event.preventDefault();
+    const field = (event.target as HTMLFormElement).elements.namedItem("number") as HTMLInputElement;
+    const away = (i: number) => Math.abs(numbers[i] - Number(field.value));
+    props.choose(numbers.reduce((best, _, i) => (away(i) < away(best) ? i : best), 0));
+  };
+  if (numbers.length === 0) return null;
+  return (
+    <form class="go-to" onSubmit={submit}>
+      <label>
+        {what} <input name="number" type="number" step="1" required min={numbers[0]} max={numbers[numbers.length - 1]} />
+      </label>{" "}
+      <button>Show</button>
+    </form>
+  );
 }
 
 // A list of names and values.

@@ -30,7 +30,7 @@ type Place = (p: Vec2) => Vec2;
 
 const pointList = (points: Vec2[]) => points.map((p) => p.map((v) => v.toFixed(1)).join(",")).join(" ");
 
-function openOn(map: string, view: "keyframes" | "planes") {
+export function openOn(map: string, view: "keyframes" | "planes") {
   return (id: number) => {
     location.hash = href(map, view, id);
   };

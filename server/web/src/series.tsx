@@ -13,13 +13,15 @@ const kSteps = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 200
 export interface Curve {
   values: (number | null)[]; // as many as `at`
   colour: string; // a variable of the style sheet
-  dots?: boolean; // a dot a value and no line between them
+  dash?: number[]; // px, of the line
+  dots?: "full" | "hollow"; // a dot a value and no line between them
 }
 
 // A vertical line.
 export interface Mark {
   at: number;
   colour: string;
+  dash?: number[];
 }
 
 export interface SeriesProps {
@@ -53,9 +55,10 @@ function drawMarks(plot: uPlot, marks: Mark[], width: number) {
   const { ctx, bbox } = plot;
   ctx.save();
   ctx.lineWidth = width * devicePixelRatio;
-  for (const { at, colour } of marks) {
+  for (const { at, colour, dash = [] } of marks) {
     const x = plot.valToPos(at, "x", true);
     ctx.strokeStyle = cssColour(colour);
+    ctx.setLineDash(dash.map((px) => px * devicePixelRatio));
     ctx.beginPath();
     ctx.moveTo(x, bbox.top);
     ctx.lineTo(x, bbox.top + bbox.height);
@@ -64,11 +67,11 @@ function drawMarks(plot: uPlot, marks: Mark[], width: number) {
   ctx.restore();
 }
 
-function seriesOf({ colour, dots }: Curve): uPlot.Series {
+function seriesOf({ colour, dash, dots }: Curve): uPlot.Series {
   const stroke = cssColour(colour);
-  return dots
-    ? { stroke, paths: () => null, points: { show: true, size: 4, fill: stroke, width: 0 } }
-    : { stroke, width: 1.5, points: { show: false } };
+  if (!dots) return { stroke, width: 1.5, dash, points: { show: false } };
+  const points = dots === "full" ? { size: 4, fill: stroke, width: 0 } : { size: 5, fill: cssColour("--ground"), width: 1 };
+  return { stroke, paths: () => null, points: { show: true, ...points } };
 }
 
 function optionsFor(width: number, props: SeriesProps, chosen: () => Mark[]): uPlot.Options {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The trajectory of a sequence in the plane, reconstructed from its turns (the paper's fig. 10).
 import type { Orientation } from "./api";
-import { Swatch } from "./parts";
+import { Sign } from "./parts";
 import { boxOf, type Vec2 } from "./pose_view";
 import type { Stretch } from "./types";
 
@@ -73,7 +73,9 @@ export function TrajectoryMap(props: {
               {heading !== null && (
                 <line x1={p.x} y1={p.y} x2={p.x + kTick * Math.cos(heading)} y2={p.y - kTick * Math.sin(heading)} />
               )}
-              <circle cx={p.x} cy={p.y} r={n.kind === "turn" ? 7 : 5} />
+              {n.kind === "turn"
+                ? <path class="mark" d={`M ${p.x} ${p.y - 9} l 9 9 l -9 9 l -9 -9 z`} />
+                : <circle class="mark" cx={p.x} cy={p.y} r="5" />}
             </g>
           );
         })}
@@ -89,10 +91,12 @@ export function TrajectoryMap(props: {
         <circle class="chosen" cx={chosen.x} cy={chosen.y} r="11" />
       </svg>
       <figcaption>
-        <Swatch colour="var(--red)" />turn <Swatch colour="var(--green)" />view break{" "}
-        <Swatch colour="var(--blue)" />camera-only turn <Swatch colour="var(--accent)" />loop closure{" "}
-        <Swatch colour="var(--weak)" />corridor. Drawn from headings alone with one step per frame, so
-        loops need not close. Strokes show the heading.
+        <Sign colour="var(--red)" shape="diamond">turn</Sign>
+        <Sign colour="var(--green)" shape="circle">view break</Sign>
+        <Sign colour="var(--blue)" shape="ring">camera-only turn</Sign>
+        <Sign colour="var(--accent)" shape="dashed">loop closure</Sign>
+        <Sign colour="var(--weak)">corridor.</Sign>
+        Drawn from headings alone with one step per frame, so loops need not close. Strokes show the heading.
       </figcaption>
     </figure>
   );
