@@ -107,7 +107,7 @@ async function shootOffice(page, url) {
   await shoot(page, "trajectory");
   await page.setViewportSize({ width: 1280, height: 800 });
   await show(page, url, "office/orientation");
-  await page.locator(".trajectory-map .turn circle").nth(1).click();
+  await page.locator(".trajectory-map .turn path").nth(1).click();
   await page.locator(".directed polyline").first().waitFor({ state: "attached" });
   await shoot(page, "orientation", { fullPage: true });
 }

@@ -304,9 +304,9 @@ function Legend({ layer, pose }: { layer: PoseLayer; pose: Pose | null }) {
   const placed = layer.planes.filter((p) => p.outline.length > 0).length;
   return (
     <figcaption>
-      <Swatch colour="var(--text)" />{imagesOf(layer, "keyframe").join(" (dots) and ")}{" "}
-      <Swatch colour="var(--accent)" />{counted(placed, "plane")}{pose && ", the recognized ones bold"}
-      {pose && <>{" "}<Swatch colour="var(--red)" />query with its 2σ ellipse</>}. Seen from above in the frame
+      <Swatch colour="var(--text)" shape="circle" />{imagesOf(layer, "keyframe").join(" (dots) and ")}{" "}
+      <Swatch colour="var(--accent)" shape="line" />{counted(placed, "plane")}{pose && ", the recognized ones bold"}
+      {pose && <>{" "}<Swatch colour="var(--red)" shape="circle" />query with its arrow and 2σ ellipse</>}. Seen from above in the frame
       “{layer.frame}”{layer.up === null && ", along its z axis since the images don’t tell what is up"}.{" "}
       {noiseInWords(layer)}
     </figcaption>
