@@ -504,6 +504,24 @@ async function testJobs() {
   await close();
 }
 
+// A walk of two stretches that came back to one plane.
+async function testRevisit() {
+  const { page, complaints, close } = await open({});
+  const known = await overview();
+  const id = Array.from({ length: 24 }, (_, i) => i + 1);
+  const keyframes = { ...known.keyframes, id, sequence: id.map(() => 1), stretch: id.map((k) => (k > 9 ? 1 : 0)) };
+  const planes = { ...known.planes, keyframes: known.planes.keyframes.map((_, i) => (i === 0 ? [1, 2, 23] : [1])) };
+  await page.route("**/overview", (route) => route.fulfill(json({ ...known, keyframes, planes })));
+  await page.goto(`${url}/#/room/layers`);
+  await page.locator(".arc").waitFor({ state: "attached" });
+  assert.equal(await page.locator(".plot circle").count(), 24);
+  assert.equal(await page.locator(".plot .break").count(), 1);
+  await shoot(page, "revisit");
+  await checkAccess(page, "a revisit");
+  assert.deepEqual(complaints, []);
+  await close();
+}
+
 // A trajectory with a loop, as the endpoints answer.
 async function testOtherLayers() {
   const { page, complaints, close } = await open({});
@@ -887,6 +905,7 @@ await run(async () => {
   await testNoWebGl();
   await testSessions();
   await testJobs();
+  await testRevisit();
   await testOtherLayers();
   await testCorridors();
   await testLongWalk();

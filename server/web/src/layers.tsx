@@ -38,9 +38,11 @@ const kArcWidth = 960;
 const kArcHeight = 220;
 const kMargin = 16;
 
-// The keyframes in a row, coloured by stretch, and an arc for each plane that was seen again.
+// The keyframes in a row, by stretches, and an arc for each plane that was seen again.
 function Arcs({ overview, found }: { overview: Overview; found: Revisit[] }) {
-  const n = overview.keyframes.id.length;
+  const { id, sequence, stretch } = overview.keyframes;
+  const n = id.length;
+  const begins = id.map((_, i) => i).filter((i) => i > 0 && (stretch[i] !== stretch[i - 1] || sequence[i] !== sequence[i - 1]));
   const x = (i: number) => kMargin + ((kArcWidth - 2 * kMargin) * i) / Math.max(1, n - 1);
   const base = kArcHeight - 28;
   const arc = ({ from, to }: Revisit) => {
@@ -52,7 +54,8 @@ function Arcs({ overview, found }: { overview: Overview; found: Revisit[] }) {
     <svg class="plot" viewBox={`0 0 ${kArcWidth} ${kArcHeight}`} role="img"
       aria-label={`${n} keyframes in order and ${found.length} arcs between observations of one plane`}>
       {found.map((r, i) => <path key={i} class="arc" d={arc(r)} />)}
-      {overview.keyframes.stretch.map((s, i) => (
+      {begins.map((i) => <path key={`b${i}`} class="break" d={`M ${(x(i - 1) + x(i)) / 2} ${base - 9} v 18`} />)}
+      {stretch.map((s, i) => (
         <circle key={i} cx={x(i)} cy={base} r="3" fill={colourOf(s)} />
       ))}
       <text x={kMargin} y={kArcHeight - 6}>first keyframe</text>
@@ -69,7 +72,7 @@ function SeenAgain({ map, overview }: { map: string; overview: Overview }) {
       <h2>Revisits (plane layer)</h2>
       <p class="quiet">
         A plane seen again after {kFewSteps} or more keyframes connects two passes through one place.
-        Keyframes are drawn in their order, not at their places.
+        Keyframes are drawn in their order, not at their places; strokes between them separate stretches.
       </p>
       {found.length > 0 && <Arcs overview={overview} found={found} />}
       {found.length === 0
