@@ -88,7 +88,7 @@ export declare class Client {
   getFloorPlans(map: string): Promise<FloorPlans>;
   /** Image of a floor plan, as it was given. */
   getFloorPlanImage(map: string, options?: { name?: string }): Promise<Blob>;
-  /** Weak spots of the map. The first request takes seconds and counts as a query. */
+  /** Weak spots of the map. The first request takes seconds and counts as a query; others meanwhile get 429. */
   getAudit(map: string): Promise<Audit>;
   /** The appearance layer, for visualization. 404 with the code no_layer for maps without one, as the following. */
   getAppearance(map: string): Promise<Appearance>;
@@ -125,6 +125,7 @@ export interface Request {
   cy?: number;
   fov_deg?: number;
   camera?: string;
+  /** Checked, but used by no layer so far, and so always listed in unused. */
   prior?: { keyframe: number };
   /** Narrows a query of all maps (/v1/localize) of a server of a registry. */
   hints?: { position?: { frame: string; x: number; y: number; z?: number; radius: number }; tags?: string[]; previous_map?: string };
