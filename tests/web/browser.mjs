@@ -70,7 +70,11 @@ async function open(browser, url, options) {
     const ours = target.startsWith(url) || /^(blob|data):/.test(target);
     if (!ours) complaints.push(`a request for ${target}`);
   });
-  return { page, complaints, close: () => context.close() };
+  const close = async () => {
+    await page.unrouteAll({ behavior: "wait" }); // what is still asked for would fail
+    await context.close();
+  };
+  return { page, complaints, close };
 }
 
 // Serious or not: the page has no violation at all.
