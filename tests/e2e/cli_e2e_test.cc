@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program as a user runs it: what it prints, where, and what it returns.
 #include <gtest/gtest.h>
+#include <httplib.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -181,6 +182,36 @@ TEST_F(CliTest, LocalizeTakesOptionsOfQueries) {
   ExpectFailure(ask("planes.min_vote=5"), 2, "did you mean 'planes.min_votes'");
   ExpectFailure(RunWaystone({"serve", TheMap().map, "--set", "planes.min_vote=5"}), 2,
                 "did you mean 'planes.min_votes'");
+}
+
+TEST_F(CliTest, LocalizePrintsWhatAServerReturns) {
+  const RunResult result =
+      RunWaystone({"localize", TheMap().map, TheMap().inside, "--fov-deg", "63", "--json"});
+  const Json answer = Json::parse(result.out);
+  EXPECT_EQ(answer["unused"], Json::array({"camera"})) << "by a map of planes";
+}
+
+TEST_F(CliTest, LocalizeSaysByItsStatusWhatAServerSaid) {
+  httplib::Server server;
+  server.Post("/.*", [](const httplib::Request&, httplib::Response& out) {
+    out.status = 503;
+    out.set_content(R"({"code": "store_unavailable", "detail": "away"})",
+                    "application/problem+json");
+  });
+  const int port = server.bind_to_any_port("127.0.0.1");
+  std::thread serving([&] { server.listen_after_bind(); });
+  const auto ask = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"localize", "-", TheMap().inside, "--server",
+                                          "http://127.0.0.1:" + std::to_string(port)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunWaystone(arguments);
+  };
+  ExpectFailure(ask({}), 6, "away");
+  ExpectFailure(ask({"--tag", "\xff"}), 6, "away");
+  ExpectFailure(ask({TheMap().inside, "--near", "f", "nan", "0", "5"}), 2,
+                "'nan' is not a finite number");
+  server.stop();
+  serving.join();
 }
 
 TEST_F(CliTest, LocalizeAnswersAllPhotosAndSaysWhichCouldNotBeRead) {

@@ -76,6 +76,28 @@ TEST_F(RequestLines, TheRequestIsReadAsItWasSent) {
   EXPECT_NE(body("/echo?a=1&a=2", " x").find("'a' more than once"), std::string::npos);
 }
 
+TEST_F(RequestLines, HeadersAreReadAsTheyWereSent) {
+  router_.Add("GET", "/token", [](const HttpRequest& in, const auto&) {
+    return HttpResponse{200, "text/plain", in.header("authorization").value_or("none"), {}};
+  });
+  const std::string text = Exchange(
+      "GET /token HTTP/1.1\r\nHost: x\r\nAuthorization: Bearer a%41b\r\nConnection: x, "
+      "Close\r\n\r\n");
+  EXPECT_TRUE(text.ends_with("\r\n\r\nBearer a%41b")) << text;
+}
+
+// RFC 9110, section 10.1.1: the client needn't send a body that is refused.
+TEST_F(RequestLines, ABodyThatIsTooLargeIsRefusedBeforeItIsSent) {
+  router_.Add("POST", "/take", [](const HttpRequest& in, const auto&) {
+    return HttpResponse{200, "text/plain", in.read_body(), {}};
+  });
+  const std::string text =
+      Exchange("POST /take HTTP/1.1\r\nHost: x\r\nExpect: 100-continue\r\nContent-Length: " +
+               std::to_string(HttpOptions().max_body_bytes + 1) + "\r\n\r\n");
+  EXPECT_EQ(text.find("100 Continue"), std::string::npos) << text;
+  EXPECT_NE(text.find(" 413 "), std::string::npos) << text;
+}
+
 // RFC 9110, sections 6.6.1 and 8.6.
 TEST_F(RequestLines, AnswersHaveADateAndUnchangedOnesNoLength) {
   router_.Add("GET", "/same", [](const auto&, const auto&) {

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -202,6 +203,24 @@ TEST_F(ApplicationTest, VersionAndContract) {
   }
 }
 
+// The fields of schemas and parameters by which values are bounded.
+void ExpectNumbers(const Json& node, const std::string& path) {
+  static const std::set<std::string> kBounds = {"minimum",   "maximum",  "minLength",
+                                                "maxLength", "minItems", "maxItems"};
+  for (const auto& [key, value] : node.items()) {
+    if (!value.is_structured()) {
+      EXPECT_TRUE(!kBounds.contains(key) || value.is_number()) << path << '/' << key;
+    } else {
+      ExpectNumbers(value, path + "/" + key);
+    }
+  }
+}
+
+TEST_F(ApplicationTest, BoundsOfTheContractAreNumbers) {
+  Start();
+  ExpectNumbers(Json::parse(Ask("GET", "/openapi.json").body), "");
+}
+
 TEST_F(ApplicationTest, MapsAreExchangedUnderWay) {
   Start();
   const std::shared_ptr<const ServedMap> under_way = catalog_->Find("lab");
@@ -216,6 +235,10 @@ TEST_F(ApplicationTest, MapsAreExchangedUnderWay) {
   EXPECT_EQ(Ask("GET", "/v1/maps/lab").status, 404);
   EXPECT_EQ(Ask("GET", "/readyz").status, 503);
   EXPECT_EQ(Ask("POST", "/v1/localize", {}, "x").status, 503);
+  const std::string hinted = R"({"images": [{"data": "eA=="}], "hints": {}})";
+  const HttpResponse none =
+      Ask("POST", "/v1/localize", {{"Content-Type", "application/json"}}, hinted);
+  EXPECT_EQ(Json::parse(none.body)["code"], "not_ready") << none.body;
 }
 
 TEST_F(ApplicationTest, QueriesAreLoggedAndReadAgain) {

@@ -198,5 +198,12 @@ TEST(LocalizeRequest, ObjectsSurviveTheLog) {
   EXPECT_EQ(again.top_k, 2);
 }
 
+TEST(LocalizeRequest, UnknownQueryParametersAreNamed) {
+  const std::string refusal = Refusal("image/jpeg", "bytes", {{"foo", "abc"}});
+  EXPECT_NE(refusal.find("unknown"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("foo"), std::string::npos) << refusal;
+  EXPECT_NE(Refusal("image/jpeg", "bytes", {{"top_k", "many"}}).find("top_k"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace waystone
