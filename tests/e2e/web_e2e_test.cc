@@ -79,7 +79,7 @@ TEST_F(WebTest, AMapWithPosesInABrowser) {
   std::filesystem::remove_all(folder);
 }
 
-TEST_F(WebTest, MapsWithPosesAreSeenFromAbove) { RunScript("pose_view_test.mjs", {}); }
+TEST_F(WebTest, PartsOfThePageWithoutABrowser) { RunScript("units_test.mjs", {}); }
 
 }  // namespace
 }  // namespace waystone

@@ -125,6 +125,7 @@ TEST(Colours, NeighbouringIdsDiffer) {
   for (int i = 1; i <= 50; ++i) seen.insert(CssColourOf(PlaneId{i}));
   EXPECT_EQ(seen.size(), 50u);
   EXPECT_EQ(CssColourOf(PlaneId{7}).size(), 7u);
+  EXPECT_EQ(CssColourOf(PlaneId{0}), "#ff6161") << "as on the page";
 }
 
 cv::Mat DrawFirst(const MapData& map) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// node pose_view_test.mjs: how the page sees maps with poses from above (server/web/src/pose_view.ts),
-// how it writes their numbers, and what it keeps of what it loaded. Exit status: 0 on success, 1 after a message about what failed.
+// node units_test.mjs: parts of the page without a browser: maps seen from above, numbers, colours, and what is
+// kept of what was loaded. Exit status: 0 on success, 1 after a message about what failed.
 import assert from "node:assert/strict";
 import { createRequire } from "node:module";
 import { fileURLToPath } from "node:url";
@@ -11,7 +11,7 @@ async function load() {
   const esbuild = createRequire(kWeb)("esbuild");
   const built = esbuild.buildSync({
     stdin: {
-      contents: 'export * from "./kept"; export * from "./pose_view"; export * from "./triangles"; export * from "./words";',
+      contents: 'export * from "./colours"; export * from "./kept"; export * from "./pose_view"; export * from "./triangles"; export * from "./words";',
       resolveDir: fileURLToPath(new URL("src", kWeb)),
     },
     bundle: true,
@@ -199,10 +199,24 @@ async function testKept({ Kept }) {
   await assert.rejects(kept.get("bad"), "a failure isn't kept");
 }
 
+// As the report has them, and the ids of a few surfaces, which are those of their first planes, told apart.
+function testColours({ colourOf }) {
+  assert.equal(colourOf(0), "#ff6161");
+  const channels = (id) => [1, 3, 5].map((at) => parseInt(colourOf(id).slice(at, at + 2), 16));
+  const ids = [1, 8, 15, 17, 26, 33, 41, 43];
+  for (const a of ids) {
+    for (const b of ids) {
+      if (a === b) continue;
+      const apart = Math.hypot(...channels(a).map((value, c) => value - channels(b)[c]));
+      assert.ok(apart > 15, `${a} and ${b} look alike: ${colourOf(a)}, ${colourOf(b)}`);
+    }
+  }
+}
+
 try {
   const module = await load();
   const tests = [testTurned, testViews, testPlans, testPanoramas, testPointInside, testAreas, testHeadings, testEllipses, testPlanes, testLayout,
-    testNumbers, testShellWords, testTriangles, testKept];
+    testNumbers, testShellWords, testTriangles, testKept, testColours];
   for (const test of tests) await test(module);
 } catch (error) {
   console.log(String(error.stack ?? error).replace(/\n\s*\n/g, "\n"));

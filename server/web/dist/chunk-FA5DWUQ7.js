@@ -1,0 +1,1 @@
+var e=(Math.sqrt(5)-1)/2,r=t=>Math.trunc(150+105*Math.cos(2*Math.PI*t)).toString(16).padStart(2,"0");function o(t){let n=t*e;return`#${r(n)}${r(n-1/3)}${r(n-2/3)}`}var u=t=>getComputedStyle(document.documentElement).getPropertyValue(t).trim();export{o as a,u as b};

@@ -1,1 +1,0 @@
-var e=["#2f9e9e","#e07b39","#7a6ff0","#c94f7c","#5c9e31","#b8860b","#3d85d8","#a0522d"],n=t=>e[(t%e.length+e.length)%e.length],o=t=>getComputedStyle(document.documentElement).getPropertyValue(t).trim();export{n as a,o as b};
