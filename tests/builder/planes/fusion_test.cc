@@ -107,6 +107,26 @@ TEST(FusePlanes, APlaneSeenAgainIsFused) {
   EXPECT_EQ(result.planes[2], scene.planes[3]);
 }
 
+// What the second look found where the first one's reference image is far away could only be
+// extrapolated.
+TEST(FusePlanes, FeaturesBeyondTheReferenceImageAreLeftOut) {
+  SeenAgain scene(3);
+  Surface inside;
+  inside.Add(30, {100, 100}, {540, 380}, scene.random);
+  Surface beyond;
+  beyond.Add(30, {1400, 100}, {1800, 380}, scene.random);
+  Surface second = scene.wall;
+  second.Add(inside);
+  second.Add(beyond);
+  scene.planes[2] = PlaneOf(3, 5, second, scene.h, scene.random);
+  const FusionResult result = scene.Fuse({});
+  ASSERT_EQ(result.fused, 1);
+  const Plane& fused = result.planes[0];
+  EXPECT_EQ(fused.features.size(), 130u) << "the wall's and those inside";
+  EXPECT_EQ(fused.descriptors.rows(), 130);
+  for (const PlaneFeature& feature : fused.features) EXPECT_LT(feature.reference.x_px, 800);
+}
+
 TEST(FusePlanes, TheFeaturesOfBothAreKeptOnce) {
   SeenAgain scene(3);
   Surface more;  // the second look found these too

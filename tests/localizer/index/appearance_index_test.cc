@@ -97,6 +97,16 @@ TEST(AppearanceIndex, KnowsSpacingAndEmptiness) {
 }
 
 // Every second node is a floor above the one before.
+// Of more nodes than are asked for their nearest one: all parts of the layer count.
+TEST(AppearanceIndex, TheSpacingOfManyNodesIsThatOfAllParts) {
+  AppearanceLayer layer = RandomLayer(2500, 8);
+  double x = 0;
+  for (size_t i = 0; i < layer.nodes.size(); ++i) {
+    layer.nodes[i].pose = {x += i < 1000 ? 1.0 : 3.0, 0, 0};
+  }
+  EXPECT_DOUBLE_EQ(AppearanceIndex(layer).spacing(), 3.0) << "of 1,500 of 2,500";
+}
+
 TEST(AppearanceIndex, FloorsAboveEachOtherArentNearer) {
   AppearanceLayer layer = RandomLayer(8, 8);
   PoseLayer poses;
