@@ -133,12 +133,16 @@ HttpResponse ProblemOf(const std::exception_ptr& thrown) {
   }
 }
 
-// Of a 304 the library says that its content, which isn't sent, is empty (RFC 9110, section 8.6).
-void DropLengthOfUnchanged(std::string& response) {
-  constexpr std::string_view kLength = "\r\nContent-Length: 0";
-  if (!response.starts_with("HTTP/1.1 304")) return;
-  const size_t at = response.find(kLength);
-  if (at != std::string::npos) response.erase(at, kLength.size());
+// The library says of a HEAD that ranges are served, and of a 304 that its content, which isn't
+// sent, is empty (RFC 9110, sections 14.3 and 8.6).
+void CorrectHead(std::string& response) {
+  const auto drop = [&response](std::string_view header) {
+    const auto head = std::string_view(response).substr(0, response.find("\r\n\r\n"));
+    const size_t at = head.find(header);
+    if (at != head.npos) response.erase(at, header.size());
+  };
+  drop("\r\nAccept-Ranges: bytes");
+  if (response.starts_with("HTTP/1.1 304")) drop("\r\nContent-Length: 0");
 }
 
 // The request is the library's own variable, not a constant.
@@ -200,7 +204,7 @@ SentResponse HttpEngine::Answer(ReceivedRequest request) {
   bool closed = request.close;
   const bool kept = library_->Process(stream, request.remote, request.close, closed);
   current_request = nullptr;
-  DropLengthOfUnchanged(stream.out());
+  CorrectHead(stream.out());
   return {.bytes = std::move(stream.out()), .close = closed || request.close || !kept};
 }
 

@@ -107,6 +107,9 @@ TEST_F(RequestLines, AnswersHaveADateAndUnchangedOnesNoLength) {
   EXPECT_NE(same.find(" 304 "), std::string::npos) << same;
   EXPECT_EQ(same.find("Content-Length"), std::string::npos) << same;
   EXPECT_NE(same.find("\r\nDate: "), std::string::npos) << same;
+  const std::string head = Exchange("HEAD /hello HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  EXPECT_EQ(head.find("Accept-Ranges"), std::string::npos) << "as GET says nothing of it";
+  EXPECT_NE(head.find("\r\nContent-Length: 5\r\n"), std::string::npos) << head;
   EXPECT_NE(same.find(" GMT\r\n"), std::string::npos) << same;
 }
 
