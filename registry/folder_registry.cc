@@ -180,12 +180,16 @@ class FolderRegistry : public Registry {
     // The stamp of a folder may be as old as a tick of the clock: what changed a moment after the
     // last look is found by looking once more.
     const EntryStamp stamp = StampOf(folder_ / "current");
-    if (stamp == stamp_ && settled_) return {};
+    if (stamp == stamp_ && settled_) return LookAtUnread();
     settled_ = stamp == stamp_;
     stamp_ = stamp;
     RegistryNews news;
     news.complete = known_.empty();
-    for (const std::string& name : ManifestNames(folder_ / "current")) Look(name, news);
+    const std::vector<std::string> names = ManifestNames(folder_ / "current");
+    std::erase_if(unread_, [&](const auto& one) {
+      return std::ranges::find(names, one.first) == names.end();
+    });
+    for (const std::string& name : names) Look(name, news);
     return news;
   }
 
@@ -266,6 +270,14 @@ class FolderRegistry : public Registry {
     WriteText(StatePath(state.version.name), Dump(json), true);
   }
 
+  // A stamp says nothing of permissions, nor of a network that failed.
+  RegistryNews LookAtUnread() {
+    RegistryNews news;
+    const std::map<std::string, std::string> unread = unread_;  // Look() changes them
+    for (const auto& [name, why] : unread) Look(name, news);
+    return news;
+  }
+
   // Reads the state of one map, if it isn't what it was or couldn't be read.
   void Look(const std::string& name, RegistryNews& news) {
     const EntryStamp stamp = StampOf(StatePath(name));
@@ -277,7 +289,6 @@ class FolderRegistry : public Registry {
       news.changed.push_back(ReadState(name));
       if (unread != unread_.end()) unread_.erase(unread);
     } catch (const MapError& error) {
-      settled_ = false;  // a stamp says nothing of permissions, nor of a network that failed
       std::string& told = unread_[name];
       if (told != error.what()) news.problems.push_back({name, error.what()});
       told = error.what();

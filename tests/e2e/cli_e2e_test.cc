@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program as a user runs it: what it prints, where, and what it returns.
-// Before macros of headers that the HTTP library includes.
-#include <Eigen/Core>
+#include <Eigen/Core>  // before macros of headers that the HTTP library includes
 
 #include <gtest/gtest.h>
 #include <httplib.h>
