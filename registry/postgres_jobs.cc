@@ -5,6 +5,7 @@
 #include "core/base/text.h"
 #include "registry/postgres_database.h"
 #include "registry/postgres_registry.h"
+#include "registry/registry.h"
 
 namespace waystone {
 namespace {
@@ -89,7 +90,7 @@ MapError NoJobError(int64_t job) {
 }
 
 void CheckHasJobs(const std::string& registry) {
-  if (registry.starts_with("postgresql://") || registry.starts_with("postgres://")) return;
+  if (IsPostgres(registry)) return;
   throw MapError(ErrorCode::kUsage, "'" + Printable(registry) +
                                         "' has no jobs; they need a registry in PostgreSQL "
                                         "(postgresql://...)");
