@@ -98,7 +98,11 @@ namespace {
 // but decoders disagree there on where the next number begins, so it is refused.
 class PnmNumbers {
  public:
-  explicit PnmNumbers(Bytes bytes) : bytes_(bytes) {}
+  explicit PnmNumbers(Bytes bytes) : bytes_(bytes) {
+    if (position_ < bytes_.size() && !std::isspace(bytes_[position_])) {
+      RefuseImage("the first two bytes of the PNM aren't followed by white space; it is damaged");
+    }
+  }
 
   int Next() {
     SkipSpace();

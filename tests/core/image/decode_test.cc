@@ -378,6 +378,7 @@ TEST(PnmTest, AFullRangeStaysAsItIs) {
 // OpenCV would take the size behind the '#', which the limits haven't seen.
 TEST(PnmTest, ANumberNeedsWhiteSpaceBehindIt) {
   ExpectRefusal(AsBytes("P5 2#9000 \n1 255 ab"), ErrorCode::kBadImage, "white space");
+  ExpectRefusal(AsBytes("P52 1 32 ab"), ErrorCode::kBadImage, "white space");
   ExpectRefusal(AsBytes("P5 2 1 255#\nab"), ErrorCode::kBadImage, "white space");
 }
 
