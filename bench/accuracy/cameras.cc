@@ -94,27 +94,26 @@ int CountRight(const std::vector<std::optional<int>>& named, const IsRight& is_r
   return right;
 }
 
-// One row: how many of the photos both found after the change, and how many of the foreign ones.
-Json MeasureChange(const CameraPeers& peers, const ImageChange& change,
-                   const std::vector<cv::Mat>& photos, const std::vector<cv::Mat>& foreign,
-                   const IsRight& is_right) {
-  const Named own = AskBoth(peers, photos, change);
-  const Named others = AskBoth(peers, foreign, change);
-  Json row{{"name", change.name},
-           {"asked", photos.size()},
+// One row: how many of a map's own photos both found after a change, and how many foreign ones.
+Json MakeRow(const std::string& change, const Named& own, const Named& others,
+             const IsRight& is_right) {
+  const size_t asked = own.waystone.size();
+  const size_t foreign = others.waystone.size();
+  Json row{{"name", change},
+           {"asked", asked},
            {"localized", CountNamed(own.waystone)},
            {"right", CountRight(own.waystone, is_right)},
            {"search_found", CountNamed(own.search)},
            {"search_right", CountRight(own.search, is_right)},
-           {"foreign", foreign.size()},
+           {"foreign", foreign},
            {"foreign_localized", CountNamed(others.waystone)},
            {"search_foreign", CountNamed(others.search)}};
   std::printf(
       "  %-32s localized %2d, right %2d; image search found %2d, right %2d, of %zu; foreign "
       "%d and %d of %zu\n",
-      change.name.c_str(), row["localized"].get<int>(), row["right"].get<int>(),
-      row["search_found"].get<int>(), row["search_right"].get<int>(), photos.size(),
-      row["foreign_localized"].get<int>(), row["search_foreign"].get<int>(), foreign.size());
+      change.c_str(), row["localized"].get<int>(), row["right"].get<int>(),
+      row["search_found"].get<int>(), row["search_right"].get<int>(), asked,
+      row["foreign_localized"].get<int>(), row["search_foreign"].get<int>(), foreign);
   (void)std::fflush(stdout);
   return row;
 }
@@ -134,7 +133,8 @@ Json MeasureSet(const RecallSet& set, const std::vector<fs::path>& foreign) {
   const std::vector<cv::Mat> others = ReadAll(foreign);
   Json rows = Json::array();
   for (const ImageChange& change : ImageChanges()) {
-    rows.push_back(MeasureChange(peers, change, photos, others, set.is_right));
+    rows.push_back(MakeRow(change.name, AskBoth(peers, photos, change),
+                           AskBoth(peers, others, change), set.is_right));
   }
   return {{"name", set.name}, {"rows", rows}};
 }
@@ -153,6 +153,7 @@ class Building {
                         [&](int frame) { return rendered.Render(frame).grey; });
   }
 
+  // A row, with the sum of the metres between queries and the keyframes that were named for them.
   Json Ask(double focal_factor) const {
     const double half = std::tan(kFieldOfView_rad / 2) / focal_factor;
     const Renderer lens(PinholeCamera(kWidth, kHeight, 2 * std::atan(half)));
@@ -163,8 +164,12 @@ class Building {
     std::ostringstream name;
     name << focal_factor << " times the focal length";
     const ImageChange nothing{name.str(), [](const cv::Mat& grey, Random&) { return grey; }};
-    return MeasureChange(peers_, nothing, photos, {},
-                         [&](int query, int frame) { return IsNear(query, frame); });
+    const Named named = AskBoth(peers_, photos, nothing);
+    Json row = MakeRow(nothing.name, named, {},
+                       [&](int query, int frame) { return IsNear(query, frame); });
+    row["metres"] = AddDistances(named.waystone);
+    row["search_metres"] = AddDistances(named.search);
+    return row;
   }
 
  private:
@@ -192,11 +197,23 @@ class Building {
     return SpreadOver(DemoWalk(plan, options), kQueries);
   }
 
+  Eigen::Isometry3d QueryFromFrame(int query, int frame) const {
+    return asked_.frames[query].world_from_camera.inverse() *
+           mapped_.frames[frame].world_from_camera;
+  }
+
+  double AddDistances(const std::vector<std::optional<int>>& named) const {
+    double sum_m = 0;
+    for (size_t q = 0; q < named.size(); ++q) {
+      if (named[q]) sum_m += QueryFromFrame(static_cast<int>(q), *named[q]).translation().norm();
+    }
+    return sum_m;
+  }
+
   bool IsNear(int query, int frame) const {
     constexpr double kNear_m = 2.0;
     constexpr double kMaxAngle_rad = 0.7;
-    const Eigen::Isometry3d moved =
-        asked_.frames[query].world_from_camera.inverse() * mapped_.frames[frame].world_from_camera;
+    const Eigen::Isometry3d moved = QueryFromFrame(query, frame);
     return moved.translation().norm() <= kNear_m &&
            Eigen::AngleAxisd(moved.linear()).angle() <= kMaxAngle_rad;
   }
@@ -224,7 +241,15 @@ Json MeasureLenses(int buildings) {
       for (const char* field : {"asked", "localized", "right", "search_found", "search_right"}) {
         rows[f][field] = rows[f][field].get<int>() + row[field].get<int>();
       }
+      for (const char* field : {"metres", "search_metres"}) {
+        rows[f][field] = rows[f][field].get<double>() + row[field].get<double>();
+      }
     }
+  }
+  for (Json& row : rows) {
+    row["mean_m"] = row["metres"].get<double>() / std::max(1, row["localized"].get<int>());
+    row["search_mean_m"] =
+        row["search_metres"].get<double>() / std::max(1, row["search_found"].get<int>());
   }
   return {{"name", "lenses"}, {"rows", rows}};
 }
