@@ -32,10 +32,13 @@ class FolderStore : public Store {
     fs::create_directories(target.parent_path(), error);
     if (error) throw UnwritableError(target, error.message(), bytes);
     FileReplacer written(target, true);
+    const fs::perms by_umask = fs::status(written.temporary(), error).permissions();
     fs::copy_file(file, written.temporary(), fs::copy_options::overwrite_existing, error);
     if (error) throw UnwritableError(target, error.message(), bytes);
     if (Sha256OfFile(written.temporary()) != sha256) ThrowChanged(file);
-    fs::permissions(written.temporary(), fs::perms::owner_write, fs::perm_options::add, error);
+    // A copy has the rights of its source, which servers of other users may not read.
+    fs::permissions(written.temporary(), by_umask, error);
+    if (error) throw UnwritableError(target, error.message(), bytes);
     written.Commit();
   }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 // After Eigen, for which the macro _res of the resolver's header spells trouble.
 #include <httplib.h>
+#include <sys/stat.h>
 
 #include <map>
 #include <mutex>
@@ -137,6 +138,17 @@ TEST_F(StoreTest, AFolderKeepsFilesByTheirHash) {
   WriteBytes(file, "damaged");
   Put(*store);
   EXPECT_TRUE(ReadAll(file) == bytes_) << "publishing again mends it";
+}
+
+// Servers of other users read it, also a map and a coarse entry that their maker alone may read.
+TEST_F(StoreTest, AFolderKeepsFilesWithTheRightsOfTheUmask) {
+  const auto store = OpenStore((folder_ / "store").string());
+  fs::permissions(folder_ / "map.db", fs::perms::owner_read);
+  const mode_t before = umask(022);
+  Put(*store);
+  umask(before);
+  EXPECT_EQ(fs::status(folder_.path() / "store" / StorePath(sha256_)).permissions(),
+            fs::perms(0644));
 }
 
 TEST_F(StoreTest, AFileThatIsAnotherByNowIsRefused) {
