@@ -193,8 +193,8 @@ void AddLocalize(CLI::App& app, Run& run) {
   command->add_option("--previous-map", flags->previous_map,
                       "With - as the map: a map that is asked in any case");
   command->footer(
-      "Exits with status 3 if any image can't be read, 6 if a server says to try again later,\n"
-      "after processing the others.\n"
+      "Exits with status 3 if any image can't be read or a server refuses it, 6 if the server's\n"
+      "registry or store can't be reached, after processing the others.\n"
       "Example: waystone localize lab.db photo.jpg --json\n"
       "         waystone localize office.db 1.jpg 2.jpg 3.jpg --series\n"
       "         waystone localize office.db photo.jpg --fov-deg 63\n"

@@ -49,7 +49,8 @@ enum class ErrorCode {
 struct ErrorInfo {
   std::string_view name;   // stable, snake_case
   std::string_view title;  // a short sentence for people
-  // Of the program: 2 usage, 3 input or output, 4 no usable result, 5 internal, 6 try again later.
+  // Of the program: 2 usage, 3 input or output, 4 no usable result, 5 internal, 6 registry or
+  // store.
   int exit_code;
   int http_status;
 };
