@@ -348,6 +348,8 @@ class Client:
         body, media = _form_of(images, options)
         path = "/v1/localize" if map is None else f"/v1/maps/{_segment(map)}/localize"
         answer: Answer = self._ask("POST", path, body, {"Content-Type": media})
+        if not isinstance(answer.get("verdict"), str):
+            raise _not_ours(200)
         return answer
 
     def get(self, path: str, **query: str | int) -> Any:
@@ -358,11 +360,11 @@ class Client:
         """All rows of a list, page after page: rows("/v1/maps/lab/planes")."""
         query: dict[str, str | int] = {"limit": limit}
         while True:
-            page = self.get(path, **query)
-            yield from next(rows for name, rows in page.items() if name != "next")
-            if page["next"] is None:
+            rows, cursor = _rows_of(self.get(path, **query))
+            yield from rows
+            if cursor is None:
                 return
-            query["cursor"] = page["next"]
+            query["cursor"] = cursor
 
     def maps(self) -> list[dict[str, Any]]:
         """The maps that are served, with their numbers."""
@@ -483,14 +485,24 @@ def _retry_after_s(value: str | None) -> float:
         return DEFAULT_RETRY_S
 
 
-def _parsed(status: int, data: bytes) -> Any:
+def _rows_of(page: dict[str, Any]) -> tuple[list[dict[str, Any]], str | int | None]:
+    """The rows of a list's page, and the cursor of the next one."""
+    lists = [value for value in page.values() if isinstance(value, list)]
+    if len(lists) != 1 or not isinstance(page.get("next", ...), str | int | None):
+        raise _not_ours(200)
+    return lists[0], page["next"]
+
+
+def _parsed(status: int, data: bytes) -> dict[str, Any]:
     try:
         value = json.loads(data)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise _not_ours(status) from error
+    if not isinstance(value, dict):  # every JSON of the contract is one
+        raise _not_ours(status)
     if status == 200:
         return value
-    if not isinstance(value, dict) or not {"code", "detail"} <= value.keys():
+    if not {"code", "detail"} <= value.keys():
         raise _not_ours(status)
     raise WaystoneError(str(value["code"]), status, str(value["detail"]))
 
@@ -543,6 +555,13 @@ def _token(path: str | None) -> str | None:
 
 def _line(answer: Answer) -> str:
     """ "q.jpg: localized in lab near rgb/000120.jpg (plane 3, 143 inliers, 69 ms)" """
+    try:
+        return _summary(answer)
+    except (AttributeError, LookupError, TypeError, ValueError) as error:
+        raise _not_ours(200) from error
+
+
+def _summary(answer: Answer) -> str:
     line = f"{answer['image']}: {answer['verdict']}"
     facts = [f"{answer['timing_ms']['total']:.0f} ms"]
     if answer["verdict"] == "localized":
@@ -578,11 +597,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for photos in [flags.photos] if flags.together else [[photo] for photo in flags.photos]:
         try:
             answer = client.localize(photos, map=flags.map, options=options)
+            line = json.dumps(answer) if flags.json else _line(answer)
         except WaystoneError as error:
             print(f"waystone-localize: {error}", file=sys.stderr)
             code = 3
             continue
-        print(json.dumps(answer) if flags.json else _line(answer), flush=True)
+        print(line, flush=True)
         if answer["verdict"] == "bad_image":
             code = 3
     return code

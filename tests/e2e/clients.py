@@ -122,7 +122,8 @@ def problem(code, status):
 
 
 BUSY = (429, {"Retry-After": "1"}, problem("busy", 429))
-FINE = (200, {}, b'{"fine": true}')
+ANSWER = {"verdict": "undecided"}
+FINE = (200, {}, json.dumps(ANSWER).encode())
 
 
 class Case(unittest.TestCase):
@@ -247,7 +248,7 @@ class ScriptedTest(Case):
     def test_busy_is_asked_again_after_retry_after(self):
         with scripted(BUSY, (429, {"Retry-After": "0"}, b""), FINE) as (address, requests):
             before = time.monotonic()
-            self.assertEqual(Client(address).localize(b"photo"), {"fine": True})
+            self.assertEqual(Client(address).localize(b"photo"), ANSWER)
             self.assertGreaterEqual(time.monotonic() - before, 1)
         self.assertEqual(len(requests), 3)
         self.assertEqual(len({body for _, _, body in requests}), 1)
@@ -305,6 +306,23 @@ class ScriptedTest(Case):
                 Client(address, token=TOKEN).maps()
             self.assertEqual(len(requests), 1)
 
+    def test_json_that_is_no_answer_is_told(self):
+        no_objects = [b"null", b"[]", b'"ok"', b"7", b"[" * 100_000]
+        asks = (
+            (lambda client: client.localize(b"photo"), [b"{}", b'{"fine": true}', b'{"verdict": 1}']),
+            (lambda client: client.maps(), [b"{}", b'{"next": null}', b'{"maps": []}',
+                                            b'{"maps": 1, "next": null}',
+                                            b'{"maps": [], "more": [], "next": null}',
+                                            b'{"maps": [], "next": {}}']),
+            (lambda client: list(client.rows("/v1/jobs")), [b'{"verdict": "localized"}']),
+            (lambda client: client.get("/version"), []),
+        )  # fmt: skip
+        for ask, objects in asks:
+            for body in no_objects + objects:
+                with self.subTest(body[:40]), scripted((200, {}, body)) as (address, _):
+                    with self.fails("bad_answer", 200):
+                        ask(Client(address))
+
     def test_an_answer_cut_off(self):
         with scripted((200, {"Content-Length": "99"}, b'{"fi')) as (address, _):
             with self.fails("unreachable", 0):
@@ -359,6 +377,12 @@ class ProgramTest(unittest.TestCase):
             code, _, err = run(*usage)
             self.assertEqual((code, len(err.splitlines())), (2, 1), usage)
         self.assertEqual(run()[0], 2)
+
+    def test_an_answer_without_its_fields_is_a_line_and_a_code(self):
+        with scripted(FINE) as (address, _):
+            code, out, err = run("--server", address, INSIDE)
+        self.assertEqual((code, out, len(err.splitlines())), (3, "", 1))
+        self.assertIn("bad_answer", err)
 
     def test_help_has_an_example(self):
         code, out, _ = run("--help")
@@ -485,6 +509,9 @@ class StandInNode:
     def create_subscription(self, kind, topic, callback, qos):
         self.subscriptions_made[topic] = callback
 
+    def destroy_node(self):
+        self.destroyed = True
+
     def get_logger(self):
         warn = lambda text, throttle_duration_sec: self.warnings.append(text)  # noqa: E731
         return types.SimpleNamespace(warning=warn)
@@ -493,8 +520,12 @@ class StandInNode:
 def stand_ins():
     """Modules for everything of ROS that node.py imports."""
     modules = {name: types.ModuleType(name) for name in (
-        "rclpy", "rclpy.node", "rclpy.qos", "geometry_msgs", "geometry_msgs.msg", "sensor_msgs",
+        "rclpy", "rclpy.executors", "rclpy.node", "rclpy.qos", "geometry_msgs", "geometry_msgs.msg", "sensor_msgs",
         "sensor_msgs.msg", "std_msgs", "std_msgs.msg")}  # fmt: skip
+    for name in ("init", "spin", "try_shutdown"):
+        setattr(modules["rclpy"], name, mock.MagicMock())
+    modules["rclpy.executors"].ExternalShutdownException = type(
+        "ExternalShutdownException", (Exception,), {})
     modules["rclpy.node"].Node = StandInNode
     for name in ("HistoryPolicy", "QoSProfile", "ReliabilityPolicy"):
         setattr(modules["rclpy.qos"], name, mock.MagicMock())
@@ -579,6 +610,37 @@ class NodeTest(unittest.TestCase):
         self.assertIn("not_found", node.warnings[0])
         self.assertIn("depth", node.warnings[1])
         self.assertEqual(node.published["~/pose"], [])
+
+    def test_the_node_outlives_every_answer(self):
+        known = {"verdict": "localized", "map": "hall", "place": {"layer": "planes", "id": 1,
+                 "position": None, "heading": None}}  # fmt: skip
+        strangers = [b"null", b"[]", b"7", b"{}", b'{"verdict": "localized"}', b'{"verdict": []}',
+                     b'{"verdict": "localized", "place": 7}', b"[" * 100_000, b"\xff"]  # fmt: skip
+        fine = (200, {}, json.dumps(known).encode())
+        with scripted(*[(200, {}, body) for body in strangers], fine) as (address, requests):
+            node = self.node(server=address)
+            for _ in range(len(strangers) + 1):
+                node.subscriptions_made["image/compressed"](self.photo(INSIDE))
+        self.assertEqual(len(requests), len(strangers) + 1)
+        self.assertEqual(len(node.warnings), len(strangers))
+        self.assertEqual([pose.header.frame_id for pose in node.published["~/pose"]],
+                         ["hall/keyframe_1"])
+
+    def test_the_node_outlives_what_cannot_be_published(self):
+        node = self.node(map=NAME)
+        node._pose.publish = mock.Mock(side_effect=UnicodeEncodeError("utf-8", "", 0, 1, "surrogate"))
+        node.subscriptions_made["image/compressed"](self.photo(INSIDE))
+        self.assertIn("surrogate", node.warnings[0])
+
+    def test_signals_end_the_program_cleanly(self):
+        self.node()
+        node = sys.modules["waystone_ros2.node"]
+        rclpy = sys.modules["rclpy"]
+        for signal in (KeyboardInterrupt, sys.modules["rclpy.executors"].ExternalShutdownException):
+            rclpy.spin.side_effect = signal
+            node.main()
+            self.assertTrue(rclpy.spin.call_args.args[0].destroyed)
+        self.assertEqual(rclpy.try_shutdown.call_count, 2)
 
     def test_tokens(self):
         node = self.node(server=guarded_url, token_file=str(token_file))

@@ -27,7 +27,7 @@ UNKNOWN_ANGLE_VARIANCE = math.pi**2 / 3  # rad^2, of a uniform angle in (-pi, pi
 
 
 class ConversionError(Exception):
-    """An image that can't be sent; one line with cause and remedy."""
+    """An image that can't be sent, or an answer without a usable pose; one line, cause and remedy."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -65,19 +65,28 @@ def pose_of(answer: Mapping[str, Any], options: PoseOptions = PoseOptions()) -> 
     """The pose of a server's answer; None unless its verdict is "localized".
 
     A heading turns counter-clockwise seen from above (REP 103). One "of" the building is in the
-    frame "MAP/building", where nothing is known of the position.
+    frame "MAP/building", where nothing is known of the position. Raises ConversionError if `answer`
+    isn't one that the contract allows.
     """
+    try:
+        return _pose_of(answer, options)
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        detail = f"the answer isn't one of Waystone's ({type(error).__name__}: {error})"
+        raise ConversionError(f"{detail}; check the address of the server") from error
+
+
+def _pose_of(answer: Mapping[str, Any], options: PoseOptions) -> Pose | None:
     place = answer["place"]
     if answer["verdict"] != "localized" or place is None:
         return None
     given = answer.get("pose")
     if given and given["unit"] == "metres":
-        return _full_pose(given)
+        return _checked(_full_pose(given))
     heading = place["heading"]
     x, y, across_m, up_m = _position_of(place, options)
     yaw_rad = heading["rad"] if heading else 0.0
     variances = [deviation_m**2 for deviation_m in (across_m, across_m, up_m)]
-    return Pose(
+    pose = Pose(
         frame_id=f"{answer['map']}/{_frame_of(place)}",
         position=(x, y, 0.0),
         orientation=(0.0, 0.0, math.sin(yaw_rad / 2), math.cos(yaw_rad / 2)),
@@ -85,6 +94,24 @@ def pose_of(answer: Mapping[str, Any], options: PoseOptions = PoseOptions()) -> 
         position_known=across_m < options.unknown_deviation_m,
         heading_known=heading is not None,
     )
+    return _checked(pose)
+
+
+def _checked(pose: Pose) -> Pose:
+    """The pose as floats, all of them finite: ROS takes no others, and filters keep a NaN for good."""
+    if not isinstance(pose.frame_id, str):
+        raise TypeError("the frame is no text")
+    pose = dataclasses.replace(
+        pose,
+        position=tuple(map(float, pose.position)),
+        orientation=tuple(map(float, pose.orientation)),
+        covariance=tuple(map(float, pose.covariance)),
+    )
+    if len(pose.covariance) != 36:
+        raise ValueError("the covariance isn't 6 x 6")
+    if not all(map(math.isfinite, pose.position + pose.orientation + pose.covariance)):
+        raise ValueError("a number isn't finite")
+    return pose
 
 
 def _full_pose(given: Mapping[str, Any]) -> Pose:
@@ -94,7 +121,7 @@ def _full_pose(given: Mapping[str, Any]) -> Pose:
         frame_id=given["frame"],
         position=(x, y, z),
         orientation=(qx, qy, qz, qw),
-        covariance=tuple(float(value) for row in given["covariance"] for value in row),
+        covariance=tuple(value for row in given["covariance"] for value in row),
         position_known=True,
         heading_known=True,
     )

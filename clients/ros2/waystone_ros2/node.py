@@ -4,6 +4,7 @@ import json
 
 import rclpy
 from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CompressedImage
@@ -62,14 +63,18 @@ class WaystoneNode(Node):
         try:
             photo = Image(name, convert(message))
             answer = self._client.localize(photo, map=self._map, options=self._options)
+            pose = pose_of(answer, self._pose_options)
+            if pose is None:
+                return
+            self._pose.publish(_message_of(pose, header.stamp))
+            self._answer.publish(String(data=json.dumps(answer)))
         except (ConversionError, WaystoneError) as error:
-            self.get_logger().warning(str(error), throttle_duration_sec=QUIET_S)
-            return
-        pose = pose_of(answer, self._pose_options)
-        if pose is None:
-            return
-        self._pose.publish(_message_of(pose, header.stamp))
-        self._answer.publish(String(data=json.dumps(answer)))
+            self._warn(str(error))
+        except Exception as error:  # one image mustn't end the node: the next one is asked about
+            self._warn(f"image {name} is dropped: {type(error).__name__}: {error}")
+
+    def _warn(self, text):
+        self.get_logger().warning(text, throttle_duration_sec=QUIET_S)
 
 
 def _message_of(pose: Pose, stamp):
@@ -96,7 +101,7 @@ def main():
     node = WaystoneNode()
     try:
         rclpy.spin(node)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, ExternalShutdownException):  # SIGINT; SIGTERM
         pass
     finally:
         node.destroy_node()

@@ -149,6 +149,28 @@ class PoseTest(unittest.TestCase):
         self.assertEqual(variances(pose)[:3], [1e6] * 3)
         self.assertEqual(variances(pose_of(panorama(deviation=1e9)))[0], 1e6)
 
+    def test_what_is_no_answer_is_told(self):
+        full = answer() | {"pose": FullPoseTest.GIVEN}
+        strangers = [None, [], "localized", {}, {"fine": True}, {"verdict": "localized"},
+                     answer() | {"place": [1]}, answer() | {"place": {}}, answer(heading="north"),
+                     answer(heading=heading(None)), answer(heading=heading(1, math.nan)),
+                     answer(heading=heading(math.inf)), answer(heading=heading(0, 1e200)),
+                     answer() | {"pose": "here"},
+                     panorama(metres_per_unit="2"), panorama(deviation=None)]  # fmt: skip
+        for wrong in ({"frame": 7}, {"position": [1, 2]}, {"position": [1, 2, math.nan]},
+                      {"orientation": [0, 0, 0, "w"]}, {"covariance": [[0.1] * 6] * 5},
+                      {"covariance": [[math.inf] * 6] * 6}, {"covariance": None}):
+            strangers.append(full | {"pose": FullPoseTest.GIVEN | wrong})
+        for stranger in strangers:
+            with self.subTest(stranger), self.assertRaisesRegex(ConversionError, "isn't one of"):
+                pose_of(stranger)
+
+    def test_numbers_without_a_point_become_floats(self):
+        given = FullPoseTest.GIVEN | {"position": [1, 2, 3], "orientation": [0, 0, 0, 1]}
+        for pose in (pose_of(answer() | {"pose": given}), pose_of(answer(heading=heading(1, 0)))):
+            numbers = pose.position + pose.orientation + pose.covariance
+            self.assertEqual({type(number) for number in numbers}, {float})
+
     def test_lengths_are_above_zero(self):
         for bad in (0, -1, math.inf, math.nan):
             with self.assertRaisesRegex(ValueError, "position_deviation_m"):
