@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""generate_js_client.py OPENAPI FOLDER [--check]: writes FOLDER/waystone.js and waystone.d.ts.
+"""generate_js_client.py OPENAPI FOLDER [--check]: writes waystone.js, waystone.d.ts and package.json.
 
 A type for every schema of the contract and a method for every operation that has a JSON, text or image
 answer; scripts/js_client/client.js has what they share. With --check nothing is written: exits with 1
 when the files aren't what the contract gives.
 """
+import json
 import pathlib
 import re
 import sys
@@ -99,6 +100,12 @@ class Operation:
             if schema and "next" in schema["properties"] else None
         self.row_type = type_of(schema["properties"][self.rows]["items"]) if self.rows else None
 
+    def kind(self):
+        """What every answer is, as the client tells it by its Content-Type; None where it depends."""
+        kinds = {"json" if media == "application/json" else "image" if media.startswith("image/") else "text"
+                 for media in self.content}
+        return kinds.pop() if len(kinds) == 1 else None
+
     def result(self):
         kinds = []
         for media, content in self.content.items():
@@ -127,7 +134,8 @@ class Operation:
         arguments += ["options = {}"] if self.query else []
         target = re.sub(r"{(\w+)}", r"${encodeURIComponent(\1)}", self.path)
         sent = [f'"{self.verb}"', f"`{target}`", "options" if self.query else "{}"]
-        sent += ["photo"] if self.has_body else []
+        sent += ["photo" if self.has_body else "undefined"] if self.has_body or self.kind() else []
+        sent += [f'"{self.kind()}"'] if self.kind() else []
         return f"  {self.name}({', '.join(arguments)}) {{\n    return this.ask({', '.join(sent)});\n  }}\n"
 
 
@@ -151,7 +159,23 @@ def generate(contract):
     schemas = contract["components"]["schemas"]
     types += "\n" + "\n".join(declaration(name, schema) for name, schema in schemas.items())
     licence = "// SPDX-License-Identifier: Apache-2.0\n"
-    return {"waystone.js": licence + NOTE + script, "waystone.d.ts": licence + NOTE + types}
+    return {"waystone.js": licence + NOTE + script, "waystone.d.ts": licence + NOTE + types,
+            "package.json": json.dumps(package_of(contract), indent=2) + "\n"}
+
+
+def package_of(contract):
+    """Without "type" Node 18 takes waystone.js for a CommonJS script."""
+    return {
+        "name": "waystone-client",
+        "version": contract["info"]["version"],
+        "description": "Asks a Waystone server where photos were taken",
+        "license": contract["info"]["license"]["identifier"],
+        "type": "module",
+        "main": "waystone.js",
+        "exports": {".": {"types": "./waystone.d.ts", "default": "./waystone.js"}},
+        "types": "waystone.d.ts",
+        "engines": {"node": ">=18"},
+    }
 
 
 def main():

@@ -14,6 +14,7 @@ export class WaystoneError extends Error {
 
 const kLists = { listMaps: "maps", listJobs: "jobs", listPlanes: "planes", listFeatures: "features", listViews: "views", listKeyframes: "keyframes", listAppearanceNodes: "nodes", listLoops: "loops", listOrientationFrames: "frames", listTurns: "turns", listCorridors: "corridors" };
 const kDefaultRetryS = 1;
+const kLongestMs = 2 ** 31 - 1; // that a timer waits; with more it fires at once
 
 const sleep = (ms) => new Promise((wake) => setTimeout(wake, ms));
 
@@ -32,17 +33,31 @@ function queryOf(options) {
   return given.length ? "?" + new URLSearchParams(given.map(([name, value]) => [name, String(value)])) : "";
 }
 
+// What a Content-Type is: "json", "image", "text", or "page", which no method asks for.
+function kindOf(type) {
+  const media = type.split(";")[0].trim().toLowerCase();
+  if (media === "application/json") return "json";
+  if (media.startsWith("image/")) return "image";
+  return media === "text/html" || media === "application/xhtml+xml" ? "page" : "text";
+}
+
+const notOurs = (response, instead) =>
+  new WaystoneError("bad_answer", response.status, `the server responded with ${instead}; check its address`);
+
 async function problemOf(response) {
   let problem = null;
   try {
     problem = await response.json();
-  } catch {
+  } catch (error) {
+    if (error.name === "TimeoutError") throw error;
     // Told below: not every server that answers is ours.
   }
   if (typeof problem?.code === "string") {
     return new WaystoneError(problem.code, response.status, String(problem.detail ?? problem.title));
   }
-  return new WaystoneError("bad_answer", response.status, `the server responded with ${response.status}, without JSON of Waystone`);
+  // A browser doesn't tell the status of a redirect.
+  const status = response.type === "opaqueredirect" ? "a redirect" : response.status;
+  return notOurs(response, `${status}, without JSON of Waystone`);
 }
 
 // Runs in browsers and in Node 18 and later, on fetch alone.
@@ -54,24 +69,35 @@ export class Client {
     this.retries = retries;
   }
 
-  // One request: JSON parsed, an image as a Blob, else text. A server that is busy is asked again
-  // after its Retry-After, `retries` times at most and not beyond the timeout.
-  async ask(verb, path, options = {}, photo = undefined) {
-    const end = Date.now() + this.timeout_ms;
+  // One request: JSON parsed, an image as a Blob, else text; another kind than `kind` ("json",
+  // "image" or "text") is an error. A server that is busy is asked again after its Retry-After,
+  // `retries` times at most and not beyond the timeout.
+  async ask(verb, path, options = {}, photo = undefined, kind = null) {
+    const end = Date.now() + this.patience();
     for (let left = this.retries; ; --left) {
       const response = await this.send(verb, path + queryOf(options), photo, end - Date.now());
-      if (response.ok) return this.read(response);
+      if (response.ok) return this.read(response, kind);
       const after = Number(response.headers.get("Retry-After") ?? kDefaultRetryS);
       const wait = 1000 * (after >= 0 ? after : kDefaultRetryS);
-      if (response.status !== 429 || left <= 0 || Date.now() + wait >= end) throw await problemOf(response);
+      if (response.status !== 429 || left <= 0 || Date.now() + wait >= end) throw await this.problem(response);
       await sleep(wait);
     }
   }
 
+  // The timeout as timers take it: Infinity waits for weeks.
+  patience() {
+    if (typeof this.timeout_ms !== "number" || Number.isNaN(this.timeout_ms)) {
+      throw new WaystoneError("bad_request", 0, `timeout_ms is ${this.timeout_ms}; expected a number of milliseconds`);
+    }
+    return Math.min(this.timeout_ms, kLongestMs);
+  }
+
+  // Redirects aren't followed: what they lead to, as a proxy's page for logging in, is no answer.
   async send(verb, target, photo, patience_ms) {
     const headers = {};
     if (this.token) headers.Authorization = `Bearer ${this.token}`;
-    const init = { method: verb, headers, signal: AbortSignal.timeout(Math.max(1, patience_ms)) };
+    const signal = AbortSignal.timeout(Math.max(1, patience_ms));
+    const init = { method: verb, headers, signal, redirect: "manual" };
     if (photo !== undefined) {
       const [body, type] = bodyOf(photo);
       init.body = body;
@@ -84,14 +110,29 @@ export class Client {
     }
   }
 
-  async read(response) {
+  async read(response, wanted) {
     const type = response.headers.get("Content-Type") ?? "";
+    const kind = kindOf(type);
+    if (kind === "page" || (wanted && kind !== wanted)) {
+      throw notOurs(response, `${type || "something"} instead of ${wanted ?? "an answer"}`);
+    }
     try {
-      if (type.startsWith("application/json")) return await response.json();
-      return type.startsWith("image/") ? await response.blob() : await response.text();
+      if (kind === "image") return await response.blob();
+      if (kind === "text") return await response.text();
+      const value = await response.json();
+      // Every JSON of the contract is an object.
+      if (typeof value === "object" && value !== null && !Array.isArray(value)) return value;
     } catch (error) {
-      if (error instanceof SyntaxError) throw new WaystoneError("bad_answer", response.status, "the response is not JSON");
-      throw this.lost(error);
+      if (!(error instanceof SyntaxError)) throw this.lost(error);
+    }
+    throw notOurs(response, "JSON that isn't Waystone's");
+  }
+
+  async problem(response) {
+    try {
+      return await problemOf(response);
+    } catch (error) {
+      return this.lost(error);
     }
   }
 
@@ -107,69 +148,71 @@ export class Client {
     let cursor;
     do {
       const page = await this[list](...captures, { limit: 1000, cursor });
-      yield* page[kLists[list]];
+      const rows = page[kLists[list]];
+      if (!Array.isArray(rows)) throw new WaystoneError("bad_answer", 200, `the response has no ${kLists[list]}`);
+      yield* rows;
       cursor = page.next;
     } while (cursor);
   }
 
   contract() {
-    return this.ask("GET", `/openapi.json`, {});
+    return this.ask("GET", `/openapi.json`, {}, undefined, "json");
   }
 
   healthz() {
-    return this.ask("GET", `/healthz`, {});
+    return this.ask("GET", `/healthz`, {}, undefined, "text");
   }
 
   readyz() {
-    return this.ask("GET", `/readyz`, {});
+    return this.ask("GET", `/readyz`, {}, undefined, "json");
   }
 
   version() {
-    return this.ask("GET", `/version`, {});
+    return this.ask("GET", `/version`, {}, undefined, "json");
   }
 
   metrics() {
-    return this.ask("GET", `/metrics`, {});
+    return this.ask("GET", `/metrics`, {}, undefined, "text");
   }
 
   listMaps(options = {}) {
-    return this.ask("GET", `/v1/maps`, options);
+    return this.ask("GET", `/v1/maps`, options, undefined, "json");
   }
 
   listJobs(options = {}) {
-    return this.ask("GET", `/v1/jobs`, options);
+    return this.ask("GET", `/v1/jobs`, options, undefined, "json");
   }
 
   getJob(id) {
-    return this.ask("GET", `/v1/jobs/${encodeURIComponent(id)}`, {});
+    return this.ask("GET", `/v1/jobs/${encodeURIComponent(id)}`, {}, undefined, "json");
   }
 
   localizeAcross(photo, options = {}) {
-    return this.ask("POST", `/v1/localize`, options, photo);
+    return this.ask("POST", `/v1/localize`, options, photo, "json");
   }
 
   localize(map, photo, options = {}) {
-    return this.ask("POST", `/v1/maps/${encodeURIComponent(map)}/localize`, options, photo);
+    return this.ask("POST", `/v1/maps/${encodeURIComponent(map)}/localize`, options, photo, "json");
   }
 
   getMap(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}`, {}, undefined, "json");
   }
 
   listPlanes(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/planes`, options);
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/planes`, options, undefined, "json");
   }
 
   getPlane(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/planes/${encodeURIComponent(id)}`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/planes/${encodeURIComponent(id)}`, {}, undefined, "json");
   }
 
   listFeatures(map, id, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/planes/${encodeURIComponent(id)}/features`, options);
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/planes/${encodeURIComponent(id)}/features`, options, undefined, "json");
   }
 
   listViews(map, id, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/planes/${encodeURIComponent(id)}/views`, options);
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/planes/${encodeURIComponent(id)}/views`, options, undefined, "json");
   }
 
   getGraph(map, options = {}) {
@@ -177,102 +220,102 @@ export class Client {
   }
 
   listKeyframes(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes`, options);
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes`, options, undefined, "json");
   }
 
   getKeyframe(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}`, {}, undefined, "json");
   }
 
   getKeyframeImage(map, id, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/image`, options);
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/image`, options, undefined, "image");
   }
 
   getKeyframeThumbnail(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/thumbnail`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/thumbnail`, {}, undefined, "image");
   }
 
   getKeyframeLines(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/lines`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/lines`, {}, undefined, "json");
   }
 
   getKeyframeSpace(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/space`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/space`, {}, undefined, "json");
   }
 
   getOverview(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/overview`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/overview`, {}, undefined, "json");
   }
 
   getPoses(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/poses`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/poses`, {}, undefined, "json");
   }
 
   getNames(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/names`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/names`, {}, undefined, "json");
   }
 
   getFloorPlans(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/plan`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/plan`, {}, undefined, "json");
   }
 
   getFloorPlanImage(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/plan/image`, options);
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/plan/image`, options, undefined, "image");
   }
 
   getAudit(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/audit`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/audit`, {}, undefined, "json");
   }
 
   getAppearance(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance`, {}, undefined, "json");
   }
 
   listAppearanceNodes(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/nodes`, options);
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/nodes`, options, undefined, "json");
   }
 
   getAppearanceNode(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/nodes/${encodeURIComponent(id)}`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/nodes/${encodeURIComponent(id)}`, {}, undefined, "json");
   }
 
   getAppearanceImage(map, id, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/nodes/${encodeURIComponent(id)}/image`, options);
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/nodes/${encodeURIComponent(id)}/image`, options, undefined, "image");
   }
 
   getSignature(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/nodes/${encodeURIComponent(id)}/signature`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/nodes/${encodeURIComponent(id)}/signature`, {}, undefined, "json");
   }
 
   listLoops(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/loops`, options);
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/loops`, options, undefined, "json");
   }
 
   getOrientation(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation`, {}, undefined, "json");
   }
 
   listOrientationFrames(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/frames`, options);
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/frames`, options, undefined, "json");
   }
 
   getOrientationFrame(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/frames/${encodeURIComponent(id)}`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/frames/${encodeURIComponent(id)}`, {}, undefined, "json");
   }
 
   getOrientationImage(map, id, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/nodes/${encodeURIComponent(id)}/image`, options);
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/nodes/${encodeURIComponent(id)}/image`, options, undefined, "image");
   }
 
   getOrientationLines(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/nodes/${encodeURIComponent(id)}/lines`, {});
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/nodes/${encodeURIComponent(id)}/lines`, {}, undefined, "json");
   }
 
   listTurns(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/turns`, options);
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/turns`, options, undefined, "json");
   }
 
   listCorridors(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/corridors`, options);
+    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/corridors`, options, undefined, "json");
   }
 }

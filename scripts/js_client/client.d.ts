@@ -17,10 +17,13 @@ export declare class Client {
   token: string | null;
   timeout_ms: number;
   retries: number;
-  /** `server` is an address without path, or "" in a page that the server gave. */
+  /**
+   * `server` is an address without path, or "" in a page that the server gave. `timeout_ms` may be
+   * Infinity, which waits for weeks.
+   */
   constructor(server?: string, options?: { token?: string | null; timeout_ms?: number; retries?: number });
-  /** One request, as all methods send it. */
-  ask(verb: string, path: string, options?: object, photo?: Photo): Promise<unknown>;
+  /** One request, as all methods send it. An answer of another kind than `kind` is an error. */
+  ask(verb: string, path: string, options?: object, photo?: Photo, kind?: "json" | "image" | "text" | null): Promise<unknown>;
   // ROWS
   // OPERATIONS
 }

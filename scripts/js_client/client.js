@@ -12,6 +12,7 @@ export class WaystoneError extends Error {
 
 const kLists = { /* LISTS */ };
 const kDefaultRetryS = 1;
+const kLongestMs = 2 ** 31 - 1; // that a timer waits; with more it fires at once
 
 const sleep = (ms) => new Promise((wake) => setTimeout(wake, ms));
 
@@ -30,17 +31,31 @@ function queryOf(options) {
   return given.length ? "?" + new URLSearchParams(given.map(([name, value]) => [name, String(value)])) : "";
 }
 
+// What a Content-Type is: "json", "image", "text", or "page", which no method asks for.
+function kindOf(type) {
+  const media = type.split(";")[0].trim().toLowerCase();
+  if (media === "application/json") return "json";
+  if (media.startsWith("image/")) return "image";
+  return media === "text/html" || media === "application/xhtml+xml" ? "page" : "text";
+}
+
+const notOurs = (response, instead) =>
+  new WaystoneError("bad_answer", response.status, `the server responded with ${instead}; check its address`);
+
 async function problemOf(response) {
   let problem = null;
   try {
     problem = await response.json();
-  } catch {
+  } catch (error) {
+    if (error.name === "TimeoutError") throw error;
     // Told below: not every server that answers is ours.
   }
   if (typeof problem?.code === "string") {
     return new WaystoneError(problem.code, response.status, String(problem.detail ?? problem.title));
   }
-  return new WaystoneError("bad_answer", response.status, `the server responded with ${response.status}, without JSON of Waystone`);
+  // A browser doesn't tell the status of a redirect.
+  const status = response.type === "opaqueredirect" ? "a redirect" : response.status;
+  return notOurs(response, `${status}, without JSON of Waystone`);
 }
 
 // Runs in browsers and in Node 18 and later, on fetch alone.
@@ -52,24 +67,35 @@ export class Client {
     this.retries = retries;
   }
 
-  // One request: JSON parsed, an image as a Blob, else text. A server that is busy is asked again
-  // after its Retry-After, `retries` times at most and not beyond the timeout.
-  async ask(verb, path, options = {}, photo = undefined) {
-    const end = Date.now() + this.timeout_ms;
+  // One request: JSON parsed, an image as a Blob, else text; another kind than `kind` ("json",
+  // "image" or "text") is an error. A server that is busy is asked again after its Retry-After,
+  // `retries` times at most and not beyond the timeout.
+  async ask(verb, path, options = {}, photo = undefined, kind = null) {
+    const end = Date.now() + this.patience();
     for (let left = this.retries; ; --left) {
       const response = await this.send(verb, path + queryOf(options), photo, end - Date.now());
-      if (response.ok) return this.read(response);
+      if (response.ok) return this.read(response, kind);
       const after = Number(response.headers.get("Retry-After") ?? kDefaultRetryS);
       const wait = 1000 * (after >= 0 ? after : kDefaultRetryS);
-      if (response.status !== 429 || left <= 0 || Date.now() + wait >= end) throw await problemOf(response);
+      if (response.status !== 429 || left <= 0 || Date.now() + wait >= end) throw await this.problem(response);
       await sleep(wait);
     }
   }
 
+  // The timeout as timers take it: Infinity waits for weeks.
+  patience() {
+    if (typeof this.timeout_ms !== "number" || Number.isNaN(this.timeout_ms)) {
+      throw new WaystoneError("bad_request", 0, `timeout_ms is ${this.timeout_ms}; expected a number of milliseconds`);
+    }
+    return Math.min(this.timeout_ms, kLongestMs);
+  }
+
+  // Redirects aren't followed: what they lead to, as a proxy's page for logging in, is no answer.
   async send(verb, target, photo, patience_ms) {
     const headers = {};
     if (this.token) headers.Authorization = `Bearer ${this.token}`;
-    const init = { method: verb, headers, signal: AbortSignal.timeout(Math.max(1, patience_ms)) };
+    const signal = AbortSignal.timeout(Math.max(1, patience_ms));
+    const init = { method: verb, headers, signal, redirect: "manual" };
     if (photo !== undefined) {
       const [body, type] = bodyOf(photo);
       init.body = body;
@@ -82,14 +108,29 @@ export class Client {
     }
   }
 
-  async read(response) {
+  async read(response, wanted) {
     const type = response.headers.get("Content-Type") ?? "";
+    const kind = kindOf(type);
+    if (kind === "page" || (wanted && kind !== wanted)) {
+      throw notOurs(response, `${type || "something"} instead of ${wanted ?? "an answer"}`);
+    }
     try {
-      if (type.startsWith("application/json")) return await response.json();
-      return type.startsWith("image/") ? await response.blob() : await response.text();
+      if (kind === "image") return await response.blob();
+      if (kind === "text") return await response.text();
+      const value = await response.json();
+      // Every JSON of the contract is an object.
+      if (typeof value === "object" && value !== null && !Array.isArray(value)) return value;
     } catch (error) {
-      if (error instanceof SyntaxError) throw new WaystoneError("bad_answer", response.status, "the response is not JSON");
-      throw this.lost(error);
+      if (!(error instanceof SyntaxError)) throw this.lost(error);
+    }
+    throw notOurs(response, "JSON that isn't Waystone's");
+  }
+
+  async problem(response) {
+    try {
+      return await problemOf(response);
+    } catch (error) {
+      return this.lost(error);
     }
   }
 
@@ -105,7 +146,9 @@ export class Client {
     let cursor;
     do {
       const page = await this[list](...captures, { limit: 1000, cursor });
-      yield* page[kLists[list]];
+      const rows = page[kLists[list]];
+      if (!Array.isArray(rows)) throw new WaystoneError("bad_answer", 200, `the response has no ${kLists[list]}`);
+      yield* rows;
       cursor = page.next;
     } while (cursor);
   }

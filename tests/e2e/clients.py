@@ -409,15 +409,42 @@ console.log(JSON.stringify(said));
 """
 
 
+def copy_js_client():
+    for name in ("waystone.js", "package.json"):
+        shutil.copy(JS / name, folder)
+
+
 @unittest.skipUnless(shutil.which("node"), "Node is missing; its client is tested where it is")
 class JsTest(unittest.TestCase):
     def ask(self, server, token="", timeout_ms=PATIENCE_S * 1000):
         (folder / "ask.mjs").write_text(JS_SCRIPT)
-        shutil.copy(JS / "waystone.js", folder)
+        copy_js_client()
         done = subprocess.run(["node", "ask.mjs", server, token, NAME, str(timeout_ms)], cwd=folder, capture_output=True, text=True,
                               timeout=PATIENCE_S)  # fmt: skip
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         return json.loads(done.stdout)
+
+    def test_answers_of_another_kind_are_told(self):
+        page = {"Content-Type": "text/html; charset=utf-8"}
+        ours = {"Content-Type": "application/json"}
+        login = (302, {"Location": "/login"}, b"")
+        for stranger in ((200, page, b"<html>"), (200, {}, b"{}"), (200, {"Content-Type": "image/png"}, b""),
+                         (200, ours, b"<html>"), (200, ours, b"null"), (200, ours, b"[]"), login):
+            with self.subTest(stranger), scripted(*[stranger] * 3) as (address, requests):
+                self.assertEqual(self.ask(address), [["bad_answer", stranger[0]]] * 3)
+                self.assertEqual(len(requests), 3)
+        with scripted(*[(200, ours, b"{}")] * 3) as (address, _):
+            self.assertEqual(self.ask(address), [{}, {}, ["bad_answer", 200]])
+
+    def test_a_stalled_problem_ends_with_the_timeout(self):
+        stalled = (500, {"Content-Length": "600"}, [b" "] * 600)
+        with scripted(*[stalled] * 3) as (address, _):
+            self.assertEqual(self.ask(address, timeout_ms=300), [["timeout", 0]] * 3)
+
+    def test_timeouts_may_be_without_end_but_no_nonsense(self):
+        for endless in ("Infinity", "1e300", str(2**31)):
+            self.assertEqual(self.ask(url, timeout_ms=endless)[1], ["not_found", 404])
+        self.assertEqual(self.ask(url, timeout_ms="NaN"), [["bad_request", 0]] * 3)
 
     def test_problems_tokens_and_pages(self):
         maps, missing, ids = self.ask(guarded_url, TOKEN)
@@ -464,7 +491,7 @@ class ReadmeTest(unittest.TestCase):
     @unittest.skipUnless(shutil.which("node"), "Node is missing; its client is tested where it is")
     def test_js(self):
         (folder / "example.mjs").write_text(block(JS / "README.md", "js"))
-        shutil.copy(JS / "waystone.js", folder)
+        copy_js_client()
         done = subprocess.run(["node", "example.mjs"], cwd=folder, capture_output=True, text=True,
                               timeout=PATIENCE_S)  # fmt: skip
         self.assertEqual((done.returncode, done.stderr), (0, ""))
