@@ -612,6 +612,19 @@ class NodeTest(unittest.TestCase):
         for at, variance in ((0, 0.01), (7, 0.01), (14, 1e6), (35, 0.01)):
             self.assertAlmostEqual(pose.pose.covariance[at], variance)
 
+    def test_a_pose_in_metres_names_its_map_unless_one_is_asked(self):
+        pose = {"frame": "map", "unit": "metres", "position": [1, 2, 3], "orientation": [0, 0, 0, 1],
+                "covariance": [[0.1] * 6] * 6, "inliers": 50, "camera": "query"}  # fmt: skip
+        place = {"layer": "planes", "id": 1, "position": None, "heading": None}
+        for given, frame in (({}, "hall/map"), ({"map": "hall"}, "map")):
+            known = {"verdict": "localized", "map": "hall", "place": place, "pose": pose}
+            with scripted((200, {}, json.dumps(known).encode())) as (address, _):
+                node = self.node(server=address, **given)
+                node.subscriptions_made["image/compressed"](self.photo(INSIDE))
+            self.assertEqual(node.warnings, [])
+            (sent,) = node.published["~/pose"]
+            self.assertEqual(sent.header.frame_id, frame)
+
     def test_silence_for_an_unknown_one(self):
         node = self.node()
         node.subscriptions_made["image/compressed"](self.photo(ELSEWHERE))

@@ -13,7 +13,9 @@ What the two kinds of maps give, and what they can't give:
   unknown unless they do.
 - A map that was built with poses in metres: the camera's pose in their frame, in six degrees of
   freedom, with its whole covariance. The camera has x right, y down, z forward, as optical frames
-  of ROS have; a panorama's looks ahead where its middle column does.
+  of ROS have; a panorama's looks ahead where its middle column does. The frame is "FRAME" as the
+  map was built, or "MAP/FRAME": several maps' frames may have one name, mostly "map".
+- In the other frames an orientation is a yaw about z, of a body that looks along x (REP 103).
 - A heading only where the answer has one. Without it, and always for roll and pitch, the angle is
   unknown: its variance is that of an angle which is equally likely everywhere, pi^2 / 3. Maps
   without poses don't know the height.
@@ -41,6 +43,9 @@ class PoseOptions:
     # Standard deviation that stands for "unknown", m, above 0: larger than the map, small enough
     # that filters can invert the covariance.
     unknown_deviation_m: float = 1000.0
+    # Whether the frame of a map's poses is called "MAP/FRAME" as all others are, which tells the
+    # frames of several maps apart. "FRAME" alone is for who asks one map.
+    map_in_frame: bool = False
 
     def __post_init__(self) -> None:
         for name in ("position_deviation_m", "unknown_deviation_m"):
@@ -81,7 +86,7 @@ def _pose_of(answer: Mapping[str, Any], options: PoseOptions) -> Pose | None:
         return None
     given = answer.get("pose")
     if given and given["unit"] == "metres":
-        return _checked(_full_pose(given))
+        return _checked(_full_pose(given, f"{answer['map']}/" if options.map_in_frame else ""))
     heading = place["heading"]
     x, y, across_m, up_m = _position_of(place, options)
     yaw_rad = heading["rad"] if heading else 0.0
@@ -99,8 +104,6 @@ def _pose_of(answer: Mapping[str, Any], options: PoseOptions) -> Pose | None:
 
 def _checked(pose: Pose) -> Pose:
     """The pose as floats, all of them finite: ROS takes no others, and filters keep a NaN for good."""
-    if not isinstance(pose.frame_id, str):
-        raise TypeError("the frame is no text")
     pose = dataclasses.replace(
         pose,
         position=tuple(map(float, pose.position)),
@@ -114,11 +117,11 @@ def _checked(pose: Pose) -> Pose:
     return pose
 
 
-def _full_pose(given: Mapping[str, Any]) -> Pose:
+def _full_pose(given: Mapping[str, Any], prefix: str) -> Pose:
     x, y, z = given["position"]
     qx, qy, qz, qw = given["orientation"]
     return Pose(
-        frame_id=given["frame"],
+        frame_id=prefix + given["frame"],
         position=(x, y, z),
         orientation=(qx, qy, qz, qw),
         covariance=tuple(value for row in given["covariance"] for value in row),

@@ -43,7 +43,10 @@ class WaystoneNode(Node):
                               timeout_s=value["timeout_s"], retries=0)  # fmt: skip
         self._map = value["map"] or None
         self._options = Options(fov_deg=value["fov_deg"] or None)
-        self._pose_options = PoseOptions(position_deviation_m=value["position_deviation_m"] or None)
+        self._pose_options = PoseOptions(
+            position_deviation_m=value["position_deviation_m"] or None,
+            map_in_frame=self._map is None,
+        )
         self._pose = self.create_publisher(PoseWithCovarianceStamped, "~/pose", 1)
         self._answer = self.create_publisher(String, "~/answer", 1)
         if value["compressed"]:

@@ -71,6 +71,13 @@ class FullPoseTest(unittest.TestCase):
         self.assertEqual(pose.covariance[1], 0.01)
         self.assertTrue(pose.position_known and pose.heading_known)
 
+    def test_the_frames_of_several_maps_are_told_apart(self):
+        options = PoseOptions(map_in_frame=True)
+        for name in ("lab", "hall"):
+            found = answer() | {"map": name, "pose": self.GIVEN | {"frame": "map"}}
+            self.assertEqual(pose_of(found, options).frame_id, f"{name}/map")
+            self.assertEqual(pose_of(found).frame_id, "map")
+
     def test_without_metres_or_pose_the_place_is_what_is_known(self):
         for given in (self.GIVEN | {"unit": "unknown"}, None):
             self.assertEqual(pose_of(answer() | {"pose": given}).frame_id, "lab/keyframe_17")
