@@ -445,6 +445,20 @@ class AsyncClient:
         return await asyncio.to_thread(self._client.maps)
 
 
+def read_token_file(path: str | os.PathLike[str]) -> str:
+    """The first token of a file as `waystone serve --token-file` reads it: one token per line, blank
+    lines and lines with # skipped. Raises ValueError."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            lines = [line.strip() for line in file]
+    except (OSError, ValueError) as error:
+        raise ValueError(f"the token file {path} can't be read: {error}") from error
+    for line in lines:
+        if line and not line.startswith("#"):
+            return line
+    raise ValueError(f"the token file {path} has no token; expected one per line")
+
+
 def _read(response: http.client.HTTPResponse, socket: Any, end: float) -> bytes:
     """The body, piece by piece, as a server that sends slowly mustn't outlive `end`."""
     length = response.length  # None when it comes in chunks
@@ -527,7 +541,7 @@ def _arguments() -> argparse.ArgumentParser:
     add("photos", nargs="+", help="image files")
     add("--server", default=DEFAULT_SERVER, metavar="URL", help="default: %(default)s")
     add("--map", metavar="NAME", help="query this map instead of all")
-    add("--token-file", metavar="FILE", help="file with the token on its first line; default: $WAYSTONE_TOKEN")
+    add("--token-file", metavar="FILE", help="file with the token; default: $WAYSTONE_TOKEN")
     add("--together", action="store_true", help="send all images as one query: a rig, or a series")
     add("--timeout", type=float, default=30.0, metavar="S", help="timeout per image in seconds (%(default)s)")
     add("--retries", type=int, default=3, metavar="N", help="retries if the server is busy (%(default)s)")
@@ -546,11 +560,7 @@ def _arguments() -> argparse.ArgumentParser:
 def _token(path: str | None) -> str | None:
     if path is None:
         return os.environ.get("WAYSTONE_TOKEN") or None
-    try:
-        with open(path, encoding="utf-8") as file:
-            return file.readline().strip()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ValueError(f"the token file {path} can't be read: {error}") from error
+    return read_token_file(path)
 
 
 def _line(answer: Answer) -> str:

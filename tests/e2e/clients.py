@@ -10,6 +10,7 @@ import asyncio
 import contextlib
 import email.utils
 import http.server
+import io
 import json
 import os
 import pathlib
@@ -114,6 +115,13 @@ def scripted(*responses):
         server.shutdown()
         thread.join()
         server.server_close()
+
+
+def commented_token_file():
+    """The servers' token in a file as they read it, too."""
+    path = folder / "commented"
+    path.write_bytes(b"# of the robots\r\n\r\n" + TOKEN.encode() + b"\r\nanother-secret-token\n")
+    return path
 
 
 def problem(code, status):
@@ -364,6 +372,7 @@ class ProgramTest(unittest.TestCase):
     def test_tokens_from_file_and_environment(self):
         asked = ("--server", guarded_url, INSIDE)
         self.assertEqual(run(*asked, "--token-file", str(token_file))[0], 0)
+        self.assertEqual(run(*asked, "--token-file", str(commented_token_file()))[0], 0)
         self.assertEqual(run(*asked, WAYSTONE_TOKEN=TOKEN)[0], 0)
         code, _, err = run(*asked)
         self.assertEqual(code, 3)
@@ -372,7 +381,9 @@ class ProgramTest(unittest.TestCase):
     def test_errors_are_a_line_and_a_code(self):
         code, out, err = run("--server", url, str(folder / "none.jpg"), INSIDE)
         self.assertEqual((code, len(out.splitlines()), len(err.splitlines())), (3, 1, 1))
+        (folder / "empty").write_text("# none yet\n\n")
         for usage in (["--server", "nowhere", INSIDE], ["--token-file", "/none", INSIDE],
+                      ["--token-file", str(folder / "empty"), INSIDE],
                       ["--timeout", "0", INSIDE]):
             code, _, err = run(*usage)
             self.assertEqual((code, len(err.splitlines())), (2, 1), usage)
@@ -526,8 +537,11 @@ class StandInNode:
         self.published = {}
         self.warnings = []
 
-    def declare_parameter(self, name, default):
-        return types.SimpleNamespace(value=self.parameters.get(name, default))
+    def declare_parameter(self, name, default, descriptor=None):
+        value = self.parameters.get(name, default)
+        if type(value) is not type(default) and not (descriptor and descriptor.dynamic_typing):
+            raise TypeError(f"InvalidParameterTypeException: {name} is {value!r}")
+        return types.SimpleNamespace(value=value)
 
     def create_publisher(self, kind, topic, depth):
         sent = self.published.setdefault(topic, [])
@@ -547,8 +561,9 @@ class StandInNode:
 def stand_ins():
     """Modules for everything of ROS that node.py imports."""
     modules = {name: types.ModuleType(name) for name in (
-        "rclpy", "rclpy.executors", "rclpy.node", "rclpy.qos", "geometry_msgs", "geometry_msgs.msg", "sensor_msgs",
+        "rcl_interfaces", "rcl_interfaces.msg", "rclpy", "rclpy.executors", "rclpy.node", "rclpy.qos", "geometry_msgs", "geometry_msgs.msg", "sensor_msgs",
         "sensor_msgs.msg", "std_msgs", "std_msgs.msg")}  # fmt: skip
+    modules["rcl_interfaces.msg"].ParameterDescriptor = types.SimpleNamespace
     for name in ("init", "spin", "try_shutdown"):
         setattr(modules["rclpy"], name, mock.MagicMock())
     modules["rclpy.executors"].ExternalShutdownException = type(
@@ -678,14 +693,43 @@ class NodeTest(unittest.TestCase):
         rclpy = sys.modules["rclpy"]
         for signal in (KeyboardInterrupt, sys.modules["rclpy.executors"].ExternalShutdownException):
             rclpy.spin.side_effect = signal
-            node.main()
+            self.assertEqual(node.main(), 0)
             self.assertTrue(rclpy.spin.call_args.args[0].destroyed)
         self.assertEqual(rclpy.try_shutdown.call_count, 2)
+
+    def test_whole_numbers_are_numbers(self):
+        node = self.node(map=NAME, fov_deg=63, timeout_s=PATIENCE_S, position_deviation_m=2)
+        node.subscriptions_made["image/compressed"](self.photo(INSIDE))
+        (pose,), (answer,) = node.published["~/pose"], node.published["~/answer"]
+        self.assertEqual(pose.pose.covariance[0], 4)
+        self.assertEqual(json.loads(answer.data)["camera"]["source"], "fov")
+
+    def test_parameters_of_another_type_are_told(self):
+        for name, value in (("fov_deg", "wide"), ("fov_deg", True), ("compressed", 1), ("map", 12),
+                            ("timeout_s", [2.0]), ("token_file", None)):
+            with self.assertRaisesRegex(ValueError, f"parameter {name} is .*; expected "):
+                self.node(**{name: value})
+
+    def test_wrong_parameters_end_the_program_with_a_line(self):
+        self.node()
+        node = sys.modules["waystone_ros2.node"]
+        for wrong in ({"fov_deg": "wide"}, {"server": "nowhere"}, {"token_file": "/none"},
+                      {"position_deviation_m": -1.0}):
+            said = io.StringIO()
+            with mock.patch.object(StandInNode, "parameters", wrong), contextlib.redirect_stderr(said):
+                self.assertEqual(node.main(), 2)
+            self.assertRegex(said.getvalue(), r"\Awaystone: .+\n\Z")
+        sys.modules["rclpy"].spin.assert_not_called()
 
     def test_tokens(self):
         node = self.node(server=guarded_url, token_file=str(token_file))
         node.subscriptions_made["image/compressed"](self.photo(INSIDE))
         self.assertEqual(len(node.published["~/pose"]), 1)
+
+    def test_tokens_below_a_comment(self):
+        node = self.node(server=guarded_url, token_file=str(commented_token_file()))
+        node.subscriptions_made["image/compressed"](self.photo(INSIDE))
+        self.assertEqual((len(node.published["~/pose"]), node.warnings), (1, []))
 
 
 if __name__ == "__main__":

@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node waystone: images in, a pose out when the server knows the place. See README.md."""
 import json
+import sys
 
 import rclpy
 from geometry_msgs.msg import PoseWithCovarianceStamped
+from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CompressedImage
 from sensor_msgs.msg import Image as RawImage
 from std_msgs.msg import String
-from waystone_client import Client, Image, Options, WaystoneError
+from waystone_client import Client, Image, Options, WaystoneError, read_token_file
 
 from waystone_ros2.conversion import (
     ConversionError,
@@ -34,13 +36,14 @@ class WaystoneNode(Node):
 
     def __init__(self):
         super().__init__("waystone")
-        value = {name: self.declare_parameter(name, default).value for name, default in (
+        value = {name: self._parameter(name, default) for name, default in (
             ("server", "http://127.0.0.1:8080"), ("map", ""), ("token_file", ""),
             ("timeout_s", 2.0), ("fov_deg", 0.0), ("compressed", True),
             ("position_deviation_m", 0.0))}  # fmt: skip
         # No retries: the next image is younger than this one would be.
-        self._client = Client(value["server"], token=_token(value["token_file"]),
-                              timeout_s=value["timeout_s"], retries=0)  # fmt: skip
+        token = read_token_file(value["token_file"]) if value["token_file"] else None
+        self._client = Client(value["server"], token=token, timeout_s=value["timeout_s"],
+                              retries=0)  # fmt: skip
         self._map = value["map"] or None
         self._options = Options(fov_deg=value["fov_deg"] or None)
         self._pose_options = PoseOptions(
@@ -54,6 +57,18 @@ class WaystoneNode(Node):
         else:
             kind, topic, callback = RawImage, "image", self._on_raw
         self.create_subscription(kind, topic, callback, NEWEST)
+
+    def _parameter(self, name, default):
+        """A parameter of the default's type. ROS takes `63` for an integer, no float, and would
+        refuse it."""
+        descriptor = ParameterDescriptor(dynamic_typing=True)
+        value = self.declare_parameter(name, default, descriptor).value
+        if isinstance(default, float) and type(value) is int:
+            return float(value)
+        if type(value) is not type(default):
+            kind = {str: "text", bool: "true or false", float: "a number"}[type(default)]
+            raise ValueError(f"the parameter {name} is {value!r}; expected {kind}")
+        return value
 
     def _on_compressed(self, message):
         self._ask(message.header, bytes_of_compressed, message)
@@ -91,21 +106,20 @@ def _message_of(pose: Pose, stamp):
     return message
 
 
-def _token(path):
-    if not path:
-        return None
-    with open(path, encoding="utf-8") as file:
-        return file.readline().strip()
-
-
 def main():
-    """The program of `ros2 run waystone_ros2 waystone`."""
+    """The program of `ros2 run waystone_ros2 waystone`. Returns its exit code."""
     rclpy.init()
-    node = WaystoneNode()
+    node = None
     try:
+        node = WaystoneNode()
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):  # SIGINT; SIGTERM
         pass
+    except ValueError as error:  # of a parameter
+        print(f"waystone: {error}", file=sys.stderr)
+        return 2
     finally:
-        node.destroy_node()
+        if node is not None:
+            node.destroy_node()
         rclpy.try_shutdown()
+    return 0
