@@ -11,20 +11,24 @@ As a program: waystone-localize --help. The fields are those of clients/openapi.
 """
 import argparse
 import asyncio
+import contextlib
 import dataclasses
 import email.utils
 import http.client
 import json
 import os
 import secrets
+import socket
 import sys
+import threading
 import time
 import urllib.parse
-from collections.abc import Iterator, Sequence
+from collections.abc import AsyncIterator, Iterator, Sequence
 from typing import Any, Literal, NotRequired, TypedDict
 
 DEFAULT_SERVER = "http://127.0.0.1:8080"
 READ_CHUNK = 1 << 16  # bytes
+MAX_TIMEOUT_S = 1e6  # what timers take
 MAX_ANSWER = 100 << 20  # bytes; a server doesn't send more
 DEFAULT_RETRY_S = 1.0  # wait after a 429 that doesn't say how long
 
@@ -207,7 +211,8 @@ class Image:
     data: bytes
 
 
-Photo = str | os.PathLike[str] | bytes | Image  # a path, encoded bytes, or bytes with a name
+Encoded = bytes | bytearray | memoryview
+Photo = str | os.PathLike[str] | Encoded | Image  # a path, encoded bytes, or bytes with a name
 
 
 @dataclasses.dataclass(frozen=True)
@@ -267,13 +272,17 @@ def _previous_to_json(answer: Answer) -> dict[str, Any] | None:
 def _image_of(photo: Photo, number: int) -> Image:
     if isinstance(photo, Image):
         return photo
-    if isinstance(photo, bytes):
-        return Image(f"image-{number}", photo)
+    if isinstance(photo, Encoded):
+        return Image(f"image-{number}", bytes(photo))
+    if not isinstance(photo, str | os.PathLike):
+        kind = type(photo).__name__
+        raise TypeError(f"photo {number} is of type {kind}; expected a path, bytes or an Image")
     try:
         with open(photo, "rb") as file:
             return Image(os.fspath(photo), file.read())
-    except OSError as error:
-        detail = f"{os.fspath(photo)}: {error.strerror}; check the path and its permissions"
+    except (OSError, ValueError) as error:  # a path with a NUL is a ValueError
+        why = error.strerror if isinstance(error, OSError) else error
+        detail = f"{os.fspath(photo)}: {why}; check the path and its permissions"
         raise WaystoneError("unreadable_photo", 0, detail) from error
 
 
@@ -323,10 +332,13 @@ class Client:
             raise ValueError(f"{url!r} is no server; it looks like {DEFAULT_SERVER}")
         if token is not None and not (token.isascii() and token.isprintable() and token.strip()):
             raise ValueError("the token has letters that can't be sent; it is printable ASCII")
-        if timeout_s <= 0 or retries < 0:
-            raise ValueError("timeout_s is above 0 and retries 0 or more")
+        if not 0 < timeout_s < MAX_TIMEOUT_S or retries < 0:
+            most = f"{MAX_TIMEOUT_S:.0f}"
+            raise ValueError(f"timeout_s is above 0 and below {most}, and retries 0 or more")
         self._secure = parts.scheme == "https"
-        self._host, self._port, self._root = parts.hostname, parts.port, parts.path.rstrip("/")
+        self._host, self._root = parts.hostname, _quoted(parts.path.rstrip("/"))
+        # http.client would look for a port in an IPv6 address.
+        self._port = parts.port or (443 if self._secure else 80)
         self._token = token
         self._timeout_s = timeout_s
         self._retries = retries
@@ -343,7 +355,7 @@ class Client:
         Asks the map of this name, or all of them. Every verdict is an answer.
         """
         listed: Sequence[Photo]
-        listed = [photos] if isinstance(photos, str | os.PathLike | bytes | Image) else photos
+        listed = [photos] if isinstance(photos, str | os.PathLike | Encoded | Image) else photos
         images = [_image_of(photo, number) for number, photo in enumerate(listed, start=1)]
         body, media = _form_of(images, options)
         path = "/v1/localize" if map is None else f"/v1/maps/{_segment(map)}/localize"
@@ -354,17 +366,15 @@ class Client:
 
     def get(self, path: str, **query: str | int) -> Any:
         """The JSON at a path of the API: get("/v1/maps/lab/graph"), get("/version")."""
-        return self._ask("GET", path + ("?" + urllib.parse.urlencode(query) if query else ""))
+        query_text = "?" + urllib.parse.urlencode(query) if query else ""
+        return self._ask("GET", _quoted(path) + query_text)
 
     def rows(self, path: str, *, limit: int = 100) -> Iterator[dict[str, Any]]:
         """All rows of a list, page after page: rows("/v1/maps/lab/planes")."""
-        query: dict[str, str | int] = {"limit": limit}
-        while True:
-            rows, cursor = _rows_of(self.get(path, **query))
+        query: dict[str, str | int] | None = {"limit": limit}
+        while query:
+            rows, query = _rows_of(self.get(path, **query), limit)
             yield from rows
-            if cursor is None:
-                return
-            query["cursor"] = cursor
 
     def maps(self) -> list[dict[str, Any]]:
         """The maps that are served, with their numbers."""
@@ -390,26 +400,36 @@ class Client:
     def _exchange(self, method: str, path: str, body: bytes | None, headers: dict[str, str],
                   end: float) -> tuple[int, http.client.HTTPMessage, bytes]:  # fmt: skip
         kind = http.client.HTTPSConnection if self._secure else http.client.HTTPConnection
-        connection = kind(self._host, self._port)
-        try:
-            connection.timeout = _left_s(end)
-            connection.connect()
-            socket = connection.sock
-            socket.settimeout(_left_s(end))
+        with contextlib.ExitStack() as ended:
             try:
-                connection.request(method, path, body=body, headers=headers)
-            except (BrokenPipeError, ConnectionResetError):
-                pass  # it may have answered without reading everything, as with 413
-            response = connection.getresponse()
-            return response.status, response.headers, _read(response, socket, end)
-        except TimeoutError as error:
-            raise self._too_late() from error
-        except (OSError, http.client.HTTPException) as error:
-            where = f"{connection.host}:{connection.port}"
-            detail = f"no answer from {where}: {error or type(error).__name__}; is the server running?"
-            raise WaystoneError("unreachable", 0, detail) from error
-        finally:
-            connection.close()
+                connection = kind(self._host, self._port, timeout=_left_s(end))
+                ended.callback(connection.close)
+                connection.connect()
+                wire = connection.sock
+                # Each wait for a piece has this timeout, so a server that trickles could take longer.
+                wire.settimeout(_left_s(end))
+                cutter = threading.Timer(_left_s(end), _cut, [wire])
+                cutter.daemon = True
+                cutter.start()
+                ended.callback(cutter.cancel)
+                try:
+                    connection.request(method, path, body=body, headers=headers)
+                except (BrokenPipeError, ConnectionResetError):
+                    pass  # it may have answered without reading everything, as with 413
+                response = connection.getresponse()
+                data = _read(response, wire, end)
+                _left_s(end)  # what was cut may look whole
+                return response.status, response.headers, data
+            except (OSError, UnicodeError, http.client.HTTPException) as error:
+                if isinstance(error, TimeoutError) or time.monotonic() >= end:
+                    raise self._too_late() from error
+                raise self._unreachable(error) from error
+
+    def _unreachable(self, error: Exception) -> WaystoneError:
+        host = f"[{self._host}]" if ":" in self._host else self._host
+        why = str(error) or type(error).__name__
+        detail = f"no answer from {host}:{self._port}: {why}; is the server running?"
+        return WaystoneError("unreachable", 0, detail)
 
     def _too_late(self) -> WaystoneError:
         detail = f"no answer from {self._host} within {self._timeout_s:g} s; increase the timeout"
@@ -440,6 +460,14 @@ class AsyncClient:
         """As Client.get."""
         return await asyncio.to_thread(self._client.get, path, **query)
 
+    async def rows(self, path: str, *, limit: int = 100) -> AsyncIterator[dict[str, Any]]:
+        """As Client.rows: async for row in client.rows("/v1/maps/lab/planes")."""
+        query: dict[str, str | int] | None = {"limit": limit}
+        while query:
+            rows, query = _rows_of(await self.get(path, **query), limit)
+            for row in rows:
+                yield row
+
     async def maps(self) -> list[dict[str, Any]]:
         """As Client.maps."""
         return await asyncio.to_thread(self._client.maps)
@@ -459,12 +487,18 @@ def read_token_file(path: str | os.PathLike[str]) -> str:
     raise ValueError(f"the token file {path} has no token; expected one per line")
 
 
-def _read(response: http.client.HTTPResponse, socket: Any, end: float) -> bytes:
+def _cut(wire: socket.socket) -> None:
+    """Ends whatever waits for a connection. Below TLS, whose state the waiting thread uses."""
+    with contextlib.suppress(OSError):
+        socket.socket.shutdown(wire, socket.SHUT_RDWR)
+
+
+def _read(response: http.client.HTTPResponse, wire: socket.socket, end: float) -> bytes:
     """The body, piece by piece, as a server that sends slowly mustn't outlive `end`."""
     length = response.length  # None when it comes in chunks
     data = bytearray()
     while length is None or len(data) < length:
-        socket.settimeout(_left_s(end))
+        wire.settimeout(_left_s(end))
         piece = response.read1(READ_CHUNK)
         if not piece:
             break
@@ -478,6 +512,11 @@ def _read(response: http.client.HTTPResponse, socket: Any, end: float) -> bytes:
 
 def _segment(name: str) -> str:
     return urllib.parse.quote(name, safe="")
+
+
+def _quoted(path: str) -> str:
+    """A path, maybe with a query, in the letters of HTTP; what is quoted already stays."""
+    return urllib.parse.quote(path, safe="/%?&=:;@!$'()*+,~")
 
 
 def _left_s(end: float) -> float:
@@ -499,12 +538,14 @@ def _retry_after_s(value: str | None) -> float:
         return DEFAULT_RETRY_S
 
 
-def _rows_of(page: dict[str, Any]) -> tuple[list[dict[str, Any]], str | int | None]:
-    """The rows of a list's page, and the cursor of the next one."""
+def _rows_of(
+    page: dict[str, Any], limit: int
+) -> tuple[list[dict[str, Any]], dict[str, str | int] | None]:
+    """The rows of a list's page, and the query of the next one."""
     lists = [value for value in page.values() if isinstance(value, list)]
     if len(lists) != 1 or not isinstance(page.get("next", ...), str | int | None):
         raise _not_ours(200)
-    return lists[0], page["next"]
+    return lists[0], None if page["next"] is None else {"limit": limit, "cursor": page["next"]}
 
 
 def _parsed(status: int, data: bytes) -> dict[str, Any]:

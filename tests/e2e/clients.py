@@ -74,7 +74,8 @@ def setUpModule():
 @contextlib.contextmanager
 def scripted(*responses):
     """A server that answers requests with these (status, headers, body), or with silence for None.
-    A body that is a list goes out piece by piece, TRICKLE_S apart.
+    A body that is a list goes out piece by piece, TRICKLE_S apart; so does a list instead of a
+    response, from its first line on.
 
     Yields its address and the requests as they came: (path, headers, body).
     """
@@ -93,15 +94,19 @@ def scripted(*responses):
             if response is None:
                 over.wait(PATIENCE_S)
                 return
-            status, headers, body = response
-            self.send_response(status)
-            for name, value in headers.items():
-                self.send_header(name, value)
-            self.end_headers()
+            if isinstance(response, list):
+                body = response
+            else:
+                status, headers, body = response
+                self.send_response(status)
+                for name, value in headers.items():
+                    self.send_header(name, value)
+                self.end_headers()
             with contextlib.suppress(OSError):  # the client may be gone
                 for piece in body if isinstance(body, list) else [body]:
                     self.wfile.write(piece)
-                    over.wait(TRICKLE_S if isinstance(body, list) else 0)
+                    if over.wait(TRICKLE_S if isinstance(body, list) else 0):
+                        return
 
         do_GET = do_POST
 
@@ -242,6 +247,16 @@ class LiveTest(Case):
         self.assertEqual(maps[0]["name"], NAME)
         self.assertIn("schema", version)
 
+    def test_async_lists_page_by_page(self):
+        async def ids(limit):
+            rows = AsyncClient(url, timeout_s=PATIENCE_S).rows(path, limit=limit)
+            return [row["id"] async for row in rows]
+
+        path = f"/v1/maps/{NAME}/keyframes"
+        wanted = [row["id"] for row in self.client.rows(path)]
+        self.assertEqual(asyncio.run(ids(2)), wanted)
+        self.assertEqual(asyncio.run(ids(100)), wanted)
+
     def test_tokens(self):
         self.assertEqual(Client(guarded_url, token=TOKEN).maps()[0]["name"], NAME)
         for token in (None, TOKEN + "x"):
@@ -300,11 +315,65 @@ class ScriptedTest(Case):
                     Client(address, timeout_s=0.5).maps()
                 self.assertLess(time.monotonic() - before, 600 * TRICKLE_S / 2)
 
+    def test_a_trickle_of_headers_ends_with_the_timeout(self):
+        for start in (b"HT", b"HTTP/1.1 200 OK\r\n", b"HTTP/1.1 200 OK\r\nContent-Length: 2\r\nX-Slow: "):
+            with scripted([start] + [b"x"] * 600) as (address, _):
+                before = time.monotonic()
+                with self.fails("timeout", 0):
+                    Client(address, timeout_s=0.5).maps()
+                self.assertLess(time.monotonic() - before, 600 * TRICKLE_S / 2)
+
+    def test_no_timer_outlives_a_call(self):
+        with scripted(FINE) as (address, _):
+            Client(address).localize(b"x")
+        self.assertFalse([one for one in threading.enumerate() if isinstance(one, threading.Timer)
+                          and not one.finished.is_set()])  # fmt: skip
+
+    def test_timeouts_and_retries_have_bounds(self):
+        for wrong in (0, -1, float("nan"), float("inf"), 1e6, 1e300):
+            with self.assertRaisesRegex(ValueError, "timeout_s"):
+                Client(timeout_s=wrong)
+        with self.assertRaisesRegex(ValueError, "retries"):
+            Client(retries=-1)
+        Client(timeout_s=999_999)
+
+    def test_addresses_of_ipv6_and_ports_that_are_left_out(self):
+        for address, wanted in (("http://[2001:db8::5]", ("2001:db8::5", 80)),
+                                ("https://[fd00::abcd]/waystone", ("fd00::abcd", 443)),
+                                ("http://[::1]:8080", ("::1", 8080)), ("https://maps", ("maps", 443))):
+            with mock.patch("socket.create_connection", side_effect=OSError("no way")) as connect:
+                with self.fails("unreachable", 0):
+                    Client(address).maps()
+            self.assertEqual(connect.call_args.args[0], wanted)
+
+    def test_paths_may_have_any_letters(self):
+        pages = [(200, {}, json.dumps({"planes": [], "next": None}).encode())] * 2
+        with scripted((200, {}, b"{}"), (200, {}, b"{}"), *pages) as (address, requests):
+            client = Client(address + "/my robot")
+            client.get("/v1/maps/büro")
+            client.get("/v1/maps/a%20b c/graph?format=json")
+            self.assertEqual(list(client.rows("/v1/maps/a b/planes")), [])
+        self.assertEqual([path for path, _, _ in requests], [
+            "/my%20robot/v1/maps/b%C3%BCro", "/my%20robot/v1/maps/a%20b%20c/graph?format=json",
+            "/my%20robot/v1/maps/a%20b/planes?limit=100"])
+
+    def test_photos_are_paths_or_bytes(self):
+        for photo in (bytearray(b"photo"), memoryview(b"photo"), [memoryview(b"photo")]):
+            with scripted(FINE) as (address, requests):
+                Client(address).localize(photo)
+            self.assertIn(b'filename="image-1"\r\n\r\nphoto\r\n', requests[0][2])
+        for wrong in ([0], [None], [b"photo", 1.5]):
+            with self.assertRaisesRegex(TypeError, f"photo {len(wrong)} .*expected a path"):
+                Client().localize(wrong)
+        with self.fails("unreadable_photo", 0):
+            Client().localize("a\0b")
+
     def test_nobody_there(self):
         with scripted() as (address, _):
             pass
-        with self.fails("unreachable", 0):
-            Client(address).maps()
+        for nowhere in (address, f"http://{'x' * 100}.example"):
+            with self.fails("unreachable", 0):
+                Client(nowhere).maps()
 
     def test_answers_of_others_are_told(self):
         strangers = [(200, {}, b"<html>"), (404, {}, b"<html>"), (500, {}, b"[1]"),
@@ -384,7 +453,8 @@ class ProgramTest(unittest.TestCase):
         (folder / "empty").write_text("# none yet\n\n")
         for usage in (["--server", "nowhere", INSIDE], ["--token-file", "/none", INSIDE],
                       ["--token-file", str(folder / "empty"), INSIDE],
-                      ["--timeout", "0", INSIDE]):
+                      ["--timeout", "0", INSIDE], ["--timeout", "nan", INSIDE],
+                      ["--timeout", "inf", INSIDE], ["--timeout", "1e300", INSIDE]):
             code, _, err = run(*usage)
             self.assertEqual((code, len(err.splitlines())), (2, 1), usage)
         self.assertEqual(run()[0], 2)
