@@ -3,9 +3,13 @@
 """The conversion of clients/ros2, without ROS and without a server."""
 import math
 import pathlib
+import runpy
+import shutil
 import sys
+import tempfile
 import types
 import unittest
+from unittest import mock
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "clients/ros2"))
@@ -217,6 +221,19 @@ class ImageTest(unittest.TestCase):
         image.format = "16UC1; compressedDepth png"
         with self.assertRaisesRegex(ConversionError, "depth"):
             bytes_of_compressed(image)
+
+
+class SetupTest(unittest.TestCase):
+    def test_a_client_beside_setup_py_is_installed_too(self):
+        stand_in = types.SimpleNamespace(setup=mock.Mock())
+        with (tempfile.TemporaryDirectory() as folder,
+              mock.patch.dict(sys.modules, {"setuptools": stand_in})):  # fmt: skip
+            script = shutil.copy(ROOT / "clients/ros2/setup.py", folder)
+            runpy.run_path(script)
+            shutil.copy(ROOT / "clients/python/waystone_client.py", folder)
+            runpy.run_path(script)
+        modules = [call.kwargs["py_modules"] for call in stand_in.setup.call_args_list]
+        self.assertEqual(modules, [[], ["waystone_client"]])
 
 
 if __name__ == "__main__":
