@@ -406,7 +406,7 @@ class Client:
                 ended.callback(connection.close)
                 connection.connect()
                 wire = connection.sock
-                # Each wait for a piece has this timeout, so a server that trickles could take longer.
+                # Each wait for a piece has this timeout: a server that trickles could take longer.
                 wire.settimeout(_left_s(end))
                 cutter = threading.Timer(_left_s(end), _cut, [wire])
                 cutter.daemon = True
@@ -474,8 +474,9 @@ class AsyncClient:
 
 
 def read_token_file(path: str | os.PathLike[str]) -> str:
-    """The first token of a file as `waystone serve --token-file` reads it: one token per line, blank
-    lines and lines with # skipped. Raises ValueError."""
+    """The first token of a file as `waystone serve --token-file` reads it: one token per line.
+
+    Blank lines and lines that begin with # are skipped. Raises ValueError."""
     try:
         with open(path, encoding="utf-8") as file:
             lines = [line.strip() for line in file]

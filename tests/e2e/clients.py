@@ -578,6 +578,13 @@ class ReadmeTest(unittest.TestCase):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertRegex(done.stdout, rf"^localized {NAME} \S+")
 
+    def test_js_is_a_package(self):
+        package = json.loads((JS / "package.json").read_text())
+        self.assertEqual(package["type"], "module")  # Node 18 doesn't find that out
+        self.assertEqual("waystone " + package["version"], Client(url).get("/version")["program"])
+        for file in (package["main"], package["types"], *package["exports"]["."].values()):
+            self.assertTrue((JS / file).is_file(), file)
+
     def test_cpp(self):
         self.assertIn("http://127.0.0.1:8080", (CPP / "README.md").read_text(encoding="utf-8"))
         done = subprocess.run([os.environ["WAYSTONE_CPP_EXAMPLE"]], cwd=folder, capture_output=True,

@@ -29,7 +29,7 @@ UNKNOWN_ANGLE_VARIANCE = math.pi**2 / 3  # rad^2, of a uniform angle in (-pi, pi
 
 
 class ConversionError(Exception):
-    """An image that can't be sent, or an answer without a usable pose; one line, cause and remedy."""
+    """An image that can't be sent, or an answer that is none; one line with cause and remedy."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -103,7 +103,7 @@ def _pose_of(answer: Mapping[str, Any], options: PoseOptions) -> Pose | None:
 
 
 def _checked(pose: Pose) -> Pose:
-    """The pose as floats, all of them finite: ROS takes no others, and filters keep a NaN for good."""
+    """The pose as finite floats: ROS takes no others, and filters keep a NaN for good."""
     pose = dataclasses.replace(
         pose,
         position=tuple(map(float, pose.position)),

@@ -109,17 +109,17 @@ def _message_of(pose: Pose, stamp):
 def main():
     """The program of `ros2 run waystone_ros2 waystone`. Returns its exit code."""
     rclpy.init()
-    node = None
     try:
         node = WaystoneNode()
+    except ValueError as error:  # of a parameter
+        print(f"waystone: {error}", file=sys.stderr)
+        rclpy.try_shutdown()
+        return 2
+    try:
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):  # SIGINT; SIGTERM
         pass
-    except ValueError as error:  # of a parameter
-        print(f"waystone: {error}", file=sys.stderr)
-        return 2
     finally:
-        if node is not None:
-            node.destroy_node()
+        node.destroy_node()
         rclpy.try_shutdown()
     return 0
