@@ -42,8 +42,9 @@ std::vector<VerifiedKeyframe> VerifyEarlier(const MapIndex& index, const Feature
     if (known.contains(candidate.keyframe)) continue;
     if (candidate.keyframe > own && !WereTakenInARow(index, own, candidate.keyframe)) continue;
     ++asked;
-    if (auto one = VerifyKeyframe(index, image, candidate.keyframe, options)) {
-      verified.push_back(std::move(*one));
+    VerifiedKeyframe one = VerifyKeyframe(index, image, candidate.keyframe, options);
+    if (one.distinct > 0) {
+      verified.push_back(std::move(one));
       known.merge(KeyframesNear(index, candidate.keyframe));
     }
   }

@@ -83,9 +83,9 @@ std::vector<int> KeyframesAround(const MapIndex& index, const SessionNumbers& se
 void LookFrom(const AskedMap& asked, int keyframe, const Features& image, const KeypointGrid& grid,
               RowsSeen& seen) {
   const MapIndex& index = *asked.index;
-  const auto verified = VerifyKeyframe(index, image, keyframe, asked.options.planes);
-  if (!verified || verified->inliers.size() < kLeastMatches) return;
-  const LocalMotion motion(verified->keyframe_points, verified->query_points, image.width);
+  const VerifiedKeyframe verified = VerifyKeyframe(index, image, keyframe, asked.options.planes);
+  if (verified.inliers.size() < kLeastMatches) return;
+  const LocalMotion motion(verified.keyframe_points, verified.query_points, image.width);
   const KeyframeFeatures target = CollectKeyframeFeatures(index, keyframe);
   const double alike = DistanceAt(image.type, kAlike);
   for (size_t i = 0; i < target.positions.size(); ++i) {
@@ -95,7 +95,7 @@ void LookFrom(const AskedMap& asked, int keyframe, const Features& image, const 
         grid.MostAlike(*there, target.descriptors.row(static_cast<int>(i)), alike) >= 0;
     seen[target.rows[i]] |= found;
   }
-  for (const MapMatch& match : verified->inliers) {
+  for (const MapMatch& match : verified.inliers) {
     const auto looked = seen.find(match.row);
     if (looked != seen.end()) looked->second = true;
   }

@@ -77,9 +77,10 @@ double SampsonError(const Matrix3d& fundamental, const Vector2d& x_a, const Vect
 }
 
 double EpipolarSignificance(int matches, int inliers, double max_error_px, int width, int height) {
-  const double alpha =
-      std::min(1.0, 2 * max_error_px * std::hypot(width, height) / (1.0 * width * height));
-  return std::max(0.0, -LogFalseAlarms(matches, inliers, alpha, {.sample = 7}));
+  // Sampson's distance halves the square: each of two points moves, so the band is wider by sqrt 2.
+  const double band = 2 * std::sqrt(2.0) * max_error_px;
+  const double alpha = std::min(1.0, band * std::hypot(width, height) / (1.0 * width * height));
+  return std::max(0.0, -LogFalseAlarms(matches, inliers, alpha, {.sample = 7, .solutions = 3}));
 }
 
 std::optional<EpipolarFit> FindEpipolarGeometry(std::span<const Vector2d> a,

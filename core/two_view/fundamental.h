@@ -55,8 +55,8 @@ std::optional<EpipolarFit> FindEpipolarGeometry(std::span<const Eigen::Vector2d>
 
 // How unlikely it is that matches at random positions of a width x height image give an epipolar
 // geometry with this many inliers: -ln of the expected number of such geometries, at least 0
-// (LogFalseAlarms for samples of seven; alpha = 2 D epsilon / A with the image's diagonal and
-// area). 0 is chance.
+// (LogFalseAlarms for samples of seven, which have up to three geometries; alpha is the share of
+// the image's area that its largest band of that width has). 0 is chance.
 double EpipolarSignificance(int matches, int inliers, double max_error_px, int width, int height);
 
 // Sampson error of a pair, px: the first-order distance to the nearest pair that fits exactly

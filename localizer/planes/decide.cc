@@ -169,6 +169,9 @@ Answer RefusePlanes(const MapIndex& index, const Features& query, int shortliste
                         [](const auto& a, const auto& b) { return a.distinct < b.distinct; });
   Place place;
   AddTo(index, place, best);
+  if (best.stopped_by == Gate::kMinInlierShare || best.stopped_by == Gate::kMaxScale) {
+    place.probability = 0;  // no place, whatever number of inliers
+  }
   answer.planes.runner_up = Candidate(index, place, query);
   answer.probability = place.probability;
   RefusePlane(index, best, options.gates, answer);
@@ -224,6 +227,17 @@ Answer Describe(const MapIndex& index, const Features& query, const Place& place
 bool LooksAsWell(const Place& place, const Place& best, const PlaneQueryOptions& options) {
   if (place.planes.empty() && place.probability < options.gates.min_rival_probability) return false;
   return CountInliers(place) >= options.gates.ambiguous_share * CountInliers(best);
+}
+
+// That the best place is right, knowing that the query is at one of the places at most: its odds as
+// a share of theirs and of none of them.
+double ProbabilityBeside(const Place& best, const std::vector<const Place*>& rivals) {
+  const auto odds = [](const Place& place) {
+    return place.probability / std::max(1e-9, 1 - place.probability);
+  };
+  double all = 1 + odds(best);
+  for (const Place* rival : rivals) all += odds(*rival);
+  return odds(best) / all;
 }
 
 // Inliers of a plane that none of a place's planes has; where planes overlap, one feature of the
@@ -358,6 +372,7 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
   }
   answer.verdict = Verdict::kAmbiguous;
   answer.decided_by = DecidedBy::kAmbiguousPlaces;
+  answer.probability = ProbabilityBeside(places[0], rivals);
   answer.planes.keyframe.reset();
   answer.message = "two mapped places match; move a little and query again";
   answer.planes.places.push_back(candidates[0]);

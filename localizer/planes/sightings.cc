@@ -13,25 +13,28 @@
 namespace waystone {
 namespace {
 
+// None of nothing.
 double ShareOf(int part, int all) {
-  return std::min(1.0, static_cast<double>(part) / std::max(1, all));
+  return all == 0 ? 0 : std::min(1.0, static_cast<double>(part) / all);
 }
 
 // Planes recognise a surface from farther aside than a keyframe is, so that their inliers count as
 // found too.
-KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified, const Place& place,
-                             const Features& query, const GateOptions& gates) {
+KeyframeEvidence EvidenceFor(const MapIndex& index, const VerifiedKeyframe& verified,
+                             const Place& place, const Features& query, const GateOptions& gates) {
   std::vector<Eigen::Vector2d> found = verified.query_points;
+  std::set<PlaneId> surfaces;
   for (const VerifiedPlane& plane : place.planes) {
+    surfaces.insert(index.SurfaceOf(index.map().planes[plane.plane].id));
     for (const Match& match : plane.inliers) found.push_back(PositionOf(query.keypoints[match.a]));
   }
   KeyframeEvidence evidence;
   evidence.significance = verified.significance;
   evidence.coverage = ComputeCoverage(found, query.width, query.height);
-  std::erase_if(found, [&](const auto& x) { return IsClipped(query, x); });  // none is expected
+  std::erase_if(found, [&](const auto& x) { return !CanShow(query, x); });  // none is expected
   evidence.found_share = ShareOf(CountApart(found, gates.distinct_px), verified.expected);
   evidence.inlier_share = ShareOf(verified.distinct, verified.matches);
-  evidence.planes = static_cast<int>(place.planes.size());
+  evidence.surfaces = static_cast<int>(surfaces.size());
   return evidence;
 }
 
@@ -102,9 +105,7 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
   const auto verify = [&](int keyframe) {
     if (HasPassed(deadline) || std::ranges::find(asked, keyframe) != asked.end()) return;
     asked.push_back(keyframe);
-    if (auto one = VerifyKeyframe(index, query, keyframe, options)) {
-      verified.push_back(std::move(*one));
-    }
+    verified.push_back(VerifyKeyframe(index, query, keyframe, options));
   };
   const auto sort = [&] {
     std::ranges::stable_sort(verified, std::greater<>(), &VerifiedKeyframe::distinct);
@@ -135,8 +136,16 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
   const std::vector<Place> joined = join();
   if (joined.empty() || joined.front().probability < options.gates.min_probability) {
     for (const ShortlistedKeyframe& candidate : shortlist.keyframes) verify(candidate.keyframe);
-    sort();
   }
+  // What comes first now may be a place that no keyframe was asked for.
+  for (size_t before = 0; before < asked.size();) {
+    before = asked.size();
+    const std::vector<Place> now = join();
+    if (now.empty() || now.front().keyframe) break;
+    if (now.front().probability < options.gates.min_probability) break;
+    verify(index.IndexOf(NearestKeyframe(index, now.front(), query)));
+  }
+  sort();
   return verified;
 }
 
@@ -171,7 +180,7 @@ void JoinKeyframes(const MapIndex& index, const Features& query,
   for (JoinedPlace& one : joined) {
     Place& place = places.emplace_back(std::move(one.place));
     if (!place.keyframe) continue;
-    place.keyframe_evidence = EvidenceFor(*place.keyframe, place, query, options.gates);
+    place.keyframe_evidence = EvidenceFor(index, *place.keyframe, place, query, options.gates);
     place.probability = ComputeProbability(place.keyframe_evidence);
   }
   BoundByKeyframes(index, places);

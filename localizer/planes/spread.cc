@@ -2,6 +2,8 @@
 #include "localizer/planes/spread.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -14,15 +16,36 @@ constexpr int kCoverageCells = 5;  // a side
 
 }  // namespace
 
+bool CanShow(const Features& image, const Vector2d& x) {
+  constexpr double kMargin = 0.05;  // of the image
+  const Vector2d size(image.width, image.height);
+  const Vector2d margin = kMargin * size;
+  return (x.array() >= margin.array()).all() &&  // not for NaN
+         (x.array() < (size - margin).array()).all() && !IsClipped(image, x);
+}
+
 int CountApart(const std::vector<Vector2d>& points, double apart) {
-  std::vector<Vector2d> counted;
+  if (!(apart > 0)) return static_cast<int>(points.size());
+  using Cell = std::pair<double, double>;
+  std::map<Cell, std::vector<Vector2d>> counted;  // by cells of that side: a few in each
+  const auto is_near = [&](const Vector2d& x, const Cell& cell) {
+    const auto found = counted.find(cell);
+    return found != counted.end() && std::ranges::any_of(found->second, [&](const Vector2d& other) {
+             return (other - x).squaredNorm() < apart * apart;
+           });
+  };
+  int count = 0;
   for (const Vector2d& x : points) {
-    const bool near = std::any_of(counted.begin(), counted.end(), [&](const Vector2d& other) {
-      return (other - x).squaredNorm() < apart * apart;
-    });
-    if (!near) counted.push_back(x);
+    const Cell cell(std::floor(x.x() / apart), std::floor(x.y() / apart));
+    bool near = false;
+    for (int i = 0; i < 9 && !near; ++i) {
+      near = is_near(x, {cell.first + i % 3 - 1, cell.second + i / 3 - 1});
+    }
+    if (near) continue;
+    counted[cell].push_back(x);
+    ++count;
   }
-  return static_cast<int>(counted.size());
+  return count;
 }
 
 double ComputeCoverage(const std::vector<Vector2d>& points, int width, int height) {

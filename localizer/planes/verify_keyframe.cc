@@ -32,22 +32,16 @@ Eigen::Matrix<double, 2, 3> FitAffinity(const VerifiedKeyframe& verified) {
   return from.colPivHouseholderQr().solve(to).transpose();
 }
 
-// Features of the keyframe that the query should show: well away from its border, and where it
-// isn't clipped.
+// Features of the keyframe that the query should show.
 int CountExpected(const KeyframeFeatures& target, const VerifiedKeyframe& verified,
-                  const Features& query) {
-  constexpr double kMargin = 0.05;  // of the image
+                  const Features& query, double distinct_px) {
   const Eigen::Matrix<double, 2, 3> query_from_keyframe = FitAffinity(verified);
   std::vector<Vector2d> expected;
-  const Vector2d size(query.width, query.height);
-  const Vector2d margin = kMargin * size;
   for (const Vector2d& x : target.positions) {
     const Vector2d there = query_from_keyframe * x.homogeneous();
-    const bool inside = (there.array() >= margin.array()).all() &&  // not for NaN
-                        (there.array() < (size - margin).array()).all();
-    if (inside && !IsClipped(query, there)) expected.push_back(there);
+    if (CanShow(query, there)) expected.push_back(there);
   }
-  return CountApart(expected, 4.0);
+  return CountApart(expected, distinct_px);
 }
 
 }  // namespace
@@ -83,8 +77,8 @@ KeyframeFeatures CollectKeyframeFeatures(const MapIndex& index, int keyframe) {
   return target;
 }
 
-std::optional<VerifiedKeyframe> VerifyKeyframe(const MapIndex& index, const Features& query,
-                                               int keyframe, const PlaneQueryOptions& options) {
+VerifiedKeyframe VerifyKeyframe(const MapIndex& index, const Features& query, int keyframe,
+                                const PlaneQueryOptions& options) {
   const KeyframeFeatures target = CollectKeyframeFeatures(index, keyframe);
   const std::vector<Match> matches =
       MatchDescriptors(target.descriptors, query.descriptors, query.type, options.keyframe_match);
@@ -94,18 +88,18 @@ std::optional<VerifiedKeyframe> VerifyKeyframe(const MapIndex& index, const Feat
     in_query.push_back(PositionOf(query.keypoints[match.b]));
     in_keyframe.push_back(target.positions[match.a]);
   }
-  const auto fit = FindEpipolarGeometry(in_keyframe, in_query, options.epipolar);
-  if (!fit) return std::nullopt;
   VerifiedKeyframe verified;
   verified.keyframe = keyframe;
   verified.matches = static_cast<int>(matches.size());
+  const auto fit = FindEpipolarGeometry(in_keyframe, in_query, options.epipolar);
+  if (!fit) return verified;
   for (const int row : fit->inliers) {
     verified.query_points.push_back(in_query[row]);
     verified.keyframe_points.push_back(in_keyframe[row]);
     verified.inliers.push_back({matches[row].b, target.rows[matches[row].a]});
   }
   verified.distinct = CountApart(verified.query_points, options.gates.distinct_px);
-  verified.expected = CountExpected(target, verified, query);
+  verified.expected = CountExpected(target, verified, query, options.gates.distinct_px);
   verified.coverage = ComputeCoverage(verified.query_points, query.width, query.height);
   verified.significance =
       EpipolarSignificance(verified.matches, verified.distinct, options.epipolar.max_error_px,

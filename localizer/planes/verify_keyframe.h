@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "core/features/features.h"
@@ -33,16 +32,16 @@ struct VerifiedKeyframe {
   std::vector<MapMatch> inliers;  // the same as features
   int matches = 0;                // among which they were found
   int distinct = 0;               // inliers at distinct positions of the query
-  // Features of the keyframe that the inliers put inside the query, where it isn't clipped.
+  // Features of the keyframe that the inliers put where the query can show them (CanShow).
   int expected = 0;
   double coverage = 0;      // as ComputeCoverage has it for the inliers
   double significance = 0;  // as EpipolarSignificance has it for the distinct inliers
 };
 
 // Matches a keyframe with the query (mutually nearest, one to one, with the ratio test against the
-// query's features, which are many more) and keeps what fits one epipolar geometry. Nothing when
+// query's features, which are many more) and keeps what fits one epipolar geometry: no inlier when
 // nothing fits. Deterministic.
-std::optional<VerifiedKeyframe> VerifyKeyframe(const MapIndex& index, const Features& query,
-                                               int keyframe, const PlaneQueryOptions& options);
+VerifiedKeyframe VerifyKeyframe(const MapIndex& index, const Features& query, int keyframe,
+                                const PlaneQueryOptions& options);
 
 }  // namespace waystone

@@ -20,7 +20,7 @@ const KeyframeVerdictModel& DefaultKeyframeModel() {
                                                .found_share = 1.324,
                                                .coverage = 4.771,
                                                .inlier_share = 3.252,
-                                               .planes = 0.125};
+                                               .surfaces = 0.125};
   return kModel;
 }
 
@@ -28,14 +28,14 @@ Eigen::VectorXd KeyframeFactors(const KeyframeEvidence& evidence) {
   Eigen::VectorXd factors(6);
   factors << 1, std::min(1.0, evidence.significance / kNoChance),
       std::log(kShareByChance + evidence.found_share), evidence.coverage, evidence.inlier_share,
-      evidence.planes;
+      evidence.surfaces;
   return factors;
 }
 
 double ComputeProbability(const KeyframeEvidence& evidence, const KeyframeVerdictModel& model) {
   Eigen::VectorXd weights(6);
   weights << model.intercept, model.significance, model.found_share, model.coverage,
-      model.inlier_share, model.planes;
+      model.inlier_share, model.surfaces;
   return Logistic(weights.dot(KeyframeFactors(evidence)));
 }
 

@@ -13,7 +13,7 @@ struct KeyframeEvidence {
   double found_share = 0;
   double coverage = 0;      // share of the query's cells where one was found, in [0, 1]
   double inlier_share = 0;  // of the keyframe's matches that are inliers, in [0, 1]
-  int planes = 0;           // of the place, which agree with each other
+  int surfaces = 0;         // of the place, which agree with each other
 };
 
 // log(p / (1 - p)) = intercept + the weighted sum of the evidence. The significance counts up to
@@ -26,7 +26,7 @@ struct KeyframeVerdictModel {
   double found_share = 0;
   double coverage = 0;
   double inlier_share = 0;
-  double planes = 0;
+  double surfaces = 0;
 };
 
 // The model that holds for any map. It was fitted to rendered buildings (waystone-bench
@@ -35,7 +35,7 @@ struct KeyframeVerdictModel {
 const KeyframeVerdictModel& DefaultKeyframeModel();
 
 // 1, the significance as a share of what rules out chance, the logarithm of found_share (and a
-// little), coverage, inlier_share, planes: what the model's coefficients weigh.
+// little), coverage, inlier_share, surfaces: what the model's coefficients weigh.
 Eigen::VectorXd KeyframeFactors(const KeyframeEvidence& evidence);
 
 // The probability that a place with this evidence is the query's, in (0, 1).

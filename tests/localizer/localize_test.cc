@@ -217,6 +217,7 @@ TEST(LocalizeFeatures, ARefusalNamesItsGate) {
   const Answer share = ask(query, {.min_inlier_share = 0.99});
   EXPECT_EQ(share.decided_by, DecidedBy::kInlierShare);
   EXPECT_TRUE(says(share, "99%")) << share.message;
+  EXPECT_EQ(share.probability, 0) << "no place, whatever number of inliers";
   EXPECT_FALSE(says(share, "confidence")) << share.message;
 
   query = QueryOf(map, {1}, PoseOf(1), 0, 5);
@@ -227,6 +228,7 @@ TEST(LocalizeFeatures, ARefusalNamesItsGate) {
   const Answer scale = ask(query, {.max_scale = 2});
   EXPECT_EQ(scale.decided_by, DecidedBy::kHomographyScale);
   EXPECT_TRUE(says(scale, "factor of 2;")) << scale.message;
+  EXPECT_EQ(scale.probability, 0);
   EXPECT_FALSE(says(scale, "confidence")) << scale.message;
 
   const Answer few = ask(QueryOf(map, {1}, PoseOf(1), 60, 5), {.min_inliers = 100});

@@ -108,8 +108,8 @@ TEST(Epipolar, TheSamePairsGiveTheSameFit) {
 }
 
 TEST(EpipolarSignificance, IsMinusTheLogarithmOfTheFalseAlarms) {
-  // 3 C(10, 9) C(9, 7) alpha^2 with alpha = 2 * 2 px * 800 px / (640 px * 480 px).
-  EXPECT_NEAR(EpipolarSignificance(10, 9, 2.0, 640, 480), -std::log(3 * 10 * 36 / 9216.0), 1e-9);
+  // 3 * 3 C(10, 9) C(9, 7) alpha^2 with alpha = 2 sqrt(2) * 2 px * 800 px / (640 px * 480 px).
+  EXPECT_NEAR(EpipolarSignificance(10, 9, 2.0, 640, 480), -std::log(3 * 3 * 360 / 4608.0), 1e-9);
   EXPECT_EQ(EpipolarSignificance(100, 7, 2.0, 640, 480), 0) << "seven always fit";
   EXPECT_EQ(EpipolarSignificance(5, 9, 2.0, 640, 480), 0);
   EXPECT_EQ(EpipolarSignificance(0, 0, 2.0, 640, 480), 0);

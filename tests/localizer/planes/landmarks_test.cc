@@ -121,10 +121,10 @@ TEST_F(LandmarkQueryTest, WhatIsClippedIsNotMissing) {
     query.clipped.push_back(i % kClippedCells >= kClippedCells / 2);
   }
   const auto clipped = VerifyKeyframe(*index_, query, keyframe, {});
-  ASSERT_TRUE(missing && clipped);
-  EXPECT_EQ(missing->distinct, clipped->distinct);
-  EXPECT_LT(missing->distinct, 0.65 * missing->expected);
-  EXPECT_GT(clipped->distinct, 0.9 * clipped->expected);
+  EXPECT_GT(missing.distinct, 0);
+  EXPECT_EQ(missing.distinct, clipped.distinct);
+  EXPECT_LT(missing.distinct, 0.65 * missing.expected);
+  EXPECT_GT(clipped.distinct, 0.9 * clipped.expected);
 }
 
 TEST_F(LandmarkQueryTest, APlaceWithoutPlanesIsLocalized) {
@@ -365,6 +365,36 @@ TEST(JoinKeyframes, WhatAKeyframeRefusesNoneOfItsPlanesAnswers) {
 }
 
 // A wall at the right, and a keyframe five times as far ahead as the wall is away.
+// A place of one plane with so many inliers, wherever they are.
+Place MakePlace(const MapIndex& index, int plane, int inliers) {
+  VerifiedPlane verified;
+  verified.plane = plane;
+  verified.matches = inliers + 10;
+  verified.distinct = inliers;
+  for (int i = 0; i < inliers; ++i) verified.inliers.push_back({i, i, 0});
+  Place place;
+  AddTo(index, place, verified);
+  return place;
+}
+
+// Nothing of the image fits any keyframe, but for what it shares with some planes.
+TEST(VerifyKeyframes, NoPlaceThatItsKeyframeRefusesIsAnAnswer) {
+  const auto index = MapIndex::Build(MapWithLandmarks());
+  const Features query = Look({}, {0, 0, 0}, 100, 1);
+  const std::vector<Place> alone{MakePlace(*index, 0, 40), MakePlace(*index, 3, 16)};
+  std::vector<Place> places = alone;
+  for (const Place& place : alone) ASSERT_GE(place.probability, 0.9);
+  const std::vector<VerifiedKeyframe> verified = VerifyKeyframes(*index, query, {}, places, {});
+  ASSERT_EQ(verified.size(), 2u) << "the second place comes first once the first one is refused";
+  JoinKeyframes(*index, query, verified, {}, places);
+  ASSERT_EQ(places.size(), 2u);
+  for (const Place& place : places) {
+    ASSERT_TRUE(place.keyframe);
+    EXPECT_EQ(place.keyframe->distinct, 0);
+    EXPECT_LT(place.probability, 0.5);
+  }
+}
+
 TEST(CollectKeyframeFeatures, LeavesOutWhatIsBehindTheCamera) {
   MapData map = MadeMap();
   Plane& wall = map.planes[3];
@@ -389,7 +419,10 @@ TEST(CollectKeyframeFeatures, LeavesOutWhatIsBehindTheCamera) {
 TEST(PosterInTwoPlaces, AloneItIsAmbiguous) {
   const PosterInTwoPlaces made;
   for (uint64_t seed = 1; seed <= 5; ++seed) {
-    EXPECT_EQ(made.Ask(made.Photo({}, seed)).verdict, Verdict::kAmbiguous);
+    const Answer answer = made.Ask(made.Photo({}, seed));
+    EXPECT_EQ(answer.verdict, Verdict::kAmbiguous);
+    EXPECT_LE(answer.probability, 0.5) << "the places are as many, at least two";
+    EXPECT_GT(answer.probability, 0.2);
   }
 }
 
@@ -440,6 +473,8 @@ TEST(KeyframeVerdict, EveryKindOfEvidenceSpeaksForAPlace) {
   EXPECT_GT(ComputeProbability({6, 0.3, 0.3, 0.7, 1}), p);
   EXPECT_GT(ComputeProbability({6, 0.3, 0.3, 0.6, 2}), p);
 }
+
+TEST(KeyframeVerdict, NothingFoundIsNoPlace) { EXPECT_LT(ComputeProbability({}), 0.01); }
 
 TEST(KeyframeVerdict, MoreInliersThanRuleOutChanceAreNoFurtherEvidence) {
   EXPECT_EQ(ComputeProbability({50, 0.15, 0.16, 0.6, 1}),

@@ -3,6 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/base/random.h"
+
 namespace waystone {
 namespace {
 
@@ -17,6 +23,43 @@ TEST(Spread, CoverageIsTheShareOfCellsWithAPoint) {
   EXPECT_EQ(ComputeCoverage({}, 640, 480), 0);
   EXPECT_EQ(ComputeCoverage({{0, 0}, {127.9, 95.9}}, 640, 480), 1 / 25.0);
   EXPECT_EQ(ComputeCoverage({{0, 0}, {128, 0}, {0, 96}, {639, 479}}, 640, 480), 4 / 25.0);
+}
+
+// One after the other with all that were counted before.
+int CountApartSlowly(const std::vector<Eigen::Vector2d>& points, double apart) {
+  std::vector<Eigen::Vector2d> counted;
+  for (const Eigen::Vector2d& x : points) {
+    const bool near = std::ranges::any_of(
+        counted, [&](const auto& other) { return (other - x).squaredNorm() < apart * apart; });
+    if (!near) counted.push_back(x);
+  }
+  return static_cast<int>(counted.size());
+}
+
+TEST(CountApart, IsTheSameAsByAllPairs) {
+  Random random(3);
+  for (const double apart : {0.5, 4.0, 30.0}) {
+    std::vector<Eigen::Vector2d> points;
+    for (int i = 0; i < 2000; ++i) {
+      points.emplace_back(random.Uniform(-50, 640), random.Uniform(-50, 480));
+    }
+    EXPECT_EQ(CountApart(points, apart), CountApartSlowly(points, apart)) << apart;
+  }
+}
+
+TEST(CanShow, WhatIsWellInsideAndNotClipped) {
+  Features image{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128), {}};
+  EXPECT_TRUE(CanShow(image, {32, 24}));
+  EXPECT_TRUE(CanShow(image, {607.9, 455.9}));
+  for (const Eigen::Vector2d& x :
+       {Eigen::Vector2d(31.9, 240), {608, 240}, {320, 23.9}, {320, 456}}) {
+    EXPECT_FALSE(CanShow(image, x)) << x.transpose();
+  }
+  EXPECT_FALSE(CanShow(image, Eigen::Vector2d::Constant(std::nan(""))));
+  image.clipped.assign(kClippedCells * kClippedCells, false);
+  image.clipped[kClippedCells * 16 + 8] = true;
+  EXPECT_FALSE(CanShow(image, {165, 245}));
+  EXPECT_TRUE(CanShow(image, {185, 245}));
 }
 
 }  // namespace
