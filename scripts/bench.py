@@ -11,6 +11,7 @@ scripts/benchmark_tables.py writes the document from the results.
 import argparse
 import datetime
 import glob
+import hashlib
 import json
 import os
 import platform
@@ -84,6 +85,13 @@ page                 page 500 10000
 orientation-paper    orientation --scale 0.75 --camera rig --set orientation.turns.use_motions=false
 """
 
+# What a bench wants to find in DATA, where it is given the whole of it.
+PHOTOS = ["church", "corridor", "kitchen", "pavilion", "tower"]
+FOLDERS = {"cameras": PHOTOS, "collection": PHOTOS, "joining": PHOTOS, "peers": PHOTOS, "recall": PHOTOS,
+           "storeys": ["tower"], "visits": PHOTOS,
+           "verdicts": ["church/map", "church/query_P8", "corridor", "dealership/rig", "homographies", "kitchen",
+                        "street/image_0", "tower", "york_urban"]}
+
 SCRIPTS = {"cluster": "tests/cluster/cluster_test.py", "simulation": "bench/cluster/simulate.py"}
 
 
@@ -103,6 +111,8 @@ def with_data(arguments):
         paths = [argument]
         if argument.split("/")[0] == "DATA":
             paths = sorted(glob.glob(data_folder() + argument[len("DATA"):]))
+        if argument == "DATA" and not all((Path(data_folder()) / each).exists() for each in FOLDERS[arguments[0]]):
+            return None
         if not paths:
             return None
         filled += paths
@@ -126,14 +136,25 @@ def with_paths(arguments, build, results):
     return filled
 
 
+def inputs_of(arguments):
+    """{name: commit} of the results among the arguments (with_paths)."""
+    paths = [Path(argument) for argument in arguments if argument.endswith(".json")]
+    return {path.stem: json.loads(path.read_text(encoding="utf-8"))["commit"] for path in paths}
+
+
 def git(*arguments):
     return subprocess.run(["git", *arguments], check=True, capture_output=True, text=True).stdout.strip()
 
 
 def sources():
-    """The commit, and whether what the programs are built from is as it says."""
-    changed = git("status", "--porcelain", "--", ":!docs", ":!*.md")
-    return {"commit": git("rev-parse", "--short=9", "HEAD"), "clean": not changed}
+    """The commit, what the programs are built from in it, and whether they are.
+
+    Commits that differ in documents alone have the same sources.
+    """
+    files = ("--", ":!docs", ":!*.md")
+    content = hashlib.sha256(git("ls-files", "--stage", *files).encode()).hexdigest()[:12]
+    return {"commit": git("rev-parse", "--short=9", "HEAD"), "sources": content,
+            "clean": not git("status", "--porcelain", *files)}
 
 
 def machine():
@@ -197,8 +218,10 @@ def run(program, results, name, arguments, about, build="."):
         return True
     try:
         filled = with_paths(filled, build, results)
-        write(results / f"{name}.json", measure(program, arguments, filled, about))
-    except (RuntimeError, ValueError) as error:
+        inputs = inputs_of(filled)
+        record = measure(program, arguments, filled, {**about, **({"inputs": inputs} if inputs else {})})
+        write(results / f"{name}.json", record)
+    except (OSError, RuntimeError, ValueError) as error:
         print(f"bench.py: {name} failed: {error}", file=sys.stderr)
         return False
     return True

@@ -3,18 +3,20 @@
 """benchmark_tables.py [--check] [RESULTS]: writes docs/benchmarks.md and the figures of README.md.
 
 They are docs/benchmarks/benchmarks.md.in and readme.md.in with their placeholders filled from the results
-beside them, one file a run of scripts/bench.py. Those in RESULTS, where it is given, replace them first.
+beside them, one file a run of scripts/bench.py. Those in RESULTS, where it is given, replace them unless
+they are of an earlier day.
 {world.found_share:.1%} is found_share of the run `world`, in percent; elements of lists are taken by
 their number or name. Formats are Python's; `M` and `K` divide by a million and a thousand. What a run
 hasn't measured is a dash. A line below each table gives the date, commit and machine of its runs. With
---check nothing is written: the exit status is 1 when a document isn't what would be written, or when a
-table has a figure that comes from no result. Columns of targets and the first one, which names the
-rows, are the template's.
+--check nothing is written. The exit status is 1 when a document isn't what would be written, when a
+table has a figure that comes from no result or runs of different sources, or when a run was given
+results of another one that aren't there any more. Columns of targets and the first one, which names the
+rows, are the template's. A line `<!-- Of different commits. -->` before a table allows it runs of
+different sources; it isn't written.
 """
 import difflib
 import json
 import re
-import shutil
 import string
 import sys
 from pathlib import Path
@@ -30,6 +32,7 @@ NOTE = ("<!-- Written by scripts/benchmark_tables.py: change docs/benchmarks/ben
         "`make bench`. -->\n")
 README_BEGIN = "<!-- Figures: written by scripts/benchmark_tables.py from docs/benchmarks/readme.md.in. -->\n"
 README_END = "<!-- End of the figures. -->\n"
+MIXED = "<!-- Of different commits. -->\n"
 
 
 class Figure:
@@ -85,6 +88,16 @@ def read(folder):
             for path in sorted(folder.glob("*.json"))}
 
 
+def newest(folders):
+    """The results of all folders: of one run's those of the latest day, or else of the last folder."""
+    records = {}
+    for folder in folders:
+        for name, record in read(folder).items():
+            if name not in records or record["date"] >= records[name]["date"]:
+                records[name] = record
+    return records
+
+
 def runs_of(line):
     """The runs whose results are in a line, in their order."""
     names = [re.split(r"[.\[]", field)[0] for _, field, _, _ in string.Formatter().parse(line) if field]
@@ -125,6 +138,8 @@ def fill(template, records, name=TEMPLATE):
     results["all"] = Figure({"cpu_minutes": sum(timed) / 60, "timed": len(timed)}, "all")
     out, names = [], []
     for number, line in enumerate(template.splitlines(keepends=True), 1):
+        if line == MIXED:
+            continue
         if names and not is_table(line):
             out.append("\n" + stamp(records, names))
             names = []
@@ -171,15 +186,41 @@ def unmeasured(template, path=TEMPLATE):
     return found
 
 
+def sources_of(record):
+    """What the programs of a run were built from; of an early one its commit alone is known."""
+    return record.get("sources", record["commit"])
+
+
+def mixed(template, records, path=TEMPLATE):
+    """Tables that compare runs of different sources without saying that they may."""
+    found, names, allowed, start = [], [], False, 0
+    for number, line in enumerate([*template.splitlines(keepends=True), ""], 1):
+        if is_table(line):
+            start = start if names else number
+            names += [name for name in runs_of(line) if name in records]
+            continue
+        if len({sources_of(records[name]) for name in names}) > 1 and not allowed:
+            runs = ", ".join(f"{name} of {records[name]['commit']}" for name in dict.fromkeys(names))
+            found.append(f"{path}:{start}: the table compares different sources: {runs}")
+        names, allowed = [], line == MIXED
+    return found
+
+
+def stale(records):
+    """Runs whose inputs are results that were measured again since."""
+    return [f"{name} was given {given} of commit {commit}, which is of {records[given]['commit']} now"
+            for name, record in records.items() for given, commit in record.get("inputs", {}).items()
+            if given in records and records[given]["commit"] != commit]
+
+
 def main(arguments):
     check = "--check" in arguments
-    for path in [Path(each) for each in arguments if each != "--check"]:
-        for result in path.glob("*.json"):
-            shutil.copy(result, FOLDER)
-    records, problems, filled = read(FOLDER), [], {}
+    folders = [FOLDER] + [Path(each) for each in arguments if each != "--check"]
+    records, filled = newest(folders), {}
+    problems = stale(records)
     for path in (TEMPLATE, README_TEMPLATE):
         template = path.read_text(encoding="utf-8")
-        problems += unmeasured(template, path)
+        problems += unmeasured(template, path) + mixed(template, records, path)
         filled[path] = fill(template, records, path)
     texts = {DOCUMENT: NOTE + filled[TEMPLATE],
              README: with_figures(README.read_text(encoding="utf-8"), filled[README_TEMPLATE])}
@@ -190,6 +231,10 @@ def main(arguments):
                 str(path), "what scripts/benchmark_tables.py writes", lineterm="", n=0)
         elif not problems:
             path.write_text(text, encoding="utf-8")
+    if not check and not problems:
+        committed = read(FOLDER)
+        for name in [name for name in records if records[name] != committed.get(name)]:
+            bench.write(FOLDER / f"{name}.json", records[name])
     print("\n".join(problems) if problems else f"{DOCUMENT} and {README} say what {FOLDER} has")
     return 1 if problems else 0
 

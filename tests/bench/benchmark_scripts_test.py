@@ -58,6 +58,23 @@ class BenchTest(unittest.TestCase):
         (self.folder / "photos").mkdir()
         self.assertEqual(bench.with_data(["x", "DATA/phot*"]), ["x", str(self.folder / "photos")])
 
+    def test_a_part_of_the_data_is_not_enough(self):
+        os.environ["WAYSTONE_DATA"] = str(self.folder)
+        self.addCleanup(os.environ.pop, "WAYSTONE_DATA")
+        for folder in bench.FOLDERS["recall"][1:]:
+            (self.folder / folder).mkdir()
+        self.assertIsNone(bench.with_data(["recall", "DATA"]))
+        (self.folder / bench.FOLDERS["recall"][0]).mkdir()
+        self.assertEqual(bench.with_data(["recall", "DATA"]), ["recall", f"{self.folder}"])
+
+    def test_a_program_that_is_not_there_fails_its_run_alone(self):
+        self.assertFalse(bench.run(str(self.folder / "none"), self.folder, "name", ["world"], ABOUT))
+
+    def test_the_commits_of_inputs_are_kept(self):
+        (self.folder / "scale.json").write_text('{"commit": "def"}', encoding="utf-8")
+        self.assertTrue(self.run_bench("""echo '{"bench": "world"}'""", ("world", "--scale", "RESULTS/scale.json")))
+        self.assertEqual(self.record()["inputs"], {"scale": "def"})
+
 
 class ScriptTest(unittest.TestCase):
     def test_paths_are_of_the_run_or_else_of_the_committed_results(self):
@@ -68,6 +85,10 @@ class ScriptTest(unittest.TestCase):
             self.assertEqual(bench.with_paths(arguments, "build/release", results),
                              ["--program", "build/release/cli/waystone", "--a", str(results / "scale.json"),
                               "--b", "docs/benchmarks/other.json", "/x"])
+
+    def test_every_bench_with_the_whole_data_says_what_it_needs(self):
+        whole = {arguments[0] for arguments in bench.runs().values() if "DATA" in arguments}
+        self.assertEqual(whole, set(bench.FOLDERS))
 
     def test_scripts_are_shown_as_they_are_run(self):
         self.assertEqual(bench.shown("world --plan other"), "waystone-bench world --plan other")
@@ -133,6 +154,73 @@ class TablesTest(unittest.TestCase):
         for cell, fine in rows.items():
             table = f"| 1 | target 2 | measured |\n|---|---|---|\n| 3 | 4 | {cell} |\n"
             self.assertEqual(benchmark_tables.unmeasured(table) == [], fine, cell)
+
+    def test_a_table_of_different_sources_is_found(self):
+        def record(commit, **more):
+            return {**self.RECORDS["run"], "commit": commit, **more}
+        table = "Text.\n| a | b | c |\n|---|---|---|\n| d | {a.count} | {b.count} |\n"
+        for a, b, fine in ((record("x"), record("x"), True), (record("x"), record("y"), False),
+                           (record("x", sources="s"), record("y", sources="s"), True)):
+            self.assertEqual(benchmark_tables.mixed(table, {"a": a, "b": b}) == [], fine)
+        records = {"a": record("x"), "b": record("y")}
+        self.assertEqual(benchmark_tables.mixed(benchmark_tables.MIXED + table[6:], records), [])
+        self.assertEqual(len(benchmark_tables.mixed(benchmark_tables.MIXED + table[6:] + table, records)), 1)
+        self.assertNotIn("commits. -->", benchmark_tables.fill(benchmark_tables.MIXED + table, records))
+
+    def test_inputs_that_were_measured_again_are_found(self):
+        records = {"scale": {"commit": "x"}, "simulation": {"commit": "y", "inputs": {"scale": "x", "gone": "z"}}}
+        self.assertEqual(benchmark_tables.stale(records), [])
+        records["scale"]["commit"] = "y"
+        self.assertEqual(len(benchmark_tables.stale(records)), 1)
+
+
+class MainTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.enterContext(contextlib.chdir(self.folder))
+        self.enterContext(contextlib.redirect_stdout(io.StringIO()))
+        benchmark_tables.FOLDER.mkdir(parents=True)
+        Path("results").mkdir()
+        self.write_template("{world.count}\n")
+        benchmark_tables.README_TEMPLATE.write_text("", encoding="utf-8")
+        benchmark_tables.README.write_text(benchmark_tables.README_BEGIN + benchmark_tables.README_END,
+                                           encoding="utf-8")
+        self.write(benchmark_tables.FOLDER, "2026-01-02", 2)
+        self.assertEqual(benchmark_tables.main([]), 0)
+
+    def write_template(self, text):
+        benchmark_tables.TEMPLATE.write_text(text, encoding="utf-8")
+
+    def write(self, folder, date, count):
+        record = {**TablesTest.RECORDS["run"], "date": date, "result": {"count": count}}
+        (Path(folder) / "world.json").write_text(json.dumps(record), encoding="utf-8")
+
+    def committed(self):
+        record = json.loads((benchmark_tables.FOLDER / "world.json").read_text(encoding="utf-8"))
+        return record["result"]["count"]
+
+    def test_later_results_replace_those_that_are_committed(self):
+        self.write("results", "2026-01-03", 3)
+        self.assertEqual(benchmark_tables.main(["results"]), 0)
+        self.assertEqual(self.committed(), 3)
+        self.assertIn("\n3\n", benchmark_tables.DOCUMENT.read_text(encoding="utf-8"))
+
+    def test_earlier_results_do_not(self):
+        self.write("results", "2026-01-01", 1)
+        self.assertEqual(benchmark_tables.main(["results"]), 0)
+        self.assertEqual(self.committed(), 2)
+
+    def test_a_check_writes_nothing(self):
+        self.write("results", "2026-01-03", 3)
+        self.assertEqual(benchmark_tables.main(["--check", "results"]), 1)
+        self.assertEqual(self.committed(), 2)
+
+    def test_results_that_do_not_fill_the_page_are_not_taken(self):
+        self.write("results", "2026-01-03", 3)
+        self.write_template("{world.nothing}\n")
+        with self.assertRaises(ValueError):
+            benchmark_tables.main(["results"])
+        self.assertEqual(self.committed(), 2)
 
 
 if __name__ == "__main__":
