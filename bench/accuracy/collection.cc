@@ -266,6 +266,11 @@ int RunCollection(const Args& raw) {
   options.max_distance =
       std::stoi(TakeOption(args, "distance", std::to_string(options.max_distance)));
   options.window = std::stoi(TakeOption(args, "window", std::to_string(options.window)));
+  if (args.size() > 1) {
+    throw MapError(ErrorCode::kUsage,
+                   "collection takes a folder with data, --learn FILE, --buildings N, --flats N, "
+                   "--maps N,N,..., --features TYPE, --probes N, --distance N and --window N");
+  }
   const std::string data = args.empty() ? "" : args[0];
   const FeatureType type = FeatureTypeByName(features);
   const std::vector<CollectionScene> scenes = CollectScenes(data, buildings, flats, type);

@@ -150,6 +150,25 @@ CollectionScene MapBuilding(const std::string& name, const World& world, const R
   return scene;
 }
 
+// Sets of the same map as one: of several maps of one place, a query would find only one.
+std::vector<RecallSet> MergeByMap(std::vector<RecallSet> sets) {
+  std::vector<RecallSet> merged;
+  for (RecallSet& set : sets) {
+    const auto same = std::ranges::find(merged, set.map, &RecallSet::map);
+    if (same == merged.end()) {
+      merged.push_back(std::move(set));
+      continue;
+    }
+    same->name = set.name.substr(0, set.name.find('-'));
+    same->is_right = [first = same->is_right, of_first = static_cast<int>(same->queries.size()),
+                      second = set.is_right](int query, int frame) {
+      return query < of_first ? first(query, frame) : second(query - of_first, frame);
+    };
+    same->queries.insert(same->queries.end(), set.queries.begin(), set.queries.end());
+  }
+  return merged;
+}
+
 }  // namespace
 
 CoarseEntry PlacesOf(const CoarseEntry& entry, int from, int to) {
@@ -235,7 +254,7 @@ CollectionScene RenderFlatScene(int seed, FeatureType type) {
 
 std::vector<CollectionScene> ReadRealScenes(const std::filesystem::path& data, FeatureType type) {
   std::vector<CollectionScene> scenes;
-  for (const RecallSet& set : ReadRecallSets(data)) {
+  for (const RecallSet& set : MergeByMap(ReadRecallSets(data))) {
     const auto index = MapIndex::Build(BuildOf(OpenRecallMap(set), type));
     CollectionScene scene{set.name, "photos", MakeCoarseEntry(*index), PoolOf(*index), {}};
     scene.queries.resize(set.queries.size());

@@ -34,7 +34,7 @@ std::vector<CollectionScene> RenderBuilding(int seed, FeatureType type);
 // A rendered flat with a map of panoramas of one visit, asked with those of another one.
 CollectionScene RenderFlatScene(int seed, FeatureType type);
 
-// Photos of real places (ReadRecallSets).
+// Photos of real places (ReadRecallSets), those of one map together.
 std::vector<CollectionScene> ReadRealScenes(const std::filesystem::path& data, FeatureType type);
 
 // All features of rendered buildings and flats other than the above, from which words are learned.
