@@ -138,9 +138,10 @@ Score AskKitchen(const std::string& folder) {
     const auto bytes = ReadBytes(std::filesystem::path(folder) / truth.image(frame));
     const Answer answer = Localize(*index, bytes, truth.image(frame), options);
     ++score.asked;
-    score.refused += answer.decided_by == DecidedBy::kBuildingAxes ? 1 : 0;
+    const bool refused = answer.decided_by == DecidedBy::kBuildingAxes;
+    score.refused += refused;
+    score.localized += refused || answer.verdict == Verdict::kLocalized;
     if (!answer.building) continue;
-    ++score.localized;
     // What the gate refused names no place any more: without the camera there is no gate.
     const bool stands = answer.verdict == Verdict::kLocalized;
     const std::optional<bool> right = IsRightPhoto(

@@ -135,8 +135,17 @@ double ShareRight(const std::vector<double>& errors) {
   return errors.empty() ? 0 : static_cast<double>(right) / static_cast<double>(errors.size());
 }
 
+// Null where there are no errors: nothing was measured, which is neither the best nor the worst.
+nlohmann::json MedianJson(const std::vector<double>& errors) {
+  return errors.empty() ? nlohmann::json() : nlohmann::json(Quantile(errors, 0.5));
+}
+
+nlohmann::json ShareRightJson(const std::vector<double>& errors) {
+  return errors.empty() ? nlohmann::json() : nlohmann::json(ShareRight(errors));
+}
+
 nlohmann::json ErrorsJson(const std::vector<double>& errors) {
-  return {{"median_deg", Quantile(errors, 0.5)}, {"within_10_deg", ShareRight(errors)}};
+  return {{"median_deg", MedianJson(errors)}, {"within_10_deg", ShareRightJson(errors)}};
 }
 
 nlohmann::json BinJson(const std::string& name, const std::vector<PairResult>& results,
@@ -164,8 +173,8 @@ nlohmann::json BinJson(const std::string& name, const std::vector<PairResult>& r
   return {{"from_m", bin.from_m},         {"to_m", bin.to_m},
           {"pairs", ours.size()},         {"plain", ErrorsJson(plain)},
           {"phases", ErrorsJson(phases)}, {"compass", ErrorsJson(ours)},
-          {"claimed", claimed.size()},    {"claimed_within_10_deg", ShareRight(claimed)},
-          {"directions", motions.size()}, {"direction_median_deg", Quantile(motions, 0.5)}};
+          {"claimed", claimed.size()},    {"claimed_within_10_deg", ShareRightJson(claimed)},
+          {"directions", motions.size()}, {"direction_median_deg", MedianJson(motions)}};
 }
 
 void WriteCsv(const std::string& path, const std::vector<PairResult>& results) {
@@ -195,7 +204,7 @@ nlohmann::json Accuracy(const std::string& name, const std::vector<PairResult>& 
   return {{"bins", bins},
           {"pairs", results.size()},
           {"claimed", claimed.size()},
-          {"claimed_within_10_deg", ShareRight(claimed)}};
+          {"claimed_within_10_deg", ShareRightJson(claimed)}};
 }
 
 template <typename Work>

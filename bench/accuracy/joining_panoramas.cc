@@ -86,8 +86,9 @@ void JoinHalves(std::vector<PanoramaPlace> places, const std::vector<PanoramaPla
   halves.push_back(BuildPart(split.mapped, 0, share, "first"));
   halves.push_back(BuildPart(split.mapped, count - share, count, "second"));
   const Stopwatch building;
-  const PanoramaMap whole(BuildPart(split.mapped, 0, count, "whole"), split.mapped, right_m);
+  MapData whole_map = BuildPart(split.mapped, 0, count, "whole");
   all.build_cpu_s += building.cpu_s();
+  const PanoramaMap whole(std::move(whole_map), split.mapped, right_m);
   const Stopwatch merging;
   JoinResult result = MergeMaps(std::move(halves), "joined", {});
   all.merge_cpu_s += merging.cpu_s();

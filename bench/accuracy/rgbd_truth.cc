@@ -76,6 +76,7 @@ Eigen::Isometry3d RgbdTruth::world_from_colour(int frame) const {
 }
 
 std::optional<Eigen::Vector2d> RgbdTruth::Transfer(int a, const Eigen::Vector2d& x, int b) const {
+  if (!HasDepth(a)) return std::nullopt;
   if (loaded_ != a) {
     depth_ = cv::imread((folder_ / depths_.at(a)).string(), cv::IMREAD_UNCHANGED);
     loaded_ = a;
