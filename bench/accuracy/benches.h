@@ -27,8 +27,8 @@ int RunRenderedPairs(const Args& args);
 // the true homography in H_1_k.txt): error at the corners, beside OpenCV's MAGSAC.
 int RunHomographies(const Args& args);
 // verdicts [DATA]: localized, right and false answers and the reliability of the stated
-// probability, on maps of the world and, where DATA has them, kitchen and church, asked for photos
-// of all others.
+// probability, on maps of the world and, with DATA, of kitchen and church, asked for photos of all
+// others.
 int RunVerdicts(const Args& args);
 // directions [DIR...] [--detector NAME] [--photos]: Manhattan frames against vanishing points or
 // poses, or against rendered truth without a folder; --photos prints each.
@@ -52,10 +52,11 @@ int RunPeers(const Args& args);
 // other focal lengths in rendered buildings.
 int RunCameras(const Args& args);
 int RunCollection(const Args& args);
-// look-alikes [--buildings N] [--first SEED] [--width N] [--each yes|no] [--set NAME=VALUE]...:
-// rendered buildings asked for their own places, for the same places a storey higher, where much
-// looks alike, and for other buildings; and the weights of the keyframe's verdict fitted to the
-// answers.
+// look-alikes [--buildings N] [--first SEED] [--width N] [--budgets yes|no] [--each yes|no]
+// [--set NAME=VALUE]...: rendered buildings asked for their own places, for the same places a
+// storey higher, where much looks alike, and for other buildings; and the weights of the keyframe's
+// verdict fitted to the answers. With budgets, for such a fit, buildings keep 30 to 100 landmarks a
+// keyframe, each another number.
 int RunLookAlikes(const Args& args);
 // storeys [DATA] [--buildings N] [--first SEED] [--each yes|no] [--set NAME=VALUE]...: maps of
 // several look-alike storeys, of rendered buildings and of the tower, asked for photos of each,

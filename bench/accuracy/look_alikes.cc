@@ -14,6 +14,7 @@
 #include "bench/accuracy/world_source.h"
 #include "core/base/error.h"
 #include "core/camera/image_plane.h"
+#include "localizer/planes/locate.h"
 #include "localizer/planes/sightings.h"
 #include "localizer/verdict/keyframe_verdict.h"
 #include "localizer/verdict/logistic_fit.h"
@@ -35,11 +36,11 @@ constexpr const char* kAskedOfNames[] = {"own", "look-alike", "foreign"};
 struct LookAlikeSample {
   int building = 0;
   AskedOf asked = AskedOf::kOwn;
-  bool right = false;
-  bool localized = false;
+  bool right = false;      // the best place
+  bool localized = false;  // the product's verdict
   int plane_inliers = 0;
   std::optional<KeyframeEvidence> evidence;  // of a verified keyframe
-  double probability = 0;                    // by the default model
+  double probability = 0;                    // of the best place, by the default model
 };
 
 // Whether the inliers show one and the same surface of the world: median distance between where the
@@ -61,17 +62,14 @@ bool ShowsTheSame(const World& world, const Camera& camera, const Eigen::Isometr
 class BuildingAsked {
  public:
   BuildingAsked(int building, BuildOptions options, int width)
-      : building_(building),
-        features_(options.features),
-        renderer_(LookAlikeCamera(width)),
-        working_camera_(
-            ScaledCamera(renderer_.camera(),
-                         WorkingSize({width, 3 * width / 4}, features_.working_pixels).width)) {
+      : building_(building), renderer_(LookAlikeCamera(width)) {
     std::vector<std::unique_ptr<Source>> sources;
     sources.push_back(std::make_unique<WorldSource>(world_, renderer_, map_walk_));
     options.images = false;
-    options.planes.landmarks.max_kept = 30 + 10 * (building_ % 8);
     index_ = MapIndex::Build(BuildMap(sources, options, {}).map);
+    features_ = QueryFeatureOptions(*index_, {});
+    working_camera_ = ScaledCamera(
+        renderer_.camera(), WorkingSize({width, 3 * width / 4}, features_.working_pixels).width);
   }
 
   std::vector<LookAlikeSample> Ask() const {
@@ -102,6 +100,9 @@ class BuildingAsked {
     sample.building = building_;
     sample.asked = asked;
     const PlaneQueryOptions options;
+    sample.localized =
+        LocateByPlanes(*index_, query, options, {}, false).verdict == Verdict::kLocalized;
+    // What the verdict's model judges is in no answer.
     const Shortlist shortlist = VoteForPlaces(*index_, query, options);
     const std::vector<VerifiedPlane> tried = TryPlanes(*index_, query, shortlist.planes, options);
     std::vector<Place> places = FindPlaces(*index_, tried, options);
@@ -109,7 +110,6 @@ class BuildingAsked {
                   options, places);
     if (places.empty()) return sample;
     const Place& best = places.front();
-    sample.localized = true;
     sample.plane_inliers = best.evidence.inliers;
     sample.probability = best.probability;
     if (!best.keyframe) return sample;
@@ -151,9 +151,9 @@ Eigen::VectorXd FitSigned(const std::vector<LookAlikeSample>& samples) {
   return FitLogistic(cases, prior);
 }
 
-// Prints and returns what a model of the probability localizes.
+// Prints and returns what is localized.
 nlohmann::ordered_json Count(const std::vector<LookAlikeSample>& samples, const char* model,
-                             auto&& probability) {
+                             auto&& is_localized) {
   nlohmann::ordered_json json;
   for (const AskedOf asked : {AskedOf::kOwn, AskedOf::kLookAlike, AskedOf::kForeign}) {
     int all = 0;
@@ -162,7 +162,7 @@ nlohmann::ordered_json Count(const std::vector<LookAlikeSample>& samples, const 
     for (const LookAlikeSample& sample : samples) {
       if (sample.asked != asked) continue;
       ++all;
-      const bool sure = sample.localized && probability(sample) >= GateOptions{}.min_probability;
+      const bool sure = is_localized(sample);
       localized += sure;
       right += sure && sample.right;
     }
@@ -180,16 +180,18 @@ int RunLookAlikes(const Args& raw) {
   Args args = raw;
   const int buildings = std::stoi(TakeOption(args, "buildings", "16"));
   const int first = std::stoi(TakeOption(args, "first", "1"));
-  const BuildOptions build = TakeBuildSettings(args);
+  const bool budgets = TakeOption(args, "budgets", "no") == "yes";
+  BuildOptions build = TakeBuildSettings(args);
   const int width = std::stoi(TakeOption(args, "width", "640"));
   const bool each = TakeOption(args, "each", "no") == "yes";
   if (!args.empty()) {
     throw MapError(ErrorCode::kUsage,
-                   "look-alikes takes --buildings N, --first SEED, --width N, --each yes|no and "
-                   "--set NAME=VALUE");
+                   "look-alikes takes --buildings N, --first SEED, --width N, --budgets yes|no, "
+                   "--each yes|no and --set NAME=VALUE");
   }
   std::vector<LookAlikeSample> samples;
   for (int building = first; building < first + buildings; ++building) {
+    if (budgets) build.planes.landmarks.max_kept = 30 + 10 * (building % 8);
     const std::vector<LookAlikeSample> more = BuildingAsked(building, build, width).Ask();
     samples.insert(samples.end(), more.begin(), more.end());
     for (const LookAlikeSample& sample : more) {
@@ -204,11 +206,13 @@ int RunLookAlikes(const Args& raw) {
   }
   nlohmann::ordered_json json{
       {"bench", "look-alikes"}, {"buildings", buildings}, {"samples", samples.size()}};
-  json["default"] =
-      Count(samples, "default", [](const LookAlikeSample& s) { return s.probability; });
+  json["default"] = Count(samples, "default", [](const LookAlikeSample& s) { return s.localized; });
   const Eigen::VectorXd fit = FitSigned(samples);
+  // By probability alone, without looking for rivals.
   json["fitted"] = Count(samples, "fitted", [&](const LookAlikeSample& s) {
-    return s.evidence ? Logistic(fit.dot(KeyframeFactors(*s.evidence))) : s.probability;
+    const double probability =
+        s.evidence ? Logistic(fit.dot(KeyframeFactors(*s.evidence))) : s.probability;
+    return probability >= GateOptions{}.min_probability;
   });
   json["fit"] = std::vector<double>(fit.begin(), fit.end());
   std::cout << json.dump() << std::endl;
