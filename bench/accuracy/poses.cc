@@ -8,6 +8,7 @@
 #include "bench/accuracy/rgbd_truth.h"
 #include "bench/accuracy/settings.h"
 #include "bench/accuracy/world_source.h"
+#include "bench/baseline/scenes.h"
 #include "builder/sources/memory_source.h"
 #include "core/base/error.h"
 #include "core/image/decode.h"
@@ -64,22 +65,20 @@ struct PosedPhoto {
   Isometry3d pose = Isometry3d::Identity();
 };
 
-// The photos of a role in poses.csv: K, centre and rotation of each.
+// The photos of a role in poses.csv.
 std::vector<PosedPhoto> ReadPosedPhotos(const std::filesystem::path& folder,
                                         const std::string& role) {
   std::vector<PosedPhoto> photos;
-  for (const std::vector<std::string>& row : ReadCsv(folder / "poses.csv")) {
-    if (row.at(0) != role) continue;
-    const auto number = [&](int i) { return std::stod(row.at(i)); };
+  for (const PhotoPose& row : ReadPhotoPoses(folder)) {
+    if (row.role != role) continue;
     PosedPhoto photo;
-    photo.path = folder / role / row.at(1);
+    photo.path = folder / role / row.image;
     const cv::Mat image = DecodeGrey(ReadBytes(photo.path));
-    photo.camera = {CameraModel::kPinhole,
-                    image.cols,
-                    image.rows,
-                    {number(2), number(3), number(4), number(5)}};
-    photo.pose.translation() = Eigen::Vector3d(number(6), number(7), number(8));
-    for (int i = 0; i < 9; ++i) photo.pose.linear()(i / 3, i % 3) = number(9 + i);
+    const Eigen::Matrix3d& k = row.camera.k;
+    photo.camera = {
+        CameraModel::kPinhole, image.cols, image.rows, {k(0, 0), k(1, 1), k(0, 2), k(1, 2)}};
+    photo.pose.translation() = row.camera.centre;
+    photo.pose.linear() = row.camera.world_from_camera;
     photos.push_back(photo);
   }
   return photos;

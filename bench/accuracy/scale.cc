@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tbb/task_arena.h>
 
-#include <unistd.h>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -19,7 +18,6 @@
 #include "schema/file/map_store.h"
 #include "schema/layers/planes/index_features.h"
 #include "world/rig.h"
-#include "world/truth.h"
 
 namespace waystone::bench {
 namespace {
@@ -59,7 +57,7 @@ nlohmann::json OpenElsewhere(const fs::path& map) {
 struct Query {
   std::vector<uint8_t> bytes;  // JPEG
   Eigen::Isometry3d world_from_camera;
-  cv::Mat plane_ids;
+  RenderedFrame frame;
 };
 
 // A made building, a walk through it that is mapped, and photos from another walk on the same way.
@@ -83,17 +81,10 @@ class MappedWorld {
   // Whether the answer's inliers are where it says, by the world's truth.
   bool IsRight(const MapIndex& index, const Query& query, const Answer& answer) const {
     const SceneAnswer place = SceneAnswerOf(index, answer);
-    std::vector<double> errors;
-    for (size_t i = 0; i < place.query_points.size(); ++i) {
-      const Eigen::Vector2d& x = place.query_points[i];
-      const int id = query.plane_ids.at<uint16_t>(cvRound(x.y()), cvRound(x.x()));
-      if (id == 0) continue;
-      const Eigen::Matrix3d reference_from_query =
-          PlaneHomography(world_.PlaneById(id), renderer_.camera(), query.world_from_camera,
-                          walk_.frames[place.reference_frame].world_from_camera);
-      errors.push_back((Apply(reference_from_query, x) - place.reference_points[i]).norm());
-    }
-    return !errors.empty() && Quantile(errors, 0.5) <= kRight_px;
+    const std::optional<double> error =
+        WorldError(world_, renderer_.camera(), query.frame, query.world_from_camera,
+                   walk_.frames[place.reference_frame].world_from_camera, place);
+    return error && *error <= kRight_px;
   }
 
  private:
@@ -112,9 +103,8 @@ class MappedWorld {
     const Walk walk = MakeWalk(other);
     const WorldSource source(world_, renderer_, walk);
     for (int frame = 0; frame < std::ssize(walk.frames); frame += kQueryStep) {
-      const RenderedFrame rendered = source.Render(frame);
-      Query query{{}, walk.frames[frame].world_from_camera, rendered.plane_ids};
-      cv::imencode(".jpg", rendered.grey, query.bytes, {cv::IMWRITE_JPEG_QUALITY, 90});
+      Query query{{}, walk.frames[frame].world_from_camera, source.Render(frame)};
+      cv::imencode(".jpg", query.frame.grey, query.bytes, {cv::IMWRITE_JPEG_QUALITY, 90});
       queries_.push_back(std::move(query));
     }
   }
@@ -218,12 +208,11 @@ bool SameOnOneThread(const MapData& map) {
 }
 
 nlohmann::ordered_json Measure(const MappedWorld& scene, int64_t features, const fs::path& file) {
-  Clock::time_point start = Clock::now();
   MapData map = Enlarged(scene.map(), features, 1);
   nlohmann::ordered_json json = {{"features", CountFeatures(map)},
                                  {"planes", map.planes.size()},
                                  {"keyframes", map.keyframes.size()}};
-  start = Clock::now();
+  const Clock::time_point start = Clock::now();
   const bool same = SameOnOneThread(map);
   json["index_build_s"] = SecondsSince(start);
   json["same_on_one_thread"] = same;
@@ -291,14 +280,13 @@ int RunScale(const Args& raw) {
   if (args.empty()) args = {"100000", "1000000"};
   cv::setNumThreads(1);
   const MappedWorld scene;
-  const fs::path file =
-      fs::temp_directory_path() / ("waystone-scale-" + std::to_string(getpid()) + ".db");
+  const ScratchFolder scratch;
+  const fs::path file = scratch.path() / "map.db";
   nlohmann::ordered_json json = {{"bench", "scale"}, {"runs", nlohmann::ordered_json::array()}};
   PrintHeading();
   for (const std::string& features : args) {
     json["runs"].push_back(Measure(scene, std::stoll(features), file));
     PrintRow(json["runs"].back());
-    fs::remove(file);
   }
   std::cout << json.dump() << std::endl;
   return 0;

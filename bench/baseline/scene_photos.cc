@@ -2,13 +2,12 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
-#include <sstream>
 
 #include "bench/baseline/scenes.h"
 #include "builder/build_options.h"
+#include "builder/sources/files.h"
 #include "core/base/error.h"
 #include "core/features/features.h"
 #include "core/homography/homography.h"
@@ -21,41 +20,6 @@ namespace fs = std::filesystem;
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-constexpr int kNumbers = 16;  // of a line of poses.csv: fx fy cx cy, centre, rotation by rows
-
-PosedCamera CameraOf(const std::vector<double>& n) {
-  PosedCamera camera;
-  camera.k << n[0], 0, n[2], 0, n[1], n[3], 0, 0, 1;
-  camera.centre = Vector3d(n[4], n[5], n[6]);
-  camera.world_from_camera << n[7], n[8], n[9], n[10], n[11], n[12], n[13], n[14], n[15];
-  return camera;
-}
-
-// Poses by the image's name.
-std::map<std::string, PosedCamera> ReadPoses(const fs::path& path) {
-  std::ifstream file(path);
-  if (!file) throw MapError(ErrorCode::kFileUnreadable, "can't read " + path.string());
-  std::map<std::string, PosedCamera> poses;
-  std::string line;
-  std::getline(file, line);  // the heading
-  while (std::getline(file, line)) {
-    std::istringstream cells(line);
-    std::string role;
-    std::string image;
-    std::getline(cells, role, ',');
-    std::getline(cells, image, ',');
-    std::vector<double> numbers;
-    for (std::string cell; std::getline(cells, cell, ',');) numbers.push_back(std::stod(cell));
-    if (numbers.size() != kNumbers) {
-      throw MapError(ErrorCode::kFileUnreadable, path.string() + ": a line for " + image + " has " +
-                                                     std::to_string(numbers.size()) +
-                                                     " numbers, 16 were expected");
-    }
-    poses[image] = CameraOf(numbers);
-  }
-  return poses;
-}
 
 Vector3d RayOf(const PosedCamera& camera, const Vector2d& x) {
   return camera.world_from_camera * (camera.k.inverse() * x.homogeneous());
@@ -74,8 +38,8 @@ bool MeetInFront(const PosedCamera& a, const PosedCamera& b, const Vector2d& x_a
 
 class PhotoScene : public Scene {
  public:
-  PhotoScene(const fs::path& folder, const SceneLimits& limits)
-      : folder_(folder), limits_(limits), poses_(ReadPoses(folder / "poses.csv")) {
+  PhotoScene(const fs::path& folder, const SceneLimits& limits) : folder_(folder), limits_(limits) {
+    for (const PhotoPose& photo : ReadPhotoPoses(folder)) poses_[photo.image] = photo.camera;
     name_ = folder.filename();
     map_ = ImagesIn(folder / "map");
     for (const auto& entry : fs::directory_iterator(folder)) {
@@ -83,7 +47,9 @@ class PhotoScene : public Scene {
       const auto images = ImagesIn(entry.path());
       queries_.insert(queries_.end(), images.begin(), images.end());
     }
-    std::sort(queries_.begin(), queries_.end());
+    std::ranges::sort(queries_, [](const fs::path& a, const fs::path& b) {
+      return NaturalLess(a.native(), b.native());
+    });
     for (const fs::path& image : map_) ToWorkingPixels(image);
   }
 
@@ -130,6 +96,26 @@ class PhotoScene : public Scene {
 };
 
 }  // namespace
+
+std::vector<PhotoPose> ReadPhotoPoses(const fs::path& folder) {
+  constexpr size_t kCells = 18;
+  const fs::path path = folder / "poses.csv";
+  std::vector<PhotoPose> photos;
+  for (const std::vector<std::string>& row : ReadCsv(path)) {
+    if (row.size() != kCells) {
+      throw MapError(ErrorCode::kFileUnreadable,
+                     path.string() + ": a line for " + (row.size() > 1 ? row[1] : row[0]) +
+                         " has " + std::to_string(row.size()) + " cells, 18 were expected");
+    }
+    const auto number = [&](size_t i) { return std::stod(row[i]); };
+    PhotoPose photo{row[0], row[1], {}};
+    photo.camera.k << number(2), 0, number(4), 0, number(3), number(5), 0, 0, 1;
+    photo.camera.centre = Vector3d(number(6), number(7), number(8));
+    for (int i = 0; i < 9; ++i) photo.camera.world_from_camera(i / 3, i % 3) = number(9 + i);
+    photos.push_back(std::move(photo));
+  }
+  return photos;
+}
 
 double MedianEpipolarError(const PosedCamera& a, const PosedCamera& b,
                            const std::vector<Vector2d>& x_a, const std::vector<Vector2d>& x_b) {

@@ -54,19 +54,10 @@ class WorldScene : public Scene {
   int queries() const override { return static_cast<int>(frames_.size()); }
   cv::Mat Decode(int query) const override { return frames_[query].grey; }
   bool IsRight(int query, const SceneAnswer& answer) const override {
-    std::vector<double> errors;
-    const cv::Mat& ids = frames_[query].plane_ids;
-    for (size_t i = 0; i < answer.query_points.size(); ++i) {
-      const Eigen::Vector2d& x = answer.query_points[i];
-      const int plane = ids.at<uint16_t>(static_cast<int>(std::lround(x.y())),
-                                         static_cast<int>(std::lround(x.x())));
-      if (plane == 0) continue;
-      const Eigen::Matrix3d truth = PlaneHomography(
-          world_.PlaneById(plane), renderer_.camera(), query_walk_.frames[query].world_from_camera,
-          walk_.frames[answer.reference_frame].world_from_camera);
-      errors.push_back((answer.reference_points[i] - Apply(truth, x)).norm());
-    }
-    return errors.size() >= kMinJudged && Quantile(errors, 0.5) <= limits_.world_px;
+    const std::optional<double> error = WorldError(
+        world_, renderer_.camera(), frames_[query], query_walk_.frames[query].world_from_camera,
+        walk_.frames[answer.reference_frame].world_from_camera, answer);
+    return error && *error <= limits_.world_px;
   }
   std::string Criterion() const override {
     return "median transfer error by the rendered planes <= " +
@@ -85,6 +76,25 @@ class WorldScene : public Scene {
 };
 
 }  // namespace
+
+std::optional<double> WorldError(const World& world, const Camera& camera,
+                                 const RenderedFrame& query,
+                                 const Eigen::Isometry3d& world_from_query,
+                                 const Eigen::Isometry3d& world_from_reference,
+                                 const SceneAnswer& answer) {
+  std::vector<double> errors;
+  for (size_t i = 0; i < answer.query_points.size(); ++i) {
+    const Eigen::Vector2d& x = answer.query_points[i];
+    const int plane = query.plane_ids.at<uint16_t>(static_cast<int>(std::lround(x.y())),
+                                                   static_cast<int>(std::lround(x.x())));
+    if (plane == 0) continue;
+    const Eigen::Matrix3d truth =
+        PlaneHomography(world.PlaneById(plane), camera, world_from_query, world_from_reference);
+    errors.push_back((answer.reference_points[i] - Apply(truth, x)).norm());
+  }
+  if (errors.size() < kMinJudged) return std::nullopt;
+  return Quantile(std::move(errors), 0.5);
+}
 
 std::unique_ptr<Scene> MakeWorldScene(int map_frames, int queries, const SceneLimits& limits) {
   return std::make_unique<WorldScene>(map_frames, queries, limits);

@@ -5,11 +5,14 @@
 #include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bench/accuracy/common.h"
 #include "builder/sources/source.h"
+#include "world/render.h"
+#include "world/world.h"
 
 namespace waystone::bench {
 
@@ -70,17 +73,34 @@ std::unique_ptr<Scene> OpenRgbdScene(const std::string& folder, const Range& map
 std::unique_ptr<Scene> OpenPhotoScene(const std::filesystem::path& folder,
                                       const SceneLimits& limits);
 
+// Median distance, px, of an answer's inliers from where the rendered planes that they are on put
+// them; nothing with fewer than kMinJudged of them.
+std::optional<double> WorldError(const World& world, const Camera& camera,
+                                 const RenderedFrame& query,
+                                 const Eigen::Isometry3d& world_from_query,
+                                 const Eigen::Isometry3d& world_from_reference,
+                                 const SceneAnswer& answer);
+
 // A rendered walk through the demo plan, and another walk through it, higher, with another gaze and
 // sway, whose frames are the queries. Right: as in OpenRgbdScene, with world_px, by the rendered
 // planes' true homographies.
 std::unique_ptr<Scene> MakeWorldScene(int map_frames, int queries, const SceneLimits& limits);
 
-// Whether two calibrated cameras see the same points: see OpenPhotoScene. Exposed for its test.
+// A calibrated camera.
 struct PosedCamera {
   Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Eigen::Matrix3d world_from_camera = Eigen::Matrix3d::Identity();
 };
+// A line of a folder's poses.csv: role, image, fx, fy, cx, cy, centre, rotation by rows.
+struct PhotoPose {
+  std::string role;
+  std::string image;
+  PosedCamera camera;
+};
+// Throws MapError(kFileUnreadable) for a line with fewer or more cells.
+std::vector<PhotoPose> ReadPhotoPoses(const std::filesystem::path& folder);
+
 // Median distance of x_b to the epipolar lines of x_a, px; infinite when fewer than half of the
 // points lie in front of both cameras.
 double MedianEpipolarError(const PosedCamera& a, const PosedCamera& b,

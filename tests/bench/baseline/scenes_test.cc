@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
+#include "core/base/error.h"
 #include "core/base/random.h"
 
 namespace waystone::bench {
@@ -103,6 +105,24 @@ TEST(SceneAnswerOf, TakesTheMatchesOfAPlaceWithoutPlanes) {
   ASSERT_EQ(place.query_points.size(), 1u);
   EXPECT_EQ(place.query_points[0], Eigen::Vector2d(10, 20));
   EXPECT_EQ(place.reference_points.at(0), Eigen::Vector2d(30, 40));
+}
+
+TEST(ReadPhotoPoses, TakesWholeLinesOnly) {
+  const ScratchFolder folder;
+  const auto write = [&](const std::string& line) {
+    std::ofstream(folder.path() / "poses.csv") << "role,image,...\n" << line << "\n";
+  };
+  write("map,a.jpg,500,501,320,240,1,2,3,1,0,0,0,0,-1,0,1,0");
+  const std::vector<PhotoPose> photos = ReadPhotoPoses(folder.path());
+  ASSERT_EQ(photos.size(), 1U);
+  EXPECT_EQ(photos[0].role, "map");
+  EXPECT_EQ(photos[0].image, "a.jpg");
+  EXPECT_EQ(photos[0].camera.k(1, 1), 501);
+  EXPECT_EQ(photos[0].camera.k(0, 2), 320);
+  EXPECT_EQ(photos[0].camera.centre, Vector3d(1, 2, 3));
+  EXPECT_EQ(photos[0].camera.world_from_camera.col(2), Vector3d(0, -1, 0));
+  write("map,a.jpg,500,501,320,240,1,2,3");
+  EXPECT_THROW(ReadPhotoPoses(folder.path()), MapError);
 }
 
 }  // namespace
