@@ -16,6 +16,7 @@
 #include "bench/baseline/vote_search.h"
 #include "core/base/error.h"
 #include "core/image/decode.h"
+#include "localizer/planes/locate.h"
 #include "world/rig.h"
 
 namespace waystone::bench {
@@ -57,8 +58,9 @@ CameraPeers BuildPeers(std::unique_ptr<Source> source,
     peers.frames.push_back(keyframe.frame);
   }
   std::vector<Features> images(peers.frames.size());
-  tbb::parallel_for(size_t{0}, images.size(),
-                    [&](size_t i) { images[i] = ExtractFeatures(image_of(peers.frames[i]), {}); });
+  tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
+    images[i] = ExtractFeatures(image_of(peers.frames[i]), options.features);
+  });
   peers.search = std::make_unique<VoteSearch>(std::move(images), 0);
   return peers;
 }
@@ -67,6 +69,7 @@ Named AskBoth(const CameraPeers& peers, const std::vector<cv::Mat>& photos,
               const ImageChange& change) {
   Named named{std::vector<std::optional<int>>(photos.size()),
               std::vector<std::optional<int>>(photos.size())};
+  const FeatureOptions features = QueryFeatureOptions(*peers.index, {});
   tbb::parallel_for(size_t{0}, photos.size(), [&](size_t q) {
     Random random(q + 1);
     const cv::Mat photo = change.apply(photos[q], random);
@@ -74,7 +77,7 @@ Named AskBoth(const CameraPeers& peers, const std::vector<cv::Mat>& photos,
     if (answer.verdict == Verdict::kLocalized) {
       named.waystone[q] = peers.index->FindKeyframe(answer.planes.keyframe->id)->frame;
     }
-    if (const auto found = peers.search->Find(ExtractFeatures(photo, {}))) {
+    if (const auto found = peers.search->Find(ExtractFeatures(photo, features))) {
       named.search[q] = peers.frames[found->image];
     }
   });

@@ -13,7 +13,7 @@
 #include "bench/baseline/vote_search.h"
 #include "core/base/error.h"
 #include "core/image/decode.h"
-#include "schema/file/map_store.h"
+#include "localizer/planes/locate.h"
 
 namespace waystone::bench {
 namespace {
@@ -128,10 +128,7 @@ PeerMap BuildPeerMap(const RecallSet& set, const FeatureOptions& features, int l
   options.planes.landmarks.max_kept = landmarks;
   options.images = false;
   BuildResult built = BuildMap(sources, options, {});
-  const fs::path file = fs::temp_directory_path() / ("peers-" + set.name + ".db");
-  WriteMap(built.map, file, {.overwrite = true});
-  const auto bytes = static_cast<int64_t>(fs::file_size(file));
-  fs::remove(file);
+  const int64_t bytes = CountFileBytes(built.map);
   return {MapIndex::Build(std::move(built.map)), bytes};
 }
 
@@ -148,7 +145,7 @@ Json ComparePeers(const RecallSet& set, const std::vector<fs::path>& foreign, Fe
   }
   // From here on as on a single core: building isn't timed.
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-  const PeerQueries queries = ExtractQueries(set, foreign, QueryOptionsOf(set, features));
+  const PeerQueries queries = ExtractQueries(set, foreign, QueryFeatureOptions(*map.index, {}));
   const std::string kind(NameOf(type));
   Json rows = Json::array();
   rows.push_back(AskPeer("waystone-" + kind, set, queries, map.bytes,

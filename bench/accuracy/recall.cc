@@ -14,7 +14,7 @@
 #include "bench/baseline/image_search.h"
 #include "core/base/error.h"
 #include "core/image/decode.h"
-#include "schema/file/map_store.h"
+#include "localizer/planes/locate.h"
 #include "schema/layers/planes/index_features.h"
 
 namespace waystone::bench {
@@ -82,22 +82,33 @@ struct Asked {
   std::vector<Features> foreign;
 };
 
-Found AskWaystone(const RecallSet& set, const Asked& asked, int budget, const RecallArgs& args) {
+struct RecallMap {
+  int budget = 0;
+  std::shared_ptr<const MapIndex> index;
+  int64_t features = 0;  // kept
+  int64_t bytes = 0;     // of the file
+};
+
+RecallMap BuildRecallMap(const RecallSet& set, int budget, const RecallArgs& args) {
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(OpenRecallMap(set));
   BuildOptions options = args.build;
   options.planes.landmarks.max_kept = budget;
   BuildResult built = BuildMap(sources, options, {});
-  Found found;
-  found.features = CountFeatures(built.map);
-  const fs::path file = fs::temp_directory_path() / ("recall-" + set.name + ".db");
-  WriteMap(built.map, file, {.overwrite = true});
-  found.map_bytes = static_cast<int64_t>(fs::file_size(file));
-  fs::remove(file);
+  const int64_t features = CountFeatures(built.map);
+  const int64_t bytes = CountFileBytes(built.map);
   std::printf("%s, %d landmarks: %zu keyframes, %zu planes, %lld features, %lld bytes\n",
               set.name.c_str(), budget, built.map.keyframes.size(), built.map.planes.size(),
-              static_cast<long long>(found.features), static_cast<long long>(found.map_bytes));
-  const auto index = MapIndex::Build(std::move(built.map));
+              static_cast<long long>(features), static_cast<long long>(bytes));
+  return {budget, MapIndex::Build(std::move(built.map)), features, bytes};
+}
+
+Found AskWaystone(const RecallSet& set, const Asked& asked, const RecallMap& map,
+                  const RecallArgs& args) {
+  const MapIndex* const index = map.index.get();
+  Found found;
+  found.features = map.features;
+  found.map_bytes = map.bytes;
   const auto ask = [&](const Features& query) {
     return LocalizeFeatures(*index, query, args.localize);
   };
@@ -186,13 +197,16 @@ int RunRecall(const Args& raw) {
     if (one.name.find(args.only) == std::string::npos) continue;
     constexpr int kMaxQueries = 50;
     const RecallSet set = args.exchanged ? Exchanged(one, kMaxQueries) : one;
-    const FeatureOptions features = QueryOptionsOf(set, args.build.features);
+    std::vector<RecallMap> maps;
+    for (const int budget : args.budgets) maps.push_back(BuildRecallMap(set, budget, args));
+    // All of these maps have the same keyframes.
+    const FeatureOptions features = QueryFeatureOptions(*maps.front().index, args.localize.planes);
     const Asked asked{ExtractAll(set.queries, features), ExtractAll(set.look_alikes, features),
                       ExtractAll(ChooseForeign(sets, set, args.foreign), features)};
     nlohmann::ordered_json curve = nlohmann::ordered_json::array();
-    for (const int budget : args.budgets) {
-      nlohmann::ordered_json point = AskWaystone(set, asked, budget, args).ToJson();
-      point["landmarks"] = budget;
+    for (const RecallMap& map : maps) {
+      nlohmann::ordered_json point = AskWaystone(set, asked, map, args).ToJson();
+      point["landmarks"] = map.budget;
       std::cout << set.name << " waystone " << point.dump() << std::endl;
       curve.push_back(std::move(point));
     }

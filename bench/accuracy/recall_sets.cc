@@ -12,6 +12,8 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/rgbd_truth.h"
+#include "bench/baseline/scenes.h"
+#include "builder/sources/memory_source.h"
 #include "core/base/error.h"
 #include "core/image/decode.h"
 
@@ -37,10 +39,8 @@ bool IsNear(const Viewpoint& a, const Viewpoint& b, double max_m) {
   return (a.centre - b.centre).norm() <= max_m && a.ahead.dot(b.ahead) >= std::cos(kMaxAngle_rad);
 }
 
-// Of a row of poses.csv: role, image, fx, fy, cx, cy, centre, rotation by rows.
-Viewpoint ReadViewpoint(const Cells& row) {
-  const auto number = [&](int i) { return std::stod(row.at(i)); };
-  return {{number(6), number(7), number(8)}, {number(11), number(14), number(17)}};
+Viewpoint ViewpointOf(const PosedCamera& camera) {
+  return {camera.centre, camera.world_from_camera.col(2)};
 }
 
 RecallSet ReadCorridor(const fs::path& folder) {
@@ -84,7 +84,9 @@ RecallSet ReadKitchen(const fs::path& folder) {
 RecallSet ReadChurch(const fs::path& folder) {
   RecallSet set{"church", ImagesIn(folder / "map"), ImagesIn(folder / "query_P8"), {}, {}};
   std::map<std::string, Viewpoint> views;
-  for (const Cells& row : ReadCsv(folder / "poses.csv")) views[row.at(1)] = ReadViewpoint(row);
+  for (const PhotoPose& photo : ReadPhotoPoses(folder)) {
+    views[photo.image] = ViewpointOf(photo.camera);
+  }
   std::vector<Viewpoint> mapped;
   std::vector<Viewpoint> asked;
   for (const fs::path& image : set.map) mapped.push_back(views.at(image.filename()));
@@ -99,14 +101,14 @@ RecallSet ReadPavilion(const fs::path& folder, const std::string& light) {
   RecallSet set{"pavilion-" + light, {}, {}, {}, {}};
   std::vector<Viewpoint> mapped;
   std::vector<Viewpoint> asked;
-  for (const Cells& row : ReadCsv(folder / "poses.csv")) {
-    const fs::path image = folder / row.at(1);
-    if (row.at(0) == "map") {
+  for (const PhotoPose& photo : ReadPhotoPoses(folder)) {
+    const fs::path image = folder / photo.image;
+    if (photo.role == "map") {
       set.map.push_back(image);
-      mapped.push_back(ReadViewpoint(row));
-    } else if (row.at(0) == "query" && image.parent_path().filename() == light) {
+      mapped.push_back(ViewpointOf(photo.camera));
+    } else if (photo.role == "query" && image.parent_path().filename() == light) {
       set.queries.push_back(image);
-      asked.push_back(ReadViewpoint(row));
+      asked.push_back(ViewpointOf(photo.camera));
     }
   }
   set.is_right = [mapped, asked](int query, int frame) {
@@ -141,35 +143,16 @@ std::vector<RecallSet> ReadTower(const fs::path& folder) {
   return all;
 }
 
-class RecallSource : public Source {
- public:
-  explicit RecallSource(const RecallSet& set) : name_(set.name), images_(set.map) {}
-
-  const std::string& kind() const override { return kind_; }
-  const std::string& name() const override { return name_; }
-  int size() const override { return static_cast<int>(images_.size()); }
-  const std::optional<Camera>& camera() const override { return camera_; }
-  std::string Announcement() const override { return "images of " + name_; }
-  std::optional<EncodedFrame> NextEncoded() override {
-    if (next_ >= size()) return std::nullopt;
-    const int frame = next_++;
-    const fs::path path = images_[frame];
-    return EncodedFrame({frame, path.filename(), std::nullopt},
-                        [path] { return DecodeGrey(ReadBytes(path)); });
-  }
-
- private:
-  std::string kind_ = "folder";
-  std::string name_;
-  std::vector<fs::path> images_;
-  std::optional<Camera> camera_;
-  int next_ = 0;
-};
-
 }  // namespace
 
 std::unique_ptr<Source> OpenRecallMap(const RecallSet& set) {
-  return std::make_unique<RecallSource>(set);
+  MemorySequence sequence{.name = set.name};
+  for (size_t i = 0; i < set.map.size(); ++i) {
+    const fs::path path = set.map[i];
+    sequence.frames.emplace_back(FrameInfo{static_cast<int>(i), path.filename(), {}},
+                                 [path] { return DecodeGrey(ReadBytes(path)); });
+  }
+  return std::make_unique<MemorySource>(std::move(sequence));
 }
 
 std::vector<RecallSet> ReadRecallSets(const fs::path& data) {
@@ -185,6 +168,9 @@ std::vector<RecallSet> ReadRecallSets(const fs::path& data) {
   if (fs::exists(data / "tower")) {
     for (RecallSet& set : ReadTower(data / "tower")) sets.push_back(std::move(set));
   }
+  if (sets.empty()) {
+    throw MapError(ErrorCode::kFileUnreadable, data.string() + " has none of the sets of photos");
+  }
   return sets;
 }
 
@@ -197,13 +183,6 @@ RecallSet Exchanged(const RecallSet& set, int max_queries) {
     return is_right(frame, query * static_cast<int>(step));
   };
   return exchanged;
-}
-
-FeatureOptions QueryOptionsOf(const RecallSet& set, FeatureOptions features) {
-  const ImageHeader header = ReadImageHeader(ReadBytes(set.map.front()));
-  const cv::Size size = WorkingSize({header.width, header.height}, features.working_pixels);
-  features.working_pixels = size.area();
-  return features;
 }
 
 std::vector<Features> ExtractAll(const std::vector<fs::path>& images,
@@ -224,7 +203,8 @@ std::vector<fs::path> ChooseForeign(const std::vector<RecallSet>& sets, const Re
     all.insert(all.end(), set.queries.begin(), set.queries.end());
   }
   std::vector<fs::path> chosen;
-  const size_t step = std::max<size_t>(1, all.size() / std::max(1, count));
+  const size_t most = std::max(1, count);
+  const size_t step = std::max<size_t>(1, (all.size() + most - 1) / most);
   for (size_t i = 0; i < all.size(); i += step) chosen.push_back(all[i]);
   return chosen;
 }

@@ -28,21 +28,18 @@ struct RecallSet {
 std::unique_ptr<Source> OpenRecallMap(const RecallSet& set);
 
 // corridor, kitchen, church, pavilion-midday, -sunset, -night, and tower-FLOOR for each floor:
-// those of them that `data` has.
+// those of them that `data` has. Throws MapError(kFileUnreadable) where it has none.
 std::vector<RecallSet> ReadRecallSets(const std::filesystem::path& data);
 
 // The set with its roles exchanged: a map of the queries, asked for at most `max_queries` of the
 // images that the map was made of, every n-th.
 RecallSet Exchanged(const RecallSet& set, int max_queries);
 
-// How features of a set's queries are extracted: as QueryFeatureOptions has it for its map.
-FeatureOptions QueryOptionsOf(const RecallSet& set, FeatureOptions features);
-
 // Of each image, in parallel.
 std::vector<Features> ExtractAll(const std::vector<std::filesystem::path>& images,
                                  const FeatureOptions& options);
 
-// About `count` of the queries of the sets of other places, every n-th.
+// At most `count` of the queries of the sets of other places, every n-th.
 std::vector<std::filesystem::path> ChooseForeign(const std::vector<RecallSet>& sets,
                                                  const RecallSet& own, int count);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tbb/parallel_for.h>
 
+#include <functional>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -17,6 +18,7 @@
 #include "bench/accuracy/world_source.h"
 #include "bench/baseline/image_search.h"
 #include "core/base/error.h"
+#include "localizer/planes/locate.h"
 
 namespace waystone::bench {
 namespace {
@@ -24,11 +26,13 @@ namespace {
 constexpr int kStoreys = 2;          // of rendered buildings
 constexpr int kKeptFeatures = 1000;  // of an image, by image search
 
+using Extract = std::function<std::vector<Features>(const FeatureOptions& options)>;
+
 // A storey: the images of its map, which are a source of their own, and photos of another visit.
 struct Storey {
   std::unique_ptr<Source> source;
   std::vector<Features> images;
-  std::vector<Features> queries;
+  Extract queries;
 };
 
 struct StoreyFigures {
@@ -118,9 +122,10 @@ class Together {
       storey_of_image_.insert(storey_of_image_.end(), storey.images.size(), number);
       images.insert(images.end(), storey.images.begin(), storey.images.end());
       sources.push_back(std::move(storey.source));
-      queries_.push_back(std::move(storey.queries));
     }
     index_ = MapIndex::Build(BuildMap(sources, args.build, {}).map);
+    const FeatureOptions features = QueryFeatureOptions(*index_, {});
+    for (const Storey& storey : storeys) queries_.push_back(storey.queries(features));
     search_.emplace(std::move(images), kKeptFeatures);
   }
 
@@ -192,18 +197,20 @@ StoreyFigures AskBuilding(int building, const StoreysArgs& args) {
   std::vector<Storey> storeys;
   for (const World& world : worlds) {
     auto source = std::make_unique<WorldSource>(world, renderer, map_walk);
-    Storey storey{nullptr, std::vector<Features>(map_walk.frames.size()),
-                  std::vector<Features>(query_walk.frames.size())};
+    Storey storey{nullptr, std::vector<Features>(map_walk.frames.size()), {}};
     tbb::parallel_for(size_t{0}, storey.images.size(), [&](size_t i) {
       storey.images[i] =
           ExtractFeatures(source->Render(static_cast<int>(i)).grey, args.build.features);
     });
-    tbb::parallel_for(size_t{0}, storey.queries.size(), [&](size_t i) {
-      const uint64_t seed = 1000 * static_cast<uint64_t>(building) + i;
-      storey.queries[i] =
-          ExtractFeatures(Photograph(renderer, world, query_walk.frames[i].world_from_camera, seed),
-                          args.build.features);
-    });
+    storey.queries = [&, building](const FeatureOptions& options) {
+      std::vector<Features> queries(query_walk.frames.size());
+      tbb::parallel_for(size_t{0}, queries.size(), [&](size_t i) {
+        const uint64_t seed = 1000 * static_cast<uint64_t>(building) + i;
+        queries[i] = ExtractFeatures(
+            Photograph(renderer, world, query_walk.frames[i].world_from_camera, seed), options);
+      });
+      return queries;
+    };
     storey.source = std::move(source);
     storeys.push_back(std::move(storey));
   }
@@ -215,9 +222,9 @@ StoreyFigures AskTower(const std::vector<RecallSet>& sets, const StoreysArgs& ar
   std::vector<Storey> floors;
   for (const RecallSet& set : sets) {
     if (set.look_alikes.empty()) continue;
-    const FeatureOptions features = QueryOptionsOf(set, args.build.features);
     floors.push_back(
-        {OpenRecallMap(set), ExtractAll(set.map, features), ExtractAll(set.queries, features)});
+        {OpenRecallMap(set), ExtractAll(set.map, args.build.features),
+         [&set](const FeatureOptions& options) { return ExtractAll(set.queries, options); }});
   }
   return AskTogether("tower", std::move(floors), args);
 }

@@ -18,6 +18,7 @@
 #include "core/base/error.h"
 #include "core/image/decode.h"
 #include "localizer/localizer.h"
+#include "localizer/planes/locate.h"
 
 namespace waystone::bench {
 namespace {
@@ -98,10 +99,9 @@ Json Ask(const RecallSet& set, const Queries& queries, const MapData& map, int v
           {"median_query_ms", Quantile(ms, 0.5)}};
 }
 
-// A map to which visits are added one by one.
-Json AddVisits(const RecallSet& set, const Queries& queries, int visits) {
+// The map of the first visit, to which the others are added one by one.
+Json AddVisits(const RecallSet& set, const Queries& queries, MapData map, int visits) {
   Json rows = Json::array();
-  MapData map = BuildWalk(OpenVisit(set, 1), "visit 1").map;
   rows.push_back(Ask(set, queries, map, 1));
   for (int visit = 2; visit <= visits; ++visit) {
     BuildResult walk =
@@ -132,10 +132,11 @@ int RunVisits(const Args& given) {
   Json json{{"bench", "visits"}, {"sets", Json::array()}};
   for (const RecallSet& set : sets) {
     if (set.name != "corridor" && set.name != "church" && set.name != "pavilion-midday") continue;
-    const FeatureOptions features = QueryOptionsOf(set, {});
+    MapData first = BuildWalk(OpenVisit(set, 1), "visit 1").map;
+    const FeatureOptions features = QueryFeatureOptions(*MapIndex::Build(first), {});
     const Queries queries{ExtractAll(set.queries, features),
                           ExtractAll(ChooseForeign(sets, set, kForeign), features)};
-    Json added = AddVisits(set, queries, visits);
+    Json added = AddVisits(set, queries, std::move(first), visits);
     json["sets"].push_back({{"name", set.name},
                             {"added", std::move(added)},
                             {"built", BuildVisits(set, queries, visits)}});
