@@ -212,8 +212,8 @@ Score AskPlaces(const std::string& folder) {
     }
     if (!localized) continue;
     ++score.localized;
-    JudgeByAxes(static_cast<int>(guesses.size()), options.panorama.min_probability,
-                options.building, answer);
+    JudgeByAxes(CountChances(guesses, options.building.max_disagreement_rad),
+                options.panorama.min_probability, options.building, answer);
     score.refused += answer.verdict == Verdict::kLocalized ? 0 : 1;
   }
   return score;

@@ -48,6 +48,17 @@ Rays ComputeRays(const RecognisedPlane& plane, const Camera& camera, const Camer
   return rays;
 }
 
+// The homography's sign is free, but for points ahead of both cameras: r . H q > 0.
+Matrix3d TakeAhead(const Matrix3d& reference_from_query, const Rays& rays) {
+  double ahead = 0;
+  for (size_t i = 0; i < rays.query.size(); ++i) {
+    const Vector3d q(rays.query[i].x, rays.query[i].y, 1);
+    const Vector3d r(rays.reference[i].x, rays.reference[i].y, 1);
+    ahead += r.dot(reference_from_query * q);
+  }
+  return ahead < 0 ? Matrix3d(-reference_from_query) : reference_from_query;
+}
+
 // Rotations reference_from_query of H = R + t n^T. Either is right for one sign of t and n.
 std::vector<Matrix3d> DecomposeRotations(const Rays& rays) {
   constexpr size_t kFewest = 8;
@@ -56,6 +67,7 @@ std::vector<Matrix3d> DecomposeRotations(const Rays& rays) {
   if (h.empty()) return {};
   Matrix3d reference_from_query;
   cv::cv2eigen(h, reference_from_query);
+  reference_from_query = TakeAhead(reference_from_query, rays);
   std::vector<Matrix3d> rotations;
   for (const PlaneMotion& motion : DecomposeHomography(reference_from_query, kPureRotation)) {
     rotations.push_back(motion.b_from_a);
@@ -221,14 +233,26 @@ ManhattanFrame DetectLines(const cv::Mat& grey, const std::optional<Camera>& cam
   return FindManhattanFrame(lines, options.manhattan);
 }
 
-// Bayes: axes of wrong places disagree by anything up to an eighth of a turn, and each guess is a
-// chance of its own to agree.
-void JudgeByAxes(int guesses, double min_probability, const BuildingOptions& options,
+int CountChances(const std::vector<BuildingGuess>& guesses, double apart_rad) {
+  std::vector<Matrix3d> counted;  // query_from_building
+  for (const BuildingGuess& guess : guesses) {
+    const Matrix3d query_from_building = guess.building_from_query.transpose();
+    const bool is_new = std::ranges::none_of(counted, [&](const Matrix3d& other) {
+      return CubeAngle(other, query_from_building) <= apart_rad;
+    });
+    if (is_new) counted.push_back(query_from_building);
+  }
+  return static_cast<int>(counted.size());
+}
+
+// Bayes: axes of wrong places disagree by anything up to an eighth of a turn, which each chance to
+// agree makes less likely.
+void JudgeByAxes(int chances, double min_probability, const BuildingOptions& options,
                  Answer& answer) {
   const double limit = options.max_disagreement_rad;
   const double disagreement_rad = answer.building->disagreement_rad.value_or(0);
   if (disagreement_rad <= limit) return;
-  const double disagree_by_chance = std::pow(1 - limit / (std::numbers::pi / 4), guesses);
+  const double disagree_by_chance = std::pow(1 - limit / (std::numbers::pi / 4), chances);
   const double right = answer.probability * options.true_disagreeing;
   const double wrong = (1 - answer.probability) * disagree_by_chance;
   // A disagreement never speaks for a place, however seldom chance would have it.
@@ -259,7 +283,8 @@ void AddBuilding(const MapIndex& index, const cv::Mat& grey, const BuildingQuery
       query.with_lines ? DetectLines(grey, camera, options) : ManhattanFrame{};
   answer.building = ViewBuilding(guesses, lines, options);
   if (!answer.panorama) answer.heading = answer.building->heading;
-  JudgeByAxes(static_cast<int>(guesses.size()), query.min_probability, options, answer);
+  JudgeByAxes(CountChances(guesses, options.max_disagreement_rad), query.min_probability, options,
+              answer);
 }
 
 }  // namespace waystone

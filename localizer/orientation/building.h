@@ -44,11 +44,16 @@ BuildingView ViewBuilding(const std::vector<BuildingGuess>& guesses, const Manha
 ManhattanFrame DetectLines(const cv::Mat& grey, const std::optional<Camera>& camera,
                            const BuildingOptions& options);
 
+// How many chances the guesses give axes to agree: guesses nearer to each other than `apart_rad`,
+// up to the quarter turns that axes leave open, are one. Planes of one view share the true one of
+// their two motions. Pure.
+int CountChances(const std::vector<BuildingGuess>& guesses, double apart_rad);
+
 // The gate kBuildingAxes: an answer whose axes disagree by more than the options' bound is less
 // probable, since of true places options.true_disagreeing disagree and of wrong ones as many as
-// chance has it, and kNotInMap where that is less than `min_probability`. `guesses` had a chance to
-// agree. The answer is localized and has `building`. Pure.
-void JudgeByAxes(int guesses, double min_probability, const BuildingOptions& options,
+// chance has it, and kNotInMap where that is less than `min_probability`. Axes had so many
+// `chances` to agree. The answer is localized and has `building`. Pure.
+void JudgeByAxes(int chances, double min_probability, const BuildingOptions& options,
                  Answer& answer);
 
 // What AddBuilding knows of a query besides its image.

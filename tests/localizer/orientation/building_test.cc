@@ -22,6 +22,7 @@ namespace {
 
 using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 Camera MadeCamera() { return {CameraModel::kPinhole, 640, 480, {500, 500, 319.5, 239.5}}; }
@@ -99,6 +100,40 @@ TEST(Building, PlanesThatAgreeTellWithoutLines) {
   ASSERT_TRUE(view.heading.has_value());
   EXPECT_LT(RotationAngle(view.building_from_query.toRotationMatrix(), Truth(pose)), 2 * kDegree);
   EXPECT_FALSE(view.disagreement_rad.has_value()) << "no lines, no say";
+}
+
+// The keyframe is nearer to the wall and looks along it, so that the point of the wall in the
+// middle of the query is behind it.
+TEST(Building, WhatTheQueryLooksAtMayBeBehindTheKeyframe) {
+  MapData map = OrientedMap();
+  const double f = 320 / std::tan(40 * kDegree);
+  const Camera camera{CameraModel::kPinhole, 640, 480, {f, f, 319.5, 239.5}};
+  map.sequences[0].camera = camera;
+  const Matrix3d reference_from_query =
+      AngleAxisd(-50 * kDegree, Vector3d::UnitY()).toRotationMatrix();
+  const Vector3d reference(1, 0, 1.5);  // in the query's frame
+  RecognisedPlane plane;
+  plane.reference.id = KeyframeId{1};
+  plane.inliers = 49;
+  const auto pixel = [f](const Vector3d& x) {
+    EXPECT_GT(x.z(), 0);
+    return Vector2d(f * x.x() / x.z() + 319.5, f * x.y() / x.z() + 239.5);
+  };
+  for (int i = 0; i < 49; ++i) {
+    const Vector3d x(1.15 + 0.06 * (i % 7), -0.3 + 0.1 * (i / 7), 2);  // on a wall 2 m ahead
+    plane.query_points.push_back(pixel(x));
+    plane.reference_points.push_back(pixel(reference_from_query * (x - reference)));
+  }
+  Answer answer;
+  answer.verdict = Verdict::kLocalized;
+  answer.planes.recognised.push_back(plane);
+  const auto guesses = GuessRotation(*MapIndex::Build(map), answer, camera);
+  const Matrix3d truth = Truth(PoseOf(1)) * reference_from_query;
+  double nearest = 180;
+  for (const BuildingGuess& guess : guesses) {
+    nearest = std::min(nearest, RotationAngle(guess.building_from_query, truth) / kDegree);
+  }
+  EXPECT_LT(nearest, 0.1);
 }
 
 TEST(Building, PhotosThatArentTheCamerasGoWithout) {
@@ -194,6 +229,23 @@ TEST(BuildingAxes, SpeakAgainstAPlaceHoweverManyGuessesDisagree) {
   Answer refused = Localized(0.95, 0.4);
   JudgeByAxes(5, 0.9, {}, refused);
   EXPECT_EQ(refused.verdict, Verdict::kNotInMap);
+}
+
+// Eight planes of one view: each has the true motion and another one, some alike.
+TEST(BuildingAxes, GuessesThatAreAlikeAreOneChance) {
+  const Matrix3d truth = Truth(PoseOf(2));
+  std::vector<BuildingGuess> guesses;
+  for (int plane = 0; plane < 8; ++plane) {
+    const Matrix3d near = AngleAxisd(0.005 * plane, Vector3d::UnitZ()) * truth;
+    const Matrix3d rival = AngleAxisd((plane % 2 == 0 ? 25 : 65) * kDegree, Vector3d::UnitX()) *
+                           AngleAxisd(0.01 * plane, Vector3d::UnitY()) * truth;
+    guesses.push_back({near, 0.01, 60});
+    guesses.push_back({rival, 0.01, 60});
+  }
+  EXPECT_EQ(CountChances(guesses, 0.17), 3);
+  EXPECT_EQ(CountChances({}, 0.17), 0);
+  const Matrix3d quarter = AngleAxisd(90 * kDegree, Vector3d::UnitZ()) * truth;
+  EXPECT_EQ(CountChances({{truth, 0.01, 60}, {quarter, 0.01, 60}}, 0.17), 1) << "axes can't tell";
 }
 
 // Of a room as builders leave it, seen by one camera and all around.
