@@ -32,6 +32,16 @@ bool IsCube(const Rig& rig) {
   return true;
 }
 
+// The rig in the frame of its first camera, whose images are the frames: what all cameras together
+// say of a frame's rotation holds for its image.
+Rig InFrameOfFirst(Rig rig) {
+  const Eigen::Isometry3d first_from_rig = rig.cameras.front().rig_from_camera.inverse();
+  for (RigCamera& camera : rig.cameras) {
+    camera.rig_from_camera = first_from_rig * camera.rig_from_camera;
+  }
+  return rig;
+}
+
 // The moments of a calibrated rig. Its first camera's images are the frames; the others are there
 // for who asks for all of them (Source::faces).
 class CameraRigSource : public Source {
@@ -92,7 +102,7 @@ std::unique_ptr<Source> RecogniseCameraRig(const fs::path& folder, const SourceO
   for (const RigCamera& camera : rig->cameras) names.push_back(camera.name);
   const auto found = FindCameraImages(folder, names);
   if (!found) return nullptr;
-  RigSequence sequence{.layout = found->layout, .rig = *rig, .moments = {}};
+  RigSequence sequence{.layout = found->layout, .rig = InFrameOfFirst(*rig), .moments = {}};
   sequence.moments = GroupMoments(*found, *rig, folder, RigOptions{}.max_time_gap_s);
   return std::make_unique<CameraRigSource>(folder, std::move(sequence), options);
 }

@@ -3,7 +3,9 @@
 
 #include <Eigen/Geometry>
 #include <chrono>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "builder/sources/rig_layouts.h"
 #include "builder/sources/source.h"
@@ -136,6 +138,27 @@ TEST_F(RigSourceTest, ACalibratedRigIsASource) {
   EXPECT_EQ(images[1].at<uchar>(0, 0), 22);
   EXPECT_EQ(last->Decode().grey.at<uchar>(0, 0), 12);
   EXPECT_FALSE(source->NextEncoded().has_value());
+}
+
+// What all cameras say of a rotation has to hold for the first one's images.
+TEST_F(RigSourceTest, TheFrameOfACalibratedRigIsItsFirstCameras) {
+  WriteImage("ahead/0.png");
+  WriteImage("side/0.png");
+  for (const double degrees : {90.0, 45.0}) {
+    const double half = 0.5 * degrees * std::numbers::pi / 180;
+    std::string text = OwnRig(kSidePose);
+    const std::string identity = "[0, 0, 0, 1]";
+    text.replace(text.find(identity), identity.size(),
+                 "[0, " + std::to_string(std::sin(half)) + ", 0, " +
+                     std::to_string(std::cos(half)) + "]\n    rig_from_camera_m: [0.1, 0, 0.3]");
+    const Rig file = ReadRigFile(Write("rig.yaml", text));
+    const Rig rig = *OpenSource(folder_.string(), {})->faces();
+    const Eigen::Isometry3d first = file.cameras[0].rig_from_camera;
+    ASSERT_GT(Eigen::AngleAxisd(first.linear()).angle(), 0.7);
+    EXPECT_TRUE(rig.cameras[0].rig_from_camera.matrix().isIdentity(1e-12));
+    EXPECT_TRUE(
+        (first * rig.cameras[1].rig_from_camera).isApprox(file.cameras[1].rig_from_camera, 1e-12));
+  }
 }
 
 TEST_F(RigSourceTest, TheLargestStepTakesTheFirstMoment) {
