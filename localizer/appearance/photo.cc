@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "core/base/check.h"
@@ -58,9 +59,11 @@ std::vector<ComparedNode> NodesToAsk(const MapIndex& index, const BearingFeature
   return nodes;
 }
 
-// The nodes whose headings of the photo agree, by the most inliers together, best first. A photo
-// that sees a single wall fits two motions to each node; two nodes seldom agree in the wrong ones.
-std::vector<ComparedNode> SelectAgreeing(const std::vector<ComparedNode>& nodes,
+// The nodes of one place whose headings of the photo agree, by the most inliers together, best
+// first. A photo that sees a single wall fits two motions to each node; two nodes seldom agree in
+// the wrong ones.
+std::vector<ComparedNode> SelectAgreeing(const MapIndex& index,
+                                         const std::vector<ComparedNode>& nodes,
                                          const PanoramaQueryOptions& options) {
   std::vector<ComparedNode> best;
   int most = 0;
@@ -68,7 +71,7 @@ std::vector<ComparedNode> SelectAgreeing(const std::vector<ComparedNode>& nodes,
     std::vector<ComparedNode> agreeing;
     int inliers = 0;
     for (const ComparedNode& other : nodes) {
-      if (other.inliers == 0) continue;
+      if (other.inliers == 0 || AreElsewhere(index, one.node, other.node, options)) continue;
       const double off = std::abs(WrappedAngle(other.heading_rad - one.heading_rad));
       if (off > options.photo_agreement_rad) continue;
       agreeing.push_back(other);
@@ -78,13 +81,22 @@ std::vector<ComparedNode> SelectAgreeing(const std::vector<ComparedNode>& nodes,
     most = inliers;
     best = std::move(agreeing);
   }
+  std::erase_if(best, [&](const ComparedNode& node) {
+    return AreElsewhere(index, best.front().node, node.node, options);
+  });
   return best;
 }
 
-// The answer by the nodes that agree.
-Answer JudgeAgreeing(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+// The answer by the nodes that agree, among all that were verified.
+Answer JudgeAgreeing(const MapIndex& index, const std::vector<ComparedNode>& verified,
                      const PanoramaQueryOptions& options) {
+  std::vector<ComparedNode> nodes = SelectAgreeing(index, verified, options);
   if (std::ssize(nodes) >= options.photo_witnesses) {
+    // Places that look alike, however the photo would be turned there.
+    const int best = nodes.front().node;
+    std::ranges::copy_if(verified, std::back_inserter(nodes), [&](const ComparedNode& node) {
+      return node.inliers > 0 && AreElsewhere(index, best, node.node, options);
+    });
     PanoramaQueryOptions rays_alone = options;
     rays_alone.fine_heading = false;  // a photo has no signature
     Answer answer = JudgeNodes(index, {}, nodes, true, rays_alone);
@@ -107,8 +119,7 @@ Answer AskNodes(const MapIndex& index, const BearingFeatures& query,
   const double shortlist_ms = MillisecondsSince(start);
   PanoramaQueryOptions asked = options;
   asked.max_poses = std::max(asked.max_poses, asked.photo_poses);
-  nodes =
-      SelectAgreeing(VerifyByFeatures(index, query, std::move(nodes), asked, deadline), options);
+  nodes = VerifyByFeatures(index, query, std::move(nodes), asked, deadline);
   Answer answer =
       HasPassed(deadline) ? Undecided(Stage::kShortlist) : JudgeAgreeing(index, nodes, options);
   answer.timing.shortlist_ms = shortlist_ms;

@@ -301,6 +301,46 @@ TEST(Appearance, APhotoIsFoundByWhatItSeesOrRefused) {
             std::string::npos);
 }
 
+// A second room like the first, whose nodes were mapped with other headings.
+TEST(Appearance, APhotoOfRoomsThatAreAlikeIsAmbiguous) {
+  MapData map = GridMap(true);
+  std::vector<AppearanceNode>& nodes = map.appearance->nodes;
+  for (int i = 0; i < 9; ++i) {
+    AppearanceNode alike = nodes[i];
+    alike.id = AppearanceNodeId{10 + i};
+    alike.pose.y += 50;
+    alike.pose.theta_rad = WrappedAngle(alike.pose.theta_rad + 1);
+    nodes.push_back(alike);
+  }
+  const auto index = MapIndex::Build(std::move(map));
+  const Camera camera = PinholeCamera(480, 360, 1.4);
+  const Renderer renderer(camera);
+  for (const Pose2& truth : kQueries) {
+    const cv::Mat photo =
+        renderer.Render(Rooms(), WorldFromCamera({truth.x, truth.y, kHeight_m}, truth.theta_rad))
+            .grey;
+    const Answer answer = LocalizePhoto(*index, photo, camera, {});
+    EXPECT_EQ(answer.verdict, Verdict::kAmbiguous) << answer.probability;
+    ASSERT_TRUE(answer.panorama && answer.panorama->runner_up);
+  }
+}
+
+TEST(Appearance, WitnessesOfAPhotoAreOfOnePlace) {
+  MapData map = GridMap(true);
+  std::vector<AppearanceNode>& nodes = map.appearance->nodes;
+  nodes = {nodes[0], nodes[4], nodes[4]};
+  nodes[2].id = AppearanceNodeId{10};
+  nodes[2].pose.y += 50;
+  const auto index = MapIndex::Build(std::move(map));
+  const Camera camera = PinholeCamera(480, 360, 1.4);
+  const Renderer renderer(camera);
+  const cv::Mat photo = renderer.Render(Rooms(), WorldFromCamera({1.9, 1.7, kHeight_m}, -2.5)).grey;
+  const Answer answer =
+      LocalizePhoto(*index, photo, camera, {}, {}, std::vector<bool>{true, false, false});
+  EXPECT_EQ(answer.decided_by, DecidedBy::kPhoto);
+  EXPECT_EQ(answer.verdict, Verdict::kNotInMap);
+}
+
 TEST(Appearance, APhotoPassesOverNodesThatAreLeftOut) {
   LocalizeOptions options;
   options.camera = PinholeCamera(480, 360, 1.4);
