@@ -117,6 +117,10 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, ImageFeatures& extr
     answer.timing.total_ms += extract_ms;
   }
   AddTimedBuilding(index, grey, options, answer);
+  // A panorama whose place the axes refuse says nothing of the next one's.
+  if (answer.decided_by == DecidedBy::kBuildingAxes) {
+    answer.belief = options.series ? options.series->previous : FilterState{};
+  }
   // Last, since lines may still refuse the place.
   if (by_panoramas) {
     AddNodePose(index, answer);

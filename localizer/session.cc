@@ -126,11 +126,12 @@ Answer Series::Ask(const QueryImage& image, const std::optional<Pose2>& odometry
     return refused;
   }
   LocalizeOptions options = options_;
-  options.series = SeriesContext{belief_, odometry};
+  options.series = SeriesContext{belief_, odometry, described_};
   Answer answer = AskIndices({map_.index.get()}, image, options).front();
   answer.map = map_.name;
   if (answer.verdict != Verdict::kBadImage && answer.verdict != Verdict::kUndecided) {
     belief_ = answer.belief;
+    described_ = answer.described;
   }
   return answer;
 }

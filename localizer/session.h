@@ -37,6 +37,7 @@ class Series {
   QueriedMap map_;
   LocalizeOptions options_;
   FilterState belief_;
+  std::optional<FourierSignature> described_;  // the panorama before
 };
 
 // The answers to a request with one or more images, asked of one or more maps.

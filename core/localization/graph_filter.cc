@@ -36,6 +36,9 @@ double NormalDensity(double x, double sigma) {
   return std::exp(-0.5 * z * z) / (sigma * std::sqrt(2 * std::numbers::pi));
 }
 
+// Weight of having left the graph where a node that is d sigmas off weighs exp(-d^2 / 2).
+const double kLeftGraph = std::exp(-0.5 * 3 * 3);
+
 // A node before the image is looked at, with the mean and sigma of its heading.
 struct Prior {
   double weight = 0;
@@ -47,26 +50,19 @@ struct Prior {
 class Update {
  public:
   Update(const std::vector<Pose2>& poses, const std::vector<NodeEvidence>& evidence,
-         const GraphFilterOptions& options)
-      : poses_(poses), evidence_(evidence), options_(options), priors_(poses.size()) {}
+         const std::vector<double>& heights, const GraphFilterOptions& options)
+      : poses_(poses),
+        evidence_(evidence),
+        heights_(heights),
+        options_(options),
+        priors_(poses.size()) {}
 
-  // The share of the belief that moves with the robot.
+  // The share of the belief that moves with the robot; the rest may be anywhere.
   void Move(const FilterState& previous, const std::optional<Pose2>& odometry) {
     for (const Belief& belief : previous) MoveOne(belief, odometry);
     double moved = 0;
     for (const Prior& prior : priors_) moved += prior.weight;
-    double known = 0;
-    for (const Belief& belief : previous) known += belief.probability;
-    // Where the trajectory leads off the graph nothing can be predicted.
-    const double share = moved > 0 ? (1 - options_.kidnapped) * known / moved : 0;
-    for (Prior& prior : priors_) {
-      prior.weight *= share;
-      prior.heading_x *= share;
-      prior.heading_y *= share;
-      prior.variance *= share;
-    }
-    anywhere_ = (moved > 0 ? 1 - (1 - options_.kidnapped) * known : 1.0) /
-                static_cast<double>(poses_.size());
+    anywhere_ = (1 - moved) / static_cast<double>(poses_.size());
   }
 
   FilterAnswer Look() const {
@@ -88,33 +84,60 @@ class Update {
   }
 
  private:
+  // Where a belief's robot is by its odometry.
+  struct Robot {
+    Pose2 pose;
+    double reach = 0;  // sigma of its position
+    double heading_variance = 0;
+  };
+
+  // What the robot may have come to, and what stays with its node (ShareMoved).
   void MoveOne(const Belief& from, const std::optional<Pose2>& odometry) {
     const Pose2& at = poses_[from.node];
-    Pose2 robot{at.x, at.y, from.heading_rad};
-    double reach = std::hypot(options_.position_sigma, options_.step_sigma);
-    double variance = std::pow(std::numbers::pi, 2);  // without odometry any turn is possible
+    Robot robot{.pose = {at.x, at.y, from.heading_rad},
+                .reach = std::hypot(options_.position_sigma, options_.step_sigma),
+                // Without odometry any turn is possible.
+                .heading_variance = std::pow(std::numbers::pi, 2)};
+    double moved = 1;
     if (odometry) {
-      robot = robot * *odometry;
-      const double trajectory = std::hypot(odometry->x, odometry->y);
+      moved = ShareMoved(*odometry, options_);
+      // The whole step to the next place, which is taken that seldom.
+      const double part = std::max(moved, 1e-6);
+      robot.pose = robot.pose * Pose2{odometry->x / part, odometry->y / part, odometry->theta_rad};
+      const double trajectory = std::hypot(odometry->x, odometry->y) / part;
       // A heading that is off leads the way aside.
-      reach = std::hypot(options_.position_sigma, options_.share_of_trajectory * trajectory,
-                         from.sigma_rad * trajectory);
-      variance = std::pow(from.sigma_rad, 2) + std::pow(options_.turn_sigma_rad, 2);
+      robot.reach = std::hypot(options_.position_sigma, options_.share_of_trajectory * trajectory,
+                               from.sigma_rad * trajectory);
+      robot.heading_variance = std::pow(from.sigma_rad, 2) + std::pow(options_.turn_sigma_rad, 2);
     }
-    double sum = 0;
+    const double mass = (1 - options_.kidnapped) * from.probability;
+    AddPrior(from.node, (1 - moved) * mass, robot);
+    if (moved > 0) Spread(from.node, moved * mass, robot);
+  }
+
+  void Spread(int from, double mass, const Robot& robot) {
+    double sum = kLeftGraph;
     std::vector<double> weights(poses_.size());
     for (size_t i = 0; i < poses_.size(); ++i) {
-      const double d = std::hypot(poses_[i].x - robot.x, poses_[i].y - robot.y) / reach;
+      const double d = std::hypot(poses_[i].x - robot.pose.x, poses_[i].y - robot.pose.y,
+                                  HeightBetween(from, i)) /
+                       robot.reach;
       sum += weights[i] = std::exp(-0.5 * d * d);
     }
-    if (sum <= 0) return;
-    for (size_t i = 0; i < poses_.size(); ++i) {
-      const double weight = from.probability * weights[i] / sum;
-      priors_[i].weight += weight;
-      priors_[i].heading_x += weight * std::cos(robot.theta_rad);
-      priors_[i].heading_y += weight * std::sin(robot.theta_rad);
-      priors_[i].variance += weight * variance;
-    }
+    for (size_t i = 0; i < poses_.size(); ++i) AddPrior(i, mass * weights[i] / sum, robot);
+  }
+
+  void AddPrior(size_t node, double weight, const Robot& robot) {
+    priors_[node].weight += weight;
+    priors_[node].heading_x += weight * std::cos(robot.pose.theta_rad);
+    priors_[node].heading_y += weight * std::sin(robot.pose.theta_rad);
+    priors_[node].variance += weight * robot.heading_variance;
+  }
+
+  // 0 where one of them isn't known.
+  double HeightBetween(size_t a, size_t b) const {
+    const double height = heights_.empty() ? 0 : heights_[a] - heights_[b];
+    return std::isnan(height) ? 0 : height;
   }
 
   // Bayes' rule for a node: how well place and heading fit, and both headings fused.
@@ -150,6 +173,7 @@ class Update {
 
   const std::vector<Pose2>& poses_;
   const std::vector<NodeEvidence>& evidence_;
+  const std::vector<double>& heights_;
   const GraphFilterOptions& options_;
   std::vector<Prior> priors_;
   double anywhere_ = 0;  // weight of every node for a robot that may be anywhere
@@ -159,15 +183,21 @@ class Update {
 
 void GraphFilterOptions::Check() const { CheckFields("filter", *this); }
 
+double ShareMoved(const Pose2& odometry, const GraphFilterOptions& options) {
+  return std::min(1.0, std::hypot(odometry.x, odometry.y) / options.position_sigma);
+}
+
 FilterAnswer UpdateBelief(const std::vector<Pose2>& poses,
                           const std::vector<NodeEvidence>& evidence, const FilterState& previous,
-                          const std::optional<Pose2>& odometry, const GraphFilterOptions& options) {
+                          const std::optional<Pose2>& odometry, const GraphFilterOptions& options,
+                          const std::vector<double>& heights) {
   options.Check();
   WS_CHECK(!poses.empty() && poses.size() == evidence.size(),
            std::to_string(evidence.size()) + " pieces of evidence for " +
                std::to_string(poses.size()) + " nodes");
+  WS_CHECK(heights.empty() || heights.size() == poses.size(), "heights of some nodes alone");
   CheckPrevious(previous, poses.size());
-  Update update(poses, evidence, options);
+  Update update(poses, evidence, heights, options);
   update.Move(previous, odometry);
   return update.Look();
 }

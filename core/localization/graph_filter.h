@@ -69,14 +69,23 @@ struct FilterAnswer {
   FilterState state;  // the first is the answer; never empty
 };
 
+// A robot that has moved less than position_sigma, which is less than from node to node, is
+// believed to have come to the next place with the probability that this is of it, and else to have
+// stayed.
+double ShareMoved(const Pose2& odometry, const GraphFilterOptions& options);
+
 // The belief after an image. `poses` are graph_from_node, `evidence[i]` is of node i. `previous` is
 // the state before (empty for the first image), `odometry` previous_from_now where it is known.
-// Time is nodes times beliefs. Pure; thread-safe. Throws MapError: kBadOptions; kBadRequest when
+// What the motion takes farther than three sigmas from all nodes has left the graph and may be
+// anywhere. `heights` are those of the nodes, in the poses' unit, NaN where it isn't known; empty
+// where none is: odometry knows no floors, so that a robot keeps to its own. Time is nodes times
+// beliefs. Pure; thread-safe. Throws MapError: kBadOptions; kBadRequest when
 // the previous state names nodes that aren't there or isn't made of probabilities, or when the
 // image is impossible everywhere. No nodes or evidence of another number are programmer's errors.
 FilterAnswer UpdateBelief(const std::vector<Pose2>& poses,
                           const std::vector<NodeEvidence>& evidence, const FilterState& previous,
                           const std::optional<Pose2>& odometry,
-                          const GraphFilterOptions& options = {});
+                          const GraphFilterOptions& options = {},
+                          const std::vector<double>& heights = {});
 
 }  // namespace waystone

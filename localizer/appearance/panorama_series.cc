@@ -89,12 +89,41 @@ void SeriesOptions::Check() const {
   filter.Check();
 }
 
+namespace {
+
+// Whether the image speaks for the place that was believed in.
+bool IsExpected(const MapIndex& index, const std::vector<ComparedNode>& compared,
+                const FilterState& previous, const PanoramaQueryOptions& options) {
+  return !previous.empty() && !compared.empty() &&
+         !AreElsewhere(index, previous.front().node, compared.front().node, options);
+}
+
+// The motion since the panorama before: by odometry, or a turn on the spot where both panoramas
+// show the same but for it.
+std::optional<Pose2> MotionOf(const MapIndex& index, const PanoramaQuery& query,
+                              const SeriesContext& context, const SeriesOptions& options) {
+  constexpr double kSame = 0.05;  // of the distance between nodes at random
+  if (context.odometry || !context.described) return context.odometry;
+  if (index.appearance().Distance(*context.described, query.signature) > kSame) return std::nullopt;
+  return Pose2{
+      0, 0,
+      TurnByPhases(*context.described, query.signature, options.query.phases).best.heading_rad};
+}
+
+}  // namespace
+
 FilterState BeliefAfter(const MapIndex& index, const std::vector<ComparedNode>& compared,
                         bool verified, const SeriesContext& context, const SeriesOptions& options) {
   std::vector<Pose2> poses;
   for (const AppearanceNode& node : index.map().appearance->nodes) poses.push_back(node.pose);
-  return UpdateBelief(poses, CollectNodeEvidence(index, compared, verified, options),
-                      context.previous, context.odometry, FilterFor(index, options))
+  const GraphFilterOptions filter = FilterFor(index, options);
+  std::vector<NodeEvidence> evidence = CollectNodeEvidence(index, compared, verified, options);
+  if (context.odometry && IsExpected(index, compared, context.previous, options.query)) {
+    const double independent = ShareMoved(*context.odometry, filter);
+    for (NodeEvidence& node : evidence) node.log_likelihood *= independent;
+  }
+  return UpdateBelief(poses, evidence, context.previous, context.odometry, filter,
+                      index.appearance().distances().Heights())
       .state;
 }
 
@@ -105,6 +134,7 @@ Answer ContinueSeries(const MapIndex& index, const PanoramaQuery& query,
   const bool verified = query.features.has_value();
   Answer answer = JudgeNodes(index, query.signature, compared, verified, options.query);
   answer.belief = context.previous;
+  answer.described = query.signature;
   answer.decided_by = DecidedBy::kSeries;
   const AppearanceVerdict model = VerdictFor(*index.map().appearance, verified);
   if (compared.empty() ||
@@ -115,7 +145,9 @@ Answer ContinueSeries(const MapIndex& index, const PanoramaQuery& query,
         "no mapped panorama matches this one of the series closely enough; send another one";
     return answer;
   }
-  answer.belief = BeliefAfter(index, compared, verified, context, options);
+  SeriesContext moved = context;
+  moved.odometry = MotionOf(index, query, context, options);
+  answer.belief = BeliefAfter(index, compared, verified, moved, options);
   TakeBelief(index, answer.belief, options, answer);
   return answer;
 }

@@ -14,6 +14,9 @@ struct SeriesContext {
   FilterState previous;  // Answer::belief of the panorama before; empty for the first
   // The motion since then, previous_from_now in the layer's units, where it is known.
   std::optional<Pose2> odometry;
+  // Answer::described of the panorama before, where the asker still has it: without odometry, it
+  // tells a robot that stands still.
+  std::optional<FourierSignature> described = {};
 };
 
 struct SeriesOptions {
@@ -49,7 +52,9 @@ struct SeriesOptions {
 };
 
 // The belief about where the robot is, after a panorama that was compared with these nodes
-// (CompareQuery), from what was known before. Empty context: a robot that may be anywhere.
+// (CompareQuery), from what was known before. Empty context: a robot that may be anywhere. Images
+// of one place are no independent evidence: one that speaks for the place believed in counts by how
+// far the robot has moved over the map's spacing, at most once.
 // Thread-safe, deterministic. Throws MapError(kBadRequest) for a belief of another map.
 FilterState BeliefAfter(const MapIndex& index, const std::vector<ComparedNode>& compared,
                         bool verified, const SeriesContext& context, const SeriesOptions& options);

@@ -153,6 +153,10 @@ uint32_t AppearanceIndex::DistanceBelow(const uint8_t* query, int node, uint32_t
   return sum;
 }
 
+double AppearanceIndex::Distance(const FourierSignature& a, const FourierSignature& b) const {
+  return SumOfDifferences(BytesOf(a).data(), BytesOf(b).data(), rows_ * columns_) / typical_;
+}
+
 std::vector<NearNode> AppearanceIndex::Nearest(const FourierSignature& query, int count,
                                                const std::vector<bool>& left_out) const {
   WS_CHECK(count > 0, "at least one node must be asked for");

@@ -75,6 +75,9 @@ class AppearanceIndex {
   std::vector<NearNode> Nearest(const FourierSignature& query, int count,
                                 const std::vector<bool>& left_out = {}) const;
 
+  // How much two signatures differ, as NearNode::distance does: 1 is that of nodes at random.
+  double Distance(const FourierSignature& a, const FourierSignature& b) const;
+
  private:
   std::vector<uint8_t> BytesOf(const FourierSignature& signature) const;
   double TypicalDistance(int pairs) const;

@@ -31,6 +31,12 @@ class NodeDistances {
     return std::hypot(std::hypot(nodes_[a].x - nodes_[b].x, nodes_[a].y - nodes_[b].y),
                       Height(a, b));
   }
+  // Above each other, of a node each; NaN where it has no pose.
+  std::vector<double> Heights() const {
+    std::vector<double> heights;
+    for (const Place& node : nodes_) heights.push_back(node.height);
+    return heights;
+  }
   // 0 where one of them has no pose.
   double Height(int a, int b) const {
     const double height = std::abs(nodes_[a].height - nodes_[b].height);

@@ -12,6 +12,7 @@
 #include "core/base/ids.h"
 #include "core/geometry/pose2.h"
 #include "core/localization/graph_filter.h"
+#include "core/panorama/fourier_signature.h"
 #include "localizer/verdict/explanation.h"
 #include "schema/layers/poses/pose_layer.h"
 
@@ -223,6 +224,8 @@ struct Answer {
   // What the next panorama of a series is asked with: the likeliest nodes, by index. Empty as long
   // as none looked like a place of the map.
   FilterState belief;
+  // Of a panorama of a series: what the next one is compared with.
+  std::optional<FourierSignature> described;
   DecidedBy decided_by = DecidedBy::kNone;
   std::string message;  // one line for people: why it isn't localized, and what would help
   // The last stage that was finished. Nothing unless the query had a deadline.

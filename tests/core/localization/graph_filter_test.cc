@@ -112,6 +112,59 @@ TEST(GraphFilter, AKidnappedRobotIsFoundAgain) {
   EXPECT_EQ(state[0].node, kHalf + 25);
 }
 
+// Evidence that fits every node.
+std::vector<NodeEvidence> Anything(int nodes) {
+  return std::vector<NodeEvidence>(nodes, {0, 0, 0.05});
+}
+
+TEST(GraphFilter, ATrajectoryThatLeavesTheGraphKnowsNoPlace) {
+  const FilterState at_the_end = {{kHalf - 1, 1.0, 0, 0.05}};
+  const auto here_after = [&](double moved) {
+    const Pose2 odometry{moved, 0, 0};
+    return ProbabilityOf(UpdateBelief(Corridors(), Anything(kNodes), at_the_end, odometry).state, 0,
+                         kHalf - 1);
+  };
+  EXPECT_GT(here_after(0.4), 0.95);
+  EXPECT_NEAR(here_after(10), 0.5, 0.01) << "either corridor";
+}
+
+TEST(GraphFilter, FloorsAboveEachOtherAreKeptApart) {
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Pose2> poses;
+  std::vector<double> heights;
+  for (int i = 0; i < 10; ++i) {
+    poses.push_back({0.5 * (i % 5), 0, 0});
+    heights.push_back(i < 5 ? 0 : 3);
+  }
+  const auto below = [&](const std::vector<double>& known) {
+    return ProbabilityOf(
+        UpdateBelief(poses, Anything(10), {{2, 1.0, 0, 0.05}}, Pose2{0.5, 0, 0}, {}, known).state,
+        0, 4);
+  };
+  EXPECT_GT(below(heights), 0.99);
+  EXPECT_NEAR(below(std::vector<double>(10, unknown)), 0.5, 1e-6);
+  EXPECT_NEAR(below({}), 0.5, 1e-6);
+}
+
+TEST(GraphFilter, ARobotThatStandsStaysAndOneThatCreepsArrives) {
+  const GraphFilterOptions options{.position_sigma = 0.5};
+  FilterState standing = {{5, 0.7, 0, 0.05}, {kHalf + 5, 0.3, 0, 0.05}};
+  for (int i = 0; i < 20; ++i) {
+    standing = UpdateBelief(Corridors(), Anything(kNodes), standing, Pose2{}, options).state;
+  }
+  EXPECT_NEAR(ProbabilityOf(standing, 5, 5), 0.7, 0.02);
+  FilterState creeping = {{5, 1.0, 0, 0.05}};
+  for (int i = 0; i < 25; ++i) {  // 5 nodes
+    creeping =
+        UpdateBelief(Corridors(), Anything(kNodes), creeping, Pose2{0.1, 0, 0}, options).state;
+  }
+  double mean = 0;
+  for (const Belief& belief : creeping) {
+    if (belief.node < kHalf) mean += belief.probability * belief.node;
+  }
+  EXPECT_NEAR(mean / ProbabilityOf(creeping, 0, kHalf - 1), 10, 1.5);
+}
+
 TEST(GraphFilter, TheStateIsSmallSortedAndSumsToOneAtMost) {
   const FilterAnswer answer = UpdateBelief(Corridors(), Aliased(35, 0), {}, {}, {.max_beliefs = 5});
   ASSERT_EQ(answer.state.size(), 5u);

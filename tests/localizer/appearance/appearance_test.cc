@@ -267,6 +267,92 @@ TEST(Appearance, ASeriesTellsCorridorsApartThatAreAlike) {
   }
 }
 
+// Ten panoramas of one place are no more than one.
+TEST(Appearance, ASeriesOfARobotThatStandsGrowsNoSurer) {
+  for (const bool odometry : {true, false}) {
+    for (const double turn_rad : {0.0, 0.3}) {
+      SeriesContext context;
+      double first = 0;
+      for (int i = 0; i < 10; ++i) {
+        const PanoramaQuery query =
+            DescribeQuery(AliasedCorridors(), Panorama(Rooms(), {1.45, 2.0, turn_rad * i}), {});
+        const Answer answer = ContinueSeries(AliasedCorridors(), query, context);
+        if (i == 0) first = answer.probability;
+        EXPECT_EQ(answer.verdict, Verdict::kAmbiguous) << i << " " << answer.probability;
+        EXPECT_NEAR(answer.probability, first, 0.1) << i;
+        EXPECT_NEAR(WrappedAngle(answer.panorama->pose.theta_rad - turn_rad * i), 0, 0.1);
+        context = {answer.belief, odometry ? std::optional(Pose2{0, 0, turn_rad}) : std::nullopt,
+                   answer.described};
+      }
+    }
+  }
+}
+
+// It was carried, which its wheels don't know.
+TEST(Appearance, ASeriesFollowsARobotThatWasCarried) {
+  SeriesContext context;
+  Answer answer;
+  for (const double x : {4.5, 5.1, 5.7, 1.5, 1.5, 1.5}) {
+    const Pose2 moved{x == 4.5 || x == 5.1 ? 0.6 : 0.0, 0, 0};  // from here on
+    answer = ContinueSeries(AliasedCorridors(), InCorridor(x), context);
+    context = {answer.belief, moved, answer.described};
+  }
+  EXPECT_LT(answer.panorama->pose.x, 3);
+}
+
+// Floors above each other whose panoramas are alike but for one place.
+TEST(Appearance, ASeriesKeepsToItsFloor) {
+  const auto index = MapIndex::Build(TwoFloors(true));
+  const PanoramaQuery query = DescribeQuery(*index, Panorama(Rooms(), kQueries[0]), {});
+  SeriesContext context;
+  context.previous = {{12, 1.0, kQueries[0].theta_rad, 0.05}};  // of the upper floor
+  context.odometry = Pose2{0.4, 0, 0};
+  const Answer answer = ContinueSeries(*index, query, context);
+  EXPECT_EQ(answer.verdict, Verdict::kLocalized) << answer.probability;
+  EXPECT_GT(answer.panorama->node.id.value, 9);
+}
+
+// A series whose lines contradict the axes of the map.
+TEST(Appearance, ARefusedPanoramaLeavesTheBelief) {
+  WorldOptions look = TestOptions();
+  look.trim = true;
+  const World world(TwoRooms(), look);
+  MapData map = GridMap(false);
+  map.orientation.emplace();
+  for (AppearanceNode& node : map.appearance->nodes) {
+    node.frame = static_cast<int>(node.id.value);
+    node.signature = Signature(Panorama(world, node.pose), map.appearance->described);
+    OrientationFrame frame;
+    frame.id = OrientationFrameId{node.id.value};
+    frame.sequence = node.sequence;
+    frame.frame = node.frame;
+    frame.reliable = true;
+    const Eigen::Matrix3d turned = Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()) *
+                                   WorldFromCamera({0, 0, kHeight_m}, node.pose.theta_rad).linear();
+    frame.rotation =
+        BuildingRotation{Eigen::Quaterniond(turned), 1e-6 * Eigen::Matrix3d::Identity()};
+    map.orientation->frames.push_back(frame);
+  }
+  AppearanceNode alike = map.appearance->nodes[4];  // elsewhere, so that nothing is certain
+  alike.id = AppearanceNodeId{10};
+  alike.pose.y += 50;
+  map.appearance->nodes.push_back(alike);
+  const auto index = MapIndex::Build(std::move(map));
+  const Pose2 beside{1.72, 1.9, 2.7};  // the fifth node
+  const cv::Mat image =
+      Renderer(PanoramaCamera(2 * kPanoramaWidth))
+          .Render(world, WorldFromCamera({beside.x, beside.y, kHeight_m}, beside.theta_rad))
+          .grey;
+  LocalizeOptions options;
+  options.series.emplace();
+  options.series->previous = {{4, 0.97, 2.7, 0.1}};
+  const Answer answer = LocalizeImage(*index, image, options);
+  ASSERT_EQ(answer.decided_by, DecidedBy::kBuildingAxes)
+      << answer.probability << " " << answer.message;
+  EXPECT_EQ(answer.verdict, Verdict::kNotInMap);
+  EXPECT_EQ(answer.belief, options.series->previous);
+}
+
 TEST(Appearance, ABeliefOfAnotherMapIsRefused) {
   SeriesContext context;
   context.previous = {{99, 0.5, 0, 0.1}};
