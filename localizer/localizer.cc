@@ -27,7 +27,7 @@ void Sign(const MapIndex& index, Answer& answer) {
 // Whether the map's panoramas are asked rather than its planes.
 bool AsksPanoramas(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
   const bool panoramic = options.series || IsForPanoramas(index, grey.size());
-  return index.HasAppearance() && (panoramic || index.map().planes.empty());
+  return index.HasAppearance() && (panoramic || !index.HasKeyframeFeatures());
 }
 
 Answer AskPanoramas(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
@@ -70,6 +70,20 @@ void AddTimedPose(const MapIndex& index, const Features& features, const Localiz
   answer.timing.total_ms += ms;
 }
 
+// The planes' answer, and that of landmarks.
+Answer AskKeyframes(const MapIndex& index, const cv::Mat& grey, ImageFeatures& extracted,
+                    const LocalizeOptions& options) {
+  const auto& [features, extract_ms] =
+      extracted.Extract(grey, QueryFeatureOptions(index, options.planes));
+  options.Finish(Stage::kExtract);
+  Answer answer =
+      options.TooLate() ? Undecided(Stage::kExtract) : LocalizeFeatures(index, features, options);
+  ToImagePixels(features, answer.planes);
+  answer.timing.extract_ms = extract_ms;
+  answer.timing.total_ms += extract_ms;
+  return answer;
+}
+
 // What people named the place of a localized answer.
 void NamePlace(const MapIndex& index, Answer& answer) {
   const std::optional<AnsweredPlace> place = PlaceOf(answer);
@@ -102,19 +116,17 @@ void FindOnPlan(const MapIndex& index, Answer& answer) {
 Answer AskLayers(const MapIndex& index, const cv::Mat& grey, ImageFeatures& extracted,
                  const LocalizeOptions& options) {
   Answer answer;
-  const bool by_panoramas = AsksPanoramas(index, grey, options);
+  bool by_panoramas = AsksPanoramas(index, grey, options);
   if (by_panoramas) {
     answer = AskPanoramas(index, grey, options);
     if (options.deadline && !answer.last_stage) answer.last_stage = Stage::kDecide;
-  } else {
-    const auto& [features, extract_ms] =
-        extracted.Extract(grey, QueryFeatureOptions(index, options.planes));
-    options.Finish(Stage::kExtract);
-    answer =
-        options.TooLate() ? Undecided(Stage::kExtract) : LocalizeFeatures(index, features, options);
-    ToImagePixels(features, answer.planes);
-    answer.timing.extract_ms = extract_ms;
-    answer.timing.total_ms += extract_ms;
+  }
+  const bool known = answer.verdict == Verdict::kLocalized || answer.verdict == Verdict::kAmbiguous;
+  if (!by_panoramas || (!known && !options.series && MayBePhoto(index, grey.size()))) {
+    const double before_ms = answer.timing.total_ms;
+    answer = AskKeyframes(index, grey, extracted, options);
+    answer.timing.total_ms += before_ms;
+    by_panoramas = false;
   }
   AddTimedBuilding(index, grey, options, answer);
   // A panorama whose place the axes refuse says nothing of the next one's.

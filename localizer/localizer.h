@@ -33,7 +33,9 @@ std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps, con
 
 // The same for an image that is decoded already (8-bit grey). An image twice as wide as high, and
 // every image with options.series, is answered by the map's appearance layer where it has one
-// (LocalizePanorama, LocalizeInSeries), all others by its planes. ...
+// (LocalizePanorama, LocalizeInSeries), all others by its planes and landmarks; without any, by the
+// appearance layer too (LocalizePhoto). An image of the shape of the layer's mirror may be either:
+// the keyframes are asked where the layer doesn't know the place. ...
 Answer LocalizeImage(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options);
 
 // ... and for features that were extracted already (of the map's type, as QueryFeatureOptions has

@@ -59,16 +59,22 @@ std::vector<Answer> AskIndices(const std::vector<const MapIndex*>& indices, cons
   return LocalizeAcross(indices, bytes, image.name, options, *image.features);
 }
 
-// By its header: what isn't an image fits either way.
-bool LooksLikePhoto(const MapIndex& index, const QueryImage& image) {
-  if (!image.grey.empty()) return !IsForPanoramas(index, image.grey.size());
+// By its header; nothing for what isn't an image.
+std::optional<cv::Size> SizeOf(const QueryImage& image) {
+  if (!image.grey.empty()) return image.grey.size();
   try {
     const ImageHeader header = ReadImageHeader(EncodedBytes(image));
-    return !IsForPanoramas(index, cv::Size(header.width, header.height));
+    return cv::Size(header.width, header.height);
   } catch (const MapError& error) {
     if (error.code() != ErrorCode::kBadImage) throw;
-    return false;
+    return std::nullopt;
   }
+}
+
+// What isn't an image fits either way.
+bool LooksLikePhoto(const MapIndex& index, const QueryImage& image) {
+  const std::optional<cv::Size> size = SizeOf(image);
+  return size && !IsForPanoramas(index, *size);
 }
 
 // The belief of a previous answer; nothing without one of this version of the map.
@@ -165,10 +171,20 @@ bool Session::HasPhotos() const {
   });
 }
 
+bool Session::MayHavePhotos() const {
+  return std::ranges::any_of(request_.images, [&](const QueryImage& image) {
+    const std::optional<cv::Size> size = SizeOf(image);
+    return size && MayBePhoto(*maps_.front().index, *size);
+  });
+}
+
 RequestAnswer Session::Ask() const {
   if (AsksOnePanoramaMap() && !HasPhotos()) {
     const auto previous = TakeBelief(request_.previous, maps_.front().index->map());
-    if (previous || request_.images.size() > 1) return AskSeries(previous);
+    // Several images that may be photos are a series where something says so.
+    const bool several =
+        request_.images.size() > 1 && (!request_.odometry.empty() || !MayHavePhotos());
+    if (previous || several) return AskSeries(previous);
   }
   return AskEach();
 }
@@ -206,7 +222,7 @@ RequestAnswer Session::AskEach() const {
   const bool photos = AsksOnePanoramaMap() && HasPhotos();
   result.used_camera = std::ranges::any_of(maps_, [&](const QueriedMap& map) {
     const MapData& data = map.index->map();
-    return data.orientation || data.poses || (photos && data.planes.empty());
+    return data.orientation || data.poses || (photos && !map.index->HasKeyframeFeatures());
   });
   for (const QueryImage& image : request_.images) result.images.push_back(AskMaps(image));
   result.best = FindBestImage(result);

@@ -82,7 +82,8 @@ class Session {
 
   // Asks every image of every map. Each image is a query of its own, but for panoramas asked of one
   // map that has an appearance layer: several, or one with a previous answer's belief, are a series
-  // of one robot in their order. A previous answer of another version of the map isn't used. Throws
+  // of one robot in their order. Several that may be photos as well (MayBePhoto) need odometry or
+  // such a belief to be one. A previous answer of another version of the map isn't used. Throws
   // MapError(kBadRequest) for a belief that the map can't have given.
   RequestAnswer Ask() const;
 
@@ -94,6 +95,7 @@ class Session {
  private:
   bool AsksOnePanoramaMap() const;
   bool HasPhotos() const;  // of one panorama map
+  bool MayHavePhotos() const;
   std::vector<Answer> AskMaps(const QueryImage& image) const;
   RequestAnswer AskSeries(const std::optional<FilterState>& previous) const;
   RequestAnswer AskEach() const;

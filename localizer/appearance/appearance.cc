@@ -109,10 +109,13 @@ Panorama ToLayersPanorama(const AppearanceLayer& layer, const cv::Mat& grey) {
     options.mirror_band = mirror.band;
     options.mirror_clockwise = mirror.clockwise;
     options.mirror = mirror.ring;
-    if (mirror.ring) {  // of an image of another size
-      const double scale = static_cast<double>(grey.cols) / mirror.width;
-      options.mirror = {mirror.ring->centre_px * scale, mirror.ring->inner_px * scale,
-                        mirror.ring->outer_px * scale};
+    if (mirror.ring) {
+      options.mirror = ScaledRing(*mirror.ring, static_cast<double>(grey.cols) / mirror.width);
+      if (options.mirror->outer_px < options.mirror->inner_px + 1) {
+        throw MapError(ErrorCode::kBadImage,
+                       "the image is too small for the map's mirror, whose radii differ by less "
+                       "than a pixel in it; send it in the size of the mapped ones");
+      }
     }
   }
   return ToPanorama(grey, options);
@@ -154,6 +157,15 @@ bool IsForPanoramas(const MapIndex& index, const cv::Size& size) {
   if (!index.HasAppearance()) return false;
   const auto& mirror = index.map().appearance->mirror;
   return HasPanoramaShape(size) || (mirror && HasShapeOf(*mirror, size));
+}
+
+bool MayBePhoto(const MapIndex& index, const cv::Size& size) {
+  return index.HasKeyframeFeatures() && !HasPanoramaShape(size);
+}
+
+MirrorRing ScaledRing(const MirrorRing& ring, double factor) {
+  const cv::Point2d half(0.5, 0.5);  // pixels' centres are at whole numbers
+  return {(ring.centre_px + half) * factor - half, ring.inner_px * factor, ring.outer_px * factor};
 }
 
 PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,

@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "core/camera/panorama.h"
 #include "localizer/appearance/appearance_match.h"
 #include "localizer/index/map_index.h"
 #include "localizer/verdict/answer.h"
@@ -21,6 +22,13 @@ PanoramaQuery DescribeQuery(const MapIndex& index, const cv::Mat& grey,
 // Whether an image is for the map's appearance layer: a panorama, or, where the layer was made of a
 // mirror's images, of their shape.
 bool IsForPanoramas(const MapIndex& index, const cv::Size& size);
+
+// Whether such an image may be a photo as well: it has the shape of the mirror's images alone,
+// which is that of many cameras, and the map has keyframes to ask.
+bool MayBePhoto(const MapIndex& index, const cv::Size& size);
+
+// A mirror's ring in an image that is larger by this factor, as ScaledCamera has points.
+MirrorRing ScaledRing(const MirrorRing& ring, double factor);
 
 // Where was this panorama taken? The nearest signatures are ranked again by the phases (eq. 1's
 // turn); where the nodes have features, they are verified by relative poses over bearings. The

@@ -66,6 +66,8 @@ class MapIndex {
   // Descriptors of map().planes[plane], row i belonging to its feature i.
   Descriptors DescriptorsOf(int plane) const;
   bool HasLandmarks() const { return first_landmark_row_.front() < first_landmark_row_.back(); }
+  // Whether a photo can be asked of the map's keyframes.
+  bool HasKeyframeFeatures() const { return !map_.planes.empty() || HasLandmarks(); }
   // Descriptors of the landmarks of map().keyframes[keyframe], in their order.
   Descriptors LandmarkDescriptorsOf(int keyframe) const;
 

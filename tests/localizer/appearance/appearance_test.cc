@@ -13,6 +13,8 @@
 #include "localizer/appearance/photo.h"
 #include "localizer/index/node_bearings.h"
 #include "localizer/localizer.h"
+#include "localizer/session.h"
+#include "tests/localizer/made_map.h"
 #include "tests/world/test_worlds.h"
 
 namespace waystone {
@@ -425,6 +427,56 @@ TEST(Appearance, WitnessesOfAPhotoAreOfOnePlace) {
       LocalizePhoto(*index, photo, camera, {}, {}, std::vector<bool>{true, false, false});
   EXPECT_EQ(answer.decided_by, DecidedBy::kPhoto);
   EXPECT_EQ(answer.verdict, Verdict::kNotInMap);
+}
+
+// A map of panoramas of a mirror and of photos of its images' shape.
+MapData MirrorAndPhotos() {
+  MapData map = MadeMap();
+  map.appearance = GridMap(false).appearance;
+  map.appearance->mirror.emplace();
+  map.appearance->mirror->width = 640;
+  map.appearance->mirror->height = 480;
+  map.appearance->mirror->columns = kPanoramaWidth;
+  map.appearance->mirror->band = {0.6, -0.6};
+  return map;
+}
+
+TEST(Appearance, APhotoOfTheMirrorsShapeIsAskedOfThePlanes) {
+  for (const bool ring : {false, true}) {
+    MapData map = MirrorAndPhotos();
+    if (ring) map.appearance->mirror->ring = MirrorRing{{320, 240}, 60, 220};
+    const auto index = MapIndex::Build(std::move(map));
+    cv::Mat photo(480, 640, CV_8UC1);
+    for (int y = 0; y < photo.rows; ++y) photo.row(y).setTo(y / 4);
+    EXPECT_EQ(LocalizeImage(*index, photo, {}).decided_by, DecidedBy::kFeatures) << ring;
+    QueryRequest request;
+    request.images = {{"a", "", photo}, {"b", "", photo}};
+    const RequestAnswer several = Session(request, {{"map", index}}, {}).Ask();
+    EXPECT_FALSE(several.series);
+    EXPECT_EQ(several.images[1][0].decided_by, DecidedBy::kFeatures);
+    request.odometry = {Pose2{}, Pose2{}};
+    EXPECT_TRUE(Session(request, {{"map", index}}, {}).Ask().series) << "a robot's";
+  }
+}
+
+// The middle of an image stays its middle.
+TEST(Appearance, AMirrorsRingIsScaledWithItsImage) {
+  const MirrorRing twice = ScaledRing({{319.5, 239.5}, 60, 220}, 2);
+  EXPECT_EQ(twice, (MirrorRing{{639.5, 479.5}, 120, 440}));
+  EXPECT_EQ(ScaledRing(twice, 0.5), (MirrorRing{{319.5, 239.5}, 60, 220}));
+}
+
+TEST(Appearance, AMirrorsImageThatIsTooSmallIsABadImage) {
+  MapData map = GridMap(false);
+  map.appearance->mirror.emplace();
+  map.appearance->mirror->width = 640;
+  map.appearance->mirror->height = 480;
+  map.appearance->mirror->columns = kPanoramaWidth;
+  map.appearance->mirror->ring = MirrorRing{{320, 240}, 200, 208};
+  const auto index = MapIndex::Build(std::move(map));
+  const Answer answer = LocalizePanorama(*index, cv::Mat(48, 64, CV_8UC1, cv::Scalar(90)), {});
+  EXPECT_EQ(answer.verdict, Verdict::kBadImage);
+  EXPECT_NE(answer.message.find("too small"), std::string::npos) << answer.message;
 }
 
 TEST(Appearance, APhotoPassesOverNodesThatAreLeftOut) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/features/descriptor_codes.h"
+#include "localizer/localizer.h"
 #include "localizer/planes/decide.h"
 #include "localizer/planes/locate.h"
 #include "localizer/planes/sightings.h"
@@ -140,6 +141,27 @@ TEST_F(LandmarkQueryTest, APlaceWithoutPlanesIsLocalized) {
     EXPECT_GE(answer.planes.epipolar->inliers, 60);
     EXPECT_EQ(CountBestInliers(answer.planes), answer.planes.epipolar->inliers);
   }
+}
+
+// Beside panoramas, in a map whose keyframes saw no plane at all.
+TEST_F(LandmarkQueryTest, APhotoIsAskedOfLandmarksBesidePanoramas) {
+  MapData map = MapWithLandmarks();
+  map.planes.clear();
+  map.edges.clear();
+  map.appearance.emplace();
+  const SignatureOptions& described = map.appearance->described;
+  for (int i = 0; i < 2; ++i) {
+    AppearanceNode node;
+    node.id = AppearanceNodeId{i + 1};
+    node.sequence = SequenceId{1};
+    node.signature.magnitudes.setZero(described.rows, described.k1);
+    node.signature.phases.setZero(described.rows, described.k2);
+    map.appearance->nodes.push_back(node);
+  }
+  const auto index = MapIndex::Build(std::move(map));
+  EXPECT_TRUE(index->HasKeyframeFeatures());
+  const cv::Mat photo(480, 640, CV_8UC1, cv::Scalar(90));
+  EXPECT_EQ(LocalizeImage(*index, photo, {}).decided_by, DecidedBy::kFeatures);
 }
 
 TEST_F(LandmarkQueryTest, TheAnswerShowsItsMatches) {
