@@ -136,7 +136,11 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, ImageFeatures& extr
   // Last, since lines may still refuse the place.
   if (by_panoramas) {
     AddNodePose(index, answer);
-  } else if (index.map().poses && !options.TooLate()) {
+  } else if (index.map().poses && options.TooLate()) {
+    answer.pose_reason = answer.verdict == Verdict::kLocalized
+                             ? "the deadline passed before the pose was estimated"
+                             : "not localized";
+  } else if (index.map().poses) {
     const auto& [features, ms] =
         extracted.Extract(grey, QueryFeatureOptions(index, options.planes));
     AddTimedPose(index, features, options, answer);

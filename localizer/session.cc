@@ -279,7 +279,9 @@ bool IsRecognised(const Answer& answer, double min_panorama_probability) {
 void AppendPlaces(const Answer& answer, std::vector<PlaceCandidate>& places) {
   const PlaneAnswer& planes = answer.planes;
   if (planes.keyframe) {
-    places.push_back({*planes.keyframe, answer.probability, CountBestInliers(planes)});
+    const int inliers =
+        planes.candidates.empty() ? CountBestInliers(planes) : planes.candidates.front().inliers;
+    places.push_back({*planes.keyframe, answer.probability, inliers});
   }
   places.insert(places.end(), planes.places.begin(), planes.places.end());
 }

@@ -48,6 +48,17 @@ TEST(Deadline, ThatIsFarChangesNothingButTheStage) {
   EXPECT_EQ(with.probability, without.probability);
 }
 
+TEST(Deadline, ThatPassedLeavesAReasonWhyThereIsNoPose) {
+  MapData map = MadeMap();
+  map.poses.emplace().frame = "building";
+  const auto index = MapIndex::Build(std::move(map));
+  const cv::Mat image(48, 64, CV_8UC1, cv::Scalar(90));
+  const Answer late = LocalizeImage(*index, image, WithDeadline(std::chrono::milliseconds(-1)));
+  EXPECT_EQ(late.verdict, Verdict::kUndecided);
+  EXPECT_FALSE(late.pose);
+  EXPECT_EQ(late.pose_reason, "not localized");
+}
+
 TEST(Answer, TellsWhatWasConsidered) {
   const MapData map = MadeMap();
   const auto index = MapIndex::Build(map);

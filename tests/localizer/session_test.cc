@@ -126,6 +126,16 @@ TEST(OverallAnswer, AMapThatFindsThePlaceTwiceCountsAgainstAnother) {
   EXPECT_NE(alone.decided_by, DecidedBy::kAmbiguousMaps);
 }
 
+// As those of ambiguous maps do, landmarks among them.
+TEST(OverallAnswer, PlacesOfLocalizedMapsHaveTheirCandidatesInliers) {
+  Answer first = LocalizedIn("a", 0.97);
+  first.planes.recognised.emplace_back().inliers = 20;
+  first.planes.candidates.push_back({*first.planes.keyframe, 0.97, 75});
+  const Answer overall = OverallAnswer(AnswersWith({first, LocalizedIn("b", 0.95)}));
+  ASSERT_EQ(overall.planes.places.size(), 2u);
+  EXPECT_EQ(overall.planes.places[0].inliers, 75);
+}
+
 // They share the answer's probability; each one's own says whether the map contains the place.
 TEST(OverallAnswer, PanoramasAlikeCountWhereTheyAreProbable) {
   Answer alike;
