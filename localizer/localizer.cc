@@ -187,6 +187,7 @@ void LocalizeOptions::Check() const {
   planes.Check();
   panorama.Check();
   building.Check();
+  CheckFields("pose", pose);
 }
 
 Answer LocalizeFeatures(const MapIndex& index, const Features& query,

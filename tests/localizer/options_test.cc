@@ -42,6 +42,9 @@ TEST(LocalizeOptions, OutOfTheirRangeAreRefused) {
       [](auto& o) { o.planes.gates.max_scale = 1; },
       [](auto& o) { o.planes.gates.ambiguous_share = 0; },
       [](auto& o) { o.planes.gates.ambiguous_share = 1.01; },
+      [](auto& o) { o.pose.search_px = 0; },
+      [](auto& o) { o.pose.max_descriptor_distance = 1.5; },
+      [](auto& o) { o.pose.solve.min_inliers = -1; },
   };
   const auto index = MadeIndex();
   for (size_t i = 0; i < changes.size(); ++i) {
