@@ -57,13 +57,16 @@ MemoryAttack AttackMemory(const std::string& name, const std::function<void()>& 
       SCOPED_TRACE("allocation " + std::to_string(allocation) + (more == 0 ? "" : " and on"));
       const bool threw = RunWith({.allocation = allocation, .more = more}, run);
       ++attack.runs;
+      attack.hit += FailingMemory::failed() > 0 ? 1 : 0;
       attack.threw += threw ? 1 : 0;
       check(threw);
       if (testing::Test::HasFatalFailure()) return attack;
     }
   }
   std::cout << name << ": " << attack.allocations << " allocations by " << attack.paths
-            << " paths, " << attack.runs << " runs, " << attack.threw << " threw\n";
+            << " paths, " << attack.runs << " runs, " << attack.hit << " hit, " << attack.threw
+            << " threw\n";
+  EXPECT_GT(attack.hit, attack.runs / 2);  // not where SIFT alone allocates
   return attack;
 }
 

@@ -12,6 +12,7 @@ struct MemoryAttack {
   int64_t allocations = 0;  // of a run that gets all it wants
   int64_t paths = 0;        // by which these were asked for
   int64_t runs = 0;
+  int64_t hit = 0;    // runs in which an allocation failed
   int64_t threw = 0;  // runs that ended with std::bad_alloc
 };
 

@@ -92,7 +92,8 @@ class ServerMemory : public testing::Test {
       EXPECT_TRUE(Ask(bytes).starts_with("HTTP/1.1 200")) << name;
       all = FailingMemory::count();
     }
-    int answered = 0, refused = 0, closed = 0;
+    ASSERT_GT(all, 0) << name;
+    int runs = 0, hit = 0, answered = 0, refused = 0, closed = 0;
     for (int64_t i = 0; i < std::min(all, most); ++i) {
       for (const int64_t more : {int64_t{0}, kAllAfter}) {
         const int64_t allocation = i * all / std::min(all, most);
@@ -101,6 +102,8 @@ class ServerMemory : public testing::Test {
           const FailingMemory failing(CountedThreads::kOthers, {allocation, more});
           answer = Ask(bytes);
         }
+        ++runs;
+        hit += FailingMemory::failed() > 0 ? 1 : 0;
         const bool is_503 = answer.starts_with("HTTP/1.1 503");
         answered += answer.starts_with("HTTP/1.1 200") ? 1 : 0;
         refused += is_503 ? 1 : 0;
@@ -111,8 +114,9 @@ class ServerMemory : public testing::Test {
         ASSERT_TRUE(Ask(kHealth).starts_with("HTTP/1.1 200")) << "after " << allocation;
       }
     }
-    std::cout << name << ": " << all << " allocations, " << answered << " answered, " << refused
-              << " refused, " << closed << " closed\n";
+    std::cout << name << ": " << all << " allocations, " << runs << " runs, " << hit << " hit, "
+              << answered << " answered, " << refused << " refused, " << closed << " closed\n";
+    EXPECT_GT(hit, runs / 2) << name;
   }
 
   static constexpr const char* kHealth =
@@ -135,7 +139,7 @@ TEST_F(ServerMemory, SoIsOneThatComputesInAThreadOfItsOwn) {
 }
 
 TEST(StartMemory, AServerStartsOrThrows) {
-  AttackMemory(
+  const MemoryAttack attack = AttackMemory(
       "start a server",
       [] {
         try {
@@ -148,6 +152,7 @@ TEST(StartMemory, AServerStartsOrThrows) {
         }
       },
       [](bool) {});
+  EXPECT_GT(attack.threw, attack.runs / 2);
 }
 
 }  // namespace
