@@ -62,14 +62,14 @@ TEST(MapVersion, WhatIsNoManifestIsRefused) {
     return false;
   };
   for (const auto& [field, value] :
-       std::map<std::string, Json>{{"name", "../lab"},
-                                   {"name", 3},
-                                   {"version", 0},
-                                   {"version", "1"},
-                                   {"sha256", "sha256:abc"},
-                                   {"sha256", "sha256:" + std::string(63, 'a') + "/"},
-                                   {"bytes", 0},
-                                   {"details", nullptr}}) {
+       std::vector<std::pair<std::string, Json>>{{"name", "../lab"},
+                                                 {"name", 3},
+                                                 {"version", 0},
+                                                 {"version", "1"},
+                                                 {"sha256", "sha256:abc"},
+                                                 {"sha256", "sha256:" + std::string(63, 'a') + "/"},
+                                                 {"bytes", 0},
+                                                 {"details", nullptr}}) {
     Json bad = good;
     bad[field] = value;
     EXPECT_TRUE(refused(Dump(bad))) << field << " " << Dump(value);
