@@ -69,6 +69,13 @@ function(waystone_test_shards target name count suites tests)
   set(${tests} ${made} PARENT_SCOPE)
 endfunction()
 
+# How many times as long things may take in tests, with a sanitizer.
+if(WAYSTONE_SANITIZE)
+  set(WAYSTONE_SLOWDOWN 10)
+else()
+  set(WAYSTONE_SLOWDOWN 1)
+endif()
+
 # waystone_test(NAME SOURCES ... DEPS ... [SECONDS n] [SHARDS n | FIRST_HALF suite...] [LONG]
 # [THREADED]): the test program test_NAME, one ctest entry (or one a shard, NAME_1 and so on, so that
 # they run in parallel; FIRST_HALF keeps suites that share what is made once a process together) with

@@ -192,6 +192,16 @@ TEST_F(ApplicationTest, ReadyUntilItEnds) {
   EXPECT_EQ(Ask("GET", "/v1/maps").status, 200);
 }
 
+TEST_F(ApplicationTest, QueriesAreTurnedAwayAtTheEnd) {
+  Start();
+  EXPECT_EQ(Ask("POST", "/v1/localize", {}, "x").status, 200);
+  app_->EndQueue();
+  const HttpResponse response = Ask("POST", "/v1/localize", {}, "x");
+  EXPECT_EQ(response.status, 503);
+  EXPECT_EQ(Json::parse(response.body)["code"], "not_ready");
+  EXPECT_EQ(Ask("GET", "/v1/maps").status, 200);
+}
+
 TEST_F(ApplicationTest, VersionAndContract) {
   Start();
   EXPECT_TRUE(Json::parse(Ask("GET", "/version").body).contains("program"));

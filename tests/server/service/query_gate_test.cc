@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <barrier>
 #include <chrono>
+#include <future>
 #include <thread>
 #include <vector>
 
@@ -13,6 +15,13 @@
 
 namespace waystone {
 namespace {
+
+// Until that many sit in the gate's queue.
+void WaitForQueue(const QueryGate& gate, int waiting) {
+  while (gate.load().waiting != waiting) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
 
 TEST(QueryGate, LetsInAsManyAsItMayAndTurnsTheRestAway) {
   QueryGate gate(1, 1);
@@ -24,18 +33,8 @@ TEST(QueryGate, LetsInAsManyAsItMayAndTurnsTheRestAway) {
       const QueryGate::Turn turn = gate.Enter();
       second_in = true;
     });
-    // The second one sits in the queue's only seat before long; from then on it is full.
-    bool busy = false;
-    for (int i = 0; i < 2000 && !busy; ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      if (i < 20) continue;
-      try {
-        const QueryGate::Turn third = gate.Enter();
-      } catch (const MapError& error) {
-        busy = error.code() == ErrorCode::kBusy;
-      }
-    }
-    EXPECT_TRUE(busy);
+    WaitForQueue(gate, 1);
+    EXPECT_THROW(static_cast<void>(gate.Enter()), BusyError);
     EXPECT_FALSE(second_in);
   }
   second.join();
@@ -62,8 +61,45 @@ TEST(QueryGate, SaysWhenThereMayBeRoom) {
   EXPECT_EQ(retry_after_s(), 2) << "a turn took over a second";
 }
 
-TEST(QueryGate, NeverMoreThanItsNumberInside) {
+TEST(QueryGate, ServesWhoComesFirstFirst) {
+  QueryGate gate(1, 3);
+  std::vector<int> order;  // a turn at a time writes it
+  std::vector<std::thread> threads;
+  {
+    const QueryGate::Turn first = gate.Enter();
+    for (int t = 0; t < 3; ++t) {
+      threads.emplace_back([&, t] {
+        const QueryGate::Turn turn = gate.Enter();
+        order.push_back(t);
+      });
+      WaitForQueue(gate, t + 1);
+    }
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(order, (std::vector<int>{0, 1, 2}));
+}
+
+TEST(QueryGate, ClosingTurnsAwayWhoWaitsAndWhoComes) {
+  QueryGate gate(1, 1);
+  const QueryGate::Turn first = gate.Enter();
+  const auto enter = [&gate] {
+    try {
+      static_cast<void>(gate.Enter());
+    } catch (const MapError& error) {
+      return error.code();
+    }
+    return ErrorCode::kInternal;
+  };
+  std::future<ErrorCode> waiting = std::async(std::launch::async, enter);
+  WaitForQueue(gate, 1);
+  gate.Close();
+  EXPECT_EQ(waiting.get(), ErrorCode::kNotReady);
+  EXPECT_EQ(enter(), ErrorCode::kNotReady);
+}
+
+TEST(QueryGate, AsManyInsideAsItsNumberAndNeverMore) {
   QueryGate gate(2, 100);
+  std::barrier both(2);
   std::atomic<int> inside = 0;
   std::atomic<int> most = 0;
   std::vector<std::thread> threads;
@@ -75,14 +111,15 @@ TEST(QueryGate, NeverMoreThanItsNumberInside) {
         int seen = most;
         while (now > seen && !most.compare_exchange_weak(seen, now)) {
         }
+        if (i == 0) both.arrive_and_wait();  // never ends unless two are inside at once
         std::this_thread::yield();
         --inside;
       }
     });
   }
   for (std::thread& thread : threads) thread.join();
-  EXPECT_LE(most, 2);
-  EXPECT_GE(most, 1);
+  EXPECT_EQ(most, 2);
 }
+
 }  // namespace
 }  // namespace waystone
