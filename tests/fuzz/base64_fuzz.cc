@@ -19,16 +19,17 @@ std::string EncodeBase64(const std::string& bytes) {
 }  // namespace
 
 // What is decoded has the size that the text says, and is decoded again from OpenSSL's encoding.
-void FuzzBase64(FuzzInput input) {
+bool FuzzBase64(FuzzInput input) {
   const std::string_view text = TextOf(input);
   const auto bytes = ReadOrRefuse([&] { return DecodeBase64(text); });
-  if (!bytes) return;
+  if (!bytes) return false;
   Require(bytes->size() <= text.size() / 4 * 3, "base64 decodes to three quarters at most");
   const std::string again = EncodeBase64(*bytes);
   Require(DecodeBase64(again) == *bytes, "what was decoded is encoded and decoded to the same");
   if (!text.starts_with("data:")) {
     Require(again.size() == text.size(), "the size of base64 is that of its encoding");
   }
+  return true;
 }
 
 }  // namespace waystone

@@ -31,21 +31,22 @@ TakenChunks TakeChunks(std::string_view bytes, size_t piece) {
 
 // However the bytes arrive they are the same body, no longer than they are; written as one chunk it
 // is read again.
-void FuzzChunkedBody(FuzzInput input) {
+bool FuzzChunkedBody(FuzzInput input) {
   const std::string_view bytes = TextOf(input);
   const auto whole = ReadOrRefuse([&] { return TakeChunks(bytes, bytes.size()); });
   for (const size_t piece : {size_t{1}, size_t{7}}) {
     Require(ReadOrRefuse([&] { return TakeChunks(bytes, piece); }) == whole,
             "a body in pieces is the same body");
   }
-  if (!whole) return;
+  if (!whole) return false;
   Require(whole->body.size() <= bytes.size(), "a body is no longer than its chunks");
-  if (!whole->complete || whole->body.empty()) return;
+  if (!whole->complete || whole->body.empty()) return true;
   char size[20];
   std::snprintf(size, sizeof(size), "%zx\r\n", whole->body.size());
   const std::string written = size + whole->body + "\r\n0\r\n\r\n";
   Require(TakeChunks(written, written.size()) == TakenChunks{whole->body, written.size(), true},
           "a body is written as one chunk and read again");
+  return true;
 }
 
 }  // namespace waystone

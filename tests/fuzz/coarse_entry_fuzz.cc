@@ -6,10 +6,10 @@
 namespace waystone {
 
 // What is read is within its bounds, and is written to the same bytes.
-void FuzzCoarseEntry(FuzzInput input) {
+bool FuzzCoarseEntry(FuzzInput input) {
   const std::string_view bytes = TextOf(input);
   const auto entry = ReadOrRefuse([&] { return DecodeCoarseEntry(bytes, "it"); });
-  if (!entry) return;
+  if (!entry) return false;
   Require(entry->keyframes <= entry->places(), "keyframes are places");
   Require(entry->words.size() == entry->signatures.size(), "codes are whole");
   size_t codes = 0;
@@ -19,6 +19,7 @@ void FuzzCoarseEntry(FuzzInput input) {
   }
   Require(codes == entry->words.size(), "every code belongs to a place");
   Require(EncodeCoarseEntry(*entry) == bytes, "what is read is written to the same bytes");
+  return true;
 }
 
 }  // namespace waystone

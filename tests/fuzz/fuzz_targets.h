@@ -10,29 +10,31 @@
 
 // Readers of what strangers send, each with what must hold whatever it is given. libFuzzer looks
 // for inputs that break them (`make fuzz`); replay_test.cc tries those of corpus/ and simple
-// mutations of them (`make test`). A target throws what breaks it.
+// mutations of them (`make test`). A target throws what breaks it, and returns whether the
+// input was accepted.
 namespace waystone {
 
-void FuzzBase64(FuzzInput input);
-void FuzzCameraFile(FuzzInput input);
-void FuzzChunkedBody(FuzzInput input);
-void FuzzCoarseEntry(FuzzInput input);
-void FuzzExif(FuzzInput input);
-void FuzzHttpHead(FuzzInput input);
-void FuzzImage(FuzzInput input);
-void FuzzLocalizeRequest(FuzzInput input);
-void FuzzMap(FuzzInput input);
-void FuzzMultipart(FuzzInput input);
-void FuzzNamesFile(FuzzInput input);
-void FuzzPoseFile(FuzzInput input);
-void FuzzQueryLog(FuzzInput input);
-void FuzzRequestJson(FuzzInput input);
-void FuzzRigFile(FuzzInput input);
-void FuzzServerNames(FuzzInput input);
+bool FuzzBase64(FuzzInput input);
+bool FuzzCameraFile(FuzzInput input);
+bool FuzzChunkedBody(FuzzInput input);
+bool FuzzCoarseEntry(FuzzInput input);
+bool FuzzDatasetList(FuzzInput input);
+bool FuzzExif(FuzzInput input);
+bool FuzzHttpHead(FuzzInput input);
+bool FuzzImage(FuzzInput input);
+bool FuzzLocalizeRequest(FuzzInput input);
+bool FuzzMap(FuzzInput input);
+bool FuzzMultipart(FuzzInput input);
+bool FuzzNamesFile(FuzzInput input);
+bool FuzzPoseFile(FuzzInput input);
+bool FuzzQueryLog(FuzzInput input);
+bool FuzzRequestJson(FuzzInput input);
+bool FuzzRigFile(FuzzInput input);
+bool FuzzServerNames(FuzzInput input);
 
 struct FuzzTarget {
   std::string_view name;  // its folder in corpus/
-  void (*run)(FuzzInput);
+  bool (*run)(FuzzInput);
   int mutations;     // of the short form: about a second's worth
   size_t max_bytes;  // of an input
   std::string (*mutate)(std::string bytes, size_t max_bytes, uint32_t seed,

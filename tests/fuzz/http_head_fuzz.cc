@@ -36,14 +36,14 @@ void CheckRead(const RequestHead& head) {
 
 // However it arrives, a head has the same size or is refused; what is left of it for the HTTP
 // library says the same again, and nothing of a body.
-void FuzzHttpHead(FuzzInput input) {
+bool FuzzHttpHead(FuzzInput input) {
   const std::string_view bytes = TextOf(input);
   const auto size = ReadOrRefuse([&] { return ScanHead(bytes, bytes.size() + 1); });
   for (const size_t piece : {size_t{1}, size_t{13}}) {
     Require(ReadOrRefuse([&] { return ScanHead(bytes, piece); }) == size,
             "a head in pieces has the same size");
   }
-  if (size.value_or(0) == 0) return;
+  if (size.value_or(0) == 0) return false;
   Require(*size <= kMaxHeadBytes && *size <= bytes.size(), "a head is within its bounds");
   const RequestHead head = ParseRequestHead(bytes.substr(0, *size));
   CheckRead(head);
@@ -53,6 +53,7 @@ void FuzzHttpHead(FuzzInput input) {
           "what is left of a head says the same");
   Require(!again.has_body() && !again.expects_continue, "what is left of a head has no body");
   Require(head.refusal || !again.refusal, "what is left of a sound head is sound");
+  return !head.refusal;
 }
 
 }  // namespace waystone

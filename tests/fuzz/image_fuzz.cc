@@ -30,12 +30,12 @@ cv::Mat DecodeByLibrary(FuzzInput input) {
 
 // The header read by us and the image decoded by the libraries have one size, so that limits are
 // those of what is decoded; what is decoded is what the library decoded.
-void FuzzImage(FuzzInput input) {
+bool FuzzImage(FuzzInput input) {
   const auto header = ReadOrRefuse([&] { return ReadImageHeader(input); });
   const auto grey = ReadOrRefuse([&] { return DecodeGrey(input, kSmallImages); });
   if (!header) {
     Require(!grey, "what has no header isn't decoded");
-    return;
+    return false;
   }
   Require(header->width > 0 && header->height > 0 && header->scans > 0, "a header has a size");
   const bool within = ReadOrRefuse([&] {
@@ -43,16 +43,17 @@ void FuzzImage(FuzzInput input) {
                         return true;
                       }).has_value();
   Require(within || !grey, "what is over the limits isn't decoded");
-  if (!within) return;
+  if (!within) return false;
   const cv::Mat by_library = DecodeByLibrary(input);
   const cv::Size size(header->width, header->height);
   Require(by_library.empty() || by_library.size() == size,
           "header and decoder agree on the size of a " + header->format);
-  if (!grey) return;
+  if (!grey) return false;
   Require(grey->type() == CV_8UC1 && grey->size() == size, "a decoded image is as its header says");
   // Of these the library is given the picture alone, whatever is beside it.
   const bool picture_alone = header->format == "webp" || header->format == "heic";
   Require(picture_alone || !by_library.empty(), "what we decode the library decodes");
+  return true;
 }
 
 }  // namespace waystone

@@ -24,7 +24,7 @@ std::map<std::string, std::string> QueryParameters(std::string_view text) {
 
 // The input is the header Content-Type, a line of query parameters, and the body. What is asked is
 // within the limits, and what the query log keeps of it is read again.
-void FuzzLocalizeRequest(FuzzInput input) {
+bool FuzzLocalizeRequest(FuzzInput input) {
   const auto [type, behind_type] = SplitLine(input);
   const auto [query, body] = SplitLine(behind_type);
   HttpRequest http;
@@ -36,7 +36,7 @@ void FuzzLocalizeRequest(FuzzInput input) {
   http.read_body = [bytes = std::string(TextOf(body))] { return bytes; };
   const RequestLimits limits;
   const auto request = ReadOrRefuse([&] { return ReadQueryRequest(http, limits); });
-  if (!request) return;
+  if (!request) return false;
   const size_t images = request->images.size();
   Require(images >= 1 && images <= static_cast<size_t>(limits.max_images),
           "a request has one to the most images");
@@ -48,6 +48,7 @@ void FuzzLocalizeRequest(FuzzInput input) {
   }
   const Json written = ToJson(*request);
   ReadBack([&] { return ParseQueryRequest(written, limits); }, Dump(written));
+  return true;
 }
 
 }  // namespace waystone

@@ -45,12 +45,12 @@ bool SamePart(const BodyPart& a, const BodyPart& b) {
 
 // The input is the header Content-Type, and from the second line on the body. Parts lie within it,
 // and a form written from them has the same parts.
-void FuzzMultipart(FuzzInput input) {
+bool FuzzMultipart(FuzzInput input) {
   const auto [type, rest] = SplitLine(input);
   const std::string_view body = TextOf(rest);
   const std::string content_type(type);
   const auto parts = ReadOrRefuse([&] { return ParseMultipart(body, content_type, kMaxParts); });
-  if (!parts) return;
+  if (!parts) return false;
   Require(parts->size() <= kMaxParts, "a form has no more parts than allowed");
   size_t names = 0;
   for (const BodyPart& part : *parts) {
@@ -62,7 +62,7 @@ void FuzzMultipart(FuzzInput input) {
     names = std::max(names, part.name.size() + part.filename.size());
   }
   constexpr size_t kMostEscaped = 2000;  // their headers are bounded
-  if (names > kMostEscaped || parts->empty()) return;
+  if (names > kMostEscaped || parts->empty()) return true;
   const std::string boundary = UnusedBoundary(*parts);
   const std::string written = WriteForm(*parts, boundary);
   const auto again = ReadBack(
@@ -71,6 +71,7 @@ void FuzzMultipart(FuzzInput input) {
       },
       "a form");
   Require(std::ranges::equal(*parts, again, SamePart), "a form is written and read to the same");
+  return true;
 }
 
 }  // namespace waystone

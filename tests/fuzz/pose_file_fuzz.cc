@@ -46,14 +46,14 @@ void CheckTrajectory(const std::filesystem::path& path) {
 
 // The input's first byte says whether it is a CSV file ('c') or COLMAP's images.bin ('b'). Poses
 // are finite, and written as a TUM trajectory they are read to the same.
-void FuzzPoseFile(FuzzInput input) {
-  if (input.empty()) return;
+bool FuzzPoseFile(FuzzInput input) {
+  if (input.empty()) return false;
   const char* const name =
       input[0] == 'c' ? "poses.csv" : (input[0] == 'b' ? "images.bin" : "poses.txt");
   const auto path = WriteInput(name, TextOf(input.subspan(1)));
   CheckTrajectory(path);
   const auto poses = ReadOrRefuse([&] { return ReadPoseFile(path); });
-  if (!poses) return;
+  if (!poses) return false;
   Require(!poses->empty(), "a file has poses, or is refused");
   for (const FilePose& pose : *poses) CheckFilePose(pose);
   const auto written = WriteInput("written.txt", TumText(*poses));
@@ -65,6 +65,7 @@ void FuzzPoseFile(FuzzInput input) {
     Require(a.translation() == b.translation() && a.linear().isApprox(b.linear(), 1e-9),
             "a pose is written and read to the same");
   }
+  return true;
 }
 
 }  // namespace waystone

@@ -41,15 +41,16 @@ bool SameQuery(const LoggedQuery& a, const LoggedQuery& b) {
 }  // namespace
 
 // The input is queries.jsonl, beside an image a.jpg. A log is written and read to the same.
-void FuzzQueryLog(FuzzInput input) {
+bool FuzzQueryLog(FuzzInput input) {
   std::filesystem::create_directories(FuzzFolder() / "read");
   WriteInput(std::string("read/") + kQueryLogLines, TextOf(input));
   WriteInput("read/a.jpg", "an image");
   const auto queries = ReadOrRefuse([] { return ReadQueries(FuzzFolder() / "read"); });
-  if (!queries) return;
+  if (!queries) return false;
   WriteLog(*queries);
   const auto again = ReadBack([] { return ReadQueries(FuzzFolder() / "written"); }, "a query log");
   Require(std::ranges::equal(*queries, again, SameQuery), "a log is written and read to the same");
+  return true;
 }
 
 }  // namespace waystone

@@ -8,11 +8,11 @@
 namespace waystone {
 
 // A request is written and read to the same.
-void FuzzRequestJson(FuzzInput input) {
+bool FuzzRequestJson(FuzzInput input) {
   const auto object = ReadOrRefuse([&] { return ParseJson(TextOf(input)); });
-  if (!object) return;
+  if (!object) return false;
   const auto request = ReadOrRefuse([&] { return ParseQueryRequest(*object, {}); });
-  if (!request) return;
+  if (!request) return false;
   Json written = ToJson(*request);
   const QueryRequest read = ReadBack([&] { return ParseQueryRequest(written, {}); }, Dump(written));
   Json again = ToJson(read);
@@ -22,6 +22,7 @@ void FuzzRequestJson(FuzzInput input) {
     again.erase("fov_deg");
   }
   Require(Dump(again) == Dump(written), "a request is written and read to the same");
+  return true;
 }
 
 }  // namespace waystone

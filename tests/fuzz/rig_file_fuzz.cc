@@ -30,11 +30,11 @@ void CheckPose(const Eigen::Isometry3d& pose) {
 }  // namespace
 
 // A rig is sound, and written in our own format it is read to the same.
-void FuzzRigFile(FuzzInput input) {
+bool FuzzRigFile(FuzzInput input) {
   const auto path = WriteInput("rig.yaml", TextOf(input));
   ReadOrRefuse([&] { return HasSeveralCameras(path); });
   const auto rig = ReadOrRefuse([&] { return ReadRigFile(path); });
-  if (!rig) return;
+  if (!rig) return false;
   for (const RigCamera& camera : rig->cameras) CheckPose(camera.rig_from_camera);
   const auto written = WriteInput("written.yaml", RigYaml(*rig));
   const Rig again = ReadBack([&] { return ReadRigFile(written); }, "a rig");
@@ -47,6 +47,7 @@ void FuzzRigFile(FuzzInput input) {
                 a.rig_from_camera.linear().isApprox(b.rig_from_camera.linear(), 1e-9),
             "a rig camera's pose is written and read to the same");
   }
+  return true;
 }
 
 }  // namespace waystone

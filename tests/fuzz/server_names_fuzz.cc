@@ -15,7 +15,7 @@ std::string WriteAuthority(const Authority& name) {
 
 // The input is the header Host and, on the second line, Origin. A name is written and read to the
 // same; a server of this machine alone answers to nothing but names of this machine.
-void FuzzServerNames(FuzzInput input) {
+bool FuzzServerNames(FuzzInput input) {
   const auto [host, rest] = SplitLine(input);
   const std::string host_header(host);
   const std::string origin(TextOf(rest));
@@ -38,6 +38,7 @@ void FuzzServerNames(FuzzInput input) {
                           return true;
                         }).has_value();
   Require(!admitted || (name && IsLoopback(name->host)), "only loopback names are admitted");
+  return admitted;
 }
 
 }  // namespace waystone
