@@ -3,7 +3,7 @@
 """check_doc_paths.py DOCUMENT...: whether the files and folders that they name are there.
 
 A name is what stands in `backquotes` and has a slash or a suffix of a source; `core/a/b` may name
-b.h and b.cc together. Names with <, {, * or a blank are patterns, not files.
+b.h, b.cc or both. Names with <, {, * or a blank are patterns, not files.
 """
 import re
 import sys
@@ -22,7 +22,7 @@ def names(text):
 def main(documents):
     missing = [f"{document}: there is no {name}"
                for document in documents for name in names(Path(document).read_text(encoding="utf-8"))
-               if not Path(name).exists() and not Path(name + ".h").exists()]
+               if not any(Path(name + suffix).exists() for suffix in ("", ".h", ".cc"))]
     print("\n".join(missing) if missing else f"{len(documents)} documents name what is there")
     return 1 if missing or not documents else 0
 

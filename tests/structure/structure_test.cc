@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The walls of the house, as DESIGN.md draws them: who may include whom, and what every source
+// The walls of the house, as docs/design.md draws them: who may include whom, and what every source
 // file starts with.
 #include <gtest/gtest.h>
 
