@@ -117,6 +117,9 @@ function(waystone_test name)
     waystone_test_shards(${target} ${name} ${ARG_SHARDS} "${ARG_FIRST_HALF}" tests)
   else()
     add_test(NAME ${name} COMMAND ${target})
+    set(folder ${CMAKE_CURRENT_BINARY_DIR}/tmp_${name})
+    file(MAKE_DIRECTORY ${folder})
+    set_property(TEST ${name} PROPERTY ENVIRONMENT TMPDIR=${folder} TEST_TMPDIR=${folder})
   endif()
   # What takes longest starts first, so that nothing long is left for the end.
   set_tests_properties(${tests} PROPERTIES TIMEOUT ${ARG_SECONDS} COST ${ARG_SECONDS}

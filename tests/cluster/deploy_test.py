@@ -199,11 +199,17 @@ class Programs(unittest.TestCase):
             for unit in ("waystone-node", "waystone-worker"):
                 text = (ROOT / f"packaging/{unit}.service").read_text(encoding="utf-8")
                 path = Path(folder) / f"{unit}.service"
-                path.write_text(text.replace("/usr/bin/waystone", "/usr/bin/true"), encoding="utf-8")
-                said = subprocess.run(["systemd-analyze", "verify", "--man=no", path], capture_output=True, text=True,
-                                      check=False)
-                ours = [line for line in said.stderr.splitlines() if unit in line]
-                self.assertEqual(ours, [])
+
+                def ours(written, path=path, unit=unit):
+                    path.write_text(written, encoding="utf-8")
+                    said = subprocess.run(["systemd-analyze", "verify", "--man=no", path], capture_output=True,
+                                          text=True, check=False)
+                    return [line for line in said.stderr.splitlines() if unit in line]
+
+                text = text.replace("/usr/bin/waystone", "/usr/bin/true")
+                if not ours(text + "\n[Service]\nNonsense=yes\n"):
+                    self.skipTest("systemd-analyze finds nothing here")
+                self.assertEqual(ours(text), [])
 
     def test_the_health_check_tells_ready_servers_from_others(self):
         class Answer(BaseHTTPRequestHandler):
@@ -230,4 +236,5 @@ class Programs(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    sys.exit(unittest.main())
+    result = unittest.main(exit=False).result
+    sys.exit(1 if not result.wasSuccessful() else 77 if result.skipped else 0)

@@ -22,7 +22,7 @@ fi
 
 if ! command -v node >/dev/null || [ ! -d node_modules/esbuild ]; then
   echo "Only the checksums were compared: Node or server/web/node_modules is missing ('make browser' installs it)"
-  exit 0
+  exit 77
 fi
 again=$(mktemp -d)
 trap 'rm -rf "$again"' EXIT
