@@ -39,7 +39,7 @@ class Load:
     def __init__(self, port, pairs, photos, expected, weights=None, keeps=True):
         self.port, self.pairs, self.photos, self.expected, self.weights = port, pairs, photos, expected, weights
         self.keeps = keeps  # connections
-        self.lock, self.clients = threading.Lock(), Clients(PATIENCE_S)
+        self.lock, self.clients = threading.Lock(), Clients(PATIENCE_S, self.fail)
         self.good, self.ms, self.wrong, self.failures = 0, [], [], []
 
     def __enter__(self):
@@ -47,6 +47,10 @@ class Load:
 
     def __exit__(self, *_):
         self.clients.stop()
+
+    def fail(self, what):
+        with self.lock:
+            self.wrong.append(what)
 
     def start(self, clients, seed=0):
         for i in range(clients):

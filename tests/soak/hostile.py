@@ -38,7 +38,7 @@ class Hostile:
         try:
             with self.server.connect() as connection:
                 attack(connection)
-        except (OSError, ValueError, IndexError):
+        except OSError:
             self.tally.count("hostile_closed")
         time.sleep(0.02)
 

@@ -108,16 +108,20 @@ class Tally:
 
 
 class Clients:
-    """Threads that each do one thing until they are told to end."""
+    """Threads that each do one thing until they are told to end. What they don't expect goes to `fail`."""
 
-    def __init__(self, patience_s):
-        self.end, self.patience_s = threading.Event(), patience_s
+    def __init__(self, patience_s, fail):
+        self.end, self.patience_s, self.fail = threading.Event(), patience_s, fail
         self.threads = []
 
     def start(self, function, *arguments):
         def loop():
             while not self.end.is_set():
-                function(*arguments)
+                try:
+                    function(*arguments)
+                except Exception as error:
+                    self.fail(f"{type(function).__name__}: {error!r}")
+                    self.end.wait(0.2)
         self.threads.append(threading.Thread(target=loop, daemon=True))
         self.threads[-1].start()
 
@@ -125,6 +129,8 @@ class Clients:
         self.end.set()
         for thread in self.threads:
             thread.join(2 * self.patience_s)
+            if thread.is_alive():
+                self.fail("a client doesn't end")
 
 
 # ---- honest clients
@@ -323,8 +329,10 @@ def soak(arguments, folder, served):
         shutil.copy(path, served)
         VERSIONS[path] = version(offline, path)
     server = Server(arguments.program, served, folder / "server.log", arguments.slower)
+    tally = Tally()
+    clients = Clients(server.patience_s, tally.fail)
     try:
-        return wear_out(server, Tally(), Clients(server.patience_s), arguments.seconds, maps, photos, answers, served)
+        return wear_out(server, tally, clients, arguments.seconds, maps, photos, answers, served)
     finally:
         server.process.kill()
 
