@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
-#include "builder/sources/recognise.h"
+#include "builder/sources/source.h"
 #include "tests/fuzz/fuzz_targets.h"
 
 namespace waystone {
@@ -15,40 +17,38 @@ struct Layout {
   const char* folder;
   const char* file;   // has the rest of the input
   const char* image;  // is there
-  std::optional<ImageList> (*recognise)(const fs::path& folder);
 };
 
 constexpr Layout kLayouts[] = {
-    {'t', "tum", "rgb.txt", "rgb/1.png", RecogniseTum},
-    {'k', "kitti", "times.txt", "image_0/000001.png", RecogniseKitti},
-    {'c', "calibrated", "calib.txt", "image_0/000001.png", RecogniseKitti},
-    {'e', "euroc", "data.csv", "data/1.png", RecogniseEuroc},
+    {'t', "tum", "rgb.txt", "rgb/1.pgm"},
+    {'k', "kitti", "times.txt", "image_0/000001.pgm"},
+    {'c', "calibrated", "calib.txt", "image_0/000001.pgm"},
+    {'e', "euroc", "data.csv", "data/1.pgm"},
 };
 
 }  // namespace
 
-// The input's first byte says of which dataset it is the list, the times or the calibration. Times
-// are finite, and so is a camera.
+// The input's first byte says of which dataset it is the list, the times or the calibration. A
+// sequence has frames, whose times are finite, and so is its camera.
 bool FuzzDatasetList(FuzzInput input) {
   const auto* const layout = std::ranges::find(
       kLayouts, input.empty() ? '\0' : static_cast<char>(input[0]), &Layout::letter);
   if (layout == std::end(kLayouts)) return false;
-  const fs::path name = layout->folder;
-  fs::create_directories((FuzzFolder() / name / layout->image).parent_path());
-  WriteInput(name / layout->image, "");
-  WriteInput(name / layout->file, TextOf(input.subspan(1)));
-  const auto list = ReadOrRefuse([&] { return layout->recognise(FuzzFolder() / name); });
-  if (!list) return false;
-  Require(list->has_value(), "a layout is recognised, or its list refused");
-  const ImageList& images = **list;
-  Require(!images.images.empty(), "a list has images, or is refused");
-  for (const ListedImage& image : images.images) {
-    Require(!image.time_s || std::isfinite(*image.time_s), "a time is finite");
+  const fs::path folder = layout->folder;
+  fs::create_directories((FuzzFolder() / folder / layout->image).parent_path());
+  WriteInput(folder / layout->image, "P5 4 2 255\n" + std::string(8, 'x'));
+  WriteInput(folder / layout->file, TextOf(input.subspan(1)));
+  const auto source =
+      ReadOrRefuse([&] { return OpenSource((FuzzFolder() / folder).string(), {}); });
+  if (!source) return false;
+  int frames = 0;
+  while (const auto frame = (*source)->NextEncoded()) {
+    Require(std::isfinite(frame->info().time_s.value_or(0)), "a time is finite");
+    ++frames;
   }
-  if (!images.own_camera) return true;
-  const auto camera = ReadOrRefuse(images.own_camera);
-  if (!camera) return false;
-  for (const double number : camera->params) {
+  Require(frames > 0, "a sequence has frames, or is refused");
+  if (!(*source)->camera()) return true;
+  for (const double number : (*source)->camera()->params) {
     Require(std::isfinite(number), "a camera is finite");
   }
   return true;

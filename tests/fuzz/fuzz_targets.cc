@@ -11,7 +11,7 @@ std::span<const FuzzTarget> FuzzTargets() {
       FuzzTarget{"camera_file", FuzzCameraFile, 4000, 4096},
       FuzzTarget{"chunked_body", FuzzChunkedBody, 50'000, 4096},
       FuzzTarget{"coarse_entry", FuzzCoarseEntry, 100'000, 4096},
-      FuzzTarget{"dataset_list", FuzzDatasetList, 5000, 4096},
+      FuzzTarget{"dataset_list", FuzzDatasetList, 2000, 4096},
       FuzzTarget{"exif", FuzzExif, 100'000, 4096},
       FuzzTarget{"http_head", FuzzHttpHead, 30'000, 16'384},
       FuzzTarget{"image", FuzzImage, 10'000, 16'384, MutateImage},
