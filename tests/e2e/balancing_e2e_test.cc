@@ -143,7 +143,8 @@ TEST_F(BalancingTest, AnswersAreThoseOfOneServerWhoeverIsKilled) {
     EXPECT_LT(server->Metric("waystone_map_opens_total"), kMaps);
   }
   EXPECT_EQ(opened, kMaps);
-  EXPECT_EQ(NewClient().Get("/metrics")->status, 404) << "of the servers, not for strangers";
+  EXPECT_EQ(Checked(NewClient().Get("/metrics"))->status, 404)
+      << "of the servers, not for strangers";
   // What the proxy adds.
   httplib::Client through = NewClient();
   httplib::Client straight("http://" + servers_[0]->address());

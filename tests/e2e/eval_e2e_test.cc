@@ -214,5 +214,23 @@ TEST_F(EvalTest, PlainRoomHasNoAlias) {
   EXPECT_TRUE(plain["ties"].empty()) << plain.dump();
 }
 
+TEST_F(EvalTest, TimeStampsAreAssociatedWithinTheGivenDifference) {
+  std::string estimate, truth;
+  for (int i = 0; i < 5; ++i) {
+    const std::string position = std::to_string(i * i) + " " + std::to_string(i) + " 0 0 0 0 1\n";
+    estimate += std::to_string(i) + ".004 " + position;
+    truth += std::to_string(i) + ".0 " + position;
+  }
+  WriteFile(folder_ / "estimate", estimate);
+  WriteFile(folder_ / "truth", truth);
+  const auto code = [this](const std::string& difference) {
+    return RunWaystone({"eval", "trajectory", folder_ / "estimate", folder_ / "truth",
+                        "--max-difference", difference})
+        .code;
+  };
+  EXPECT_EQ(code("0.005"), 0);
+  EXPECT_EQ(code("0.003"), 3);
+}
+
 }  // namespace
 }  // namespace waystone

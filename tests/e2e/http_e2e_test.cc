@@ -102,7 +102,7 @@ TEST_F(HttpTest, PagesOfOthersReachNothing) {
   ExpectProblem(post("Sec-Fetch-Site", "cross-site"), 403, "foreign_page");
   EXPECT_EQ(post("Origin", "http://localhost:" + port)->status, 200);
   const Served named({"--public-name", "maps.example"});
-  EXPECT_EQ(named.NewClient().Get("/v1/maps", {{"Host", "maps.example"}})->status, 200);
+  EXPECT_EQ(Checked(named.NewClient().Get("/v1/maps", {{"Host", "maps.example"}}))->status, 200);
 }
 
 TEST_F(HttpTest, BadImagesAreAnswersAndCheap) {
@@ -140,13 +140,14 @@ TEST_F(HttpTest, EveryInspectionRouteAnswers) {
     EXPECT_EQ(head->body, "") << path;
     EXPECT_EQ(head->get_header_value("Content-Length"), std::to_string(get->body.size())) << path;
   }
-  EXPECT_TRUE(client_.Get("/v1/maps/room/keyframes/1/image")->body.starts_with("\xFF\xD8\xFF"));
+  EXPECT_TRUE(
+      Checked(client_.Get("/v1/maps/room/keyframes/1/image"))->body.starts_with("\xFF\xD8\xFF"));
 }
 
 TEST_F(HttpTest, MapsAreCachedByTheirVersion) {
   const auto first = client_.Get("/v1/maps/room/graph");
   const std::string etag = first->get_header_value("ETag");
-  const std::string version = Json::parse(client_.Get("/v1/maps/room")->body)["version"];
+  const std::string version = Json::parse(Checked(client_.Get("/v1/maps/room"))->body)["version"];
   EXPECT_EQ(etag, "\"" + version + "-" + kVersion + "\"");
   const auto again = client_.Get("/v1/maps/room/graph", {{"If-None-Match", etag}});
   ASSERT_TRUE(again);
@@ -155,11 +156,12 @@ TEST_F(HttpTest, MapsAreCachedByTheirVersion) {
 }
 
 TEST_F(HttpTest, PagesJoinToTheWholeList) {
-  const size_t all = Json::parse(client_.Get("/v1/maps/room")->body)["keyframes"].get<size_t>();
+  const size_t all =
+      Json::parse(Checked(client_.Get("/v1/maps/room"))->body)["keyframes"].get<size_t>();
   size_t seen = 0;
   std::string path = "/v1/maps/room/keyframes?limit=2";
   while (true) {
-    const Json page = Json::parse(client_.Get(path)->body);
+    const Json page = Json::parse(Checked(client_.Get(path))->body);
     seen += page["keyframes"].size();
     if (page["next"].is_null() || seen > all) break;
     path = "/v1/maps/room/keyframes?limit=2&cursor=" + page["next"].get<std::string>();
@@ -185,7 +187,7 @@ TEST_F(HttpTest, ErrorsAreProblems) {
       415, "unsupported_media_type");
   ExpectProblem(client_.Post("/v1/maps/room/localize", std::string(20'000'001, 'x'), "image/jpeg"),
                 413, "payload_too_large");
-  EXPECT_EQ(client_.Delete("/v1/maps/room")->get_header_value("Allow"), "GET, HEAD");
+  EXPECT_EQ(Checked(client_.Delete("/v1/maps/room"))->get_header_value("Allow"), "GET, HEAD");
 }
 
 TEST_F(HttpTest, ConnectionsAreKept) {

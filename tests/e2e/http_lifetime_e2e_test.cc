@@ -16,6 +16,7 @@
 #include "tests/e2e/calibrated_maps.h"
 #include "tests/e2e/served_map.h"
 #include "tests/e2e/shared_map.h"
+#include "tests/server/http/raw_client.h"
 
 namespace waystone {
 namespace {
@@ -42,6 +43,37 @@ TEST(HttpLimits, FullQueueTurnsQueriesAway) {
   EXPECT_GE(busy, 1);
 }
 
+TEST(HttpLimits, AreThoseOfTheFlags) {
+  const std::filesystem::path folder = FreshFolder();
+  const Served served({"--host", "0.0.0.0", "--insecure", "--max-body", "1", "--max-images", "1",
+                       "--max-pixels", "100000", "--connections", "1", "--query-log",
+                       folder / "log", "--query-log-max", "1"});
+  const auto post = [&](const std::string& body, const std::string& type) {
+    return Checked(served.NewClient().Post("/v1/maps/room/localize", body, type));
+  };
+  EXPECT_EQ(post(std::string(1'000'001, 'x'), "image/jpeg")->status, 413);
+  const std::string image = R"({"data":"eA=="})";
+  const std::string two = R"({"images":[)" + image + "," + image + "]}";
+  EXPECT_EQ(post(two, "application/json")->status, 400);
+  const auto large = post(ReadFile(TheMap().inside), "image/jpeg");
+  EXPECT_NE(large->body.find("\"bad_image\""), std::string::npos) << large->body;
+  // The one that fills the log is its last.
+  for (int i = 0; i < 3; ++i) post(std::string(700'000, static_cast<char>('a' + i)), "image/jpeg");
+  int logged = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "log")) {
+    logged += entry.file_size() == 700'000 ? 1 : 0;
+  }
+  EXPECT_EQ(logged, 2);
+  const std::string health = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  RawClient idle(std::stoi(served.url().substr(served.url().rfind(':') + 1)));
+  idle.Send(health);
+  EXPECT_NE(idle.Receive("\r\n\r\n").find("200 OK"), std::string::npos);
+  EXPECT_TRUE(served.NewClient().Get("/healthz"));
+  idle.Send(health);
+  EXPECT_EQ(idle.Receive("\r\n\r\n"), "") << "it made room";
+  std::filesystem::remove_all(folder);
+}
+
 TEST(HttpLifetime, SignalsEndTheServerInOrder) {
   for (const int signal : {SIGINT, SIGTERM}) {
     Served served;
@@ -56,14 +88,15 @@ TEST(HttpLifetime, SignalsEndTheServerInOrder) {
 TEST(HttpLifetime, DrainsForTheStatedTime) {
   constexpr double kDrainS = 3;
   Served served({"--drain", std::to_string(kDrainS)});
-  ASSERT_EQ(served.NewClient().Get("/readyz")->status, 200);
+  ASSERT_EQ(Checked(served.NewClient().Get("/readyz"))->status, 200);
   const auto start = std::chrono::steady_clock::now();
   const auto seconds = [start] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
   served.process().Send(SIGTERM);
   int ready = 200;
-  while (ready == 200 && seconds() < kDrainS) ready = served.NewClient().Get("/readyz")->status;
+  while (ready == 200 && seconds() < kDrainS)
+    ready = Checked(served.NewClient().Get("/readyz"))->status;
   EXPECT_EQ(ready, 503);
   const auto answer =
       served.NewClient().Post("/v1/maps/room/localize", ReadFile(TheMap().inside), "image/jpeg");
@@ -165,7 +198,7 @@ TEST(HttpLifetime, MapsAreExchangedWithoutLosingARequest) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   };
-  const auto metrics = [&] { return served.NewClient().Get("/metrics")->body; };
+  const auto metrics = [&] { return Checked(served.NewClient().Get("/metrics"))->body; };
   const auto swaps = [&] {
     const std::string text = metrics();
     const std::string name = "waystone_reloads_total{result=\"swapped\"} ";
@@ -202,9 +235,9 @@ TEST(HttpLifetime, MapsAreExchangedWithoutLosingARequest) {
   // A new file is served, and one that goes isn't.
   fs::copy_file(TheMap().map, folder / "hall.db");
   fs::remove(folder / "room.db");
-  until([&] { return served.NewClient().Get("/v1/maps/room")->status == 404; });
-  EXPECT_EQ(served.NewClient().Get("/v1/maps/hall")->status, 200);
-  EXPECT_EQ(served.NewClient().Get("/v1/maps/room")->status, 404);
+  until([&] { return Checked(served.NewClient().Get("/v1/maps/room"))->status == 404; });
+  EXPECT_EQ(Checked(served.NewClient().Get("/v1/maps/hall"))->status, 200);
+  EXPECT_EQ(Checked(served.NewClient().Get("/v1/maps/room"))->status, 404);
   fs::remove_all(folder);
 }
 
@@ -238,9 +271,10 @@ TEST(HttpLifetime, OtherMachinesNeedATokenAndItIsAsked) {
   EXPECT_NE(open.err.find("--token-file"), std::string::npos) << open.err;
   WriteFile(folder / "tokens", "0123456789abcdef\n");
   const Served served({"--host", "0.0.0.0", "--token-file", (folder / "tokens").string()});
-  EXPECT_EQ(served.NewClient().Get("/v1/maps")->status, 401);
+  EXPECT_EQ(Checked(served.NewClient().Get("/v1/maps"))->status, 401);
   EXPECT_EQ(
-      served.NewClient().Get("/v1/maps", {{"Authorization", "Bearer 0123456789abcdef"}})->status,
+      Checked(served.NewClient().Get("/v1/maps", {{"Authorization", "Bearer 0123456789abcdef"}}))
+          ->status,
       200);
   EXPECT_NE(served.curl_line().find("Authorization: Bearer $TOKEN"), std::string::npos);
   std::filesystem::remove_all(folder);

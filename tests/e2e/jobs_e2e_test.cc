@@ -284,6 +284,7 @@ TEST_F(JobsE2e, BadSourcesFailAtOnceAndBadOptionsAreRefused) {
   refused(Enqueuing({"--features", "surf"}), 2, "surf");
   refused(Enqueuing({"--every", "0"}), 2, "every");
   refused(Enqueuing({"--part-frames", "3"}), 2, "--part-frames is 3");
+  refused(Enqueuing({"--attempts", "0"}), 2, "--attempts is 0");
   refused({"enqueue", "walk", "--name", "lab", "--registry", folder_}, 2, "PostgreSQL");
   refused({"work", "--registry", folder_}, 2, "PostgreSQL");
   refused({"jobs", folder_}, 2, "PostgreSQL");
@@ -310,7 +311,7 @@ TEST_F(JobsE2e, ServersTellOfJobs) {
                               served.address() + " " WAYSTONE_SOURCE_DIR "/clients/openapi.yaml";
   EXPECT_EQ(std::system(command.c_str()), 0);  // NOLINT(cert-env33-c): made of our own words
   const Served plain;
-  EXPECT_EQ(Json::parse(plain.NewClient().Get("/v1/jobs")->body)["code"], "not_available");
+  EXPECT_EQ(Json::parse(Checked(plain.NewClient().Get("/v1/jobs"))->body)["code"], "not_available");
 }
 
 }  // namespace

@@ -56,6 +56,15 @@ TEST_F(JoiningTest, RemovedKeyframesAreGoneAndThePreviousVersionIsKept) {
   EXPECT_TRUE(ReadFile(map_.string() + ".previous") == before);
 }
 
+TEST_F(JoiningTest, ANamedPlaceIsRemoved) {
+  const size_t keyframes = CountKeyframes();
+  ASSERT_EQ(RunWaystone({"name", map_, "Window", "--keyframes", "1:2"}).code, 0);
+  const RunResult removed = RunWaystone({"remove", map_, "--place", "Window", "--json"});
+  ASSERT_EQ(removed.code, 0) << removed.err;
+  EXPECT_EQ(CountKeyframes(), keyframes - 2);
+  ExpectRefusal({"remove", map_, "--place", "Cellar"}, 3, "Cellar");
+}
+
 TEST_F(JoiningTest, RemoveRefusesWhatTheMapHasNot) {
   ExpectRefusal({"remove", map_}, 2, "nothing to remove");
   ExpectRefusal({"remove", map_, "--keyframes", "3-5"}, 2, "'3-5' is not an id");
@@ -142,6 +151,10 @@ TEST_F(JoiningTest, WhatALaterWalkDidNotFindIsPruned) {
   EXPECT_GT(summary["removed"]["plane_features"], 20) << asked.out;
   ASSERT_EQ(summary["not_found_by"].size(), 1u) << asked.out;
   EXPECT_EQ(summary["not_found_by"][0]["session"], "later");
+
+  const RunResult patient =
+      RunWaystone({"prune", map_, "--dry-run", "--min-looks", "1000", "--json"});
+  EXPECT_EQ(Json::parse(patient.out)["removed"]["plane_features"], 0) << patient.out;
 
   const RunResult pruned = RunWaystone({"prune", map_, "--keep", "--json"});
   ASSERT_EQ(pruned.code, 0) << pruned.err;

@@ -111,7 +111,8 @@ TEST(LimitedServers, OutliveTheirFirstQuery) {
     SetAddressSpace(served, std::nullopt);
     ASSERT_TRUE(result) << "with " << spare_mb << " MB left";
     EXPECT_TRUE(result->status == 503 || result->status == 200) << result->status;
-    EXPECT_EQ(served.NewClient().Get("/healthz")->status, 200) << "with " << spare_mb << " MB left";
+    EXPECT_EQ(Checked(served.NewClient().Get("/healthz"))->status, 200)
+        << "with " << spare_mb << " MB left";
   }
 }
 
@@ -144,7 +145,8 @@ int StatusMegabytes(Served& served, const std::string& field) {
 int MegabytesForBodies(const std::string& body, const std::set<std::string>& statuses) {
   Served served({"--threads", "2"});
   EXPECT_EQ(
-      served.NewClient().Post("/v1/localize", ReadFile(TheMap().inside), "image/jpeg")->status,
+      Checked(served.NewClient().Post("/v1/localize", ReadFile(TheMap().inside), "image/jpeg"))
+          ->status,
       200);
   const int before = StatusMegabytes(served, "VmRSS");
   const int port = std::stoi(served.url().substr(served.url().rfind(':') + 1));
@@ -161,7 +163,7 @@ int MegabytesForBodies(const std::string& body, const std::set<std::string>& sta
     const std::string status = client.Receive("\r\n").substr(0, 12);
     EXPECT_TRUE(statuses.contains(status)) << status;
   }
-  EXPECT_EQ(served.NewClient().Get("/healthz")->status, 200);
+  EXPECT_EQ(Checked(served.NewClient().Get("/healthz"))->status, 200);
   return StatusMegabytes(served, "VmHWM") - before;
 }
 

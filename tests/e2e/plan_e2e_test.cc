@@ -142,7 +142,7 @@ TEST_F(PlanTest, IsAnchoredAtKeyframes) {
   const Json poses = [&] {
     const Served served({}, map_);
     auto client = served.NewClient();
-    return Json::parse(client.Get("/v1/maps/hall/poses")->body);
+    return Json::parse(Checked(client.Get("/v1/maps/hall/poses"))->body);
   }();
   const Json& keyframes = poses["keyframes"];
   std::vector<std::string> arguments{image_};
@@ -171,9 +171,9 @@ TEST_F(PlanTest, IsServed) {
   EXPECT_EQ(image->status, 200);
   EXPECT_EQ(image->get_header_value("Content-Type"), "image/png");
   EXPECT_TRUE(image->body == ReadFile(image_)) << "the bytes are those of the file";
-  EXPECT_EQ(client.Get("/v1/maps/hall/plan/image")->body.size(), image->body.size());
-  EXPECT_EQ(client.Get("/v1/maps/hall/plan/image?name=Attic")->status, 404);
-  EXPECT_EQ(Json::parse(client.Get("/v1/maps/hall")->body)["floor_plans"], 1);
+  EXPECT_EQ(Checked(client.Get("/v1/maps/hall/plan/image"))->body.size(), image->body.size());
+  EXPECT_EQ(Checked(client.Get("/v1/maps/hall/plan/image?name=Attic"))->status, 404);
+  EXPECT_EQ(Json::parse(Checked(client.Get("/v1/maps/hall"))->body)["floor_plans"], 1);
   const Json row = json["plans"][0]["plan_from_frame"];
   const auto answer = client.Post(
       "/v1/maps/hall/localize", ReadFile(ThePosedHall().walk / "queries" / "20.jpg"), "image/jpeg");

@@ -179,7 +179,7 @@ TEST_P(RegistryE2e, AnswersAreThoseOfAFolder) {
   Publish("hall", files / "hall.db");
   const Served plain({}, files);
   const RegistryServer served(registry_, folder_ / "cache", {"--memory", "200M"});
-  EXPECT_EQ(served.Get("/v1/maps"), Json::parse(plain.NewClient().Get("/v1/maps")->body));
+  EXPECT_EQ(served.Get("/v1/maps"), Json::parse(Checked(plain.NewClient().Get("/v1/maps"))->body));
   EXPECT_EQ(served.Get("/readyz")["maps"], 2);
   EXPECT_EQ(served.Get("/readyz")["open"], 0);
   const std::string photo = ReadFile(TheMap().inside);
@@ -193,9 +193,11 @@ TEST_P(RegistryE2e, AnswersAreThoseOfAFolder) {
   }
   for (const std::string path : {"/v1/maps", "/v1/maps/room", "/v1/maps/hall/names",
                                  "/v1/maps/room/planes", "/v1/maps/cellar", "/plain"}) {
-    EXPECT_EQ(served.Status(path), plain.NewClient().Get(path)->status) << path;
+    EXPECT_EQ(served.Status(path), Checked(plain.NewClient().Get(path))->status) << path;
     if (path == "/plain") continue;  // has the address
-    EXPECT_EQ(served.NewClient().Get(path)->body, plain.NewClient().Get(path)->body) << path;
+    EXPECT_EQ(Checked(served.NewClient().Get(path))->body,
+              Checked(plain.NewClient().Get(path))->body)
+        << path;
   }
   EXPECT_EQ(served.Metric("waystone_maps_open"), 2);
   EXPECT_EQ(served.Metric("waystone_fetches_total{result=\"good\"}"), 2);
@@ -350,7 +352,7 @@ TEST_F(RegistryFolder, AFullDiskIsSaidForTheMapAlone) {
   EXPECT_NE(refused->body.find("can't be written: File too large"), std::string::npos)
       << refused->body;
   EXPECT_EQ(refused->get_header_value("Retry-After"), "1");
-  EXPECT_EQ(client.Get("/v1/maps/small")->status, 200);
+  EXPECT_EQ(Checked(client.Get("/v1/maps/small"))->status, 200);
 }
 
 // The database ends at once, and comes back.

@@ -13,6 +13,7 @@
 
 #include "api/json.h"
 #include "cli/system/child_process.h"
+#include "tests/e2e/served_map.h"
 #include "tests/e2e/shared_map.h"
 
 // After Eigen, for which the macro _res of the resolver's header spells trouble, whoever includes
@@ -48,15 +49,16 @@ class RegistryServer {
     const auto result = NewClient().Get(path);
     return result ? result->status : 0;
   }
-  Json Get(const std::string& path) const { return Json::parse(NewClient().Get(path)->body); }
+  Json Get(const std::string& path) const {
+    return Json::parse(Checked(NewClient().Get(path))->body);
+  }
   Json Localize(const std::string& map) const {
-    return Json::parse(
-        NewClient()
-            .Post("/v1/maps/" + map + "/localize", ReadFile(TheMap().inside), "image/jpeg")
-            ->body);
+    return Json::parse(Checked(NewClient().Post("/v1/maps/" + map + "/localize",
+                                                ReadFile(TheMap().inside), "image/jpeg"))
+                           ->body);
   }
   double Metric(const std::string& name) const {
-    const std::string text = NewClient().Get("/metrics")->body;
+    const std::string text = Checked(NewClient().Get("/metrics"))->body;
     const size_t at = text.find("\n" + name + " ");
     return at == std::string::npos ? -1 : std::stod(text.substr(at + name.size() + 2));
   }

@@ -4,7 +4,9 @@
 #include <Eigen/Dense>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/system/child_process.h"
@@ -15,6 +17,12 @@
 #include <httplib.h>
 
 namespace waystone {
+
+// An answer; where there is none, as of a server that died, this test alone ends.
+inline httplib::Result Checked(httplib::Result result) {
+  if (!result) throw std::runtime_error("no answer: " + to_string(result.error()));
+  return result;
+}
 
 // A server of the shared map, and a client.
 class Served {
