@@ -39,6 +39,7 @@ BuildingRotation MakeBuildingRotation(const Eigen::Matrix3d& rig_from_building,
 
 constexpr double kEighth = 0.25 * std::numbers::pi;  // half a quarter turn
 constexpr size_t kMostGuesses = 12;  // frames that are carried on before the axes are settled
+constexpr size_t kMostAnchors = 24;
 
 Eigen::Vector3d RotationVector(const Eigen::Matrix3d& rotation) {
   const Eigen::AngleAxisd turn(rotation);
@@ -113,18 +114,19 @@ std::optional<ManhattanFrame> AxesFollower::AxesNear(const OrientationViewPtr& v
   return near;
 }
 
+void AxesFollower::AddAnchor(const Known& known) {
+  if (anchors_.size() >= kMostAnchors) anchors_.erase(anchors_.begin());
+  anchors_.push_back(known);
+}
+
 FollowedFrame AxesFollower::Know(Known known, ManhattanFrame axes, bool reliable) {
-  constexpr size_t kMostAnchors = 24;
   FollowedFrame followed;
   followed.rotation = MakeBuildingRotation(known.rig_from_building, known.covariance);
   followed.anchored = anchored_;
   followed.reliable = reliable && anchored_;
   followed.axes = std::move(axes);
   const bool due = anchors_.empty() || frame_ - anchors_.back().frame >= options_.anchor_frames;
-  if (followed.reliable && due) {
-    if (anchors_.size() == kMostAnchors) anchors_.erase(anchors_.begin());
-    anchors_.push_back(known);
-  }
+  if (followed.reliable && due) AddAnchor(known);
   last_ = std::move(known);
   return followed;
 }
@@ -201,7 +203,7 @@ FollowedFrame AxesFollower::TakeUp(const OrientationViewPtr& view) {
   // Less than half a quarter turn can have gone by.
   const bool short_gap = (frame_ - last_->frame) * options_.max_jump_rad < kEighth;
   if (!short_gap && anchored_) {
-    anchors_.push_back(*last_);
+    AddAnchor(*last_);
     anchored_ = false;
   }
   const double turned = RotationAngle(followed.axes.rig_from_axes, last_->rig_from_building);

@@ -56,6 +56,7 @@ class AxesFollower {
   FollowedFrame Settle(const OrientationViewPtr& view);
   FollowedFrame Carry(Known predicted);
   FollowedFrame TakeUp(const OrientationViewPtr& view);
+  void AddAnchor(const Known& known);
   FollowedFrame Know(Known known, ManhattanFrame axes, bool reliable);
   std::optional<Known> Anchored(const OrientationViewPtr& view) const;
 
@@ -66,7 +67,7 @@ class AxesFollower {
   std::vector<Known> guesses_;  // before the axes are settled: of the frame before
   std::optional<Known> last_;
   bool anchored_ = true;        // the quarter turn of last_ is the building's
-  std::vector<Known> anchors_;  // some of the frames whose quarter turn is
+  std::vector<Known> anchors_;  // the last of some frames whose quarter turn is
 };
 
 }  // namespace waystone

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <memory>
 #include <numbers>
 
 #include "builder/orientation/follow.h"
@@ -179,6 +181,29 @@ TEST(AxesFollower, FeaturesCarryItOverFramesWithoutLinesAndThroughSkewedRooms) {
     EXPECT_TRUE(f.reliable);
     EXPECT_NEAR(HeadingOf(f), 1.26, 1e-6);
   }
+}
+
+// A rig that is lost and comes back again and again.
+TEST(AxesFollower, KeepsABoundedNumberOfViews) {
+  const Room known(1);
+  const Room other(2);
+  AxesFollower follower({}, {}, {});
+  std::vector<std::weak_ptr<const OrientationView>> views;
+  const auto follow = [&](OrientationViewPtr view) {
+    views.push_back(view);
+    return follower.Follow(view);
+  };
+  for (int i = 0; i < 60; ++i) {
+    EXPECT_TRUE(follow(ViewOf(known, {0, 0, 0}, 0, 0, true)).anchored) << i;
+    for (int dark = 0; dark < 3; ++dark) {
+      auto view = std::make_shared<OrientationView>();
+      view->features.descriptors = Descriptors(DescriptorBytes(view->features.type));
+      follow(view);
+    }
+    EXPECT_FALSE(follow(ViewOf(other, {0, 0, 0}, 0, 0.5, true)).anchored) << i;
+  }
+  const auto kept = std::ranges::count_if(views, [](const auto& view) { return !view.expired(); });
+  EXPECT_LE(kept, 25);  // the last one and 24 anchors
 }
 
 }  // namespace
