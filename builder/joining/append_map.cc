@@ -68,14 +68,6 @@ void MoveBehind(std::vector<Row>& added, std::vector<Row>& to) {
   std::ranges::move(added, std::back_inserter(to));
 }
 
-// Poses of panoramas are those of the map's frame as seen from above.
-void PutNodesIntoFrame(const PoseLayer& poses, AppearanceLayer& layer) {
-  const Horizontal above = HorizontalOf(poses);
-  for (AppearanceNode& node : layer.nodes) {
-    if (const NodePose* pose = poses.Find(node.id)) node.pose = above.Of(*pose);
-  }
-}
-
 void AppendPanoramas(AppearanceLayer from, std::optional<AppearanceLayer>& to) {
   if (!to) {
     to = std::move(from);
@@ -168,6 +160,14 @@ const std::vector<Row>& RowsOf(const std::optional<Layer>& layer, std::vector<Ro
 
 }  // namespace
 
+void PutNodesIntoFrame(MapData& map) {
+  if (!map.poses || !map.appearance) return;
+  const Horizontal above = HorizontalOf(*map.poses);
+  for (AppearanceNode& node : map.appearance->nodes) {
+    if (const NodePose* pose = map.poses->Find(node.id)) node.pose = above.Of(*pose);
+  }
+}
+
 void AppendMap(MapData from, MapData& to) {
   WS_CHECK(from.info.feature_type == to.info.feature_type, "maps of one feature type");
   const NewIds<SequenceId> sequence(to.sequences, from.sequences);
@@ -220,7 +220,7 @@ void AppendMap(MapData from, MapData& to) {
     RenumberPanoramas(sequence, node, *from.appearance);
     AppendPanoramas(std::move(*from.appearance), to.appearance);
   }
-  if (to.poses && to.appearance) PutNodesIntoFrame(*to.poses, *to.appearance);
+  PutNodesIntoFrame(to);
   if (from.orientation) {
     RenumberOrientation(sequence, frame, *from.orientation);
     AppendOrientation(std::move(*from.orientation), to.orientation);

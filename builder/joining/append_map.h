@@ -15,4 +15,8 @@ namespace waystone {
 // Throws MapError(kMapDamaged) where the ids of `to` leave no room.
 void AppendMap(MapData from, MapData& to);
 
+// Gives panoramas their poses in the map's frame as seen from above: which way is up there depends
+// on all poses that the map has.
+void PutNodesIntoFrame(MapData& map);
+
 }  // namespace waystone

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "builder/joining/append_map.h"
 #include "builder/joining/joinable.h"
 #include "builder/joining/kept_looks.h"
 #include "builder/joining/kept_poses.h"
@@ -293,6 +294,7 @@ RemoveResult RemoveFromMap(MapData map, const Removal& removed, const BuildOptio
     RemoveFromPlanes(removed.keyframes, options.planes.min_features, map, result.report);
   }
   poses.KeepPoses(map);
+  PutNodesIntoFrame(map);
   result.report.names = named.KeepNames(map);
   if (had_poses && !map.poses) {
     for (const FloorPlanImage& plan : map.floor_plans)

@@ -6,10 +6,12 @@
 #include <functional>
 
 #include "builder/joining/align_layers.h"
+#include "builder/joining/append_map.h"
 #include "builder/joining/merge_maps.h"
 #include "builder/joining/remove_keyframes.h"
 #include "core/base/error.h"
 #include "localizer/appearance/appearance.h"
+#include "schema/file/map_problems.h"
 #include "schema/sessions.h"
 #include "tests/builder/joining/driven_maps.h"
 #include "tests/builder/joining/walked_maps.h"
@@ -177,6 +179,29 @@ TEST(RemovePanoramas, RefusesAllAndUnknownOnes) {
   } catch (const MapError& error) {
     EXPECT_EQ(error.code(), ErrorCode::kNotFound);
   }
+}
+
+// Of a frame that is tilted, up is the mean of all cameras' tops, which changes with each that
+// goes.
+TEST(RemovePanoramas, OfATiltedFrameLeavesThoseLeftInIt) {
+  MapData map = MorningPanoramas();
+  map.appearance->metres_per_unit = 1;
+  map.poses.emplace().unit = LengthUnit::kMetres;
+  Removal first;
+  double pitch = 0.1;
+  for (const AppearanceNode& node : map.appearance->nodes) {
+    Eigen::Isometry3d pose = WorldFromCamera({node.pose.x, node.pose.y, 1.2}, node.pose.theta_rad);
+    pose = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()) * pose *
+           Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitX());
+    map.poses->nodes.push_back(MakeNodePose(node.id, pose));
+    pitch *= 0.8;
+    if (first.nodes.size() < 4) first.nodes.insert(node.id);
+  }
+  PutNodesIntoFrame(map);
+  ASSERT_TRUE(FindMapProblems(map).empty());
+  const MapData left = RemoveFromMap(map, first, PanoramaOptionsOf("left")).map;
+  EXPECT_EQ(left.poses->nodes.size(), map.poses->nodes.size() - 4);
+  EXPECT_TRUE(FindMapProblems(left).empty());
 }
 
 // A bent row of panoramas in two layers, one turned, moved and half as large; a fifth are wrong.
