@@ -130,8 +130,8 @@ class SequencePipeline {
 
 // Throws for a sequence of which the layer can't use too much.
 void CheckSkipped(const std::string& name, const FrameReport& report, double max_share) {
-  if (report.skipped <= max_share * report.frames) return;
-  const bool none = report.skipped == report.frames;
+  const bool none = report.frames > 0 && report.skipped == report.frames;
+  if (!none && report.skipped <= max_share * report.frames) return;
   std::ostringstream message;
   message << (none ? "none" : std::to_string(report.frames - report.skipped)) << " of the "
           << report.frames << " frames of '" << name

@@ -155,6 +155,7 @@ TEST(FramePipeline, RefusesASequenceThatIsMostlyUnusable) {
   EXPECT_EQ(code_of(6, 0.6), ErrorCode::kInternal);
   EXPECT_EQ(code_of(1, 0), ErrorCode::kUnreadableFrames);
   EXPECT_EQ(code_of(10, 0.5), ErrorCode::kBadSource);
+  EXPECT_EQ(code_of(10, 1), ErrorCode::kBadSource);
   EXPECT_EQ(InfoOf(ErrorCode::kUnreadableFrames).exit_code, 4);
 }
 
