@@ -25,17 +25,11 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-Vector2d PositionOf(const PlaneFeature& feature) {
-  return {feature.reference.x_px, feature.reference.y_px};
-}
-
-// Features of `plane` (mapped by to_from) inside the convex hull of another one's, and how many of
-// them are in `matched`.
+// Features of `plane` (mapped by to_from) inside the convex hull of another one's: how many of them
+// are in `matched`.
 double OverlapShare(const Plane& plane, const Matrix3d& to_from, const Plane& other,
                     const std::set<int>& matched) {
-  std::vector<Vector2d> there;
-  for (const Vector2d& x : PositionsOf(plane)) there.push_back(Apply(to_from, x));
-  const std::vector<int> inside = InsideHull(there, PositionsOf(other));
+  const std::vector<int> inside = FeaturesInsideHull(plane, to_from, PositionsOf(other));
   const auto found = std::ranges::count_if(inside, [&](int f) { return matched.contains(f); });
   return inside.empty() ? 0 : static_cast<double>(found) / static_cast<double>(inside.size());
 }
@@ -58,8 +52,9 @@ bool OverlapAgrees(const Plane& m, const Plane& n, const FusionMatch& match, dou
 // position in it. Others could only be expressed by extrapolation.
 bool CanBeMoved(const PlaneFeature& feature, const FusionMatch& match, const Keyframe& reference,
                 const PlaneLayerOptions& options) {
-  const Vector2d x_n = PositionOf(feature);
-  return IsWithinReach(Apply(match.m_from_n.b_from_a, x_n), reference.width, reference.height,
+  const Vector2d x_n = PositionOf(feature.reference);
+  return IsInFront(match.m_from_n.b_from_a, x_n) &&
+         IsWithinReach(Apply(match.m_from_n.b_from_a, x_n), reference.width, reference.height,
                        options.max_extrapolation) &&
          TransferSigma(match.m_from_n, x_n) <= options.fusion.max_moved_px;
 }
@@ -259,8 +254,8 @@ std::optional<FusionMatch> MatchPlanes(const Plane& m, const PackedRows& packed_
   if (static_cast<int>(matches.size()) < fusion.min_inliers) return std::nullopt;
   MatchedPoints points;  // from n to m
   for (const Match& match : matches) {
-    points.from.push_back(PositionOf(n.features[match.b]));
-    points.to.push_back(PositionOf(m.features[match.a]));
+    points.from.push_back(PositionOf(n.features[match.b].reference));
+    points.to.push_back(PositionOf(m.features[match.a].reference));
   }
   const auto estimate = EstimateHomography(points, options.segmentation.ransac,
                                            options.seed ^ (m.id.value << 20) ^ n.id.value);

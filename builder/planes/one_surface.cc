@@ -43,8 +43,13 @@ std::vector<Sight> SightsOfBoth(const Plane& m, const Plane& n,
   return sights;
 }
 
-bool IsIn(const Keyframe& keyframe, const Vector2d& x) {
-  return x.x() >= 0 && x.y() >= 0 && x.x() < keyframe.width && x.y() < keyframe.height;
+// Where a keyframe shows a point, if it does.
+std::optional<Vector2d> Shown(const Keyframe& keyframe, const Matrix3d& keyframe_from_point,
+                              const Vector2d& point) {
+  if (!IsInFront(keyframe_from_point, point)) return std::nullopt;
+  const Vector2d x = Apply(keyframe_from_point, point);
+  const bool inside = x.x() >= 0 && x.y() >= 0 && x.x() < keyframe.width && x.y() < keyframe.height;
+  return inside ? std::optional(x) : std::nullopt;
 }
 
 // How far apart the homographies b_from_a of two planes put the features of the one whose they are.
@@ -53,11 +58,11 @@ std::optional<double> MedianApart(const Plane& plane, const Matrix3d& a_from_ref
                                   const Keyframe& b) {
   std::vector<double> apart_px;
   for (const PlaneFeature& feature : plane.features) {
-    const Vector2d x_a = Apply(a_from_reference, PositionOf(feature.reference));
-    if (!IsIn(a, x_a)) continue;
-    const Vector2d x_b = Apply(own, x_a);
-    if (!IsIn(b, x_b)) continue;
-    apart_px.push_back((x_b - Apply(other, x_a)).norm());
+    const std::optional<Vector2d> x_a = Shown(a, a_from_reference, PositionOf(feature.reference));
+    if (!x_a) continue;
+    const std::optional<Vector2d> x_b = Shown(b, own, *x_a);
+    if (!x_b) continue;
+    apart_px.push_back((*x_b - Apply(other, *x_a)).norm());
   }
   if (apart_px.size() < kFewestFeatures) return std::nullopt;
   return Median(std::move(apart_px));

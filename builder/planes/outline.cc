@@ -261,12 +261,17 @@ Points ConvexHull(const Points& points) {
   return corners;
 }
 
-std::vector<int> InsideHull(const Points& points, const Points& others) {
-  const std::vector<cv::Point2f> hull = InSinglePrecision(ConvexHull(others));
+std::vector<int> FeaturesInsideHull(const Plane& plane, const Matrix3d& to_from,
+                                    const Points& points) {
+  const std::vector<cv::Point2f> hull = InSinglePrecision(ConvexHull(points));
   std::vector<int> inside;
-  for (int i = 0; i < static_cast<int>(points.size()); ++i) {
-    const cv::Point2f point(static_cast<float>(points[i].x()), static_cast<float>(points[i].y()));
-    if (points[i].allFinite() && cv::pointPolygonTest(hull, point, false) >= 0) inside.push_back(i);
+  for (int f = 0; f < static_cast<int>(plane.features.size()); ++f) {
+    const Vector2d x = PositionOf(plane.features[f].reference);
+    if (!IsInFront(to_from, x)) continue;
+    const Eigen::Vector2f there = Apply(to_from, x).cast<float>();
+    if (there.allFinite() && cv::pointPolygonTest(hull, {there.x(), there.y()}, false) >= 0) {
+      inside.push_back(f);
+    }
   }
   return inside;
 }
@@ -298,6 +303,7 @@ void OutlinePlanes(MapData& map) {
       if (surface[q] == surface[p]) continue;
       const Matrix3d keyframe_from_reference = view->reference_from_keyframe.inverse();
       for (const Vector2d& x : PositionsOf(map.planes[q])) {
+        if (!IsInFront(keyframe_from_reference, x)) continue;
         others.push_back(Apply(keyframe_from_reference, x));
       }
     }

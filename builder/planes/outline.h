@@ -11,10 +11,10 @@ namespace waystone {
 // The convex hull of points; fewer than three, or points in a line, give what they have of one.
 std::vector<Eigen::Vector2d> ConvexHull(const std::vector<Eigen::Vector2d>& points);
 
-// Of `points`, which lie inside the convex hull of `others` or on its border: indices, ascending.
-// Points that aren't finite don't.
-std::vector<int> InsideHull(const std::vector<Eigen::Vector2d>& points,
-                            const std::vector<Eigen::Vector2d>& others);
+// The features of a plane that another image has in front of its camera and inside the convex hull
+// of some points or on its border: indices, ascending.
+std::vector<int> FeaturesInsideHull(const Plane& plane, const Eigen::Matrix3d& to_from,
+                                    const std::vector<Eigen::Vector2d>& points);
 
 // The polygon that a set of points supports, as the characteristic shape of Duckham, Kulik, Worboys
 // and Galton ("Efficient generation of simple polygons for characterizing the shape of a set of

@@ -50,12 +50,9 @@ double SpannedShare(const Plane& plane, const FusionMatch& match, const Plane& i
   for (const Match& inlier : match.inliers) {
     matched.push_back(PositionOf(plane.features[inlier.a].reference));
   }
-  std::vector<Vector2d> in_reference;
-  for (const Vector2d& x : PositionsOf(image)) {
-    in_reference.push_back(Apply(match.m_from_n.b_from_a, x));
-  }
-  const size_t on_plane = InsideHull(in_reference, PositionsOf(plane)).size();
-  const size_t within = InsideHull(in_reference, matched).size();
+  const Eigen::Matrix3d& to_reference = match.m_from_n.b_from_a;
+  const size_t on_plane = FeaturesInsideHull(image, to_reference, PositionsOf(plane)).size();
+  const size_t within = FeaturesInsideHull(image, to_reference, matched).size();
   return static_cast<double>(within) / static_cast<double>(std::max<size_t>(1, on_plane));
 }
 

@@ -70,6 +70,32 @@ TEST(LieOnOneSurface, TheWidestPairDecides) {
                                Part(2, 350, 600, kFacing, behind, 6), Keyframes(6), kApart_px));
 }
 
+// Homographies that agree where both keyframes show the planes don't agree behind the camera.
+TEST(LieOnOneSurface, FeaturesBehindTheCameraDoNotDecide) {
+  const auto plane_at = [](int id, const std::vector<std::pair<double, double>>& spans) {
+    Plane plane;
+    plane.id = PlaneId{id};
+    plane.reference = KeyframeId{1};
+    for (const auto& [left, right] : spans) {
+      const Plane part = Part(id, left, right, kFacing, 4, 0);
+      plane.features.insert(plane.features.end(), part.features.begin(), part.features.end());
+    }
+    for (PlaneFeature& feature : plane.features) feature.reference.y_px /= 20;
+    return plane;
+  };
+  // Features right of x = 100 are behind the camera, and to the left of the others in its image.
+  const Matrix3d from_reference{{1 - 3.1667, 0, 316.67}, {-1, 1, 100}, {-0.01, 0, 1}};
+  const Matrix3d stretched{{1.02, 0, -8}, {0, 1, 0}, {0, 0, 1}};  // by 5 px there
+  Plane m = plane_at(1, {{20, 60}, {240, 260}, {240, 260}});
+  Plane n = plane_at(2, {{20, 60}});
+  for (Plane* plane : {&m, &n}) {
+    plane->views.push_back({KeyframeId{1}, from_reference.inverse(), 40});
+    plane->views.push_back({KeyframeId{2}, from_reference.inverse(), 40});
+  }
+  n.views[1].reference_from_keyframe = (stretched * from_reference).inverse();
+  EXPECT_TRUE(LieOnOneSurface(m, n, Keyframes(2), kApart_px));
+}
+
 TEST(LieOnOneSurface, PlanesThatWereNotSeenTogetherCannotBeTold) {
   const Plane one = Part(1, 20, 250, kFacing, 4, 4);
   Plane other = Part(2, 350, 600, kFacing, 4, 4);

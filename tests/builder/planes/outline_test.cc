@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/base/random.h"
+#include "core/homography/homography.h"
 #include "schema/layers/names/place_names.h"
 
 namespace waystone {
@@ -170,6 +171,49 @@ TEST(OutlinePlanes, CutsOutPlanesOfOtherSurfacesOnly) {
   map.edges[0].homology.setIdentity();
   OutlinePlanes(map);
   EXPECT_TRUE(Holds(map.planes[0].outline, {150, 100})) << "a part of the same surface";
+}
+
+// Its image takes the features left of x = 100 to the front of a camera and those right of it
+// behind it; of these (250, 0) to (150, 100).
+const Eigen::Matrix3d kPartlyBehind{{1 - 3.1667, 0, 316.67}, {-1, 1, 100}, {-0.01, 0, 1}};
+
+Plane PlaneWith(int id, const Points& points) {
+  Plane plane;
+  plane.id = PlaneId{id};
+  plane.reference = KeyframeId{id};
+  for (const Vector2d& p : points) {
+    plane.features.push_back({{static_cast<float>(p.x()), static_cast<float>(p.y()), 4, 0}, 2, 2});
+  }
+  return plane;
+}
+
+TEST(FeaturesInsideHull, LeavesOutWhatIsBehindTheCamera) {
+  const Plane plane = PlaneWith(1, {{20, 0}, {250, 0}, {40, 20}, {50, 900}});
+  const Points hull{{0, 0}, {600, 0}, {600, 400}, {0, 400}};
+  EXPECT_EQ(FeaturesInsideHull(plane, kPartlyBehind, hull), (std::vector{0, 2}));
+}
+
+TEST(OutlinePlanes, FeaturesBehindTheCameraCutNothingOut) {
+  Random random(6);
+  MapData map;
+  for (const int id : {1, 2}) {
+    map.keyframes.push_back({KeyframeId{id}, SequenceId{1}, id, 0, "a.jpg", {}, 640, 480, {}, {}});
+  }
+  map.planes.push_back(PlaneWith(1, GridOver({300, 200}, random, [](double x, double y) {
+                                   return std::hypot(x - 150, y - 100) > 40;
+                                 })));
+  map.planes[0].views.push_back({KeyframeId{1}, Eigen::Matrix3d::Identity(), 10});
+  const auto outline_with = [&](const Points& other) {
+    map.planes.resize(1);
+    map.planes.push_back(PlaneWith(2, other));
+    map.planes[1].views = {{KeyframeId{1}, kPartlyBehind.inverse(), 10},
+                           {KeyframeId{2}, Eigen::Matrix3d::Identity(), 10}};
+    OutlinePlanes(map);
+    return map.planes[0].outline;
+  };
+  const Points behind{{250, 0}, {245, 5}, {255, 5}, {250, 10}};
+  EXPECT_NEAR((Apply(kPartlyBehind, behind[0]) - Vector2d(150, 100)).norm(), 0, 1);
+  EXPECT_TRUE(Holds(outline_with(behind), {150, 100}));
 }
 
 }  // namespace
