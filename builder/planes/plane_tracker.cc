@@ -325,7 +325,10 @@ void PlaneTracker::Close(OpenPlane open) {
   std::vector<int> kept;
   for (int f = 0; f < static_cast<int>(plane.features.size()); ++f) {
     const PlaneFeature& feature = plane.features[f];
-    if (feature.votes >= options_.min_vote_share * feature.visible) kept.push_back(f);
+    // One without votes is no feature of the plane, whatever the share.
+    if (feature.votes >= std::max(1.0, options_.min_vote_share * feature.visible)) {
+      kept.push_back(f);
+    }
   }
   report_.features_dropped += static_cast<int>(plane.features.size() - kept.size());
   const bool confirmed = plane.views.size() > 2;

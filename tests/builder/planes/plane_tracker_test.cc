@@ -360,6 +360,33 @@ TEST(PlaneTracker, OpenPlanesSurviveARotation) {
   for (const Plane& plane : found.planes) EXPECT_EQ(plane.views.size(), 6u);
 }
 
+// Features that are off their wall in every other image lose a vote each time, and win none while
+// the camera turns on the spot.
+TEST(PlaneTracker, AFeatureWithoutVotesIsDiscardedWhateverTheShare) {
+  const auto make = [](double before) {  // the same points, the last ones so far before the wall
+    MadeScene scene(1);
+    scene.AddWall({{-1.6, -1.3, 4}, {3, 0, 0.5}, {0, 2.6, 0}}, kPointsOfWall);
+    scene.AddWall({{-1.6, -1.3, 4 - before}, {3, 0, 0.5}, {0, 2.6, 0}}, 12);
+    return scene;
+  };
+  MadeScene on = make(0);
+  MadeScene off = make(0.6);
+  PlaneLayerOptions options;
+  options.min_vote_share = 0;
+  PlaneTracker tracker(options);
+  for (int i = 0; i < 6; ++i) {
+    const Isometry3d pose =
+        i < 2 ? PoseAt(-0.6 + 0.3 * i, 0, 0) : PoseAt(-0.3, 0, 0, 0.02 * (i - 1));
+    MadeScene& scene = i >= 2 && i % 2 == 0 ? off : on;
+    tracker.AddKeyframe(IdOf(i), scene.See(pose), i == 0, std::nullopt);
+  }
+  const Tracked found = ResultOf(tracker);
+  EXPECT_EQ(found.report.rotation_only, 4);
+  ASSERT_EQ(found.planes.size(), 1u);
+  EXPECT_GT(found.planes[0].features.size(), 100u);
+  for (const PlaneFeature& feature : found.planes[0].features) EXPECT_GE(feature.votes, 1);
+}
+
 // Where most of a plane's matches are features that its reference image doesn't show, it wants a
 // newer one; under a rotation, which fits every plane, it waits for a motion.
 TEST(PlaneTracker, PureRotationRenewsNoPlane) {
