@@ -63,7 +63,8 @@ std::string RecordedText(const RecordJson& value) {
 }
 
 bool IsOfSources(const std::string& path) {
-  return std::ranges::any_of(std::array{"features.", "keyframes.", "planes.", "layers.", "image"},
+  return std::ranges::any_of(std::array{"features.", "keyframes.", "planes.",
+                                        "appearance.describe.", "orientation.", "layers.", "image"},
                              [&](const char* start) { return path.starts_with(start); });
 }
 

@@ -60,9 +60,9 @@ std::string RecordFields(const Options& options) {
 }
 
 // The options of a build as a record holds them, for building more of the same: those of features,
-// keyframes, planes and layers, and of the pictures kept. All others, and those that the record
-// doesn't name, have their defaults. Throws MapError(kMapDamaged) for a value that its option can't
-// have.
+// keyframes, planes, panoramas' descriptions, orientation and layers, and of the pictures kept. All
+// others, and those that the record doesn't name, have their defaults. Throws MapError(kMapDamaged)
+// for a value that its option can't have.
 BuildOptions OptionsOfRecord(const std::string& options_json);
 
 // All options of a build but those that it doesn't depend on, as MapInfo::options_json holds them.

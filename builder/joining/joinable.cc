@@ -7,6 +7,7 @@
 
 #include "builder/calibration/stored_keyframes.h"
 #include "builder/calibration/stored_nodes.h"
+#include "builder/options_record.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
@@ -60,6 +61,35 @@ void CheckLayersAreJoinable(const std::vector<MapData>& maps) {
     if (first == nullptr) first = &map;
     CheckPanoramas(*first, map);
   }
+}
+
+BuildOptions OptionsOfMap(const MapData& map) {
+  BuildOptions options = OptionsOfRecord(map.info.options_json);
+  options.features.type = map.info.feature_type;
+  if (!map.appearance) return options;
+  options.appearance.describe.signature = map.appearance->described;
+  if (!map.appearance->mirror) return options;
+  const LayerMirror& mirror = *map.appearance->mirror;
+  PanoramaOptions& panorama = options.appearance.describe.panorama;
+  panorama.columns = mirror.columns;
+  panorama.mirror_band = mirror.band;
+  panorama.mirror = mirror.ring;
+  panorama.mirror_clockwise = mirror.clockwise;
+  return options;
+}
+
+void CheckOptionsFit(const MapData& map, const BuildOptions& options) {
+  if (options.features.type != map.info.feature_type) {
+    throw MapError(ErrorCode::kBadRequest, Named(map) + " has " +
+                                               std::string(NameOf(map.info.feature_type)) +
+                                               " features; leave features.type as it is");
+  }
+  if (!map.appearance) return;
+  const std::string described = DescriptionOf(map.appearance->described);
+  if (DescriptionOf(options.appearance.describe.signature) == described) return;
+  throw MapError(ErrorCode::kBadRequest,
+                 Named(map) + " describes panoramas by " + described +
+                     "; leave the appearance.describe.signature options as they are");
 }
 
 NamedBefore::NamedBefore(const MapData& map) {

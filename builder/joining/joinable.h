@@ -18,6 +18,14 @@ std::string Named(const MapData& map);
 // in different ways, or of cameras that see other elevations.
 void CheckLayersAreJoinable(const std::vector<MapData>& maps);
 
+// The options for building more of the same: those of the map's record, but panoramas are described
+// as its appearance layer says that its own are. Throws as OptionsOfRecord does.
+BuildOptions OptionsOfMap(const MapData& map);
+
+// Throws MapError(kBadRequest) for options with which nothing is built that can be joined to the
+// map.
+void CheckOptionsFit(const MapData& map, const BuildOptions& options);
+
 // What a map had when some of it was about to go, for its named places.
 class NamedBefore {
  public:

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "builder/joining/joinable.h"
 #include "builder/joining/merge_maps.h"
-#include "builder/options_record.h"
 #include "cli/commands/build_sources.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/settings.h"
@@ -36,11 +36,11 @@ int RunAdd(const AddFlags& flags) {
   EndAtInterrupts();
   const MapLock lock(flags.map);
   MapData map = ReadMap(flags.map);
-  BuildOptions options = OptionsOfRecord(map.info.options_json);
-  options.features.type = map.info.feature_type;
+  BuildOptions options = OptionsOfMap(map);
   options.threads = flags.threads;
   ApplySettings(flags.settings, options);
   options.Check();
+  CheckOptionsFit(map, options);
   CheckReplaceable(flags.map, flags.keep);
   const auto sources = OpenSources(flags.sources, options.layers, flags.printed.quiet);
   std::optional<GivenPoses> poses;

@@ -7,6 +7,7 @@
 
 #include "builder/joining/align_layers.h"
 #include "builder/joining/append_map.h"
+#include "builder/joining/joinable.h"
 #include "builder/joining/merge_maps.h"
 #include "builder/joining/remove_keyframes.h"
 #include "core/base/error.h"
@@ -155,6 +156,23 @@ TEST(JoinPanoramas, RefusesPanoramasThatAreDescribedInAnotherWay) {
   });
   EXPECT_NE(message.find("32 rows"), std::string::npos) << message;
   EXPECT_NE(message.find("16 rows"), std::string::npos) << message;
+}
+
+TEST(OptionsOfMap, DescribePanoramasAsTheMapDoes) {
+  MapData map = MorningPanoramas();
+  map.appearance->described.rows = 16;
+  map.appearance->mirror = LayerMirror{.width = 640, .height = 480, .columns = 720};
+  map.appearance->mirror->ring = MirrorRing{{320, 240}, 60, 230};
+  BuildOptions options = OptionsOfMap(map);
+  EXPECT_EQ(options.appearance.describe.signature, map.appearance->described);
+  EXPECT_EQ(options.appearance.describe.panorama.columns, 720);
+  EXPECT_EQ(options.appearance.describe.panorama.mirror, map.appearance->mirror->ring);
+  CheckOptionsFit(map, options);
+  options.appearance.describe.signature.rows = 32;
+  EXPECT_NE(Refusal([&] { CheckOptionsFit(map, options); }).find("16 rows"), std::string::npos);
+  options = OptionsOfMap(map);
+  options.features.type = FeatureType::kOrb;
+  EXPECT_NE(Refusal([&] { CheckOptionsFit(map, options); }).find("sift"), std::string::npos);
 }
 
 TEST(JoinPanoramas, RefusesPanoramasThatAreGivenTwice) {

@@ -67,5 +67,18 @@ TEST(RecordOptions, DependsOnWhatAMapDependsOn) {
   EXPECT_EQ(json["appearance_calibration"]["blank_spacings"].size(), 3u);
 }
 
+TEST(OptionsOfRecord, HasWhatSourcesAreBuiltWith) {
+  BuildOptions options;
+  options.features.max_features = 300;
+  options.planes.min_features = 17;
+  options.appearance.describe.signature.rows = 16;
+  options.appearance.describe.features.max_kept = 100;
+  options.orientation.turns.reach = 7;
+  options.image_width = 200;
+  options.map_name = "another";
+  const BuildOptions read = OptionsOfRecord(RecordOptions(options));
+  EXPECT_EQ(RecordOptions(read), RecordOptions(options));
+}
+
 }  // namespace
 }  // namespace waystone
