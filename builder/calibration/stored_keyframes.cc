@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "builder/frames/shrink.h"
 #include "core/base/error.h"
 #include "core/image/decode.h"
 
@@ -37,11 +38,10 @@ std::optional<Features> FeaturesOfPicture(const Keyframe& keyframe, const Featur
   if (keyframe.jpeg.empty()) return std::nullopt;
   cv::Mat picture;
   try {
-    picture = DecodeGrey(keyframe.jpeg);
+    picture = ShrinkToWidth(DecodeGrey(keyframe.jpeg), keyframe.width);
   } catch (const MapError&) {
     return std::nullopt;
   }
-  if (picture.cols > keyframe.width || picture.rows > keyframe.height) return std::nullopt;
   Features features = ExtractFeatures(picture, options);
   const float scale = static_cast<float>(keyframe.width) / static_cast<float>(picture.cols);
   for (Keypoint& keypoint : features.keypoints) {

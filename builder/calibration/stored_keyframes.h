@@ -12,8 +12,9 @@
 // Calibrating a finished map, whose images are gone.
 namespace waystone {
 
-// The features of the picture that a map keeps of a keyframe, in the pixels of the keyframe.
-// Nothing where it has none, or one that can't be decoded or is larger than the keyframe.
+// The features of the picture that a map keeps of a keyframe, in the pixels of the keyframe, at
+// whose size they are found where the picture is larger. Nothing where it has none, or one that
+// can't be decoded.
 std::optional<Features> FeaturesOfPicture(const Keyframe& keyframe, const FeatureOptions& options);
 
 // The same of a map's keyframes: at most `max_keyframes`, evenly spread over those that have such a

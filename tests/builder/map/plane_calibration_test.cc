@@ -4,11 +4,15 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "builder/calibration/rendered_negatives.h"
+#include "builder/calibration/stored_keyframes.h"
 #include "core/base/error.h"
 #include "core/features/features.h"
+#include "core/image/encode.h"
 #include "localizer/verdict/verdict_model.h"
 #include "tests/builder/map/stage.h"
 
@@ -41,6 +45,30 @@ std::vector<SampledKeyframe> QueriesOf(const MapData& map) {
         {keyframe.id, ExtractFeatures(TheStage().frames[keyframe.frame], FeatureOptions{})});
   }
   return queries;
+}
+
+// Pictures may be wider than the working image.
+TEST(FeaturesOfPicture, AreThoseOfTheKeyframeAtAnySizeOfThePicture) {
+  const cv::Mat& frame = TheStage().frames[0];
+  Keyframe keyframe;
+  keyframe.width = frame.cols;
+  keyframe.height = frame.rows;
+  cv::Mat large;
+  cv::resize(frame, large, {}, 1.5, 1.5, cv::INTER_CUBIC);
+  keyframe.jpeg = EncodeJpeg(large, 95);
+  const auto features = FeaturesOfPicture(keyframe, {});
+  ASSERT_TRUE(features);
+  EXPECT_EQ(features->width, frame.cols);
+  const Features own = ExtractFeatures(frame, {});
+  int same = 0;
+  for (const Keypoint& found : features->keypoints) {
+    same += std::ranges::any_of(own.keypoints, [&](const Keypoint& keypoint) {
+      return (PositionOf(keypoint) - PositionOf(found)).norm() < 0.5;
+    });
+  }
+  EXPECT_GT(same, features->size() / 2);
+  keyframe.jpeg = {1, 2, 3};
+  EXPECT_FALSE(FeaturesOfPicture(keyframe, {}));
 }
 
 TEST(CalibrateVerdict, TellsTheMapsOwnPlacesFromChance) {
