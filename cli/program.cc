@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <iostream>
 #include <new>
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -150,6 +151,7 @@ int RunCommand(int argc, char** argv) {
   AddJobs(app, run);
   AddDemo(app, run);
   ThrowOpenCvErrors();
+  cv::setNumThreads(1);  // frames and queries are what runs in parallel
   try {
     CheckCommand(app, argc, argv);
     app.parse(argc, argv);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <opencv2/core.hpp>
 #include <sstream>
 #include <string>
 
@@ -18,10 +19,23 @@
 #include "cli/output/printable_output.h"
 #include "cli/output/progress.h"
 #include "cli/output/trajectory_plot.h"
+#include "cli/program.h"
 #include "core/base/error.h"
 
 namespace waystone {
 namespace {
+
+// Commands run what they do in parallel themselves, each part in one thread.
+TEST(Program, ImagesAreComputedInOneThread) {
+  cv::setNumThreads(2);
+  std::string name = "waystone";
+  std::string flag = "--version";
+  char* arguments[] = {name.data(), flag.data(), nullptr};
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(RunProgram(2, arguments), 0);
+  testing::internal::GetCapturedStdout();
+  EXPECT_EQ(cv::getNumThreads(), 1);
+}
 
 TEST(Duration, ReadsAsPeopleSayIt) {
   EXPECT_EQ(Duration(0.4), "0 s");
