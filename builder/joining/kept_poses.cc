@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "builder/poses/plane_fit.h"
 #include "core/camera/camera.h"
 #include "schema/layers/planes/keyframe_camera.h"
 
@@ -33,28 +34,13 @@ std::optional<PosedCamera> CameraOf(const MapData& map, KeyframeId id) {
   return PosedCamera{pose->frame_from_camera(), std::move(*camera)};
 }
 
-// Where the ray of a pixel meets the plane, with its relative error by the plane's covariance.
+// Where the ray of a pixel meets the plane. By how much the surface differs from the plane isn't
+// stored, so that its error is that of the fit alone.
 DepthCode DepthOnPlane(const PosedCamera& posed, const PlanePose& plane, const Keypoint& keypoint) {
-  const Vector3d ray =
-      posed.frame_from_camera.linear() *
-      Unproject(posed.camera, {static_cast<double>(keypoint.x_px), keypoint.y_px}).normalized();
-  const Vector3d centre = posed.frame_from_camera.translation();
-  const double along = plane.normal.dot(ray);
-  const double depth = (plane.distance - plane.normal.dot(centre)) / along;
-  if (!std::isfinite(depth) || !(depth > 0)) return {};
-  // depth = (d - n . c) / (n . r): its derivatives by n and d.
-  Eigen::Vector4d by_plane;
-  by_plane << -(centre + depth * ray) / along, 1 / along;
-  const double variance = by_plane.dot(plane.covariance * by_plane);
-  if (!std::isfinite(variance) || variance < 0) return {};
-  return EncodeDepth(depth, std::sqrt(variance) / depth);
-}
-
-// Normals point away from the camera of the reference keyframe.
-void TurnAway(const PosedCamera& posed, PlanePose& plane) {
-  if (plane.distance >= plane.normal.dot(posed.frame_from_camera.translation())) return;
-  plane.normal = -plane.normal;
-  plane.distance = -plane.distance;
+  const Vector3d ray = Unproject(posed.camera, PositionOf(keypoint)).normalized();
+  const FittedPlane fit{plane.normal, plane.distance, plane.covariance, 0, 0};
+  const auto met = MeetPlane(posed.frame_from_camera, ray, fit);
+  return met && std::isfinite(met->sigma) ? EncodeDepth(met->depth, met->sigma) : DepthCode{};
 }
 
 template <class Item, class Id, class Has>
@@ -98,7 +84,7 @@ void PosesBefore::KeepPoses(MapData& map) const {
     if (!posed) continue;
     const auto fitted = std::ranges::lower_bound(layer.planes, plane.id, {}, &PlanePose::plane);
     const bool has_fit = fitted != layer.planes.end() && fitted->plane == plane.id;
-    if (has_fit) TurnAway(*posed, *fitted);
+    if (has_fit) TurnAway(posed->frame_from_camera, fitted->normal, fitted->distance);
     const auto before = planes_.find(plane.id);
     const bool as_before = before != planes_.end() && before->second.reference == plane.reference;
     PlaneDepths depths{plane.id, {}};

@@ -100,4 +100,25 @@ std::optional<FittedPlane> FitPlane(const std::vector<UncertainPoint>& points, i
   return plane;
 }
 
+std::optional<UncertainDepth> MeetPlane(const Eigen::Isometry3d& frame_from_camera,
+                                        const Eigen::Vector3d& ray, const FittedPlane& plane) {
+  const Eigen::Vector3d direction = frame_from_camera.linear() * ray;
+  const double slope = plane.normal.dot(direction);
+  const Eigen::Vector3d centre = frame_from_camera.translation();
+  const double depth = (plane.distance - plane.normal.dot(centre)) / slope;
+  if (!(depth > 0) || !std::isfinite(depth)) return std::nullopt;
+  Eigen::Vector4d gradient;
+  gradient << centre + depth * direction, -1;
+  const double variance =
+      gradient.dot(plane.covariance * gradient) + plane.flatness * plane.flatness;
+  return UncertainDepth{depth, std::sqrt(variance) / (std::abs(slope) * depth)};
+}
+
+void TurnAway(const Eigen::Isometry3d& frame_from_camera, Eigen::Vector3d& normal,
+              double& distance) {
+  if (distance >= normal.dot(frame_from_camera.translation())) return;
+  normal = -normal;
+  distance = -distance;
+}
+
 }  // namespace waystone

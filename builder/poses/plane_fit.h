@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <optional>
 #include <vector>
 
@@ -27,5 +28,19 @@ struct FittedPlane {
 // Robust least squares (Cauchy) on the points' distances from the plane, in their sigmas. Nothing
 // for fewer than `min_points` inliers or points on one line. Deterministic; thread-safe.
 std::optional<FittedPlane> FitPlane(const std::vector<UncertainPoint>& points, int min_points);
+
+// A depth and its standard deviation, as a share of it.
+struct UncertainDepth {
+  double depth = 0;
+  double sigma = 0;
+};
+
+// How far along a ray of a camera (unit, the camera's) the plane is; nothing where it isn't ahead.
+std::optional<UncertainDepth> MeetPlane(const Eigen::Isometry3d& frame_from_camera,
+                                        const Eigen::Vector3d& ray, const FittedPlane& plane);
+
+// The plane n . x = d with its normal turned away from the camera.
+void TurnAway(const Eigen::Isometry3d& frame_from_camera, Eigen::Vector3d& normal,
+              double& distance);
 
 }  // namespace waystone

@@ -23,36 +23,6 @@ constexpr double kSamePixel_px = 0.5;
 constexpr std::ptrdiff_t kNearestViews = 40;
 constexpr double kSameDirectionCosine = 0.5;
 
-// The normal points away from the camera.
-void Orient(const PosedView& view, FittedPlane& plane) {
-  if (plane.distance >= plane.normal.dot(view.frame_from_camera.translation())) return;
-  plane.normal = -plane.normal;
-  plane.distance = -plane.distance;
-}
-
-// Where the ray meets the plane, and the relative sigma of that; nothing for one that doesn't.
-std::optional<std::pair<double, double>> MeetPlane(const PosedView& view, const Vector3d& ray,
-                                                   const FittedPlane& plane) {
-  const Vector3d direction = view.frame_from_camera.linear() * ray;
-  const double slope = plane.normal.dot(direction);
-  const Vector3d& centre = view.frame_from_camera.translation();
-  const double depth = (plane.distance - plane.normal.dot(centre)) / slope;
-  if (!(depth > 0) || !std::isfinite(depth)) return std::nullopt;
-  Eigen::Vector4d gradient;
-  gradient << centre + depth * direction, -1;
-  const double variance =
-      gradient.dot(plane.covariance * gradient) + plane.flatness * plane.flatness;
-  return std::pair(depth, std::sqrt(variance) / (std::abs(slope) * depth));
-}
-
-// A depth and its standard deviation, as a share of it.
-struct UncertainDepth {
-  double depth = 0;
-  double sigma = 0;
-
-  DepthCode Encode() const { return EncodeDepth(depth, sigma); }
-};
-
 // The feature's own depth and that of its plane, weighed; its own where they disagree.
 UncertainDepth WeighDepths(const UncertainDepth& own, const UncertainDepth& plane) {
   const double own_variance = own.sigma * own.sigma;
@@ -94,7 +64,9 @@ PlacedPlane StructureEstimator::Place(const Plane& plane) const {
     if (one.estimate.error == DepthError::kNone) points.push_back(PointOf(view, one));
   }
   placed.fit = FitPlane(points, kLeastPlanePoints);
-  if (placed.fit) Orient(views_[view], *placed.fit);
+  if (placed.fit) {
+    TurnAway(views_[view].frame_from_camera, placed.fit->normal, placed.fit->distance);
+  }
   for (const Anchored& one : anchored) {
     placed.features.push_back(Combine(view, one, placed.fit));
   }
@@ -231,12 +203,14 @@ PlacedFeature StructureEstimator::Combine(int view, const Anchored& one,
   PlacedFeature placed;
   placed.contradicts = one.estimate.error == DepthError::kContradiction;
   if (placed.contradicts || !one.sees) return placed;
-  const auto met = plane ? MeetPlane(views_[view], one.ray, *plane) : std::nullopt;
+  const auto met =
+      plane ? MeetPlane(views_[view].frame_from_camera, one.ray, *plane) : std::nullopt;
   const UncertainDepth own{one.estimate.depth, one.estimate.relative_sigma};
   if (one.estimate.error == DepthError::kNone) {
-    placed.depth = (met ? WeighDepths(own, {met->first, met->second}) : own).Encode();
-  } else if (met && met->second <= options_.depth.max_relative_sigma) {
-    placed.depth = EncodeDepth(met->first, met->second);
+    const UncertainDepth depth = met ? WeighDepths(own, *met) : own;
+    placed.depth = EncodeDepth(depth.depth, depth.sigma);
+  } else if (met && met->sigma <= options_.depth.max_relative_sigma) {
+    placed.depth = EncodeDepth(met->depth, met->sigma);
   }
   return placed;
 }
