@@ -246,6 +246,7 @@ class LayerJoiner {
       edge.position_sigma = std::max(least, scale * tie.position_sigma);
       edge.heading_sigma_rad = std::max(kLeastSigma_rad, tie.heading_sigma_rad);
       edge.loop = true;
+      edge.scale_group = ScaleGroup(nodes_[tie.found].first);
       edges.push_back(edge);
     }
     return edges;
