@@ -10,11 +10,12 @@ namespace waystone {
 
 // Reads a source to its end: decodes each frame once, lets every layer observe it, both several
 // frames at a time on the threads of the calling task arena, and adds the observations to each
-// layer in the order of the frames. At most two frames per thread are in memory. What the layers
-// get doesn't depend on the number of threads. Returns the sequence, with the frames that the first
-// layer skipped. `layers` has one at least. Throws what the layers throw, and MapError:
+// layer in the order of the frames. At most two frames per thread, and one more, are in memory.
+// What the layers get doesn't depend on the number of threads. Returns the sequence, with the
+// frames that the first layer skipped. `layers` has one at least. Throws what the layers throw, and
+// MapError:
 // kUnreadableFrames when a layer skipped more than `max_skipped_share` of the frames, kBadSource
-// when it skipped all; kInterrupted.
+// when it skipped all of them; kInterrupted.
 Sequence ObserveSequence(Source& source, SequenceId id, std::span<LayerBuilder* const> layers,
                          ProgressReporter& progress, double max_skipped_share = 1);
 

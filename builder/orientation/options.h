@@ -82,8 +82,8 @@ struct TraversabilityOptions {
         OptionGroup{"relative", &TraversabilityOptions::relative},
         OptionField{"max_disagreement_rad", &TraversabilityOptions::max_disagreement_rad,
                     Closed(0.005, 0.5), "rad",
-                    "Largest angle between the essential matrix's rotation and R1 R2^T. Higher "
-                    "connects frames whose rotation is wrong."},
+                    "Largest angle between the essential matrix's rotation and R1 R2^T, up to "
+                    "quarter turns. Higher connects frames whose rotation is wrong."},
         OptionField{"min_parallax_rad", &TraversabilityOptions::min_parallax_rad,
                     Closed(0.0005, 0.5), "rad",
                     "Median angle by which inliers must move in addition to the rotation before a "
@@ -180,7 +180,8 @@ struct OrientationLoopOptions {
                     "Largest difference between the two orientations."},
         OptionField{"max_disagreement_rad", &OrientationLoopOptions::max_disagreement_rad,
                     Closed(0.005, 0.5), "rad",
-                    "Largest angle between the essential matrix's rotation and R1 R2^T."});
+                    "Largest angle between the essential matrix's rotation and R1 R2^T, up to "
+                    "quarter turns."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

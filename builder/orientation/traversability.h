@@ -19,8 +19,8 @@ struct Traversal {
   bool connected = false;  // the space between them is visually traversable
   RelativePose pose;       // b_from_a
   int matches = 0;         // verified by the essential matrix
-  // Angle between the essential matrix's rotation and R1 R2^T; nothing unless both frames are
-  // reliable. rad
+  // Angle between the essential matrix's rotation and the nearest of R1 P R2^T, P exchanging the
+  // axes; nothing unless both frames are reliable. rad
   std::optional<double> disagreement_rad;
   // Heading of the motion in the building, from a to b, (-pi, pi]; nothing when the rig hardly
   // moved, or b has no rotation. rad
@@ -31,8 +31,10 @@ struct Traversal {
 };
 
 // Sec. II-B.2: the essential matrix over the features of both frames, its rotation against
-// R_c = R_1 R_2^T (fig. 1), and enough correspondences. Where a frame's axes aren't reliable the
-// essential matrix decides alone. Deterministic; thread-safe.
+// R_c = R_1 R_2^T (fig. 1), and enough correspondences. Other than in the paper, R_c holds up to
+// the numbers and signs of the axes: a frame that is off by a quarter turn contradicts nothing.
+// Where a frame's axes aren't reliable the essential matrix decides alone. Deterministic;
+// thread-safe.
 Traversal TestTraversability(const OrientedFeatures& a, const OrientedFeatures& b,
                              const TraversabilityOptions& options = {});
 

@@ -95,8 +95,9 @@ struct FusionOptions {
                     "Share of all matches between the two planes that must support it (\"most of "
                     "the matches\")."},
         OptionField{"min_overlap", &FusionOptions::min_overlap, Closed(0, 1), "",
-                    "Share of the features in the common area of both planes that must match. It "
-                    "keeps copies of a poster apart, which match on the poster only."},
+                    "Share of the features of one plane in the common area of both that must "
+                    "match, of the plane with the larger share. It keeps copies of a poster apart, "
+                    "which match on the poster only."},
         OptionField{
             "min_within_reach", &FusionOptions::min_within_reach, Closed(0, 1), "",
             "Share of a plane's features that must lie within reach of the other plane's reference "

@@ -18,7 +18,8 @@ struct PoseEdge {
   bool loop = false;               // may be wrong altogether
   // Edges of one group measured lengths in one unknown unit: their x and y are multiplied by the
   // group's scale, which is estimated. Group 0 is in the graph's unit. Distances of signatures
-  // (Fernandez et al. 2011, eq. 2) are such lengths, a group a sequence.
+  // (Fernandez et al. 2011, eq. 2) are such lengths: a group is a map, where maps are joined. A
+  // build has one group: its sequences have their steps in one unit.
   int scale_group = 0;
 };
 
@@ -39,8 +40,9 @@ struct PoseGraphOptions {
                     "optimisation are removed. 3.4 keeps 99 % of correct loops if their sigmas are "
                     "correct."},
         OptionField{"log_scale_sigma", &PoseGraphOptions::log_scale_sigma, Closed(0.001, 10), "",
-                    "Prior standard deviation of the logarithm of a group's scale. Without it, a "
-                    "graph whose groups are not tied to metres would shrink to a point."},
+                    "Where maps are joined: prior standard deviation of the logarithm of a map's "
+                    "scale. Without it, maps that are not tied to metres would shrink to a point. "
+                    "Builds have one scale for all sequences."},
         OptionField{"max_iterations", &PoseGraphOptions::max_iterations, Closed(1, 1000), "",
                     "Maximum steps per optimisation."});
   }
