@@ -63,7 +63,7 @@ void LandmarkChooser::Add(KeyframeId id, const Features& features, bool starts_s
   if (starts_stretch) {
     while (!recent_.empty()) Retire();
   }
-  Recent now{id, features, std::vector<int>(features.size(), 0), 0};
+  Recent now{id, features, std::vector<int>(features.size(), 0)};
   for (Recent& before : recent_) Compare(before, now);
   recent_.push_back(std::move(now));
   if (std::ssize(recent_) > options_.neighbours) Retire();
@@ -79,8 +79,6 @@ void LandmarkChooser::Compare(Recent& before, Recent& now) const {
     in_now.push_back(PositionOf(now.features.keypoints[match.b]));
   }
   const auto fit = FindEpipolarGeometry(in_before, in_now, options_.epipolar);
-  ++before.compared;
-  ++now.compared;
   if (!fit) return;
   for (const int row : fit->inliers) {
     ++before.found[matches[row].a];

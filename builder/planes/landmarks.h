@@ -48,10 +48,10 @@ struct LandmarkOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Chooses the landmarks of keyframes: features that no plane of the map has and that were found
-// again, consistently with the epipolar geometry, in most of the keyframes before and after, spread
-// over the image. Holds the features of a few keyframes and the candidates of all. Not thread-safe.
-// Deterministic.
+// Chooses the landmarks of keyframes: features that no plane of the map has, those first that were
+// found again in most of the keyframes before and after, consistently with the epipolar geometry,
+// spread over the image. Holds the features of a few keyframes and the candidates of all. Not
+// thread-safe. Deterministic.
 class LandmarkChooser {
  public:
   explicit LandmarkChooser(const LandmarkOptions& options);
@@ -68,7 +68,6 @@ class LandmarkChooser {
     KeyframeId id;
     Features features;
     std::vector<int> found;  // of each feature: neighbours that show it as well
-    int compared = 0;        // neighbours that it was matched with
   };
   struct Candidate {
     Keypoint keypoint;

@@ -35,7 +35,7 @@ struct PlaneReport : FrameReport {
   int planes_rejected = 0;   // by the homology test
   int planes_merged = 0;     // by the homology test (identity) while tracking
   int planes_fused = 0;      // by eq. (6)
-  int planes_dropped = 0;    // too few features left after the votes
+  int planes_dropped = 0;    // contradicted, or too few features left after the votes
   int features_dropped = 0;  // by the votes
   int keyframes_linked = 0;  // with others of the same place, by BuildMap (LinkRevisits)
   double choose_s = 0;       // choice of keyframes

@@ -32,7 +32,7 @@ struct MatchedKeyframes {
 };
 
 // Matches all keyframes of a map, `features` being theirs (ReadKeyframes), with the 8 before and
-// after them in their sequence, and with the 20 that the map itself proposes for them
+// after them in their stretch, and with the 20 that the map itself proposes for them
 // (VoteForPlaces), so that loops close. Pairs with fewer than 15 matches are left out.
 // Ordered by (a, b). Deterministic on any number of threads. Throws MapError(kInterrupted).
 std::vector<MatchedKeyframes> MatchKeyframes(const MapIndex& index,

@@ -45,7 +45,7 @@ struct Landmarks {
 struct Keyframe {
   KeyframeId id;
   SequenceId sequence;
-  int stretch = 0;     // grows at each break in the sequence (no matches at all)
+  int stretch = 0;     // grows at each break in the sequence (too few matches)
   int frame = 0;       // number of the frame in its sequence, from 0
   std::string source;  // name of the image, relative to the sequence
   std::optional<double> time_s;
