@@ -305,7 +305,7 @@ void PlaneTracker::AddEdges(const Step& step, const std::vector<PlaneId>& ids,
       const HomographyEstimate& b = segments[ordered ? n : m].to_from;
       const Homology homology = TestHomology(a, b, options_.segmentation.homology);
       if (homology.kind == HomologyKind::kInvalid) continue;
-      has_edge_[{key.first, key.second}] = true;
+      has_edge_.insert({key.first, key.second});
       edges_.push_back(
           {key.first, key.second, last_id_, step.id, homology.matrix, homology.third_eigenvalue});
     }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <map>
 #include <memory>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "builder/planes/options.h"
@@ -24,8 +25,8 @@ struct TrackerReport {
 };
 
 // Algorithm 1, lines 1 to 14: finds the planes of consecutive keyframes and follows them by triple
-// matching plane-image-image. Holds the features of the planes and of the last keyframe, nothing
-// else. Not thread-safe.
+// matching plane-image-image. Holds the features of the planes, of the last keyframe, and of the
+// reference images of open planes, nothing else. Not thread-safe.
 class PlaneTracker {
  public:
   explicit PlaneTracker(const PlaneLayerOptions& options);
@@ -92,7 +93,7 @@ class PlaneTracker {
   std::vector<OpenPlane> open_;
   std::vector<Plane> closed_;
   std::vector<Edge> edges_;
-  std::map<std::pair<PlaneId, PlaneId>, bool> has_edge_;
+  std::set<std::pair<PlaneId, PlaneId>> has_edge_;
   int64_t next_plane_ = 1;
   TrackerReport report_;
 };

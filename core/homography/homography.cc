@@ -261,8 +261,7 @@ std::optional<HomographyEstimate> RefineHomography(const PointPairs& pairs,
   if (!eigen.converged || eigen.values(0) <= 0) return std::nullopt;
   // The errors in the two images are the same noise seen twice, so the information is counted
   // twice: hence the factor 2.
-  const double variance =
-      equations.cost / (4.0 * pairs.size() - 16.0 > 0 ? 4.0 * pairs.size() - 16.0 : 4.0);
+  const double variance = equations.cost / (4.0 * pairs.size() - 16.0);
   const Matrix8d root =
       eigen.vectors * (2 * variance * eigen.values.cwiseInverse()).cwiseSqrt().asDiagonal();
   HomographyEstimate estimate;
