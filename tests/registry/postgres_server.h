@@ -37,7 +37,7 @@ class PostgresServer {
 
   // Throws std::runtime_error where it can't be made.
   PostgresServer() {
-    std::string name = (std::filesystem::temp_directory_path() / "waystone-pg-XXXXXX").string();
+    std::string name = "/tmp/waystone-pg-XXXXXX";  // the path of a socket is short: 107 bytes
     if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
     folder_ = name;
     if (getuid() == 0) {
