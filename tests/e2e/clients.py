@@ -810,4 +810,5 @@ class NodeTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[5:])
+    result = unittest.main(argv=sys.argv[:1] + sys.argv[5:], exit=False).result
+    sys.exit(1 if not result.wasSuccessful() else 77 if result.skipped else 0)
