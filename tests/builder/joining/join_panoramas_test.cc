@@ -161,7 +161,7 @@ TEST(JoinPanoramas, RefusesPanoramasThatAreDescribedInAnotherWay) {
 TEST(OptionsOfMap, DescribePanoramasAsTheMapDoes) {
   MapData map = MorningPanoramas();
   map.appearance->described.rows = 16;
-  map.appearance->mirror = LayerMirror{.width = 640, .height = 480, .columns = 720};
+  map.appearance->mirror.emplace().columns = 720;
   map.appearance->mirror->ring = MirrorRing{{320, 240}, 60, 230};
   BuildOptions options = OptionsOfMap(map);
   EXPECT_EQ(options.appearance.describe.signature, map.appearance->described);
