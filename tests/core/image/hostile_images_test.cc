@@ -4,6 +4,8 @@
 #include <zlib.h>
 
 #include <chrono>
+#include <ctime>
+#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <string_view>
@@ -195,6 +197,42 @@ TEST_F(HostileJpeg, MemoryIsKnownBeforehand) {
   large[at + 10] = 0x11;  // the sampling of the first component: all alike now
   EXPECT_NE(RefusalText(large).find("takes 336 MB"), std::string::npos) << RefusalText(large);
 }
+
+#ifndef WAYSTONE_SANITIZED  // needs memory and time of its own
+
+// A line of /proc/self/status, in bytes.
+int64_t StatusBytes(const std::string& field) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with(field + ":")) return std::stoll(line.substr(field.size() + 1)) * 1024;
+  }
+  return 0;
+}
+
+double ProcessSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+// As many pixels as are accepted: a PNG of the most data, and a JPEG that is kept whole until its
+// last scan.
+TEST(HostileImages, TheLargestTakeBoundedMemoryAndTime) {
+  for (const std::string extension : {".png", ".jpg"}) {
+    SCOPED_TRACE(extension);
+    Bytes bytes;
+    {
+      cv::Mat image(6000, 8000, CV_8UC3);
+      cv::randu(image, 0, extension == ".jpg" ? 60 : 1);
+      cv::imencode(extension, image, bytes,
+                   {cv::IMWRITE_JPEG_PROGRESSIVE, 1, cv::IMWRITE_PNG_COMPRESSION, 1});
+    }
+    std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts anew
+    const int64_t before = StatusBytes("VmRSS");
+    const double start = ProcessSeconds();
+    EXPECT_EQ(DecodeGrey(bytes).cols, 8000);
+    EXPECT_LT(ProcessSeconds() - start, 2);
+    EXPECT_LT(StatusBytes("VmHWM") - before, 305'000'000);
+  }
+}
+
+#endif
 
 }  // namespace
 }  // namespace waystone
