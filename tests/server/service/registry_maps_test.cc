@@ -8,14 +8,18 @@
 #include <chrono>
 #include <map>
 #include <mutex>
+#include <regex>
+#include <set>
 #include <thread>
 
 #include "api/map_json.h"
 #include "core/base/error.h"
 #include "registry/store.h"
 #include "schema/file/map_store.h"
+#include "server/service/application.h"
 #include "tests/registry/test_folder.h"
 #include "tests/server/service/made_map.h"
+#include "tests/server/service/made_picture.h"
 
 namespace waystone {
 namespace {
@@ -346,6 +350,40 @@ TEST_F(RegistryMapsTest, DeadlinesEndTheWait) {
   EXPECT_TRUE(Until([&] { return maps_->holdings().open == 1; })) << "it goes on";
   maps_->EndWaits();
   EXPECT_EQ(Planes("lab"), 3U);
+}
+
+// Every name that docs/http-api.md lists, and no other.
+TEST_F(RegistryMapsTest, MetricsAreThoseOfTheDocumentation) {
+  Publish("lab", 3);
+  Start();
+  Planes("lab");
+  Application application(std::shared_ptr<MapSource>(std::move(maps_)), {}, {});
+  HttpRequest request;
+  request.method = "POST";
+  request.path = "/v1/maps/lab/localize";
+  request.header = [](const std::string&) { return std::nullopt; };
+  const std::vector<uint8_t> picture = MadePicture();
+  request.read_body = [&] { return std::string(picture.begin(), picture.end()); };
+  EXPECT_EQ(application.Answer(request).status, 200);
+  request.method = "GET";
+  request.path = "/metrics";
+  const std::string metrics = application.Answer(request).body;
+  const auto names = [](const std::string& text, const std::string& pattern) {
+    const std::regex regex(pattern);
+    std::set<std::string> found;
+    for (std::sregex_iterator it(text.begin(), text.end(), regex), end; it != end; ++it) {
+      found.insert((*it)[1]);
+    }
+    return found;
+  };
+  const std::string documentation = ReadAll(WAYSTONE_SOURCE_DIR "/docs/http-api.md");
+  const size_t row = documentation.find("| `/metrics` |");
+  ASSERT_NE(row, std::string::npos);
+  const std::set<std::string> listed =
+      names(documentation.substr(row, documentation.find('\n', row) - row),
+            "`((?:waystone|process)_[a-z_]+)[`{]");
+  EXPECT_GT(listed.size(), 20u);
+  EXPECT_EQ(names(metrics, "# TYPE ([a-z_]+) "), listed);
 }
 
 // Answers while everything changes: each from one whole version, none fails.
