@@ -65,9 +65,7 @@ async function testPlanes(page) {
   const surfaces = new Set(planes.surface);
   assert.ok(surfaces.size < planes.id.length, "some planes are parts of one surface");
   await page.getByText(`${planes.id.length} planes on ${surfaces.size} surfaces`).waitFor();
-  await page.waitForTimeout(500);  // for the pictures in the nodes
-  const picture = await page.locator(".graph .canvas").screenshot();
-  assert.ok(await distinctColours(page, picture) > 50, "the graph shows its planes");
+  await screenshotOfColours(page, ".graph .canvas", 50);  // the graph shows its planes
   await shoot(page, "planes");
   await checkAccess(page, "planes");
   await go(page, `planes/${planes.id[0]}`, "Plane graph");
@@ -181,14 +179,22 @@ async function testSpace(page) {
   await page.locator(".directed polyline").first().waitFor({ state: "attached" });
   await page.getByRole("button", { name: "Show planes in 3D" }).click();
   await page.locator(".space canvas").waitFor();
-  await page.waitForTimeout(800);  // for the picture on the planes
-  const seen = await page.locator(".space").screenshot();
-  assert.ok(await distinctColours(page, seen) > 40, "the planes have their pictures");
+  const seen = await screenshotOfColours(page, ".space", 40);  // the planes have their pictures
   await page.getByRole("button", { name: "Top" }).click();
   assert.notDeepEqual(await page.locator(".space").screenshot(), seen, "it turns");
   await page.getByRole("button", { name: "Behind the camera" }).click();
   await shootWhole(page, "space");
   await checkAccess(page, "planes in space");
+}
+
+// Of what is drawn late: as soon as it has more than so many colours.
+async function screenshotOfColours(page, selector, colours) {
+  for (let tries = 0; tries < 100; tries++) {
+    const picture = await page.locator(selector).screenshot();
+    if (await distinctColours(page, picture) > colours) return picture;
+    await page.waitForTimeout(100);
+  }
+  assert.fail(`${selector} never has ${colours} colours`);
 }
 
 // How many colours a picture has, to 4 bits a channel.

@@ -212,6 +212,9 @@ TEST(LandmarkMap, KeyframesOfDifferentPlacesAreNotLinked) {
   const auto sequence_of = [&](KeyframeId id) {
     return std::ranges::find(map.keyframes, id, &Keyframe::id)->sequence;
   };
+  for (const SequenceId each : {map.sequences.front().id, map.sequences.back().id}) {
+    EXPECT_GT(std::ranges::count(map.keyframes, each, &Keyframe::sequence), 1);
+  }
   for (const KeyframeLink& link : map.links) {
     EXPECT_EQ(sequence_of(link.a), sequence_of(link.b));
   }

@@ -229,12 +229,6 @@ TEST_F(MapServiceTest, PagesFeaturesAndViews) {
   EXPECT_EQ(Get("/v1/maps/lab/planes/99/views").status, 404);
 }
 
-TEST_F(MapServiceTest, ShowsTheAudit) {
-  const Json audit = GetJson("/v1/maps/lab/audit");
-  EXPECT_TRUE(audit["weak"].is_array());
-  EXPECT_EQ(GetJson("/v1/maps/lab/audit"), audit);
-}
-
 TEST_F(MapServiceTest, GraphForOtherPrograms) {
   const HttpResponse graphml = Get("/v1/maps/lab/graph", {{"format", "graphml"}});
   EXPECT_EQ(graphml.content_type, "application/xml");
