@@ -36,6 +36,9 @@ double NormalDensity(double x, double sigma) {
   return std::exp(-0.5 * z * z) / (sigma * std::sqrt(2 * std::numbers::pi));
 }
 
+// Of a mean of equal variances, relative.
+constexpr double kRounding = 1e-9;
+
 // Weight of having left the graph where a node that is d sigmas off weighs exp(-d^2 / 2).
 const double kLeftGraph = std::exp(-0.5 * 3 * 3);
 
@@ -89,6 +92,7 @@ class Update {
     Pose2 pose;
     double reach = 0;  // sigma of its position
     double heading_variance = 0;
+    double left = 0;  // weight of having left the graph, which only odometry tells
   };
 
   // What the robot may have come to, and what stays with its node (ShareMoved).
@@ -100,6 +104,7 @@ class Update {
                 .heading_variance = std::pow(std::numbers::pi, 2)};
     double moved = 1;
     if (odometry) {
+      robot.left = kLeftGraph;
       moved = ShareMoved(*odometry, options_);
       // The whole step to the next place, which is taken that seldom.
       const double part = std::max(moved, 1e-6);
@@ -116,7 +121,7 @@ class Update {
   }
 
   void Spread(int from, double mass, const Robot& robot) {
-    double sum = kLeftGraph;
+    double sum = robot.left;
     std::vector<double> weights(poses_.size());
     for (size_t i = 0; i < poses_.size(); ++i) {
       const double d = std::hypot(poses_[i].x - robot.pose.x, poses_[i].y - robot.pose.y,
@@ -153,7 +158,7 @@ class Update {
     const double variance = prior.variance / prior.weight;
     const double off = WrappedAngle(seen.heading_rad - mean);
     const double seen_variance = seen.sigma_rad * seen.sigma_rad;
-    const bool unknown = std::sqrt(variance) >= std::numbers::pi;
+    const bool unknown = std::sqrt(variance) >= (1 - kRounding) * std::numbers::pi;
     const double fit = unknown ? flat : NormalDensity(off, std::sqrt(variance + seen_variance));
     const double moved = likelihood * prior.weight * fit;
     belief.probability += moved;

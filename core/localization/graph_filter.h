@@ -76,7 +76,7 @@ double ShareMoved(const Pose2& odometry, const GraphFilterOptions& options);
 
 // The belief after an image. `poses` are graph_from_node, `evidence[i]` is of node i. `previous` is
 // the state before (empty for the first image), `odometry` previous_from_now where it is known.
-// What the motion takes farther than three sigmas from all nodes has left the graph and may be
+// What the odometry takes farther than three sigmas from all nodes has left the graph and may be
 // anywhere. `heights` are those of the nodes, in the poses' unit, NaN where it isn't known; empty
 // where none is: odometry knows no floors, so that a robot keeps to its own. Time is nodes times
 // beliefs. Pure; thread-safe. Throws MapError: kBadOptions; kBadRequest when

@@ -104,6 +104,20 @@ TEST(GraphFilter, HeadingsAreFused) {
   EXPECT_NEAR(answer.state[0].probability, 1, 1e-9);
 }
 
+// Whatever weights its mean is rounded with.
+TEST(GraphFilter, WithoutOdometryTheImageAloneKnowsTheHeading) {
+  const std::vector<Pose2> poses = Corridors();
+  for (int i = 1; i < 50; ++i) {
+    FilterState previous;
+    for (int node = 0; node < 7; ++node) previous.push_back({node, 0.1 + 0.0007 * i, 2.5, 0.05});
+    const std::vector<NodeEvidence> seen(kNodes, {0, 0.3, 0.1});
+    for (const Belief& belief : UpdateBelief(poses, seen, previous, {}).state) {
+      ASSERT_EQ(belief.heading_rad, 0.3) << i;
+      ASSERT_EQ(belief.sigma_rad, 0.1) << i;
+    }
+  }
+}
+
 TEST(GraphFilter, AKidnappedRobotIsFoundAgain) {
   FilterState state = {{3, 1.0, 0, 0.05}};
   for (int i = 0; i < 4; ++i) {
