@@ -13,7 +13,6 @@
 #include "builder/planes/outline.h"
 #include "builder/planes/plane_features.h"
 #include "core/base/error.h"
-#include "schema/layers/planes/index_features.h"
 #include "schema/layers/planes/surfaces.h"
 #include "world/rig.h"
 
@@ -183,8 +182,7 @@ int RunWorld(const Args& raw) {
   sources.push_back(std::make_unique<WorldSource>(world, renderer, walk));
   const BuildResult built = BuildMap(sources, options, {});
   const MapData& map = built.map;
-  const WorldTruth truth(world, static_cast<const WorldSource&>(*sources.front()), walk, map,
-                         options.features);
+  const WorldTruth truth(world, static_cast<const WorldSource&>(*sources.front()), walk, map);
   const Figures figures = Measure(truth, map);
   const PlaneReport& report = built.report.planes.value();
   const nlohmann::ordered_json json = {
@@ -200,7 +198,7 @@ int RunWorld(const Args& raw) {
       {"true_planes", figures.true_planes},
       {"edges", map.edges.size()},
       {"wrong_edges", figures.wrong_edges},
-      {"features", CountFeatures(map)},
+      {"features", FeatureCount(map)},
       {"fused", report.planes_fused},
       {"rejected", report.planes_rejected},
       {"carried", figures.carried},
