@@ -10,6 +10,8 @@
 #include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/natural_order.h"
+#include "schema/file/map_store.h"
 
 namespace waystone::bench {
 
@@ -70,7 +72,8 @@ std::vector<std::filesystem::path> ImagesIn(const std::filesystem::path& path) {
       images.push_back(entry.path());
     }
   }
-  std::sort(images.begin(), images.end());
+  std::ranges::sort(
+      images, [](const auto& a, const auto& b) { return NaturalLess(a.native(), b.native()); });
   return images;
 }
 
@@ -95,10 +98,24 @@ std::vector<std::vector<std::string>> ReadCsv(const std::filesystem::path& path)
   return rows;
 }
 
-int64_t FeatureCount(const MapData& map) {
-  int64_t count = 0;
-  for (const Plane& plane : map.planes) count += static_cast<int64_t>(plane.features.size());
-  return count;
+ScratchFolder::ScratchFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "waystone-bench-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) {
+    throw MapError(ErrorCode::kFileUnwritable, "can't make " + name);
+  }
+  path_ = name;
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+int64_t CountFileBytes(const MapData& map) {
+  const ScratchFolder scratch;
+  const std::filesystem::path file = scratch.path() / "map.db";
+  WriteMap(map, file, {});
+  return static_cast<int64_t>(std::filesystem::file_size(file));
 }
 
 double PeakMb() {

@@ -43,8 +43,21 @@ std::vector<uint8_t> ReadBytes(const std::filesystem::path& path);
 // The cells of each line of a CSV file below its heading.
 std::vector<std::vector<std::string>> ReadCsv(const std::filesystem::path& path);
 
-// Features of all planes.
-int64_t FeatureCount(const MapData& map);
+// A folder for files of this process, that is gone at the end.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  ~ScratchFolder();
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// Of the map's file.
+int64_t CountFileBytes(const MapData& map);
 
 // The most memory that the process has taken so far.
 double PeakMb();

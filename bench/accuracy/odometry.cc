@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 
 #include "bench/accuracy/common.h"
@@ -15,7 +14,6 @@
 #include "builder/frames/frame_pipeline.h"
 #include "core/base/error.h"
 #include "core/geometry/angle.h"
-#include "schema/file/map_store.h"
 #include "world/rig.h"
 #include "world/setting.h"
 
@@ -37,22 +35,13 @@ Built Build(Source& source, const AppearanceOptions& options) {
 
 // Bytes by which a map grows through the layer.
 double BytesPerNode(const MapData& built) {
-  namespace fs = std::filesystem;
-  std::string folder = (fs::temp_directory_path() / "waystone-odometry-XXXXXX").string();
-  if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no temporary folder");
-  const fs::path path = fs::path(folder) / "map.db";
   MapData map;
   map.info = {"odometry", "waystone-bench", FeatureType::kSift, "{}", ""};
   map.sequences = built.sequences;
-  const auto size = [&] {
-    WriteMap(map, path, {.overwrite = true});
-    return static_cast<double>(fs::file_size(path));
-  };
-  const double without = size();
+  const int64_t without = CountFileBytes(map);
   map.appearance = built.appearance;
-  const double with = size();
-  fs::remove_all(folder);
-  return (with - without) / static_cast<double>(built.appearance->nodes.size());
+  const int64_t with = CountFileBytes(map);
+  return static_cast<double>(with - without) / static_cast<double>(built.appearance->nodes.size());
 }
 
 double Drift(const std::vector<Pose2>& poses, const std::vector<Pose2>& truth) {

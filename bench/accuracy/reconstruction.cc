@@ -157,8 +157,8 @@ int RunReconstruction(const Args& args) {
   const fs::path folder = args[0];
   const RgbdTruth truth(folder);
   const auto index = MapIndex::Build(BuildPosed(OpenHalf(folder, truth, {}), {}).map);
-  const fs::path work = fs::temp_directory_path() / ("waystone-" + std::to_string(getpid()));
-  fs::create_directories(work);
+  const ScratchFolder scratch;
+  const fs::path& work = scratch.path();
   const Stopwatch exporting;
   const size_t pairs = WriteProject(*index, OpenHalf(folder, truth, {}), work);
   const double export_s = exporting.wall_s();
@@ -167,7 +167,6 @@ int RunReconstruction(const Args& args) {
   const double mapper_s = mapping.wall_s();
   int models = 0;
   Model model = ReadLargestModel(work, models);
-  fs::remove_all(work);
   if (models == 0) throw MapError(ErrorCode::kNotAvailable, "colmap mapper made no model");
   AlignToTruth(truth, model);
   nlohmann::ordered_json json = {{"bench", "reconstruction"},

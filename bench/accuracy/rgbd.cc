@@ -15,6 +15,7 @@
 #include "core/homography/homography.h"
 #include "core/image/decode.h"
 #include "schema/layers/names/place_names.h"
+#include "schema/layers/planes/index_features.h"
 #include "schema/layers/planes/surfaces.h"
 
 namespace waystone::bench {
@@ -97,7 +98,7 @@ void PrintMap(const BuildResult& built) {
       "map: %zu keyframes, %zu planes, %zu edges, %lld features; %d started, %d rejected, "
       "%d merged, %d dropped, %d fused, %d rotation only, %d stretches\n",
       built.map.keyframes.size(), built.map.planes.size(), built.map.edges.size(),
-      static_cast<long long>(FeatureCount(built.map)), report.planes_started,
+      static_cast<long long>(CountFeatures(built.map)), report.planes_started,
       report.planes_rejected, report.planes_merged, report.planes_dropped, report.planes_fused,
       report.rotation_only, report.stretches);
   if (built.map.verdict)
@@ -174,7 +175,7 @@ int RunRgbd(const Args& raw) {
       {"planes", built.map.planes.size()},
       {"surfaces", CountSurfaces(FindSurfaces(built.map.planes, built.map.edges))},
       {"edges", built.map.edges.size()},
-      {"features", FeatureCount(built.map)},
+      {"features", CountFeatures(built.map)},
       {"build_s", built.report.total_s}};
   const auto index = MapIndex::Build(std::move(built.map));
   Queries queries;

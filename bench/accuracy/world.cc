@@ -13,6 +13,7 @@
 #include "builder/planes/outline.h"
 #include "builder/planes/plane_features.h"
 #include "core/base/error.h"
+#include "schema/layers/planes/index_features.h"
 #include "schema/layers/planes/surfaces.h"
 #include "world/rig.h"
 
@@ -182,7 +183,8 @@ int RunWorld(const Args& raw) {
   sources.push_back(std::make_unique<WorldSource>(world, renderer, walk));
   const BuildResult built = BuildMap(sources, options, {});
   const MapData& map = built.map;
-  const WorldTruth truth(world, static_cast<const WorldSource&>(*sources.front()), walk, map);
+  const WorldTruth truth(world, static_cast<const WorldSource&>(*sources.front()), walk, map,
+                         options.features);
   const Figures figures = Measure(truth, map);
   const PlaneReport& report = built.report.planes.value();
   const nlohmann::ordered_json json = {
@@ -198,7 +200,7 @@ int RunWorld(const Args& raw) {
       {"true_planes", figures.true_planes},
       {"edges", map.edges.size()},
       {"wrong_edges", figures.wrong_edges},
-      {"features", FeatureCount(map)},
+      {"features", CountFeatures(map)},
       {"fused", report.planes_fused},
       {"rejected", report.planes_rejected},
       {"carried", figures.carried},

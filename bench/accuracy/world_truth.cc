@@ -16,9 +16,9 @@ namespace {
 constexpr int kEdge_px = 3;
 constexpr int kGrid_px = 4;  // pixels counted in both directions
 
-std::string Key(const uint8_t* descriptor) {
-  return {reinterpret_cast<const char*>(descriptor),
-          static_cast<size_t>(DescriptorBytes(FeatureType::kSift))};
+std::string Key(const Descriptors& descriptors, int row) {
+  return {reinterpret_cast<const char*>(descriptors.row(row)),
+          static_cast<size_t>(descriptors.bytes())};
 }
 
 bool IsInImage(const Eigen::Vector2d& x, const Camera& camera) {
@@ -45,18 +45,18 @@ std::set<int> PlanesNear(const cv::Mat& plane_ids, const Eigen::Vector2d& x) {
 }
 
 WorldTruth::WorldTruth(const World& world, const WorldSource& source, const Walk& walk,
-                       const MapData& map)
+                       const MapData& map, const FeatureOptions& features)
     : world_(world), walk_(walk), map_(map), camera_(*source.camera()) {
   plane_ids_.resize(map.keyframes.size());
   features_.resize(map.keyframes.size());
   tbb::parallel_for(size_t{0}, map.keyframes.size(), [&](size_t k) {
     const RenderedFrame frame = source.Render(map.keyframes[k].frame);
     plane_ids_[k] = frame.plane_ids;
-    features_[k] = ExtractFeatures(frame.grey, FeatureOptions{});
+    features_[k] = ExtractFeatures(frame.grey, features);
   });
   for (int k = 0; k < static_cast<int>(features_.size()); ++k) {
     for (int i = 0; i < features_[k].size(); ++i) {
-      seen_.emplace(Key(features_[k].descriptors.row(i)), std::pair(k, i));
+      seen_.emplace(Key(features_[k].descriptors, i), std::pair(k, i));
     }
   }
 }
@@ -65,7 +65,7 @@ WorldTruth::Owner WorldTruth::OwnerOf(const Plane& plane) const {
   std::map<int, int> counts;
   int counted = 0;
   for (int f = 0; f < plane.descriptors.rows(); ++f) {
-    const auto seen = seen_.find(Key(plane.descriptors.row(f)));
+    const auto seen = seen_.find(Key(plane.descriptors, f));
     if (seen == seen_.end()) continue;
     const auto [keyframe, keypoint] = seen->second;
     ++counted;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/accuracy/world_source.h"
+#include "core/features/features.h"
 #include "schema/map_data.h"
 #include "world/truth.h"
 
@@ -22,7 +23,9 @@ std::set<int> PlanesNear(const cv::Mat& plane_ids, const Eigen::Vector2d& x);
 // What is true of a map that was built from a rendered walk.
 class WorldTruth {
  public:
-  WorldTruth(const World& world, const WorldSource& source, const Walk& walk, const MapData& map);
+  // `features` are the map's.
+  WorldTruth(const World& world, const WorldSource& source, const Walk& walk, const MapData& map,
+             const FeatureOptions& features);
 
   // The true plane that most of a map plane's features lie on, and what share of them does. Asked
   // where each was first seen: a surface that grows into view may be hidden in the reference image.

@@ -2,17 +2,15 @@
 #include "bench/baseline/make_graphs.h"
 
 #include <algorithm>
-#include <set>
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/feature_layer.h"
 #include "bench/accuracy/stopwatch.h"
 #include "bench/baseline/image_store.h"
 #include "builder/frames/frame_pipeline.h"
-#include "builder/planes/fusion.h"
-#include "builder/planes/plane_tracker.h"
 #include "core/base/check.h"
 #include "schema/file/map_store.h"
+#include "schema/layers/planes/index_features.h"
 
 namespace waystone::bench {
 namespace {
@@ -20,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Cost operator+(const Cost& a, const Cost& b) { return {a.wall_s + b.wall_s, a.cpu_s + b.cpu_s}; }
+Cost operator-(const Cost& a, const Cost& b) { return {a.wall_s - b.wall_s, a.cpu_s - b.cpu_s}; }
 
 template <class F>
 Cost Timed(F work) {
@@ -31,15 +30,13 @@ Cost Timed(F work) {
 // What both graphs are made from.
 struct Shared {
   std::vector<ChosenKeyframe> keyframes;
-  std::optional<Camera> camera;
-  Cost cost;  // decoding, features and keyframe choice, on all cores
+  Cost cost;
 };
 
 Shared TakeKeyframes(const Scene& scene, const BuildOptions& options) {
   Shared shared;
   shared.cost = Timed([&] {
     const auto source = scene.OpenMap();
-    shared.camera = source->camera();
     KeyframeSelector selector(options.keyframes, options.planes.match);
     const auto keep = [&](std::vector<ChosenKeyframe> chosen) {
       std::move(chosen.begin(), chosen.end(), std::back_inserter(shared.keyframes));
@@ -50,29 +47,6 @@ Shared TakeKeyframes(const Scene& scene, const BuildOptions& options) {
     keep(selector.Finish());
   });
   return shared;
-}
-
-// The stages of BuildMap behind the keyframe choice, alone.
-Cost TimePlanes(const Shared& shared, const MapData& map, const BuildOptions& options) {
-  return Timed([&] {
-    PlaneTracker tracker(options.planes);
-    int64_t id = 0;
-    for (const ChosenKeyframe& chosen : shared.keyframes) {
-      tracker.AddKeyframe(KeyframeId{++id}, chosen.frame.features, chosen.starts_stretch,
-                          shared.camera);
-    }
-    tracker.Finish();
-    std::vector<Plane> planes = std::move(tracker.planes());
-    std::sort(planes.begin(), planes.end(),
-              [](const Plane& a, const Plane& b) { return a.id < b.id; });
-    std::set<PlaneId> ids;
-    for (const Plane& plane : planes) ids.insert(plane.id);
-    std::vector<Edge> edges;
-    for (const Edge& edge : tracker.edges()) {
-      if (ids.contains(edge.a) && ids.contains(edge.b)) edges.push_back(edge);
-    }
-    FusePlanes(std::move(planes), edges, map.keyframes, options.features.type, options.planes);
-  });
 }
 
 std::vector<ImageNode> NodesOf(const Shared& shared, const MapData& map) {
@@ -86,24 +60,26 @@ std::vector<ImageNode> NodesOf(const Shared& shared, const MapData& map) {
   return nodes;
 }
 
-void MakePlaneGraph(const Scene& scene, const BuildOptions& options, const fs::path& folder,
-                    MapData& map, Graphs& graphs) {
-  const fs::path with_pictures = folder / "pictures.db";
+MapData MakePlaneGraph(const Scene& scene, BuildOptions options, const fs::path& folder,
+                       Graphs& graphs) {
+  options.images = false;
   const fs::path path = folder / "planes.db";
+  MapData map;
   graphs.planes.whole = Timed([&] {
     std::vector<std::unique_ptr<Source>> sources;
     sources.push_back(scene.OpenMap());
-    map = BuildMap(sources, options, {}).map;
-    WriteMap(map, with_pictures, {});
+    BuildResult built = BuildMap(sources, options, {});
+    WriteMap(built.map, path, {});
+    graphs.calibrate_s = built.report.planes->calibrate_s;
+    map = std::move(built.map);
   });
-  graphs.bytes_with_pictures = fs::file_size(with_pictures);
-  for (Keyframe& keyframe : map.keyframes) keyframe.jpeg.clear();
-  graphs.planes.own = Timed([&] { WriteMap(map, path, {}); });
+  graphs.planes.own = graphs.planes.whole - graphs.shared;
   graphs.planes.nodes = map.planes.size();
   graphs.planes.edges = map.edges.size();
-  graphs.planes.features = FeatureCount(map);
+  graphs.planes.features = CountFeatures(map);
   graphs.planes.bytes = fs::file_size(path);
   graphs.index = MapIndex::Build(ReadMap(path));
+  return map;
 }
 
 void MakeImageGraph(std::vector<ImageNode> nodes, const fs::path& folder, Graphs& graphs) {
@@ -124,11 +100,9 @@ void MakeImageGraph(std::vector<ImageNode> nodes, const fs::path& folder, Graphs
 
 Graphs MakeGraphs(const Scene& scene, const BuildOptions& options, const fs::path& folder) {
   Graphs graphs;
-  MapData map;
-  MakePlaneGraph(scene, options, folder, map, graphs);
   const Shared shared = TakeKeyframes(scene, options);
   graphs.shared = shared.cost;
-  graphs.planes.own = graphs.planes.own + TimePlanes(shared, map, options);
+  const MapData map = MakePlaneGraph(scene, options, folder, graphs);
   graphs.image_options.match = options.planes.match;
   MakeImageGraph(NodesOf(shared, map), folder, graphs);
   return graphs;

@@ -23,17 +23,17 @@ struct GraphFigures {
   size_t nodes = 0;
   size_t edges = 0;
   int64_t features = 0;
-  uintmax_t bytes = 0;  // without pictures
-  Cost own;             // its own stages alone: what both graphs share is done
-  Cost whole;           // from images to the file
+  uintmax_t bytes = 0;
+  Cost own;    // of the whole, without what both graphs share
+  Cost whole;  // from images to the file
 };
 
-// Both graphs of a scene, as read back from their files.
+// Both graphs of a scene, as read back from their files, which are without pictures.
 struct Graphs {
   GraphFigures planes;
   GraphFigures images;
-  uintmax_t bytes_with_pictures = 0;  // of the plane graph's file
-  Cost shared;
+  Cost shared;             // decoding, features and keyframe choice, on all cores
+  double calibrate_s = 0;  // of the planes' own: search index, revisits and the verdict's model
   std::shared_ptr<const MapIndex> index;
   ImageGraph image_graph;
   ImageGraphOptions image_options;

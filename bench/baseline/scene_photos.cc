@@ -7,8 +7,8 @@
 
 #include "bench/baseline/scenes.h"
 #include "builder/build_options.h"
-#include "builder/sources/files.h"
 #include "core/base/error.h"
+#include "core/base/natural_order.h"
 #include "core/features/features.h"
 #include "core/homography/homography.h"
 #include "core/image/decode.h"

@@ -18,10 +18,6 @@ namespace waystone {
 // The calibration that lies in a folder of images or faces, or beside it.
 inline constexpr const char* kCameraFile = "camera.yaml";
 
-// img2 before img10: digits are compared as numbers, the rest byte by byte; a folder's files come
-// before those of a folder whose name goes on. A strict weak order.
-bool NaturalLess(std::string_view a, std::string_view b);
-
 // Whole file. Throws MapError(code) when it isn't there, isn't a file, can't be read or has more
 // than `max_bytes`.
 std::vector<uint8_t> ReadFile(const std::filesystem::path& path, int64_t max_bytes, ErrorCode code);

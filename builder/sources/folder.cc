@@ -6,6 +6,7 @@
 #include "builder/sources/files.h"
 #include "builder/sources/recognise.h"
 #include "core/base/error.h"
+#include "core/base/natural_order.h"
 #include "core/image/extensions.h"
 #include "schema/sequence_kinds.h"
 

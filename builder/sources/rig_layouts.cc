@@ -9,6 +9,7 @@
 
 #include "builder/sources/files.h"
 #include "core/base/error.h"
+#include "core/base/natural_order.h"
 #include "core/base/text.h"
 #include "core/image/extensions.h"
 

@@ -204,11 +204,6 @@ int DescriptorBytes(FeatureType type) {
   WS_CHECK(false, "unknown feature type");
 }
 
-bool AreInRange(const Descriptors& descriptors, FeatureType type) {
-  return type != FeatureType::kSift ||
-         std::ranges::all_of(descriptors.data(), [](uint8_t value) { return value <= kSiftMax; });
-}
-
 // By one factor in both directions, which a camera's calibration can follow (ScaledCamera).
 cv::Size WorkingSize(const cv::Size& image, int working_pixels) {
   const double share = std::sqrt(working_pixels / std::max(1.0, image.area() * 1.0));

@@ -64,9 +64,6 @@ class Descriptors {
   std::vector<uint8_t> data_;
 };
 
-// Whether each byte is one that a descriptor of the type can have.
-bool AreInRange(const Descriptors& descriptors, FeatureType type);
-
 // A run of descriptors that somebody else owns.
 struct DescriptorsView {
   const uint8_t* data = nullptr;

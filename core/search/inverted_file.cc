@@ -171,7 +171,6 @@ std::string InvertedFileProblem(const InvertedFile& file, int64_t rows, FeatureT
     return "centres of " + std::to_string(file.centres.bytes()) + " bytes; " +
            std::string(NameOf(type)) + " has " + std::to_string(DescriptorBytes(type));
   }
-  if (!AreInRange(file.centres, type)) return "a centre has a value that no descriptor has";
   if (std::ssize(file.list_of_row) != rows) {
     return std::to_string(file.list_of_row.size()) + " rows; the planes have " +
            std::to_string(rows) + " features";

@@ -239,12 +239,6 @@ const std::vector<Fault>& Faults() {
        [](MapData& m) {
          m.keyframes[0].landmarks = {{{1, 2}}, Descriptors(61, std::vector<uint8_t>(61))};
        }},
-      {"a descriptor's value beyond its range", "plane_features 1",
-       [](MapData& m) {
-         std::vector<uint8_t> values = m.planes[0].descriptors.data();
-         values[130] = 128;
-         m.planes[0].descriptors = Descriptors(128, std::move(values));
-       }},
       {"descriptors of another kind", "plane_features 1",
        [](MapData& m) { m.info.feature_type = FeatureType::kOrb; }},
       {"outline infinite", "planes 1", [](MapData& m) { m.planes[0].outline[0].x() = INFINITY; }},

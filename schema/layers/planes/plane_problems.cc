@@ -134,9 +134,6 @@ class PlaneProblemFinder {
     Require(count == 0 || plane.descriptors.bytes() == bytes, where,
             "descriptors of " + std::to_string(plane.descriptors.bytes()) + " bytes; " +
                 std::string(NameOf(map_.info.feature_type)) + " has " + std::to_string(bytes));
-    Require(AreInRange(plane.descriptors, map_.info.feature_type), where,
-            "a descriptor has a value that none of " + std::string(NameOf(map_.info.feature_type)) +
-                " has");
     // One line a plane, not one a feature.
     for (size_t i = 0; i < count; ++i) {
       const std::string finding = FeatureProblem(plane.features[i], plane.views.size());

@@ -45,7 +45,7 @@ TEST(OrientationLayer, RefusesASequenceOfWhichNothingCanBeRead) {
     FAIL();
   } catch (const MapError& error) {
     EXPECT_EQ(error.code(), ErrorCode::kBadSource);
-    EXPECT_NE(std::string(error.what()).find("none of 2 frames"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("none of the 2 frames"), std::string::npos);
   }
 }
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <thread>
 
-#include "builder/sources/files.h"
+#include "core/base/natural_order.h"
 #include "tests/builder/sources/temporary_folder.h"
 #include "tests/core/image/made_heic.h"
 
