@@ -2,6 +2,9 @@
 // The public datasets' layouts: TUM RGB-D, KITTI odometry, EuRoC.
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <optional>
+#include <string_view>
 
 #include "builder/sources/files.h"
 #include "builder/sources/recognise.h"
@@ -31,12 +34,18 @@ void RefuseEmptyList(const fs::path& file, const ImageList& list) {
   throw MapError(ErrorCode::kBadSource, Quoted(file) + " lists no images");
 }
 
+// ToNumber takes "nan" and "inf" as well.
+std::optional<double> ToFinite(std::string_view word) {
+  const std::optional<double> number = ToNumber(word);
+  return number && std::isfinite(*number) ? number : std::nullopt;
+}
+
 // Time stamps of a KITTI sequence, one a line; none when the file isn't there.
 std::vector<double> ReadKittiTimes(const fs::path& file) {
   std::vector<double> times;
   if (!Exists(file)) return times;
   for (const TextLine& line : ReadLines(file, ErrorCode::kBadSource)) {
-    const auto time = ToNumber(line.text);
+    const auto time = ToFinite(line.text);
     if (!time) RefuseLine(file, line, "a time in seconds");
     times.push_back(*time);
   }
@@ -51,7 +60,7 @@ Camera ReadKittiCamera(const fs::path& file, const std::string& key) {
     if (words[0] != key + ":") continue;
     std::vector<double> p;
     for (size_t i = 1; i < words.size(); ++i) {
-      if (const auto number = ToNumber(words[i])) p.push_back(*number);
+      if (const auto number = ToFinite(words[i])) p.push_back(*number);
     }
     if (p.size() != kEntries || words.size() != kEntries + 1) {
       throw MapError(ErrorCode::kBadCamera, Quoted(file) + " line " + std::to_string(line.number) +
@@ -77,7 +86,7 @@ std::optional<ImageList> RecogniseTum(const fs::path& folder) {
                  .own_camera = CameraFileIfThere(folder / kCameraFile)};
   for (const TextLine& line : ReadLines(file, ErrorCode::kBadSource)) {
     const std::vector<std::string> words = Words(line.text);
-    const auto time = ToNumber(words[0]);
+    const auto time = ToFinite(words[0]);
     if (words.size() != 2 || !time) RefuseLine(file, line, "a time and a file name");
     list.images.push_back({words[1], time});
   }

@@ -48,6 +48,8 @@ TEST_F(TumTest, BadListsAreRefusedWithTheirLine) {
   ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"rgb.txt", "lists no image"});
   Write("rgb.txt", "0 rgb/a.png\nsoon rgb/b.png\n");
   ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"rgb.txt' line 2", "soon", "a time"});
+  Write("rgb.txt", "nan rgb/a.png\n");
+  ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"line 1", "a time"});
   Write("rgb.txt", "# two words\n\n0\n");
   ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"line 3"});
   Write("rgb.txt", "0 rgb/gone.png\n");
@@ -104,6 +106,10 @@ TEST_F(KittiTest, BadCalibrationsAndTimes) {
   ExpectError([&] { Open(); }, ErrorCode::kBadCamera, {"no line 'P0:'"});
   Write("calib.txt", "P0: -70 0 8 0 0 71 6 0 0 0 1 0\n");
   ExpectError([&] { Open(); }, ErrorCode::kBadCamera, {"parameter 1"});
+  Write("calib.txt", "P0: nan 0 8 0 0 71 6 0 0 0 1 0\n");
+  ExpectError([&] { Open(); }, ErrorCode::kBadCamera, {"P0 has 11 numbers"});
+  Write("times.txt", "0\ninf\n");
+  ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"times.txt' line 2"});
   Write("times.txt", "0\nnever\n");
   ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"times.txt' line 2"});
 }
