@@ -38,8 +38,10 @@ int CountApart(const std::vector<Vector2d>& points, double apart) {
   for (const Vector2d& x : points) {
     const Cell cell(std::floor(x.x() / apart), std::floor(x.y() / apart));
     bool near = false;
-    for (int i = 0; i < 9 && !near; ++i) {
-      near = is_near(x, {cell.first + i % 3 - 1, cell.second + i / 3 - 1});
+    for (const double right : {-1.0, 0.0, 1.0}) {
+      for (const double down : {-1.0, 0.0, 1.0}) {
+        near = near || is_near(x, {cell.first + right, cell.second + down});
+      }
     }
     if (near) continue;
     counted[cell].push_back(x);
