@@ -48,9 +48,9 @@ struct LandmarkOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Chooses the landmarks of keyframes: features that no plane of the map has, those first that were
-// found again in most of the keyframes before and after, consistently with the epipolar geometry,
-// spread over the image. Holds the features of a few keyframes and the candidates of all. Not
+// Chooses the landmarks of keyframes: features that no plane of the map has, spread over the image,
+// first those that most of the keyframes before and after show again, consistently with the
+// epipolar geometry. Holds the features of a few keyframes and the candidates of all. Not
 // thread-safe. Deterministic.
 class LandmarkChooser {
  public:

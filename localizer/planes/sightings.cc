@@ -133,19 +133,21 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
       near.merge(KeyframesNear(index, visit.nearest));
     }
   }
-  const std::vector<Place> joined = join();
-  if (joined.empty() || joined.front().probability < options.gates.min_probability) {
+  const auto is_settled = [&](const std::vector<Place>& joined) {
+    return !joined.empty() && joined.front().probability >= options.gates.min_probability;
+  };
+  std::vector<Place> joined = join();
+  if (!is_settled(joined)) {
     for (const ShortlistedKeyframe& candidate : shortlist.keyframes) verify(candidate.keyframe);
+    joined = join();
   }
   // What comes first now may be a place that no keyframe was asked for.
-  for (size_t before = 0; before < asked.size();) {
-    before = asked.size();
-    const std::vector<Place> now = join();
-    if (now.empty() || now.front().keyframe) break;
-    if (now.front().probability < options.gates.min_probability) break;
-    verify(index.IndexOf(NearestKeyframe(index, now.front(), query)));
+  while (is_settled(joined) && !joined.front().keyframe) {
+    const size_t before = asked.size();
+    verify(index.IndexOf(NearestKeyframe(index, joined.front(), query)));
+    if (asked.size() == before) break;
+    joined = join();
   }
-  sort();
   return verified;
 }
 

@@ -2,8 +2,6 @@
 #include "localizer/planes/spread.h"
 
 #include <algorithm>
-#include <cmath>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -25,29 +23,14 @@ bool CanShow(const Features& image, const Vector2d& x) {
 }
 
 int CountApart(const std::vector<Vector2d>& points, double apart) {
-  if (!(apart > 0)) return static_cast<int>(points.size());
-  using Cell = std::pair<double, double>;
-  std::map<Cell, std::vector<Vector2d>> counted;  // by cells of that side: a few in each
-  const auto is_near = [&](const Vector2d& x, const Cell& cell) {
-    const auto found = counted.find(cell);
-    return found != counted.end() && std::ranges::any_of(found->second, [&](const Vector2d& other) {
-             return (other - x).squaredNorm() < apart * apart;
-           });
-  };
-  int count = 0;
+  std::vector<Vector2d> counted;
   for (const Vector2d& x : points) {
-    const Cell cell(std::floor(x.x() / apart), std::floor(x.y() / apart));
-    bool near = false;
-    for (const double right : {-1.0, 0.0, 1.0}) {
-      for (const double down : {-1.0, 0.0, 1.0}) {
-        near = near || is_near(x, {cell.first + right, cell.second + down});
-      }
-    }
-    if (near) continue;
-    counted[cell].push_back(x);
-    ++count;
+    const bool near = std::any_of(counted.begin(), counted.end(), [&](const Vector2d& other) {
+      return (other - x).squaredNorm() < apart * apart;
+    });
+    if (!near) counted.push_back(x);
   }
-  return count;
+  return static_cast<int>(counted.size());
 }
 
 double ComputeCoverage(const std::vector<Vector2d>& points, int width, int height) {

@@ -3,11 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <vector>
-
-#include "core/base/random.h"
 
 namespace waystone {
 namespace {
@@ -23,28 +19,6 @@ TEST(Spread, CoverageIsTheShareOfCellsWithAPoint) {
   EXPECT_EQ(ComputeCoverage({}, 640, 480), 0);
   EXPECT_EQ(ComputeCoverage({{0, 0}, {127.9, 95.9}}, 640, 480), 1 / 25.0);
   EXPECT_EQ(ComputeCoverage({{0, 0}, {128, 0}, {0, 96}, {639, 479}}, 640, 480), 4 / 25.0);
-}
-
-// One after the other with all that were counted before.
-int CountApartSlowly(const std::vector<Eigen::Vector2d>& points, double apart) {
-  std::vector<Eigen::Vector2d> counted;
-  for (const Eigen::Vector2d& x : points) {
-    const bool near = std::ranges::any_of(
-        counted, [&](const auto& other) { return (other - x).squaredNorm() < apart * apart; });
-    if (!near) counted.push_back(x);
-  }
-  return static_cast<int>(counted.size());
-}
-
-TEST(CountApart, IsTheSameAsByAllPairs) {
-  Random random(3);
-  for (const double apart : {0.5, 4.0, 30.0}) {
-    std::vector<Eigen::Vector2d> points;
-    for (int i = 0; i < 2000; ++i) {
-      points.emplace_back(random.Uniform(-50, 640), random.Uniform(-50, 480));
-    }
-    EXPECT_EQ(CountApart(points, apart), CountApartSlowly(points, apart)) << apart;
-  }
 }
 
 TEST(CanShow, WhatIsWellInsideAndNotClipped) {
