@@ -21,6 +21,7 @@ namespace {
 
 constexpr int kWordBytes = 4;
 constexpr int kBlockWordBytes = kWordBytes * kPackRows;
+constexpr uint8_t kSiftByteMax = 127;
 // A sum of products of bytes in an unsigned lane of 16 bits.
 constexpr int32_t kMaxNarrow = 0xffff;
 
@@ -47,6 +48,21 @@ Squares SumSquares(const uint8_t* row, int bytes) {
     (i % kWordBytes < 2 ? squares.low : squares.high) += square;
   }
   return squares;
+}
+
+using RowBytes = std::array<uint8_t, sizeof(PackedQuery::words)>;
+
+// A row with at most what ExtractFeatures gives. A map of another program may have more, of which
+// the sums of pairs below would be cut off, and distances depend on the processor.
+RowBytes BoundedRow(FeatureType type, const uint8_t* row) {
+  RowBytes bounded{};
+  const int bytes = DescriptorBytes(type);
+  if (type != FeatureType::kSift) {
+    std::memcpy(bounded.data(), row, bytes);
+    return bounded;
+  }
+  for (int i = 0; i < bytes; ++i) bounded[i] = std::min(row[i], kSiftByteMax);
+  return bounded;
 }
 
 uint32_t WordAt(const uint8_t* bytes) {
@@ -266,9 +282,10 @@ bool HasAvx512() {
 }  // namespace
 
 PackedQuery::PackedQuery(FeatureType type, const uint8_t* row) {
-  std::memcpy(words.data(), row, DescriptorBytes(type));
+  const auto bounded = BoundedRow(type, row);
+  std::memcpy(words.data(), bounded.data(), DescriptorBytes(type));
   if (type != FeatureType::kSift) return;
-  const Squares squares = SumSquares(row, DescriptorBytes(type));
+  const Squares squares = SumSquares(bounded.data(), DescriptorBytes(type));
   square = squares.low + squares.high;
   narrow = squares.AreNarrow();
 }
@@ -290,12 +307,13 @@ void PackedRows::Set(int slot, const uint8_t* row) {
   const int bytes = DescriptorBytes(type_);
   uint8_t* word = Data() + static_cast<size_t>(slot / kPackRows) * words_ * kBlockWordBytes +
                   (slot % kPackRows) * kWordBytes;
+  const auto bounded = BoundedRow(type_, row);
   for (int i = 0; i < bytes; i += kWordBytes, word += kBlockWordBytes) {
-    std::memcpy(word, row + i, std::min(kWordBytes, bytes - i));
+    std::memcpy(word, bounded.data() + i, std::min(kWordBytes, bytes - i));
   }
   bias_[slot] = 0;
   if (type_ != FeatureType::kSift) return;
-  const Squares squares = SumSquares(row, bytes);
+  const Squares squares = SumSquares(bounded.data(), bytes);
   bias_[slot] = squares.low + squares.high;
   narrow_ = narrow_ && squares.AreNarrow();
 }

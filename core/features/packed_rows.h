@@ -66,9 +66,10 @@ class PackedRows {
   std::vector<int32_t> bias_;  // of each slot: SIFT, the squared length; or kEmptySlotDistance
 };
 
-// Distances (in the unit of distance.h, exactly the same numbers) of a query to the slots of
-// `count` blocks from `first` on: out[8 * b + i], and bit i of near[b] for a distance of at most
-// `limit`. Thread-safe.
+// Distances (in the unit of distance.h, exactly the same numbers; larger bytes of SIFT than 127,
+// which a map of another program may have, count as 127) of a query to the slots of `count` blocks
+// from `first` on: out[8 * b + i], and bit i of near[b] for a distance of at most `limit`.
+// Thread-safe.
 void PackedDistances(const PackedQuery& query, const PackedRows& rows, int first, int count,
                      int32_t limit, int32_t* out, uint8_t* near);
 

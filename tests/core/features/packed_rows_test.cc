@@ -56,6 +56,35 @@ TEST_P(Packed, DistancesOfTheLargestBytes) {
   ExpectExact(full, empty);
 }
 
+// What a map of another program may have: the same distances by every implementation.
+TEST(PackedRows, LargerBytesOfSiftCountAsTheLargest) {
+  Random random(3);
+  const auto any_bytes = [&](int rows) {  // those of ORB: four of its descriptors are one of SIFT
+    return Descriptors(128, MadeDescriptors(FeatureType::kOrb, 4 * rows, random).data());
+  };
+  const Descriptors rows = any_bytes(9), queries = any_bytes(3);
+  const auto bounded = [](const Descriptors& larger) {
+    std::vector<uint8_t> bytes = larger.data();
+    for (uint8_t& byte : bytes) byte = std::min<uint8_t>(byte, 127);
+    return Descriptors(128, bytes);
+  };
+  const Descriptors bounded_rows = bounded(rows), bounded_queries = bounded(queries);
+  const PackedRows packed(FeatureType::kSift, rows);
+  std::vector<int32_t> out(packed.slots());
+  std::vector<uint8_t> near(packed.blocks());
+  for (const auto& [name, function] : RunnablePackedDistances()) {
+    for (int q = 0; q < queries.rows(); ++q) {
+      function(PackedQuery(FeatureType::kSift, queries.row(q)), packed, 0, packed.blocks(), 0,
+               out.data(), near.data());
+      for (int i = 0; i < rows.rows(); ++i) {
+        EXPECT_EQ(out[i],
+                  NaiveDistance(FeatureType::kSift, bounded_queries.row(q), bounded_rows.row(i)))
+            << name;
+      }
+    }
+  }
+}
+
 TEST(PackedQuery, OnlyShortDescriptorsOfSiftAreNarrow) {
   // The halves that the two lanes sum: bytes 0 and 1 of each word, and bytes 2 and 3.
   std::vector<uint8_t> row(128, 0);
