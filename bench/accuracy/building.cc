@@ -106,9 +106,7 @@ Matrix3d BuildingFromWorld(const OrientationLayer& layer,
 std::optional<bool> IsRightPhoto(const RgbdTruth& truth, const MapIndex& index, int frame,
                                  const Answer& answer) {
   if (answer.verdict != Verdict::kLocalized) return std::nullopt;
-  const SceneAnswer place = SceneAnswerOf(index, answer);
-  const auto error_px =
-      truth.MedianError(frame, place.query_points, place.reference_frame, place.reference_points);
+  const auto error_px = truth.MedianError(frame, SceneAnswerOf(index, answer));
   if (!error_px) return std::nullopt;
   return *error_px <= kRight_px;
 }

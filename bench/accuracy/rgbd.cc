@@ -64,7 +64,7 @@ struct Queries {
 // Errors of where the best plane's homography takes pixels inside its outline, on a grid; nothing
 // where the truth has fewer than 12 of them.
 std::optional<double> OutlineError(const RgbdTruth& truth, const RecognisedPlane& plane, int query,
-                                   int reference) {
+                                   const Keyframe& reference) {
   constexpr double kStep_px = 8;
   constexpr size_t kFewest = 12;
   if (plane.outline.size() < 3) return std::nullopt;
@@ -79,17 +79,15 @@ std::optional<double> OutlineError(const RgbdTruth& truth, const RecognisedPlane
     for (double x = low.x(); x <= high.x(); x += kStep_px) {
       const Eigen::Vector2d at(x, y);
       if (!Holds(plane.outline, at)) continue;
-      const auto expected = truth.Transfer(query, at, reference);
-      if (expected) errors.push_back((Apply(plane.reference_from_query, at) - *expected).norm());
+      const auto expected = truth.Transfer(query, at, reference.frame);
+      if (!expected) continue;
+      const Eigen::Vector2d named =
+          InImage(Apply(plane.reference_from_query, at), reference.width, RgbdTruth::kWidth_px);
+      errors.push_back((named - *expected).norm());
     }
   }
   if (errors.size() < kFewest) return std::nullopt;
   return Quantile(errors, 0.5);
-}
-
-// The frame that a plane's reference keyframe is.
-int FrameOf(const MapIndex& index, const RecognisedPlane& plane) {
-  return index.FindKeyframe(plane.reference.id)->frame;
 }
 
 void PrintMap(const BuildResult& built) {
@@ -127,15 +125,15 @@ void Ask(const RgbdTruth& truth, const std::filesystem::path& folder, const MapI
   ++queries.localized;
   const SceneAnswer place = SceneAnswerOf(index, answer);
   const int reference = place.reference_frame;
-  const auto error_px =
-      truth.MedianError(query, place.query_points, reference, place.reference_points);
+  const auto error_px = truth.MedianError(query, place);
   const auto truth_px =
       TruthError(truth, features_of(query), features_of(reference), query, reference);
   if (error_px) queries.errors_px.push_back(*error_px);
   if (truth_px) queries.truth_errors_px.push_back(*truth_px);
   if (!answer.planes.recognised.empty()) {
     const RecognisedPlane& best = answer.planes.recognised.front();
-    const auto outline_px = OutlineError(truth, best, query, FrameOf(index, best));
+    const auto outline_px =
+        OutlineError(truth, best, query, *index.FindKeyframe(best.reference.id));
     if (outline_px) queries.outline_errors_px.push_back(*outline_px);
   }
   std::printf("%4d %-11s %6.1f px  %d inliers, %zu planes; plain matches %.1f px\n", query,

@@ -101,13 +101,15 @@ std::optional<Eigen::Vector2d> RgbdTruth::Transfer(int a, const Eigen::Vector2d&
                          kColourFocal_px * seen.y() / seen.z() + kCentreY_px);
 }
 
-std::optional<double> RgbdTruth::MedianError(int a, const std::vector<Eigen::Vector2d>& x_a, int b,
-                                             const std::vector<Eigen::Vector2d>& x_b) const {
+std::optional<double> RgbdTruth::MedianError(int query, const SceneAnswer& answer) const {
   constexpr size_t kFewest = 5;
   std::vector<double> errors;
-  for (size_t i = 0; i < x_a.size(); ++i) {
-    const auto expected = Transfer(a, x_a[i], b);
-    if (expected) errors.push_back((x_b[i] - *expected).norm());
+  for (size_t i = 0; i < answer.query_points.size(); ++i) {
+    const auto expected = Transfer(query, answer.query_points[i], answer.reference_frame);
+    if (!expected) continue;
+    const Eigen::Vector2d x =
+        InImage(answer.reference_points[i], answer.reference_width, kWidth_px);
+    errors.push_back((x - *expected).norm());
   }
   if (errors.size() < kFewest) return std::nullopt;
   return Quantile(std::move(errors), 0.5);

@@ -9,12 +9,16 @@
 #include <string>
 #include <vector>
 
+#include "bench/baseline/scenes.h"
+
 namespace waystone::bench {
 
 // Truth of a TUM RGB-D sequence: where a pixel of one frame is seen in another, from depth and
 // poses.
 class RgbdTruth {
  public:
+  static constexpr int kWidth_px = 640;
+
   // Reads rgb.txt, depth.txt, groundtruth.txt (depth camera to world) of `folder`. Intrinsics are
   // those of the kitchen data: colour f 515, depth f 585, centres (320, 240), millimetres.
   explicit RgbdTruth(const std::filesystem::path& folder);
@@ -27,10 +31,9 @@ class RgbdTruth {
   Eigen::Isometry3d world_from_colour(int frame) const;
   // Pixel of frame b that shows what pixel x of frame a shows; nothing without depth there.
   std::optional<Eigen::Vector2d> Transfer(int a, const Eigen::Vector2d& x, int b) const;
-  // Median distance, px, of points of frame b from where the truth sees those of frame a, row by
-  // row; nothing with fewer than five that have a depth.
-  std::optional<double> MedianError(int a, const std::vector<Eigen::Vector2d>& x_a, int b,
-                                    const std::vector<Eigen::Vector2d>& x_b) const;
+  // Median distance, px of the reference frame, of an answer's points from where the truth sees
+  // those of the query, which is a frame, too; nothing with fewer than five that have a depth.
+  std::optional<double> MedianError(int query, const SceneAnswer& answer) const;
 
  private:
   std::filesystem::path folder_;

@@ -5,7 +5,9 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
+#include "core/camera/image_plane.h"
 #include "core/features/match.h"
 #include "core/homography/homography.h"
 #include "schema/layers/names/place_names.h"
@@ -46,13 +48,18 @@ std::set<int> PlanesNear(const cv::Mat& plane_ids, const Eigen::Vector2d& x) {
 
 WorldTruth::WorldTruth(const World& world, const WorldSource& source, const Walk& walk,
                        const MapData& map, const FeatureOptions& features)
-    : world_(world), walk_(walk), map_(map), camera_(*source.camera()) {
+    : world_(world),
+      walk_(walk),
+      map_(map),
+      camera_(ScaledCamera(*source.camera(), map.keyframes.front().width)),
+      image_px_(static_cast<double>(source.camera()->width) / camera_.width) {
   plane_ids_.resize(map.keyframes.size());
   features_.resize(map.keyframes.size());
   tbb::parallel_for(size_t{0}, map.keyframes.size(), [&](size_t k) {
     const RenderedFrame frame = source.Render(map.keyframes[k].frame);
-    plane_ids_[k] = frame.plane_ids;
     features_[k] = ExtractFeatures(frame.grey, features);
+    cv::resize(frame.plane_ids, plane_ids_[k], {features_[k].width, features_[k].height}, 0, 0,
+               cv::INTER_NEAREST_EXACT);
   });
   for (int k = 0; k < static_cast<int>(features_.size()); ++k) {
     for (int i = 0; i < features_[k].size(); ++i) {
@@ -138,6 +145,7 @@ std::vector<double> WorldTruth::ViewErrors(const Plane& plane, const PlaneView& 
     const Eigen::Vector2d x = Apply(keyframe_from_reference, PositionOf(feature.reference));
     if (!IsInImage(x, camera_)) continue;
     errors.push_back(
+        image_px_ *
         (Apply(view.reference_from_keyframe, x) - Apply(reference_from_keyframe, x)).norm());
   }
   return errors;

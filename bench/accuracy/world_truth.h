@@ -20,7 +20,8 @@ constexpr double kTrueMatch_px = 3;
 // RenderedFrame's; 0 is outside the image.
 std::set<int> PlanesNear(const cv::Mat& plane_ids, const Eigen::Vector2d& x);
 
-// What is true of a map that was built from a rendered walk.
+// What is true of a map that was built from a rendered walk. Pixels are those of its working
+// images, errors those of the rendered ones.
 class WorldTruth {
  public:
   // `features` are the map's.
@@ -64,7 +65,8 @@ class WorldTruth {
   const World& world_;
   const Walk& walk_;
   const MapData& map_;
-  Camera camera_;
+  Camera camera_;                   // of the working images
+  double image_px_;                 // pixels of a rendered image to one of these
   std::vector<cv::Mat> plane_ids_;  // of each keyframe
   std::vector<Features> features_;  // of each keyframe
   // Keyframe and keypoint that a descriptor was taken from.

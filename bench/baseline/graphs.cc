@@ -43,9 +43,9 @@ BuildOptions KeyframesAsTold(const std::string& text) {
 }
 
 SceneAnswer AnswerOf(const Graphs& graphs, const Features& query, const ImageAnswer& answer) {
-  const int frame = graphs.image_graph.nodes[answer.node].frame;
-  return {frame, frame, MoveAll(ImageFromWorking(query), answer.query_points),
-          MoveAll(answer.node_from_query, answer.query_points)};
+  const ImageNode& node = graphs.image_graph.nodes[answer.node];
+  return {node.frame, node.frame, MoveAll(ImageFromWorking(query), answer.query_points),
+          MoveAll(answer.node_from_query, answer.query_points), node.features.width};
 }
 
 struct Table3 {

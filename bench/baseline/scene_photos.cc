@@ -6,10 +6,8 @@
 #include <map>
 
 #include "bench/baseline/scenes.h"
-#include "builder/build_options.h"
 #include "core/base/error.h"
 #include "core/base/natural_order.h"
-#include "core/features/features.h"
 #include "core/homography/homography.h"
 #include "core/image/decode.h"
 
@@ -50,7 +48,7 @@ class PhotoScene : public Scene {
     std::ranges::sort(queries_, [](const fs::path& a, const fs::path& b) {
       return NaturalLess(a.native(), b.native());
     });
-    for (const fs::path& image : map_) ToWorkingPixels(image);
+    for (const fs::path& image : map_) widths_.push_back(ReadImageHeader(ReadBytes(image)).width);
   }
 
   const std::string& name() const override { return name_; }
@@ -62,8 +60,13 @@ class PhotoScene : public Scene {
     const PosedCamera& named = PoseOf(map_.at(answer.image_frame));
     const double cosine = asked.world_from_camera.col(2).dot(named.world_from_camera.col(2));
     if (cosine < std::cos(limits_.church_angle_rad)) return false;
+    std::vector<Vector2d> reference_points;
+    for (const Vector2d& x : answer.reference_points) {
+      reference_points.push_back(
+          InImage(x, answer.reference_width, widths_.at(answer.reference_frame)));
+    }
     return MedianEpipolarError(asked, PoseOf(map_.at(answer.reference_frame)), answer.query_points,
-                               answer.reference_points) <= limits_.church_px;
+                               reference_points) <= limits_.church_px;
   }
   std::string Criterion() const override {
     return "looks within 30 degrees of the named photo's direction, and the median epipolar error "
@@ -72,17 +75,6 @@ class PhotoScene : public Scene {
   }
 
  private:
-  // Answers are in pixels of the queries and of the map's working images.
-  void ToWorkingPixels(const fs::path& image) {
-    const ImageHeader header = ReadImageHeader(ReadBytes(image));
-    const cv::Size size(header.width, header.height);
-    const double scale = WorkingSize(size, BuildOptions{}.features.working_pixels).width /
-                         static_cast<double>(header.width);
-    Eigen::Matrix3d& k = poses_.at(image.filename().string()).k;
-    k.topRightCorner<2, 1>().array() += 0.5;
-    k.topRows<2>() *= scale;
-    k.topRightCorner<2, 1>().array() -= 0.5;
-  }
   const PosedCamera& PoseOf(const fs::path& image) const {
     return poses_.at(image.filename().string());
   }
@@ -92,6 +84,7 @@ class PhotoScene : public Scene {
   SceneLimits limits_;
   std::map<std::string, PosedCamera> poses_;
   std::vector<fs::path> map_;
+  std::vector<int> widths_;  // px, of each of them
   std::vector<fs::path> queries_;
 };
 

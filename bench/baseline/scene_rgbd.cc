@@ -24,8 +24,7 @@ class RgbdScene : public Scene {
     return DecodeGrey(ReadBytes(std::filesystem::path(folder_) / truth_.image(FrameOf(query))));
   }
   bool IsRight(int query, const SceneAnswer& answer) const override {
-    const auto error_px = truth_.MedianError(FrameOf(query), answer.query_points,
-                                             answer.reference_frame, answer.reference_points);
+    const auto error_px = truth_.MedianError(FrameOf(query), answer);
     return error_px && *error_px <= limits_.kitchen_px;
   }
   std::string Criterion() const override {

@@ -90,7 +90,9 @@ std::optional<double> WorldError(const World& world, const Camera& camera,
     if (plane == 0) continue;
     const Eigen::Matrix3d truth =
         PlaneHomography(world.PlaneById(plane), camera, world_from_query, world_from_reference);
-    errors.push_back((answer.reference_points[i] - Apply(truth, x)).norm());
+    const Eigen::Vector2d at =
+        InImage(answer.reference_points[i], answer.reference_width, camera.width);
+    errors.push_back((at - Apply(truth, x)).norm());
   }
   if (errors.size() < kMinJudged) return std::nullopt;
   return Quantile(std::move(errors), 0.5);

@@ -13,17 +13,23 @@ std::vector<Eigen::Vector2d> MoveAll(const Eigen::Matrix3d& b_from_a,
   return moved;
 }
 
+Eigen::Vector2d InImage(const Eigen::Vector2d& x, int width, int image_width) {
+  const double scale = static_cast<double>(image_width) / width;
+  return ((x.array() + 0.5) * scale - 0.5).matrix();
+}
+
 SceneAnswer SceneAnswerOf(const MapIndex& index, const Answer& answer) {
   WS_CHECK(answer.verdict == Verdict::kLocalized, "only a localized answer names a place");
   const int image = index.FindKeyframe(answer.planes.keyframe->id)->frame;
   if (answer.planes.recognised.empty()) {
     const EpipolarMatches& matches = answer.planes.epipolar.value();
-    return {image, index.FindKeyframe(matches.keyframe.id)->frame, matches.query_points,
-            matches.keyframe_points};
+    const Keyframe& keyframe = *index.FindKeyframe(matches.keyframe.id);
+    return {image, keyframe.frame, matches.query_points, matches.keyframe_points, keyframe.width};
   }
   const RecognisedPlane& best = answer.planes.recognised.front();
-  return {image, index.FindKeyframe(best.reference.id)->frame, best.query_points,
-          MoveAll(best.reference_from_query, best.query_points)};
+  const Keyframe& reference = *index.FindKeyframe(best.reference.id);
+  return {image, reference.frame, best.query_points,
+          MoveAll(best.reference_from_query, best.query_points), reference.width};
 }
 
 }  // namespace waystone::bench

@@ -20,10 +20,16 @@ namespace waystone::bench {
 struct SceneAnswer {
   int image_frame = 0;      // number of the map's frame that was named as the place
   int reference_frame = 0;  // of the one that the matches lead to
-  // Inliers in the query, and where the answer puts each in the reference frame, px.
+  // Inliers in the query's image, and where the answer puts each in the working image of the
+  // reference frame, px.
   std::vector<Eigen::Vector2d> query_points;
   std::vector<Eigen::Vector2d> reference_points;
+  int reference_width = 0;  // px, of that working image
 };
+
+// A pixel of a working image that is `width` wide, in the image of `image_width` that it was made
+// of.
+Eigen::Vector2d InImage(const Eigen::Vector2d& x, int width, int image_width);
 
 // The points moved by a homography.
 std::vector<Eigen::Vector2d> MoveAll(const Eigen::Matrix3d& b_from_a,
@@ -55,7 +61,7 @@ inline constexpr size_t kMinJudged = 5;
 // Median distance, px, at which an answer still counts as right.
 struct SceneLimits {
   double kitchen_px = 20;  // its truth has noise of about 5 px
-  double church_px = 4;    // to the epipolar line, at 1536 px of width
+  double church_px = 4;    // to the epipolar line
   double world_px = 10;
   double church_angle_rad = 30 * 3.14159265358979 / 180;  // between the viewing directions
 };
