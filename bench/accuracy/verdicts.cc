@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tbb/parallel_for.h>
 
-#include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <optional>
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/world_source.h"
@@ -19,20 +20,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kBins = 10;
-constexpr int kFewest = 20;  // answers that a bin must have to say anything
+constexpr int kFewest = 20;  // localized answers that a reliability needs
 
 // Photos of one kind, no two of which are the same file or frame.
 struct Photos {
   std::string name;
   bool real = true;  // taken by a camera; the others are rendered, as a map's calibration renders
   std::vector<std::function<cv::Mat()>> decode;
-};
-
-struct Bin {
-  double stated = 0;  // sum of the probabilities
-  int right = 0;
-  int answers = 0;
 };
 
 struct Verdicts {
@@ -45,13 +39,18 @@ struct Verdicts {
   int false_localized = 0;
   int false_ambiguous = 0;
   int most_inliers = 0;  // of a query that is not in the map
-  std::array<Bin, kBins> bins;
+  double stated = 0;     // sum of the probabilities of localized answers, false ones among them
 
-  void State(double probability, bool right_answer) {
-    Bin& bin = bins[std::min(kBins - 1, static_cast<int>(kBins * probability))];
-    bin.stated += probability;
-    bin.right += right_answer;
-    ++bin.answers;
+  // What localized answers state and how many of them are right. Refused ones say nothing: what is
+  // asked decides how many of them there are, and a refused place of the map can't be checked.
+  struct Reliability {
+    double stated = 0;
+    double observed = 0;
+  };
+  std::optional<Reliability> Reliable() const {
+    const int answers = localized + false_localized;
+    if (answers < kFewest) return std::nullopt;
+    return Reliability{stated / answers, static_cast<double>(right) / answers};
   }
 };
 
@@ -97,11 +96,10 @@ void AskScene(const Scene& scene, const MapIndex& index, Verdicts& verdicts) {
   for (int q = 0; q < scene.queries(); ++q) {
     ++verdicts.queries;
     verdicts.ambiguous += answers[q].verdict == Verdict::kAmbiguous;
-    if (answers[q].verdict != Verdict::kLocalized) continue;  // a refused place can't be checked
-    const bool right = scene.IsRight(q, SceneAnswerOf(index, answers[q]));
+    if (answers[q].verdict != Verdict::kLocalized) continue;
     ++verdicts.localized;
-    verdicts.right += right;
-    verdicts.State(answers[q].probability, right);
+    verdicts.right += scene.IsRight(q, SceneAnswerOf(index, answers[q]));
+    verdicts.stated += answers[q].probability;
   }
 }
 
@@ -114,13 +112,13 @@ void AskOutside(const Photos& photos, const MapIndex& index, Verdicts& verdicts)
     const Answer& answer = answers[i];
     ++verdicts.outside;
     verdicts.outside_real += photos.real;
-    verdicts.State(answer.probability, false);
     if (answer.planes.runner_up) {
       verdicts.most_inliers = std::max(verdicts.most_inliers, answer.planes.runner_up->inliers);
     }
-    verdicts.false_localized += answer.verdict == Verdict::kLocalized;
     verdicts.false_ambiguous += answer.verdict == Verdict::kAmbiguous;
     if (answer.verdict == Verdict::kLocalized) {
+      ++verdicts.false_localized;
+      verdicts.stated += answer.probability;
       std::printf("false: %s %zu, %.2f sure, %d inliers\n", photos.name.c_str(), i,
                   answer.probability, CountBestInliers(answer.planes));
     }
@@ -128,14 +126,11 @@ void AskOutside(const Photos& photos, const MapIndex& index, Verdicts& verdicts)
 }
 
 nlohmann::ordered_json JsonOf(const Verdicts& v) {
-  nlohmann::ordered_json bins = nlohmann::ordered_json::array();
-  double worst = 0;
-  for (const Bin& bin : v.bins) {
-    if (bin.answers == 0) continue;
-    const double stated = bin.stated / bin.answers;
-    const double observed = static_cast<double>(bin.right) / bin.answers;
-    if (bin.answers >= kFewest) worst = std::max(worst, std::abs(stated - observed));
-    bins.push_back({{"stated", stated}, {"observed", observed}, {"answers", bin.answers}});
+  nlohmann::ordered_json reliability;
+  if (const auto reliable = v.Reliable()) {
+    reliability = {{"stated", reliable->stated},
+                   {"observed", reliable->observed},
+                   {"gap", std::abs(reliable->stated - reliable->observed)}};
   }
   return {{"queries", v.queries},
           {"localized", v.localized},
@@ -146,8 +141,7 @@ nlohmann::ordered_json JsonOf(const Verdicts& v) {
           {"false_localized", v.false_localized},
           {"false_ambiguous", v.false_ambiguous},
           {"most_inliers_outside", v.most_inliers},
-          {"reliability", bins},
-          {"worst_reliability_gap", worst}};
+          {"reliability", reliability}};
 }
 
 void Print(const std::string& scene, const VerdictModel& model, const Verdicts& v) {
@@ -156,15 +150,12 @@ void Print(const std::string& scene, const VerdictModel& model, const Verdicts& 
               model.positives, model.negatives);
   std::printf(
       "           %d queries: %d localized, %d right, %d ambiguous; %d from elsewhere: %d "
-      "localized, "
-      "%d ambiguous, most inliers %d\n",
+      "localized, %d ambiguous, most inliers %d\n",
       v.queries, v.localized, v.right, v.ambiguous, v.outside, v.false_localized, v.false_ambiguous,
       v.most_inliers);
-  for (const Bin& bin : v.bins) {
-    if (bin.answers == 0) continue;
-    std::printf("           stated %.2f, observed %.2f of %d answers%s\n", bin.stated / bin.answers,
-                static_cast<double>(bin.right) / bin.answers, bin.answers,
-                bin.answers < kFewest ? " (too few to say)" : "");
+  if (const auto reliable = v.Reliable()) {
+    std::printf("           localized answers: stated %.3f, right %.3f\n", reliable->stated,
+                reliable->observed);
   }
 }
 
