@@ -18,9 +18,9 @@ namespace waystone {
 
 struct BuildOptions {
   std::string map_name = "map";
-  // As many pixels as a camera of 640x480 has: more find no more places and take longer
-  // (docs/benchmarks.md, Working size).
-  FeatureOptions features{.working_pixels = 640 * 480};
+  // Half of what a camera of 640x480 has: more find fewer places and take longer (docs/benchmarks.md,
+  // Working size).
+  FeatureOptions features{.working_pixels = 640 * 480 / 2};
   KeyframeOptions keyframes;
   PlaneLayerOptions planes;
   AppearanceOptions appearance;

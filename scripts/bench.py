@@ -42,7 +42,7 @@ verdicts             verdicts DATA
 recall               recall DATA
 recall-exchanged     recall DATA --exchanged yes
 recall-77k           recall DATA --landmarks 100 --search no --set features.working_pixels=76800
-recall-154k          recall DATA --landmarks 100 --search no --set features.working_pixels=153600
+recall-307k          recall DATA --landmarks 100 --search no --set features.working_pixels=307200
 recall-1m            recall DATA --landmarks 100 --search no --set features.working_pixels=1000000
 peers                peers DATA --only kitchen,corridor
 cameras              cameras DATA
@@ -50,8 +50,8 @@ look-alikes          look-alikes
 look-alikes-others   look-alikes --first 17 --buildings 8
 storeys              storeys DATA
 large-77k            look-alikes --first 17 --buildings 4 --width 1280 --set features.working_pixels=76800
-large-154k           look-alikes --first 17 --buildings 4 --width 1280 --set features.working_pixels=153600
-large-307k           look-alikes --first 17 --buildings 4 --width 1280
+large-154k           look-alikes --first 17 --buildings 4 --width 1280
+large-307k           look-alikes --first 17 --buildings 4 --width 1280 --set features.working_pixels=307200
 large-1m             look-alikes --first 17 --buildings 4 --width 1280 --set features.working_pixels=1000000
 scale                scale
 collection           collection DATA
