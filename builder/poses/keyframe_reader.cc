@@ -9,6 +9,7 @@
 #include "builder/frames/frame_pipeline.h"
 #include "builder/planes/plane_layer.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 
 namespace waystone {
 namespace {
@@ -58,11 +59,18 @@ class KeyframeReader : public LayerBuilder {
     if (observed.info.source != keyframe.source) {
       Refuse(frame + " is " + observed.info.source + ", the map's is " + keyframe.source);
     }
-    const Features& features = observed.features;
-    if (features.width == keyframe.width && features.height == keyframe.height) return;
-    Refuse(frame + " is " + std::to_string(features.width) + "x" + std::to_string(features.height) +
-           " px, the map's is " + std::to_string(keyframe.width) + "x" +
-           std::to_string(keyframe.height));
+    const cv::Size image = ImageSize(observed.features);
+    const cv::Size of_map(keyframe.width, keyframe.height);
+    if (!ReducesTo(image, of_map)) {
+      Refuse(frame + " is " + SizeText(image.width, image.height) + " px, the map's is " +
+             SizeText(of_map.width, of_map.height));
+    }
+  }
+
+  // Whether one factor makes the map's working image of it (WorkingSize).
+  static bool ReducesTo(const cv::Size& image, const cv::Size& working) {
+    const double scale = working.width / static_cast<double>(image.width);
+    return scale <= 1 && cvRound(scale * image.height) == working.height;
   }
 
   [[noreturn]] void Refuse(const std::string& cause) const {

@@ -253,7 +253,7 @@ async function testUncertain() {
   });
   await page.goto(`${url}/`);
   await ask(page, photoOf(kInside));
-  await page.locator(".pose-map .surface").waitFor();
+  await page.locator(".pose-map .surface").filter({ hasText: "plane 900" }).waitFor();
   const { scale } = await measureDrawing(page);
   const drawn = Number(await page.locator(".pose-map .query ellipse").getAttribute("rx"));
   assert.ok(Math.abs(drawn - 2 * 0.5 * scale) < 0.1, `an ellipse of ${drawn} px for 1 unit of ${scale} px`);

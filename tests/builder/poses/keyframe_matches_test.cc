@@ -59,6 +59,22 @@ TEST(KeyframeReader, GivesTheFeaturesOfEachKeyframe) {
   }
 }
 
+// The map is in pixels of its working images, a reconstruction in those of the images.
+TEST(KeyframeReader, TakesImagesThatAreLargerThanTheMapsOwn) {
+  BuildOptions options;
+  options.images = false;
+  options.features.working_pixels = 160 * 120;
+  const MapData map = BuildMap(OpenSources(1), options, {}).map;
+  ASSERT_EQ(map.keyframes[0].width, 160);
+  const auto read = ReadKeyframes(map, OpenSources(1), {});
+  ASSERT_EQ(read.size(), map.keyframes.size());
+  EXPECT_EQ(read[0].features.width, 320);
+  MapData other = map;
+  other.keyframes[0].height = 130;
+  EXPECT_NE(ReadingError(other, OpenSources(1)).find("is 320x240 px, the map's is 160x130"),
+            std::string::npos);
+}
+
 TEST(KeyframeReader, RefusesWhatTheMapWasNotBuiltFrom) {
   const MapData& map = TheMap().map;
   EXPECT_NE(ReadingError(map, OpenSources(2)).find("1 sequences, but 2 were given"),
