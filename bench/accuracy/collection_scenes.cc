@@ -14,6 +14,7 @@
 #include "bench/accuracy/relight.h"
 #include "bench/accuracy/world_source.h"
 #include "builder/appearance/describe_panorama.h"
+#include "builder/working_pixels.h"
 #include "core/image/decode.h"
 #include "localizer/appearance/panorama_features.h"
 #include "world/rig.h"
@@ -100,6 +101,7 @@ MapData BuildOf(std::unique_ptr<Source> source, FeatureType type) {
   BuildOptions options;
   options.images = false;
   options.features.type = type;
+  options.features.working_pixels = WorkingPixelsFor(type);
   MapData map = BuildMap(sources, options, {}).map;
   map.info.version = kNoHash;
   return map;

@@ -11,6 +11,7 @@
 #include "bench/accuracy/recall_sets.h"
 #include "bench/accuracy/stopwatch.h"
 #include "bench/baseline/vote_search.h"
+#include "builder/working_pixels.h"
 #include "core/base/error.h"
 #include "core/image/decode.h"
 #include "localizer/planes/locate.h"
@@ -136,6 +137,7 @@ Json ComparePeers(const RecallSet& set, const std::vector<fs::path>& foreign, Fe
                   int landmarks) {
   FeatureOptions features = BuildOptions{}.features;
   features.type = type;
+  features.working_pixels = WorkingPixelsFor(type);
   const PeerMap map = BuildPeerMap(set, features, landmarks);
   std::vector<int> frames;
   std::vector<Features> images;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "builder/working_pixels.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/settings.h"
 #include "core/base/error.h"
@@ -52,6 +53,10 @@ BuildOptions MakeBuildOptions(const BuildFlags& flags, const std::string& map_na
   options.appearance.describe.panorama = PanoramaOptionsOf(flags.panorama);
   options.appearance.describe.signature.band = SignatureOptionsOf(flags.panorama).band;
   ApplySettings(flags.settings, options);
+  const bool sized = std::ranges::any_of(flags.settings, [](const std::string& setting) {
+    return setting.starts_with("features.working_pixels=");
+  });
+  if (!sized) options.features.working_pixels = WorkingPixelsFor(options.features.type);
   options.Check();
   return options;
 }
