@@ -18,8 +18,8 @@ namespace waystone {
 
 struct BuildOptions {
   std::string map_name = "map";
-  // Half of what a camera of 640x480 has: more find fewer places and take longer (docs/benchmarks.md,
-  // Working size).
+  // Half of the pixels of a camera of 640x480: more find no more places and take longer
+  // (docs/benchmarks.md, Working size).
   FeatureOptions features{.working_pixels = 640 * 480 / 2};
   KeyframeOptions keyframes;
   PlaneLayerOptions planes;
