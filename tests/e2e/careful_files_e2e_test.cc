@@ -182,7 +182,8 @@ TEST_F(CarefulFiles, AnInterruptedChangeLeavesTheMap) {
       std::vector<std::string> command = arguments;
       command.insert(command.begin(), WAYSTONE_PROGRAM);
       ChildProcess child(command, false);
-      std::this_thread::sleep_for(std::chrono::milliseconds(700));
+      AwaitHandlerOf(child, signal);
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
       child.Send(signal);
       EXPECT_EQ(child.Wait(), 130) << arguments.front();
     }

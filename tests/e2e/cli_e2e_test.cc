@@ -414,7 +414,8 @@ TEST_F(CliTest, InterruptedBuildLeavesNothing) {
     ChildProcess build({WAYSTONE_PROGRAM, "build", TheMap().images, TheMap().images,
                         TheMap().images, "-o", folder_ / "m.db", "--quiet"},
                        false);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    AwaitHandlerOf(build, signal);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1000));
     build.Send(signal);
     EXPECT_EQ(build.Wait(), 130);
     EXPECT_EQ(FilesIn(folder_), 0u);

@@ -4,12 +4,15 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
+#include <thread>
 
+#include "cli/system/child_process.h"
 #include "world/render.h"
 #include "world/rig.h"
 #include "world/walk.h"
@@ -132,6 +135,20 @@ RunResult RunWaystone(const std::vector<std::string>& arguments, const std::stri
   result.err = ReadFile(folder / "err");
   fs::remove_all(folder);
   return result;
+}
+
+void AwaitHandlerOf(const ChildProcess& program, int signal) {
+  const std::string field = "SigCgt:";
+  const std::string status = "/proc/" + std::to_string(program.pid()) + "/status";
+  for (int tries = 0; tries < 6000; ++tries) {
+    const std::string text = ReadFile(status);
+    const size_t at = text.find(field);
+    ASSERT_NE(at, std::string::npos) << "the program has ended";
+    const uint64_t caught = std::strtoull(text.c_str() + at + field.size(), nullptr, 16);
+    if ((caught >> (signal - 1) & 1) != 0) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  FAIL() << "the program takes no signal " << signal;
 }
 
 std::string ReadFile(const fs::path& path) {

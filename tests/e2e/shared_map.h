@@ -8,6 +8,8 @@
 
 namespace waystone {
 
+class ChildProcess;
+
 // What a run of the program left behind.
 struct RunResult {
   int code = 0;
@@ -18,6 +20,10 @@ struct RunResult {
 // Runs the real program with these arguments (each is quoted for the shell) and waits.
 // `limits` is put in front of it in the shell ("ulimit -f 8;").
 RunResult RunWaystone(const std::vector<std::string>& arguments, const std::string& limits = "");
+
+// Waits until a program that was started takes a signal itself, which on a busy machine can be long
+// after; a minute at most.
+void AwaitHandlerOf(const ChildProcess& program, int signal);
 
 // A small walk through a made room, its map, and photos: made once, for all tests of this program.
 // Read-only for the tests.
