@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -17,8 +18,9 @@ namespace {
 // Takes the features of a sequence's keyframes, and of no other frame.
 class KeyframeReader : public LayerBuilder {
  public:
-  KeyframeReader(const std::vector<const Keyframe*>& keyframes, const FeatureOptions& options)
-      : keyframes_(keyframes), options_(options) {}
+  KeyframeReader(const std::vector<const Keyframe*>& keyframes, const std::optional<Camera>& camera,
+                 const FeatureOptions& options)
+      : keyframes_(keyframes), camera_(camera), options_(options) {}
 
   std::string stage() const override { return "frames"; }
   void StartSequence(SequenceId /*id*/, const Source& source) override { name_ = source.name(); }
@@ -65,6 +67,10 @@ class KeyframeReader : public LayerBuilder {
       Refuse(frame + " is " + SizeText(image.width, image.height) + " px, the map's is " +
              SizeText(of_map.width, of_map.height));
     }
+    if (camera_ && cv::Size(camera_->width, camera_->height) != image) {
+      Refuse(frame + " is " + SizeText(image.width, image.height) + " px, the map's camera has " +
+             SizeText(camera_->width, camera_->height));
+    }
   }
 
   // Whether one factor makes the map's working image of it (WorkingSize).
@@ -79,6 +85,7 @@ class KeyframeReader : public LayerBuilder {
   }
 
   const std::vector<const Keyframe*>& keyframes_;  // ordered by frame
+  const std::optional<Camera>& camera_;
   const FeatureOptions& options_;
   std::string name_;
   std::vector<SampledKeyframe> read_;
@@ -106,7 +113,7 @@ std::vector<SampledKeyframe> ReadKeyframes(const MapData& map,
       if (keyframe.sequence == id) keyframes.push_back(&keyframe);
     }
     std::ranges::stable_sort(keyframes, {}, &Keyframe::frame);
-    KeyframeReader reader(keyframes, options);
+    KeyframeReader reader(keyframes, map.sequences[i].camera, options);
     LayerBuilder* const layers[] = {&reader};
     ObserveSequence(*sources[i], id, layers, reporter);
     std::ranges::move(reader.Take(), std::back_inserter(read));

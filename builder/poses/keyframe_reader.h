@@ -19,9 +19,9 @@ inline constexpr int kReconstructionFeatures = 4000;
 // The features of a map's keyframes, extracted anew from what the map was built from: the source of
 // each of map.sequences, in their order, opened without options that leave frames out. In the order
 // of map.keyframes; deterministic on any number of threads. Throws MapError: kBadSource for sources
-// that aren't the map's (their number, a keyframe's name or its shape differs) or can't be read;
-// kInterrupted. `options` may take more pixels than the map has: keyframes that are triangulated
-// want them.
+// that aren't the map's (their number, a keyframe's name or its shape differs, or its size from the
+// sequence's camera) or can't be read; kInterrupted. `options` may take more pixels than the map
+// has: keyframes that are triangulated want them.
 std::vector<SampledKeyframe> ReadKeyframes(const MapData& map,
                                            std::span<const std::unique_ptr<Source>> sources,
                                            const FeatureOptions& options,

@@ -73,6 +73,10 @@ TEST(KeyframeReader, TakesImagesThatAreLargerThanTheMapsOwn) {
   other.keyframes[0].height = 130;
   EXPECT_NE(ReadingError(other, OpenSources(1)).find("is 320x240 px, the map's is 160x130"),
             std::string::npos);
+  other = map;
+  other.sequences[0].camera = PinholeCamera(640, 480, 1.2);
+  EXPECT_NE(ReadingError(other, OpenSources(1)).find("the map's camera has 640x480"),
+            std::string::npos);
 }
 
 TEST(KeyframeReader, RefusesWhatTheMapWasNotBuiltFrom) {
