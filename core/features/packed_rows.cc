@@ -56,12 +56,10 @@ using RowBytes = std::array<uint8_t, sizeof(PackedQuery::words)>;
 // the sums of pairs below would be cut off, and distances depend on the processor.
 RowBytes BoundedRow(FeatureType type, const uint8_t* row) {
   RowBytes bounded{};
-  const int bytes = DescriptorBytes(type);
-  if (type != FeatureType::kSift) {
-    std::memcpy(bounded.data(), row, bytes);
-    return bounded;
+  std::memcpy(bounded.data(), row, DescriptorBytes(type));
+  if (type == FeatureType::kSift) {
+    for (uint8_t& byte : bounded) byte = std::min(byte, kSiftByteMax);
   }
-  for (int i = 0; i < bytes; ++i) bounded[i] = std::min(row[i], kSiftByteMax);
   return bounded;
 }
 
