@@ -17,7 +17,7 @@ namespace waystone::bench {
 // poses.
 class RgbdTruth {
  public:
-  static constexpr int kWidth_px = 640;
+  static constexpr int kWidth_px = 640;  // of its images
 
   // Reads rgb.txt, depth.txt, groundtruth.txt (depth camera to world) of `folder`. Intrinsics are
   // those of the kitchen data: colour f 515, depth f 585, centres (320, 240), millimetres.
