@@ -197,10 +197,10 @@ int RunLookAlikes(const Args& raw) {
     for (const LookAlikeSample& sample : more) {
       if (!each) break;
       const KeyframeEvidence e = sample.evidence.value_or(KeyframeEvidence{});
-      std::printf("sample %d %s %d %d %d %.1f %.4f %.4f %.4f %.4f\n", sample.building,
+      std::printf("sample %d %s %d %d %d %.1f %.1f %.4f %.4f %.4f %.4f\n", sample.building,
                   kAskedOfNames[static_cast<int>(sample.asked)], sample.localized, sample.right,
-                  sample.plane_inliers, e.significance, e.found_share, e.coverage, e.inlier_share,
-                  sample.probability);
+                  sample.plane_inliers, e.significance, e.independent_significance, e.found_share,
+                  e.coverage, e.inlier_share, sample.probability);
     }
     std::fflush(stdout);
   }
@@ -209,9 +209,9 @@ int RunLookAlikes(const Args& raw) {
   json["default"] = Count(samples, "default", [](const LookAlikeSample& s) { return s.localized; });
   const Eigen::VectorXd fit = FitSigned(samples);
   // By probability alone, without looking for rivals.
+  const KeyframeVerdictModel fitted{fit(0), fit(1), fit(2), fit(3), fit(4)};
   json["fitted"] = Count(samples, "fitted", [&](const LookAlikeSample& s) {
-    const double probability =
-        s.evidence ? Logistic(fit.dot(KeyframeFactors(*s.evidence))) : s.probability;
+    const double probability = s.evidence ? ComputeProbability(*s.evidence, fitted) : s.probability;
     return probability >= GateOptions{}.min_probability;
   });
   json["fit"] = std::vector<double>(fit.begin(), fit.end());

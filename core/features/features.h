@@ -28,7 +28,7 @@ int DescriptorBytes(FeatureType type);
 struct Keypoint {
   float x_px = 0;
   float y_px = 0;
-  float scale_px = 0;   // diameter of the neighbourhood that the descriptor sees
+  float scale_px = 0;   // size as OpenCV's detector has it; SIFT: 2 sigma
   float angle_rad = 0;  // orientation, in [0, 2 pi), clockwise as seen (x to y)
 
   bool operator==(const Keypoint&) const = default;

@@ -20,21 +20,19 @@ double ShareOf(int part, int all) {
 
 // Planes recognise a surface from farther aside than a keyframe is, so that their inliers count as
 // found too.
-KeyframeEvidence EvidenceFor(const MapIndex& index, const VerifiedKeyframe& verified,
-                             const Place& place, const Features& query, const GateOptions& gates) {
+KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified, const Place& place,
+                             const Features& query, const GateOptions& gates) {
   std::vector<Eigen::Vector2d> found = verified.query_points;
-  std::set<PlaneId> surfaces;
   for (const VerifiedPlane& plane : place.planes) {
-    surfaces.insert(index.SurfaceOf(index.map().planes[plane.plane].id));
     for (const Match& match : plane.inliers) found.push_back(PositionOf(query.keypoints[match.a]));
   }
   KeyframeEvidence evidence;
   evidence.significance = verified.significance;
+  evidence.independent_significance = verified.independent_significance;
   evidence.coverage = ComputeCoverage(found, query.width, query.height);
   std::erase_if(found, [&](const auto& x) { return !CanShow(query, x); });  // none is expected
   evidence.found_share = ShareOf(CountApart(found, gates.distinct_px), verified.expected);
   evidence.inlier_share = ShareOf(verified.distinct, verified.matches);
-  evidence.surfaces = static_cast<int>(surfaces.size());
   return evidence;
 }
 
@@ -182,7 +180,7 @@ void JoinKeyframes(const MapIndex& index, const Features& query,
   for (JoinedPlace& one : joined) {
     Place& place = places.emplace_back(std::move(one.place));
     if (!place.keyframe) continue;
-    place.keyframe_evidence = EvidenceFor(index, *place.keyframe, place, query, options.gates);
+    place.keyframe_evidence = EvidenceFor(*place.keyframe, place, query, options.gates);
     place.probability = ComputeProbability(place.keyframe_evidence);
   }
   BoundByKeyframes(index, places);

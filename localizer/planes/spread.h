@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "core/features/features.h"
@@ -16,8 +17,13 @@ bool CanShow(const Features& image, const Eigen::Vector2d& x);
 // Points of which none is nearer than `apart` to one counted before; both in px.
 int CountApart(const std::vector<Eigen::Vector2d>& points, double apart);
 
-// Share of the cells of a width x height image, five along each side, that have a point, in [0, 1].
-// The points lie inside.
+// Keypoints among these (rows of `image`) that are independent of each other: SIFT descriptors that
+// see different parts of the image. A corner gives features of many sizes, which are found again
+// together or not at all.
+int CountIndependent(const Features& image, std::span<const int> keypoints);
+
+// Share of a width x height image that is near a point, in [0, 1]: within a disc around it of a
+// fortieth of the image's area. The points lie inside.
 double ComputeCoverage(const std::vector<Eigen::Vector2d>& points, int width, int height);
 
 }  // namespace waystone

@@ -32,6 +32,14 @@ Eigen::Matrix<double, 2, 3> FitAffinity(const VerifiedKeyframe& verified) {
   return from.colPivHouseholderQr().solve(to).transpose();
 }
 
+// EpipolarSignificance for `counted` of the distinct inliers, and as large a share of the matches.
+double SignificanceOf(int counted, const VerifiedKeyframe& verified, const Features& query,
+                      double max_error_px) {
+  const double share = static_cast<double>(counted) / verified.distinct;
+  return EpipolarSignificance(static_cast<int>(std::lround(share * verified.matches)), counted,
+                              max_error_px, query.width, query.height);
+}
+
 // Features of the keyframe that the query should show.
 int CountExpected(const KeyframeFeatures& target, const VerifiedKeyframe& verified,
                   const Features& query, double distinct_px) {
@@ -93,7 +101,9 @@ VerifiedKeyframe VerifyKeyframe(const MapIndex& index, const Features& query, in
   verified.matches = static_cast<int>(matches.size());
   const auto fit = FindEpipolarGeometry(in_keyframe, in_query, options.epipolar);
   if (!fit) return verified;
+  std::vector<int> keypoints;
   for (const int row : fit->inliers) {
+    keypoints.push_back(matches[row].b);
     verified.query_points.push_back(in_query[row]);
     verified.keyframe_points.push_back(in_keyframe[row]);
     verified.inliers.push_back({matches[row].b, target.rows[matches[row].a]});
@@ -101,9 +111,10 @@ VerifiedKeyframe VerifyKeyframe(const MapIndex& index, const Features& query, in
   verified.distinct = CountApart(verified.query_points, options.gates.distinct_px);
   verified.expected = CountExpected(target, verified, query, options.gates.distinct_px);
   verified.coverage = ComputeCoverage(verified.query_points, query.width, query.height);
-  verified.significance =
-      EpipolarSignificance(verified.matches, verified.distinct, options.epipolar.max_error_px,
-                           query.width, query.height);
+  const double max_error_px = options.epipolar.max_error_px;
+  verified.significance = SignificanceOf(verified.distinct, verified, query, max_error_px);
+  verified.independent_significance =
+      SignificanceOf(CountIndependent(query, keypoints), verified, query, max_error_px);
   return verified;
 }
 

@@ -36,6 +36,8 @@ struct VerifiedKeyframe {
   int expected = 0;
   double coverage = 0;      // as ComputeCoverage has it for the inliers
   double significance = 0;  // as EpipolarSignificance has it for the distinct inliers
+  // The same for the independent inliers (CountIndependent), among as large a share of the matches.
+  double independent_significance = 0;
 };
 
 // Matches a keyframe with the query (mutually nearest, one to one, with the ratio test against the

@@ -15,28 +15,26 @@ constexpr double kShareByChance = 0.05;  // of a keyframe's features, found wher
 }  // namespace
 
 const KeyframeVerdictModel& DefaultKeyframeModel() {
-  static constexpr KeyframeVerdictModel kModel{.intercept = -2.572,
-                                               .significance = 2.685,
-                                               .found_share = 1.324,
-                                               .coverage = 4.771,
-                                               .inlier_share = 3.252,
-                                               .surfaces = 0.125};
+  static constexpr KeyframeVerdictModel kModel{.intercept = -3.488,
+                                               .independent_significance = 1.495,
+                                               .found_share = 2.402,
+                                               .coverage = 14.999,
+                                               .inlier_share = 6.116};
   return kModel;
 }
 
 Eigen::VectorXd KeyframeFactors(const KeyframeEvidence& evidence) {
-  Eigen::VectorXd factors(6);
-  factors << 1, std::min(1.0, evidence.significance / kNoChance),
-      std::log(kShareByChance + evidence.found_share), evidence.coverage, evidence.inlier_share,
-      evidence.surfaces;
+  Eigen::VectorXd factors(5);
+  factors << 1, std::min(1.0, evidence.independent_significance / kNoChance),
+      std::log(kShareByChance + evidence.found_share), evidence.coverage, evidence.inlier_share;
   return factors;
 }
 
 double ComputeProbability(const KeyframeEvidence& evidence, const KeyframeVerdictModel& model) {
-  Eigen::VectorXd weights(6);
-  weights << model.intercept, model.significance, model.found_share, model.coverage,
-      model.inlier_share, model.surfaces;
-  return Logistic(weights.dot(KeyframeFactors(evidence)));
+  Eigen::VectorXd weights(5);
+  weights << model.intercept, model.independent_significance, model.found_share, model.coverage,
+      model.inlier_share;
+  return Logistic(evidence.significance) * Logistic(weights.dot(KeyframeFactors(evidence)));
 }
 
 }  // namespace waystone

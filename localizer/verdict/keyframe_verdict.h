@@ -7,26 +7,28 @@ namespace waystone {
 
 // What speaks for a place whose keyframe was verified by all its matches.
 struct KeyframeEvidence {
-  double significance = 0;  // that its epipolar geometry isn't by chance (EpipolarSignificance)
+  // That its epipolar geometry isn't by chance, as EpipolarSignificance has it: of the matches, and
+  // of those that are independent of each other (CountIndependent).
+  double significance = 0;
+  double independent_significance = 0;
   // Of the features that should be in the query, those found, by the keyframe or by the place's
   // planes, in [0, 1].
   double found_share = 0;
-  double coverage = 0;      // share of the query's cells where one was found, in [0, 1]
+  double coverage = 0;      // share of the query that is near one that was found, in [0, 1]
   double inlier_share = 0;  // of the keyframe's matches that are inliers, in [0, 1]
-  int surfaces = 0;         // of the place, which agree with each other
 };
 
-// log(p / (1 - p)) = intercept + the weighted sum of the evidence. The significance counts up to
-// where chance is ruled out: a poster has any number of inliers, and may hang on every storey.
-// Surfaces that agree with each other are more than one poster. All of it is evidence for a place,
-// so that no weight is below 0.
+// The probability that matches show one thing, 1 / (1 + the number of false alarms), times that it
+// is the place and not another that shares things with it: log(p / (1 - p)) = intercept + the
+// weighted sum of the evidence. There the independent significance counts up to where chance is
+// ruled out: a poster has any number of inliers, and may hang on every storey. All of it is
+// evidence for a place, so that no weight is below 0.
 struct KeyframeVerdictModel {
   double intercept = 0;
-  double significance = 0;
+  double independent_significance = 0;
   double found_share = 0;
   double coverage = 0;
   double inlier_share = 0;
-  double surfaces = 0;
 };
 
 // The model that holds for any map. It was fitted to rendered buildings (waystone-bench
@@ -34,8 +36,8 @@ struct KeyframeVerdictModel {
 // posters, doors and bare walls, and for other buildings.
 const KeyframeVerdictModel& DefaultKeyframeModel();
 
-// 1, the significance as a share of what rules out chance, the logarithm of found_share (and a
-// little), coverage, inlier_share, surfaces: what the model's coefficients weigh.
+// 1, the independent significance as a share of what rules out chance, the logarithm of found_share
+// (and a little), coverage, inlier_share: what the model's coefficients weigh.
 Eigen::VectorXd KeyframeFactors(const KeyframeEvidence& evidence);
 
 // The probability that a place with this evidence is the query's, in (0, 1).

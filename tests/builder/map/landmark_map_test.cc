@@ -96,8 +96,8 @@ std::unique_ptr<Source> OpenFrames(const std::string& name, int first, int last)
 // for fusing planes, but the keyframes are recognised.
 TEST(LandmarkMap, KeyframesOfTwoVisitsAreLinked) {
   std::vector<std::unique_ptr<Source>> sources;
-  sources.push_back(OpenFrames("begin", 0, 8));
-  sources.push_back(OpenFrames("end", 36, 44));
+  sources.push_back(OpenFrames("begin", 0, 7));
+  sources.push_back(OpenFrames("end", 37, 43));
   const BuildResult built = BuildMap(sources, {}, {});
   ASSERT_FALSE(built.map.links.empty());
   EXPECT_GT(built.report.planes->keyframes_linked, 0);

@@ -488,27 +488,34 @@ TEST(MapIndexLandmarks, TheirRowsComeAfterThePlanes) {
 }
 
 TEST(KeyframeVerdict, EveryKindOfEvidenceSpeaksForAPlace) {
-  const double p = ComputeProbability({6, 0.3, 0.3, 0.6, 1});
-  EXPECT_GT(ComputeProbability({7, 0.3, 0.3, 0.6, 1}), p);
-  EXPECT_GT(ComputeProbability({6, 0.4, 0.3, 0.6, 1}), p);
-  EXPECT_GT(ComputeProbability({6, 0.3, 0.4, 0.6, 1}), p);
-  EXPECT_GT(ComputeProbability({6, 0.3, 0.3, 0.7, 1}), p);
-  EXPECT_GT(ComputeProbability({6, 0.3, 0.3, 0.6, 2}), p);
+  const double p = ComputeProbability({6, 3, 0.3, 0.2, 0.6});
+  EXPECT_GT(ComputeProbability({7, 3, 0.3, 0.2, 0.6}), p);
+  EXPECT_GT(ComputeProbability({6, 4, 0.3, 0.2, 0.6}), p);
+  EXPECT_GT(ComputeProbability({6, 3, 0.4, 0.2, 0.6}), p);
+  EXPECT_GT(ComputeProbability({6, 3, 0.3, 0.3, 0.6}), p);
+  EXPECT_GT(ComputeProbability({6, 3, 0.3, 0.2, 0.7}), p);
 }
 
 TEST(KeyframeVerdict, NothingFoundIsNoPlace) { EXPECT_LT(ComputeProbability({}), 0.01); }
 
 TEST(KeyframeVerdict, MoreInliersThanRuleOutChanceAreNoFurtherEvidence) {
-  EXPECT_EQ(ComputeProbability({50, 0.15, 0.16, 0.6, 1}),
-            ComputeProbability({500, 0.15, 0.16, 0.6, 1}));
+  EXPECT_EQ(ComputeProbability({50, 50, 0.15, 0.1, 0.6}),
+            ComputeProbability({500, 500, 0.15, 0.1, 0.6}));
+}
+
+TEST(KeyframeVerdict, WhatRandomMatchesGiveIsNoPlaceHoweverWellItFits) {
+  EXPECT_LE(ComputeProbability({0, 0, 1, 1, 1}), 0.5);  // one false alarm
+  EXPECT_LT(ComputeProbability({2, 2, 1, 1, 1}), 0.9);
+  EXPECT_GT(ComputeProbability({3, 3, 1, 1, 1}), 0.9);
 }
 
 TEST(KeyframeVerdict, APosterIsNotAPlace) {
-  EXPECT_LT(ComputeProbability({50, 0.13, 0.28, 0.6, 1}), 0.9);  // much of it, little around it
-  EXPECT_LT(ComputeProbability({20, 0.3, 0.12, 0.6, 1}), 0.9);   // in a corner of the image
-  EXPECT_GE(ComputeProbability({20, 0.5, 0.32, 0.7, 0}), 0.9);
-  EXPECT_GE(ComputeProbability({20, 0.1, 0.5, 0.7, 4}), 0.9);   // surfaces all over the image
-  EXPECT_LT(ComputeProbability({0, 0.08, 0.3, 0.45, 0}), 0.1);  // chance
+  EXPECT_LT(ComputeProbability({50, 20, 0.13, 0.2, 0.6}), 0.9);  // much of it, little around it
+  EXPECT_LT(ComputeProbability({20, 12, 0.3, 0.08, 0.6}), 0.9);  // in a corner of the image
+  EXPECT_LT(ComputeProbability({11, 0, 0.4, 0.08, 0.93}), 0.9);  // two corners of a room
+  EXPECT_GE(ComputeProbability({20, 10, 0.5, 0.25, 0.7}), 0.9);
+  EXPECT_GE(ComputeProbability({20, 12, 0.1, 0.4, 0.7}), 0.9);   // all over the image
+  EXPECT_LT(ComputeProbability({0, 0, 0.08, 0.25, 0.45}), 0.1);  // chance
 }
 
 }  // namespace
