@@ -42,6 +42,7 @@ Json KeyframeJson(const ExplainedKeyframe& keyframe) {
   json["keyframe"] = keyframe.keyframe.value;
   json["matches"] = keyframe.matches;
   json["inliers"] = keyframe.inliers;
+  json["independent"] = keyframe.independent;
   json["expected"] = keyframe.expected;
   json["coverage"] = Rounded(keyframe.coverage, 4);
   json["place"] = keyframe.place < 0 ? Json(nullptr) : Json(keyframe.place);

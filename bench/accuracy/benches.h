@@ -55,8 +55,8 @@ int RunCollection(const Args& args);
 // look-alikes [--buildings N] [--first SEED] [--width N] [--budgets yes|no] [--each yes|no]
 // [--set NAME=VALUE]...: rendered buildings asked for their own places, for the same places a
 // storey higher, where much looks alike, and for other buildings; and the weights of the keyframe's
-// verdict fitted to the answers. With budgets, for such a fit, buildings keep 30 to 100 landmarks a
-// keyframe, each another number.
+// verdict fitted to the answers. With budgets, buildings keep 30 to 100 landmarks a keyframe, each
+// another number.
 int RunLookAlikes(const Args& args);
 // storeys [DATA] [--buildings N] [--first SEED] [--each yes|no] [--set NAME=VALUE]...: maps of
 // several look-alike storeys, of rendered buildings and of the tower, asked for photos of each,

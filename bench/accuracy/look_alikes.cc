@@ -131,7 +131,8 @@ class BuildingAsked {
 };
 
 // The logistic regression over all samples with a verified keyframe; no
-// factor's weight is negative. Right and wrong samples weigh the same in sum.
+// factor's weight is negative. Right and wrong samples weigh the same in sum. What is found by
+// chance is among the wrong ones, although the product's other factor judges that, too.
 Eigen::VectorXd FitSigned(const std::vector<LookAlikeSample>& samples) {
   std::vector<LogisticSample> cases;
   double right = 0;
@@ -209,7 +210,7 @@ int RunLookAlikes(const Args& raw) {
   json["default"] = Count(samples, "default", [](const LookAlikeSample& s) { return s.localized; });
   const Eigen::VectorXd fit = FitSigned(samples);
   // By probability alone, without looking for rivals.
-  const KeyframeVerdictModel fitted{fit(0), fit(1), fit(2), fit(3), fit(4)};
+  const KeyframeVerdictModel fitted = KeyframeModelOf(fit);
   json["fitted"] = Count(samples, "fitted", [&](const LookAlikeSample& s) {
     const double probability = s.evidence ? ComputeProbability(*s.evidence, fitted) : s.probability;
     return probability >= GateOptions{}.min_probability;

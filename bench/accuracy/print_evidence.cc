@@ -19,9 +19,11 @@ void PrintEvidence(const char* kind, int query, const Answer& answer, bool right
                 place.probability);
   }
   for (const ExplainedKeyframe& one : answer.planes.explanation->keyframes) {
-    std::printf("  keyframe %lld: %d of %d matches, %d expected, coverage %.2f, place %d\n",
-                static_cast<long long>(one.keyframe.value), one.inliers, one.matches, one.expected,
-                one.coverage, one.place);
+    std::printf(
+        "  keyframe %lld: %d of %d matches, %d independent, %d expected, coverage %.2f, "
+        "place %d\n",
+        static_cast<long long>(one.keyframe.value), one.inliers, one.matches, one.independent,
+        one.expected, one.coverage, one.place);
   }
 }
 

@@ -420,7 +420,9 @@ export interface ExplainedKeyframe {
   keyframe: Id;
   matches: Count;
   inliers: Count;
+  independent: Count;
   expected: Count;
+  /** Share of the query image near an inlier. */
   coverage: number;
   place: number | null;
   /** The inliers: [x, y] in the query and [x, y] in the reference image, px. */

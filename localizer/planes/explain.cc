@@ -43,6 +43,7 @@ ExplainedKeyframe ExplainKeyframe(const MapIndex& index, const VerifiedKeyframe&
   out.keyframe = index.map().keyframes[verified.keyframe].id;
   out.matches = verified.matches;
   out.inliers = verified.distinct;
+  out.independent = verified.independent;
   out.expected = verified.expected;
   out.coverage = verified.coverage;
   out.query_points = verified.query_points;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
 #include <vector>
 
 #include "core/features/features.h"
@@ -17,10 +16,11 @@ bool CanShow(const Features& image, const Eigen::Vector2d& x);
 // Points of which none is nearer than `apart` to one counted before; both in px.
 int CountApart(const std::vector<Eigen::Vector2d>& points, double apart);
 
-// Keypoints among these (rows of `image`) that are independent of each other: SIFT descriptors that
-// see different parts of the image. A corner gives features of many sizes, which are found again
-// together or not at all.
-int CountIndependent(const Features& image, std::span<const int> keypoints);
+// Keypoints of one image that are independent of each other: a corner gives features of many sizes,
+// which are found again together or not at all. SIFT features are independent where what they see
+// hardly overlaps; ORB's and AKAZE's from a smaller distance, which was chosen on rendered
+// buildings.
+int CountIndependent(std::vector<Keypoint> keypoints, FeatureType type);
 
 // Share of a width x height image that is near a point, in [0, 1]: within a disc around it of a
 // fortieth of the image's area. The points lie inside.

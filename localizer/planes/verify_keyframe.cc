@@ -32,9 +32,11 @@ Eigen::Matrix<double, 2, 3> FitAffinity(const VerifiedKeyframe& verified) {
   return from.colPivHouseholderQr().solve(to).transpose();
 }
 
-// EpipolarSignificance for `counted` of the distinct inliers, and as large a share of the matches.
+// EpipolarSignificance for `counted` inliers, of as large a share of the matches as these are of
+// the distinct inliers.
 double SignificanceOf(int counted, const VerifiedKeyframe& verified, const Features& query,
                       double max_error_px) {
+  if (counted == 0) return 0;
   const double share = static_cast<double>(counted) / verified.distinct;
   return EpipolarSignificance(static_cast<int>(std::lround(share * verified.matches)), counted,
                               max_error_px, query.width, query.height);
@@ -101,20 +103,21 @@ VerifiedKeyframe VerifyKeyframe(const MapIndex& index, const Features& query, in
   verified.matches = static_cast<int>(matches.size());
   const auto fit = FindEpipolarGeometry(in_keyframe, in_query, options.epipolar);
   if (!fit) return verified;
-  std::vector<int> keypoints;
+  std::vector<Keypoint> keypoints;
   for (const int row : fit->inliers) {
-    keypoints.push_back(matches[row].b);
+    keypoints.push_back(query.keypoints[matches[row].b]);
     verified.query_points.push_back(in_query[row]);
     verified.keyframe_points.push_back(in_keyframe[row]);
     verified.inliers.push_back({matches[row].b, target.rows[matches[row].a]});
   }
   verified.distinct = CountApart(verified.query_points, options.gates.distinct_px);
+  verified.independent = std::min(verified.distinct, CountIndependent(keypoints, query.type));
   verified.expected = CountExpected(target, verified, query, options.gates.distinct_px);
   verified.coverage = ComputeCoverage(verified.query_points, query.width, query.height);
   const double max_error_px = options.epipolar.max_error_px;
   verified.significance = SignificanceOf(verified.distinct, verified, query, max_error_px);
   verified.independent_significance =
-      SignificanceOf(CountIndependent(query, keypoints), verified, query, max_error_px);
+      SignificanceOf(verified.independent, verified, query, max_error_px);
   return verified;
 }
 

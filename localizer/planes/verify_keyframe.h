@@ -35,8 +35,9 @@ struct VerifiedKeyframe {
   // Features of the keyframe that the inliers put where the query can show them (CanShow).
   int expected = 0;
   double coverage = 0;      // as ComputeCoverage has it for the inliers
+  int independent = 0;      // inliers that CountIndependent counts, at most all distinct ones
   double significance = 0;  // as EpipolarSignificance has it for the distinct inliers
-  // The same for the independent inliers (CountIndependent), among as large a share of the matches.
+  // The same for the independent inliers, among as large a share of the matches.
   double independent_significance = 0;
 };
 

@@ -40,10 +40,11 @@ struct ExplainedCandidate {
 struct ExplainedKeyframe {
   KeyframeId keyframe;
   int matches = 0;
-  int inliers = 0;   // at distinct positions of the query
-  int expected = 0;  // features of the keyframe that the query should show (VerifiedKeyframe)
-  double coverage = 0;
-  int place = -1;  // index in Explanation::places; -1 for one that is in none
+  int inliers = 0;      // at distinct positions of the query
+  int independent = 0;  // of the inliers (CountIndependent)
+  int expected = 0;     // features of the keyframe that the query should show (VerifiedKeyframe)
+  double coverage = 0;  // share of the query near an inlier (ComputeCoverage)
+  int place = -1;       // index in Explanation::places; -1 for one that is in none
   // The inliers, row by row: pixels of the query and of the keyframe.
   std::vector<Eigen::Vector2d> query_points;
   std::vector<Eigen::Vector2d> keyframe_points;

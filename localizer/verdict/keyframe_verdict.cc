@@ -30,11 +30,19 @@ Eigen::VectorXd KeyframeFactors(const KeyframeEvidence& evidence) {
   return factors;
 }
 
+KeyframeVerdictModel KeyframeModelOf(const Eigen::VectorXd& coefficients) {
+  return {.intercept = coefficients(0),
+          .independent_significance = coefficients(1),
+          .found_share = coefficients(2),
+          .coverage = coefficients(3),
+          .inlier_share = coefficients(4)};
+}
+
 double ComputeProbability(const KeyframeEvidence& evidence, const KeyframeVerdictModel& model) {
-  Eigen::VectorXd weights(5);
-  weights << model.intercept, model.independent_significance, model.found_share, model.coverage,
-      model.inlier_share;
-  return Logistic(evidence.significance) * Logistic(weights.dot(KeyframeFactors(evidence)));
+  Eigen::VectorXd coefficients(5);
+  coefficients << model.intercept, model.independent_significance, model.found_share,
+      model.coverage, model.inlier_share;
+  return Logistic(evidence.significance) * Logistic(coefficients.dot(KeyframeFactors(evidence)));
 }
 
 }  // namespace waystone

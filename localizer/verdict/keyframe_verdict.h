@@ -7,8 +7,8 @@ namespace waystone {
 
 // What speaks for a place whose keyframe was verified by all its matches.
 struct KeyframeEvidence {
-  // That its epipolar geometry isn't by chance, as EpipolarSignificance has it: of the matches, and
-  // of those that are independent of each other (CountIndependent).
+  // That its epipolar geometry isn't by chance, as EpipolarSignificance has it: of the distinct
+  // inliers, and of those that are independent of each other (CountIndependent).
   double significance = 0;
   double independent_significance = 0;
   // Of the features that should be in the query, those found, by the keyframe or by the place's
@@ -18,11 +18,12 @@ struct KeyframeEvidence {
   double inlier_share = 0;  // of the keyframe's matches that are inliers, in [0, 1]
 };
 
-// The probability that matches show one thing, 1 / (1 + the number of false alarms), times that it
-// is the place and not another that shares things with it: log(p / (1 - p)) = intercept + the
-// weighted sum of the evidence. There the independent significance counts up to where chance is
-// ruled out: a poster has any number of inliers, and may hang on every storey. All of it is
-// evidence for a place, so that no weight is below 0.
+// A place's probability is a product. One factor is 1 / (1 + e^-significance), which is 1/2 where
+// random matches fit one or more geometries as well. The other, q, says whether it is this place
+// and not another that shares things with it: log(q / (1 - q)) = intercept + the weighted sum of
+// the evidence. There the independent significance counts up to where chance is ruled out: a poster
+// has any number of inliers, and may hang on every storey. All of it is evidence for a place, so
+// that no weight is below 0.
 struct KeyframeVerdictModel {
   double intercept = 0;
   double independent_significance = 0;
@@ -39,6 +40,9 @@ const KeyframeVerdictModel& DefaultKeyframeModel();
 // 1, the independent significance as a share of what rules out chance, the logarithm of found_share
 // (and a little), coverage, inlier_share: what the model's coefficients weigh.
 Eigen::VectorXd KeyframeFactors(const KeyframeEvidence& evidence);
+
+// The model with these coefficients of KeyframeFactors.
+KeyframeVerdictModel KeyframeModelOf(const Eigen::VectorXd& coefficients);
 
 // The probability that a place with this evidence is the query's, in (0, 1).
 double ComputeProbability(const KeyframeEvidence& evidence,

@@ -78,12 +78,15 @@ function Keyframes(props: {
         <caption>
           Keyframes, verified by all matches under one epipolar geometry. Expected are the features
           of the keyframe that the inliers put inside the query image: where few of them are found,
-          the place only looks alike.
+          the place only looks alike. Independent are inliers that see different parts of the
+          query image: few of them may fit by chance. Coverage is the share of the query image near
+          an inlier.
         </caption>
         <thead>
           <tr>
             <th>Show</th><th>Keyframe</th><th class="number wide">Matches</th>
-            <th class="number">Distinct inliers</th><th class="number">Expected</th>
+            <th class="number">Distinct inliers</th><th class="number">Independent</th>
+            <th class="number">Expected</th>
             <th class="number wide">Coverage</th><th class="number">Place</th>
           </tr>
         </thead>
@@ -102,6 +105,7 @@ function Keyframes(props: {
               <td><KeyframeLink map={props.map} id={k.keyframe} /></td>
               <td class="number wide">{k.matches}</td>
               <td class="number">{k.inliers}</td>
+              <td class="number">{k.independent}</td>
               <td class="number">{k.expected}</td>
               <td class="number wide">{percent(k.coverage)}</td>
               <td class="number">{k.place === null ? "–" : k.place + 1}</td>

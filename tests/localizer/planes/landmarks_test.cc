@@ -128,6 +128,23 @@ TEST_F(LandmarkQueryTest, WhatIsClippedIsNotMissing) {
   EXPECT_GT(clipped.distinct, 0.9 * clipped.expected);
 }
 
+TEST_F(LandmarkQueryTest, LargeFeaturesAreFewIndependentOnes) {
+  const auto look = [&](float scale_px) {
+    Features query = Look(points_, {0.1, 0, 0}, 0, 3);
+    for (Keypoint& keypoint : query.keypoints) keypoint.scale_px = scale_px;
+    return query;
+  };
+  const int keyframe = index_->IndexOf(KeyframeId{kFirst});
+  const auto small = VerifyKeyframe(*index_, look(0.5F), keyframe, {});
+  const auto large = VerifyKeyframe(*index_, look(40), keyframe, {});
+  EXPECT_EQ(small.independent, small.distinct);
+  EXPECT_EQ(small.independent_significance, small.significance);
+  EXPECT_EQ(large.significance, small.significance);
+  EXPECT_LT(large.independent, 10);
+  EXPECT_LT(large.independent_significance, 0.1 * large.significance);
+  EXPECT_LT(Ask(look(40)).probability, Ask(look(0.5F)).probability);
+}
+
 TEST_F(LandmarkQueryTest, APlaceWithoutPlanesIsLocalized) {
   for (uint64_t seed = 0; seed < 5; ++seed) {
     const Answer answer = Ask(Look(points_, {0.1, 0.05, 0.1}, 200, seed));
@@ -296,6 +313,8 @@ VerifiedKeyframe MakeVerified(int keyframe, int distinct) {
   verified.matches = 80;
   verified.distinct = distinct;
   verified.expected = 100;
+  verified.significance = 50;
+  verified.independent_significance = 50;
   return verified;
 }
 
@@ -504,9 +523,17 @@ TEST(KeyframeVerdict, MoreInliersThanRuleOutChanceAreNoFurtherEvidence) {
 }
 
 TEST(KeyframeVerdict, WhatRandomMatchesGiveIsNoPlaceHoweverWellItFits) {
-  EXPECT_LE(ComputeProbability({0, 0, 1, 1, 1}), 0.5);  // one false alarm
-  EXPECT_LT(ComputeProbability({2, 2, 1, 1, 1}), 0.9);
-  EXPECT_GT(ComputeProbability({3, 3, 1, 1, 1}), 0.9);
+  const auto probability = [](double significance, double independent_significance) {
+    return ComputeProbability({.significance = significance,
+                               .independent_significance = independent_significance,
+                               .found_share = 1,
+                               .coverage = 1,
+                               .inlier_share = 1});
+  };
+  EXPECT_LE(probability(0, 20), 0.5);  // one or more geometries of random matches
+  EXPECT_LT(probability(2, 20), 0.9);
+  EXPECT_GT(probability(3, 20), 0.9);
+  EXPECT_GT(probability(20, 0), 0.9);
 }
 
 TEST(KeyframeVerdict, APosterIsNotAPlace) {

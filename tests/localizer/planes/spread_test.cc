@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numeric>
 
 namespace waystone {
 namespace {
@@ -16,41 +15,25 @@ TEST(Spread, PointsNearOneCountedBeforeDontCount) {
   EXPECT_EQ(CountApart({{1, 1}, {1, 1}, {1, 1}}, 0), 3);
 }
 
-// Features at those positions, with those sizes.
-Features FeaturesAt(FeatureType type, const std::vector<Keypoint>& keypoints) {
-  Features features;
-  features.type = type;
-  features.keypoints = keypoints;
-  return features;
-}
-
-int CountAll(const Features& features) {
-  std::vector<int> all(features.size());
-  std::iota(all.begin(), all.end(), 0);
-  return CountIndependent(features, all);
-}
-
 TEST(CountIndependent, FeaturesOfOneCornerCountOnce) {
-  EXPECT_EQ(CountAll({}), 0);
-  EXPECT_EQ(CountAll(FeaturesAt(FeatureType::kSift, {{50, 50, 2}, {52, 51, 5}, {47, 50, 9}})), 1);
+  EXPECT_EQ(CountIndependent({}, FeatureType::kSift), 0);
+  EXPECT_EQ(CountIndependent({{50, 50, 2}, {52, 51, 5}, {47, 50, 9}}, FeatureType::kSift), 1);
 }
 
-TEST(CountIndependent, WindowsMayTouch) {
-  const auto count = [](double x) {
-    return CountAll(FeaturesAt(FeatureType::kSift, {{50, 50, 2}, {static_cast<float>(x), 50, 4}}));
+TEST(CountIndependent, TheDistanceIsInScales) {
+  const auto count = [](FeatureType type, float x) {
+    return CountIndependent({{50, 50, 20}, {x, 50, 40}}, type);
   };
-  EXPECT_EQ(count(67.9), 1);
-  EXPECT_EQ(count(68), 2) << "6 of the one and 12 of the other";
+  EXPECT_EQ(count(FeatureType::kSift, 229.9F), 1);
+  EXPECT_EQ(count(FeatureType::kSift, 230.1F), 2) << "6 times the mean of 20 and 40";
+  EXPECT_EQ(count(FeatureType::kOrb, 54.4F), 1);
+  EXPECT_EQ(count(FeatureType::kOrb, 54.6F), 2);
+  EXPECT_EQ(count(FeatureType::kAkaze, 94.9F), 1);
+  EXPECT_EQ(count(FeatureType::kAkaze, 95.1F), 2);
 }
 
 TEST(CountIndependent, SmallOnesComeBeforeALargeOneThatCoversThem) {
-  EXPECT_EQ(CountAll(FeaturesAt(FeatureType::kSift, {{65, 50, 12}, {50, 50, 2}, {80, 50, 2}})), 2);
-}
-
-TEST(CountIndependent, CountsThoseThatAreNamed) {
-  const Features image = FeaturesAt(FeatureType::kSift, {{50, 50, 2}, {150, 50, 2}, {250, 50, 2}});
-  EXPECT_EQ(CountIndependent(image, std::vector{0, 2}), 2);
-  EXPECT_EQ(CountIndependent(image, std::vector{1, 1}), 1);
+  EXPECT_EQ(CountIndependent({{65, 50, 12}, {50, 50, 2}, {80, 50, 2}}, FeatureType::kSift), 2);
 }
 
 TEST(ComputeCoverage, IsTheShareOfTheImageNearAPoint) {
