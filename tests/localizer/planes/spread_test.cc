@@ -55,7 +55,7 @@ TEST(ComputeCoverage, ManyPointsInOneSpotCoverThatSpotWhereverItIs) {
 TEST(ComputeCoverage, IsAtMostOne) {
   std::vector<Eigen::Vector2d> points;
   for (int x = 0; x < 640; x += 20) {
-    for (int y = 0; y < 480; y += 20) points.push_back(Eigen::Vector2d(x, y));
+    for (int y = 0; y < 480; y += 20) points.emplace_back(x, y);
   }
   EXPECT_EQ(ComputeCoverage(points, 640, 480), 1);
 }
