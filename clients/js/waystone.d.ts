@@ -420,7 +420,8 @@ export interface ExplainedKeyframe {
   keyframe: Id;
   matches: Count;
   inliers: Count;
-  independent: Count;
+  /** Inliers that are independent of each other: a corner gives several features, which are found together or not at all. */
+  independent: number;
   expected: Count;
   /** Share of the query image near an inlier. */
   coverage: number;

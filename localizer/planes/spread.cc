@@ -93,8 +93,7 @@ double ComputeCoverage(const std::vector<Vector2d>& points, int width, int heigh
     for (int row = rows.first; row <= rows.last; ++row) {
       for (int column = columns.first; column <= columns.last; ++column) {
         const Vector2d sample = step.cwiseProduct(Vector2d(column + 0.5, row + 0.5));
-        if ((sample - x).squaredNorm() <= radius * radius)
-          covered[row * kSamplesPerSide + column] = true;
+        if (AreNearer(sample, x, radius)) covered[row * kSamplesPerSide + column] = true;
       }
     }
   }

@@ -78,9 +78,9 @@ function Keyframes(props: {
         <caption>
           Keyframes, verified by all matches under one epipolar geometry. Expected are the features
           of the keyframe that the inliers put inside the query image: where few of them are found,
-          the place only looks alike. Independent are inliers that see different parts of the
-          query image: few of them may fit by chance. Coverage is the share of the query image near
-          an inlier.
+          the place only looks alike. A corner gives several features, which count as one
+          independent inlier; a few independent inliers may fit by chance. Coverage is the share of
+          the query image near an inlier.
         </caption>
         <thead>
           <tr>
