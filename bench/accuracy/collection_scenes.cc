@@ -12,9 +12,9 @@
 #include "bench/accuracy/panorama_places.h"
 #include "bench/accuracy/recall_sets.h"
 #include "bench/accuracy/relight.h"
+#include "bench/accuracy/settings.h"
 #include "bench/accuracy/world_source.h"
 #include "builder/appearance/describe_panorama.h"
-#include "builder/working_pixels.h"
 #include "core/image/decode.h"
 #include "localizer/appearance/panorama_features.h"
 #include "world/rig.h"
@@ -98,10 +98,8 @@ Descriptors PoolOf(const MapIndex& index) { return index.search().Rows(0, index.
 MapData BuildOf(std::unique_ptr<Source> source, FeatureType type) {
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(std::move(source));
-  BuildOptions options;
+  BuildOptions options = BuildOptionsFor(type);
   options.images = false;
-  options.features.type = type;
-  options.features.working_pixels = WorkingPixelsFor(type);
   MapData map = BuildMap(sources, options, {}).map;
   map.info.version = kNoHash;
   return map;

@@ -9,9 +9,9 @@
 
 #include "bench/accuracy/common.h"
 #include "bench/accuracy/recall_sets.h"
+#include "bench/accuracy/settings.h"
 #include "bench/accuracy/stopwatch.h"
 #include "bench/baseline/vote_search.h"
-#include "builder/working_pixels.h"
 #include "core/base/error.h"
 #include "core/image/decode.h"
 #include "localizer/planes/locate.h"
@@ -135,9 +135,7 @@ PeerMap BuildPeerMap(const RecallSet& set, const FeatureOptions& features, int l
 
 Json ComparePeers(const RecallSet& set, const std::vector<fs::path>& foreign, FeatureType type,
                   int landmarks) {
-  FeatureOptions features = BuildOptions{}.features;
-  features.type = type;
-  features.working_pixels = WorkingPixelsFor(type);
+  const FeatureOptions features = BuildOptionsFor(type).features;
   const PeerMap map = BuildPeerMap(set, features, landmarks);
   std::vector<int> frames;
   std::vector<Features> images;

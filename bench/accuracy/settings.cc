@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/accuracy/settings.h"
 
-#include "cli/commands/settings.h"
+#include "cli/commands/build_flags.h"
 
 namespace waystone::bench {
 
 BuildOptions TakeBuildSettings(Args& args) {
-  std::vector<std::string> settings;
-  for (std::string each; !(each = TakeOption(args, "set", "")).empty();) settings.push_back(each);
-  BuildOptions options;
-  ApplySettings(settings, options);
-  return options;
+  BuildFlags flags;
+  for (std::string each; !(each = TakeOption(args, "set", "")).empty();) {
+    flags.settings.push_back(each);
+  }
+  return MakeBuildOptions(flags, BuildOptions{}.map_name);
+}
+
+BuildOptions BuildOptionsFor(FeatureType type) {
+  BuildFlags flags;
+  flags.features = std::string(NameOf(type));
+  return MakeBuildOptions(flags, BuildOptions{}.map_name);
 }
 
 }  // namespace waystone::bench

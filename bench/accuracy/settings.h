@@ -9,4 +9,7 @@ namespace waystone::bench {
 // has them. Throws MapError as that does.
 BuildOptions TakeBuildSettings(Args& args);
 
+// Of `waystone build --features TYPE`.
+BuildOptions BuildOptionsFor(FeatureType type);
+
 }  // namespace waystone::bench

@@ -3,13 +3,22 @@
 
 #include <algorithm>
 
-#include "builder/working_pixels.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/settings.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
 
 namespace waystone {
+namespace {
+
+// BuildOptions has the size for SIFT, which also looks at an image of twice the size where a plain
+// one gives too little; ORB and AKAZE don't, and find less in so few pixels (docs/design.md).
+int DefaultWorkingPixels(FeatureType type) {
+  const int of_sift = BuildOptions{}.features.working_pixels;
+  return type == FeatureType::kSift ? of_sift : 2 * of_sift;
+}
+
+}  // namespace
 
 void AddBuildFlags(CLI::App& command, BuildFlags& flags) {
   AddPoseFlags(command, flags.poses);
@@ -56,7 +65,7 @@ BuildOptions MakeBuildOptions(const BuildFlags& flags, const std::string& map_na
   const bool sized = std::ranges::any_of(flags.settings, [](const std::string& setting) {
     return setting.starts_with("features.working_pixels=");
   });
-  if (!sized) options.features.working_pixels = WorkingPixelsFor(options.features.type);
+  if (!sized) options.features.working_pixels = DefaultWorkingPixels(options.features.type);
   options.Check();
   return options;
 }
