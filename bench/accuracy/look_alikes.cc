@@ -133,17 +133,17 @@ class BuildingAsked {
 // The logistic regression over all samples with a verified keyframe; no
 // factor's weight is negative. Right and wrong samples weigh the same in sum. What is found by
 // chance is among the wrong ones, although the product's other factor judges that, too.
-Eigen::VectorXd FitSigned(const std::vector<LookAlikeSample>& samples) {
+KeyframeVerdictModel FitSigned(const std::vector<LookAlikeSample>& samples) {
   std::vector<LogisticSample> cases;
   double right = 0;
   for (const LookAlikeSample& sample : samples) {
     if (!sample.evidence) continue;
-    cases.push_back({KeyframeFactors(*sample.evidence), sample.right});
+    cases.push_back({KeyframeFactorsOf(*sample.evidence), sample.right});
     right += sample.right;
   }
   const double wrong = static_cast<double>(cases.size()) - right;
   for (LogisticSample& one : cases) one.weight = 0.5 / (one.right ? right : wrong) * cases.size();
-  const Eigen::Index n = KeyframeFactors({}).size();
+  constexpr Eigen::Index n = KeyframeFactors::SizeAtCompileTime;
   constexpr double kAny = std::numeric_limits<double>::infinity();
   LogisticPrior prior{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Constant(n, 10),
                       Eigen::VectorXd::Zero(n), Eigen::VectorXd::Constant(n, kAny)};
@@ -208,14 +208,13 @@ int RunLookAlikes(const Args& raw) {
   nlohmann::ordered_json json{
       {"bench", "look-alikes"}, {"buildings", buildings}, {"samples", samples.size()}};
   json["default"] = Count(samples, "default", [](const LookAlikeSample& s) { return s.localized; });
-  const Eigen::VectorXd fit = FitSigned(samples);
+  const KeyframeVerdictModel fitted = FitSigned(samples);
   // By probability alone, without looking for rivals.
-  const KeyframeVerdictModel fitted = KeyframeModelOf(fit);
   json["fitted"] = Count(samples, "fitted", [&](const LookAlikeSample& s) {
     const double probability = s.evidence ? ComputeProbability(*s.evidence, fitted) : s.probability;
     return probability >= GateOptions{}.min_probability;
   });
-  json["fit"] = std::vector<double>(fit.begin(), fit.end());
+  json["fit"] = std::vector<double>(fitted.begin(), fitted.end());
   std::cout << json.dump() << std::endl;
   return 0;
 }

@@ -24,25 +24,19 @@ struct KeyframeEvidence {
 // the evidence. There the independent significance counts up to where chance is ruled out: a poster
 // has any number of inliers, and may hang on every storey. All of it is evidence for a place, so
 // that no weight is below 0.
-struct KeyframeVerdictModel {
-  double intercept = 0;
-  double independent_significance = 0;
-  double found_share = 0;
-  double coverage = 0;
-  double inlier_share = 0;
-};
+//
+// What is weighed: 1, the independent significance as a share of what rules out chance, the
+// logarithm of found_share (and a little), coverage, inlier_share.
+using KeyframeFactors = Eigen::Vector<double, 5>;
+KeyframeFactors KeyframeFactorsOf(const KeyframeEvidence& evidence);
+
+// The weights of these factors, the intercept first.
+using KeyframeVerdictModel = KeyframeFactors;
 
 // The model that holds for any map. It was fitted to rendered buildings (waystone-bench
 // look-alikes): asked for their own places, for the same places on another storey that shares
 // posters, doors and bare walls, and for other buildings.
 const KeyframeVerdictModel& DefaultKeyframeModel();
-
-// 1, the independent significance as a share of what rules out chance, the logarithm of found_share
-// (and a little), coverage, inlier_share: what the model's coefficients weigh.
-Eigen::VectorXd KeyframeFactors(const KeyframeEvidence& evidence);
-
-// The model with these coefficients of KeyframeFactors.
-KeyframeVerdictModel KeyframeModelOf(const Eigen::VectorXd& coefficients);
 
 // The probability that a place with this evidence is the query's, in (0, 1).
 double ComputeProbability(const KeyframeEvidence& evidence,
