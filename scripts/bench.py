@@ -48,6 +48,7 @@ peers                peers DATA --only kitchen,corridor
 cameras              cameras DATA
 look-alikes          look-alikes
 look-alikes-others   look-alikes --first 17 --buildings 8
+look-alikes-photos   look-alikes --first 17 --buildings 8 --every 8
 storeys              storeys DATA
 large-77k            look-alikes --first 17 --buildings 4 --width 1280 --set features.working_pixels=76800
 large-154k           look-alikes --first 17 --buildings 4 --width 1280
@@ -87,7 +88,7 @@ orientation-paper    orientation --scale 0.75 --camera rig --set orientation.tur
 
 # What a bench wants to find in DATA, where it is given the whole of it.
 PHOTOS = ["church", "corridor", "kitchen", "pavilion", "tower"]
-FOLDERS = {"cameras": PHOTOS, "collection": PHOTOS, "joining": PHOTOS, "peers": PHOTOS, "recall": PHOTOS,
+FOLDERS = {"cameras": PHOTOS, "collection": PHOTOS, "joining": PHOTOS, "peers": PHOTOS, "recall": [*PHOTOS, "dealership"],
            "storeys": ["tower"], "visits": PHOTOS,
            "verdicts": ["church/map", "church/query_P8", "corridor", "dealership/rig", "homographies", "kitchen",
                         "street/image_0", "tower", "york_urban"]}

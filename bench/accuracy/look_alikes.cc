@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -59,10 +60,18 @@ bool ShowsTheSame(const World& world, const Camera& camera, const Eigen::Isometr
   return Quantile(errors, 0.5) <= kRight * camera.width;
 }
 
+std::vector<WalkFrame> EveryNth(const std::vector<WalkFrame>& frames, int n) {
+  std::vector<WalkFrame> kept;
+  for (size_t i = 0; i < frames.size(); i += n) kept.push_back(frames[i]);
+  return kept;
+}
+
 class BuildingAsked {
  public:
-  BuildingAsked(int building, BuildOptions options, int width)
+  // The map has every so many images of the tour.
+  BuildingAsked(int building, BuildOptions options, int width, int every)
       : building_(building), renderer_(LookAlikeCamera(width)) {
+    map_walk_.frames = EveryNth(MapTour(world_).frames, every);
     std::vector<std::unique_ptr<Source>> sources;
     sources.push_back(std::make_unique<WorldSource>(world_, renderer_, map_walk_));
     options.images = false;
@@ -126,7 +135,7 @@ class BuildingAsked {
   World world_ = StoreyOf(building_, 0);
   Renderer renderer_;
   Camera working_camera_;  // in pixels of the working image
-  Walk map_walk_ = MapTour(world_);
+  Walk map_walk_;
   std::shared_ptr<const MapIndex> index_;
 };
 
@@ -184,16 +193,17 @@ int RunLookAlikes(const Args& raw) {
   const bool budgets = TakeOption(args, "budgets", "no") == "yes";
   BuildOptions build = TakeBuildSettings(args);
   const int width = std::stoi(TakeOption(args, "width", "640"));
+  const int every = std::max(1, std::stoi(TakeOption(args, "every", "1")));
   const bool each = TakeOption(args, "each", "no") == "yes";
   if (!args.empty()) {
     throw MapError(ErrorCode::kUsage,
-                   "look-alikes takes --buildings N, --first SEED, --width N, --budgets yes|no, "
-                   "--each yes|no and --set NAME=VALUE");
+                   "look-alikes takes --buildings N, --first SEED, --width N, --every N, --budgets "
+                   "yes|no, --each yes|no and --set NAME=VALUE");
   }
   std::vector<LookAlikeSample> samples;
   for (int building = first; building < first + buildings; ++building) {
     if (budgets) build.planes.landmarks.max_kept = 30 + 10 * (building % 8);
-    const std::vector<LookAlikeSample> more = BuildingAsked(building, build, width).Ask();
+    const std::vector<LookAlikeSample> more = BuildingAsked(building, build, width, every).Ask();
     samples.insert(samples.end(), more.begin(), more.end());
     for (const LookAlikeSample& sample : more) {
       if (!each) break;

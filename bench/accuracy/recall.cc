@@ -191,7 +191,10 @@ RecallArgs ParseRecallArgs(const Args& raw) {
 
 int RunRecall(const Args& raw) {
   const RecallArgs args = ParseRecallArgs(raw);
-  const std::vector<RecallSet> sets = ReadRecallSets(args.data);
+  std::vector<RecallSet> sets = ReadRecallSets(args.data);
+  if (const fs::path rig = args.data / "dealership"; fs::exists(rig)) {
+    sets.push_back(ReadRigPhotos(rig));
+  }
   nlohmann::ordered_json json{{"bench", "recall"}, {"sets", nlohmann::ordered_json::array()}};
   for (const RecallSet& one : sets) {
     if (one.name.find(args.only) == std::string::npos) continue;

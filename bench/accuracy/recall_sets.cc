@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "bench/accuracy/common.h"
+#include "bench/accuracy/oriented_set.h"
 #include "bench/accuracy/rgbd_truth.h"
 #include "bench/baseline/scenes.h"
 #include "builder/sources/memory_source.h"
@@ -29,6 +30,8 @@ constexpr double kMaxAngle_rad = std::numbers::pi / 6;
 constexpr double kKitchen_m = 1.5;
 constexpr double kChurch_m = 15;
 constexpr double kPavilion_m = 2.0;
+constexpr double kRigPlaces_m = 5.0;
+constexpr double kLevel = 0.5;  // a camera's axis is at most as steep
 
 struct Viewpoint {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -172,6 +175,33 @@ std::vector<RecallSet> ReadRecallSets(const fs::path& data) {
     throw MapError(ErrorCode::kFileUnreadable, data.string() + " has none of the sets of photos");
   }
   return sets;
+}
+
+RecallSet ReadRigPhotos(const fs::path& folder) {
+  const OrientedSet places = OpenOrientedSet(folder);
+  std::vector<const RigCamera*> level;
+  for (const RigCamera& camera : places.rig.cameras) {
+    if (std::abs(camera.rig_from_camera.linear()(1, 2)) < kLevel) level.push_back(&camera);
+  }
+  RecallSet set{places.name, {}, {}, {}, {}};
+  std::vector<Viewpoint> mapped;
+  std::vector<Viewpoint> asked;
+  const auto add = [&](int place, const RigCamera& camera, std::vector<fs::path>& images,
+                       std::vector<Viewpoint>& views) {
+    images.push_back(folder / "rig" / places.names[place] / (camera.name + ".jpg"));
+    const Eigen::Isometry3d pose = places.world_from_rig[place] * camera.rig_from_camera;
+    views.push_back({pose.translation(), pose.linear().col(2)});
+  };
+  for (const RigCamera* camera : level) {
+    for (int i = 0; i < places.size(); i += 2) add(i, *camera, set.map, mapped);
+  }
+  for (int i = 1; i < places.size(); i += 2) {
+    add(i, *level[i / 2 % level.size()], set.queries, asked);
+  }
+  set.is_right = [mapped, asked](int query, int frame) {
+    return IsNear(asked[query], mapped[frame], kRigPlaces_m);
+  };
+  return set;
 }
 
 RecallSet Exchanged(const RecallSet& set, int max_queries) {

@@ -31,6 +31,11 @@ std::unique_ptr<Source> OpenRecallMap(const RecallSet& set);
 // those of them that `data` has. Throws MapError(kFileUnreadable) where it has none.
 std::vector<RecallSet> ReadRecallSets(const std::filesystem::path& data);
 
+// Photos by the four level cameras of a rig at places some metres apart (OpenOrientedSet, with
+// poses). The map has all of every second place, one camera after the other; a query is by one
+// camera of each other place, in turn.
+RecallSet ReadRigPhotos(const std::filesystem::path& folder);
+
 // The set with its roles exchanged: a map of the queries, asked for at most `max_queries` of the
 // images that the map was made of, every n-th.
 RecallSet Exchanged(const RecallSet& set, int max_queries);

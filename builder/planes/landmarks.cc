@@ -112,24 +112,32 @@ void LandmarkChooser::Finish(MapData& map) {
     for (const PlaneView& view : plane.views) seen[view.keyframe].emplace_back(&plane, &view);
   }
   const int cells = options_.cells * options_.cells;
-  const int share = static_cast<int>(std::ceil(options_.max_crowd * options_.max_kept / cells));
-  const auto lone = static_cast<size_t>(options_.lone_share * options_.max_kept);
   for (Keyframe& keyframe : map.keyframes) {
     const auto found = std::ranges::lower_bound(candidates_, keyframe.id, {}, &Candidates::id);
     if (found == candidates_.end() || found->id != keyframe.id) continue;
     PlanePositions claimed(options_.on_plane_px);
     for (const auto& [plane, view] : seen[keyframe.id]) claimed.Add(*plane, *view);
+    std::vector<const Candidate*> free;  // that no plane has
+    for (const Candidate& candidate : found->ranked) {
+      if (!claimed.Near(PositionOf(candidate.keypoint))) free.push_back(&candidate);
+    }
+    const auto of_planes = static_cast<int>(found->ranked.size() - free.size());
+    const auto found_again = static_cast<int>(std::ranges::count_if(
+        free, [](const Candidate* candidate) { return candidate->found > 0; }));
+    const int missing = std::max(0, options_.max_kept - of_planes - found_again);
+    const int lone = options_.lone_per_found * missing;
+    const int most = std::min(found_again, options_.max_kept) + lone;
+    free.resize(std::min(free.size(), static_cast<size_t>(found_again + lone)));
+    const int share = static_cast<int>(std::ceil(options_.max_crowd * most / cells));
     std::vector<int> filled(cells, 0);
     std::vector<const Candidate*> kept;
     std::vector<const Candidate*> rest;
-    for (const Candidate& candidate : found->ranked) {
-      if (claimed.Near(PositionOf(candidate.keypoint))) continue;
-      if (candidate.found == 0 && kept.size() + rest.size() >= lone) break;
-      (filled[SpreadCell(candidate.keypoint, keyframe, options_.cells)]++ < share ? kept : rest)
-          .push_back(&candidate);
+    for (const Candidate* candidate : free) {
+      (filled[SpreadCell(candidate->keypoint, keyframe, options_.cells)]++ < share ? kept : rest)
+          .push_back(candidate);
     }
     kept.insert(kept.end(), rest.begin(), rest.end());
-    kept.resize(std::min(kept.size(), static_cast<size_t>(options_.max_kept)));
+    kept.resize(std::min(kept.size(), static_cast<size_t>(most)));
     if (kept.empty()) continue;
     keyframe.landmarks.codes = Descriptors(CodeBytes(map.info.feature_type));
     for (const Candidate* candidate : kept) {

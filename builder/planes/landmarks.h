@@ -15,7 +15,7 @@ struct LandmarkOptions {
   int max_kept = 100;
   int neighbours = 2;
   double on_plane_px = 3.0;
-  double lone_share = 0.5;
+  int lone_per_found = 4;
   int cells = 6;
   double max_crowd = 2;
   MatchOptions match;
@@ -33,9 +33,11 @@ struct LandmarkOptions {
         OptionField{
             "on_plane_px", &Self::on_plane_px, AtLeast(0), "px",
             "A feature within this distance of a plane's feature is not stored as a landmark."},
-        OptionField{"lone_share", &Self::lone_share, Closed(0, 1), "",
-                    "Features that were not found again fill up the landmarks to this share of "
-                    "max_kept. Photos without neighbouring photos have no others."},
+        OptionField{
+            "lone_per_found", &Self::lone_per_found, Closed(0, 5), "",
+            "Where fewer features were found again than max_kept, so many others are stored "
+            "for each that is missing: queries find fewer of them. Photos without "
+            "neighbouring photos have no others."},
         OptionField{"cells", &Self::cells, Closed(1, 100), "",
                     "Cells along each side of the image over which landmarks are spread.",
                     OptionUse::kInternal},
@@ -50,7 +52,8 @@ struct LandmarkOptions {
 
 // Chooses the landmarks of keyframes: features that no plane of the map has, spread over the image,
 // first those that most of the keyframes before and after show again, consistently with the
-// epipolar geometry. Holds the features of a few keyframes and the candidates of all. Not
+// epipolar geometry, then several of the strongest others for each of these that is missing. Holds
+// the features of a few keyframes and the candidates of all. Not
 // thread-safe. Deterministic.
 class LandmarkChooser {
  public:

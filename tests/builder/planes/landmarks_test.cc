@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "core/base/error.h"
@@ -16,11 +17,20 @@ namespace {
 using Eigen::Vector2d;
 
 // Points at all depths ahead of a camera that goes aside.
-LandmarkOptions Keep(int max_kept, double lone_share = LandmarkOptions{}.lone_share) {
+LandmarkOptions Keep(int max_kept, int lone_per_found = LandmarkOptions{}.lone_per_found) {
   LandmarkOptions options;
   options.max_kept = max_kept;
-  options.lone_share = lone_share;
+  options.lone_per_found = lone_per_found;
   return options;
+}
+
+// The first of them.
+Features Part(const Features& features, int most) {
+  Features part = features;
+  part.keypoints.resize(std::min(features.size(), most));
+  part.descriptors = Descriptors(features.descriptors.bytes());
+  for (int i = 0; i < part.size(); ++i) part.descriptors.Append(features.descriptors.row(i));
+  return part;
 }
 
 class LandmarksTest : public testing::Test {
@@ -34,8 +44,8 @@ class LandmarksTest : public testing::Test {
 
   // Adds what the camera sees at x, with `clutter` features that are nowhere else.
   void See(LandmarkChooser& chooser, double x, bool starts_stretch, int clutter = 100,
-           double yaw_rad = 0) {
-    Features features = scene_.See(PoseAt(x, 0, 0, yaw_rad));
+           double yaw_rad = 0, int of_scene = 10'000) {
+    Features features = Part(scene_.See(PoseAt(x, 0, 0, yaw_rad)), of_scene);
     for (int i = 0; i < clutter; ++i) {
       features.keypoints.push_back({static_cast<float>(scene_.random().Uniform(0, 640)),
                                     static_cast<float>(scene_.random().Uniform(0, 480)), 8, 0});
@@ -125,11 +135,31 @@ TEST_F(LandmarksTest, AStretchBeginsAnew) {
   for (const Keyframe& keyframe : map_.keyframes) EXPECT_EQ(keyframe.landmarks.size(), 0);
 }
 
-TEST_F(LandmarksTest, ALonePhotoFillsAShareWithItsStrongest) {
-  LandmarkChooser chooser(Keep(80, 0.5));
-  See(chooser, 0, true);
+TEST_F(LandmarksTest, APhotoAloneKeepsSeveralForEachThatIsMissing) {
+  LandmarkChooser chooser(Keep(60, 4));
+  See(chooser, 0, true, 300);
+  for (int i = 0; i < 2; ++i) See(chooser, 0.2 * i, i == 0, 300);
   chooser.Finish(map_);
-  EXPECT_EQ(map_.keyframes[0].landmarks.size(), 40);
+  EXPECT_EQ(map_.keyframes[0].landmarks.size(), 240);
+  for (int i = 1; i < 3; ++i) EXPECT_EQ(map_.keyframes[i].landmarks.size(), 60) << i;
+}
+
+// Neighbours that show little of what it shows leave room for others, as far as no plane has them.
+TEST_F(LandmarksTest, OthersMakeUpForWhatIsMissing) {
+  constexpr int kShared = 40;
+  constexpr int kOfPlane = 20;
+  LandmarkChooser chooser(Keep(100, 3));
+  for (int i = 0; i < 2; ++i) See(chooser, 0, i == 0, 400, 0, kShared);
+  const Features shared = Part(scene_.See(PoseAt(0, 0, 0), 0), kShared);
+  Plane plane;
+  plane.id = {1};
+  plane.reference = {1};
+  for (int i = 0; i < kOfPlane; ++i) plane.features.push_back({shared.keypoints[i], 3, 3});
+  plane.views = {{{1}, Eigen::Matrix3d::Identity(), 10}};
+  map_.planes.push_back(plane);
+  chooser.Finish(map_);
+  EXPECT_NEAR(map_.keyframes[0].landmarks.size(), kShared - kOfPlane + 3 * (100 - kShared), 12);
+  EXPECT_NEAR(map_.keyframes[1].landmarks.size(), kShared + 3 * (100 - kShared), 12);
 }
 
 TEST_F(LandmarksTest, NoneKeepsNone) {
@@ -148,7 +178,7 @@ TEST(ImagePosition, IsKeptToAFractionOfAPixel) {
 
 TEST(LandmarkOptions, BadValuesAreRefused) {
   EXPECT_THROW(Keep(-1).Check(), MapError);
-  EXPECT_THROW(Keep(100, 2).Check(), MapError);
+  EXPECT_THROW(Keep(100, 6).Check(), MapError);
   LandmarkOptions options;
   options.neighbours = 0;
   EXPECT_THROW(options.Check(), MapError);
