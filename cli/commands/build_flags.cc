@@ -28,8 +28,10 @@ void AddBuildFlags(CLI::App& command, BuildFlags& flags) {
       .add_option("--max-features", flags.build.features.max_features, "Maximum features per image")
       ->capture_default_str();
   command
-      .add_option("--landmarks", flags.build.planes.landmarks.max_kept,
-                  "Maximum features per keyframe beside the planes; 0 keeps planes only")
+      .add_option(
+          "--landmarks", flags.build.planes.landmarks.max_kept,
+          "Features per keyframe beside the planes, more where few were found again; 0 keeps "
+          "planes only")
       ->capture_default_str();
   command
       .add_option("--layers", flags.layers,
