@@ -53,8 +53,8 @@ struct LandmarkOptions {
 // Chooses the landmarks of keyframes: features that no plane of the map has, spread over the image,
 // first those that most of the keyframes before and after show again, consistently with the
 // epipolar geometry, then several of the strongest others for each of these that is missing. Holds
-// the features of a few keyframes and the candidates of all. Not
-// thread-safe. Deterministic.
+// the features of a few keyframes and the candidates of all. Not thread-safe.
+// Deterministic.
 class LandmarkChooser {
  public:
   explicit LandmarkChooser(const LandmarkOptions& options);

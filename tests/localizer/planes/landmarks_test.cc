@@ -32,7 +32,7 @@ TEST_F(LandmarkQueryTest, WhatIsClippedIsNotMissing) {
     query.keypoints.push_back(whole.keypoints[i]);
     query.descriptors.Append(whole.descriptors.row(i));
   }
-  const int keyframe = index_->IndexOf(KeyframeId{kFirst});
+  const int keyframe = index_->IndexOf(KeyframeId{kLandmarkKeyframe});
   const auto missing = VerifyKeyframe(*index_, query, keyframe, {});
   for (int i = 0; i < kClippedCells * kClippedCells; ++i) {
     query.clipped.push_back(i % kClippedCells >= kClippedCells / 2);
@@ -50,7 +50,7 @@ TEST_F(LandmarkQueryTest, LargeFeaturesAreFewIndependentOnes) {
     for (Keypoint& keypoint : query.keypoints) keypoint.scale_px = scale_px;
     return query;
   };
-  const int keyframe = index_->IndexOf(KeyframeId{kFirst});
+  const int keyframe = index_->IndexOf(KeyframeId{kLandmarkKeyframe});
   const auto small = VerifyKeyframe(*index_, look(0.5F), keyframe, {});
   const auto large = VerifyKeyframe(*index_, look(40), keyframe, {});
   EXPECT_EQ(small.independent, small.distinct);
@@ -69,7 +69,7 @@ TEST_F(LandmarkQueryTest, APlaceWithoutPlanesIsLocalized) {
     EXPECT_GE(answer.probability, 0.9);
     EXPECT_TRUE(answer.planes.recognised.empty());
     ASSERT_TRUE(answer.planes.keyframe && answer.planes.epipolar);
-    EXPECT_GE(answer.planes.keyframe->id.value, kFirst);
+    EXPECT_GE(answer.planes.keyframe->id.value, kLandmarkKeyframe);
     EXPECT_EQ(answer.planes.epipolar->keyframe.id, answer.planes.keyframe->id);
     EXPECT_GE(answer.planes.epipolar->inliers, 60);
     EXPECT_EQ(CountBestInliers(answer.planes), answer.planes.epipolar->inliers);
@@ -162,7 +162,7 @@ TEST(Shortlist, ManyFeaturesThatResembleOneLandmarkDontOutweighSeveralLandmarks)
   MapData map = MapWithLandmarks();
   const std::vector<Point> elsewhere = MakePoints(2);
   Keyframe keyframe = map.keyframes.back();
-  keyframe.id = KeyframeId{kFirst + 2};
+  keyframe.id = KeyframeId{kLandmarkKeyframe + 2};
   keyframe.stretch = 3;
   keyframe.landmarks = MakeLandmarks(Look(elsewhere, {0, 0, 0}, 0, 1));
   map.keyframes.push_back(keyframe);

@@ -75,7 +75,7 @@ MapData MapWithLandmarks() {
   const std::vector<Point> points = MakePoints(1);
   for (int i = 0; i < 2; ++i) {
     Keyframe keyframe = map.keyframes.back();
-    keyframe.id = KeyframeId{kFirst + i};
+    keyframe.id = KeyframeId{kLandmarkKeyframe + i};
     keyframe.stretch = 2;
     keyframe.source = "landmarks/" + std::to_string(i);
     keyframe.landmarks = MakeLandmarks(Look(points, {0.3 * i, 0, 0}, 0, i));

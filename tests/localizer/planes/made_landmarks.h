@@ -12,7 +12,7 @@
 // Points at all depths, none of which lie on a plane.
 namespace waystone {
 
-inline constexpr int64_t kFirst = 7;  // keyframe of MapWithLandmarks' place, of two
+inline constexpr int64_t kLandmarkKeyframe = 7;  // keyframe of MapWithLandmarks' place, of two
 
 struct Point {
   Eigen::Vector3d x;  // in the first keyframe's camera

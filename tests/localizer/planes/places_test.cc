@@ -28,7 +28,7 @@ struct PosterInTwoPlaces {
     for (int i = 0; i < 2; ++i) {
       map.keyframes[4 + i].landmarks = MakeLandmarks(Look(around_first, {0, 0, 0}, 0, i));
       Keyframe keyframe = map.keyframes[4 + i];
-      keyframe.id = KeyframeId{kFirst + i};
+      keyframe.id = KeyframeId{kLandmarkKeyframe + i};
       keyframe.sequence = SequenceId{2};
       keyframe.stretch = 2;
       keyframe.landmarks = MakeLandmarks(Look(around_second, {0, 0, 0}, 0, i));
@@ -84,11 +84,11 @@ TEST(PosterInTwoPlaces, WhatIsAroundItSaysInWhichOne) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     const Answer first = more_in_first.Ask(more_in_first.Photo(more_in_first.around_first, seed));
     ASSERT_EQ(first.verdict, Verdict::kLocalized) << first.message;
-    EXPECT_LT(first.planes.keyframe->id.value, kFirst);
+    EXPECT_LT(first.planes.keyframe->id.value, kLandmarkKeyframe);
     const Answer second =
         more_in_second.Ask(more_in_second.Photo(more_in_second.around_second, seed));
     ASSERT_EQ(second.verdict, Verdict::kLocalized) << second.message;
-    EXPECT_GE(second.planes.keyframe->id.value, kFirst);
+    EXPECT_GE(second.planes.keyframe->id.value, kLandmarkKeyframe);
   }
 }
 
@@ -117,7 +117,7 @@ TEST(PosterInTwoPlaces, EachVisitHasItsOwnPlanes) {
     made.map.planes[2].views.push_back({KeyframeId{keyframe}, Eigen::Matrix3d::Identity(), 20});
   }
   made.map.planes[0].views.resize(1);
-  for (const int64_t keyframe : {kFirst, kFirst + 1}) {
+  for (const int64_t keyframe : {kLandmarkKeyframe, kLandmarkKeyframe + 1}) {
     made.map.planes[0].views.push_back({KeyframeId{keyframe}, Eigen::Matrix3d::Identity(), 20});
   }
   const auto index = MapIndex::Build(made.map);
