@@ -447,7 +447,7 @@ TEST(Appearance, APhotoOfTheMirrorsShapeIsAskedOfThePlanes) {
     if (ring) map.appearance->mirror->ring = MirrorRing{{320, 240}, 60, 220};
     const auto index = MapIndex::Build(std::move(map));
     cv::Mat photo(480, 640, CV_8UC1);
-    for (int y = 0; y < photo.rows; ++y) photo.row(y).setTo(y / 4);
+    for (int y = 0; y < photo.rows; ++y) photo.row(y).setTo(0.25 * y);
     EXPECT_EQ(LocalizeImage(*index, photo, {}).decided_by, DecidedBy::kFeatures) << ring;
     QueryRequest request;
     request.images = {{"a", "", photo}, {"b", "", photo}};

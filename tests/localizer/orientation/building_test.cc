@@ -120,7 +120,8 @@ TEST(Building, WhatTheQueryLooksAtMayBeBehindTheKeyframe) {
     return Vector2d(f * x.x() / x.z() + 319.5, f * x.y() / x.z() + 239.5);
   };
   for (int i = 0; i < 49; ++i) {
-    const Vector3d x(1.15 + 0.06 * (i % 7), -0.3 + 0.1 * (i / 7), 2);  // on a wall 2 m ahead
+    const int column = i % 7, row = i / 7;
+    const Vector3d x(1.15 + 0.06 * column, -0.3 + 0.1 * row, 2);  // on a wall 2 m ahead
     plane.query_points.push_back(pixel(x));
     plane.reference_points.push_back(pixel(reference_from_query * (x - reference)));
   }
