@@ -81,7 +81,7 @@ struct AliasPair {
   std::vector<AliasPlanes> planes;  // most inliers first; each `a` is near the others', and `b` too
   int inliers = 0;                  // of planes that look alike, none counted twice
   // The part of the features in view at `a` or `b`, whichever is larger, that looks alike: with
-  // GateOptions' ambiguous_share or more, photos from there would be ambiguous. In [0, 1]
+  // GateOptions' ambiguous_share or more, photos from there may be ambiguous. In [0, 1]
   double of_view = 0;
   double shared = 0;  // mean of the planes', weighted by their inliers
   Remedy remedy = Remedy::kMarker;

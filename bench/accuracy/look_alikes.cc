@@ -60,18 +60,12 @@ bool ShowsTheSame(const World& world, const Camera& camera, const Eigen::Isometr
   return Quantile(errors, 0.5) <= kRight * camera.width;
 }
 
-std::vector<WalkFrame> EveryNth(const std::vector<WalkFrame>& frames, int n) {
-  std::vector<WalkFrame> kept;
-  for (size_t i = 0; i < frames.size(); i += n) kept.push_back(frames[i]);
-  return kept;
-}
-
 class BuildingAsked {
  public:
   // The map has every so many images of the tour.
   BuildingAsked(int building, BuildOptions options, int width, int every)
       : building_(building), renderer_(LookAlikeCamera(width)) {
-    map_walk_.frames = EveryNth(MapTour(world_).frames, every);
+    map_walk_ = EveryNth(MapTour(world_), every);
     std::vector<std::unique_ptr<Source>> sources;
     sources.push_back(std::make_unique<WorldSource>(world_, renderer_, map_walk_));
     options.images = false;

@@ -107,6 +107,7 @@ void CountAcross(const MapIndex& index, StoreyFigures& figures) {
 struct StoreysArgs {
   int buildings = 8;
   int first = 17;
+  int every = 1;  // the maps of rendered buildings have every so many images of the tour
   BuildOptions build;
   bool each = false;  // whether to print every answer
 };
@@ -192,7 +193,7 @@ StoreyFigures AskBuilding(int building, const StoreysArgs& args) {
   const Renderer renderer(LookAlikeCamera(640));
   std::vector<World> worlds;
   for (int storey = 0; storey < kStoreys; ++storey) worlds.push_back(StoreyOf(building, storey));
-  const Walk map_walk = MapTour(worlds.front());
+  const Walk map_walk = EveryNth(MapTour(worlds.front()), args.every);
   const Walk query_walk = QueryTour(worlds.front(), building);
   std::vector<Storey> storeys;
   for (const World& world : worlds) {
@@ -236,13 +237,14 @@ int RunStoreys(const Args& raw) {
   StoreysArgs args;
   args.buildings = std::stoi(TakeOption(rest, "buildings", "8"));
   args.first = std::stoi(TakeOption(rest, "first", "17"));
+  args.every = std::max(1, std::stoi(TakeOption(rest, "every", "1")));
   args.each = TakeOption(rest, "each", "no") == "yes";
   args.build = TakeBuildSettings(rest);
   args.build.images = false;
   if (rest.size() > 1) {
     throw MapError(ErrorCode::kUsage,
-                   "storeys takes a folder with data, --buildings N, --first SEED, --each yes|no "
-                   "and --set NAME=VALUE");
+                   "storeys takes a folder with data, --buildings N, --first SEED, --every N, "
+                   "--each yes|no and --set NAME=VALUE");
   }
   nlohmann::ordered_json json{{"bench", "storeys"}, {"buildings", args.buildings}};
   StoreyFigures rendered;

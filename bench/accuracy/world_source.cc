@@ -12,6 +12,12 @@ Walk SpreadOver(const Walk& walk, int count) {
   return chosen;
 }
 
+Walk EveryNth(const Walk& walk, int n) {
+  Walk chosen;
+  for (size_t i = 0; i < walk.frames.size(); i += n) chosen.frames.push_back(walk.frames[i]);
+  return chosen;
+}
+
 RenderedFrame WorldSource::Render(int frame) const {
   RenderOptions options;
   options.lens_blur_px = 0.6;

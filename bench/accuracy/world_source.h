@@ -14,6 +14,9 @@ namespace waystone::bench {
 // `count` frames of a walk, spread over all of it.
 Walk SpreadOver(const Walk& walk, int count);
 
+// Every n-th frame of a walk.
+Walk EveryNth(const Walk& walk, int n);
+
 // A rendered walk as a source: frames are rendered where they would be decoded.
 class WorldSource : public Source {
  public:

@@ -15,7 +15,7 @@ struct LandmarkOptions {
   int max_kept = 100;
   int neighbours = 2;
   double on_plane_px = 3.0;
-  int lone_per_found = 4;
+  int lone_per_found = 6;
   int cells = 6;
   double max_crowd = 2;
   MatchOptions match;
@@ -25,8 +25,9 @@ struct LandmarkOptions {
     using Self = LandmarkOptions;
     return use(
         OptionField{"max_kept", &Self::max_kept, Closed(0, 10'000), "",
-                    "Landmarks stored per keyframe, at 36 bytes each. More recognise more places. "
-                    "0 stores planes only."},
+                    "Landmarks stored per keyframe, at 36 bytes each, and more where few features "
+                    "are found again (lone_per_found). More recognise more places. 0 stores planes "
+                    "only."},
         OptionField{"neighbours", &Self::neighbours, Closed(1, 10), "",
                     "Keyframes before and after in which a landmark is searched for. More select "
                     "repeatable features more reliably and take longer."},
@@ -34,7 +35,7 @@ struct LandmarkOptions {
             "on_plane_px", &Self::on_plane_px, AtLeast(0), "px",
             "A feature within this distance of a plane's feature is not stored as a landmark."},
         OptionField{
-            "lone_per_found", &Self::lone_per_found, Closed(0, 5), "",
+            "lone_per_found", &Self::lone_per_found, Closed(0, 10), "",
             "Where fewer features were found again than max_kept, so many others are stored "
             "for each that is missing: queries find fewer of them. Photos without "
             "neighbouring photos have no others."},

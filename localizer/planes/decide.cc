@@ -370,16 +370,18 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
     answer.planes.runner_up = candidates[1];
     return answer;
   }
+  answer.planes.runner_up = candidates[rivals.front() - places.data()];
+  answer.probability = ProbabilityBeside(places[0], rivals);
+  // What planes give alone doesn't count what is missing, and tells no rival from the place.
+  if (places[0].keyframe && answer.probability >= options.gates.min_probability) return answer;
   answer.verdict = Verdict::kAmbiguous;
   answer.decided_by = DecidedBy::kAmbiguousPlaces;
-  answer.probability = ProbabilityBeside(places[0], rivals);
   answer.planes.keyframe.reset();
   answer.message = "two mapped places match; move a little and query again";
   answer.planes.places.push_back(candidates[0]);
   for (const Place* rival : rivals) {
     answer.planes.places.push_back(candidates[rival - places.data()]);
   }
-  answer.planes.runner_up = answer.planes.places[1];
   return answer;
 }
 

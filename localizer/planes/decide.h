@@ -38,10 +38,9 @@ std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane>
 std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
                               const PlaneQueryOptions& options);
 
-// The places that look as well as the first one, the best, and aren't near it: an answer that has
-// any is ambiguous. Two places are near if a keyframe is near the verified keyframes of both
-// (KeyframesNearThird), or if these were taken in a row (WereTakenInARow), or where a place has
-// none, if planes of both are near.
+// The places that look as well as the first one, the best, and aren't near it. Two places are near
+// if a keyframe is near the verified keyframes of both (KeyframesNearThird), or if these were taken
+// in a row (WereTakenInARow), or where a place has none, if planes of both are near.
 std::vector<const Place*> FindRivals(const MapIndex& index, const std::vector<Place>& places,
                                      const PlaneQueryOptions& options);
 
@@ -63,7 +62,9 @@ KeyframeId NearestKeyframe(const MapIndex& index, const Place& place, const Feat
 
 // The verdict for all planes that were tried, accepted or not, of `shortlisted` ones, and for the
 // places that they and the verified keyframes make (FindPlaces, JoinKeyframes), with everything an
-// answer says about places. Times, names and map are the caller's.
+// answer says about places. Beside rivals (FindRivals), an answer's probability is that of the best
+// place knowing that the query is at one of them at most; the answer is ambiguous where that is too
+// little, or where the best place has no keyframe. Times, names and map are the caller's.
 Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
               const std::vector<VerifiedPlane>& tried, const std::vector<Place>& places,
               const PlaneQueryOptions& options);

@@ -178,7 +178,7 @@ TEST(ImagePosition, IsKeptToAFractionOfAPixel) {
 
 TEST(LandmarkOptions, BadValuesAreRefused) {
   EXPECT_THROW(Keep(-1).Check(), MapError);
-  EXPECT_THROW(Keep(100, 6).Check(), MapError);
+  EXPECT_THROW(Keep(100, 11).Check(), MapError);
   LandmarkOptions options;
   options.neighbours = 0;
   EXPECT_THROW(options.Check(), MapError);

@@ -109,6 +109,46 @@ TEST(PosterInTwoPlaces, ARivalIsOneBehindAPlaceThatIsNear) {
   EXPECT_TRUE(FindRivals(*index, places, {}).empty());
 }
 
+// The query is at one of the places, or at none: the odds of both count.
+TEST(PosterInTwoPlaces, ARivalCountsByHowLikelyItIs) {
+  const PosterInTwoPlaces made;
+  const auto index = MapIndex::Build(made.map);
+  const Features query{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128), {}};
+  std::vector<Place> places(2);
+  places[0].keyframe = MakeVerified(4, 40);
+  places[1].keyframe = MakeVerified(6, 36);
+  const auto ask = [&](double best, double rival) {
+    places[0].probability = best;
+    places[1].probability = rival;
+    return Decide(*index, query, 1, {}, places, {});
+  };
+  const Answer clear = ask(0.99, 0.5);
+  EXPECT_EQ(clear.verdict, Verdict::kLocalized);
+  EXPECT_NEAR(clear.probability, 99.0 / (1 + 99 + 1), 1e-6);
+  EXPECT_EQ(clear.planes.keyframe->id, KeyframeId{5});
+  EXPECT_EQ(clear.planes.runner_up->keyframe.id, KeyframeId{7});
+  EXPECT_TRUE(clear.planes.places.empty());
+  EXPECT_EQ(ask(0.92, 0.5).verdict, Verdict::kAmbiguous);
+  const Answer even = ask(0.99, 0.99);
+  EXPECT_EQ(even.verdict, Verdict::kAmbiguous);
+  EXPECT_LT(even.probability, 0.5);
+  EXPECT_EQ(even.planes.places.size(), 2u);
+}
+
+// What planes give alone doesn't count what is missing.
+TEST(Decide, PlacesOfPlanesAloneThatLookAlikeAreAmbiguous) {
+  const auto index = MapIndex::Build(MadeMap());
+  Features query{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128), {}};
+  for (int i = 0; i < 60; ++i) query.keypoints.push_back({10.0F * i, 5, 8, 0});
+  std::vector<Place> places{MakePlace(*index, 0, 50), MakePlace(*index, 3, 50)};
+  places[0].probability = 0.999;
+  places[1].probability = 0.5;
+  for (Place& place : places) {
+    place.planes.front().reference_from_query.b_from_a = Eigen::Matrix3d::Identity();
+  }
+  EXPECT_EQ(Decide(*index, query, 2, {}, places, {}).verdict, Verdict::kAmbiguous);
+}
+
 // Each visit has the planes that were seen from near it, the poster both.
 TEST(PosterInTwoPlaces, EachVisitHasItsOwnPlanes) {
   PosterInTwoPlaces made;
