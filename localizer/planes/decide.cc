@@ -222,11 +222,13 @@ Answer Describe(const MapIndex& index, const Features& query, const Place& place
   return answer;
 }
 
-// Whether a place has enough of the best one's inliers to be it as well. An epipolar geometry fits
-// some matches of any two images, so that a keyframe alone must be somewhat likely too.
+// Whether the query may be at a place instead of the best one. An epipolar geometry fits some
+// matches of any two images, so that a keyframe must be somewhat likely; planes alone don't count
+// what is missing, so that their inliers say it.
 bool LooksAsWell(const Place& place, const Place& best, const PlaneQueryOptions& options) {
-  if (place.planes.empty() && place.probability < options.gates.min_rival_probability) return false;
-  return CountInliers(place) >= options.gates.ambiguous_share * CountInliers(best);
+  const GateOptions& gates = options.gates;
+  if (place.keyframe && best.keyframe) return place.probability >= gates.min_rival_probability;
+  return CountInliers(place) >= gates.ambiguous_share * CountInliers(best);
 }
 
 // That the best place is right, knowing that the query is at one of the places at most: its odds as

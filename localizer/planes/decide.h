@@ -38,7 +38,8 @@ std::vector<Place> GroupPlaces(const MapIndex& index, std::vector<VerifiedPlane>
 std::vector<Place> FindPlaces(const MapIndex& index, const std::vector<VerifiedPlane>& tried,
                               const PlaneQueryOptions& options);
 
-// The places that look as well as the first one, the best, and aren't near it. Two places are near
+// The places where the query may be instead of the first one, the best, and which aren't near it:
+// somewhat likely ones, or where either has no keyframe, those with enough inliers. Two are near
 // if a keyframe is near the verified keyframes of both (KeyframesNearThird), or if these were taken
 // in a row (WereTakenInARow), or where a place has none, if planes of both are near.
 std::vector<const Place*> FindRivals(const MapIndex& index, const std::vector<Place>& places,

@@ -32,13 +32,14 @@ struct GateOptions {
         OptionField{"max_scale", &GateOptions::max_scale, Above(1), "",
                     "Largest factor by which a homography may enlarge or shrink the query, "
                     "relative to the sizes of both images. Larger factors are fits to noise."},
-        OptionField{"ambiguous_share", &GateOptions::ambiguous_share, OpenLow(0, 1), "",
-                    "A second place with at least this share of the first one's inliers is its "
-                    "rival; beside its rivals the first one must have min_probability. Lower calls "
-                    "more answers ambiguous."},
+        OptionField{
+            "ambiguous_share", &GateOptions::ambiguous_share, OpenLow(0, 1), "",
+            "Where either is known by its planes alone, an answer is ambiguous if a second place "
+            "has at least this share of the first one's inliers. Lower calls more answers "
+            "ambiguous."},
         OptionField{"min_rival_probability", &GateOptions::min_rival_probability, Closed(0, 1), "",
-                    "Smallest probability of a second place known only by a keyframe, since an "
-                    "epipolar geometry fits some matches of any two images.",
+                    "Smallest probability of a second place known by a keyframe, since an epipolar "
+                    "geometry fits some matches of any two images.",
                     OptionUse::kInternal});
   }
   void Check() const;  // throws MapError(kBadOptions)

@@ -100,7 +100,7 @@ export function decisionInWords(answer: Answer): string {
     case "place_probability":
       return `The best place has a confidence of only ${confidence(answer.probability)}; at least ${need} is required.`;
     case "ambiguous_places":
-      return `A second place has at least ${percent(why?.gates.ambiguous_share ?? 0)} of the best place’s inliers. Beside it, the best one’s confidence is ${confidence(answer.probability)}.`;
+      return `Another place matches, too. Beside it, the best one’s confidence is ${confidence(answer.probability)}.`;
     case "shortlist_votes":
       return "No mapped plane has similar features.";
     case "features":

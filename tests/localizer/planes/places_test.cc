@@ -105,7 +105,7 @@ TEST(PosterInTwoPlaces, ARivalIsOneBehindAPlaceThatIsNear) {
   const std::vector<const Place*> rivals = FindRivals(*index, places, {});
   ASSERT_EQ(rivals.size(), 1u);
   EXPECT_EQ(rivals[0]->keyframe->keyframe, 6);
-  places[2].keyframe->distinct = 20;
+  places[2].probability = 0.1;
   EXPECT_TRUE(FindRivals(*index, places, {}).empty());
 }
 
@@ -116,7 +116,7 @@ TEST(PosterInTwoPlaces, ARivalCountsByHowLikelyItIs) {
   const Features query{FeatureType::kSift, 640, 480, 640, 480, {}, Descriptors(128), {}};
   std::vector<Place> places(2);
   places[0].keyframe = MakeVerified(4, 40);
-  places[1].keyframe = MakeVerified(6, 36);
+  places[1].keyframe = MakeVerified(6, 10);
   const auto ask = [&](double best, double rival) {
     places[0].probability = best;
     places[1].probability = rival;
