@@ -59,8 +59,9 @@ int RunCollection(const Args& args);
 // another number.
 int RunLookAlikes(const Args& args);
 // storeys [DATA] [--buildings N] [--first SEED] [--every N] [--each yes|no] [--set NAME=VALUE]...:
-// maps of several look-alike storeys, of rendered buildings and of the tower, asked for photos of
-// each, beside exhaustive image search; and planes and edges that tie storeys together.
+// maps of several look-alike storeys, of every N-th image of rendered buildings and of the tower,
+// asked for photos of each, beside exhaustive image search; and planes and edges that tie storeys
+// together.
 int RunStoreys(const Args& args);
 // visits DATA [--visits N]: maps to which visits of the same place are added one by one, and maps
 // of all of them together, asked for the set's own queries and for photos of other places.

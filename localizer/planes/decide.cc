@@ -225,7 +225,7 @@ Answer Describe(const MapIndex& index, const Features& query, const Place& place
 // Whether the query may be at a place instead of the best one. An epipolar geometry fits some
 // matches of any two images, so that a keyframe must be somewhat likely; planes alone don't count
 // what is missing, so that their inliers say it.
-bool LooksAsWell(const Place& place, const Place& best, const PlaneQueryOptions& options) {
+bool MayBeInstead(const Place& place, const Place& best, const PlaneQueryOptions& options) {
   const GateOptions& gates = options.gates;
   if (place.keyframe && best.keyframe) return place.probability >= gates.min_rival_probability;
   return CountInliers(place) >= gates.ambiguous_share * CountInliers(best);
@@ -276,7 +276,7 @@ std::vector<const Place*> FindRivals(const MapIndex& index, const std::vector<Pl
   std::optional<std::set<int>> near;  // the best place's keyframe
   for (size_t i = 1; i < places.size(); ++i) {
     const Place& place = places[i];
-    if (!LooksAsWell(place, places[0], options)) continue;
+    if (!MayBeInstead(place, places[0], options)) continue;
     if (!places[0].keyframe || !place.keyframe) {
       if (!HaveNearPlanes(index, places[0], place)) rivals.push_back(&place);
       continue;

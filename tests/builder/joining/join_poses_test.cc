@@ -2,6 +2,7 @@
 // Maps with poses that are joined, and that keyframes are removed from.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
