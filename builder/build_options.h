@@ -54,10 +54,10 @@ struct BuildOptions {
                     "Largest share of a sequence's frames that a layer may be unable to use. Above "
                     "it the build fails, since the map would have unexpected gaps."},
         OptionField{"images", &BuildOptions::images, AnyValue(), "",
-                    "Keep a smaller JPEG of each keyframe and node in the map, for "
+                    "Keep a smaller picture of each keyframe and node in the map, for "
                     "people."},
         OptionField{"image_width", &BuildOptions::image_width, Closed(16, 4096), "px",
-                    "Width of those JPEGs. Larger ones show more and take most of a "
+                    "Width of those pictures. Larger ones show more and take most of a "
                     "map's bytes."});
   }
   void Check() const;  // throws MapError(kBadOptions)

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kSmallestImage_px = 16;
 
-std::vector<uint8_t> SmallJpeg(const cv::Mat& grey, const DescribeOptions& options) {
-  return EncodeJpeg(ShrinkToWidth(grey, options.image_width), options.image_quality);
+std::vector<uint8_t> SmallPicture(const cv::Mat& grey, const DescribeOptions& options) {
+  return EncodePicture(ShrinkToWidth(grey, options.image_width), options.image_quality);
 }
 
 bool IsWholeSphere(const Panorama& panorama) {
@@ -35,7 +35,7 @@ void Describe(const Panorama& panorama, const DescribeOptions& options,
   if (options.features.max_kept > 0 && IsWholeSphere(panorama)) {
     described.features = ExtractPanoramaFeatures(panorama.grey, options.features.extract);
   }
-  if (options.image_width > 0) described.jpeg = SmallJpeg(panorama.grey, options);
+  if (options.image_width > 0) described.jpeg = SmallPicture(panorama.grey, options);
 }
 
 }  // namespace

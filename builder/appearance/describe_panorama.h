@@ -40,7 +40,7 @@ struct DescribeOptions {
                     "Width of the thumbnail kept of each panorama; 0 keeps none, otherwise at "
                     "least 16. Wider ones make the map larger."},
         OptionField{"image_quality", &DescribeOptions::image_quality, Closed(1, 100), "",
-                    "JPEG quality of that thumbnail. Higher is clearer and larger."});
+                    "WebP quality of that thumbnail. Higher is clearer and larger."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -17,6 +17,9 @@
 namespace waystone {
 namespace {
 
+// Of WebP. Maps that are joined find their nodes in one another's pictures.
+constexpr int kThumbnailQuality = 95;
+
 OrientedFeatures Oriented(const MappedSequence& mapped, const NodeInWork& node) {
   return {.features = &node.view->features, .frame = &mapped.frames[node.frame]};
 }
@@ -40,7 +43,8 @@ OrientationNode MakeNode(const MappedSequence& mapped, const NodeInWork& work) {
                                             frame.rotation->building_from_rig.toRotationMatrix(),
                                             FindTrajectoryAxis(mapped, work));
   }
-  if (!work.view->thumbnail.empty()) node.jpeg = EncodeJpeg(work.view->thumbnail);
+  if (!work.view->thumbnail.empty())
+    node.jpeg = EncodePicture(work.view->thumbnail, kThumbnailQuality);
   return node;
 }
 

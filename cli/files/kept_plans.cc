@@ -9,6 +9,7 @@
 #include "api/names_file.h"
 #include "cli/files/map_file.h"
 #include "core/base/error.h"
+#include "core/image/encode.h"
 #include "schema/file/file_replacer.h"
 #include "schema/file/map_store.h"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/image/encode.h"
 
+#include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/base/check.h"
@@ -9,20 +10,33 @@
 namespace waystone {
 namespace {
 
-// OpenCV's encoder crashes when libjpeg can't have its first allocations.
-int64_t EncodingBytes(const cv::Mat& image) {
+constexpr int kMaxWebpSide = 16'383;  // px
+
+// OpenCV's encoder crashes when libjpeg can't have its first allocations, and libwebp says only
+// that it failed.
+std::vector<uint8_t> Encode(const cv::Mat& image, const char* extension, int64_t bytes_per_pixel,
+                            const std::vector<int>& flags) {
   constexpr int64_t kWorkspace = 4 << 20;
-  return kWorkspace + 4 * static_cast<int64_t>(image.total());
+  const MemoryReservation room(kWorkspace + bytes_per_pixel * static_cast<int64_t>(image.total()));
+  std::vector<uint8_t> encoded;
+  WS_CHECK(cv::imencode(extension, image, encoded, flags), "OpenCV can't encode the image");
+  return encoded;
 }
 
 }  // namespace
 
 std::vector<uint8_t> EncodeJpeg(const cv::Mat& image, int quality) {
-  const MemoryReservation room(EncodingBytes(image));
-  std::vector<uint8_t> jpeg;
-  WS_CHECK(cv::imencode(".jpg", image, jpeg, {cv::IMWRITE_JPEG_QUALITY, quality}),
-           "OpenCV can't encode a JPEG");
-  return jpeg;
+  return Encode(image, ".jpg", 4, {cv::IMWRITE_JPEG_QUALITY, quality});
+}
+
+std::vector<uint8_t> EncodePicture(const cv::Mat& image, int quality) {
+  if (std::max(image.cols, image.rows) > kMaxWebpSide) return EncodeJpeg(image, quality);
+  return Encode(image, ".webp", 16, {cv::IMWRITE_WEBP_QUALITY, quality});
+}
+
+const char* MediaTypeOf(std::span<const uint8_t> picture) {
+  if (picture.empty()) return "application/octet-stream";
+  return picture[0] == 0xFF ? "image/jpeg" : picture[0] == 'R' ? "image/webp" : "image/png";
 }
 
 }  // namespace waystone

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <span>
 #include <vector>
 
 namespace waystone {
@@ -10,5 +11,13 @@ namespace waystone {
 // A baseline JPEG of an image (CV_8UC1, or CV_8UC3 as BGR); `quality` from 0 to 100. The image
 // isn't empty (WS_CHECK). Throws std::bad_alloc without memory. Thread-safe.
 std::vector<uint8_t> EncodeJpeg(const cv::Mat& image, int quality = 95);
+
+// A picture as maps keep it: a lossy WebP of `quality` from 1 to 100, which takes 0.4 to 0.6 times
+// the bytes of a JPEG that looks as good, or a baseline JPEG where a side exceeds WebP's 16,383 px.
+// Otherwise as EncodeJpeg.
+std::vector<uint8_t> EncodePicture(const cv::Mat& image, int quality);
+
+// "image/jpeg", "image/png" or "image/webp" of a picture that a map keeps, by its first byte.
+const char* MediaTypeOf(std::span<const uint8_t> picture);
 
 }  // namespace waystone

@@ -21,6 +21,7 @@
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
+#include "core/image/encode.h"
 #include "server/http/paging.h"
 #include "server/http/responses.h"
 #include "server/service/home_page.h"
@@ -90,8 +91,8 @@ HttpResponse ImageResponse(const Pictured& of, int width) {
     throw MapError(ErrorCode::kNotFound,
                    "this map stores no images; rebuild it without --no-images");
   }
-  const std::vector<uint8_t> jpeg = width == 0 ? of.jpeg : ShrunkJpeg(of.jpeg, width);
-  return {200, "image/jpeg", std::string(jpeg.begin(), jpeg.end()), {}};
+  const std::vector<uint8_t> picture = width == 0 ? of.jpeg : ShrunkPicture(of.jpeg, width);
+  return {200, MediaTypeOf(picture), std::string(picture.begin(), picture.end()), {}};
 }
 
 // The image of the plan that the request names, or of the first one.

@@ -14,10 +14,10 @@ constexpr int kJpegQuality = 80;  // of copies for people
 
 }  // namespace
 
-std::vector<uint8_t> ShrunkJpeg(const std::vector<uint8_t>& jpeg, int width) {
-  const ImageHeader header = ReadImageHeader(jpeg);
-  if (header.width <= width) return jpeg;
-  const cv::Mat image = DecodeColour(jpeg);
+std::vector<uint8_t> ShrunkPicture(const std::vector<uint8_t>& picture, int width) {
+  const ImageHeader header = ReadImageHeader(picture);
+  if (header.width <= width) return picture;
+  const cv::Mat image = DecodeColour(picture);
   const int height = std::max(1, image.rows * width / image.cols);
   cv::Mat small;
   cv::resize(image, small, {width, height}, 0, 0, cv::INTER_AREA);

@@ -6,8 +6,8 @@
 
 namespace waystone {
 
-// A JPEG at most `width` pixels wide, with its shape; the bytes themselves when they are no wider.
-// Deterministic; thread-safe. Throws MapError(kBadImage).
-std::vector<uint8_t> ShrunkJpeg(const std::vector<uint8_t>& jpeg, int width);
+// A JPEG of a map's picture, at most `width` px wide and of the same shape; the picture itself if
+// it is no wider. Deterministic; thread-safe. Throws MapError(kBadImage).
+std::vector<uint8_t> ShrunkPicture(const std::vector<uint8_t>& picture, int width);
 
 }  // namespace waystone

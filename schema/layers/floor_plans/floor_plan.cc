@@ -177,9 +177,4 @@ PlanImageSize InspectPlanImage(std::span<const uint8_t> image) {
   }
 }
 
-const char* MediaTypeOf(std::span<const uint8_t> image) {
-  if (image.empty()) return "application/octet-stream";
-  return image[0] == 0xFF ? "image/jpeg" : image[0] == 'R' ? "image/webp" : "image/png";
-}
-
 }  // namespace waystone

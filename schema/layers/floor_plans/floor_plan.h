@@ -81,7 +81,4 @@ struct PlanImageSize {
 };
 PlanImageSize InspectPlanImage(std::span<const uint8_t> image);
 
-// "image/png", "image/jpeg" or "image/webp" of such an image.
-const char* MediaTypeOf(std::span<const uint8_t> image);
-
 }  // namespace waystone
