@@ -161,8 +161,8 @@ Json LayerJson(const std::string& map_name, const MapData& map, const Orientatio
          {"heading_rad", frame ? HeadingJson(*frame) : Json(nullptr)},
          {"corridor", FindCorridor(layer, node.frame)},
          {"directions", node.directions},
-         {"image", node.jpeg.empty() ? Json(nullptr)
-                                     : ImagePath(map_name, "orientation", node.frame.value)}});
+         {"image", node.picture.empty() ? Json(nullptr)
+                                        : ImagePath(map_name, "orientation", node.frame.value)}});
   }
   json["edges"] = Json::array();
   for (const OrientationEdge& edge : layer.edges) {
@@ -212,7 +212,8 @@ Json NodeRows::Row(const AppearanceNode& node) const {
   json["y"] = Length(node.pose.y);
   json["heading_rad"] = Angle(node.pose.theta_rad);
   json["features"] = node.features.bearings.size();
-  json["image"] = node.jpeg.empty() ? Json(nullptr) : ImagePath(name_, "appearance", node.id.value);
+  json["image"] =
+      node.picture.empty() ? Json(nullptr) : ImagePath(name_, "appearance", node.id.value);
   return json;
 }
 

@@ -19,15 +19,10 @@ namespace waystone {
 const AppearanceLayer& AppearanceOf(const MapIndex& index);
 const OrientationLayer& OrientationOf(const MapIndex& index);
 
-// The whole layer for drawing, in few fields:
-//   appearance   scale, metres_per_unit, dropped, nodes {id, keyframe, x, y, heading_rad},
-//                edges {a, b, kind, distance}
-//   orientation  step, frames (columns: id, sequence, frame, x, y by
-//   schema/orientation_trajectory.h,
-//                heading_rad, reliable, lines_x, lines_y, lines_z),
-//                nodes {id, keyframe, kind, heading_rad, corridor, directions, image},
-//                edges {a, b, kind, matches}, turns, corridors, corridors_unknown (ids of
-//                sequences of one camera, whose corridors can't be told)
+// The whole layer for drawing: the schemas Appearance and Orientation of clients/openapi.yaml. The
+// latter has its frames in columns, with x and y by ComputeTrajectory
+// (schema/layers/orientation/orientation_trajectory.h); `corridors_unknown` are sequences of one
+// camera, whose corridors can't be told.
 Json LayerJson(const MapData& map, const AppearanceLayer& layer);
 Json LayerJson(const std::string& map_name, const MapData& map, const OrientationLayer& layer);
 

@@ -13,8 +13,8 @@
 namespace waystone {
 namespace {
 
-cv::Mat PictureOf(const std::vector<uint8_t>& jpeg) {
-  if (!jpeg.empty()) return DecodeGrey(jpeg);
+cv::Mat PictureOf(const std::vector<uint8_t>& picture) {
+  if (!picture.empty()) return DecodeGrey(picture);
   throw MapError(ErrorCode::kNotFound, "this map stores no images; rebuild it without --no-images");
 }
 
@@ -73,7 +73,7 @@ Json LinesJson(const MapIndex& index, const Keyframe& keyframe) {
                    "the stored copy of the panorama is too small for line detection; request the "
                    "lines of a node of the orientation layer instead");
   }
-  const cv::Mat picture = PictureOf(keyframe.jpeg);
+  const cv::Mat picture = PictureOf(keyframe.picture);
   return Sized(keyframe.width, keyframe.height,
                LinesJson(picture, ScaledCamera(*camera, picture.cols),
                          index.FindFrame(keyframe.sequence, keyframe.frame),
@@ -81,7 +81,7 @@ Json LinesJson(const MapIndex& index, const Keyframe& keyframe) {
 }
 
 Json LinesJson(const MapIndex& index, const OrientationNode& node) {
-  const cv::Mat picture = PictureOf(node.jpeg);
+  const cv::Mat picture = PictureOf(node.picture);
   const OrientationFrame* frame = FrameOf(OrientationOf(index), node.frame);
   const std::optional<Camera> camera =
       frame ? CameraOf(index, frame->sequence) : std::optional<Camera>();

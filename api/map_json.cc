@@ -2,6 +2,7 @@
 #include "api/map_json.h"
 
 #include <Eigen/Dense>
+#include <utility>
 
 #include "api/history_json.h"
 #include "core/base/text.h"
@@ -43,23 +44,53 @@ Json ReferenceJson(const MapIndex& index, KeyframeId id) {
   return json;
 }
 
-// The planes that a keyframe saw. A walk over all planes: fast enough for people, and the index
-// stays what queries need.
+Json SeenPlaneJson(const MapIndex& index, const Keyframe& keyframe, const Plane& plane,
+                   const PlaneView& view) {
+  Json json;
+  json["id"] = plane.id.value;
+  json["surface"] = index.SurfaceOf(plane.id).value;
+  json["inliers"] = view.inliers;
+  json["reference_from_keyframe"] = ToJson(view.reference_from_keyframe);
+  json["outline"] = ToJson(OutlineIn(keyframe, plane, view));
+  return json;
+}
+
+// The planes that a keyframe saw. A walk over all planes: fast enough for a single keyframe, and
+// the index stays what queries need.
 Json SeenPlanesJson(const MapIndex& index, const Keyframe& keyframe) {
   Json list = Json::array();
   for (const Plane& plane : index.map().planes) {
     for (const PlaneView& view : plane.views) {
-      if (view.keyframe != keyframe.id) continue;
-      Json json;
-      json["id"] = plane.id.value;
-      json["surface"] = index.SurfaceOf(plane.id).value;
-      json["inliers"] = view.inliers;
-      json["reference_from_keyframe"] = ToJson(view.reference_from_keyframe);
-      json["outline"] = ToJson(OutlineIn(keyframe, plane, view));
-      list.push_back(std::move(json));
+      if (view.keyframe == keyframe.id) {
+        list.push_back(SeenPlaneJson(index, keyframe, plane, view));
+      }
     }
   }
   return list;
+}
+
+Json KeyframeWith(Json planes, const std::string& map_name, const MapIndex& index,
+                  const Keyframe& keyframe) {
+  Json json;
+  json["id"] = keyframe.id.value;
+  json["sequence"] = SequenceName(index, keyframe.sequence);
+  json["sequence_id"] = keyframe.sequence.value;
+  json["source"] = keyframe.source;
+  const std::string* place = index.names().OfKeyframe(keyframe.id);
+  json["place"] = place ? Json(*place) : Json(nullptr);
+  json["time_s"] = OrNull(keyframe.time_s);
+  json["stretch"] = keyframe.stretch;
+  json["frame"] = keyframe.frame;
+  json["width"] = keyframe.width;
+  json["height"] = keyframe.height;
+  json["image"] = nullptr;
+  if (!keyframe.picture.empty()) {
+    json["image"] = "/v1/maps/" + EncodeSegment(map_name) + "/keyframes/" +
+                    std::to_string(keyframe.id.value) + "/image";
+  }
+  json["planes"] = std::move(planes);
+  json["landmarks"] = keyframe.landmarks.size();
+  return json;
 }
 
 }  // namespace
@@ -159,26 +190,24 @@ Json GraphJson(const MapIndex& index) {
 }
 
 Json KeyframeJson(const std::string& map_name, const MapIndex& index, const Keyframe& keyframe) {
-  Json json;
-  json["id"] = keyframe.id.value;
-  json["sequence"] = SequenceName(index, keyframe.sequence);
-  json["sequence_id"] = keyframe.sequence.value;
-  json["source"] = keyframe.source;
-  const std::string* place = index.names().OfKeyframe(keyframe.id);
-  json["place"] = place ? Json(*place) : Json(nullptr);
-  json["time_s"] = OrNull(keyframe.time_s);
-  json["stretch"] = keyframe.stretch;
-  json["frame"] = keyframe.frame;
-  json["width"] = keyframe.width;
-  json["height"] = keyframe.height;
-  json["image"] = nullptr;
-  if (!keyframe.jpeg.empty()) {
-    json["image"] = "/v1/maps/" + EncodeSegment(map_name) + "/keyframes/" +
-                    std::to_string(keyframe.id.value) + "/image";
+  return KeyframeWith(SeenPlanesJson(index, keyframe), map_name, index, keyframe);
+}
+
+KeyframeRows::KeyframeRows(std::string map_name, const MapIndex& index)
+    : name_(std::move(map_name)), index_(index) {
+  for (const Plane& plane : index.map().planes) {
+    for (const PlaneView& view : plane.views) seen_[view.keyframe].push_back({&plane, &view});
   }
-  json["planes"] = SeenPlanesJson(index, keyframe);
-  json["landmarks"] = keyframe.landmarks.size();
-  return json;
+}
+
+Json KeyframeRows::Row(const Keyframe& keyframe) const {
+  Json planes = Json::array();
+  if (const auto seen = seen_.find(keyframe.id); seen != seen_.end()) {
+    for (const auto& [plane, view] : seen->second) {
+      planes.push_back(SeenPlaneJson(index_, keyframe, *plane, *view));
+    }
+  }
+  return KeyframeWith(std::move(planes), name_, index_, keyframe);
 }
 
 }  // namespace waystone

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "api/json.h"
 #include "localizer/index/map_index.h"
@@ -31,6 +34,25 @@ Json GraphJson(const MapIndex& index);
 // reference_from_keyframe and outline in the keyframe, and the address of its image (null when
 // images were left out).
 Json KeyframeJson(const std::string& map_name, const MapIndex& index, const Keyframe& keyframe);
+
+// The same for many keyframes of a map, whose planes it walks over once. Thread-safe.
+class KeyframeRows {
+ public:
+  // The index must outlive this.
+  KeyframeRows(std::string map_name, const MapIndex& index);
+
+  Json Row(const Keyframe& keyframe) const;
+
+ private:
+  struct SeenPlane {
+    const Plane* plane;
+    const PlaneView* view;
+  };
+
+  const std::string name_;
+  const MapIndex& index_;
+  std::map<KeyframeId, std::vector<SeenPlane>> seen_;  // by keyframe, in the order of the planes
+};
 
 // A plane's outline as a keyframe saw it, clipped to the keyframe, px.
 std::vector<Eigen::Vector2d> OutlineIn(const Keyframe& keyframe, const Plane& plane,

@@ -41,15 +41,25 @@ class JsonWatch {
     if (!ends && ++values_ > bounds_.values) RefuseRequest("the JSON has too many values");
     if (event == Json::parse_event_t::object_start) names_.emplace_back();
     if (event == Json::parse_event_t::object_end) names_.pop_back();
-    if (event != Json::parse_event_t::key) return;
-    const auto& name = value.get_ref<const std::string&>();
+    if (event == Json::parse_event_t::key) SeeName(value.get_ref<const std::string&>());
+  }
+
+ private:
+  void SeeName(const std::string& name) {
+    if (name.size() > kMaxFieldBytes) {
+      RefuseRequest("the JSON has a field whose name has " + std::to_string(name.size()) +
+                    " bytes; the limit is " + std::to_string(kMaxFieldBytes));
+    }
     if (!names_.back().insert(name).second) {
       RefuseRequest("the JSON has the field " + QuoteShortened(name) +
                     " more than once in an object; give it once");
     }
+    if (names_.back().size() > kMaxFields) {
+      RefuseRequest("the JSON has an object of more than " + std::to_string(kMaxFields) +
+                    " fields; leave out those that aren't known");
+    }
   }
 
- private:
   const JsonBounds bounds_;
   int values_ = 0;
   std::vector<std::set<std::string>> names_;

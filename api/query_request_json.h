@@ -61,6 +61,10 @@ struct JsonBounds {
 // Beyond any request, and beyond any answer.
 constexpr JsonBounds kRequestBounds{8, 20'000};
 constexpr JsonBounds kAnswerBounds{32, 1'000'000};
+// Of one object and of a field's name, whatever is parsed: the parser compares each name with all
+// before it. No object of ours comes near.
+constexpr size_t kMaxFields = 64;
+constexpr size_t kMaxFieldBytes = 200;
 
 // Refuses what is over the bounds, and objects that have a field twice.
 Json ParseJson(std::string_view text, const JsonBounds& bounds = kRequestBounds);

@@ -7,9 +7,11 @@
 #include <cstdlib>
 #include <exception>
 #include <fstream>
+#include <optional>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "schema/file/sha256.h"
 
 namespace waystone {
@@ -29,6 +31,17 @@ constexpr int kServerError = 500;  // and above
 
 bool IsSuccess(int status) { return status >= 200 && status < 300; }
 
+// Whether an origin has no port, or one from 1 to 65535: the library doesn't check it.
+bool HasUsablePort(const std::string& origin) {
+  const size_t bracket = origin.rfind(']');  // behind an IPv6 address
+  const size_t host = bracket == std::string::npos ? origin.find("://") + 3 : bracket;
+  const size_t colon = origin.find(':', host);
+  if (colon == std::string::npos) return true;
+  constexpr int64_t kMostPort = 65'535;
+  const std::optional<int64_t> port = ToInteger(origin.substr(colon + 1));
+  return port && 1 <= *port && *port <= kMostPort;
+}
+
 class HttpStore : public Store {
  public:
   explicit HttpStore(const std::string& base) {
@@ -39,6 +52,11 @@ class HttpStore : public Store {
                      "'" + base + "' names no host; give http(s)://HOST/PATH (--store)");
     }
     origin_ = base.substr(0, path);
+    if (!HasUsablePort(origin_)) {
+      throw MapError(
+          ErrorCode::kUsage,
+          "'" + base + "' has no port from 1 to 65535; give http(s)://HOST:PORT/PATH (--store)");
+    }
     prefix_ = base.substr(path);
     while (!prefix_.empty() && prefix_.back() == '/') prefix_.pop_back();
     const char* token = std::getenv("WAYSTONE_STORE_TOKEN");

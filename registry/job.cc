@@ -28,7 +28,7 @@ void CheckRange(const std::string& name, int value, int least, int most) {
 void CheckJobSpec(const JobSpec& spec) {
   CheckMapName(spec.name);
   CheckTags(spec.tags);
-  if (spec.sources.empty()) throw MapError(ErrorCode::kUsage, "no source given; give one at least");
+  if (spec.sources.empty()) throw MapError(ErrorCode::kUsage, "no source given; give at least one");
   CheckRange("--part-frames", spec.part_frames, kLeastPartFrames, kMostPartFrames);
   CheckRange("--attempts", spec.max_attempts, 1, kMostAttempts);
   const Json kept = Json::parse(TextOf(spec));

@@ -97,7 +97,6 @@ class JobQueue {
   struct Held;  // what a transaction has found of a lease
 
   bool Exists();
-  void CheckFormat();
   void Create();
   std::string LockJob(int64_t job);
   Held LockLease(const JobLease& lease);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/postgres_database.h"
 
+#include <poll.h>
+
 #include <array>
+#include <cstdio>
 #include <utility>
 
 #include "core/base/error.h"
@@ -13,7 +16,8 @@ namespace {
 // Any number: of this program's advisory locks there is one.
 constexpr const char* kCreationLock = "SELECT pg_advisory_xact_lock(8390880602276785)";
 
-// A program that was paused or cut off in a transaction doesn't hold the others back for long.
+// A program that was paused or cut off in a transaction doesn't hold the others back for long. What
+// the database ends itself must come before kAnswerS.
 constexpr const char* kOptions =
     "-c lock_timeout=30s -c statement_timeout=60s -c idle_in_transaction_session_timeout=30s";
 
@@ -36,7 +40,7 @@ void FailDatabase(ErrorCode code, const std::string& cause) {
                            "; check the address postgresql://... and that the server runs");
 }
 
-Database::Database(const std::string& url) {
+Database::Database(const std::string& url, double answer_s) : answer_s_(answer_s) {
   // What the address says comes later and counts. Nothing waits for a dead machine for long.
   const std::array<std::pair<const char*, const char*>, 7> settings{
       {{"connect_timeout", "3"},
@@ -55,9 +59,11 @@ Database::Database(const std::string& url) {
   names.insert(names.end(), {"dbname", "client_encoding", nullptr});
   values.insert(values.end(), {url.c_str(), "UTF8", nullptr});
   connection_.reset(PQconnectdbParams(names.data(), values.data(), 1));
-  if (!connection_ || PQstatus(connection_.get()) != CONNECTION_OK) Fail();
+  if (!connection_) FailDatabase(ErrorCode::kRegistryUnavailable, "out of memory");
+  if (PQstatus(connection_.get()) != CONNECTION_OK) Fail();
   PQsetNoticeProcessor(
       connection_.get(), [](void*, const char*) {}, nullptr);
+  if (PQsetnonblocking(connection_.get(), 1) != 0) Fail();
 }
 
 Result Database::Run(const std::string& sql, const std::vector<std::string>& parameters) {
@@ -65,14 +71,47 @@ Result Database::Run(const std::string& sql, const std::vector<std::string>& par
   values.reserve(parameters.size());
   for (const std::string& parameter : parameters) values.push_back(parameter.c_str());
   // Several statements at once go without parameters alone.
-  Result result(parameters.empty()
-                    ? PQexec(connection_.get(), sql.c_str())
-                    : PQexecParams(connection_.get(), sql.c_str(), static_cast<int>(values.size()),
-                                   nullptr, values.data(), nullptr, nullptr, 0));
+  const int sent = parameters.empty() ? PQsendQuery(connection_.get(), sql.c_str())
+                                      : PQsendQueryParams(connection_.get(), sql.c_str(),
+                                                          static_cast<int>(values.size()), nullptr,
+                                                          values.data(), nullptr, nullptr, 0);
+  if (sent == 0) Fail();
+  Result result = Answer();
   const ExecStatusType status = PQresultStatus(result.get());
   if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK) return result;
   const char* state = PQresultErrorField(result.get(), PG_DIAG_SQLSTATE);
   Fail(state && !IsPassing(state) ? ErrorCode::kFileUnreadable : ErrorCode::kRegistryUnavailable);
+}
+
+// The result of the last statement that was run: the one that failed, if any.
+Result Database::Answer() {
+  const Clock::time_point start = Clock::now();
+  Result last;
+  while (true) {
+    WaitForAnswer(start);
+    Result next(PQgetResult(connection_.get()));
+    if (!next) return last;
+    last = std::move(next);
+  }
+}
+
+// Waits for the next result, at most answer_s_ from `start` on. libpq's own waiting has no end: the
+// machine of a server that is frozen keeps the connection alive.
+void Database::WaitForAnswer(Clock::time_point start) {
+  constexpr int kPauseMs = 1000;
+  while (true) {
+    const int unsent = PQflush(connection_.get());
+    if (unsent < 0) Fail();
+    if (unsent == 0 && PQisBusy(connection_.get()) == 0) return;
+    if (SecondsSince(start) > answer_s_) {
+      connection_.reset();
+      Fail();
+    }
+    const short sending = unsent > 0 ? POLLOUT : 0;
+    pollfd socket{PQsocket(connection_.get()), static_cast<short>(POLLIN | sending), 0};
+    poll(&socket, 1, kPauseMs);
+    if (PQconsumeInput(connection_.get()) == 0) Fail();
+  }
 }
 
 bool Database::TakeNotifications() {
@@ -86,7 +125,10 @@ bool Database::TakeNotifications() {
 }
 
 void Database::Fail(ErrorCode code) const {
-  FailDatabase(code, connection_ ? PQerrorMessage(connection_.get()) : "out of memory");
+  if (connection_) FailDatabase(code, PQerrorMessage(connection_.get()));
+  char text[64];
+  std::snprintf(text, sizeof text, "no answer within %g s", answer_s_);
+  FailDatabase(code, text);
 }
 
 Transaction::~Transaction() {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/clock.h"
 #include "core/base/error.h"
 
 // A connection to PostgreSQL: inside registry only.
@@ -25,12 +26,16 @@ struct FreeConnection {
 // Throws MapError with the first line of the cause.
 [[noreturn]] void FailDatabase(ErrorCode code, const std::string& cause);
 
+// How long the answer to a statement is waited for: a little longer than the database lets it run,
+// so that only a database that is frozen is given up.
+constexpr double kAnswerS = 65;
+
 // One connection, for one thread. All functions throw as FailDatabase does: kRegistryUnavailable
 // for a database that can't be reached, or may do it later, and kFileUnreadable for what it
-// refuses.
+// refuses. Where an answer took longer than `answer_s`, the connection is closed.
 class Database {
  public:
-  explicit Database(const std::string& url);
+  explicit Database(const std::string& url, double answer_s = kAnswerS);
 
   Result Run(const std::string& sql, const std::vector<std::string>& parameters = {});
   // Whether there was a notification since the last call.
@@ -39,8 +44,11 @@ class Database {
   int socket() const { return PQsocket(connection_.get()); }
 
  private:
+  Result Answer();
+  void WaitForAnswer(Clock::time_point start);
   [[noreturn]] void Fail(ErrorCode code = ErrorCode::kRegistryUnavailable) const;
 
+  const double answer_s_;
   std::unique_ptr<PGconn, FreeConnection> connection_;
 };
 

@@ -44,7 +44,7 @@ CREATE TABLE waystone.maps (
 );
 )sql";
 
-// Columns as Row() reads them.
+// Columns as VersionIn() reads them.
 constexpr const char* kVersionColumns = "v.name, v.number, v.sha256, v.bytes, v.details";
 
 MapVersion VersionIn(const Result& result, int row) {

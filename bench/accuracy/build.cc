@@ -55,7 +55,7 @@ StageCost ExtractAlone(const Args& paths, int frames) {
 int64_t BytesOf(const MapData& map) {
   int64_t bytes = 0;
   for (const Keyframe& keyframe : map.keyframes) {
-    bytes += static_cast<int64_t>(sizeof(Keyframe)) + std::ssize(keyframe.jpeg);
+    bytes += static_cast<int64_t>(sizeof(Keyframe)) + std::ssize(keyframe.picture);
   }
   for (const Plane& plane : map.planes) {
     bytes += std::ssize(plane.features) * static_cast<int64_t>(sizeof(PlaneFeature)) +

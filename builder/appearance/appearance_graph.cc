@@ -43,7 +43,7 @@ class GraphMaker {
       node.time_s = frame.info.time_s;
       node.pose = poses_.poses[i];
       node.signature = frame.signature;
-      node.jpeg = std::move(frame.jpeg);
+      node.picture = std::move(frame.picture);
       node.features = std::move(frame.kept);
       graph_.layer.nodes.push_back(std::move(node));
     }

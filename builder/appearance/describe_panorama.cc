@@ -35,7 +35,7 @@ void Describe(const Panorama& panorama, const DescribeOptions& options,
   if (options.features.max_kept > 0 && IsWholeSphere(panorama)) {
     described.features = ExtractPanoramaFeatures(panorama.grey, options.features.extract);
   }
-  if (options.image_width > 0) described.jpeg = SmallPicture(panorama.grey, options);
+  if (options.image_width > 0) described.picture = SmallPicture(panorama.grey, options);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ struct DescribeOptions {
 
   static constexpr auto Fields(const auto& use) {
     return use(
-        OptionField{"trajectory_rows", &DescribeOptions::trajectory_rows, Closed(1, 1024), "",
+        OptionField{"trajectory_rows", &DescribeOptions::trajectory_rows, Closed(2, 1024), "",
                     "Rows of the signatures that odometry and loops are estimated with; the map "
                     "doesn't keep them. More estimate headings and steps more accurately."},
         OptionGroup{"signature", &DescribeOptions::signature},
@@ -52,7 +52,7 @@ struct DescribedPanorama : Observation {
   ElevationBand band;                     // that the signature's rows span
   std::optional<LayerMirror> mirror;      // that the image was unwrapped by
   BearingFeatures features;
-  std::vector<uint8_t> jpeg;
+  std::vector<uint8_t> picture;
 };
 
 // Describes one frame; one that is no usable panorama comes with its error. Thread-safe.

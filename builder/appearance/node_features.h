@@ -26,7 +26,7 @@ struct NodeFeatureOptions {
         OptionField{"sectors", &NodeFeatureOptions::sectors, Closed(1, 360), "",
                     "Sectors of the horizon, above and below it, over which features are spread.",
                     OptionUse::kInternal},
-        OptionField{"max_crowd", &NodeFeatureOptions::max_crowd, AtLeast(1), "",
+        OptionField{"max_crowd", &NodeFeatureOptions::max_crowd, Closed(1, 1000), "",
                     "A sector is filled beyond this multiple of its even share only when the other "
                     "sectors have no more features.",
                     OptionUse::kInternal},

@@ -10,8 +10,6 @@ namespace {
 // Longer runs are too costly to try, and interpolation over them says nothing.
 constexpr int kLongestRun = 64;
 
-double Trajectory(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
-
 class Keeper {
  public:
   Keeper(const std::vector<FourierSignature>& signatures, const std::vector<Pose2>& poses,
@@ -22,7 +20,7 @@ class Keeper {
     mean_ /= static_cast<float>(signatures.size());
     trajectory_ = {0};
     for (size_t i = 1; i < poses.size(); ++i) {
-      trajectory_.push_back(trajectory_.back() + Trajectory(poses[i - 1], poses[i]));
+      trajectory_.push_back(trajectory_.back() + Apart(poses[i - 1], poses[i]));
     }
   }
 

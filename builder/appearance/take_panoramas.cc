@@ -32,7 +32,7 @@ void PanoramaTaker::Take(DescribedPanorama panorama) {
   TakeFeatures(std::move(panorama.features));
   taken_.signatures.push_back(std::move(panorama.trajectory_signature));
   taken_.frames.push_back(
-      {std::move(panorama.info), std::move(panorama.signature), std::move(panorama.jpeg), {}});
+      {std::move(panorama.info), std::move(panorama.signature), std::move(panorama.picture), {}});
 }
 
 void PanoramaTaker::FinishSequence(const FrameReport& sequence) {

@@ -15,7 +15,7 @@ namespace waystone {
 struct TakenFrame {
   FrameInfo info;
   FourierSignature signature;
-  std::vector<uint8_t> jpeg;
+  std::vector<uint8_t> picture;
   NodeFeatures kept;
 };
 
@@ -62,7 +62,7 @@ class PanoramaTaker {
 
   const AppearanceOptions& options_;
   NodeFeatureChooser chooser_;
-  int stride_ = 1;    // every so-manieth panorama is a sample
+  int stride_ = 1;    // one in so many panoramas is a sample
   std::string name_;  // of the sequence
   TakenPanoramas taken_;
 };

@@ -19,8 +19,6 @@
 namespace waystone {
 namespace {
 
-double Apart(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
-
 // Places of the map by how it was driven: nodes that follow each other, or that a loop joins, are
 // neighbours however far the odometry drifted between them. Floors lie above each other.
 class Surroundings {

@@ -16,7 +16,7 @@ MapData CopyPlanes(const MapData& map) {
   part.keyframes.reserve(map.keyframes.size());
   for (const Keyframe& keyframe : map.keyframes) {
     part.keyframes.push_back(keyframe);
-    part.keyframes.back().jpeg = std::vector<uint8_t>();  // frees it, unlike clear()
+    part.keyframes.back().picture = std::vector<uint8_t>();  // frees it, unlike clear()
   }
   return part;
 }
@@ -27,7 +27,7 @@ MapData CopyPanoramas(const MapData& map) {
   part.sequences = map.sequences;
   part.appearance = map.appearance;
   part.poses = map.poses;
-  for (AppearanceNode& node : part.appearance->nodes) node.jpeg = std::vector<uint8_t>();
+  for (AppearanceNode& node : part.appearance->nodes) node.picture = std::vector<uint8_t>();
   return part;
 }
 

@@ -26,7 +26,8 @@ struct CalibrationOptions {
         OptionField{"max_keyframes", &CalibrationOptions::max_keyframes, AtLeast(2), "",
                     "Keyframes with which the finished map is queried. More fit the model better, "
                     "at about 30 ms each."},
-        OptionField{"rendered_negatives", &CalibrationOptions::rendered_negatives, AtLeast(0), "",
+        OptionField{"rendered_negatives", &CalibrationOptions::rendered_negatives,
+                    Closed(0, 100'000), "",
                     "Additional query images of a rendered building, which is not in the map. "
                     "About 100 ms each."},
         OptionGroup{"localize", &CalibrationOptions::localize},

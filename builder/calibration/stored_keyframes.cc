@@ -20,7 +20,7 @@ std::vector<const Keyframe*> ChoosePictures(const std::vector<Keyframe>& keyfram
   std::vector<const Keyframe*> with_picture;
   KeyframeSample sample(max_keyframes);
   for (const Keyframe& keyframe : keyframes) {
-    if (keyframe.jpeg.empty()) continue;
+    if (keyframe.picture.empty()) continue;
     // Ids stand for places in the list.
     with_picture.push_back(&keyframe);
     sample.Add(KeyframeId{std::ssize(with_picture)}, {});
@@ -35,10 +35,10 @@ std::vector<const Keyframe*> ChoosePictures(const std::vector<Keyframe>& keyfram
 }  // namespace
 
 std::optional<Features> FeaturesOfPicture(const Keyframe& keyframe, const FeatureOptions& options) {
-  if (keyframe.jpeg.empty()) return std::nullopt;
+  if (keyframe.picture.empty()) return std::nullopt;
   cv::Mat picture;
   try {
-    picture = ShrinkToWidth(DecodeGrey(keyframe.jpeg), keyframe.width);
+    picture = ShrinkToWidth(DecodeGrey(keyframe.picture), keyframe.width);
   } catch (const MapError&) {
     return std::nullopt;
   }

@@ -5,7 +5,8 @@
 
 namespace waystone {
 
-// The picture `width_px` wide, averaged over areas; itself where it isn't wider than that.
+// The picture at most `width_px` wide and kMaxPictureSide high, averaged over areas; itself where
+// it is no larger than that. Thread-safe.
 cv::Mat ShrinkToWidth(const cv::Mat& picture, int width_px);
 
 }  // namespace waystone

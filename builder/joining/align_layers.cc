@@ -17,8 +17,6 @@ constexpr double kBend = 0.25;  // of the distance between two panoramas
 // Panoramas nearer to each other than this many of their sigmas say nothing of the scale.
 constexpr double kScaleSigmas = 2;
 
-double Apart(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
-
 // In the unit of `to`, of which `scale` are one of `from`.
 double SigmaOf(const PoseInLayers& pose, double scale) {
   return (pose.answered_in_from ? scale : 1) * pose.position_sigma;

@@ -34,6 +34,7 @@ class NewIds {
   }
 
   IdType operator()(IdType old) const { return ids_.at(old); }
+  const std::map<IdType, IdType>& all() const { return ids_; }
 
  private:
   std::map<IdType, IdType> ids_;
@@ -73,7 +74,7 @@ void AppendPanoramas(AppearanceLayer from, std::optional<AppearanceLayer>& to) {
     to = std::move(from);
     return;
   }
-  to->dropped += from.dropped;
+  to->dropped += std::min(from.dropped, std::numeric_limits<int>::max() - to->dropped);
   if (!to->mirror) to->mirror = from.mirror;
   if (to->metres_per_unit != from.metres_per_unit) to->metres_per_unit.reset();
   MoveBehind(from.nodes, to->nodes);
@@ -166,6 +167,10 @@ void PutNodesIntoFrame(MapData& map) {
   for (AppearanceNode& node : map.appearance->nodes) {
     if (const NodePose* pose = map.poses->Find(node.id)) node.pose = above.Of(*pose);
   }
+}
+
+std::map<SequenceId, SequenceId> AppendedSequences(const MapData& from, const MapData& to) {
+  return NewIds<SequenceId>(to.sequences, from.sequences).all();
 }
 
 void AppendMap(MapData from, MapData& to) {

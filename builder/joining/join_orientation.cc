@@ -53,9 +53,9 @@ BearingFeatures FeaturesOfNode(const OrientationNode& node, const Sequence& sequ
   BearingFeatures none;
   none.type = options.features.type;
   none.descriptors = Descriptors(DescriptorBytes(none.type));
-  if (node.jpeg.empty()) return none;
+  if (node.picture.empty()) return none;
   try {
-    const cv::Mat picture = DecodeGrey(node.jpeg);
+    const cv::Mat picture = DecodeGrey(node.picture);
     const std::optional<Camera> camera = CameraOfPicture(sequence, picture.size());
     if (!camera) return none;
     return ExtractBearings(RigOfOne(*camera), std::vector<cv::Mat>{picture}, options);

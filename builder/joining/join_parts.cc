@@ -15,9 +15,9 @@ using Picture = std::vector<uint8_t>;
 // Of keyframes and panoramas.
 std::vector<Picture> PicturesOf(const MapData& map) {
   std::vector<Picture> pictures;
-  for (const Keyframe& keyframe : map.keyframes) pictures.push_back(keyframe.jpeg);
+  for (const Keyframe& keyframe : map.keyframes) pictures.push_back(keyframe.picture);
   if (!map.appearance) return pictures;
-  for (const AppearanceNode& node : map.appearance->nodes) pictures.push_back(node.jpeg);
+  for (const AppearanceNode& node : map.appearance->nodes) pictures.push_back(node.picture);
   return pictures;
 }
 

@@ -13,6 +13,7 @@
 #include <tuple>
 #include <utility>
 
+#include "builder/joining/append_map.h"
 #include "core/features/keypoint_grid.h"
 #include "localizer/planes/verify_keyframe.h"
 #include "schema/sessions.h"
@@ -151,14 +152,6 @@ void AddRows(const MapIndex& index, const CountsOfSequence& counts, Looks& looks
   });
 }
 
-// As AppendMap numbers sequences.
-std::map<SequenceId, SequenceId> IdsAfter(const MapData& map, const MapData& walk) {
-  std::map<SequenceId, SequenceId> ids;
-  int64_t last = map.sequences.empty() ? 0 : map.sequences.back().id.value;
-  for (const Sequence& sequence : walk.sequences) ids[sequence.id] = {++last};
-  return ids;
-}
-
 }  // namespace
 
 LocalMotion::LocalMotion(std::vector<Vector2d> in_keyframe, std::vector<Vector2d> in_image,
@@ -239,7 +232,7 @@ LookCounts LookAgain(const AskedMap& asked, const MapData& walk,
   tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
     seen[i] = LookFor(asked, sessions, asked.answers[i], images[i].features);
   });
-  const std::map<SequenceId, SequenceId> ids = IdsAfter(map, walk);
+  const std::map<SequenceId, SequenceId> ids = AppendedSequences(walk, map);
   CountsOfSequence counts;
   std::set<int> looked;
   std::set<int> found;

@@ -45,19 +45,19 @@ class MapOfPlane {
   std::vector<PlaneId> firsts_;
 };
 
-std::string_view BytesOf(const std::vector<uint8_t>& jpeg) {
-  return {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()};
+std::string_view BytesOf(const std::vector<uint8_t>& picture) {
+  return {reinterpret_cast<const char*>(picture.data()), picture.size()};
 }
 
 // The pictures of keyframes and panoramas that a map keeps.
 template <class Use>
 void ForEachPicture(const MapData& map, const Use& use) {
   for (const Keyframe& keyframe : map.keyframes) {
-    if (!keyframe.jpeg.empty()) use(keyframe.sequence, keyframe.jpeg);
+    if (!keyframe.picture.empty()) use(keyframe.sequence, keyframe.picture);
   }
   if (!map.appearance) return;
   for (const AppearanceNode& node : map.appearance->nodes) {
-    if (!node.jpeg.empty()) use(node.sequence, node.jpeg);
+    if (!node.picture.empty()) use(node.sequence, node.picture);
   }
 }
 
@@ -67,10 +67,10 @@ void CheckNotKnown(const MapData& map, const std::set<std::string_view>& known,
   for (const MapSession& session : SessionsOf(map)) {
     int pictures = 0;
     int seen = 0;
-    ForEachPicture(map, [&](SequenceId sequence, const std::vector<uint8_t>& jpeg) {
+    ForEachPicture(map, [&](SequenceId sequence, const std::vector<uint8_t>& picture) {
       if (!std::ranges::binary_search(session.sequences, sequence)) return;
       ++pictures;
-      seen += known.contains(BytesOf(jpeg));
+      seen += known.contains(BytesOf(picture));
     });
     if (pictures == 0 || seen < pictures) continue;
     throw MapError(ErrorCode::kBadRequest, "session '" + Printable(session.name) +
@@ -83,8 +83,8 @@ void CheckNotKnown(const MapData& map, const std::set<std::string_view>& known,
 void CheckPictures(const std::vector<MapData>& maps) {
   for (size_t i = 0; i < maps.size(); ++i) {
     std::set<std::string_view> known;
-    ForEachPicture(maps[i], [&](SequenceId, const std::vector<uint8_t>& jpeg) {
-      known.insert(BytesOf(jpeg));
+    ForEachPicture(maps[i], [&](SequenceId, const std::vector<uint8_t>& picture) {
+      known.insert(BytesOf(picture));
     });
     for (size_t j = 0; j < maps.size(); ++j) {
       if (i != j) CheckNotKnown(maps[j], known, Named(maps[i]));

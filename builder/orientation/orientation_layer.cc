@@ -17,9 +17,6 @@
 namespace waystone {
 namespace {
 
-// Of WebP. Maps that are joined find their nodes in one another's pictures.
-constexpr int kThumbnailQuality = 95;
-
 OrientedFeatures Oriented(const MappedSequence& mapped, const NodeInWork& node) {
   return {.features = &node.view->features, .frame = &mapped.frames[node.frame]};
 }
@@ -37,14 +34,14 @@ int FindTrajectoryAxis(const MappedSequence& mapped, const NodeInWork& node) {
 
 OrientationNode MakeNode(const MappedSequence& mapped, const NodeInWork& work) {
   const OrientationFrame& frame = mapped.frames[work.frame];
-  OrientationNode node{.frame = frame.id, .kind = work.kind, .directions = {}, .jpeg = {}};
+  OrientationNode node{.frame = frame.id, .kind = work.kind, .directions = {}, .picture = {}};
   if (frame.reliable) {
     node.directions = TraversableDirections(work.view->lines, work.axes.axis_of_line,
                                             frame.rotation->building_from_rig.toRotationMatrix(),
                                             FindTrajectoryAxis(mapped, work));
   }
-  if (!work.view->thumbnail.empty())
-    node.jpeg = EncodePicture(work.view->thumbnail, kThumbnailQuality);
+  // Lines are found in it, and nodes of maps that are joined: a JPEG keeps more than a WebP here.
+  if (!work.view->thumbnail.empty()) node.picture = EncodeJpeg(work.view->thumbnail);
   return node;
 }
 

@@ -144,12 +144,19 @@ void SequenceMapper::AddTurnNodes(std::vector<NodeInWork>& nodes) {
   }
 }
 
+// The last of the recent frames that shows anything; -1 without one.
+int SequenceMapper::LastSeen() const {
+  int frame = static_cast<int>(mapped_.frames.size()) - 1;
+  while (frame >= first_recent_ && At(frame).view->features.size() == 0) --frame;
+  return frame >= first_recent_ ? frame : -1;
+}
+
 MappedSequence SequenceMapper::Finish() {
   const int last = static_cast<int>(mapped_.frames.size()) - 1;
   if (mapped_.nodes.empty()) {
-    const bool any = last >= 0 && At(last).view->features.size() > 0;
-    if (!any) return std::move(mapped_);  // nothing was seen
-    AddNode(last, OrientationNodeKind::kTraversable, 0);
+    const int frame = LastSeen();
+    if (frame < 0) return std::move(mapped_);
+    AddNode(frame, OrientationNodeKind::kTraversable, 0);
   }
   TestTurns(true);
   const bool seen = At(last).view->features.size() > 0;

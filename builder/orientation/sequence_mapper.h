@@ -50,6 +50,7 @@ class SequenceMapper {
     bool anchored = false;  // its rotation is the building's
   };
   const Recent& At(int frame) const { return recent_[frame - first_recent_]; }
+  int LastSeen() const;
   OrientedFeatures Oriented(int frame, const OrientationView& view) const;
   Traversal Test(int from, const OrientationView& from_view, int to,
                  const OrientationView& to_view);

@@ -42,7 +42,7 @@ struct LandmarkOptions {
         OptionField{"cells", &Self::cells, Closed(1, 100), "",
                     "Cells along each side of the image over which landmarks are spread.",
                     OptionUse::kInternal},
-        OptionField{"max_crowd", &Self::max_crowd, AtLeast(1), "",
+        OptionField{"max_crowd", &Self::max_crowd, Closed(1, 1000), "",
                     "A cell is filled beyond this multiple of its even share only when the other "
                     "cells have no more landmarks.",
                     OptionUse::kInternal},

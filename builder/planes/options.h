@@ -35,7 +35,7 @@ struct RotationOptions {
                     "image's longer side."},
         OptionField{"max_focal", &RotationOptions::max_focal, Above(0), "image sizes",
                     "Longest focal length tried; above min_focal."},
-        OptionField{"focal_steps", &RotationOptions::focal_steps, AtLeast(2), "",
+        OptionField{"focal_steps", &RotationOptions::focal_steps, Closed(2, 10'000), "",
                     "Focal lengths tried.", OptionUse::kInternal},
         OptionField{"max_angle_rad", &RotationOptions::max_angle_rad, Open(0, std::numbers::pi / 2),
                     "rad",
@@ -69,9 +69,9 @@ struct FusionOptions {
         OptionField{"min_votes", &FusionOptions::min_votes, AtLeast(1), "",
                     "Descriptor votes that make a pair of planes a candidate. Lower tries more "
                     "pairs."},
-        OptionField{"votes_per_feature", &FusionOptions::votes_per_feature, AtLeast(1), "",
+        OptionField{"votes_per_feature", &FusionOptions::votes_per_feature, Closed(1, 1000), "",
                     "Planes that a feature votes for, nearest first.", OptionUse::kInternal},
-        OptionField{"neighbours", &FusionOptions::neighbours, AtLeast(2), "",
+        OptionField{"neighbours", &FusionOptions::neighbours, Closed(2, 1000), "",
                     "Nearest neighbours searched per feature. The distance of the farthest one is "
                     "taken as that of a match by chance.",
                     OptionUse::kInternal},

@@ -21,7 +21,7 @@
 namespace waystone {
 namespace {
 
-constexpr int kThumbnailQuality = 75;  // of WebP
+constexpr int kThumbnailQuality = 80;  // of WebP
 
 // Edges between planes that are left.
 std::vector<Edge> KeepEdges(const std::vector<Edge>& edges, const std::vector<Plane>& planes) {
@@ -133,7 +133,7 @@ void PlaneLayerBuilder::AddKeyframe(const ChosenKeyframe& chosen) {
   keyframe.width = chosen.frame.features.width;
   keyframe.height = chosen.frame.features.height;
   if (!chosen.frame.thumbnail.empty()) {
-    keyframe.jpeg = EncodePicture(chosen.frame.thumbnail, kThumbnailQuality);
+    keyframe.picture = EncodePicture(chosen.frame.thumbnail, kThumbnailQuality);
   }
   const std::optional<Camera> camera =
       camera_ ? std::optional(ScaledCamera(*camera_, keyframe.width)) : std::nullopt;

@@ -104,7 +104,10 @@ bool IsRotation(const MatchedPoints& points, const std::vector<Matrix3d>& calibr
   if (!fit || fit->inliers.size() < options.min_share * static_cast<double>(points.size())) {
     return false;
   }
-  const double free = std::sqrt(MeanError2(points, fit->inliers, fit->model.to_from));
+  // Of one image twice, only rounding is left, which says nothing.
+  constexpr double kLeast_px = 1e-3;
+  const double free =
+      std::max(kLeast_px, std::sqrt(MeanError2(points, fit->inliers, fit->model.to_from)));
   return std::any_of(calibrations.begin(), calibrations.end(), [&](const Matrix3d& k) {
     return RotationError(points, fit->inliers, k) <= options.max_excess * free;
   });

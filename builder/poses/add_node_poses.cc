@@ -17,8 +17,6 @@ namespace {
 
 using Eigen::Isometry3d;
 
-double Apart(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
-
 Pose2 Stretched(const Pose2& pose, double scale) {
   return {scale * pose.x, scale * pose.y, pose.theta_rad};
 }

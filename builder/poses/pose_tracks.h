@@ -3,14 +3,11 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <map>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "builder/planes/keyframe_sample.h"
 #include "builder/poses/options.h"
-#include "core/features/keypoint_grid.h"
 
 namespace waystone {
 

@@ -14,15 +14,16 @@ namespace waystone {
 std::vector<SequenceId> SequencesOf(const OrientationLayer& layer);
 
 // The topological map (fig. 10): the trajectory by its turns alone
-// (schema/orientation_trajectory.h) with red turns, green nodes where the view breaks, blue false
-// turns where the camera turned alone, loops and corridors; a stroke at a node is its heading.
+// (schema/layers/orientation/orientation_trajectory.h) with red turns, green nodes where the view
+// breaks, blue false turns where the camera turned alone, loops and corridors; a stroke at a node
+// is its heading.
 std::string OrientationMapSvg(const OrientationLayer& layer, SequenceId sequence);
 
 // Heading and lines along each axis over the frames (figs. 3, 4 and 11) with turns as vertical
 // lines and corridors shaded.
 std::string OrientationPlotSvg(const OrientationLayer& layer, SequenceId sequence);
 
-// Lines across the way in the four cells around it, for who looks along it (fig. 13).
+// Lines across the way in the four cells around it, for whoever looks along it (fig. 13).
 std::string DirectionCellsSvg(const OrientationNode& node);
 
 }  // namespace waystone

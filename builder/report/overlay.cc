@@ -15,17 +15,21 @@ namespace waystone {
 namespace {
 
 constexpr int kPictureWidth = 640;   // px, of the pictures on the page
+constexpr int kMaxHeight = 4096;     // px, of one of a narrow image
 constexpr int kDotRadius = 3;        // px
 constexpr int kSubPixelBits = 4;     // cv::polylines takes fractions of a pixel this fine
 constexpr double kFarAwayPx = 2000;  // beyond which a line's end isn't drawn
 const cv::Scalar kNoPicture(90, 90, 90);
 
 cv::Mat Canvas(const Keyframe& keyframe) {
-  const int height = std::max(1, kPictureWidth * keyframe.height / std::max(1, keyframe.width));
+  const double scale = std::min(static_cast<double>(kPictureWidth) / std::max(1, keyframe.width),
+                                static_cast<double>(kMaxHeight) / std::max(1, keyframe.height));
+  const cv::Size size(std::max(1, static_cast<int>(scale * keyframe.width)),
+                      std::max(1, static_cast<int>(scale * keyframe.height)));
   cv::Mat picture;
-  if (!keyframe.jpeg.empty()) picture = cv::imdecode(keyframe.jpeg, cv::IMREAD_COLOR);
-  if (picture.empty()) return {height, kPictureWidth, CV_8UC3, kNoPicture};
-  cv::resize(picture, picture, {kPictureWidth, height}, 0, 0, cv::INTER_CUBIC);
+  if (!keyframe.picture.empty()) picture = cv::imdecode(keyframe.picture, cv::IMREAD_COLOR);
+  if (picture.empty()) return {size, CV_8UC3, kNoPicture};
+  cv::resize(picture, picture, size, 0, 0, cv::INTER_CUBIC);
   return picture;
 }
 

@@ -17,11 +17,10 @@ void CheckReportFolder(const std::filesystem::path& dir);
 
 // Writes a page about a map into `dir`, which is made if it isn't there: index.html, which needs
 // nothing from elsewhere, and images/, one picture a keyframe with its planes drawn over it in
-// their colours (the paper's figures 2 and 3), beside the graph of planes (figure 4), the list of
+// their colours (the paper's figures 2 and 3), beside the graph of surfaces (figure 4), the list of
 // planes, and what the build counted; of the other layers the trajectory of the panoramas and the
-// pictures of orientation_svg.h. Files of an earlier report are replaced, and
-// its other pictures removed. Throws MapError:
-// kFileUnwritable, and what CheckReportFolder throws.
+// pictures of orientation_svg.h. Files of an earlier report are replaced, and its other pictures
+// removed. Throws MapError: kFileUnwritable, and what CheckReportFolder throws.
 void WriteReport(const MapData& map, const BuildReport& report,
                  const std::vector<TableSize>& tables, const std::filesystem::path& dir);
 

@@ -43,7 +43,7 @@ Rig InFrameOfFirst(Rig rig) {
 }
 
 // The moments of a calibrated rig. Its first camera's images are the frames; the others are there
-// for who asks for all of them (Source::faces).
+// for whoever asks for all of them (Source::faces).
 class CameraRigSource : public Source {
  public:
   CameraRigSource(const fs::path& folder, RigSequence sequence, const SourceOptions& options)

@@ -73,6 +73,12 @@ Camera ReadKittiCamera(const fs::path& file, const std::string& key) {
                  Quoted(file) + " has no line '" + key + ":'; add it or use --camera");
 }
 
+// Lists come with other people's data: what lies elsewhere isn't theirs to name.
+bool LiesInside(const fs::path& path) {
+  const fs::path normal = path.lexically_normal();
+  return path.is_relative() && normal.begin() != normal.end() && *normal.begin() != "..";
+}
+
 }  // namespace
 
 std::optional<ImageList> RecogniseTum(const fs::path& folder) {
@@ -87,7 +93,9 @@ std::optional<ImageList> RecogniseTum(const fs::path& folder) {
   for (const TextLine& line : ReadLines(file, ErrorCode::kBadSource)) {
     const std::vector<std::string> words = Words(line.text);
     const auto time = ToFinite(words[0]);
-    if (words.size() != 2 || !time) RefuseLine(file, line, "a time and a file name");
+    if (words.size() != 2 || !time || !LiesInside(words[1])) {
+      RefuseLine(file, line, "a time and the name of a file in the same folder");
+    }
     list.images.push_back({words[1], time});
   }
   RefuseEmptyList(file, list);
@@ -143,8 +151,8 @@ std::optional<ImageList> RecogniseEuroc(const fs::path& folder) {
   for (const TextLine& line : ReadLines(file, ErrorCode::kBadSource)) {
     const std::vector<std::string> words = Words(line.text, ", \t");
     const auto time_ns = words.empty() ? std::nullopt : ToInteger(words[0]);
-    if (words.size() != 2 || !time_ns) {
-      RefuseLine(file, line, "a time in nanoseconds, a comma and a file name");
+    if (words.size() != 2 || !time_ns || !LiesInside(words[1])) {
+      RefuseLine(file, line, "a time in nanoseconds, a comma and the name of a file in data");
     }
     list.images.push_back(
         {*inside / "data" / words[1], static_cast<double>(*time_ns) * kSecondsPerNanosecond});

@@ -20,7 +20,7 @@ namespace waystone {
 //       - name: front                        # also its folder or file
 //         camera_model: PINHOLE              # and its parameters, as in a camera file
 //         ...
-//         rig_from_camera_xyzw: [0, 0, 0, 1] # rotation of x_head = R x_camera + t
+//         rig_from_camera_xyzw: [0, 0, 0, 1] # rotation of x_rig = R x_camera + t
 //         rig_from_camera_m: [0, 0, 0]       # t; may be left out
 //   a camera file of any kind that ReadCameraFile knows: a rig of one.
 // Throws MapError(kBadCamera) with the file, the camera and what to do.

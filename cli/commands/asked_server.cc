@@ -42,9 +42,12 @@ void AddServerFlags(CLI::App* command, ServerFlags& flags) {
 }
 
 void CheckServerFlags(const ServerFlags& flags) {
-  if (!flags.url.starts_with("http://") && !flags.url.starts_with("https://")) {
-    throw MapError(ErrorCode::kUsage,
-                   "--server " + flags.url + " is no address of a server; give http://HOST:PORT");
+  try {
+    const Client checked(flags.url);
+  } catch (const ClientError&) {
+    throw MapError(ErrorCode::kUsage, "--server " + flags.url +
+                                          " is no address of a server; give http://HOST:PORT with "
+                                          "a port from 1 to 65535");
   }
   TokenOf(flags);
 }

@@ -15,8 +15,8 @@ struct ServerFlags {
 };
 void AddServerFlags(CLI::App* command, ServerFlags& flags);
 
-// Throws MapError: kUsage for an address that is none of HTTP's, and as ReadTokenFile does. For
-// asking before photos are read.
+// Throws MapError: kUsage for what is no HTTP address, or has a port beyond 65535, and as
+// ReadTokenFile does. For asking before photos are read.
 void CheckServerFlags(const ServerFlags& flags);
 
 // Asks a server where a photo was taken: of the map of that name, or of all for "-", with the

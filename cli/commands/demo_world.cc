@@ -70,7 +70,7 @@ World OtherWorld() {
   return World(OtherPlan(), options);
 }
 
-// Half way between two frames, so that no picture of the walk was taken there.
+// Halfway between two frames, so that no picture of the walk was taken there.
 Eigen::Isometry3d PoseBetween(const WalkFrame& a, const WalkFrame& b) {
   const Eigen::Quaterniond qa(a.world_from_camera.rotation());
   const Eigen::Quaterniond qb(b.world_from_camera.rotation());

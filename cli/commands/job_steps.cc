@@ -2,6 +2,7 @@
 // The steps of a job: its plan, its parts, and joining them.
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -31,7 +32,8 @@ void StopIfNeeded(const LeaseKeeper& keeper) {
   throw MapError(ErrorCode::kInterrupted, "interrupted");
 }
 
-// That the source gives. What a video's header says may be wrong: it is read through.
+// The number of frames that the source gives. What a video's header says may be wrong: it is read
+// through.
 int CountFrames(Source& source, const LeaseKeeper& keeper) {
   if (source.kind() != kVideoKind) return source.size();
   int frames = 0;
@@ -69,6 +71,14 @@ std::string MegabytesText(int64_t bytes) {
 
 int64_t BytesOf(const fs::path& file) { return static_cast<int64_t>(fs::file_size(file)); }
 
+// What the database said. Throws MapError(kInterrupted) where it said nothing: a signal came first,
+// or the lease was lost.
+template <class Answer>
+Answer Answered(std::optional<Answer> answer) {
+  if (!answer) throw MapError(ErrorCode::kInterrupted, "interrupted");
+  return *std::move(answer);
+}
+
 void RemoveFile(const fs::path& file) {
   std::error_code ignored;
   fs::remove(file, ignored);
@@ -94,11 +104,10 @@ JobWorker::Outcome JobWorker::Plan(const JobLease& lease, LeaseKeeper& keeper) {
     parts.insert(parts.end(), cut.begin(), cut.end());
   }
   if (!can_be_cut || frames <= spec.part_frames) parts = {{.frames = frames}};
-  const auto held =
-      Persist([&](JobQueue& queue) { return queue.FinishPlan(lease, parts); }, &keeper);
-  return {held.value_or(false), std::to_string(frames) + " frames in " +
-                                    std::to_string(parts.size()) +
-                                    (parts.size() == 1 ? " part" : " parts")};
+  const bool held =
+      Answered(Persist([&](JobQueue& queue) { return queue.FinishPlan(lease, parts); }, &keeper));
+  return {held, std::to_string(frames) + " frames in " + std::to_string(parts.size()) +
+                    (parts.size() == 1 ? " part" : " parts")};
 }
 
 JobWorker::Outcome JobWorker::BuildPart(const JobLease& lease, LeaseKeeper& keeper) {
@@ -114,13 +123,12 @@ JobWorker::Outcome JobWorker::BuildPart(const JobLease& lease, LeaseKeeper& keep
     keeper.Report({.stage = "storing", .frames = lease.part.frames});
     store_->Put(file, sha256, bytes);
   }
-  const auto held =
-      Persist([&](JobQueue& queue) { return queue.FinishPart(lease, sha256, bytes); }, &keeper);
-  if (held) RemoveFile(file);
+  const bool held = Answered(
+      Persist([&](JobQueue& queue) { return queue.FinishPart(lease, sha256, bytes); }, &keeper));
+  RemoveFile(file);
   const std::string result = sha256.empty() ? "shows nothing" : MegabytesText(bytes);
-  return {held.value_or(false), result +
-                                    (built_before ? ", built before the worker was stopped" : "") +
-                                    ", " + Duration(SecondsSince(start))};
+  return {held, result + (built_before ? ", built before the worker was stopped" : "") + ", " +
+                    Duration(SecondsSince(start))};
 }
 
 // False where the images show nothing that a query could be told by.
@@ -151,16 +159,16 @@ bool JobWorker::BuildMapOf(const JobLease& lease, LeaseKeeper& keeper, const fs:
 
 JobWorker::Outcome JobWorker::Join(const JobLease& lease, LeaseKeeper& keeper) {
   const Clock::time_point start = Clock::now();
-  auto parts = Persist([&](JobQueue& queue) { return queue.Parts(lease.job); }, &keeper);
-  if (!parts) return {.held = false, .said = {}};
-  std::erase_if(*parts, [](const BuiltPart& part) { return part.sha256.empty(); });
-  if (parts->empty()) {
+  std::vector<BuiltPart> parts =
+      Answered(Persist([&](JobQueue& queue) { return queue.Parts(lease.job); }, &keeper));
+  std::erase_if(parts, [](const BuiltPart& part) { return part.sha256.empty(); });
+  if (parts.empty()) {
     throw MapError(ErrorCode::kBadSource,
                    "no plane or landmark found in any of " + std::to_string(lease.parts) +
                        " parts; record textured walls or floors while moving sideways");
   }
   std::vector<MapCache::FilePtr> files;
-  for (const BuiltPart& part : *parts) {
+  for (const BuiltPart& part : parts) {
     keeper.Report({.stage = "fetching"});
     StopIfNeeded(keeper);
     files.push_back(parts_->Get(*store_, part.sha256, part.bytes));
@@ -176,11 +184,14 @@ JobWorker::Outcome JobWorker::Join(const JobLease& lease, LeaseKeeper& keeper) {
   StopIfNeeded(keeper);
   const auto finished =
       Persist([&](JobQueue& queue) { return queue.FinishJoin(lease, version); }, &keeper);
-  RemoveFile(merged);
-  files.clear();
-  for (const BuiltPart& part : *parts) parts_->Drop(part.sha256);
-  if (!finished || !*finished) return {.held = false, .said = {}};
-  return {true, "published " + waystone::Describe(**finished) + ", " +
+  if (finished || keeper.lost()) {  // otherwise the step may be this worker's again
+    RemoveFile(merged);
+    files.clear();
+    for (const BuiltPart& part : parts) parts_->Drop(part.sha256);
+  }
+  const std::optional<MapVersion> published = Answered(finished);
+  if (!published) return {.held = false, .said = {}};
+  return {true, "published " + waystone::Describe(*published) + ", " +
                     MegabytesText(version.bytes) + ", " + Duration(SecondsSince(start))};
 }
 

@@ -128,6 +128,7 @@ void JobWorker::Do(const JobLease& lease) {
   LeaseKeeper keeper(options_.registry, lease, options_.lease_s,
                      [this, lease](const std::string& line) { Say(lease, line); });
   try {
+    keeper.Start();
     DoStep(lease, keeper);
   } catch (const MapError& error) {
     if (error.code() != ErrorCode::kInterrupted) {
@@ -135,8 +136,12 @@ void JobWorker::Do(const JobLease& lease) {
     } else if (keeper.lost()) {
       Say(lease, "given up; another worker has it, or the job was ended");
     } else {
-      Say(lease, "given back; the worker is being stopped");
-      Persist([&](JobQueue& queue) { return queue.Release(lease, "the worker was stopped"); });
+      const auto released =
+          Persist([&](JobQueue& queue) { return queue.Release(lease, "the worker was stopped"); });
+      Say(lease, released
+                     ? "given back; the worker is being stopped"
+                     : "not given back, as the database is away: the lease ends by itself; the "
+                       "worker is being stopped");
     }
   } catch (const std::bad_alloc&) {
     Fail(lease, keeper, "out of memory; use a worker with more memory, or shorter --part-frames",

@@ -49,7 +49,7 @@ class JobWorker {
   };
 
   // Calls `ask` until the database answers, on a connection that is made anew. Nothing when a
-  // signal came before, or the lease was lost.
+  // signal came before, or the lease was lost; what the database would have said isn't known then.
   template <class Ask>
   auto Persist(const Ask& ask, const LeaseKeeper* keeper = nullptr)
       -> std::optional<decltype(ask(std::declval<JobQueue&>()))>;

@@ -6,14 +6,19 @@
 #include <memory>
 #include <utility>
 
+#include "core/base/start_thread.h"
+
 namespace waystone {
 
 LeaseKeeper::LeaseKeeper(std::string registry, JobLease lease, double lease_s, Log log)
     : registry_(std::move(registry)),
       lease_(std::move(lease)),
       lease_s_(lease_s),
-      log_(std::move(log)),
-      thread_([this] { Keep(); }) {}
+      log_(std::move(log)) {}
+
+void LeaseKeeper::Start() {
+  thread_ = StartThread([this] { Keep(); });
+}
 
 LeaseKeeper::~LeaseKeeper() {
   {
@@ -21,7 +26,7 @@ LeaseKeeper::~LeaseKeeper() {
     stopped_ = true;
   }
   stop_.notify_all();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 void LeaseKeeper::Report(const StepProgress& progress) {

@@ -12,7 +12,7 @@
 
 namespace waystone {
 
-// Keeps a worker's lease of a step while it works: a heartbeat three times in the lease's time, by
+// Keeps a worker's lease of a step from Start() on: a heartbeat three times in the lease's time, by
 // a connection of its own. While the database can't be reached it goes on trying: whether the lease
 // is lost is known when the database says so. Thread-safe.
 class LeaseKeeper {
@@ -21,6 +21,8 @@ class LeaseKeeper {
 
   // `log` gets a line for each event, from any thread.
   LeaseKeeper(std::string registry, JobLease lease, double lease_s, Log log);
+  // Throws MapError(kOutOfMemory) where the system has no thread for it.
+  void Start();
   ~LeaseKeeper();
   LeaseKeeper(const LeaseKeeper&) = delete;
   LeaseKeeper& operator=(const LeaseKeeper&) = delete;

@@ -22,6 +22,7 @@
 #include "cli/system/signals.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "core/image/encode.h"
 #include "localizer/session.h"
 
@@ -114,28 +115,39 @@ class Oracle {
   std::optional<OpenMap> map_;
 };
 
+// A frame that a server gives no answer to, as while it restarts, is named and passed over. Returns
+// the exit status, of the first of these.
 int RunWatch(const WatchFlags& flags) {
   NoteInterrupts();
   const Oracle oracle(flags);
   Eye eye(flags.source);
   double next_s = 0;
   double taken_s = 0;
+  int frames = 0;
   int answers = 0;
+  int status = 0;
   while (flags.count == 0 || answers < flags.count) {
     const std::optional<cv::Mat> frame = eye.NextAt(next_s, taken_s);
     if (!frame) break;
+    ++frames;
     char name[32];
     (void)std::snprintf(name, sizeof name, "%.3f s", taken_s);
-    const Json answer = oracle.Ask(*frame, name);
-    std::cout << (flags.json ? Dump(answer) : AnswerLine(answer)) << std::endl;
-    ++answers;
+    try {
+      const Json answer = oracle.Ask(*frame, name);
+      std::cout << (flags.json ? Dump(answer) : AnswerLine(answer)) << std::endl;
+      ++answers;
+    } catch (const MapError& error) {
+      if (flags.server.url.empty()) throw;
+      std::cerr << "waystone: " << name << ": " << Printable(error.what()) << '\n';
+      if (status == 0) status = InfoOf(error.code()).exit_code;
+    }
     next_s = std::max(next_s + flags.every_s, taken_s + 1e-9);
   }
   if (Interrupted()) return InfoOf(ErrorCode::kInterrupted).exit_code;
-  if (answers == 0) {
+  if (frames == 0) {
     throw MapError(ErrorCode::kBadSource, flags.source + " has no frames; check the video file");
   }
-  return 0;
+  return status;
 }
 
 }  // namespace
@@ -162,6 +174,8 @@ void AddWatch(CLI::App& app, Run& run) {
   AddServerFlags(command, flags->server);
   command->footer(
       "Runs until Ctrl-C or the end of the video. Each answer is named by the time of its frame.\n"
+      "A frame that the server doesn't answer is named and passed over. The exit status after the\n"
+      "last frame is then 3, or 6 if the server's registry or store can't be reached.\n"
       "Example: waystone watch lab.db walk.mp4 --every 0.5\n"
       "         waystone watch lab 0 --server http://robot:8080 --json");
   command->callback([flags, &run] { run = [flags] { return RunWatch(*flags); }; });

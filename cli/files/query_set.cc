@@ -110,7 +110,7 @@ std::vector<PlaceId> ImageNamed(const CsvFile& file, int line, const std::string
   if (found.empty()) {
     FailName(file, line,
              "the map has no image \"" + name +
-                 "\"; GET /v1/maps/{map}/keyframes and /panoramas list them");
+                 "\"; GET /v1/maps/{map}/keyframes and /appearance/nodes list them");
   }
   const auto of_layer = std::ranges::count(found, found.front().layer, &PlaceId::layer);
   if (of_layer > 1) {

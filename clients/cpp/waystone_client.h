@@ -59,14 +59,12 @@ class Client {
       : options_(std::move(options)) {
     const size_t host = server.find("://");
     const bool http = server.rfind("http://", 0) == 0 || server.rfind("https://", 0) == 0;
-    if (!http || host + 3 == server.size()) {
-      throw ClientError("unreachable", 0,
-                        "'" + server + "' is not a server address; expected http://HOST:PORT");
-    }
+    if (!http || host + 3 == server.size()) RefuseAddress(server);
     const size_t path = std::min(server.find('/', host + 3), server.size());
     origin_ = server.substr(0, path);
     prefix_ = server.substr(path);
     while (!prefix_.empty() && prefix_.back() == '/') prefix_.pop_back();
+    if (!HasUsablePort(origin_)) RefuseAddress(server);
   }
 
   // Localizes images in one map, or in all maps for an empty name. `request` has the fields
@@ -149,6 +147,30 @@ class Client {
   }
 
  private:
+  [[noreturn]] static void RefuseAddress(const std::string& server) {
+    throw ClientError("unreachable", 0,
+                      "'" + server +
+                          "' is not a server address; expected http://HOST:PORT with a port from 1 "
+                          "to 65535");
+  }
+
+  // Whether an origin has no port, or one from 1 to 65535: cpp-httplib doesn't check it.
+  static bool HasUsablePort(const std::string& origin) {
+    const size_t bracket = origin.rfind(']');  // behind an IPv6 address
+    const size_t host = bracket == std::string::npos ? origin.find("://") + 3 : bracket;
+    const size_t colon = origin.find(':', host);
+    if (colon == std::string::npos) return true;
+    const std::string port = origin.substr(colon + 1);
+    constexpr size_t kMostDigits = 5;
+    if (port.empty() || port.size() > kMostDigits || !IsDigits(port)) return false;
+    const int number = std::stoi(port);
+    return 1 <= number && number <= 65'535;
+  }
+
+  static bool IsDigits(const std::string& text) {
+    return std::all_of(text.begin(), text.end(), [](char c) { return '0' <= c && c <= '9'; });
+  }
+
   // A name in a form's header: without what would end it.
   static std::string Plain(std::string name) {
     for (char& c : name) {
@@ -160,7 +182,7 @@ class Client {
   template <class Send>
   std::string Ask(const Send& send) const {
     for (int left = options_.retries;; --left) {
-      httplib::Client client(origin_);
+      httplib::Client client = NewClient();
       client.set_connection_timeout(options_.timeout_s);
       client.set_read_timeout(options_.timeout_s);
       client.set_write_timeout(options_.timeout_s);
@@ -179,12 +201,19 @@ class Client {
     }
   }
 
+  httplib::Client NewClient() const {
+    try {
+      return httplib::Client(origin_);
+    } catch (const std::exception& error) {  // https without OpenSSL
+      throw ClientError("unreachable", 0,
+                        origin_ + " can't be asked (" + error.what() + "); check the address");
+    }
+  }
+
   static int RetryAfter(const httplib::Response& response) {
     constexpr int kDefaultS = 1;
     const std::string text = response.get_header_value("Retry-After");
-    const bool whole =
-        !text.empty() && text.size() < 6 &&
-        std::all_of(text.begin(), text.end(), [](char c) { return '0' <= c && c <= '9'; });
+    const bool whole = !text.empty() && text.size() < 6 && IsDigits(text);
     return whole ? std::stoi(text) : kDefaultS;
   }
 

@@ -286,6 +286,7 @@ export interface RecognisedPlane {
   reference: ImageRef;
   reference_from_query: Matrix;
   outline: Outline;
+  /** Planes that were seen together with this one in the map, and are not recognised in this image: what a camera that moves on may show next. */
   expect_next: Id[];
 }
 
@@ -316,7 +317,9 @@ export interface Answer {
   belief?: Belief;
   /** If ambiguous: the keyframes of the places that match, of all maps. Panoramas have none; for several maps, `maps` has the place of each. */
   places?: Place[];
+  /** Of the plane layer: the place that comes second, or the best one if it was refused. Null without one. That of panoramas is in `panorama`. */
   runner_up: null | RunnerUp;
+  /** The test that decided the verdict. Of the plane layer: features, shortlist_votes, homography_inliers, epipolar_inliers, inlier_share, homography_scale, place_probability, ambiguous_places; of the appearance layer: panorama_signature, panorama_features, series, photo, photo_features; of the orientation layer: building_axes; of several maps: ambiguous_maps; before any layer: bad_image, image_too_large, deadline. docs/http-api.md says what each means. Later versions may have others. */
   decided_by: string;
   message?: string;
   timing_ms: Timing;
@@ -330,20 +333,20 @@ export interface Answer {
   camera?: QueryCamera;
   /** Fields of the request that no layer of this map uses. */
   unused?: ("camera" | "prior" | "previous" | "odometry")[];
-  /** If not all maps could be asked: those that the coarse index proposed, the likeliest first. */
+  /** If not all maps could be asked: those that the coarse index proposed, the likeliest first. Where all fit into memory but some could not be opened: all of them by name. */
   searched?: SearchedMap[];
-  /** With `searched`: a proposed map was not asked, so that another answer is possible. */
+  /** With `searched`: one of these maps was not asked, so that another answer is possible. */
   partial?: boolean;
   /** With `searched`: how many maps are not in the coarse index and can not be proposed. */
   unindexed?: number;
 }
 
-/** A map that the coarse index proposed for a query of all maps. */
+/** A map that was to be asked in a query of all maps. */
 export interface SearchedMap {
   map: string;
   /** `late`: not opened or not answered by the deadline. `too_large`: beyond the memory that the server may use. */
   state: "asked" | "late" | "failed" | "too_large";
-  /** By how much features of the image speak for the map; comparable within one answer only. 0 for `previous_map` where the index does not propose it. */
+  /** By how much features of the image speak for the map; comparable within one answer only. 0 for `previous_map` where the index does not propose it, and where all maps were to be asked. */
   score: number;
   /** Why it was not asked. */
   message?: string;
@@ -374,6 +377,7 @@ export interface PanoramaPlace {
   node: null | NodeRef;
   position: null | PlacePosition;
   candidates: NodeCandidate[];
+  /** The most probable node elsewhere, null without one. */
   runner_up: null | NodeCandidate;
 }
 

@@ -505,7 +505,8 @@ def _read(response: http.client.HTTPResponse, wire: socket.socket, end: float) -
             break
         data += piece
         if len(data) > MAX_ANSWER:
-            raise WaystoneError("bad_answer", response.status, "the response is incomplete")
+            detail = f"the response has more than {MAX_ANSWER} bytes; check the server's address"
+            raise WaystoneError("bad_answer", response.status, detail)
     if length is not None and len(data) < length:
         raise http.client.IncompleteRead(bytes(data), length - len(data))
     return bytes(data)

@@ -65,7 +65,7 @@ std::optional<Eigen::Vector2d> Project(const Camera& camera, const Eigen::Vector
 
 // The unit ray, in the camera's frame, through a pixel: Project's inverse (to 1e-6 px inside the
 // image for distortions of ordinary lenses). For a pixel that no ray reaches, the ray that comes
-// nearest along the trajectory there; always finite for a finite pixel.
+// nearest to it; always finite for a finite pixel.
 Eigen::Vector3d Unproject(const Camera& camera, const Eigen::Vector2d& pixel);
 
 }  // namespace waystone

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -100,6 +101,12 @@ Panorama FromFaces(const FaceImages& faces, const PanoramaOptions& options) {
   options.Check();
   CheckFaces(faces);
   const int width = faces[0].cols;
+  constexpr int kMaxWidth = std::numeric_limits<int16_t>::max() / kCubeFaces - 1;  // cv::remap's
+  if (width > kMaxWidth) {
+    throw MapError(ErrorCode::kBadImage, "the rig's faces are " + std::to_string(width) +
+                                             " px wide, more than the limit of " +
+                                             std::to_string(kMaxWidth) + "; downscale them");
+  }
   cv::Mat atlas(kCubeFaces * width, width, CV_8UC1, cv::Scalar(0));  // one face below the other
   for (int i = 0; i < kCubeFaces; ++i) {
     if (!faces[i].empty()) GreyFace(faces[i]).copyTo(atlas.rowRange(i * width, (i + 1) * width));

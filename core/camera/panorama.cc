@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@ namespace {
 
 constexpr int kMinColumns = 64;
 constexpr int kMinRows = 8;
+constexpr int kMaxMirror_px = 65'536;      // of a mirror's radius and centre
+constexpr int kStripRows = 64;             // that are unwrapped at once
 constexpr double kMinBand_rad = 0.01;      // of a mirror: rows must be apart
 constexpr double kMinSigma = 1;            // grey levels: less is an image of nothing
 constexpr double kAspectTolerance = 0.02;  // of twice as wide as high
@@ -174,6 +177,26 @@ void CheckSeam(const cv::Mat& grey, double max_seam) {
 
 }  // namespace
 
+namespace {
+
+void CheckUnwrapped(const cv::Mat& grey, int rows, int columns) {
+  constexpr int kMaxSide = std::numeric_limits<int16_t>::max() - 1;  // cv::remap's
+  constexpr int64_t kMaxPixels = 64'000'000;
+  if (std::max(grey.cols, grey.rows) > kMaxSide) {
+    RefusePanorama("the mirror's image of " + SizeOf(grey) +
+                   " pixels has a side over the limit of " + std::to_string(kMaxSide) +
+                   "; downscale it");
+  }
+  if (int64_t{rows} * columns > kMaxPixels) {
+    RefusePanorama("the mirror's image of " + SizeOf(grey) + " pixels would become a panorama of " +
+                   std::to_string(columns) + "x" + std::to_string(rows) +
+                   ", more than the limit of " + std::to_string(kMaxPixels) +
+                   " pixels; downscale it, or use fewer columns");
+  }
+}
+
+}  // namespace
+
 void PanoramaOptions::Check() const {
   CheckFields("panorama", *this);
   if (mirror_band.bottom_rad > mirror_band.top_rad - kMinBand_rad) {
@@ -181,10 +204,21 @@ void PanoramaOptions::Check() const {
                    "panorama.mirror_band.bottom_rad is " + std::to_string(mirror_band.bottom_rad) +
                        "; it must be below top_rad, " + std::to_string(mirror_band.top_rad));
   }
-  if (mirror && !(mirror->inner_px >= 0 && mirror->outer_px >= mirror->inner_px + 1)) {
-    throw MapError(ErrorCode::kBadOptions, "the mirror's radii are " + Rounded(mirror->inner_px) +
-                                               " and " + Rounded(mirror->outer_px) +
-                                               " px; the inner must be smaller than the outer");
+  if (!mirror) return;
+  if (!(mirror->inner_px >= 0 && mirror->outer_px >= mirror->inner_px + 1 &&
+        mirror->outer_px <= kMaxMirror_px)) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "the mirror's radii are " + Rounded(mirror->inner_px) + " and " +
+                       Rounded(mirror->outer_px) +
+                       " px; the inner must be smaller than the outer, which is at most " +
+                       std::to_string(kMaxMirror_px) + " px");
+  }
+  if (!(std::abs(mirror->centre_px.x) <= kMaxMirror_px &&
+        std::abs(mirror->centre_px.y) <= kMaxMirror_px)) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "the mirror's centre is at " + Rounded(mirror->centre_px.x) + ", " +
+                       Rounded(mirror->centre_px.y) + " px, more than " +
+                       std::to_string(kMaxMirror_px) + " px from the image's corner");
   }
 }
 
@@ -230,23 +264,31 @@ MirrorRing FindMirror(const cv::Mat& grey, const PanoramaOptions& options) {
 }
 
 Panorama Unwrap(const cv::Mat& grey, const MirrorRing& mirror, const PanoramaOptions& options) {
-  options.Check();
+  PanoramaOptions checked = options;
+  checked.mirror = mirror;
+  checked.Check();
   const double height = mirror.outer_px - mirror.inner_px;
   const int rows = std::max(kMinRows, cvRound(height));
-  cv::Mat xs(rows, options.columns, CV_32FC1);
-  cv::Mat ys(rows, options.columns, CV_32FC1);
-  for (int y = 0; y < rows; ++y) {
-    const double radius = mirror.outer_px - (y + 0.5) * height / rows;
-    for (int x = 0; x < options.columns; ++x) {
-      const double azimuth = 2 * kPi * (x + 0.5) / options.columns - kPi;
-      const double angle = options.mirror_clockwise ? azimuth : -azimuth;
-      xs.at<float>(y, x) = static_cast<float>(mirror.centre_px.x + radius * std::sin(angle));
-      ys.at<float>(y, x) = static_cast<float>(mirror.centre_px.y - radius * std::cos(angle));
-    }
-  }
+  CheckUnwrapped(grey, rows, options.columns);
   Panorama panorama;
   panorama.band = options.mirror_band;
-  cv::remap(grey, panorama.grey, xs, ys, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  panorama.grey.create(rows, options.columns, CV_8UC1);
+  // In strips: where a pixel comes from takes eight times as much as the pixel.
+  for (int top = 0; top < rows; top += kStripRows) {
+    cv::Mat strip = panorama.grey.rowRange(top, std::min(rows, top + kStripRows));
+    cv::Mat from(strip.size(), CV_32FC2);
+    for (int y = 0; y < strip.rows; ++y) {
+      const double radius = mirror.outer_px - (top + y + 0.5) * height / rows;
+      for (int x = 0; x < options.columns; ++x) {
+        const double azimuth = 2 * kPi * (x + 0.5) / options.columns - kPi;
+        const double angle = options.mirror_clockwise ? azimuth : -azimuth;
+        from.at<cv::Vec2f>(y, x) = {
+            static_cast<float>(mirror.centre_px.x + radius * std::sin(angle)),
+            static_cast<float>(mirror.centre_px.y - radius * std::cos(angle))};
+      }
+    }
+    cv::remap(grey, strip, from, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  }
   return panorama;
 }
 

@@ -107,7 +107,9 @@ double SeamRatio(const cv::Mat& grey);
 // has the contrast.
 MirrorRing FindMirror(const cv::Mat& grey, const PanoramaOptions& options = {});
 
-// A mirror's image unwrapped: rows from the outer radius (top) to the inner.
+// A mirror's image (CV_8UC1) unwrapped: rows from the outer radius (top) to the inner. Throws
+// MapError(kBadOptions) for a ring that can't be, and MapError(kBadImage) for an image with a side
+// over 32,766 px or one of which more than 64 million pixels would become.
 Panorama Unwrap(const cv::Mat& grey, const MirrorRing& mirror, const PanoramaOptions& options = {});
 
 }  // namespace waystone

@@ -13,7 +13,7 @@ namespace waystone {
 struct RigCamera {
   std::string name;  // "front", "cam0": also the name of its folder or file
   Camera camera;
-  Eigen::Isometry3d rig_from_camera = Eigen::Isometry3d::Identity();  // x_head = T x_camera, m
+  Eigen::Isometry3d rig_from_camera = Eigen::Isometry3d::Identity();  // x_rig = T x_camera, m
 };
 
 // Cameras that are fixed to one another and take their images at the same time. The rig's frame is

@@ -252,6 +252,7 @@ Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options) {
   const cv::Mat working = Reduced(grey, WorkingSize(grey.size(), options.working_pixels));
   features.width = working.cols;
   features.height = working.rows;
+  if (std::min(working.cols, working.rows) < kMinSide_px) return features;
   features.clipped = FindClipped(working);
   Detected found = Detect(working, options);
   const std::vector<int> order = StrongestFirst(found.keypoints, options.max_features);

@@ -40,7 +40,7 @@ struct MatchOptions {
 std::vector<Match> MatchDescriptors(DescriptorsView a, DescriptorsView b, FeatureType type,
                                     const MatchOptions& options);
 
-// The same with one side packed already, for who matches it more than once.
+// The same with one side packed already, for whoever matches it more than once.
 std::vector<Match> MatchDescriptors(const PackedRows& a, int a_rows, DescriptorsView b,
                                     const MatchOptions& options);
 
@@ -50,8 +50,7 @@ double DistanceRatio(FeatureType type, int nearer, int farther);
 // Whether `nearest` passes the ratio test against `second` (distances in the unit of distance.h).
 bool PassesRatio(FeatureType type, int nearest, int second, double max_ratio);
 
-// The k rows of a block that are nearest to a query, nearest first (fewer when there are fewer
-// rows).
+// A row of a block and its distance to a query.
 struct Neighbour {
   int row = -1;
   int distance = std::numeric_limits<int>::max();

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <limits>
 
 namespace waystone {
 
@@ -12,7 +13,12 @@ SymmetricEigen DecomposeSymmetric(const Eigen::Ref<const Eigen::MatrixXd>& a) {
 }
 
 Eigen::Vector3cd ComputeEigenvalues3x3(const Eigen::Matrix3d& a) {
-  return Eigen::EigenSolver<Eigen::Matrix3d>(a, false).eigenvalues();
+  // The solver doesn't tell of what isn't finite.
+  if (a.allFinite()) {
+    const Eigen::EigenSolver<Eigen::Matrix3d> solver(a, false);
+    if (solver.info() == Eigen::Success) return solver.eigenvalues();
+  }
+  return Eigen::Vector3cd::Constant(std::numeric_limits<double>::quiet_NaN());
 }
 
 Eigen::MatrixXd SolveSymmetric(const Eigen::Ref<const Eigen::MatrixXd>& a,

@@ -18,7 +18,7 @@ struct SymmetricEigen {
 // Of a symmetric n x n matrix; only its lower half is read.
 SymmetricEigen DecomposeSymmetric(const Eigen::Ref<const Eigen::MatrixXd>& a);
 
-// The three eigenvalues of any matrix, in no particular order.
+// The three eigenvalues of any matrix, in no particular order; NaN of one that isn't finite.
 Eigen::Vector3cd ComputeEigenvalues3x3(const Eigen::Matrix3d& a);
 
 // x of a x = b for a symmetric positive semidefinite n x n matrix and n x k right-hand sides;

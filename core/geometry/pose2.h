@@ -17,6 +17,9 @@ struct Pose2 {
   bool operator==(const Pose2&) const = default;
 };
 
+// The distance of two poses' positions.
+inline double Apart(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
 // The same angle between -pi and pi.
 inline double WrappedAngle(double angle_rad) {
   return std::remainder(angle_rad, 2 * std::numbers::pi);

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace waystone {
 
@@ -31,7 +32,9 @@ double RotationAngle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
 
 double WorstAxisSigma(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
+  const double variance = solver.eigenvalues()(2);
+  if (std::isnan(variance)) return std::numeric_limits<double>::infinity();
+  return std::sqrt(std::max(0.0, variance));
 }
 
 }  // namespace waystone

@@ -88,6 +88,10 @@ void BinaryEnergy::Cut(std::vector<Value>& values) const {
     for (const int i : open) values[i] = Value::kZero;
     return;
   }
+  if (between.empty()) {  // no graph to cut: each for itself
+    for (const int i : open) values[i] = cost[i] < 0 ? Value::kOne : Value::kZero;
+    return;
+  }
   cv::detail::GCGraph<double> graph;
   graph.create(static_cast<int>(open.size()), static_cast<int>(between.size()));
   for (const int i : open) {

@@ -50,7 +50,7 @@ struct LocalRansacOptions {
                     "The error bound is not tightened below this."},
         OptionField{"confidence", &LocalRansacOptions::confidence, Open(0, 1), "",
                     "p of eq. (1): probability that at least one sample consists of inliers only."},
-        OptionField{"max_samples", &LocalRansacOptions::max_samples, AtLeast(1), "",
+        OptionField{"max_samples", &LocalRansacOptions::max_samples, Closed(1, 100'000), "",
                     "Maximum number of samples, however low the inlier ratio. Bounds the time."},
         OptionField{
             "neighbourhood", &LocalRansacOptions::neighbourhood, AtLeast(3), "",
@@ -60,9 +60,9 @@ struct LocalRansacOptions {
         OptionField{"min_height_ratio", &LocalRansacOptions::min_height_ratio, OpenHigh(0, 0.5), "",
                     "Height of a triangle of sampled points, as a share of its longest side, below "
                     "which the points count as collinear."},
-        OptionField{"max_refits", &LocalRansacOptions::max_refits, AtLeast(0), "",
+        OptionField{"max_refits", &LocalRansacOptions::max_refits, Closed(0, 1000), "",
                     "Maximum refits of a promising sample on its inliers."},
-        OptionField{"wide_refits", &LocalRansacOptions::wide_refits, AtLeast(0), "",
+        OptionField{"wide_refits", &LocalRansacOptions::wide_refits, Closed(0, 1000), "",
                     "Number of first refits that accept matches up to twice the error bound."},
         OptionField{
             "min_refit_share", &LocalRansacOptions::min_refit_share, Closed(0, 1), "",

@@ -33,7 +33,7 @@ struct HomologyOptions {
             "Matches of a plane that count as independent measurements. Errors that "
             "neighbours share (of the lens, of an uneven wall) don't average out over more. "
             "Fewer accept more planes, true and false ones."},
-        OptionField{"draws", &HomologyOptions::draws, AtLeast(10), "",
+        OptionField{"draws", &HomologyOptions::draws, Closed(10, 10'000), "",
                     "Samples from which the standard deviations of the eigenvalues are estimated."},
         OptionField{"seed", &HomologyOptions::seed, AnyValue(), "", "Seed of these samples."});
   }

@@ -29,7 +29,7 @@ struct LabellingOptions {
     return use(
         OptionField{"min_sigmas", &LabellingOptions::min_sigmas, Above(0), "",
                     "Smallest error bound of a plane, in standard deviations of its own noise."},
-        OptionField{"max_sigmas", &LabellingOptions::max_sigmas, AtLeast(1), "",
+        OptionField{"max_sigmas", &LabellingOptions::max_sigmas, Closed(1, 1000), "",
                     "Largest error bound of a plane, used where few matches belong to no plane. "
                     "Lens distortion and uneven surfaces give errors of true matches long tails, "
                     "but near other objects a wide bound accepts their matches too."},
@@ -50,7 +50,7 @@ struct LabellingOptions {
             "Cost of a match whose companions all belong to other planes. Higher smooths more."},
         OptionField{"companions", &LabellingOptions::companions, AtLeast(1), "",
                     "Nearest matches that count as the companions of a match."},
-        OptionField{"rounds", &LabellingOptions::rounds, AtLeast(1), "",
+        OptionField{"rounds", &LabellingOptions::rounds, Closed(1, 1000), "",
                     "Rounds of labelling and refitting."});
   }
   void Check() const;  // throws MapError(kBadOptions)

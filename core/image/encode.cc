@@ -10,8 +10,6 @@
 namespace waystone {
 namespace {
 
-constexpr int kMaxWebpSide = 16'383;  // px
-
 // OpenCV's encoder crashes when libjpeg can't have its first allocations, and libwebp says only
 // that it failed.
 std::vector<uint8_t> Encode(const cv::Mat& image, const char* extension, int64_t bytes_per_pixel,
@@ -30,7 +28,7 @@ std::vector<uint8_t> EncodeJpeg(const cv::Mat& image, int quality) {
 }
 
 std::vector<uint8_t> EncodePicture(const cv::Mat& image, int quality) {
-  if (std::max(image.cols, image.rows) > kMaxWebpSide) return EncodeJpeg(image, quality);
+  WS_CHECK(std::max(image.cols, image.rows) <= kMaxPictureSide, "a picture too long for a WebP");
   return Encode(image, ".webp", 16, {cv::IMWRITE_WEBP_QUALITY, quality});
 }
 

@@ -240,6 +240,11 @@ class HeicFile {
       const bool elsewhere = cursor.Number(2) != 0;
       const uint64_t base = cursor.Number(base_size);
       const uint64_t extents = cursor.Number(2);
+      // Extents of no bytes would take time without end.
+      if (extents > 1 && index_size + offset_size + length_size == 0) {
+        RefuseDamage("has image data in " + std::to_string(extents) +
+                     " places without saying where");
+      }
       extent.whole = extents == 1 && !elsewhere && extent.source <= 1;
       for (uint64_t each = 0; each < extents; ++each) {
         cursor.Number(index_size);

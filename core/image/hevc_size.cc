@@ -106,6 +106,14 @@ HevcSize ReadHevcSize(Bytes unit) {
                 std::to_string(height) + " pixels with chroma format " + std::to_string(chroma) +
                 " and " + std::to_string(deeper + 8) + " bits; it is damaged");
   }
+  // Pictures are coded in blocks of at most 64 px, which the last one may exceed. What more is cut
+  // off would be decoded for nothing.
+  constexpr int kBlock = 64;
+  if (coded_width - width >= kBlock || coded_height - height >= kBlock) {
+    RefuseImage("the HEIC shows " + std::to_string(width) + "x" + std::to_string(height) +
+                " pixels of pictures of " + std::to_string(coded_width) + "x" +
+                std::to_string(coded_height) + "; it is damaged");
+  }
   return {static_cast<int>(width), static_cast<int>(height), static_cast<int>(chroma),
           static_cast<int>(deeper) + 8, coded_width * coded_height};
 }

@@ -62,7 +62,7 @@ class JpegDecoder {
   JpegDecoder(const JpegDecoder&) = delete;
   JpegDecoder& operator=(const JpegDecoder&) = delete;
 
-  // False for four colours, which OpenCV converts. Throws.
+  // False for four colours, which are whole then and which OpenCV converts. Throws.
   bool Decode(Bytes bytes, cv::Mat& image) {
     const JpegResult result = Run(bytes, image);
     if (result != JpegResult::kFailed) return result == JpegResult::kDone;
@@ -81,19 +81,26 @@ class JpegDecoder {
     jpeg_create_decompress(&codec_);
     jpeg_mem_src(&codec_, bytes.data(), bytes.size());
     jpeg_read_header(&codec_, TRUE);
-    if (codec_.num_components == 4) return JpegResult::kOtherColours;
-    codec_.out_color_space = image.channels() == 3 ? JCS_EXT_BGR : JCS_GRAYSCALE;
+    const bool four = codec_.num_components == 4;
+    codec_.out_color_space = four ? JCS_CMYK : image.channels() == 3 ? JCS_EXT_BGR : JCS_GRAYSCALE;
     jpeg_start_decompress(&codec_);
     if (static_cast<int>(codec_.output_width) != image.cols ||
         static_cast<int>(codec_.output_height) != image.rows) {
       return JpegResult::kFailed;
     }
+    JSAMPROW cmyk = four ? AllocateRow() : nullptr;
     while (codec_.output_scanline < codec_.output_height) {
-      JSAMPROW row = image.ptr(static_cast<int>(codec_.output_scanline));
+      JSAMPROW row = four ? cmyk : image.ptr(static_cast<int>(codec_.output_scanline));
       jpeg_read_scanlines(&codec_, &row, 1);
     }
     jpeg_finish_decompress(&codec_);
-    return JpegResult::kDone;
+    return four ? JpegResult::kOtherColours : JpegResult::kDone;
+  }
+
+  // Of four colours; libjpeg frees it.
+  JSAMPROW AllocateRow() {
+    return *codec_.mem->alloc_sarray(reinterpret_cast<j_common_ptr>(&codec_), JPOOL_IMAGE,
+                                     4 * codec_.output_width, 1);
   }
 
   std::string Cause() const {

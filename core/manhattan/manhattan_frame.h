@@ -92,7 +92,7 @@ std::string_view SentenceOf(FrameError error);
 // The rotation between a rig and the three orthogonal directions of a building. Which axis is
 // which, and their signs, are arbitrary (24 rotations describe one frame): see NearestOfCube.
 struct ManhattanFrame {
-  // x_head = rig_from_axes x_axes: columns are the vanishing points v_i = R e_i (sec. II-A).
+  // x_rig = rig_from_axes x_axes: columns are the vanishing points v_i = R e_i (sec. II-A).
   Eigen::Matrix3d rig_from_axes = Eigen::Matrix3d::Identity();
   // Of the rotation vector w, rig's frame, rad^2: R_true = exp(w) R. The lines' errors are taken
   // to be independent of each other, those of its axes as the options have them. The identity where

@@ -41,7 +41,7 @@ struct SignatureOptions {
     using O = SignatureOptions;
     return use(
         OptionField{
-            "rows", &O::rows, Closed(1, 1024), "rows",
+            "rows", &O::rows, Closed(2, 1024), "rows",
             "Rows of the signature, spread evenly over the band. More resolve elevations better, "
             "and cost time and map size: a signature takes 2 rows (k1 + k2) bytes."},
         OptionField{"k1", &O::k1, Closed(2, 4096), "",

@@ -22,7 +22,7 @@ struct TurnedBlock {
   const float* b = nullptr;   // row after row
   const int* left = nullptr;  // of each column
   const int* right = nullptr;
-  const float* part = nullptr;  // of the trajectory from left to right
+  const float* part = nullptr;  // of the way from left to right
   float columns_per_rad = 1;
 };
 
@@ -74,7 +74,7 @@ struct MotionKernels {
   void (*turn)(const TurnedBlock&, float* grey, float* slope);
   void (*sample)(const MotionBlock&, const MotionPixels&);
   // The moments of each column, kMoments x kMotionLanes, with Cauchy's weights
-  // 1 / (1 + (residual * per_deviation)^2).
+  // 1 / (1 + (residual * per_sigma)^2).
   void (*sum)(const MotionBlock&, const MotionPixels&, float per_sigma, float* moments);
   // Adds what each column's moments say of each entry, kMotionEntries x kMotionLanes.
   void (*add)(const MotionColumns&, const float* moments, float* entries);

@@ -20,7 +20,7 @@ namespace waystone {
 namespace {
 
 constexpr int kColumnsPerFrequency = 3;    // samples of the shortest wave, for linear interpolation
-constexpr double kSigmaOfMedian = 1.4826;  // normal sigma over median absolute sigma
+constexpr double kSigmaOfMedian = 1.4826;  // normal sigma over median absolute deviation
 
 // Turn, motion to the front and to the right, tilt (front, right), gain less 1, the waves of the
 // landmarks' nearness.
@@ -41,7 +41,7 @@ using Pixels = std::vector<float>;
 struct ColumnMap {
   std::vector<int> left;  // column, and the next one around the circle
   std::vector<int> right;
-  std::vector<float> part;  // of the trajectory from left to right
+  std::vector<float> part;  // of the way from left to right
   std::vector<float> lift;  // rows up, for a row's lift of 1
   std::vector<float> tilt;  // rows up
 };

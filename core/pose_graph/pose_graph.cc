@@ -19,6 +19,7 @@ namespace {
 
 // From one width of the robust loss to the next.
 constexpr double kNarrowing = 2;
+constexpr double kWidest = 1e6;  // sigmas: poses that differ by more are no drift
 
 using Block = std::array<double, 3>;  // x, y, theta
 
@@ -109,7 +110,7 @@ class Optimiser {
   void SolveRobustly() {
     double width = options_.loop_loss;
     for (const PoseEdge& edge : edges_) {
-      if (edge.loop) width = std::max(width, Residual(edge));
+      if (edge.loop) width = std::max(width, std::min(Residual(edge), kWidest));
     }
     for (; width > options_.loop_loss; width /= kNarrowing) Solve(width);
     Solve(options_.loop_loss);

@@ -39,7 +39,8 @@ struct InvertedFileOptions {
         OptionField{"training_rows", &InvertedFileOptions::training_rows, AtLeast(1), "",
                     "Rows per list from which the centres are learned. More fit the rows better "
                     "and take longer."},
-        OptionField{"rounds", &InvertedFileOptions::rounds, AtLeast(0), "", "Rounds of k-means."},
+        OptionField{"rounds", &InvertedFileOptions::rounds, Closed(0, 1000), "",
+                    "Rounds of k-means."},
         OptionField{
             "seed", &InvertedFileOptions::seed, AnyValue(), "",
             "Seed of the choice of training rows: the same rows and options give the same file."});

@@ -63,7 +63,7 @@ class Vocabulary {
   std::vector<int8_t> signs_;                         // SIFT: +-1, kSigned rows of the bytes
 };
 
-// The prototypes of a type as the file has them, for who learns or checks them.
+// The prototypes of a type as the file has them, for whoever learns or checks them.
 Descriptors WordPrototypes(FeatureType type);
 
 }  // namespace waystone

@@ -25,7 +25,7 @@ struct EpipolarOptions {
         OptionField{"confidence", &Self::confidence, Open(0, 1), "",
                     "Probability that at least one sample consists of inliers only.",
                     OptionUse::kInternal},
-        OptionField{"max_samples", &Self::max_samples, AtLeast(1), "",
+        OptionField{"max_samples", &Self::max_samples, Closed(1, 100'000), "",
                     "Maximum number of samples of seven matches, however low the inlier ratio. "
                     "Bounds the time."},
         OptionField{

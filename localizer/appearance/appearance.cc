@@ -65,7 +65,7 @@ std::string DescribeRefusal(const ComparedNode& best, const Answer& answer,
   const std::string evidence =
       verified ? std::to_string(best.inliers) + " of its features fit this image"
                : "its appearance is the most similar";
-  return "the best panorama is " + source + ", " + evidence + ": confidence " +
+  return "the best panorama is " + source + ", " + evidence + ": probability " +
          PercentText(answer.probability) + ", required " + PercentText(options.min_probability) +
          "; map the place or send another image";
 }

@@ -38,7 +38,7 @@ MirrorRing ScaledRing(const MirrorRing& ring, double factor);
 Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
                       const PanoramaQueryOptions& options, const std::vector<bool>& left_out = {});
 
-// The answer for nodes that a query was compared with (CompareQuery), best first; for who has
+// The answer for nodes that a query was compared with (CompareQuery), best first; for whoever has
 // compared already. `verified` says whether features were. No nodes are "not in the map".
 Answer JudgeNodes(const MapIndex& index, const FourierSignature& query,
                   std::vector<ComparedNode> nodes, bool verified,

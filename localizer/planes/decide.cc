@@ -192,7 +192,7 @@ Answer RefusePlace(const MapIndex& index, const Place& best, const PlaceCandidat
   answer.planes.runner_up = described;
   answer.probability = best.probability;
   answer.decided_by = DecidedBy::kPlaceProbability;
-  answer.message = "the best " + PlaceText(index, best, described) + ": confidence " +
+  answer.message = "the best " + PlaceText(index, best, described) + ": probability " +
                    PercentText(best.probability) + ", required " +
                    PercentText(options.gates.min_probability) + "; show more of the place";
   return answer;
@@ -379,7 +379,7 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
   answer.verdict = Verdict::kAmbiguous;
   answer.decided_by = DecidedBy::kAmbiguousPlaces;
   answer.planes.keyframe.reset();
-  answer.message = "two mapped places match; move a little and query again";
+  answer.message = "several mapped places match; move a little and query again";
   answer.planes.places.push_back(candidates[0]);
   for (const Place* rival : rivals) {
     answer.planes.places.push_back(candidates[rival - places.data()]);

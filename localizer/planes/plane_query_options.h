@@ -42,10 +42,10 @@ struct PlaneQueryOptions {
                     "Maximum features of a query. More find more and take longer."},
         OptionField{"contrast_threshold", &Self::contrast_threshold, Open(0, 1), "",
                     "As for the build: lower finds fainter features."},
-        OptionField{"votes_per_feature", &Self::votes_per_feature, AtLeast(1), "",
+        OptionField{"votes_per_feature", &Self::votes_per_feature, Closed(1, 1000), "",
                     "Nearest map features for which a query feature votes. More find planes in "
                     "poor views, and try more wrong ones."},
-        OptionField{"neighbours", &Self::neighbours, AtLeast(2), "",
+        OptionField{"neighbours", &Self::neighbours, Closed(2, 1000), "",
                     "Nearest map features by which a query feature weighs its votes for keyframes: "
                     "the farthest is what any feature would find.",
                     OptionUse::kInternal},

@@ -119,7 +119,8 @@ int CountBestInliers(const PlaneAnswer& answer) {
 }
 
 std::string PercentText(double share) {
-  return std::to_string(static_cast<int>(std::floor(100 * share))) + "%";
+  constexpr double kRounding = 1e-9;  // 100 * 0.29 is less than 29
+  return std::to_string(static_cast<int>(std::floor(100 * share + kRounding))) + "%";
 }
 
 Answer Undecided(Stage last) {

@@ -32,7 +32,7 @@ void CheckWritable(const std::filesystem::path& path, const WriteOptions& option
 void WriteMap(const MapData& map, const std::filesystem::path& path, const WriteOptions& options);
 
 struct ReadOptions {
-  bool images = true;  // read the keyframes' JPEGs too
+  bool images = true;  // read the keyframes' pictures too
 };
 
 // Reads a whole map, checking every blob's length and CRC and every reference. The file's bytes are

@@ -10,6 +10,8 @@ namespace {
 // How much of a body that nobody wants is read, as a multiple of the limit, so that the connection
 // can be used again.
 constexpr int kDrainFactor = 2;
+// Before a request: some clients send one after a body.
+constexpr int kMaxEmptyLines = 8;
 constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
 
 Clock::time_point After(Clock::time_point start, int seconds) {
@@ -53,8 +55,15 @@ void Connection::Enter(ConnectionState state) {
   }
 }
 
+// A head's time runs from its first byte on.
+void Connection::TimeHead() {
+  if (state_ != ConnectionState::kHead || is_idle()) return;
+  since_ = Clock::now();
+  deadline_ = After(since_, options_.head_timeout_s);
+}
+
 void Connection::OnTimeout() {
-  if (state_ == ConnectionState::kHead && !in_.empty()) {
+  if (state_ == ConnectionState::kHead && !is_idle()) {
     Refuse(MapError(ErrorCode::kTooSlow, "the request was not received in time"));
   } else if (state_ == ConnectionState::kBody) {
     FailBody({ErrorCode::kTooSlow,
@@ -76,16 +85,14 @@ void Connection::Receive(std::string_view bytes) {
     finished_ |= discarded_ > kDrainFactor * options_.max_body_bytes;
     return;
   }
-  if (is_idle()) {
-    since_ = Clock::now();
-    deadline_ = After(since_, options_.head_timeout_s);
-  }
+  const bool was_idle = is_idle();
   in_ += bytes;
   if (state_ == ConnectionState::kBody) {
     deadline_ = std::min(After(Clock::now(), options_.read_timeout_s),
                          After(since_, options_.body_timeout_s));
   }
   Advance();
+  if (was_idle) TimeHead();
 }
 
 void Connection::ReceiveEnd() {
@@ -103,18 +110,22 @@ void Connection::Advance() {
   if (state_ == ConnectionState::kBody) ReadBody();
 }
 
-// Some clients send one after a body.
 void Connection::SkipEmptyLines() {
   size_t skipped = 0;
-  while (std::string_view(in_).substr(skipped).starts_with("\r\n")) skipped += 2;
+  for (; std::string_view(in_).substr(skipped).starts_with("\r\n"); skipped += 2) {
+    if (++empty_lines_ <= kMaxEmptyLines) continue;
+    throw MapError(ErrorCode::kBadRequest, "more than " + std::to_string(kMaxEmptyLines) +
+                                               " empty lines before the request; send its request "
+                                               "line first");
+  }
   if (skipped == 0) return;
   in_.erase(0, skipped);
   scanner_ = {};
 }
 
 void Connection::ReadHead() {
-  SkipEmptyLines();
   try {
+    SkipEmptyLines();
     const std::optional<size_t> size = scanner_.Scan(in_);
     if (!size) return;
     head_ = ParseRequestHead(std::string_view(in_).substr(0, *size));
@@ -251,9 +262,10 @@ void Connection::Sent(size_t bytes) {
   head_ = {};
   chunks_ = {};
   received_ = 0;
+  empty_lines_ = 0;
   Enter(ConnectionState::kHead);
-  if (!in_.empty()) deadline_ = After(since_, options_.head_timeout_s);
   Advance();
+  TimeHead();
   if (input_ended_ && !ready_) finished_ = true;
 }
 

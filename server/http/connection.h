@@ -56,8 +56,9 @@ class Connection {
   ConnectionState state() const { return state_; }
   // Nothing more can come of it.
   bool finished() const { return finished_; }
-  // Waits for a request of which no byte has arrived.
-  bool is_idle() const { return state_ == ConnectionState::kHead && in_.empty(); }
+  // Waits for a request of which no byte has arrived. Empty lines, or the first half of one, are
+  // none of its bytes.
+  bool is_idle() const { return state_ == ConnectionState::kHead && (in_.empty() || in_ == "\r"); }
   // In this state since.
   Clock::time_point since() const { return since_; }
   // To call OnTimeout then.
@@ -91,6 +92,7 @@ class Connection {
   MapError TooLarge() const;
   void Settle();
   void Enter(ConnectionState state);
+  void TimeHead();
   void ReturnBody();
 
   const HttpOptions& options_;
@@ -103,6 +105,7 @@ class Connection {
   bool finished_ = false;
 
   std::string in_;
+  int empty_lines_ = 0;  // before the request
   bool input_ended_ = false;
   HeadScanner scanner_;
   RequestHead head_;

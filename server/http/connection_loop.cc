@@ -20,11 +20,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/start_thread.h"
 #include "server/http/connection.h"
 #include "server/http/file_limit.h"
 #include "server/http/poller.h"
 #include "server/http/request_pool.h"
-#include "server/http/start_thread.h"
 
 namespace waystone {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "server/http/start_thread.h"
+#include "core/base/start_thread.h"
 
 namespace waystone {
 

@@ -49,14 +49,11 @@ struct ServiceOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
+// As many as there are cores where the options say 0.
+int CountQueryThreads(const ServiceOptions& options);
+
 // Everything behind the sockets: maps, queries, inspection, health and metrics, and around them who
 // may ask, names of requests, logs and headers. Thread-safe.
-// As many as there are cores where the options say 0.
-int CountQueryThreads(const ServiceOptions& options);
-
-// As many as there are cores where the options say 0.
-int CountQueryThreads(const ServiceOptions& options);
-
 class Application {
  public:
   struct Sinks {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "server/http/start_thread.h"
+#include "core/base/start_thread.h"
 
 namespace waystone {
 namespace {

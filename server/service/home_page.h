@@ -6,7 +6,7 @@
 
 namespace waystone {
 
-// The page at "/": which maps there are and how to ask them. Self-contained HTML, no scripts.
+// The page at "/plain": which maps there are and how to ask them. Self-contained HTML, no scripts.
 std::string HomePage(const std::vector<std::string>& map_names, const std::string& host);
 
 }  // namespace waystone

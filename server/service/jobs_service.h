@@ -16,8 +16,8 @@
 
 namespace waystone {
 
-// The jobs of a registry over HTTP. They are read anew at most once a second, by one connection.
-// Thread-safe.
+// The jobs of a registry over HTTP, read by one connection: their list anew at most once a second,
+// the details of one whenever they are asked for. Thread-safe.
 class JobsService {
  public:
   // `registry` in PostgreSQL; any other, or an empty one, has no jobs to tell of.

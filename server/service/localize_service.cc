@@ -9,12 +9,15 @@
 #include "api/request_answer_json.h"
 #include "core/base/error.h"
 #include "localizer/session.h"
+#include "server/http/problem.h"
 #include "server/http/responses.h"
 #include "server/service/localize_request.h"
-#include "server/service/map_search.h"
 
 namespace waystone {
 namespace {
+
+// What the request's own deadline is, only its body says.
+constexpr std::chrono::seconds kParsePatience{20};
 
 void RefuseMapsOwn(const QueryRequest& request) {
   if (!request.prior_keyframe && !request.previous && !request.stored_camera &&
@@ -26,13 +29,13 @@ void RefuseMapsOwn(const QueryRequest& request) {
       "camera, prior, previous and odometry refer to one map; use /v1/maps/{map}/localize");
 }
 
-Json SearchedJson(const std::vector<SearchedMap>& searched) {
-  Json list = Json::array();
+void AddSearched(const std::vector<SearchedMap>& searched, bool partial, Json& json) {
+  Json& list = json["searched"] = Json::array();
   for (const SearchedMap& one : searched) {
     list.push_back({{"map", one.name}, {"state", one.state}, {"score", Rounded(one.score, 2)}});
     if (!one.message.empty()) list.back()["message"] = one.message;
   }
-  return list;
+  json["partial"] = partial;
 }
 
 void RefuseHints(const QueryRequest& request) {
@@ -54,33 +57,27 @@ void LocalizeService::AddTo(Router& router) {
 }
 
 QueryRequest LocalizeService::Read(const HttpRequest& http) {
-  std::unique_lock turn(parsing_json_, std::defer_lock);
-  if (IsJson(http)) turn.lock();
+  const bool is_json = IsJson(http);
+  const std::optional<QueryGate::Turn> turn =
+      is_json ? parsing_json_.Enter(http.received + kParsePatience) : std::nullopt;
+  if (is_json && !turn) {
+    throw BusyError("too many JSON bodies wait to be parsed; try again, or send images as they are",
+                    1);
+  }
   QueryRequest request = ReadQueryRequest(http, limits_);
   request.received = http.received;
   return request;
 }
 
-std::vector<QueriedMap> LocalizeService::MapsFor(const std::optional<std::string>& name,
-                                                 const SearchScope& scope,
-                                                 const QueryRequest& request) {
+FoundMaps LocalizeService::MapsFor(const std::optional<std::string>& name, const SearchScope& scope,
+                                   const QueryRequest& request) {
   MapSource::Deadline deadline;
   if (request.deadline_ms) {
     deadline = request.received.value() + std::chrono::milliseconds(*request.deadline_ms);
   }
-  std::vector<MapSource::MapPtr> maps;
-  if (name) {
-    maps.push_back(maps_.Find(*name, deadline));
-  } else if (!request.hints) {
-    maps = maps_.FindAll(deadline);
-  } else {
-    for (const std::string& one : scope.names) maps.push_back(maps_.Find(one, deadline));
-  }
-  std::vector<QueriedMap> queried;
-  for (const MapSource::MapPtr& map : maps) {
-    queried.push_back({map->name(), map->shared_index()});
-  }
-  return queried;
+  if (!name) return FindMaps(scope, deadline, maps_);
+  const MapSource::MapPtr map = maps_.Find(*name, deadline);
+  return {{{map->name(), map->shared_index()}}, {}};
 }
 
 HttpResponse LocalizeService::Answer(const HttpRequest& http,
@@ -97,8 +94,7 @@ HttpResponse LocalizeService::Answer(const HttpRequest& http,
   SearchAnswer search = SearchMaps(request, scope, options_, maps_, gate_, computing_);
   metrics_.CountAnswer(OverallAnswer(search.answer));
   Json json = ToJson(request, search.camera, search.answer, true);
-  json["searched"] = SearchedJson(search.searched);
-  json["partial"] = search.IsPartial();
+  AddSearched(search.searched, search.IsPartial(), json);
   if (search.unindexed > 0) json["unindexed"] = search.unindexed;
   return Respond(http, name,
                  {std::make_shared<const QueryRequest>(std::move(request)), std::move(json)});
@@ -106,15 +102,20 @@ HttpResponse LocalizeService::Answer(const HttpRequest& http,
 
 LocalizeService::Answered LocalizeService::AskMaps(const std::optional<std::string>& name,
                                                    const SearchScope& scope, QueryRequest request) {
-  std::vector<QueriedMap> queried = MapsFor(name, scope, request);
-  const auto session =
-      std::make_shared<const Session>(std::move(request), std::move(queried), options_);
+  FoundMaps found = MapsFor(name, scope, request);
+  const bool partial = IsPartial(found.searched);
+  const auto session = std::make_shared<const Session>(std::move(request), std::move(found.queried),
+                                                       options_, partial);
   std::optional<QueryGate::Turn> turn = gate_.Enter(session->deadline());
   const RequestAnswer answer =
       turn ? computing_.Ask(session, std::move(*turn)) : session->TimeOut();
   metrics_.CountAnswer(OverallAnswer(answer));
-  return {std::shared_ptr<const QueryRequest>(session, &session->request()),
-          ToJson(*session, answer, !name)};
+  Json json = ToJson(*session, answer, !name);
+  if (partial) {
+    TellLate(answer, found.searched);
+    AddSearched(found.searched, true, json);
+  }
+  return {std::shared_ptr<const QueryRequest>(session, &session->request()), std::move(json)};
 }
 
 HttpResponse LocalizeService::Respond(const HttpRequest& http,

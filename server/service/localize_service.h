@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "localizer/options.h"
 #include "localizer/session.h"
 #include "server/http/router.h"
+#include "server/service/map_search.h"
 #include "server/service/map_source.h"
 #include "server/service/metrics.h"
 #include "server/service/query_gate.h"
@@ -22,8 +22,9 @@ namespace waystone {
 // The queries over HTTP: POST /v1/maps/{map}/localize and POST /v1/localize. A handler reads and
 // parses the whole body first, so that a slow client holds no query's turn, then waits for its
 // turn, asks the localizer and renders. Parsing JSON takes up to six times its memory, so that one
-// such body is parsed at a time; the deadline counts meanwhile. Where all maps can't be asked at
-// once, the coarse index says which are (map_search.h). Thread-safe.
+// such body is parsed at a time; the deadline counts meanwhile, and who has waited for 20 s gets
+// BusyError. Where all maps can't be asked at once, the coarse index says which are (map_search.h).
+// Thread-safe.
 class LocalizeService {
  public:
   // All but the options must outlive the service; `log` may be null.
@@ -40,15 +41,17 @@ class LocalizeService {
   void AddTo(Router& router);
 
  private:
+  static constexpr int kMaxParsers = 10'000;  // as many threads as requests may have
+
   QueryRequest Read(const HttpRequest& http);
   // A request and its answer.
   struct Answered {
     std::shared_ptr<const QueryRequest> request;
     Json json;
   };
-  // The map of that name, or all of the scope: opened by the request's deadline.
-  std::vector<QueriedMap> MapsFor(const std::optional<std::string>& name, const SearchScope& scope,
-                                  const QueryRequest& request);
+  // The map of that name, or all of the scope that can be had: opened by the request's deadline.
+  FoundMaps MapsFor(const std::optional<std::string>& name, const SearchScope& scope,
+                    const QueryRequest& request);
   Answered AskMaps(const std::optional<std::string>& name, const SearchScope& scope,
                    QueryRequest request);
   HttpResponse Respond(const HttpRequest& http, const std::optional<std::string>& name,
@@ -61,7 +64,7 @@ class LocalizeService {
   QueryLog* log_;
   LocalizeOptions options_;
   RequestLimits limits_;
-  std::mutex parsing_json_;
+  QueryGate parsing_json_{1, kMaxParsers};
   TimedQueries computing_;
 };
 

@@ -3,7 +3,6 @@
 
 #include <utility>
 
-#include "api/map_json.h"
 #include "core/base/error.h"
 #include "core/base/text.h"
 
@@ -43,13 +42,6 @@ std::vector<std::string> MapCatalog::Names() const {
   return names;
 }
 
-std::vector<MapSource::MapPtr> MapCatalog::FindAll(const Deadline&) {
-  std::vector<MapPtr> found;
-  for (const auto& [name, map] : *Now()) found.push_back(map);
-  if (found.empty()) throw NoMaps();
-  return found;
-}
-
 SearchScope MapCatalog::ScopeOf(const MapHints& hints) const {
   if (hints.position || !hints.tags.empty()) {
     throw MapError(ErrorCode::kNotAvailable,
@@ -67,15 +59,13 @@ std::vector<FoundMap> MapCatalog::FindLot(std::span<const std::string> names, co
     try {
       found.push_back({name, Find(name), MapFinding::kFound, ""});
     } catch (const MapError& error) {
-      found.push_back({name, nullptr, MapFinding::kFailed, error.what()});
+      found.push_back({name, nullptr, MapFinding::kFailed, error.what(), error.code()});
     }
   }
   return found;
 }
 
-Json MapCatalog::Summary(const std::string& name) const {
-  return MapJson(name, Find(name)->index());
-}
+Json MapCatalog::Summary(const std::string& name) const { return Find(name)->summary(); }
 
 Holdings MapCatalog::holdings() const {
   const size_t maps = Now()->size();

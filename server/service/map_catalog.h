@@ -26,7 +26,6 @@ class MapCatalog : public MapSource {
   std::vector<std::string> Names() const override;
   void CheckName(const std::string& name) const override { Find(name); }
   MapPtr Find(const std::string& name, const Deadline&) override { return Find(name); }
-  std::vector<MapPtr> FindAll(const Deadline&) override;
   // Maps of files have neither tags nor a registry's frames: hints at them are kNotAvailable.
   SearchScope ScopeOf(const MapHints& hints) const override;
   std::vector<FoundMap> FindLot(std::span<const std::string> names, const Deadline&) override;

@@ -142,11 +142,7 @@ class Search {
         std::make_shared<const Session>(proposing_->request, std::move(queried), options_, true);
     std::optional<QueryGate::Turn> turn = gate_.Enter(deadline_);
     lots_.push_back(turn ? computing_.Ask(session, std::move(*turn)) : session->TimeOut());
-    for (const std::vector<Answer>& answers : lots_.back().images) {
-      for (const Answer& answer : answers) {
-        if (answer.verdict == Verdict::kUndecided) TellOf(answer.map).state = "late";
-      }
-    }
+    TellLate(lots_.back(), result_.searched);
     return found.size();
   }
 
@@ -200,10 +196,43 @@ class Search {
 
 }  // namespace
 
-bool SearchAnswer::IsPartial() const {
-  return !proposed ||
-         std::ranges::any_of(searched, [](const SearchedMap& one) { return one.state != "asked"; });
+FoundMaps FindMaps(const SearchScope& scope, const MapSource::Deadline& deadline, MapSource& maps) {
+  FoundMaps result;
+  std::optional<FoundMap> failed;
+  for (std::span<const std::string> left = scope.names; !left.empty();) {
+    const std::vector<FoundMap> lot = maps.FindLot(left, deadline);
+    left = left.subspan(lot.size());
+    for (const FoundMap& one : lot) {
+      if (one.code == ErrorCode::kNotFound) continue;  // removed meanwhile
+      result.searched.push_back({one.name, StateOf(one.finding), 0, one.error});
+      if (one.map) {
+        result.queried.push_back({one.name, one.map->shared_index()});
+      } else if (!failed) {
+        failed = one;
+      }
+    }
+  }
+  if (!result.queried.empty()) return result;
+  if (!failed) throw MapError(ErrorCode::kNotReady, "all maps were removed just now; try again");
+  throw MapError(failed->code,
+                 "no map can be had now (" + failed->name + ": " + failed->error + ")");
 }
+
+void TellLate(const RequestAnswer& answer, std::vector<SearchedMap>& searched) {
+  for (const std::vector<Answer>& answers : answer.images) {
+    for (const Answer& one : answers) {
+      if (one.verdict != Verdict::kUndecided) continue;
+      const auto told = std::ranges::find(searched, one.map, &SearchedMap::name);
+      if (told != searched.end()) told->state = "late";
+    }
+  }
+}
+
+bool IsPartial(const std::vector<SearchedMap>& searched) {
+  return std::ranges::any_of(searched, [](const SearchedMap& one) { return one.state != "asked"; });
+}
+
+bool SearchAnswer::IsPartial() const { return !proposed || waystone::IsPartial(searched); }
 
 SearchAnswer SearchMaps(const QueryRequest& request, const SearchScope& scope,
                         const LocalizeOptions& options, MapSource& maps, QueryGate& gate,

@@ -17,13 +17,30 @@ namespace waystone {
 // At most so many maps are asked of those that the coarse index proposes.
 inline constexpr int kMaxSearched = 10;
 
-// A map that was proposed, and what became of it.
+// A map that was proposed, or is one of all, and what became of it.
 struct SearchedMap {
   std::string name;
   std::string state;    // "asked", "late", "failed" or "too_large"
-  double score = 0;     // of the coarse index, which ranks the maps of one query and says no more
+  double score = 0;     // of the coarse index, which ranks the maps of one query and says no more;
+                        // 0 without
   std::string message;  // one line: why it wasn't asked
 };
+
+// Maps that are asked together, and what became of each one that was to be.
+struct FoundMaps {
+  std::vector<QueriedMap> queried;
+  std::vector<SearchedMap> searched;
+};
+
+// Opens all maps of a scope, which fit into memory together. Those that were removed meanwhile are
+// left out. Throws where none can be had, with the first one's code.
+FoundMaps FindMaps(const SearchScope& scope, const MapSource::Deadline& deadline, MapSource& maps);
+
+// Says of maps that didn't answer by the deadline that they were late.
+void TellLate(const RequestAnswer& answer, std::vector<SearchedMap>& searched);
+
+// Whether a map of these wasn't asked, so that the answer might be another one.
+bool IsPartial(const std::vector<SearchedMap>& searched);
 
 struct SearchAnswer {
   RequestAnswer answer;

@@ -84,15 +84,20 @@ int WidthIn(const HttpRequest& request) {
                      std::to_string(kMaxImageWidth));
 }
 
-// The picture of what has one.
+HttpResponse PictureResponse(const std::vector<uint8_t>& picture) {
+  return {200, MediaTypeOf(picture), std::string(picture.begin(), picture.end()), {}};
+}
+
+// The picture of what has one, at most `width` px wide; 0 for as it is stored.
 template <class Pictured>
-HttpResponse ImageResponse(const Pictured& of, int width) {
-  if (of.jpeg.empty()) {
+HttpResponse ImageResponse(const Pictured& of, int width, QueryGate& gate) {
+  if (of.picture.empty()) {
     throw MapError(ErrorCode::kNotFound,
                    "this map stores no images; rebuild it without --no-images");
   }
-  const std::vector<uint8_t> picture = width == 0 ? of.jpeg : ShrunkPicture(of.jpeg, width);
-  return {200, MediaTypeOf(picture), std::string(picture.begin(), picture.end()), {}};
+  if (width == 0 || !IsWider(of.picture, width)) return PictureResponse(of.picture);
+  const QueryGate::Turn turn = gate.Enter();  // it decodes
+  return PictureResponse(ShrunkPicture(of.picture, width));
 }
 
 // The image of the plan that the request names, or of the first one.
@@ -170,15 +175,15 @@ void MapService::AddLists(Router& router) {
           });
   AddShow(router, "/keyframes", [](const auto& request, const ServedMap& map, const auto&) {
     const std::vector<Keyframe>& keyframes = map.index().map().keyframes;
-    return JsonResponse(PagedJson(request, "keyframes", keyframes.size(), [&](size_t i) {
-      return KeyframeJson(map.name(), map.index(), keyframes[i]);
-    }));
+    const KeyframeRows rows(map.name(), map.index());
+    return JsonResponse(PagedJson(request, "keyframes", keyframes.size(),
+                                  [&](size_t i) { return rows.Row(keyframes[i]); }));
   });
 }
 
 void MapService::AddSingles(Router& router) {
   AddShow(router, "", [](const auto&, const ServedMap& map, const auto&) {
-    return JsonResponse(MapJson(map.name(), map.index()));
+    return JsonResponse(map.summary());
   });
   AddShow(router, "/planes/{id}", [](const auto&, const ServedMap& map, const Captures& in) {
     return JsonResponse(PlaneJson(map.index(), PlaneOf(map.index(), in)));
@@ -211,8 +216,8 @@ void MapService::AddSingles(Router& router) {
     return JsonResponse(KeyframeJson(map.name(), map.index(), KeyframeOf(map.index(), in)));
   });
   AddShow(router, "/keyframes/{id}/image",
-          [](const auto& request, const ServedMap& map, const Captures& in) {
-            return ImageResponse(KeyframeOf(map.index(), in), WidthIn(request));
+          [this](const auto& request, const ServedMap& map, const Captures& in) {
+            return ImageResponse(KeyframeOf(map.index(), in), WidthIn(request), gate_);
           });
   AddShow(router, "/keyframes/{id}/lines",
           [this](const auto&, const ServedMap& map, const Captures& in) {
@@ -227,8 +232,8 @@ void MapService::AddSingles(Router& router) {
             return JsonResponse(SpaceJson(map.index(), keyframe));
           });
   AddShow(router, "/keyframes/{id}/thumbnail",
-          [](const auto&, const ServedMap& map, const Captures& in) {
-            return ImageResponse(KeyframeOf(map.index(), in), kThumbnailWidth);
+          [this](const auto&, const ServedMap& map, const Captures& in) {
+            return ImageResponse(KeyframeOf(map.index(), in), kThumbnailWidth, gate_);
           });
 }
 
@@ -257,8 +262,8 @@ void MapService::AddAppearance(Router& router) {
             return JsonResponse(SignatureJson(FindNode(AppearanceOf(map.index()), in)));
           });
   AddShow(router, "/appearance/nodes/{id}/image",
-          [](const auto& request, const ServedMap& map, const Captures& in) {
-            return ImageResponse(FindNode(AppearanceOf(map.index()), in), WidthIn(request));
+          [this](const auto& request, const ServedMap& map, const Captures& in) {
+            return ImageResponse(FindNode(AppearanceOf(map.index()), in), WidthIn(request), gate_);
           });
 }
 
@@ -293,8 +298,8 @@ void MapService::AddOrientation(Router& router) {
                                           [&](size_t i) { return CorridorJson(layer, i); }));
           });
   AddShow(router, "/orientation/nodes/{id}/image",
-          [](const auto& request, const ServedMap& map, const Captures& in) {
-            return ImageResponse(FindNode(OrientationOf(map.index()), in), WidthIn(request));
+          [this](const auto& request, const ServedMap& map, const Captures& in) {
+            return ImageResponse(FindNode(OrientationOf(map.index()), in), WidthIn(request), gate_);
           });
   AddShow(router, "/orientation/nodes/{id}/lines",
           [this](const auto&, const ServedMap& map, const Captures& in) {
@@ -315,8 +320,18 @@ HttpResponse MapService::Home(const HttpRequest& request) const {
 
 HttpResponse MapService::ListMaps(const HttpRequest& request) const {
   const std::vector<std::string> names = maps_.Names();
-  return JsonResponse(
-      PagedJson(request, "maps", names.size(), [&](size_t i) { return maps_.Summary(names[i]); }));
+  const Page page = PageOf(request, names.size());
+  Json json;
+  json["maps"] = Json::array();
+  for (size_t i = page.begin; i < page.end; ++i) {
+    try {
+      json["maps"].push_back(maps_.Summary(names[i]));
+    } catch (const MapError& error) {
+      if (error.code() != ErrorCode::kNotFound) throw;  // else it was removed just now
+    }
+  }
+  json["next"] = page.next.empty() ? Json(nullptr) : Json(page.next);
+  return JsonResponse(json);
 }
 
 }  // namespace waystone

@@ -15,8 +15,8 @@ namespace waystone {
 // finds and renders. Thread-safe.
 class MapService {
  public:
-  // Both must outlive the service. Audits and what is found in pictures take a turn of
-  // the gate.
+  // Both must outlive the service. Audits, what is found in pictures and smaller copies of them
+  // take a turn of the gate.
   MapService(MapSource& maps, QueryGate& gate) : maps_(maps), gate_(gate) {}
 
   // Adds the routes. The service must outlive the router's last request.

@@ -53,6 +53,7 @@ struct FoundMap {
   std::shared_ptr<const ServedMap> map;  // null unless it was found
   MapFinding finding = MapFinding::kFailed;
   std::string error;  // then, one line
+  ErrorCode code = ErrorCode::kNotReady;
 };
 
 // A map that is on its way when the wait for it ends.
@@ -85,11 +86,9 @@ class MapSource {
   // MapError(kNotFound), BusyError, and for a map that can't be had now kNotReady,
   // kStoreUnavailable, kStoreDamaged, kNoRoom, or what is wrong with its file.
   virtual MapPtr Find(const std::string& name, const Deadline& deadline) = 0;
-  // All of them, by name. Throws as Find does, MapError(kNotReady) where there is none, and
-  // kNotAvailable where they are too many to be asked at once.
-  virtual std::vector<MapPtr> FindAll(const Deadline& deadline) = 0;
-  // What a query of all maps with these hints asks. Waits for nothing. Throws MapError(kNotFound)
-  // where the hints leave nothing, and kNotReady and kNotAvailable as FindAll does.
+  // What a query of all maps with these hints asks. Waits for nothing. Throws MapError: kNotFound
+  // where the hints leave nothing, kNotReady where there is no map, and kNotAvailable where they
+  // are too many to be asked at once and none of them can be proposed.
   virtual SearchScope ScopeOf(const MapHints& hints) const = 0;
   // The first of these maps, at least one, as many as can be had at the same time. Waits as Find
   // does, and throws nothing but std::bad_alloc. There are names.
@@ -98,7 +97,7 @@ class MapSource {
   // What lists say of a map (MapJson). Waits for nothing. Throws MapError(kNotFound).
   virtual Json Summary(const std::string& name) const = 0;
   virtual Holdings holdings() const = 0;
-  // Ends the waits of Find and FindAll, now and from now on, with MapError(kNotReady).
+  // Ends the waits of Find and FindLot, now and from now on, with MapError(kNotReady).
   virtual void EndWaits() {}
 };
 

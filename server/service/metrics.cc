@@ -154,7 +154,7 @@ struct Metrics::Impl {
                                                          .Register(registry);
   Histogram& inliers = BuildHistogram()
                            .Name("waystone_inliers")
-                           .Help("Inliers of the best plane of localized queries")
+                           .Help("Inliers of the best plane of answers that recognised one")
                            .Register(registry)
                            .Add({}, InlierBuckets());
   prometheus::Gauge& running = MakeGauge("waystone_queries_running", "Queries being processed");

@@ -14,7 +14,8 @@ namespace waystone {
 //   waystone_request_duration_seconds{route,method,status}  histogram
 //   waystone_stage_duration_seconds{stage}                  histogram: decode, extract, ...
 //   waystone_localized_total{verdict}                       counter
-//   waystone_inliers                                        histogram, of the best plane
+//   waystone_inliers                                        histogram, of the best plane of
+//                                                           answers that recognised one
 //   waystone_queries_running, waystone_queries_waiting      gauges
 //   waystone_reloads_total{result}, waystone_maps, waystone_maps_open,
 //   process_resident_memory_bytes
@@ -24,6 +25,8 @@ namespace waystone {
 //   waystone_map_opens_total, waystone_map_closes_total
 //   waystone_cache_files, waystone_cache_bytes, waystone_cache_limit_bytes
 //   waystone_fetches_total{result}, waystone_fetched_bytes_total
+//   waystone_coarse_maps, waystone_coarse_places, waystone_coarse_bytes
+//   waystone_coarse_missing{reason}, waystone_coarse_refused_total
 // Thread-safe.
 class Metrics {
  public:

@@ -37,27 +37,38 @@ std::string TextOf(const Json& object, const char* field) {
   return object.contains(field) ? EscapeHtml(object[field].get<std::string>()) : "";
 }
 
-std::string OperationHtml(const std::string& method, const std::string& path,
-                          const Json& operation) {
-  std::string html = "<h2><code>" + Upper(method) + " " + EscapeHtml(path) + "</code></h2>\n<p>" +
-                     TextOf(operation, "summary") + " " + TextOf(operation, "description") +
-                     "</p>\n";
-  if (!operation.contains("parameters")) return html;
-  html += "<ul>\n";
-  for (const Json& parameter : operation["parameters"]) {
-    if (!parameter.contains("name")) continue;
+// A line for each of the parameters that a path or an operation has, if any.
+std::string ParametersHtml(const Json& contract, const Json& owner) {
+  std::string html;
+  if (!owner.contains("parameters")) return html;
+  for (const Json& given : owner["parameters"]) {
+    // A reference is '#' and the path of what it stands for in the contract.
+    const Json& parameter =
+        given.contains("$ref")
+            ? contract.at(Json::json_pointer(given["$ref"].get<std::string>().substr(1)))
+            : given;
     html += "<li><code>" + TextOf(parameter, "name") + "</code> " +
             TextOf(parameter, "description") + "</li>\n";
   }
-  return html + "</ul>\n";
+  return html;
+}
+
+std::string OperationHtml(const std::string& method, const std::string& path, const Json& operation,
+                          const std::string& parameters) {
+  const std::string html = "<h2><code>" + Upper(method) + " " + EscapeHtml(path) +
+                           "</code></h2>\n<p>" + TextOf(operation, "summary") + " " +
+                           TextOf(operation, "description") + "</p>\n";
+  return parameters.empty() ? html : html + "<ul>\n" + parameters + "</ul>\n";
 }
 
 std::string MakePage() {
   std::string page = kApiHead;
   const Json contract = Json::parse(kOpenApiJson);
   for (const auto& [path, operations] : contract["paths"].items()) {
+    const std::string of_path = ParametersHtml(contract, operations);
     for (const auto& [method, operation] : operations.items()) {
-      if (operation.is_object()) page += OperationHtml(method, path, operation);
+      if (!operation.is_object()) continue;
+      page += OperationHtml(method, path, operation, of_path + ParametersHtml(contract, operation));
     }
   }
   return page + "</html>\n";

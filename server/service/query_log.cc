@@ -11,14 +11,15 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <iterator>
-#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "api/logged_query.h"
 #include "core/base/error.h"
+#include "schema/file/file_replacer.h"
 #include "schema/file/folder_entries.h"
 #include "server/http/file_descriptor.h"
 
@@ -106,17 +107,42 @@ bool RemoveTornLine(const fs::path& path) {
 }
 
 // All of the line or nothing: the next one would be glued to a part.
-bool AppendLine(const fs::path& path, std::string_view line) {
+void AppendLine(const fs::path& path, std::string_view line) {
   const FileDescriptor file = OpenPrivate(path, O_WRONLY | O_APPEND);
   struct stat before = {};
-  if (!file.is_open() || fstat(file.get(), &before) != 0) return false;
-  if (WriteAll(file, line)) return true;
+  if (!file.is_open() || fstat(file.get(), &before) != 0) {
+    throw UnwritableError(path, std::strerror(errno), 0);
+  }
+  if (WriteAll(file, line)) return;
+  const int cause = errno;
   // What a disk that was just full doesn't even take back, nobody can help.
   [[maybe_unused]] const int undone = ftruncate(file.get(), before.st_size);
-  return false;
+  throw UnwritableError(path, std::strerror(cause), std::ssize(line));
 }
 
 }  // namespace
+
+// Images that a query brought to the folder: they go again unless its line is written.
+class QueryLog::NewImages {
+ public:
+  explicit NewImages(size_t most) { paths_.reserve(most); }
+  ~NewImages() {
+    for (const fs::path& path : paths_) unlink(path.c_str());
+  }
+  NewImages(const NewImages&) = delete;
+  NewImages& operator=(const NewImages&) = delete;
+
+  void Add(fs::path path, int64_t bytes) noexcept {
+    paths_.push_back(std::move(path));
+    bytes_ += bytes;
+  }
+  void Keep() { paths_.clear(); }
+  int64_t bytes() const { return bytes_; }
+
+ private:
+  std::vector<fs::path> paths_;
+  int64_t bytes_ = 0;
+};
 
 QueryLog::QueryLog(fs::path folder, int64_t max_bytes,
                    std::function<void(const std::string&)> on_error)
@@ -142,39 +168,41 @@ void QueryLog::Add(const std::string& id, const Json& map, const QueryRequest& r
   if (bytes_ >= max_bytes_) return;
   std::vector<std::string> files;
   for (const QueryImage& image : request.images) {
-    std::optional<std::string> file = Store(image.bytes);
-    if (!file) return;  // `replay` couldn't ask this query again
-    files.push_back(*std::move(file));
+    files.push_back(Sha256Hex(image.bytes) + ".image");
   }
-  const std::string text =
+  const std::string line =
       Dump(LoggedQueryJson({id, map, request, answer}, SecondsSinceEpoch(), files)) + "\n";
-  {
+  try {
     const std::lock_guard lock(mutex_);
-    if (!AppendLine(folder_ / kQueryLogLines, text)) {
-      return on_error_("the query log " + folder_.string() + " can't be written");
-    }
+    Write(request, files, line);
+  } catch (const MapError& error) {
+    on_error_(std::string("a query is left out of the query log: ") + error.what());
   }
-  Count(std::ssize(text));
 }
 
-std::optional<std::string> QueryLog::Store(const std::string& bytes) {
-  std::string name = Sha256Hex(bytes) + ".image";
-  const fs::path path = folder_ / name;
+void QueryLog::Write(const QueryRequest& request, const std::vector<std::string>& files,
+                     const std::string& line) {
+  NewImages images(files.size());
+  for (size_t i = 0; i < files.size(); ++i) Store(request.images[i].bytes, files[i], images);
+  AppendLine(folder_ / kQueryLogLines, line);
+  images.Keep();
+  Count(images.bytes() + std::ssize(line));
+}
+
+void QueryLog::Store(const std::string& bytes, const std::string& file, NewImages& images) {
+  fs::path path = folder_ / file;
   struct stat there = {};
-  if (lstat(path.c_str(), &there) == 0 && S_ISREG(there.st_mode) &&
-      there.st_size == std::ssize(bytes)) {
-    return name;
-  }
+  const bool is_new = lstat(path.c_str(), &there) != 0;
+  if (!is_new && S_ISREG(there.st_mode) && there.st_size == std::ssize(bytes)) return;
   std::string part = (folder_ / kPartName).string() + "XXXXXX";
-  const FileDescriptor file(mkostemp(part.data(), O_CLOEXEC));
-  if (file.is_open()) fchmod(file.get(), kOwner);  // whatever the umask
-  if (!WriteAll(file, bytes) || std::rename(part.c_str(), path.c_str()) != 0) {
-    on_error_("an image of the query log " + folder_.string() + " can't be written");
-    if (file.is_open()) unlink(part.c_str());
-    return std::nullopt;
+  const FileDescriptor out(mkostemp(part.data(), O_CLOEXEC));
+  if (out.is_open()) fchmod(out.get(), kOwner);  // whatever the umask
+  if (!WriteAll(out, bytes) || std::rename(part.c_str(), path.c_str()) != 0) {
+    const int cause = errno;
+    if (out.is_open()) unlink(part.c_str());
+    throw UnwritableError(path, std::strerror(cause), std::ssize(bytes));
   }
-  Count(std::ssize(bytes));
-  return name;
+  if (is_new) images.Add(std::move(path), std::ssize(bytes));  // else it is an earlier query's
 }
 
 }  // namespace waystone

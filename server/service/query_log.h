@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <functional>
 #include <mutex>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "api/json.h"
 #include "localizer/query.h"
@@ -25,18 +25,22 @@ class QueryLog {
   QueryLog(std::filesystem::path folder, int64_t max_bytes,
            std::function<void(const std::string&)> on_error);
 
-  // A query of which a part can't be written is left out.
+  // A query of which a part can't be written is left out, with what of it was written before.
   void Add(const std::string& id, const Json& map, const QueryRequest& request, const Json& answer);
 
  private:
+  class NewImages;
+
   void Count(int64_t bytes);
-  // The name of the image's file; nothing where it can't be written.
-  std::optional<std::string> Store(const std::string& bytes);
+  // With the lock held, as one: what another query stored meanwhile might be removed again.
+  void Write(const QueryRequest& request, const std::vector<std::string>& files,
+             const std::string& line);
+  void Store(const std::string& bytes, const std::string& file, NewImages& images);
 
   std::filesystem::path folder_;
   int64_t max_bytes_;
   std::function<void(const std::string&)> on_error_;
-  std::mutex mutex_;  // of the lines
+  std::mutex mutex_;  // of the files
   std::atomic<int64_t> bytes_ = 0;
 };
 

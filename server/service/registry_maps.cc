@@ -9,12 +9,11 @@
 #include <new>
 #include <utility>
 
-#include "api/map_json.h"
 #include "core/base/error.h"
+#include "core/base/start_thread.h"
 #include "core/base/text.h"
 #include "schema/file/sha256.h"
 #include "server/http/problem.h"
-#include "server/http/start_thread.h"
 #include "server/service/map_bytes.h"
 
 namespace waystone {
@@ -79,6 +78,7 @@ RegistryMaps::RegistryMaps(const RegistryMapsOptions& options, Log log)
   if (!options_.store.empty()) registry_store_ = options_.store;
   store_ = OpenStore(registry_store_);
   WriteKnown();
+  serving_ = true;
   try {
     coarse_.Start();
     threads_.push_back(StartThread([this] { KeepLooking(); }));
@@ -144,15 +144,15 @@ void RegistryMaps::KeepOpening() {
 // tried again yet, that one alone.
 void RegistryMaps::OpenQueued(const std::string& name) {
   std::vector<MapVersion> wanted;
-  bool tries_current = false;
+  std::optional<MapVersion> tried_current;
   {
     const std::lock_guard lock(mutex_);
     const auto it = entries_.find(name);
     if (it == entries_.end()) return;
     const Entry& entry = it->second;
     const bool has_other = !entry.open && entry.served && *entry.served != entry.current;
-    tries_current = !has_other || !entry.MustWait();
-    if (tries_current) wanted.push_back(entry.current);
+    if (!has_other || !entry.MustWait()) tried_current = entry.current;
+    if (tried_current) wanted.push_back(*tried_current);
     if (has_other) wanted.push_back(*entry.served);
   }
   Opening failure;
@@ -175,7 +175,7 @@ void RegistryMaps::OpenQueued(const std::string& name) {
       fail(ErrorCode::kNotReady, error.what());
     }
   }
-  Finish(name, version, std::move(opened), failure, tries_current);
+  Finish(name, version, std::move(opened), failure, tried_current);
 }
 
 RegistryMaps::Opened RegistryMaps::OpenVersion(const std::string& name, const MapVersion& version) {
@@ -245,7 +245,7 @@ MapSource::MapPtr RegistryMaps::CloseOldest() {
 }
 
 void RegistryMaps::Finish(const std::string& name, const MapVersion& version, Opened opened,
-                          const Opening& failure, bool tried_current) {
+                          const Opening& failure, const std::optional<MapVersion>& tried_current) {
   std::string said;
   {
     const std::lock_guard lock(mutex_);
@@ -265,7 +265,8 @@ void RegistryMaps::Finish(const std::string& name, const MapVersion& version, Op
       known_changed_ |= entry.served != version;
       entry.served = version;
     }
-    if (tried_current) Count(failure, entry, said);
+    // Another version that was published meanwhile has had no try.
+    if (tried_current == entry.current) Count(failure, entry, said);
     if (const std::shared_ptr<Opening> opening = std::exchange(entry.opening, nullptr)) {
       opening->map = entry.open;
       opening->error = failure.error;
@@ -364,34 +365,6 @@ MapSource::MapPtr RegistryMaps::Find(const std::string& name, const Deadline& de
   throw MapLate("map '" + name + "' is being fetched and opened; try again in a moment");
 }
 
-std::vector<MapSource::MapPtr> RegistryMaps::FindAll(const Deadline& deadline) {
-  std::vector<std::string> names;
-  int64_t bytes = 0;
-  size_t count = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    count = entries_.size();
-    if (entries_.empty()) throw MapError(ErrorCode::kNotReady, "no maps in the registry");
-    int64_t largest = 0;
-    for (const auto& [name, entry] : entries_) {
-      names.push_back(name);
-      bytes += entry.open_bytes;
-      largest = std::max(largest, entry.current.bytes);
-      if (bytes > memory_->limit()) break;  // there may be thousands
-    }
-    bytes += largest;
-  }
-  if (bytes > memory_->limit()) {
-    throw MapError(ErrorCode::kNotAvailable,
-                   "all " + std::to_string(count) + " maps together take more than the " +
-                       Megabytes(memory_->limit()) +
-                       " of memory that are allowed; name the map: /v1/maps/{map}/localize");
-  }
-  std::vector<MapPtr> maps;
-  for (const std::string& name : names) maps.push_back(Find(name, deadline));
-  return maps;
-}
-
 Json RegistryMaps::Summary(const std::string& name) const {
   MapPtr open;
   {
@@ -400,7 +373,7 @@ Json RegistryMaps::Summary(const std::string& name) const {
     open = entry.open;
     if (!open) return SummaryOf(entry.current);
   }
-  return MapJson(name, open->index());
+  return open->summary();
 }
 
 Holdings RegistryMaps::holdings() const {

@@ -59,7 +59,6 @@ class RegistryMaps : public MapSource {
   void CheckName(const std::string& name) const override;
   // Waits 20 s at most.
   MapPtr Find(const std::string& name, const Deadline& deadline) override;
-  std::vector<MapPtr> FindAll(const Deadline& deadline) override;
   SearchScope ScopeOf(const MapHints& hints) const override;
   std::vector<FoundMap> FindLot(std::span<const std::string> names,
                                 const Deadline& deadline) override;
@@ -126,7 +125,7 @@ class RegistryMaps : public MapSource {
                                               const MapCache::FilePtr& file);
   std::shared_ptr<MapMemory::Share> TakeMemory(const MapVersion& version);
   void Finish(const std::string& name, const MapVersion& version, Opened opened,
-              const Opening& failure, bool tried_current);
+              const Opening& failure, const std::optional<MapVersion>& tried_current);
   void GiveUp(const std::string& name);
   void Count(const Opening& failure, Entry& entry, std::string& said);  // with the lock held
   std::shared_ptr<const Store> StoreNow() const;
@@ -150,6 +149,7 @@ class RegistryMaps : public MapSource {
   uint64_t uses_ = 0;
   int64_t open_bytes_ = 0;
   int waiting_ = 0;
+  bool serving_ = false;  // maps of the registry `registry_id_`, for good
   bool stopped_ = false;
   bool ended_waits_ = false;
   bool connected_ = false;

@@ -112,7 +112,7 @@ void RegistryMaps::WriteKnown() {
 void RegistryMaps::CheckId(const Registry& registry) {
   const std::lock_guard lock(mutex_);
   if (registry_id_ == registry.id()) return;
-  if (!threads_.empty()) {
+  if (serving_) {
     throw MapError(ErrorCode::kFileUnreadable,
                    "the registry is another one than before; start the server anew");
   }
@@ -138,13 +138,13 @@ void RegistryMaps::Look() {
 
 void RegistryMaps::Apply(const RegistryNews& news) {
   const std::lock_guard lock(mutex_);
-  connected_ = true;
-  answered_ = Clock::now();
   if (options_.store.empty() && registry_store_ != registry_->store()) {
+    store_ = OpenStore(registry_->store());
     registry_store_ = registry_->store();
-    store_ = OpenStore(registry_store_);
     known_changed_ = true;
   }
+  connected_ = true;
+  answered_ = Clock::now();
   std::set<std::string> gone;
   if (news.complete) {
     for (const auto& [name, entry] : entries_) gone.insert(name);
@@ -207,8 +207,8 @@ void RegistryMaps::KeepLooking() {
   while (true) {
     std::array<pollfd, 2> watched{{{wake_.get(), POLLIN, 0}, {-1, POLLIN, 0}}};
     if (registry_) watched[1].fd = registry_->news_fd();
-    const double pause_s = std::min(options_.poll_s, kMaxPauseS);
-    const bool called = poll(watched.data(), watched.size(), static_cast<int>(1e3 * pause_s)) > 0;
+    const int pause_ms = std::max(1, static_cast<int>(1e3 * std::min(options_.poll_s, kMaxPauseS)));
+    const bool called = poll(watched.data(), watched.size(), pause_ms) > 0;
     eventfd_t ignored = 0;
     eventfd_read(wake_.get(), &ignored);
     {

@@ -74,6 +74,7 @@ FoundMap RegistryMaps::TryToFind(const std::string& name, const Deadline& deadli
     const auto it = entries_.find(name);
     if (it != entries_.end() && it->second.opening_bytes > memory_->limit()) {
       found.finding = MapFinding::kTooLarge;
+      found.code = ErrorCode::kNoRoom;
       found.error = "takes " + Megabytes(it->second.opening_bytes) + " of memory to open, and " +
                     Megabytes(memory_->limit()) + " are allowed";
       return found;
@@ -87,8 +88,10 @@ FoundMap RegistryMaps::TryToFind(const std::string& name, const Deadline& deadli
     found.error = late.what();
   } catch (const MapError& error) {
     found.error = error.what();
+    found.code = error.code();
   } catch (const std::bad_alloc&) {
     found.error = "out of memory";
+    found.code = ErrorCode::kOutOfMemory;
   }
   return found;
 }

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/service/served_map.h"
 
+#include <utility>
+
+#include "api/map_json.h"
 #include "quality/audit.h"
 #include "schema/file/map_store.h"
 #include "server/http/problem.h"
 
 namespace waystone {
+
+ServedMap::ServedMap(std::string name, std::shared_ptr<const MapIndex> index)
+    : name_(std::move(name)), index_(std::move(index)), summary_(MapJson(name_, *index_)) {}
 
 const AuditReport& ServedMap::Audit(QueryGate& gate) const {
   if (is_audited_) return *audit_;

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 
+#include "api/json.h"
 #include "localizer/index/map_index.h"
 #include "server/service/query_gate.h"
 
@@ -18,13 +19,13 @@ struct AuditReport;
 // Thread-safe.
 class ServedMap {
  public:
-  ServedMap(std::string name, std::shared_ptr<const MapIndex> index)
-      : name_(std::move(name)), index_(std::move(index)) {}
+  ServedMap(std::string name, std::shared_ptr<const MapIndex> index);
 
   const std::string& name() const { return name_; }  // what URLs call it
   const MapIndex& index() const { return *index_; }
   const std::shared_ptr<const MapIndex>& shared_index() const { return index_; }
   const std::string& version() const { return index_->map().info.version; }
+  const Json& summary() const { return summary_; }  // MapJson: lists of maps have it of each
   // The first one who asks computes it, for seconds and on all cores, in a query's turn. Throws
   // what QueryGate::Enter throws, and BusyError to who asks meanwhile: waiting would take a thread.
   const AuditReport& Audit(QueryGate& gate) const;
@@ -32,6 +33,7 @@ class ServedMap {
  private:
   std::string name_;
   std::shared_ptr<const MapIndex> index_;
+  Json summary_;
   mutable std::mutex auditing_;
   mutable std::atomic<bool> is_audited_ = false;  // `audit_` is there, for good
   mutable std::shared_ptr<const AuditReport> audit_;

@@ -12,8 +12,8 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/start_thread.h"
 #include "localizer/session.h"
-#include "server/http/start_thread.h"
 #include "server/service/query_gate.h"
 
 namespace waystone {

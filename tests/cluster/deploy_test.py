@@ -26,7 +26,8 @@ OPTION = re.compile(r"^--([a-z-]+)")
 def options_of(command):
     """The options that a command's source adds."""
     text = (ROOT / "cli/commands" / f"{command}.cc").read_text(encoding="utf-8")
-    return set(re.findall(r'"--([a-z-]+)[",]', text))
+    shared = {"threads"} if "AddThreadsFlag(" in text else set()  # of cli/commands/build_sources.cc
+    return set(re.findall(r'"--([a-z-]+)[",]', text)) | shared
 
 
 def documents(name):
@@ -42,6 +43,11 @@ def pods():
     """(name, pod) of each workload."""
     return [(each["metadata"]["name"], each["spec"]["template"]["spec"]) for each in manifests()
             if each["kind"] in ("Deployment", "StatefulSet")]
+
+
+def flags_of(container):
+    """What the options of a container say, by their names."""
+    return dict(argument[2:].split("=", 1) for argument in container["args"] if "=" in argument)
 
 
 class Commands(unittest.TestCase):
@@ -173,15 +179,26 @@ class Kubernetes(unittest.TestCase):
     def test_the_cache_fits_its_volume_and_the_maps_the_memory(self):
         spec = next(each for each in manifests() if each["kind"] == "StatefulSet")["spec"]
         container = spec["template"]["spec"]["containers"][0]
-        flags = dict(argument[2:].split("=", 1) for argument in container["args"] if "=" in argument)
+        flags = flags_of(container)
         storage = spec["volumeClaimTemplates"][0]["spec"]["resources"]["requests"]["storage"]
         self.assertLess(int(flags["cache-size"][:-1]) * 1e9, int(storage[:-2]) * 2**30)
         memory = int(flags["memory"][:-1]) * 1e9
-        cores = int(container["resources"]["requests"]["cpu"])
+        threads = int(flags["threads"])
         # What docs/operating.md says: maps, of which some take a third more than they count, the coarse index,
         # and queries.
-        taken = memory * (1 + 1 / 3 + 1 / 4) + cores * 305e6 + 1.1e9
+        taken = memory * (1 + 1 / 3 + 1 / 4) + threads * 305e6 + 1.1e9
         self.assertGreater(int(container["resources"]["limits"]["memory"][:-2]) * 2**30, taken)
+
+    def test_programs_take_the_threads_that_they_request_cores_for(self):
+        ours = [container for _, pod in pods() for container in pod["containers"] if "args" in container]
+        self.assertEqual(len(ours), 2)  # servers and workers
+        for container in ours:
+            self.assertEqual(flags_of(container)["threads"], container["resources"]["requests"]["cpu"], container["name"])
+
+    def test_nothing_scrapes_servers_without_their_token(self):
+        server = next(each for each in manifests() if each["kind"] == "StatefulSet")["spec"]["template"]
+        self.assertIn("token-file", flags_of(server["spec"]["containers"][0]))
+        self.assertNotIn("prometheus.io/scrape", server["metadata"].get("annotations", {}))
 
 
 class Programs(unittest.TestCase):
@@ -192,6 +209,17 @@ class Programs(unittest.TestCase):
                                   capture_output=True, text=True, check=False)
             self.assertEqual(said.returncode, 0, said.stderr)
             self.assertNotIn("WARNING", said.stderr)
+
+    @unittest.skipUnless(Path(HAPROXY).exists(), "HAProxy isn't installed")
+    def test_haproxy_takes_the_lines_for_starting_it_as_root(self):
+        text = (DEPLOY / "haproxy.cfg").read_text(encoding="utf-8")
+        text, lines = re.subn(r"# (user|group) haproxy", r"\1 root", text)
+        self.assertEqual(lines, 2)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "haproxy.cfg"
+            path.write_text(text, encoding="utf-8")
+            said = subprocess.run([HAPROXY, "-c", "-f", path], capture_output=True, text=True, check=False)
+        self.assertEqual(said.returncode, 0, said.stderr)
 
     @unittest.skipUnless(shutil.which("systemd-analyze"), "systemd-analyze isn't installed")
     def test_systemd_takes_the_units(self):

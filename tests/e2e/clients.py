@@ -16,6 +16,7 @@ import os
 import pathlib
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -405,6 +406,13 @@ class ScriptedTest(Case):
             with self.fails("unreachable", 0):
                 Client(address).maps()
 
+    def test_an_answer_that_is_too_large(self):
+        for headers in ({}, {"Content-Length": "600"}):
+            with scripted((200, headers, bytes(600))) as (address, _):
+                with mock.patch("waystone_client.MAX_ANSWER", 500), self.fails("bad_answer", 200) as context:
+                    Client(address).maps()
+                self.assertIn("more than 500 bytes", context.exception.detail)
+
     def test_a_path_before_the_api(self):
         with scripted(FINE) as (address, requests):
             Client(address + "/waystone/", token=TOKEN).localize(b"x", map="a b/c")
@@ -469,6 +477,65 @@ class ProgramTest(unittest.TestCase):
         code, out, _ = run("--help")
         self.assertEqual(code, 0)
         self.assertIn("Example: waystone-localize", out)
+
+
+def video_of(jpegs):
+    """An AVI file of JPEG images of 640x480 pixels, ten a second."""
+    def chunk(kind, data):
+        return kind + struct.pack("<I", len(data)) + data + bytes(len(data) % 2)
+
+    def group(kind, *chunks):
+        return chunk(b"LIST", kind + b"".join(chunks))
+
+    main = struct.pack("<14I", 100_000, 0, 0, 0, len(jpegs), 0, 1, 0, 640, 480, 0, 0, 0, 0)
+    stream = struct.pack("<4s4s10I4H", b"vids", b"MJPG", 0, 0, 0, 1, 10, 0, len(jpegs), 0, 0, 0, 0, 0, 640, 480)
+    picture = struct.pack("<3I2H4s5I", 40, 640, 480, 1, 24, b"MJPG", 0, 0, 0, 0, 0)
+    heads = group(b"hdrl", chunk(b"avih", main), group(b"strl", chunk(b"strh", stream), chunk(b"strf", picture)))
+    return chunk(b"RIFF", b"AVI " + heads + group(b"movi", *(chunk(b"00dc", jpeg) for jpeg in jpegs)))
+
+
+class CommandTest(unittest.TestCase):
+    """The program's commands that ask a server, or say what to ask one."""
+
+    def ask(self, *arguments):
+        done = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, timeout=PATIENCE_S)
+        return done.returncode, done.stdout.splitlines(), done.stderr.splitlines()
+
+    def watch(self, *responses):
+        """Watches a video of as many frames as there are responses."""
+        video = folder / "walk.avi"
+        video.write_bytes(video_of([pathlib.Path(INSIDE).read_bytes()] * len(responses)))
+        with scripted(*responses) as (address, requests):
+            said = self.ask("watch", NAME, str(video), "--every", "0", "--json", "--server", address)
+        self.assertEqual(len(requests), len(responses))
+        return said
+
+    def test_watch_goes_on_when_the_server_is_back(self):
+        away = (503, {}, problem("not_ready", 503))
+        code, answers, errors = self.watch(FINE, away, FINE, (503, {}, problem("registry_unavailable", 503)))
+        self.assertEqual(([json.loads(answer) for answer in answers], code), ([ANSWER] * 2, 3))
+        self.assertEqual(len(errors), 2)
+        self.assertRegex(errors[0], r"^waystone: 0\.\d{3} s: http://.*: cause; remedy$")
+
+    def test_watch_says_when_it_has_every_answer(self):
+        code, answers, errors = self.watch(FINE, FINE)
+        self.assertEqual((code, len(answers), errors), (0, 2, []))
+
+    def test_ports_that_there_cannot_be_are_refused(self):
+        for port in ("99999999999", "65536", "0", "x", ""):
+            code, _, (error,) = self.ask("localize", "-", INSIDE, "--server", f"http://localhost:{port}")
+            self.assertEqual(code, 2, port)
+            self.assertIn("port from 1 to 65535", error)
+
+    def test_eval_names_paths_of_the_contract(self):
+        queries = folder / "queries.csv"
+        queries.write_text(f"image,keyframe\n{INSIDE},none.jpg\n")
+        code, _, (error,) = self.ask("eval", MAP, str(queries))
+        self.assertEqual(code, 3)
+        first, second = re.search(r"GET /v1/maps/{map}(/\S+) and (/\S+) list them", error).groups()
+        paths = list(Client(url).get("/openapi.json")["paths"])
+        self.assertIn("/v1/maps/{map}" + first, paths)
+        self.assertIn("/v1/maps/{map}" + second, paths)
 
 
 JS_SCRIPT = """

@@ -140,8 +140,12 @@ TEST_F(HttpTest, EveryInspectionRouteAnswers) {
     EXPECT_EQ(head->body, "") << path;
     EXPECT_EQ(head->get_header_value("Content-Length"), std::to_string(get->body.size())) << path;
   }
-  EXPECT_TRUE(
-      Checked(client_.Get("/v1/maps/room/keyframes/1/image"))->body.starts_with("\xFF\xD8\xFF"));
+  const auto image = Checked(client_.Get("/v1/maps/room/keyframes/1/image"));
+  EXPECT_TRUE(image->body.starts_with("RIFF"));
+  EXPECT_EQ(image->get_header_value("Content-Type"), "image/webp");
+  const auto smaller = Checked(client_.Get("/v1/maps/room/keyframes/1/image?width=16"));
+  EXPECT_TRUE(smaller->body.starts_with("\xFF\xD8\xFF"));
+  EXPECT_EQ(smaller->get_header_value("Content-Type"), "image/jpeg");
 }
 
 TEST_F(HttpTest, MapsAreCachedByTheirVersion) {
@@ -236,8 +240,8 @@ TEST_F(HttpTest, KeepsItsContract) {
   const std::filesystem::path folder = FreshFolder();
   MapData layered = MadeLayeredMap(3);
   layered.sequences[0].camera = MadeCamera();
-  layered.keyframes[0].jpeg = MadePicture();
-  layered.orientation->nodes[1].jpeg = MadePicture();
+  layered.keyframes[0].picture = MadePicture();
+  layered.orientation->nodes[1].picture = MadePicture();
   AddMadePoses(layered);
   AddMadeFloorPlan(layered);
   layered.edges.clear();  // whose homologies are made up: a file is checked

@@ -218,7 +218,7 @@ TEST(LocalizeFeatures, ARefusalNamesItsGate) {
   EXPECT_EQ(share.decided_by, DecidedBy::kInlierShare);
   EXPECT_TRUE(says(share, "99%")) << share.message;
   EXPECT_EQ(share.probability, 0) << "no place, whatever number of inliers";
-  EXPECT_FALSE(says(share, "confidence")) << share.message;
+  EXPECT_FALSE(says(share, "probability")) << share.message;
 
   query = QueryOf(map, {1}, PoseOf(1), 0, 5);
   for (Keypoint& keypoint : query.keypoints) {  // the wall, three times as large
@@ -229,7 +229,7 @@ TEST(LocalizeFeatures, ARefusalNamesItsGate) {
   EXPECT_EQ(scale.decided_by, DecidedBy::kHomographyScale);
   EXPECT_TRUE(says(scale, "factor of 2;")) << scale.message;
   EXPECT_EQ(scale.probability, 0);
-  EXPECT_FALSE(says(scale, "confidence")) << scale.message;
+  EXPECT_FALSE(says(scale, "probability")) << scale.message;
 
   const Answer few = ask(QueryOf(map, {1}, PoseOf(1), 60, 5), {.min_inliers = 100});
   EXPECT_EQ(few.decided_by, DecidedBy::kHomographyInliers);
@@ -237,7 +237,7 @@ TEST(LocalizeFeatures, ARefusalNamesItsGate) {
 
   const Answer place = ask(FirstFeatures(QueryOf(map, {1}, PoseOf(2), 0, 7), 8), {});
   EXPECT_EQ(place.decided_by, DecidedBy::kPlaceProbability);
-  EXPECT_TRUE(says(place, "confidence")) << place.message;
+  EXPECT_TRUE(says(place, "probability")) << place.message;
 }
 
 TEST(LocalizeFeatures, AMapWithoutPlanesKnowsNoPlace) {

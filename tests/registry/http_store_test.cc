@@ -230,6 +230,17 @@ TEST_F(StoreTest, WhatIsNoStoreIsRefused) {
   for (const std::string location : {"", "s3://bucket", "http://", "https:///x"}) {
     Failure([&] { OpenStore(location); }, ErrorCode::kUsage);
   }
+  for (const std::string port : {"99999999999", "65536", "0", "-1", "x", ""}) {
+    for (const std::string host : {"http://localhost:", "https://[::1]:"}) {
+      EXPECT_NE(Failure([&] { OpenStore(host + port + "/maps"); }, ErrorCode::kUsage)
+                    .find("no port from 1 to 65535"),
+                std::string::npos);
+    }
+  }
+  for (const std::string location :
+       {"http://localhost", "http://[::1]/x", "http://[::1]:65535/x"}) {
+    EXPECT_NO_THROW(OpenStore(location));
+  }
 }
 
 }  // namespace

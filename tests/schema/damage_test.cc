@@ -91,7 +91,7 @@ TEST_F(DamageTest, TwoBitsOfEveryByteOfTheHeader) {
 }
 
 TEST_F(DamageTest, FlippedBitsInABlob) {
-  const std::string jpeg(map_.keyframes[0].jpeg.begin(), map_.keyframes[0].jpeg.end());
+  const std::string jpeg(map_.keyframes[0].picture.begin(), map_.keyframes[0].picture.end());
   const std::vector<uint8_t>& descriptors = map_.planes[0].descriptors.data();
   for (const std::string& blob : {jpeg, std::string(descriptors.begin(), descriptors.end())}) {
     if (blob.size() < 16) continue;

@@ -79,7 +79,7 @@ Keyframe MadeKeyframe(Random& random, int64_t id, const MapData& map, const MapS
   keyframe.width = 640;
   keyframe.height = 480;
   if (shape.jpeg_bytes > 0 && random.Below(4) > 0) {
-    keyframe.jpeg = RandomBytes(random, random.Below(shape.jpeg_bytes) + 1);
+    keyframe.picture = RandomBytes(random, random.Below(shape.jpeg_bytes) + 1);
   }
   keyframe.landmarks = MadeLandmarks(id, shape);
   return keyframe;
@@ -143,7 +143,7 @@ AppearanceNode MadeNode(Random& random, int64_t id, const MapData& map,
   node.pose = RandomPose(random);
   node.signature = {RandomHalves(random, described.rows, described.k1, 0, 200),
                     RandomHalves(random, described.rows, described.k2, -3.1, 3.1)};
-  if (shape.jpeg_bytes > 0) node.jpeg = RandomBytes(random, random.Below(shape.jpeg_bytes));
+  if (shape.jpeg_bytes > 0) node.picture = RandomBytes(random, random.Below(shape.jpeg_bytes));
   const int features = random.Below(4);
   for (int i = 0; i < features; ++i) {
     node.features.bearings.push_back({static_cast<int16_t>(random.Below(65536) - 32768),
@@ -193,7 +193,7 @@ OrientationLayer MadeOrientation(Random& random, const MapData& map, const MapSh
   layer.nodes = {{{3}, OrientationNodeKind::kTurn, {1, 2, 3, 4}, {}},
                  {{5}, OrientationNodeKind::kTraversable, {0, 0, 0, 9}, {}},
                  {{10}, OrientationNodeKind::kTraversable, {}, {}}};
-  if (shape.jpeg_bytes > 0) layer.nodes[1].jpeg = RandomBytes(random, shape.jpeg_bytes);
+  if (shape.jpeg_bytes > 0) layer.nodes[1].picture = RandomBytes(random, shape.jpeg_bytes);
   layer.edges = {{{3}, {5}, OrientationEdgeKind::kTraversable, 31},
                  {{3}, {10}, OrientationEdgeKind::kLoop, 46}};
   layer.corridors = {{{1}, {2}, 0}, {{4}, {9}, 1}};

@@ -58,9 +58,9 @@ TEST(MapStore, LeavesImagesOutWhenAsked) {
   const TemporaryFolder folder;
   MapData map = MadeMap(5);
   WriteMap(map, folder / "m.db", {});
-  for (Keyframe& keyframe : map.keyframes) keyframe.jpeg.clear();
-  for (AppearanceNode& node : map.appearance->nodes) node.jpeg.clear();
-  for (OrientationNode& node : map.orientation->nodes) node.jpeg.clear();
+  for (Keyframe& keyframe : map.keyframes) keyframe.picture.clear();
+  for (AppearanceNode& node : map.appearance->nodes) node.picture.clear();
+  for (OrientationNode& node : map.orientation->nodes) node.picture.clear();
   EXPECT_EQ(WithoutVersion(ReadMap(folder / "m.db", {.images = false})), map);
 }
 
@@ -201,7 +201,7 @@ TEST(MapStore, TheFileIsFinishedAndCompact) {
   WriteMap(map, folder / "m.db", {});
   int64_t payload = 0;
   for (const Keyframe& keyframe : map.keyframes) {
-    payload += std::ssize(keyframe.jpeg) + std::ssize(keyframe.landmarks.positions) * 4 +
+    payload += std::ssize(keyframe.picture) + std::ssize(keyframe.landmarks.positions) * 4 +
                std::ssize(keyframe.landmarks.codes.data());
   }
   for (const Plane& plane : map.planes) {
@@ -209,8 +209,8 @@ TEST(MapStore, TheFileIsFinishedAndCompact) {
                std::ssize(plane.views) * 72;
   }
   payload += std::ssize(map.index->centres.data()) + std::ssize(map.index->list_of_row) * 2;
-  for (const AppearanceNode& node : map.appearance->nodes) payload += std::ssize(node.jpeg);
-  for (const OrientationNode& node : map.orientation->nodes) payload += std::ssize(node.jpeg);
+  for (const AppearanceNode& node : map.appearance->nodes) payload += std::ssize(node.picture);
+  for (const OrientationNode& node : map.orientation->nodes) payload += std::ssize(node.picture);
   for (const PlaneDepths& depths : map.poses->plane_depths) {
     // And the plane's covariance, and what is left of the last page of a blob.
     payload += std::ssize(depths.features) * 4 + 128 + 1024;

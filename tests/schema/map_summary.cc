@@ -76,7 +76,7 @@ void AddKeyframes(const MapData& map, Summary& summary) {
                  k.height);
   }
   for (const Keyframe& k : map.keyframes) {
-    if (!k.jpeg.empty()) summary.Line("picture", k.id, BytesView(k.jpeg));
+    if (!k.picture.empty()) summary.Line("picture", k.id, BytesView(k.picture));
   }
   for (const Keyframe& k : map.keyframes) {
     const Landmarks& landmarks = k.landmarks;

@@ -35,7 +35,7 @@ async function testAsk(page) {
   assert.ok(await page.locator("figure svg line").count() >= 8, "lines of matches");
   assert.ok(await page.locator("figure .outline polygon").count() >= 2, "outlines on both pictures");
   const numbers = await page.locator(".facts").innerText();
-  assert.match(numbers, /Confidence\s*(over )?\d+%/);
+  assert.match(numbers, /Probability\s*(over )?\d+%/);
   assert.match(numbers, /\d ms/);
   assert.ok((await page.locator(".curl pre").innerText()).includes(`${url}/v1/maps/room/localize`));
   await shoot(page, "ask");
@@ -627,7 +627,7 @@ async function testAmbiguousPanorama() {
   await page.goto(`${url}/`);
   assert.equal(await ask(page, inside), "Ambiguous: several places match");
   assert.deepEqual(await page.locator(".verdict li").allInnerTexts(), [
-    "panorama 51, 50.jpg of sequence walk, confidence 57%", "panorama 7, 6.jpg of sequence walk, confidence 29%",
+    "panorama 51, 50.jpg of sequence walk, probability 57%", "panorama 7, 6.jpg of sequence walk, probability 29%",
   ]);
   await checkAccess(page, "an ambiguous panorama");
   assert.deepEqual(complaints, []);
@@ -651,7 +651,7 @@ async function testPanoramaAnswer() {
   }));
   await page.goto(`${url}/`);
   assert.equal(await ask(page, inside), "Localized near panorama 51");
-  assert.match(await page.locator(".verdict").innerText(), /50\.jpg of sequence walk, confidence 97%/);
+  assert.match(await page.locator(".verdict").innerText(), /50\.jpg of sequence walk, probability 97%/);
   assert.match(await page.locator(".facts").innerText(), /74\.4, -29\.2 ± 1\.9 map units\s+Heading\s+90°/);
   assert.equal(await page.locator(".panoramas img").count(), 2);
   await checkAccess(page, "a panorama's answer");

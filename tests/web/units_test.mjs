@@ -30,6 +30,14 @@ function near(actual, expected, tolerance = 1e-9) {
 
 const kHalf = Math.SQRT1_2;
 
+// A server takes names by their bytes; no character is cut.
+function testEndWithin({ endWithin }) {
+  assert.equal(endWithin("photo.jpg", 200), "photo.jpg");
+  assert.equal(endWithin("photo.jpg", 4), ".jpg");
+  const long = "写".repeat(100) + ".jpg";
+  assert.equal(endWithin(long, 200), "写".repeat(65) + ".jpg"); // 199 bytes
+}
+
 function testTurned({ turned }) {
   near(turned([0, 0, kHalf, kHalf], [1, 0, 0]), [0, 1, 0]); // a quarter about z
   near(turned([kHalf, 0, 0, kHalf], [0, 1, 0]), [0, 0, 1]);
@@ -215,7 +223,7 @@ function testColours({ colourOf }) {
 
 try {
   const module = await load();
-  const tests = [testTurned, testViews, testPlans, testPanoramas, testPointInside, testAreas, testHeadings, testEllipses, testPlanes, testLayout,
+  const tests = [testTurned, testEndWithin, testViews, testPlans, testPanoramas, testPointInside, testAreas, testHeadings, testEllipses, testPlanes, testLayout,
     testNumbers, testShellWords, testTriangles, testKept, testColours];
   for (const test of tests) await test(module);
 } catch (error) {

@@ -12,14 +12,12 @@
 namespace waystone {
 namespace {
 
-double Distance(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
-
 // Of frames that are at least `apart` frames apart.
 double ClosestReturn(const std::vector<Pose2>& poses, size_t apart) {
   double closest = 1e9;
   for (size_t i = apart; i < poses.size(); ++i) {
     for (size_t k = 0; k + apart <= i; ++k) {
-      closest = std::min(closest, Distance(poses[i], poses[k]));
+      closest = std::min(closest, Apart(poses[i], poses[k]));
     }
   }
   return closest;
@@ -32,7 +30,7 @@ TEST(Setting, ThePapersNumbersOfImagesTenCentimetresApart) {
     ASSERT_EQ(std::ssize(poses), frames);
     for (size_t i = 1; i < poses.size(); ++i) {
       // A chord of a bend is a little shorter than its arc.
-      EXPECT_NEAR(Distance(poses[i - 1], poses[i]), 0.1, 0.003) << setting.name << ' ' << i;
+      EXPECT_NEAR(Apart(poses[i - 1], poses[i]), 0.1, 0.003) << setting.name << ' ' << i;
       const Eigen::Vector3d& centre = setting.walk.frames[i].world_from_camera.translation();
       EXPECT_TRUE(setting.plan.IsFree(centre.head<2>(), 0.2)) << setting.name << ' ' << i;
     }
@@ -59,7 +57,7 @@ TEST(Setting, TheLoopCloses) {
   int again = 0;
   for (size_t i = 150; i < office.size(); ++i) {
     again += std::any_of(office.begin(), office.begin() + 50,
-                         [&](const Pose2& early) { return Distance(early, office[i]) < 0.1; });
+                         [&](const Pose2& early) { return Apart(early, office[i]) < 0.1; });
   }
   EXPECT_GE(again, 20);
   EXPECT_LT(ClosestReturn(GroundPoses(LaboratorySetting().walk), 100), 0.5);
@@ -73,9 +71,9 @@ TEST(Setting, OdometryDriftsByItsOptionsAlone) {
   const std::vector<Pose2> drifting = WheelOdometry(setting.walk);
   EXPECT_EQ(exact.front(), Pose2{});
   for (size_t i = 0; i < truth.size(); ++i) {
-    EXPECT_LT(Distance(truth[0] * exact[i], truth[i]), 1e-9);
+    EXPECT_LT(Apart(truth[0] * exact[i], truth[i]), 1e-9);
   }
-  const double drift = Distance(truth[0] * drifting.back(), truth.back());
+  const double drift = Apart(truth[0] * drifting.back(), truth.back());
   EXPECT_GT(drift, 0.3);
   EXPECT_LT(drift, 6);
   EXPECT_EQ(drifting, WheelOdometry(setting.walk));

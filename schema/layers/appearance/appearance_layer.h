@@ -50,8 +50,8 @@ struct AppearanceNode {
   // layer's units of length.
   Pose2 pose;
   FourierSignature signature;
-  std::vector<uint8_t> jpeg;  // a smaller copy for people; empty when images were left out
-  NodeFeatures features;      // empty when none were kept
+  std::vector<uint8_t> picture;  // a smaller copy for people; empty when images were left out
+  NodeFeatures features;         // empty when none were kept
 
   bool operator==(const AppearanceNode&) const = default;
 };

@@ -66,7 +66,7 @@ class AppearanceReader {
     ForEach(kAppearanceLayerTable, [&](Row& row) {
       row.Int64(1, 1);
       SignatureOptions& described = layer_.described;
-      described.rows = row.Int(1, kMaxSignatureSide);
+      described.rows = row.Int(2, kMaxSignatureSide);
       described.k1 = row.Int(1, kMaxSignatureSide);
       described.k2 = row.Int(1, kMaxSignatureSide);
       described.band.top_rad = row.Real();
@@ -138,8 +138,8 @@ class AppearanceReader {
   void ReadImages() {
     ForEach(kAppearanceImagesTable, [&](Row& row) {
       AppearanceNode& node = NodeOf(row.Int64(1));
-      const BytesView jpeg = row.BlobOfRows(1);
-      node.jpeg.assign(jpeg.begin(), jpeg.end());
+      const BytesView picture = row.BlobOfRows(1);
+      node.picture.assign(picture.begin(), picture.end());
     });
   }
 
@@ -215,7 +215,7 @@ void WriteNodes(const AppearanceLayer& layer, RowSink& sink) {
               node.pose.y, node.pose.theta_rad);
     signatures.Row(node.id, EncodeHalves(node.signature.magnitudes),
                    EncodeHalves(node.signature.phases));
-    if (!node.jpeg.empty()) images.Row(node.id, node.jpeg);
+    if (!node.picture.empty()) images.Row(node.id, node.picture);
   }
 }
 

@@ -67,7 +67,7 @@ struct OrientationNode {
   // Lines perpendicular to the motion in the cells up, right, down and left (sec. III-C.3): where
   // there are many, one can go.
   std::array<int, 4> directions{};
-  std::vector<uint8_t> jpeg;  // a smaller copy for people; empty when images were left out
+  std::vector<uint8_t> picture;  // a smaller copy for people; empty when images were left out
 
   bool operator==(const OrientationNode&) const = default;
 };

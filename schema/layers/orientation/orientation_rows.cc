@@ -102,8 +102,8 @@ class OrientationReader {
         throw MapError(ErrorCode::kMapDamaged,
                        "there is no orientation node " + std::to_string(id));
       }
-      const BytesView jpeg = row.BlobOfRows(1);
-      layer_.nodes[found->second].jpeg.assign(jpeg.begin(), jpeg.end());
+      const BytesView picture = row.BlobOfRows(1);
+      layer_.nodes[found->second].picture.assign(picture.begin(), picture.end());
     });
   }
 
@@ -164,7 +164,7 @@ void WriteNodes(const OrientationLayer& layer, RowSink& sink) {
   for (const OrientationNode& node : layer.nodes) {
     const auto& [up, right, down, left] = node.directions;
     nodes.Row(node.frame, node.kind, up, right, down, left);
-    if (!node.jpeg.empty()) images.Row(node.frame, node.jpeg);
+    if (!node.picture.empty()) images.Row(node.frame, node.picture);
   }
 }
 

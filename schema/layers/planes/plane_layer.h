@@ -49,9 +49,9 @@ struct Keyframe {
   int frame = 0;       // number of the frame in its sequence, from 0
   std::string source;  // name of the image, relative to the sequence
   std::optional<double> time_s;
-  int width = 0;              // px, of the working image: all pixels of the layer are these
-  int height = 0;             // px
-  std::vector<uint8_t> jpeg;  // a smaller copy for people; empty when images were left out
+  int width = 0;                 // px, of the working image: all pixels of the layer are these
+  int height = 0;                // px
+  std::vector<uint8_t> picture;  // a smaller copy for people; empty when images were left out
   Landmarks landmarks;
 
   bool operator==(const Keyframe&) const = default;

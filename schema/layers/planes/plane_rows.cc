@@ -88,8 +88,8 @@ Plane& PlaneReader::PlaneOf(int64_t id) {
 void PlaneReader::ReadImages() {
   ForEachRow(kKeyframeImagesTable, [&](Row& row) {
     Keyframe& keyframe = KeyframeOf(row.Int64(1));
-    const BytesView jpeg = row.BlobOfRows(1);
-    keyframe.jpeg.assign(jpeg.begin(), jpeg.end());
+    const BytesView picture = row.BlobOfRows(1);
+    keyframe.picture.assign(picture.begin(), picture.end());
   });
 }
 
@@ -205,7 +205,7 @@ void WriteKeyframes(const MapData& map, RowSink& sink) {
                   keyframe.time_s, keyframe.width, keyframe.height);
   }
   for (const Keyframe& keyframe : map.keyframes) {
-    if (!keyframe.jpeg.empty()) images.Row(keyframe.id, keyframe.jpeg);
+    if (!keyframe.picture.empty()) images.Row(keyframe.id, keyframe.picture);
   }
 }
 

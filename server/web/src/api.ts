@@ -10,6 +10,7 @@ import {
   WaystoneError,
 } from "../../../clients/js/waystone.js";
 import { Kept } from "./kept";
+import { endWithin } from "./words";
 
 export type {
   Appearance, AppearanceNode, Audit, DirectedLines, ExplainedKeyframe, Explanation, FloorPlan, FloorPlans, ImageRange, Keyframe, NamesFile,
@@ -98,7 +99,9 @@ export async function listJobs(): Promise<Job[]> {
   return jobs;
 }
 
+const kMaxNameBytes = 200; // of an image, that the server takes
+
 export function localize(map: string, photo: File): Promise<Answer> {
-  return client.localize(map, photo, { debug: true, name: photo.name.slice(-100) });
+  return client.localize(map, photo, { debug: true, name: endWithin(photo.name, kMaxNameBytes) });
 }
 

@@ -12,7 +12,7 @@ import { planRows, poseRows } from "./pose_answer";
 import { PoseFigure } from "./pose_map";
 import { href } from "./route";
 import { usePicture } from "./use";
-import { confidence, counted, degrees, shellWord, verdictInWords } from "./words";
+import { counted, degrees, probabilityText, shellWord, verdictInWords } from "./words";
 
 function curlLine(map: string): string {
   const address = shellWord(`${location.origin}${mapPath(map)}/localize`);
@@ -87,7 +87,7 @@ function PanoramaNumbers({ map, answer }: { map: string; answer: Answer }) {
   return (
     <Facts
       rows={[
-        ["Confidence", confidence(answer.probability)],
+        ["Probability", probabilityText(answer.probability)],
         ["Nearest panorama", node
           ? <><a href={href(map, "layers")}>{node.id}</a> <small>{node.source}</small></>
           : "–"],
@@ -120,12 +120,12 @@ function Numbers({ map, answer }: { map: string; answer: Answer }) {
   return (
     <Facts
       rows={[
-        ["Confidence", answer.verdict === "bad_image" ? "–" : confidence(answer.probability)],
+        ["Probability", answer.verdict === "bad_image" ? "–" : probabilityText(answer.probability)],
         ["Nearest keyframe", answer.keyframe
           ? <><KeyframeLink map={map} id={answer.keyframe.id} /> <small>{answer.keyframe.source}</small></>
           : "–"],
         ["Runner-up", runnerUp
-          ? <>keyframe <KeyframeLink map={map} id={runnerUp.keyframe.id} />, {confidence(runnerUp.probability)}</>
+          ? <>keyframe <KeyframeLink map={map} id={runnerUp.keyframe.id} />, {probabilityText(runnerUp.probability)}</>
           : "none"],
         ...poseRows(answer),
         ...planRows(answer),
@@ -143,7 +143,7 @@ function Candidates({ map, answer }: { map: string; answer: Answer }) {
       <ul>
         {answer.panorama.candidates.slice(0, kMostPlaces).map(({ node, probability }) => (
           <li key={node.id}>
-            panorama {node.id}, {node.source} of sequence {node.sequence}, confidence {confidence(probability)}
+            panorama {node.id}, {node.source} of sequence {node.sequence}, probability {probabilityText(probability)}
           </li>
         ))}
       </ul>
@@ -168,7 +168,7 @@ function Verdict({ map, query }: { map: string; query: Query }) {
       <h2>{verdictInWords(answer)}</h2>
       <p>
         {answer.verdict === "localized"
-          ? <>{answer.place?.name && <><strong>{answer.place.name}</strong>: </>}{near?.source} of sequence {near?.sequence}, confidence {confidence(answer.probability)}.</>
+          ? <>{answer.place?.name && <><strong>{answer.place.name}</strong>: </>}{near?.source} of sequence {near?.sequence}, probability {probabilityText(answer.probability)}.</>
           : answer.message}{" "}
         {answer.explanation && answer.verdict !== "bad_image" && <a href={href(map, "why")}>Why?</a>}
       </p>

@@ -7,7 +7,7 @@ import { MatchFigure } from "./match_figure";
 import type { Query, ViewProps } from "./types";
 import { Facts, KeyframeLink, PlaneLink, PlaneLinks } from "./parts";
 import { href } from "./route";
-import { confidence, counted, decisionInWords, outcomeOf, percent, verdictInWords } from "./words";
+import { counted, decisionInWords, outcomeOf, percent, probabilityText, verdictInWords } from "./words";
 
 // How many passed each stage, most first.
 function Stages({ why }: { why: Explanation }) {
@@ -37,14 +37,14 @@ function Places({ map, why }: { map: string; why: Explanation }) {
     <div class="scroll" tabIndex={0} role="region" aria-label="Places">
       <table>
         <caption>
-          Places: groups of planes that agree on one position. The best place requires a confidence
+          Places: groups of planes that agree on one position. The best place requires a probability
           of {percent(why.gates.min_probability)}.
         </caption>
         <thead>
           <tr>
             <th class="number">Place</th><th>Keyframe</th><th>Planes</th>
             <th class="number">Inliers</th><th class="number wide">Best inlier ratio</th>
-            <th class="number">Confidence</th>
+            <th class="number">Probability</th>
           </tr>
         </thead>
         <tbody>
@@ -55,7 +55,7 @@ function Places({ map, why }: { map: string; why: Explanation }) {
               <td><PlaneLinks map={map} ids={place.planes} /></td>
               <td class="number">{place.inliers}</td>
               <td class="number wide">{percent(place.best_share)}</td>
-              <td class="number">{confidence(place.probability)}</td>
+              <td class="number">{probabilityText(place.probability)}</td>
             </tr>
           ))}
         </tbody>

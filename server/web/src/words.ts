@@ -11,7 +11,7 @@ const kByChance = 5;
 export const percent = (share: number): string => `${Math.floor(100 * share + 1e-9)}%`;
 
 // A probability; never 100%.
-export const confidence = (probability: number): string =>
+export const probabilityText = (probability: number): string =>
   probability > 0.99 ? "over 99%" : percent(probability);
 
 // An angle; never -0.
@@ -20,6 +20,14 @@ export const degrees = (rad: number, digits = 0): string =>
 
 export const counted = (n: number, what: string): string =>
   `${n.toLocaleString("en")} ${what}${n === 1 ? "" : "s"}`;
+
+// The end of a text that takes at most `most` bytes as UTF-8.
+export function endWithin(text: string, most: number): string {
+  const bytes = new TextEncoder().encode(text);
+  let start = Math.max(0, bytes.length - most);
+  while ((bytes[start] & 0xc0) === 0x80) ++start; // the rest of a character
+  return new TextDecoder().decode(bytes.subarray(start));
+}
 
 // A word of a shell's command line.
 export const shellWord = (text: string): string =>
@@ -45,7 +53,7 @@ export function verdictInWords(answer: Answer): string {
     case "not_in_map":
       return "Not in this map";
     case "bad_image":
-      return "The file can’t be decoded as an image";
+      return "The image was refused";
     case "undecided":
       return "Undecided: the deadline expired";
   }
@@ -93,14 +101,14 @@ export function decisionInWords(answer: Answer): string {
   switch (answer.decided_by) {
     case "homography_inliers":
       return answer.verdict === "localized"
-        ? `The best place has a confidence of ${confidence(answer.probability)}; at least ${need} is required.`
+        ? `The best place has a probability of ${probabilityText(answer.probability)}; at least ${need} is required.`
         : "No mapped plane fits the image well enough.";
     case "epipolar_inliers":
-      return `One epipolar geometry fits the matches with a keyframe. Confidence ${confidence(answer.probability)}; at least ${need} is required.`;
+      return `One epipolar geometry fits the matches with a keyframe. Probability ${probabilityText(answer.probability)}; at least ${need} is required.`;
     case "place_probability":
-      return `The best place has a confidence of only ${confidence(answer.probability)}; at least ${need} is required.`;
+      return `The best place has a probability of only ${probabilityText(answer.probability)}; at least ${need} is required.`;
     case "ambiguous_places":
-      return `Another place matches, too. Beside it, the best one’s confidence is ${confidence(answer.probability)}.`;
+      return `Another place matches, too. Beside it, the best one’s probability is ${probabilityText(answer.probability)}.`;
     case "shortlist_votes":
       return "No mapped plane has similar features.";
     case "features":

@@ -12,6 +12,7 @@
 #include "builder/frames/shrink.h"
 #include "builder/sources/memory_source.h"
 #include "core/base/error.h"
+#include "core/image/encode.h"
 
 namespace waystone {
 namespace {
@@ -216,6 +217,8 @@ TEST(ShrinkToWidth, KeepsTheShapeAndNeverEnlarges) {
   EXPECT_EQ(ShrinkToWidth(picture, 100).size(), cv::Size(100, 25));
   EXPECT_EQ(ShrinkToWidth(picture, 500).size(), picture.size());
   EXPECT_EQ(ShrinkToWidth(cv::Mat(1, 400, CV_8UC1, cv::Scalar(9)), 10).size(), cv::Size(10, 1));
+  const cv::Mat tall(4 * kMaxPictureSide, 40, CV_8UC1, cv::Scalar(9));
+  EXPECT_EQ(ShrinkToWidth(tall, 320).size(), cv::Size(10, kMaxPictureSide));
 }
 
 }  // namespace

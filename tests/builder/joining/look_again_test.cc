@@ -173,7 +173,7 @@ TEST_F(LookAgainTest, FollowsLinksBetweenSessionsOnly) {
 // Keyframes whose images are at hand are recognised by these, so that they need no picture.
 TEST_F(LookAgainTest, RecognisesKeyframesByTheirImages) {
   MapData blind = walk_;
-  for (Keyframe& keyframe : blind.keyframes) keyframe.jpeg.clear();
+  for (Keyframe& keyframe : blind.keyframes) keyframe.picture.clear();
   EXPECT_EQ(AddToMap(map_, blind, {}).report.keyframes_recognised, 0);
   const int seen = AddToMap(map_, blind, {}, FeaturesOf(blind)).report.keyframes_recognised;
   EXPECT_GE(seen, AddToMap(map_, walk_, {}).report.keyframes_recognised);

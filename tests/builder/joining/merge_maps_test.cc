@@ -8,6 +8,7 @@
 #include <set>
 
 #include "builder/calibration/rendered_negatives.h"
+#include "builder/joining/append_map.h"
 #include "builder/joining/recognise_keyframes.h"
 #include "builder/joining/remove_keyframes.h"
 #include "core/base/error.h"
@@ -234,6 +235,9 @@ TEST(MergeMaps, RefusesIdsThatCannotBeCountedOn) {
   last.planes.back().id = {INT64_MAX};
   last.edges.clear();
   EXPECT_THROW(MergeMaps({last, SecondHalf()}, "full", {}), MapError);
+  last = FirstHalf();
+  last.sequences.back().id = {INT64_MAX};
+  EXPECT_THROW(AppendedSequences(SecondHalf(), last), MapError);
 }
 
 }  // namespace

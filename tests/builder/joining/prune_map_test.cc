@@ -223,7 +223,7 @@ TEST(PruneMap, TakesMoreThanAFewLooks) {
 class CountedPlane {
  public:
   CountedPlane() : map_(FirstDay()) {
-    for (Keyframe& keyframe : map_.keyframes) keyframe.jpeg.clear();  // nothing to calibrate by
+    for (Keyframe& keyframe : map_.keyframes) keyframe.picture.clear();  // nothing to calibrate by
     plane_ = &map_.planes.front();
     Descriptors descriptors(plane_->descriptors.bytes());
     plane_->features.clear();

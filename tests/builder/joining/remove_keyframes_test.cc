@@ -82,7 +82,7 @@ TEST(RemoveKeyframes, ExpressesPlanesInAnotherReference) {
 TEST(RemoveKeyframes, WhatIsBehindAKeyframeIsNotShownByIt) {
   MapData map = MapOfFrames(0, 20, "first");
   ASSERT_GE(map.keyframes.size(), 3U);
-  for (Keyframe& keyframe : map.keyframes) keyframe.jpeg.clear();  // nothing to calibrate by
+  for (Keyframe& keyframe : map.keyframes) keyframe.picture.clear();  // nothing to calibrate by
   map.edges.clear();
   Plane& plane = map.planes.front();
   Eigen::Matrix3d second_from_first;

@@ -241,7 +241,7 @@ TEST(BuildMap, LeavesPicturesOutWhenAsked) {
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(OpenStage(8));
   for (const Keyframe& keyframe : BuildMap(sources, options, {}).map.keyframes) {
-    EXPECT_TRUE(keyframe.jpeg.empty());
+    EXPECT_TRUE(keyframe.picture.empty());
   }
 }
 

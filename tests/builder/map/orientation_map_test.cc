@@ -37,7 +37,7 @@ TEST(OrientationMapTest, FindsTheTurnTheHeadingsAndTheWay) {
   EXPECT_NEAR(TrueHeading(static_cast<int>(layer.turns[0].frame.value - 1)), -0.785, 0.2);
   EXPECT_GE(layer.nodes.size(), 3U);
   EXPECT_GE(layer.edges.size(), 2U);
-  EXPECT_FALSE(layer.nodes[0].jpeg.empty());
+  EXPECT_FALSE(layer.nodes[0].picture.empty());
   std::vector<MapProblem> problems = FindMapProblems(MapWith(layer));
   EXPECT_TRUE(problems.empty()) << problems[0].where << ": " << problems[0].message;
 }

@@ -55,7 +55,7 @@ TEST(FeaturesOfPicture, AreThoseOfTheKeyframeAtAnySizeOfThePicture) {
   keyframe.height = frame.rows;
   cv::Mat large;
   cv::resize(frame, large, {}, 1.5, 1.5, cv::INTER_CUBIC);
-  keyframe.jpeg = EncodeJpeg(large, 95);
+  keyframe.picture = EncodeJpeg(large, 95);
   const auto features = FeaturesOfPicture(keyframe, {});
   ASSERT_TRUE(features);
   EXPECT_EQ(features->width, frame.cols);
@@ -67,7 +67,7 @@ TEST(FeaturesOfPicture, AreThoseOfTheKeyframeAtAnySizeOfThePicture) {
     });
   }
   EXPECT_GT(same, features->size() / 2);
-  keyframe.jpeg = {1, 2, 3};
+  keyframe.picture = {1, 2, 3};
   EXPECT_FALSE(FeaturesOfPicture(keyframe, {}));
 }
 

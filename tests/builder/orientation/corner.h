@@ -69,10 +69,11 @@ struct BuiltOrientation {
 
 inline BuiltOrientation BuildOrientation(const std::vector<cv::Mat>& images,
                                          int threads = tbb::task_arena::automatic,
-                                         const ProgressCallback& progress = {}) {
+                                         const ProgressCallback& progress = {},
+                                         const OrientationOptions& options = {}) {
   MemorySource source(
       {.name = "corner", .frames = FramesOfImages(images), .camera = Corner().camera});
-  OrientationLayerBuilder builder(OrientationOptions{});
+  OrientationLayerBuilder builder(options);
   tbb::task_arena arena(threads);
   MapData map = arena.execute([&] { return BuildLayer({&source}, builder, progress); });
   return {std::move(*map.orientation), builder.report()};

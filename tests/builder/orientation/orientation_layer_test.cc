@@ -5,6 +5,7 @@
 #include <tbb/task_arena.h>
 
 #include <memory>
+#include <opencv2/imgproc.hpp>
 
 #include "builder/frames/frame_pipeline.h"
 #include "builder/orientation/follow.h"
@@ -37,6 +38,19 @@ TEST(OrientationLayer, BlackAndMissingFramesAreKeptWithoutARotationAndTheRestIsM
     EXPECT_NE(node.frame.value - 1, 20);
   }
   EXPECT_TRUE(FindMapProblems(MapWith(result.layer)).empty());
+}
+
+// Axes that aren't settled yet make a short sequence wait for its first node.
+TEST(OrientationLayer, AShortSequenceThatEndsInTheDarkHasANode) {
+  std::vector<cv::Mat> images(Corner().images.begin(), Corner().images.begin() + 4);
+  for (cv::Mat& image : images) cv::GaussianBlur(image, image, {}, 2);
+  images.push_back(cv::Mat(240, 320, CV_8UC1, cv::Scalar(0)));
+  OrientationOptions never;
+  never.manhattan.max_sigma_rad = 1e-4;
+  const BuiltOrientation result = BuildOrientation(images, 2, {}, never);
+  for (const OrientationFrame& frame : result.layer.frames) EXPECT_FALSE(frame.reliable);
+  ASSERT_EQ(result.layer.nodes.size(), 1U);
+  EXPECT_EQ(result.layer.nodes[0].frame.value - 1, 3);
 }
 
 TEST(OrientationLayer, RefusesASequenceOfWhichNothingCanBeRead) {

@@ -194,5 +194,16 @@ TEST(RotationOptions, OutOfTheirRangeAreRefused) {
   EXPECT_NO_THROW(RotationOptions{}.Check());
 }
 
+// Rounding, which is all that two copies of an image differ by, decides nothing.
+TEST(RotatesOnly, IsTrueForTheSameImageTwice) {
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    MadeScene scene = Corner(seed);
+    MatchedPoints points = MatchesOf(scene, PoseAt(0, 0, 0), PoseAt(0, 0, 0));
+    points.to = points.from;
+    EXPECT_TRUE(Rotates(points, MadeCamera())) << "seed " << seed;
+    EXPECT_TRUE(Rotates(points, std::nullopt)) << "seed " << seed;
+  }
+}
+
 }  // namespace
 }  // namespace waystone

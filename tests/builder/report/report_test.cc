@@ -142,6 +142,13 @@ TEST(Overlay, DrawsAFeatureWhereItIs) {
   EXPECT_EQ(picture.at<cv::Vec3b>(20, 20), cv::Vec3b(90, 90, 90));
 }
 
+TEST(Overlay, OfANarrowImageIsNotTooHigh) {
+  MapData map = Chain(1, 0);
+  map.keyframes[0].width = 100;
+  map.keyframes[0].height = 60'000;
+  EXPECT_EQ(DrawFirst(map).size(), cv::Size(6, 4096));
+}
+
 TEST(Overlay, PlanesOfOneSurfaceHaveOneColour) {
   MapData map = Chain(2, 2);
   map.planes[1].features[0].reference.x_px = 200;

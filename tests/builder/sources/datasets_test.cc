@@ -52,6 +52,10 @@ TEST_F(TumTest, BadListsAreRefusedWithTheirLine) {
   ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"line 1", "a time"});
   Write("rgb.txt", "# two words\n\n0\n");
   ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"line 3"});
+  for (const char* outside : {"/etc/a.png", "../a.png", "rgb/../../a.png"}) {
+    Write("rgb.txt", std::string("0 ") + outside + "\n");
+    ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"line 1", "file in the same folder"});
+  }
   Write("rgb.txt", "0 rgb/gone.png\n");
   ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"none of the 1 frames"});
 }
@@ -154,6 +158,8 @@ TEST_F(EurocTest, ItsInnerFoldersAreRecognisedToo) {
 TEST_F(EurocTest, BadListsAreRefusedWithTheirLine) {
   Write("mav0/cam0/data.csv", "#timestamp [ns],filename\n12.5,a.png\n");
   ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"data.csv' line 2", "nanoseconds"});
+  Write("mav0/cam0/data.csv", "12,../../../a.png\n");
+  ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"data.csv' line 1", "a file in data"});
   Write("mav0/cam0/data.csv", ",\n");
   ExpectError([&] { Open(); }, ErrorCode::kBadSource, {"data.csv' line 1"});
   Write("mav0/cam0/data.csv", "");

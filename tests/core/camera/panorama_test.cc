@@ -190,6 +190,32 @@ TEST(CubeFaces, AreRotationsThatLookWhereTheirNamesSay) {
   EXPECT_EQ(NameOf(CubeFace::kBack), "back");
 }
 
+TEST(Unwrap, RefusesWhatWouldTakeTooMuchMemory) {
+  const cv::Mat image(300, 400, CV_8UC1, cv::Scalar(90));
+  PanoramaOptions options;
+  options.columns = 16'384;
+  const auto code = [&](const MirrorRing& ring, const cv::Mat& grey) {
+    try {
+      Unwrap(grey, ring, options);
+    } catch (const MapError& error) {
+      return error.code();
+    }
+    return ErrorCode::kInternal;
+  };
+  EXPECT_EQ(code({{200, 150}, 10, 32'000}, image), ErrorCode::kBadImage);
+  EXPECT_EQ(code({{200, 150}, 10, 1e6}, image), ErrorCode::kBadOptions);
+  EXPECT_EQ(code({{std::nan(""), 150}, 10, 100}, image), ErrorCode::kBadOptions);
+  EXPECT_EQ(code({{200, 1e300}, 10, 100}, image), ErrorCode::kBadOptions);
+  EXPECT_EQ(code({{200, 150}, 10, 100}, cv::Mat(32'767, 20, CV_8UC1, cv::Scalar(90))),
+            ErrorCode::kBadImage);
+}
+
+TEST(CubeFaces, RefuseFacesThatAreTooWide) {
+  FaceImages faces;
+  faces.fill(cv::Mat(5462, 5462, CV_8UC1, cv::Scalar(90)));
+  EXPECT_THROW(FromFaces(faces), MapError);
+}
+
 TEST(CubeFaces, RefuseMissingSidesAndOtherSizes) {
   const cv::Mat image = PatternPanorama(128);
   FaceImages faces;

@@ -173,6 +173,14 @@ TEST_P(Extraction, TinyImagesWithTextureAreTaken) {
   }
 }
 
+// Of a long thin image the working image is thinner still.
+TEST_P(Extraction, ImagesThatBecomeTooThinHaveNoFeatures) {
+  const cv::Mat image = MadeImage(16, 200'000, 5, 20);
+  EXPECT_EQ(ExtractFeatures(image, OptionsOf(GetParam())).size(), 0);
+  const cv::Mat longer(2'300'000, 16, CV_8UC1, cv::Scalar(90));
+  EXPECT_EQ(ExtractFeatures(longer, OptionsOf(GetParam())).size(), 0);
+}
+
 // Share of the mutual matches whose positions agree with the true motion: within 1.5 px and, since
 // large features are found in a small copy of the image, within a share of their size.
 double ShareOfCorrect(const Features& a, const Features& b, const cv::Matx23d& b_from_a) {

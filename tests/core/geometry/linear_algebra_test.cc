@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <complex>
+#include <limits>
 
 #include "core/base/random.h"
 
@@ -67,6 +69,14 @@ TEST(LinearAlgebra, WhatIsNotDeterminedIsZero) {
   EXPECT_EQ(SolveSymmetric(flat, Eigen::Vector2d(8, 0)), Eigen::Vector2d(2, 0));
   EXPECT_EQ(SolveSymmetric(Eigen::Matrix2d::Zero(), Eigen::Vector2d(1, 1)),
             Eigen::Vector2d::Zero());
+}
+
+TEST(LinearAlgebra, WhatIsNotFiniteHasNoEigenvalues) {
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    Eigen::Matrix3d a = Eigen::Matrix3d::Identity();
+    a(0, 1) = bad;
+    EXPECT_TRUE(std::isnan(ComputeEigenvalues3x3(a)[0].real())) << bad;
+  }
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
 
 #include "core/base/random.h"
 #include "core/geometry/angle.h"
@@ -66,6 +68,8 @@ TEST(Rotation, WorstAxisSigmaIsTheLargestOne) {
   EXPECT_NEAR(WorstAxisSigma(covariance), 3, 1e-12);
   EXPECT_EQ(WorstAxisSigma(Matrix3d::Zero()), 0);
   EXPECT_EQ(WorstAxisSigma(-1e-20 * Matrix3d::Identity()), 0) << "rounding";
+  EXPECT_EQ(WorstAxisSigma(Matrix3d::Constant(std::nan(""))),
+            std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

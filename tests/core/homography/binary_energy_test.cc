@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 #include "core/base/random.h"
 
@@ -83,6 +84,15 @@ TEST(BinaryEnergy, GainsThatOnlyPairsHaveTogether) {
   energy.Add(0, 1.0);
   energy.Add(1, 1.0);
   energy.Add(0, 1, 3.0, 3.0, 3.0, 0.0);
+  EXPECT_EQ(energy.Minimise(), (std::vector<bool>{true, true}));
+}
+
+// The other variable of its only pair is decided, and rounding leaves open what itself gains.
+TEST(BinaryEnergy, AVariableThatRoundingLeavesOpenIsDecidedAlone) {
+  BinaryEnergy energy(2);
+  energy.Add(0, -5);
+  energy.Add(1, -1e-17);
+  energy.Add(0, 1, 0, 0.3, 0, 0);
   EXPECT_EQ(energy.Minimise(), (std::vector<bool>{true, true}));
 }
 

@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>  // before jpeglib.h, which needs it
+#include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 #include <string_view>
+
+#include <jpeglib.h>
 
 #include "core/base/error.h"
 #include "core/base/random.h"
@@ -204,6 +208,44 @@ TEST(JpegTest, CountsTheScansOfAProgressiveOne) {
   EXPECT_NO_THROW(DecodeGrey(jpeg, {.max_scans = scans}));
   ExpectRefusal(jpeg, ErrorCode::kImageTooLarge, std::to_string(scans) + " scans",
                 {.max_scans = scans - 1});
+}
+
+// Noise of four colours, as print shops have.
+Bytes CmykJpeg(int side) {
+  jpeg_compress_struct codec = {};
+  jpeg_error_mgr messages = {};
+  codec.err = jpeg_std_error(&messages);
+  jpeg_create_compress(&codec);
+  unsigned char* file = nullptr;
+  unsigned long size = 0;  // NOLINT(google-runtime-int): libjpeg's
+  jpeg_mem_dest(&codec, &file, &size);
+  codec.image_width = codec.image_height = side;
+  codec.input_components = 4;
+  codec.in_color_space = JCS_CMYK;
+  jpeg_set_defaults(&codec);
+  jpeg_start_compress(&codec, TRUE);
+  cv::RNG random(3);
+  cv::Mat row(1, side, CV_8UC4);
+  while (codec.next_scanline < codec.image_height) {
+    random.fill(row, cv::RNG::UNIFORM, 0, 256);
+    JSAMPROW samples = row.data;
+    jpeg_write_scanlines(&codec, &samples, 1);
+  }
+  jpeg_finish_compress(&codec);
+  jpeg_destroy_compress(&codec);
+  const Bytes bytes(file, file + size);
+  std::free(file);  // NOLINT: libjpeg's malloc
+  return bytes;
+}
+
+TEST(JpegTest, OfFourColoursIsWholeOrRefused) {
+  const Bytes jpeg = CmykJpeg(200);
+  EXPECT_EQ(DecodeGrey(jpeg).size(), cv::Size(200, 200));
+  EXPECT_EQ(DecodeColour(jpeg).size(), cv::Size(200, 200));
+  Bytes half(jpeg.begin(), jpeg.begin() + std::ssize(jpeg) / 2);
+  ExpectRefusal(half, ErrorCode::kBadImage, "truncated");
+  half.insert(half.end(), {0xFF, 0xD9});  // with an end
+  ExpectRefusal(half, ErrorCode::kBadImage, "ends too early");
 }
 
 // The last scan, again and again: still a JPEG to libjpeg, at the price of a pass each.

@@ -174,6 +174,22 @@ TEST(Heic, AHugePictureBehindASmallClaimIsRefused) {
   ExpectHeicRefusal(tiles, ErrorCode::kBadImage, "64x32 pixels in 2x1 tiles of 32768x32768");
 }
 
+// Decoding costs what is coded, not what is shown.
+TEST(Heic, PicturesOfWhichLittleIsShownAreRefused) {
+  EXPECT_EQ(DecodeGrey(MakeHeic(Noise(128, 64), {.cut = 48})).size(), cv::Size(80, 64));
+  ExpectHeicRefusal(MakeHeic(Noise(128, 64), {.cut = 64}), ErrorCode::kBadImage,
+                    "shows 64x64 pixels of pictures of 128x64");
+}
+
+TEST(Heic, ManyPlacesOfNoBytesAreRefused) {
+  Bytes heic = MakeHeic(Noise(128, 64), {.columns = 2});
+  const size_t sizes = FindText(heic, "iloc") + 4 + 4;
+  heic[sizes] = heic[sizes + 1] = 0;  // of numbers
+  const size_t extents = sizes + 2 + 2 + 2 + 2;
+  heic[extents] = heic[extents + 1] = 255;
+  ExpectHeicRefusal(heic, ErrorCode::kBadImage, "in 65535 places without saying where");
+}
+
 TEST(Heic, TilesThatShareTheirBytesAreRefused) {
   const cv::Mat image = Noise(256, 64);
   Bytes heic = MakeHeic(image, {.columns = 4});

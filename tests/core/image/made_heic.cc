@@ -186,7 +186,10 @@ HeicBytes SequenceSet(int width, int height, const MadeHeic& made) {
   bits.Golomb(made.chroma ? 1 : 0);
   bits.Golomb(made.claimed_width > 0 ? made.claimed_width : width);
   bits.Golomb(made.claimed_height > 0 ? made.claimed_height : height);
-  bits.Bits(0, 1);
+  bits.Bits(made.cut > 0 ? 1 : 0, 1);
+  if (made.cut > 0) {
+    for (const int each : {0, made.chroma ? made.cut / 2 : made.cut, 0, 0}) bits.Golomb(each);
+  }
   bits.Golomb(made.bits - 8);
   bits.Golomb(made.bits - 8);
   bits.Golomb(4);  // bits of the picture's number

@@ -21,6 +21,7 @@ struct MadeHeic {
   // What a liar does: the size that the picture's parameter set claims. 0: the true one.
   int claimed_width = 0;
   int claimed_height = 0;
+  int cut = 0;  // px on the right of each picture that its parameter set doesn't show
 };
 
 // A HEIC of a grey image (CV_8UC1) whose sides are multiples of 16 times columns and rows.

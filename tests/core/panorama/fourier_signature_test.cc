@@ -160,7 +160,7 @@ TEST(FourierSignature, RefusesWhatHasNoTextureOrTooFewColumns) {
 TEST(SignatureOptions, RefusesWhatIsOutOfRange) {
   SignatureOptions options;
   EXPECT_NO_THROW(options.Check());
-  options.rows = 0;
+  options.rows = 1;  // a motion between two needs two
   EXPECT_THROW(options.Check(), MapError);
   options = {};
   options.k2 = 1;

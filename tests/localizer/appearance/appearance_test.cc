@@ -64,8 +64,6 @@ const MapIndex& Grid(bool features) {
 
 const Pose2 kQueries[] = {{1.5, 1.7, 0.4}, {1.9, 1.7, -2.5}, {1.75, 2.1, 3.0}};
 
-double Apart(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
-
 TEST(Appearance, InterpolatesBetweenNodesAndTellsTheHeading) {
   for (const Pose2& truth : kQueries) {
     const Answer answer = LocalizePanorama(Grid(false), Panorama(Rooms(), truth), {});

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
@@ -213,6 +214,26 @@ TEST_F(ApplicationTest, VersionAndContract) {
   }
 }
 
+// Parameters are references, and some are the whole path's.
+TEST_F(ApplicationTest, TheContractsPageHasAllParameters) {
+  Start();
+  const std::string page = Ask("GET", "/api").body;
+  const auto section = [&](const std::string& operation) {
+    const size_t begin = page.find("<h2><code>" + operation + "</code>");
+    EXPECT_NE(begin, std::string::npos) << operation;
+    return page.substr(begin, page.find("<h2>", begin + 1) - begin);
+  };
+  const std::string features = section("GET /v1/maps/{map}/planes/{id}/features");
+  for (const char* name : {"map", "id", "limit", "cursor", "If-None-Match"}) {
+    EXPECT_NE(features.find("<code>" + std::string(name) + "</code> "), std::string::npos)
+        << name << "\n"
+        << features;
+  }
+  EXPECT_NE(section("GET /v1/maps").find("Maximum rows per page."), std::string::npos);
+  EXPECT_NE(section("GET /page/{file}").find("<code>file</code>"), std::string::npos);
+  EXPECT_EQ(section("GET /healthz").find("<ul>"), std::string::npos);
+}
+
 // The fields of schemas and parameters by which values are bounded.
 void ExpectNumbers(const Json& node, const std::string& path) {
   static const std::set<std::string> kBounds = {"minimum",   "maximum",  "minLength",
@@ -391,6 +412,33 @@ TEST_F(ApplicationTest, FullQueryLogSaysSoOnce) {
   EXPECT_EQ(ReadQueries(options.query_log).size(), 1u);
   ASSERT_EQ(errors_.size(), 1u);
   EXPECT_NE(errors_[0].find("full"), std::string::npos);
+}
+
+// One body of JSON is parsed at a time.
+TEST_F(ApplicationTest, WhoWaitsTooLongToBeParsedIsToldToTryAgain) {
+  Start();
+  const auto post = [this](Clock::time_point received, const std::function<std::string()>& body) {
+    HttpRequest request;
+    request.method = "POST";
+    request.path = "/v1/maps/lab/localize";
+    request.header = [](const std::string& name) -> std::optional<std::string> {
+      if (name == "Content-Type") return "application/json";
+      return std::nullopt;
+    };
+    request.received = received;
+    request.read_body = body;
+    return app_->Answer(request);
+  };
+  const auto body = [] { return std::string(R"({"images": [{"data": "eA=="}]})"); };
+  const Clock::time_point long_ago = Clock::now() - std::chrono::hours(1);
+  HttpResponse late;
+  const HttpResponse first = post(long_ago, [&] {
+    std::thread([&] { late = post(long_ago, body); }).join();
+    return body();
+  });
+  EXPECT_EQ(first.status, 200) << "nobody was before it";
+  EXPECT_EQ(late.status, 429);
+  EXPECT_EQ(HeaderOf(late, "Retry-After"), "1");
 }
 
 TEST_F(ApplicationTest, UnusedFieldsAreNamed) {

@@ -24,8 +24,8 @@ namespace {
 MapData PicturedMap() {
   MapData map = MadeLayeredMap(2);
   map.sequences[0].camera = MadeCamera();
-  map.keyframes[0].jpeg = MadePicture();
-  map.orientation->nodes[1].jpeg = MadePicture();
+  map.keyframes[0].picture = MadePicture();
+  map.orientation->nodes[1].picture = MadePicture();
   return map;
 }
 

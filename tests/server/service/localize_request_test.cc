@@ -160,6 +160,24 @@ TEST(LocalizeRequest, FieldsThatAreGivenTwiceAreNamed) {
   EXPECT_EQ(Refusal("application/json", R"({"images":[{"data":""},{"data":""}]})"), "");
 }
 
+// The parser compares a field's name with all before it: 10,000 long ones took seconds.
+TEST(LocalizeRequest, ObjectsHaveABound) {
+  const auto with_fields = [](int count, size_t bytes) {
+    std::string body = R"({"images":[{"data":""}])";
+    for (int i = 0; i < count; ++i) {
+      std::string name(bytes, 'n');
+      name.replace(0, 5, std::to_string(10'000 + i));
+      body += ",\"" + name + "\":1";
+    }
+    return body + "}";
+  };
+  EXPECT_NE(Refusal("application/json", with_fields(63, 200)).find("unknown"), std::string::npos);
+  EXPECT_NE(Refusal("application/json", with_fields(64, 200)).find("more than 64 fields"),
+            std::string::npos);
+  EXPECT_NE(Refusal("application/json", with_fields(1, 201)).find("201 bytes; the limit is 200"),
+            std::string::npos);
+}
+
 TEST(LocalizeRequest, JsonThatCannotBeReadSaysWhere) {
   EXPECT_EQ(Refusal("application/json", R"({"images":)"),
             "invalid JSON: it ends too early, after 10 bytes");

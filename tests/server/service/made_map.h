@@ -77,7 +77,7 @@ inline MapData MadeLayeredMap(int planes, std::optional<double> metres_per_unit 
     node.signature = {HalfMatrix::Constant(2, 3, Eigen::half(0.25F + static_cast<float>(i))),
                       HalfMatrix::Constant(2, 2, Eigen::half(-1.5F))};
     node.features.codes = Descriptors(CodeBytes(map.info.feature_type));
-    if (i == 0) node.jpeg = {0xFF, 0xD8, 0xFF, 0xD9};
+    if (i == 0) node.picture = {0xFF, 0xD8, 0xFF, 0xD9};
     appearance.nodes.push_back(std::move(node));
   }
   const auto edge = [&](int a, int b, AppearanceEdgeKind kind) {
@@ -111,7 +111,7 @@ inline MapData MadeLayeredMap(int planes, std::optional<double> metres_per_unit 
   orientation.turns = {{OrientationFrameId{3}, 1, 1.5, true, 1}};
   orientation.nodes = {{OrientationFrameId{1}, OrientationNodeKind::kTraversable, {}, {}},
                        {OrientationFrameId{3}, OrientationNodeKind::kTurn, {1, 2, 3, 4}, {}}};
-  orientation.nodes[1].jpeg = {0xFF, 0xD8, 0xFF, 0xD9};
+  orientation.nodes[1].picture = {0xFF, 0xD8, 0xFF, 0xD9};
   orientation.edges = {
       {OrientationFrameId{1}, OrientationFrameId{3}, OrientationEdgeKind::kTraversable, 31}};
   orientation.corridors = {{OrientationFrameId{1}, OrientationFrameId{2}, 0},

@@ -65,7 +65,6 @@ class MadeSource : public MapSource {
     map.info.name = "built as another";
     return std::make_shared<const ServedMap>(name, MapIndex::Build(std::move(map)));
   }
-  std::vector<MapPtr> FindAll(const Deadline&) override { return {}; }
   SearchScope ScopeOf(const MapHints&) const override { return {}; }
   std::vector<FoundMap> FindLot(std::span<const std::string> names,
                                 const Deadline& deadline) override {
@@ -188,6 +187,21 @@ TEST_F(MapSearchTest, AnImageLikeNothingIsNotInAnyMap) {
   EXPECT_NE(first.message.find("no map of the coarse index"), std::string::npos);
   EXPECT_TRUE(answer.searched.empty());
   EXPECT_TRUE(source_.lots.empty());
+}
+
+TEST_F(MapSearchTest, AllMapsThatCanBeHadAreFoundLotByLot) {
+  source_.findings = {{"map 1", MapFinding::kFailed}};
+  const FoundMaps found = FindMaps(scope_, std::nullopt, source_);
+  EXPECT_EQ(source_.lots.size(), 3U) << "of two each";
+  ASSERT_EQ(found.queried.size(), 4U);
+  EXPECT_EQ(found.queried[1].name, "map 2");
+  ASSERT_EQ(found.searched.size(), 5U);
+  EXPECT_EQ(found.searched[1].state, "failed");
+  EXPECT_EQ(found.searched[1].message, "it can't be had");
+  EXPECT_EQ(found.searched[2].state, "asked");
+  EXPECT_TRUE(IsPartial(found.searched));
+  for (const std::string& name : scope_.names) source_.findings[name] = MapFinding::kLate;
+  EXPECT_THROW(FindMaps(scope_, std::nullopt, source_), MapError);
 }
 
 // Lots of one map each answer as one lot of all.

@@ -3,14 +3,23 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "api/graph_formats.h"
 #include "api/json.h"
+#include "api/map_json.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
+#include "core/image/decode.h"
+#include "core/image/encode.h"
+#include "server/http/router.h"
+#include "server/service/map_catalog.h"
+#include "server/service/map_service.h"
 #include "tests/server/service/made_map.h"
+#include "tests/server/service/made_picture.h"
 
 namespace waystone {
 namespace {
@@ -241,6 +250,97 @@ TEST_F(MapServiceTest, GraphForOtherPrograms) {
   for (const char* format : {"g2o", "geojson", "ply", "tum", "poses"}) {
     EXPECT_EQ(Get("/v1/maps/lab/graph", {{"format", format}}).status, 422) << format;
   }
+}
+
+// A list of maps is made while maps come and go.
+TEST(MapLists, LeaveOutWhatIsGone) {
+  struct OneIsGone : MapCatalog {
+    OneIsGone() : MapCatalog({{"lab", MapIndex::Build(MadeMap(2))}}) {}
+    std::vector<std::string> Names() const override { return {"gone", "lab"}; }
+  };
+  QueryGate gate(1, 0);
+  OneIsGone maps;
+  MapService service(maps, gate);
+  Router router;
+  service.AddTo(router);
+  HttpRequest request;
+  request.method = "GET";
+  request.path = "/v1/maps";
+  request.header = [](const std::string&) { return std::nullopt; };
+  const HttpResponse response = router.Dispatch(request);
+  ASSERT_EQ(response.status, 200) << response.body;
+  const Json json = Json::parse(response.body);
+  ASSERT_EQ(json["maps"].size(), 1u);
+  EXPECT_EQ(json["maps"][0]["name"], "lab");
+  EXPECT_TRUE(json["next"].is_null());
+}
+
+// The pictures of a map as a stranger may have made it.
+class MapPicturesTest : public testing::Test {
+ protected:
+  void Start(const std::vector<uint8_t>& picture) {
+    MapData map = MadeMap(2);
+    map.keyframes[0].picture = picture;
+    maps_ = std::make_unique<MapCatalog>(MapCatalog::Indices{{"lab", MapIndex::Build(map)}});
+    service_ = std::make_unique<MapService>(*maps_, gate_);
+    service_->AddTo(router_);
+  }
+  HttpResponse Get(const std::string& what, const std::string& width = "0") {
+    HttpRequest request;
+    request.method = "GET";
+    request.path = "/v1/maps/lab/keyframes/1/" + what;
+    request.query["width"] = width;
+    request.header = [](const std::string&) { return std::nullopt; };
+    return router_.Dispatch(request);
+  }
+
+  QueryGate gate_{1, 0};
+  std::unique_ptr<MapCatalog> maps_;
+  std::unique_ptr<MapService> service_;
+  Router router_;
+};
+
+TEST_F(MapPicturesTest, SmallerPicturesWaitForTheirTurn) {
+  Start(MadePicture());  // of 320 px
+  {
+    const QueryGate::Turn busy = gate_.Enter();
+    EXPECT_EQ(Get("image", "100").status, 429);
+    EXPECT_EQ(Get("thumbnail").status, 429);
+    EXPECT_EQ(Get("image").status, 200) << "as it is stored";
+    EXPECT_EQ(Get("image", "320").status, 200) << "no wider";
+  }
+  const HttpResponse small = Get("image", "100");
+  ASSERT_EQ(small.status, 200) << small.body;
+  const std::vector<uint8_t> bytes(small.body.begin(), small.body.end());
+  EXPECT_EQ(ReadImageHeader(bytes).width, 100);
+  EXPECT_EQ(ReadImageHeader(bytes).height, 75);
+  EXPECT_EQ(gate_.load().running, 0);
+}
+
+TEST_F(MapPicturesTest, PicturesThatNoBuildStoresAreNotDecoded) {
+  Start(EncodeJpeg(cv::Mat(6000, 8000, CV_8UC1, cv::Scalar(90))));
+  const HttpResponse response = Get("image", "1");
+  EXPECT_EQ(response.status, 422);
+  EXPECT_NE(response.body.find("8000x6000 px"), std::string::npos) << response.body;
+  EXPECT_EQ(Get("image").status, 200);
+  EXPECT_EQ(gate_.load().running, 0) << "its turn was given back";
+}
+
+TEST(MapJson, RowsOfListsAreThoseOfSingleKeyframes) {
+  const auto index = MapIndex::Build(MadeMap(7));
+  const KeyframeRows rows("lab", *index);
+  for (const Keyframe& keyframe : index->map().keyframes) {
+    const Json row = rows.Row(keyframe);
+    EXPECT_EQ(row, KeyframeJson("lab", *index, keyframe));
+    EXPECT_EQ(row["planes"].size(), 7u);
+  }
+}
+
+// Lists of maps show each, however large, whenever they are asked for.
+TEST(MapJson, AServedMapKeepsItsSummary) {
+  const ServedMap map("lab", MapIndex::Build(MadeMap(3)));
+  EXPECT_EQ(map.summary(), MapJson("lab", map.index()));
+  EXPECT_EQ(&map.summary(), &map.summary());
 }
 
 TEST(GraphFormats, NamesThatAreNoUtf8AreReplaced) {

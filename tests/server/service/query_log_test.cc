@@ -64,6 +64,45 @@ TEST(QueryLog, HasWholeQueriesAlone) {
   EXPECT_EQ(queries[1].request.images[0].bytes, "two");
 }
 
+size_t CountImages(const std::filesystem::path& folder) {
+  size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    count += entry.path().extension() == ".image" ? 1 : 0;
+  }
+  return count;
+}
+
+// What the disk had room for of a query that isn't logged would stay there for good.
+TEST(QueryLog, ImagesOfAQueryThatIsLeftOutGo) {
+  const TestFolder folder;
+  std::vector<std::string> errors;
+  QueryLog log(folder / "log", 100'000, [&](const std::string& error) { errors.push_back(error); });
+  const auto add = [&](const std::vector<std::string>& images) {
+    QueryRequest request;
+    for (const std::string& bytes : images) request.images.push_back({"photo", bytes});
+    log.Add("id", "lab", request, {{"verdict", "not_in_map"}});
+  };
+  add({"kept"});
+  {
+    const FileSizeLimit limit(5000);
+    add({"kept", "first", std::string(10'000, 'x')});
+  }
+  EXPECT_EQ(CountImages(folder / "log"), 1u) << "that of the query before";
+  {
+    const FileSizeLimit limit(std::filesystem::file_size(folder / "log" / kQueryLogLines) + 20);
+    add({"kept", "the line is cut"});
+  }
+  EXPECT_EQ(CountImages(folder / "log"), 1u);
+  ASSERT_EQ(errors.size(), 2u);
+  for (const std::string& error : errors) {
+    EXPECT_NE(error.find("can't be written: File too large"), std::string::npos) << error;
+    EXPECT_NE(error.find("; free up space"), std::string::npos) << error;
+  }
+  add({"first", "second"});
+  EXPECT_EQ(CountImages(folder / "log"), 3u);
+  EXPECT_EQ(ReadQueries(folder / "log").size(), 2u);
+}
+
 void WriteText(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }

@@ -2,7 +2,10 @@
 // Maps of a registry as a server holds them.
 #include "server/service/registry_maps.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -117,7 +120,7 @@ TEST_F(RegistryMapsTest, MapsAreOpenedWhenTheyAreAskedFor) {
   EXPECT_EQ(maps_->holdings().open, 1U);
   EXPECT_EQ(maps_->Summary("lab"), MapJson("lab", maps_->Find("lab", std::nullopt)->index()));
   EXPECT_EQ(Held().fetched_files, 1);
-  EXPECT_EQ(maps_->FindAll(std::nullopt).size(), 2U);
+  EXPECT_EQ(maps_->FindLot(maps_->Names(), std::nullopt).size(), 2U);
   EXPECT_EQ(maps_->holdings().open, 2U);
   Failure("cellar", ErrorCode::kNotFound);
   EXPECT_THROW(maps_->CheckName("cellar"), MapError);
@@ -163,7 +166,7 @@ TEST_F(RegistryMapsTest, TheLeastRecentlyUsedMapsMakeRoom) {
   EXPECT_GE(Held().closed, 10);
   EXPECT_EQ(Held().fetched_files, 5) << "the cache kept the files";
   try {
-    maps_->FindAll(std::nullopt);
+    maps_->ScopeOf({});
     ADD_FAILURE() << "more than the memory holds";
   } catch (const MapError& error) {
     EXPECT_EQ(error.code(), ErrorCode::kNotAvailable);
@@ -236,6 +239,95 @@ TEST_F(RegistryMapsTest, AMapWhoseFileIsWrongIsRefusedAlone) {
   WriteBytes(Stored(lab), good);
   maps_->Refresh();
   EXPECT_EQ(Planes("lab"), 3U);
+}
+
+// A version whose opening fails says nothing of one that was published meanwhile.
+TEST_F(RegistryMapsTest, AVersionIsNotBlamedForTheOneBefore) {
+  const MapVersion first = Publish("lab", 3);
+  Start();
+  // Whoever fetches from a pipe waits until somebody writes.
+  fs::remove(Stored(first));
+  ASSERT_EQ(mkfifo(Stored(first).c_str(), 0600), 0);
+  std::thread waiting([&] { Failure("lab", ErrorCode::kStoreUnavailable); });
+  const int pipe = open(Stored(first).c_str(), O_WRONLY);  // is there once the other side reads
+  Publish("lab", 5);
+  EXPECT_TRUE(Until([&] { return maps_->Summary("lab")["planes"] == 5; }));
+  close(pipe);
+  waiting.join();
+  EXPECT_EQ(Planes("lab"), 5U) << "at once";
+  EXPECT_FALSE(HasLogged("version 2: ")) << log();
+}
+
+// What is damaged or away takes the other maps from nobody who asks all.
+TEST_F(RegistryMapsTest, AQueryOfAllMapsAsksThoseThatCanBeHad) {
+  const MapVersion lab = Publish("lab", 3);
+  const MapVersion hall = Publish("hall", 4);
+  const std::string good = ReadAll(Stored(lab));
+  std::string bytes = good;
+  bytes[bytes.size() / 2] ^= 1;
+  WriteBytes(Stored(lab), bytes);
+  Start();
+  Application application(std::shared_ptr<MapSource>(std::move(maps_)), {}, {});
+  const std::vector<uint8_t> picture = MadePicture();
+  const auto ask = [&] {
+    HttpRequest request;
+    request.method = "POST";
+    request.path = "/v1/localize";
+    request.header = [](const std::string&) { return std::nullopt; };
+    request.read_body = [&] { return std::string(picture.begin(), picture.end()); };
+    return application.Answer(request);
+  };
+  const HttpResponse response = ask();
+  ASSERT_EQ(response.status, 200) << response.body;
+  const Json answer = Json::parse(response.body);
+  ASSERT_EQ(answer["searched"].size(), 2U);
+  EXPECT_EQ(answer["searched"][0], Json({{"map", "hall"}, {"state", "asked"}, {"score", 0.0}}));
+  EXPECT_EQ(answer["searched"][1]["map"], "lab");
+  EXPECT_EQ(answer["searched"][1]["state"], "failed");
+  EXPECT_NE(answer["searched"][1]["message"], "");
+  EXPECT_EQ(answer["partial"], true);
+  ASSERT_EQ(answer["maps"].size(), 1U);
+  EXPECT_EQ(answer["maps"][0]["map"], "hall");
+}
+
+TEST_F(RegistryMapsTest, AQueryOfAllMapsFailsWhereNoneCanBeHad) {
+  fs::remove(Stored(Publish("lab", 3)));
+  fs::remove(Stored(Publish("hall", 4)));
+  Start();
+  Application application(std::shared_ptr<MapSource>(std::move(maps_)), {}, {});
+  HttpRequest request;
+  request.method = "POST";
+  request.path = "/v1/localize";
+  request.header = [](const std::string&) { return std::nullopt; };
+  request.read_body = [] { return std::string("x"); };
+  const HttpResponse response = application.Answer(request);
+  EXPECT_EQ(response.status, 503);
+  const Json problem = Json::parse(response.body);
+  EXPECT_EQ(problem["code"], "store_unavailable");
+  EXPECT_NE(problem["detail"].get<std::string>().find("no map can be had now (hall: "),
+            std::string::npos)
+      << problem;
+}
+
+// A registry that names another store, by mistake: nobody goes on with the one before unnoticed.
+TEST_F(RegistryMapsTest, AStoreThatCantBeOpenedIsTriedAgain) {
+  Publish("lab", 3);
+  Start();
+  const fs::path away = folder_ / "away";
+  fs::rename(folder_ / "registry", away);
+  EXPECT_TRUE(Until([&] { return !Held().connected; }));
+  const fs::path head = away / "registry.json";
+  const std::string good = ReadAll(head);
+  std::string bad = good;
+  const std::string store = (folder_ / "store").string();
+  bad.replace(bad.find(store), store.size(), "ftp://elsewhere");
+  WriteBytes(head, bad);
+  fs::rename(away, folder_ / "registry");
+  EXPECT_TRUE(Until([&] { return HasLogged("'ftp://elsewhere' is not a store"); })) << log();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // several looks
+  EXPECT_FALSE(Held().connected);
+  WriteBytes(folder_ / "registry" / "registry.json", good);
+  EXPECT_TRUE(Until([&] { return Held().connected; })) << log();
 }
 
 TEST_F(RegistryMapsTest, AFileThatWasDamagedInTheCacheIsFetchedAgain) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/http/start_thread.h"
+#include "core/base/start_thread.h"
 
 #include "core/base/error.h"
 
