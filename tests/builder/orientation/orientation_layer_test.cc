@@ -44,7 +44,7 @@ TEST(OrientationLayer, BlackAndMissingFramesAreKeptWithoutARotationAndTheRestIsM
 TEST(OrientationLayer, AShortSequenceThatEndsInTheDarkHasANode) {
   std::vector<cv::Mat> images(Corner().images.begin(), Corner().images.begin() + 4);
   for (cv::Mat& image : images) cv::GaussianBlur(image, image, {}, 2);
-  images.push_back(cv::Mat(240, 320, CV_8UC1, cv::Scalar(0)));
+  images.emplace_back(240, 320, CV_8UC1, cv::Scalar(0));
   OrientationOptions never;
   never.manhattan.max_sigma_rad = 1e-4;
   const BuiltOrientation result = BuildOrientation(images, 2, {}, never);

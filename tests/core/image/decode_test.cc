@@ -233,7 +233,7 @@ Bytes CmykJpeg(int side) {
   }
   jpeg_finish_compress(&codec);
   jpeg_destroy_compress(&codec);
-  const Bytes bytes(file, file + size);
+  Bytes bytes(file, file + size);
   std::free(file);  // NOLINT: libjpeg's malloc
   return bytes;
 }
