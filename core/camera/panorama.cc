@@ -180,11 +180,11 @@ void CheckSeam(const cv::Mat& grey, double max_seam) {
 namespace {
 
 void CheckUnwrapped(const cv::Mat& grey, int rows, int columns) {
-  constexpr int kMaxSide = std::numeric_limits<int16_t>::max() - 1;  // cv::remap's
+  constexpr int kMaxRemapped = std::numeric_limits<int16_t>::max() - 1;  // cv::remap's
   constexpr int64_t kMaxPixels = 64'000'000;
-  if (std::max(grey.cols, grey.rows) > kMaxSide) {
+  if (std::max(grey.cols, grey.rows) > kMaxRemapped) {
     RefusePanorama("the mirror's image of " + SizeOf(grey) +
-                   " pixels has a side over the limit of " + std::to_string(kMaxSide) +
+                   " pixels has a side over the limit of " + std::to_string(kMaxRemapped) +
                    "; downscale it");
   }
   if (int64_t{rows} * columns > kMaxPixels) {
