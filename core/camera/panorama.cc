@@ -175,9 +175,23 @@ void CheckSeam(const cv::Mat& grey, double max_seam) {
                  Rounded(max_seam) + "; use a full panorama, or increase max_seam");
 }
 
-}  // namespace
-
-namespace {
+void CheckRing(const MirrorRing& mirror) {
+  if (!(mirror.inner_px >= 0 && mirror.outer_px >= mirror.inner_px + 1 &&
+        mirror.outer_px <= kMaxMirror_px)) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "the mirror's radii are " + Rounded(mirror.inner_px) + " and " +
+                       Rounded(mirror.outer_px) +
+                       " px; the inner must be smaller than the outer, which is at most " +
+                       std::to_string(kMaxMirror_px) + " px");
+  }
+  if (!(std::abs(mirror.centre_px.x) <= kMaxMirror_px &&
+        std::abs(mirror.centre_px.y) <= kMaxMirror_px)) {
+    throw MapError(ErrorCode::kBadOptions,
+                   "the mirror's centre is at " + Rounded(mirror.centre_px.x) + ", " +
+                       Rounded(mirror.centre_px.y) + " px, more than " +
+                       std::to_string(kMaxMirror_px) + " px from the image's corner");
+  }
+}
 
 void CheckUnwrapped(const cv::Mat& grey, int rows, int columns) {
   constexpr int kMaxRemapped = std::numeric_limits<int16_t>::max() - 1;  // cv::remap's
@@ -204,22 +218,7 @@ void PanoramaOptions::Check() const {
                    "panorama.mirror_band.bottom_rad is " + std::to_string(mirror_band.bottom_rad) +
                        "; it must be below top_rad, " + std::to_string(mirror_band.top_rad));
   }
-  if (!mirror) return;
-  if (!(mirror->inner_px >= 0 && mirror->outer_px >= mirror->inner_px + 1 &&
-        mirror->outer_px <= kMaxMirror_px)) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "the mirror's radii are " + Rounded(mirror->inner_px) + " and " +
-                       Rounded(mirror->outer_px) +
-                       " px; the inner must be smaller than the outer, which is at most " +
-                       std::to_string(kMaxMirror_px) + " px");
-  }
-  if (!(std::abs(mirror->centre_px.x) <= kMaxMirror_px &&
-        std::abs(mirror->centre_px.y) <= kMaxMirror_px)) {
-    throw MapError(ErrorCode::kBadOptions,
-                   "the mirror's centre is at " + Rounded(mirror->centre_px.x) + ", " +
-                       Rounded(mirror->centre_px.y) + " px, more than " +
-                       std::to_string(kMaxMirror_px) + " px from the image's corner");
-  }
+  if (mirror) CheckRing(*mirror);
 }
 
 bool BandsAgree(const ElevationBand& a, const ElevationBand& b) {
@@ -264,9 +263,8 @@ MirrorRing FindMirror(const cv::Mat& grey, const PanoramaOptions& options) {
 }
 
 Panorama Unwrap(const cv::Mat& grey, const MirrorRing& mirror, const PanoramaOptions& options) {
-  PanoramaOptions checked = options;
-  checked.mirror = mirror;
-  checked.Check();
+  options.Check();
+  CheckRing(mirror);
   const double height = mirror.outer_px - mirror.inner_px;
   const int rows = std::max(kMinRows, cvRound(height));
   CheckUnwrapped(grey, rows, options.columns);

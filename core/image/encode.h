@@ -12,10 +12,11 @@ namespace waystone {
 // isn't empty (WS_CHECK). Throws std::bad_alloc without memory. Thread-safe.
 std::vector<uint8_t> EncodeJpeg(const cv::Mat& image, int quality = 95);
 
+inline constexpr int kMaxPictureSide = 16'383;  // px, of a WebP
+
 // A picture as maps keep it: a lossy WebP of `quality` from 1 to 100, which takes 0.4 to 0.7 times
 // the bytes of a JPEG that looks as good. No side exceeds kMaxPictureSide (WS_CHECK). Otherwise as
 // EncodeJpeg.
-inline constexpr int kMaxPictureSide = 16'383;  // px, of a WebP
 std::vector<uint8_t> EncodePicture(const cv::Mat& image, int quality);
 
 // "image/jpeg", "image/png" or "image/webp" of a picture that a map keeps, by its first byte.
