@@ -46,7 +46,7 @@ const ModelRow& RowOf(CameraModel model) {
 }
 
 // Every model but the equirectangular one, written as one: the affine part and the coefficients
-// (radial k1..k6, tangential p; for the fisheye k1..k4 alone).
+// (radial k1..k6, tangential p; for the fisheye only k1..k4).
 struct Lens {
   Eigen::Vector2d focal;
   Eigen::Vector2d centre;
@@ -122,7 +122,7 @@ bool IsPinhole(const Lens& lens) {
 }
 
 // Whether the distortion is one-to-one all the way from the optical axis to the point: beyond a
-// fold it may look sound again, yet another point has the same pixel.
+// fold it may look sound again, although another point has the same pixel.
 bool InDomain(const Lens& lens, const Eigen::Vector2d& point) {
   constexpr int kSteps = 16;
   for (int i = 1; i <= kSteps; ++i) {

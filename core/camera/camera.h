@@ -39,21 +39,21 @@ struct Camera {
   bool operator==(const Camera&) const = default;
 };
 
-// COLMAP's name of a model, and back (nothing for a name we don't know).
+// COLMAP's name of a model, and the reverse (nothing for an unknown name).
 std::string_view NameOf(CameraModel model);
 std::optional<CameraModel> CameraModelByName(std::string_view name);
 // How many parameters a model has, and their names with a space between them: "fx fy cx cy".
 int ParameterCount(CameraModel model);
 std::string_view ParameterNames(CameraModel model);
 
-// What COLMAP's pixel coordinates are larger by than ours, in x and y.
+// By how much COLMAP's pixel coordinates exceed ours, in x and y.
 inline constexpr double kColmapOffset_px = 0.5;
 // Adds `px` to cx and cy.
 void MovePrincipalPoint(Camera& camera, double px);
 
 // Throws MapError(kBadCamera) unless size, parameter count and parameters are sensible (1 to
-// 100,000 px a side, parameters at most 1e9 in magnitude, focal lengths at least 1e-6). What
-// follows is for cameras that pass it, and is thread-safe.
+// 100,000 px a side, parameters at most 1e9 in magnitude, focal lengths at least 1e-6). The
+// functions below take cameras that pass it. All are thread-safe.
 void CheckCamera(const Camera& camera);
 
 // The pixel of a point or ray in the camera's frame (any length), or nothing when it lies behind

@@ -58,7 +58,7 @@ CubeFace FaceAlong(const Eigen::Vector3d& ray) {
   return ray.z() > 0 ? CubeFace::kFront : CubeFace::kBack;
 }
 
-// Its pixel there, kept inside the face, so that no neighbour in the atlas bleeds in.
+// The ray's pixel in the face, kept inside it so that no neighbour in the atlas bleeds in.
 cv::Point2f PixelIn(CubeFace face, const Eigen::Vector3d& ray, int width) {
   const Eigen::Vector3d x = RigFromFace(face).transpose() * ray;
   const double centre = (width - 1) / 2.0;

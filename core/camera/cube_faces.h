@@ -22,16 +22,18 @@ std::string_view NameOf(CubeFace face);
 // x_rig = rig_from_face x_face.
 Eigen::Matrix3d RigFromFace(CubeFace face);
 
-// Images by CubeFace; an empty one for a face that the rig doesn't have (up, down).
+// Images by CubeFace; empty for a face that the rig doesn't have (up, down).
 using FaceImages = std::array<cv::Mat, kCubeFaces>;
 
-// The panorama of a rig, options.columns wide, linear between pixels. Without the face up or down
-// its band ends where the four sides end in the corners, atan(1 / sqrt(2)) from the horizon.
+// The panorama of a rig, options.columns wide, linear between pixels. Without an up or down face,
+// its band ends at the elevation where the four sides end in their corners, atan(1 / sqrt(2)) from
+// the horizon.
 // Throws MapError(kBadImage) when one of the four sides is missing or the faces are not square or
 // of different sizes. Images as for ToPanorama. Thread-safe.
 Panorama FromFaces(const FaceImages& faces, const PanoramaOptions& options = {});
 
 // What a face of the rig sees of a whole equirectangular image (any type): width_px square.
+// Thread-safe.
 cv::Mat FaceOf(const cv::Mat& equirectangular, CubeFace face, int width_px);
 
 }  // namespace waystone

@@ -13,6 +13,7 @@
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "core/geometry/angle.h"
+#include "core/robust/median.h"
 
 namespace waystone {
 namespace {
@@ -20,13 +21,13 @@ namespace {
 constexpr int kMinColumns = 64;
 constexpr int kMinRows = 8;
 constexpr int kMaxMirror_px = 65'536;      // of a mirror's radius and centre
-constexpr int kStripRows = 64;             // that are unwrapped at once
+constexpr int kStripRows = 64;             // unwrapped at once
 constexpr double kMinBand_rad = 0.01;      // of a mirror: rows must be apart
-constexpr double kMinSigma = 1;            // grey levels: less is an image of nothing
+constexpr double kMinSigma = 1;            // grey levels: below this an image shows nothing
 constexpr double kAspectTolerance = 0.02;  // of twice as wide as high
 constexpr double kUsualColumns = 0.98;     // share of the columns whose differences are usual
-// The mirror's search covers how such cameras are built and framed: it bounds the time, and an
-// image that needs more can name its mirror (PanoramaOptions::mirror).
+// The mirror's search covers the usual designs and framings of such cameras, which bounds the time;
+// other images can name their mirror (PanoramaOptions::mirror).
 constexpr int kCoarseSide_px = 96;  // the first of the sides that are searched
 constexpr int kAngles = 90;         // around a circle: one to four pixels apart at the coarse side
 constexpr double kReach_share = 0.2;      // of the side: how far its centre lies from the image's
@@ -34,6 +35,7 @@ constexpr double kMinOuter_share = 0.2;   // of the side: a smaller mirror waste
 constexpr double kMaxOuter_share = 0.52;  // touches the image's edges, a little cut off
 constexpr double kMaxInner_share = 0.5;   // of the outer radius: more leaves a ring without a view
 constexpr double kMinInner_share = 0.08;  // of the outer radius: the camera's own picture is larger
+constexpr double kMinUniform = 0.8;       // share of the circumference, see UniformOutside
 constexpr double kUsualInner_share = 0.25;  // of the outer radius, where no inner edge is found
 
 [[noreturn]] void RefusePanorama(const std::string& message) {
@@ -90,19 +92,28 @@ float ValueAt(const cv::Mat& grey, const cv::Point2d& at) {
   return grey.at<uint8_t>(y, x);
 }
 
-// How much brighter it is just inside a circle than just outside; parts outside the image count
-// as no difference.
-double ComputeContrast(const cv::Mat& grey, const cv::Point2d& centre, double radius) {
+// Calls visit(inside, outside) with the grey levels beside a circle, at each angle where both are
+// in the image.
+template <class Visit>
+void VisitCircle(const cv::Mat& grey, const cv::Point2d& centre, double radius,
+                 const Visit& visit) {
   constexpr double kBeside_px = 1.5;
-  double sum = 0;
   for (int i = 0; i < kAngles; ++i) {
     const cv::Point2d ray(std::cos(2 * kPi * i / kAngles), std::sin(2 * kPi * i / kAngles));
     const cv::Point2d outside = centre + ray * (radius + kBeside_px);
     if (outside.x < 0 || outside.y < 0 || outside.x > grey.cols - 1 || outside.y > grey.rows - 1) {
       continue;
     }
-    sum += ValueAt(grey, centre + ray * (radius - kBeside_px)) - ValueAt(grey, outside);
+    visit(ValueAt(grey, centre + ray * (radius - kBeside_px)), ValueAt(grey, outside));
   }
+}
+
+// How much brighter the image is just inside a circle than just outside; parts outside the image
+// count as no difference.
+double ComputeContrast(const cv::Mat& grey, const cv::Point2d& centre, double radius) {
+  double sum = 0;
+  VisitCircle(grey, centre, radius,
+              [&sum](double inside, double outside) { sum += inside - outside; });
   return sum / kAngles;
 }
 
@@ -150,6 +161,19 @@ Circle FindCircle(const cv::Mat& grey) {
                         circle.radius * factor + 2, 1);
   }
   return circle;
+}
+
+// The share of a circle's circumference just outside which the image has one brightness. A mirror
+// is mounted in front of something dark; around a circle in a photo the scene goes on.
+double UniformOutside(const cv::Mat& grey, const Circle& circle) {
+  constexpr double kNear = 12;  // grey levels
+  std::vector<double> values;
+  VisitCircle(grey, circle.centre, circle.radius,
+              [&values](double, double outside) { values.push_back(outside); });
+  const double median = Median(values);
+  const auto near = std::ranges::count_if(
+      values, [median](double value) { return std::abs(value - median) <= kNear; });
+  return static_cast<double>(near) / static_cast<double>(values.size());
 }
 
 // The strongest edge of either sign around the same centre.
@@ -251,13 +275,19 @@ MirrorRing FindMirror(const cv::Mat& grey, const PanoramaOptions& options) {
   options.Check();
   WS_CHECK(grey.type() == CV_8UC1, "a mirror's image must be grey");
   const Circle outer = FindCircle(grey);
-  if (outer.contrast < options.min_mirror_contrast) {
-    RefusePanorama(
-        "the image of " + SizeOf(grey) +
-        " pixels is neither a panorama (twice as wide as high) nor a mirror image (its best "
-        "circle has a contrast of " +
-        Rounded(outer.contrast) + ", less than " + Rounded(options.min_mirror_contrast) +
-        "); use a 360-degree image, or specify the centre and radii of the mirror");
+  const bool stands_out = outer.contrast >= options.min_mirror_contrast;
+  const double uniform = stands_out ? UniformOutside(grey, outer) : 0;
+  if (uniform < kMinUniform) {
+    const std::string cause =
+        stands_out ? "around its best circle only " + std::to_string(cvRound(100 * uniform)) +
+                         " % of the image have one brightness, less than " +
+                         std::to_string(cvRound(100 * kMinUniform)) + " %"
+                   : "its best circle has a contrast of " + Rounded(outer.contrast) +
+                         ", less than " + Rounded(options.min_mirror_contrast);
+    RefusePanorama("the image of " + SizeOf(grey) +
+                   " pixels is neither a panorama (twice as wide as high) nor a mirror image (" +
+                   cause +
+                   "); use a 360-degree image, or specify the centre and radii of the mirror");
   }
   return {outer.centre, InnerRadius(grey, outer, options.min_mirror_contrast), outer.radius};
 }
@@ -271,7 +301,7 @@ Panorama Unwrap(const cv::Mat& grey, const MirrorRing& mirror, const PanoramaOpt
   Panorama panorama;
   panorama.band = options.mirror_band;
   panorama.grey.create(rows, options.columns, CV_8UC1);
-  // In strips: where a pixel comes from takes eight times as much as the pixel.
+  // In strips: a pixel's source coordinates take eight times as much memory as the pixel.
   for (int top = 0; top < rows; top += kStripRows) {
     cv::Mat strip = panorama.grey.rowRange(top, std::min(rows, top + kStripRows));
     cv::Mat from(strip.size(), CV_32FC2);

@@ -24,8 +24,8 @@ struct ElevationBand {
   bool operator==(const ElevationBand&) const = default;
 };
 
-// Whether rows of the two are the same elevations: the ends differ by a millionth of a radian at
-// most.
+// Whether the rows of both have the same elevations: the ends differ by at most a millionth of a
+// radian.
 bool BandsAgree(const ElevationBand& a, const ElevationBand& b);
 
 // A panorama: columns are azimuth over the whole circle, growing clockwise seen from above (to the
@@ -37,7 +37,8 @@ struct Panorama {
   ElevationBand band;
 };
 
-// The circle of a catadioptric camera's mirror in its image, and the camera's own picture within.
+// The circle of a catadioptric camera's mirror in its image, and the camera's own reflection
+// within.
 struct MirrorRing {
   cv::Point2d centre_px;
   double inner_px = 0;  // radii
@@ -49,7 +50,7 @@ struct MirrorRing {
 struct PanoramaOptions {
   int columns = 1024;
   // A mirror's elevations at its outer and inner radius, pi / 2 to -pi / 2; between them elevation
-  // goes with the radius. Depends on the mirror: its data sheet tells.
+  // is linear in the radius. Depends on the mirror: see its data sheet.
   ElevationBand mirror_band = {0.35, -0.9};
   // Where the mirror is; found in the image when not given.
   std::optional<MirrorRing> mirror;
@@ -87,29 +88,30 @@ enum class PanoramaKind { kEquirectangular, kStrip, kMirror };
 // of one around the horizon, as many radians high as its pixels are. Less wide, or with a mirror
 // given: a catadioptric camera's image, which is unwrapped. Grey (CV_8UC1), BGR (CV_8UC3) and BGRA
 // (CV_8UC4, whose alpha is dropped) are taken. Throws MapError(kBadImage), with what to do about
-// it, for an image that is too small (64 columns, 8 rows), has no texture (all black), isn't 360
-// degrees wide (the seam's sides differ) or is neither a panorama nor a mirror's image.
+// it, for an image of fewer than 64 columns or 8 rows, or one that has no texture (all black),
+// isn't 360 degrees wide (the seam's sides differ) or is neither a panorama nor a mirror's image.
 // Thread-safe.
 Panorama ToPanorama(const cv::Mat& image, const PanoramaOptions& options = {});
 
 // Whether an image is a whole equirectangular panorama by its shape: twice as wide as high, to 2 %.
 bool HasPanoramaShape(const cv::Size& size);
 
-// Which of them ToPanorama takes an image for.
+// What ToPanorama takes an image for.
 PanoramaKind KindOf(const cv::Mat& image, const PanoramaOptions& options = {});
 
-// How much the seam's sides differ, over what nearly all neighbouring columns differ by: about 1
-// for a panorama, several for another image.
+// The difference between the seam's two sides over the 98th percentile of the differences between
+// neighbouring columns: about 1 for a panorama, several for other images.
 double SeamRatio(const cv::Mat& grey);
 
-// The mirror's circle: the one that is brightest inside against outside; the inner radius is the
-// strongest concentric edge, or a quarter of the outer. Throws MapError(kBadImage) when no circle
-// has the contrast.
+// The mirror's circle: the one with the highest contrast of its bright inside against its outside;
+// the inner radius is that of the strongest concentric edge, or a quarter of the outer one. Throws
+// MapError(kBadImage) when no circle has the contrast, or what surrounds the best one isn't of
+// nearly one brightness, as in a photo.
 MirrorRing FindMirror(const cv::Mat& grey, const PanoramaOptions& options = {});
 
 // A mirror's image (CV_8UC1) unwrapped: rows from the outer radius (top) to the inner. Throws
-// MapError(kBadOptions) for a ring that can't be, and MapError(kBadImage) for an image with a side
-// over 32,766 px or one of which more than 64 million pixels would become.
+// MapError(kBadOptions) for an impossible ring, and MapError(kBadImage) for an image with a side
+// over 32,766 px or a panorama of more than 64 million pixels.
 Panorama Unwrap(const cv::Mat& grey, const MirrorRing& mirror, const PanoramaOptions& options = {});
 
 }  // namespace waystone

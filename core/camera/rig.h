@@ -22,8 +22,8 @@ struct Rig {
   std::vector<RigCamera> cameras;
 };
 
-// Throws MapError(kBadCamera) unless there are 1 to 64 cameras, each is sound (CheckCamera), its
-// rotation is one, and names differ.
+// Throws MapError(kBadCamera) unless there are 1 to 64 cameras, each is sound (CheckCamera), each
+// has a valid rotation, and the names differ. This function and all below are pure; thread-safe.
 void CheckRig(const Rig& rig);
 
 // Throws MapError(kBadImage) unless an image of this size (px) is one of the camera's.

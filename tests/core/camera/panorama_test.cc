@@ -139,6 +139,22 @@ TEST(FindMirror, FindsCentreAndRadii) {
   }
 }
 
+// A lamp, a clock or a table in a photo has bright edges, too.
+TEST(FindMirror, ABrightDiscInAPhotoIsNoMirror) {
+  cv::RNG random(7);
+  for (int i = 0; i < 10; ++i) {
+    cv::Mat photo(480, 640, CV_8UC1);
+    for (int block = 0; block < 300; ++block) {
+      const cv::Point corner(random.uniform(-100, 640), random.uniform(-100, 480));
+      const cv::Size size(random.uniform(20, 200), random.uniform(20, 200));
+      cv::rectangle(photo, {corner, size}, random.uniform(0, 200), cv::FILLED);
+    }
+    cv::circle(photo, {320 + 5 * i, 240}, 120 + 10 * i, 230, cv::FILLED);
+    EXPECT_NE(RefusalOf(photo).find("% of the image have one brightness"), std::string::npos)
+        << RefusalOf(photo);
+  }
+}
+
 TEST(Unwrap, GivesThePanoramaThatTheMirrorSaw) {
   PanoramaOptions options;
   options.columns = 512;
