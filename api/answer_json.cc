@@ -53,7 +53,7 @@ Json PoseJson(const QueryPose& pose) {
   return json;
 }
 
-// Only of maps with poses.
+// Only for maps with poses.
 void AddPose(const Answer& answer, Json& json) {
   if (!answer.pose && answer.pose_reason.empty()) return;
   json["pose"] = answer.pose ? PoseJson(*answer.pose) : Json(nullptr);
@@ -119,7 +119,7 @@ Json PlanJson(const PlanPosition& plan) {
   return {{"name", plan.name}, {"x", Rounded(plan.px.x(), 2)}, {"y", Rounded(plan.px.y(), 2)}};
 }
 
-// Where it isn't localized, there are candidates and no place.
+// Unless localized, there are candidates but no place.
 Json PanoramaJson(const PanoramaAnswer& panorama, const std::optional<AnsweredPlace>& place) {
   Json json;
   json["node"] = place ? NodeJson(panorama.node) : Json(nullptr);

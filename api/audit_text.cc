@@ -13,10 +13,11 @@ std::string Counted(int count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-// To the nearest: no share is compared with a threshold here, unlike where PercentText rounds down.
+// To the nearest per cent: unlike with PercentText, which rounds down, no share is compared with a
+// threshold here.
 std::string RoundedPercent(double share) { return std::to_string(std::lround(100 * share)) + "%"; }
 
-// As `waystone eval` takes it.
+// In the format of `waystone eval`.
 std::string SourceOf(const MapIndex& index, KeyframeId id) {
   const Keyframe& keyframe = *index.FindKeyframe(id);
   if (index.map().sequences.size() == 1) return Printable(keyframe.source);

@@ -8,7 +8,8 @@
 
 namespace waystone {
 
-// An audit for people, with what to do about each finding, and for programs.
+// An audit as text for people, with what to do about each finding, and as JSON for programs. Both
+// are thread-safe.
 std::string AuditText(const MapIndex& index, const AuditReport& report);
 Json AuditJson(const MapIndex& index, const AuditReport& report);
 

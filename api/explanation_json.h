@@ -7,7 +7,7 @@
 namespace waystone {
 
 // Why an answer is what it is: the schema Explanation of clients/openapi.yaml. Matches are
-// [x_query, y_query, x_map, y_map], px; inliers are counted at distinct positions.
+// [x_query, y_query, x_map, y_map], px; inliers are counted at distinct positions. Thread-safe.
 Json ToJson(const Explanation& explanation);
 
 }  // namespace waystone

@@ -13,7 +13,7 @@
 namespace waystone {
 namespace {
 
-// The name of a plane's reference image as UTF-8, without characters that XML has no way to write:
+// The name of a plane's reference image as UTF-8, without characters that XML can't represent:
 // controls, U+FFFE and U+FFFF.
 std::string SourceOf(const MapIndex& index, const Plane& plane) {
   const Keyframe* keyframe = index.FindKeyframe(plane.reference);

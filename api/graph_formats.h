@@ -13,7 +13,7 @@ struct GraphText {
   std::string media_type;
 };
 
-// The formats that FormatGraph knows by name, also those that not every map can give.
+// The names of FormatGraph's formats, including those that not every map supports. Thread-safe.
 std::vector<std::string> GraphFormatNames();
 
 // A map in a format that other programs read:

@@ -6,8 +6,9 @@
 
 namespace waystone {
 
-// {"position": {"frame", "x", "y", "z", "radius"}, "tags": [...], "previous_map"}, each of which
-// may be left out, as z may. Throws MapError(kBadRequest) with the field at fault.
+// {"position": {"frame", "x", "y", "z", "radius"}, "tags": [...], "previous_map"}, each of which is
+// optional, as is z. Throws MapError(kBadRequest) with the field at fault. Thread-safe, as is
+// ToJson.
 MapHints ReadHints(const Json& object);
 Json ToJson(const MapHints& hints);
 

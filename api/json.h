@@ -9,7 +9,7 @@
 #include "api/json_value.h"
 #include "core/base/ids.h"
 
-// The few ways in which our values become JSON.
+// How our values become JSON. All functions are thread-safe.
 namespace waystone {
 
 // One line of text. Never throws: bytes of a name that are not UTF-8 become U+FFFD.
@@ -18,7 +18,7 @@ std::string Dump(const Json& json);
 // `text` with U+FFFD for bytes that are not UTF-8.
 std::string ToUtf8(const std::string& text);
 
-// The number rounded to `decimals`, so that what was measured to a tenth isn't printed to 1e-16.
+// The number rounded to `decimals`, so that a value measured to a tenth isn't printed to 1e-16.
 double Rounded(double value, int decimals);
 
 Json ToJson(const Eigen::Matrix3d& matrix);                  // three rows of three, unrounded
@@ -31,7 +31,7 @@ Json ToJson(const std::vector<Id<Tag>>& ids) {
   return list;
 }
 
-// null where there is nothing.
+// null where there is no value.
 template <class T>
 Json OrNull(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);

@@ -25,7 +25,7 @@ Json HeadingJson(const OrientationFrame& frame) {
   return heading ? Json(Angle(*heading)) : Json(nullptr);
 }
 
-// Standard sigma of the heading, about the building's z.
+// Standard deviation of the heading, about the building's z.
 Json HeadingSigmaJson(const OrientationFrame& frame) {
   if (!frame.rotation) return nullptr;
   return Angle(std::sqrt(std::max(0.0, frame.rotation->covariance(2, 2))));

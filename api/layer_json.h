@@ -10,26 +10,27 @@
 #include "api/json.h"
 #include "localizer/index/map_index.h"
 
-// The appearance and the orientation layer as the HTTP API shows them. Angles are radians, headings
-// counter-clockwise; positions are in the layer's own unit of length (metres_per_unit says what
-// that is, where it is known). All are thread-safe.
+// The appearance and the orientation layer as the HTTP API shows them. Angles are in radians,
+// headings counter-clockwise; positions are in the layer's own unit of length (metres_per_unit
+// gives its size, where known). All functions are thread-safe.
 namespace waystone {
 
-// The layers. Throw MapError(kNoLayer) for a map that was built without.
+// The layers. Throw MapError(kNoLayer) for a map without the layer.
 const AppearanceLayer& AppearanceOf(const MapIndex& index);
 const OrientationLayer& OrientationOf(const MapIndex& index);
 
 // The whole layer for drawing: the schemas Appearance and Orientation of clients/openapi.yaml. The
 // latter has its frames in columns, with x and y by ComputeTrajectory
 // (schema/layers/orientation/orientation_trajectory.h); `corridors_unknown` are sequences of one
-// camera, whose corridors can't be told.
+// camera, whose corridors can't be distinguished from rooms.
 Json LayerJson(const MapData& map, const AppearanceLayer& layer);
 Json LayerJson(const std::string& map_name, const MapData& map, const OrientationLayer& layer);
 
 // A frame of the layer, by its id; null when it has none.
 const OrientationFrame* FrameOf(const OrientationLayer& layer, OrientationFrameId id);
 
-// The rows of lists, whole. What was also taken as a keyframe of the plane layer has its id.
+// The full rows of lists. A frame that is also a keyframe of the plane layer has the keyframe's id.
+// Immutable after construction; thread-safe.
 class NodeRows {
  public:
   // The map must outlive this.
@@ -47,7 +48,7 @@ class NodeRows {
   std::map<std::pair<SequenceId, int>, KeyframeId> keyframes_;
 };
 
-// The edges that close loops, as in the layer; and what an edge of them has.
+// The edges that close loops, as in the layer; and such an edge as JSON.
 std::vector<AppearanceEdge> LoopsOf(const AppearanceLayer& layer);
 Json LoopJson(const AppearanceEdge& edge);
 // A node's Fourier signature: magnitudes and phases, row by row of the panorama from above.

@@ -23,14 +23,14 @@ std::optional<Camera> CameraOf(const MapIndex& index, SequenceId id) {
   return sequence ? sequence->camera : std::nullopt;
 }
 
-// The layer's rotation of a frame that can be relied on.
+// The layer's rotation of a frame, if it is reliable.
 std::optional<Eigen::Matrix3d> RigFromBuilding(const OrientationFrame* frame) {
   if (!frame || !frame->reliable) return std::nullopt;
   return Eigen::Matrix3d(frame->rotation->building_from_rig.conjugate());
 }
 
-// `scale` takes pixels of the picture to those of the answer, whose middle of the first one is
-// (0, 0) as well.
+// `scale` takes pixels of the picture to those of the answer; (0, 0) is the centre of the first
+// pixel in both.
 Json LinesJson(const cv::Mat& picture, const Camera& camera, const OrientationFrame* frame,
                double scale) {
   const char* const axes[] = {"x", "y", "z"};

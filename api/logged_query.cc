@@ -25,7 +25,7 @@ std::string ReadWhole(const fs::path& path) {
   RefuseRequest(field + " must be " + expected + ", not " + found.type_name());
 }
 
-// A field of an object, which is at `path` itself; null where it is missing.
+// A field of an object that is itself at `path`; null where it is missing.
 const Json& FieldOf(const Json& object, const std::string& path, const char* name) {
   static const Json kMissing;
   if (!object.is_object()) RefuseField(path, "an object", object);
@@ -51,7 +51,7 @@ std::vector<QueryImage> ReadImages(const fs::path& folder, const Json& images) {
   std::vector<QueryImage> read;
   for (const Json& image : images) {
     const std::string path = "images[" + std::to_string(read.size()) + "]";
-    // The name alone: a log from elsewhere must not read files beside it.
+    // Only the file name: a log from elsewhere must not name files outside its folder.
     const fs::path file = fs::path(TextIn(image, path, "file")).filename();
     read.push_back({TextIn(image, path, "name"), ReadWhole(folder / file)});
   }

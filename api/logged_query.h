@@ -10,13 +10,13 @@
 #include "localizer/query.h"
 
 // The log of `waystone serve --query-log`, which `waystone replay` reads: a folder with
-// queries.jsonl, one object a query {id, time_s, map, request, images: [{name, file}], answer}, and
-// the images' bytes, each once, in files named by their SHA-256.
+// queries.jsonl, one object per query {id, time_s, map, request, images: [{name, file}], answer},
+// and the images' bytes, each once, in files named by their SHA-256. All functions are thread-safe.
 namespace waystone {
 
 constexpr const char* kQueryLogLines = "queries.jsonl";
 
-// What of an answer two maps can be compared by.
+// The part of an answer by which two maps are compared.
 struct QueryOutcome {
   std::string verdict;
   std::string place;  // the sequence and source of the keyframe or panorama; empty without one
@@ -31,16 +31,16 @@ struct LoggedQuery {
   QueryOutcome outcome = {};  // of the answer
 };
 
-// Throws MapError(kBadRequest) with the field that isn't of an answer's type.
+// Throws MapError(kBadRequest) with the field that has the wrong type.
 QueryOutcome ReadOutcome(const Json& answer);
 
 // One line of the log; `files` are the names of the images' files, in the images' order.
 Json LoggedQueryJson(const LoggedQuery& query, double time_s,
                      const std::vector<std::string>& files);
 
-// Gives all queries of a log in their order, with their images, at least one each: one at a time,
-// as a log may be larger than the memory. Throws MapError, with the line and the field where it is
-// theirs: kFileUnreadable, kBadRequest.
+// Passes all queries of a log to `take` in their order, each with its images (at least one): one at
+// a time, since a log may be larger than the memory. Throws MapError: kFileUnreadable, or
+// kBadRequest with the line and the field at fault.
 void ReadQueryLog(const std::filesystem::path& folder,
                   const std::function<void(LoggedQuery&)>& take);
 

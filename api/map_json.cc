@@ -55,8 +55,8 @@ Json SeenPlaneJson(const MapIndex& index, const Keyframe& keyframe, const Plane&
   return json;
 }
 
-// The planes that a keyframe saw. A walk over all planes: fast enough for a single keyframe, and
-// the index stays what queries need.
+// The planes that a keyframe saw. Walks over all planes, which is fast enough for a single
+// keyframe, so the index needn't support it.
 Json SeenPlanesJson(const MapIndex& index, const Keyframe& keyframe) {
   Json list = Json::array();
   for (const Plane& plane : index.map().planes) {

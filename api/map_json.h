@@ -9,8 +9,8 @@
 #include "api/json.h"
 #include "localizer/index/map_index.h"
 
-// The parts of a map as the HTTP API shows them. Matrices are three rows of three, points are
-// [x, y] in pixels, links are by id.
+// The parts of a map as the HTTP API shows them. Matrices are three rows of three, points are [x,
+// y] in pixels, links are by id. All functions are thread-safe.
 namespace waystone {
 
 // name, version, program, feature_type, keyframes, planes, surfaces, edges, features, names
@@ -35,7 +35,8 @@ Json GraphJson(const MapIndex& index);
 // images were left out).
 Json KeyframeJson(const std::string& map_name, const MapIndex& index, const Keyframe& keyframe);
 
-// The same for many keyframes of a map, whose planes it walks over once. Thread-safe.
+// The same for many keyframes of a map; walks over the map's planes only once. Immutable after
+// construction; thread-safe.
 class KeyframeRows {
  public:
   // The index must outlive this.

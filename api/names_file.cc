@@ -21,7 +21,7 @@ constexpr int kFormatVersion = 1;
 constexpr JsonBounds kFileBounds{.depth = 8, .values = 200'000};
 constexpr const char* kLayerFrame = "layer";  // of polygons of the appearance layer
 
-// A keyframe or a panorama, by where it comes from.
+// A keyframe or panorama with its image.
 struct MappedImage {
   int64_t id = 0;
   int frame = 0;
@@ -40,7 +40,7 @@ std::vector<MappedImage> ImagesOf(const MapData& map, NamedKind kind, SequenceId
   return images;
 }
 
-// Which of the sequences of its name it is, from 1.
+// The number of a sequence among those with the same name, from 1.
 int NumberAmongNamesakes(const MapData& map, const Sequence& sequence) {
   int number = 0;
   for (const Sequence& other : map.sequences) {
@@ -64,7 +64,7 @@ const Sequence* SequenceOf(const MapData& map, SequenceId id) {
   return found == map.sequences.end() ? nullptr : &*found;
 }
 
-// Those of `images` whose frame is within the bounds.
+// The ranges of those of `images` whose frames are within the bounds.
 std::vector<NamedRange> RangesWithin(const MapData& map, NamedKind kind,
                                      const std::vector<MappedImage>& images, int first, int last) {
   std::set<int64_t> held;
@@ -76,8 +76,8 @@ std::vector<NamedRange> RangesWithin(const MapData& map, NamedKind kind,
 
 // ---- images that a user names
 
-// The frame that a name or number of an image means, in a sequence; nothing for one that is not
-// among its images.
+// The frame of an image of a sequence given by name or number; nothing if it isn't among the
+// images.
 std::optional<int> FindFrame(const std::vector<MappedImage>& images, const std::string& text) {
   for (const MappedImage& image : images) {
     if (*image.source == text) return image.frame;
@@ -87,7 +87,7 @@ std::optional<int> FindFrame(const std::vector<MappedImage>& images, const std::
   return static_cast<int>(*number);
 }
 
-// Of both kinds.
+// Keyframes and panoramas of a sequence.
 std::vector<MappedImage> AllImagesOf(const MapData& map, SequenceId sequence) {
   std::vector<MappedImage> images = ImagesOf(map, NamedKind::kKeyframes, sequence);
   const std::vector<MappedImage> nodes = ImagesOf(map, NamedKind::kNodes, sequence);
@@ -95,7 +95,7 @@ std::vector<MappedImage> AllImagesOf(const MapData& map, SequenceId sequence) {
   return images;
 }
 
-// The only sequence that a range can mean.
+// The only sequence to which a range can refer.
 const Sequence& ChooseSequence(const MapData& map, const ImageRange& range) {
   std::vector<const Sequence*> fitting;
   for (const Sequence& sequence : map.sequences) {
@@ -149,8 +149,9 @@ void AddImageRanges(const MapData& map, const NamedRange& range, Json& list) {
   }
 }
 
-// A point inside a plane's outline, near its middle: that where the corners' mean is one, else the
-// nearest to it of the middles of three corners in a row, of which some, as for any polygon, are.
+// A point inside a plane's outline, near its middle: the corners' mean if it is inside, else the
+// nearest to it of the centroids of three consecutive corners that are inside; every polygon has
+// such.
 Eigen::Vector2d PointInside(const Plane& plane) {
   const std::vector<Eigen::Vector2d>& corners = plane.outline;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
@@ -168,7 +169,7 @@ Eigen::Vector2d PointInside(const Plane& plane) {
   return nearest.value_or(middle);
 }
 
-// A plane is named by a point of it in its reference image.
+// A plane is identified by one of its points in its reference image.
 void AddPlanes(const MapData& map, const NamedRange& range, Json& list) {
   for (const Plane& plane : map.planes) {
     if (plane.id.value < range.first || range.last < plane.id.value) continue;
@@ -195,7 +196,7 @@ Json CornersJson(const NamedPolygon& polygon) {
   return corners;
 }
 
-// A place that holds nothing yet.
+// An empty place.
 Json EmptyPlaceJson(const std::string& name) {
   return {{"name", name},
           {"keyframes", Json::array()},
@@ -256,7 +257,7 @@ const Json& ListField(const Json& object, const std::string& what, const std::st
   return object[name];
 }
 
-// Frames that are leveled by their images alone differ a little from build to build.
+// Frames that are levelled only by their images differ a little from build to build.
 bool IsNear(const Json& frame, const std::string& what, const char* name,
             const Eigen::Vector3d& axis) {
   constexpr double kMostApart = 0.05;
@@ -393,7 +394,7 @@ class FileReader {
          QuoteShortened(image));
   }
 
-  // The plane that a keyframe shows there: of several the one with the smallest outline.
+  // The plane that a keyframe shows at a point: of several the one with the smallest outline.
   const Plane* FindPlaneAt(KeyframeId keyframe, const Eigen::Vector2d& at) const {
     const Plane* best = nullptr;
     for (const Plane& plane : map_.planes) {
@@ -431,7 +432,7 @@ class FileReader {
   ReadNames result_;
 };
 
-// A file whose map shares no sequence with this one is of another building.
+// A file whose map shares no sequence with this one is for another building.
 void CheckIsForMap(const Json& file, const MapData& map) {
   const Json& of = Field(file, "the file", "map");
   const Json& sequences = Field(of, "map", "sequences");

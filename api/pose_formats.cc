@@ -22,7 +22,7 @@ namespace {
   throw MapError(ErrorCode::kNotAvailable, reason);
 }
 
-// What the formats write: the layer with its lengths scaled.
+// What the formats contain: the layer with scaled lengths.
 struct PoseGraph {
   const MapData& map;
   const AppearanceLayer& layer;
@@ -45,8 +45,8 @@ PoseGraph CollectPoseGraph(const MapData& map) {
   return {map, *map.appearance, metres.value_or(1), metres ? "m" : "unit"};
 }
 
-// Whether the appearance layer is in the frame of given poses, which some formats write in full;
-// nodes without one are left out of these.
+// Whether the appearance layer is in the frame of given poses, which some formats contain in full,
+// without nodes that have no pose.
 bool IsInGivenFrame(const MapData& map) { return map.poses && !map.poses->nodes.empty(); }
 
 std::string SequenceName(const MapData& map, SequenceId id) {
@@ -56,14 +56,14 @@ std::string SequenceName(const MapData& map, SequenceId id) {
   return "";
 }
 
-// One word of a line: formats that part fields by blanks know no quotes.
+// One word of a line: formats whose fields are separated by blanks don't support quotes.
 std::string Word(const std::string& text) {
   std::string word;
   for (const char c : text) word += static_cast<unsigned char>(c) <= ' ' ? '_' : c;
   return word.empty() ? "_" : word;
 }
 
-// Standard sigma of an edge's position (see the header).
+// Standard deviation of an edge's position (see the header).
 class PositionSigma {
  public:
   explicit PositionSigma(const PoseGraph& graph) : graph_(graph) {
@@ -108,7 +108,7 @@ std::string G2o(const PoseGraph& graph) {
 
 Json PointJson(const Pose2& pose) { return {Rounded(pose.x, 4), Rounded(pose.y, 4)}; }
 
-// Counter-clockwise, as RFC 7946 has rings, and closed.
+// Counter-clockwise and closed, as rings in RFC 7946.
 Json RingJson(NamedPolygon polygon, double scale) {
   double twice = 0;
   for (size_t i = 0; i < polygon.size(); ++i) {
@@ -183,7 +183,7 @@ void AddKeyframes(const MapData& map, const PoseLayer& layer, Json& features) {
   }
 }
 
-// A map with poses alone.
+// A map with poses but without an appearance layer.
 std::string KeyframesGeoJson(const MapData& map, const PoseLayer& layer) {
   Json features = Json::array();
   AddKeyframes(map, layer, features);
@@ -248,7 +248,7 @@ std::string Ply(const PoseGraph& graph) {
   return out.str();
 }
 
-// Of a node by its pose in the layer: x ahead, y to the left, z up.
+// A node's pose from that in the layer: x ahead, y to the left, z up.
 CameraPose BodyPose(const Pose2& pose) {
   const Eigen::Quaterniond q(Eigen::AngleAxisd(pose.theta_rad, Eigen::Vector3d::UnitZ()));
   return {q, Eigen::Vector3d(pose.x, pose.y, 0)};

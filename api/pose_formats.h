@@ -10,11 +10,11 @@
 
 namespace waystone {
 
-// "g2o", "geojson", "ply", "tum", "poses".
+// "g2o", "geojson", "ply", "tum", "poses". Thread-safe.
 std::vector<std::string> PoseFormatNames();
 
-// The poses of a map's appearance layer in a format that other programs read. Lengths are metres
-// where the layer's scale is known and in its own unit elsewhere; each format says which.
+// The poses of a map's appearance layer in a format that other programs read. Lengths are in metres
+// where the layer's scale is known and else in its own unit; each format says which.
 //   g2o      VERTEX_SE2 a node, EDGE_SE2 a measured edge. The layer keeps the sigma of headings
 //            alone: positions are given half the edge's length, a tenth of the mean edge at least.
 //   geojson  nodes as points, edges as lines, x and y in the layer's frame. That is not on the

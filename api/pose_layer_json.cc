@@ -23,7 +23,7 @@ Json QuaternionJson(const Eigen::Quaterniond& q) {
           Rounded(q.z(), kPoseDecimals), Rounded(q.w(), kPoseDecimals)};
 }
 
-// Where none was measured, 0 is stored.
+// 0 is stored where none was measured.
 Json DeviationJson(double sigma) { return sigma > 0 ? Json(sigma) : Json(nullptr); }
 
 // In columns.
@@ -41,8 +41,8 @@ Json CameraPosesJson(const std::vector<Pose>& poses, Id Pose::*id) {
 // Where the rays of the outline's pixels meet the plane.
 Json PosedOutlineJson(const MapIndex& index, const PoseLayer& layer, const Plane& plane,
                       const PlanePose& placed) {
-  // Sine of the angle between a ray and the plane; where it is smaller, a pixel more or less moves
-  // the point so far that its place says nothing.
+  // Smallest sine of the angle between a ray and the plane: below it, one pixel moves the point so
+  // far that its position is meaningless.
   constexpr double kLeastSine = 0.05;
   Json outline = Json::array();
   const KeyframePose* pose = layer.Find(plane.reference);

@@ -29,7 +29,7 @@ constexpr double kMaxPixel = 100'000;   // of focal lengths and principal points
 constexpr double kMinFovDeg = 1;
 constexpr double kMaxFovDeg = 179;
 
-// Counts what is parsed, and remembers the names of the objects that are open.
+// Counts what is parsed, and keeps the field names of the open objects.
 class JsonWatch {
  public:
   explicit JsonWatch(const JsonBounds& bounds) : bounds_(bounds) {}

@@ -11,12 +11,13 @@
 #include "core/base/options.h"
 #include "localizer/query.h"
 
-// What clients ask as JSON: the object that a body or a form's part `request` holds, logs keep and
-// `waystone localize --server` sends. Every function that reads throws MapError(kBadRequest) with
-// the field at fault for what is unknown, out of range or contradicts itself.
+// Client requests as JSON: the object in a body or in a form's part `request`, in logs, and from
+// `waystone localize --server`. All functions that read throw MapError(kBadRequest) with the field
+// at fault for values that are unknown, out of range or contradictory. All functions are
+// thread-safe.
 namespace waystone {
 
-// Longest name of an image that an answer repeats.
+// Longest image name, in bytes, since answers repeat it.
 constexpr size_t kMaxNameBytes = 200;
 
 struct RequestLimits {
@@ -32,15 +33,15 @@ struct RequestLimits {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// A request from its object; the images' bytes are the caller's, `with_images` says whether the
-// field `images` is known.
+// A request from its object; the caller adds the images' bytes, and `with_images` says whether the
+// field `images` is allowed.
 QueryRequest ParseQueryRequest(const Json& object, const RequestLimits& limits,
                                bool with_images = false);
 
-// Refuses motions that are not one for each image.
+// Refuses odometry that doesn't have one motion per image.
 void CheckOdometry(const QueryRequest& request);
 
-// The object of a request, without images: ParseQueryRequest reads it again.
+// The object of a request, without images, which ParseQueryRequest can read.
 Json ToJson(const QueryRequest& request);
 
 // [{"node", "probability", "heading_rad", "deviation_rad"}, ...]
@@ -52,27 +53,27 @@ Json ToJson(const std::vector<NodeBelief>& belief);
 // In quotes, without control characters.
 std::string QuoteShortened(const std::string& text);
 
-// Of what is parsed: copying a value takes stack for each level, and each of the values takes some
-// 60 bytes where its text may take two.
+// Limits for parsed JSON: copying a value takes stack for each level, and each value takes some 60
+// bytes, although its text may take two.
 struct JsonBounds {
   int depth = 0;
   int values = 0;
 };
-// Beyond any request, and beyond any answer.
+// Larger than any request, and than any answer.
 constexpr JsonBounds kRequestBounds{8, 20'000};
 constexpr JsonBounds kAnswerBounds{32, 1'000'000};
-// Of one object and of a field's name, whatever is parsed: the parser compares each name with all
-// before it. No object of ours comes near.
+// Limits for the fields of any object and for their names: the parser compares each name with all
+// before it. Our objects are far smaller.
 constexpr size_t kMaxFields = 64;
 constexpr size_t kMaxFieldBytes = 200;
 
-// Refuses what is over the bounds, and objects that have a field twice.
+// Refuses text that exceeds the bounds, and objects with a duplicate field.
 Json ParseJson(std::string_view text, const JsonBounds& bounds = kRequestBounds);
 
 // A text of at most kMaxNameBytes.
 std::string NameIn(const Json& value, const std::string& field);
 
-// Refuses what isn't an object or has a field that isn't known.
+// Refuses a value that isn't an object or has an unknown field.
 void CheckKnownFields(const Json& object, const std::string& what,
                       const std::set<std::string>& known);
 

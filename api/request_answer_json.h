@@ -8,8 +8,8 @@
 
 namespace waystone {
 
-// The answer to a whole request, `across` maps or of one: the overall answer's fields
-// (answer_json.h), then where they say something
+// The answer to a whole request, to several maps (`across`) or one: the overall answer's fields
+// (answer_json.h), then, where they apply
 //   maps        across maps: each one's answer in short, ranked, at most top_k
 //   images      of several images: each one's answer in short
 //   candidates  with top_k: the places that were considered
@@ -18,7 +18,7 @@ namespace waystone {
 //   camera      the camera that was understood
 //   unused      what was understood and no layer of these maps uses
 Json ToJson(const Session& session, const RequestAnswer& answer, bool across);
-// The same without a session.
+// The same without a session. Both are thread-safe.
 Json ToJson(const QueryRequest& request, const std::optional<QueryCamera>& camera,
             const RequestAnswer& answer, bool across);
 

@@ -8,8 +8,8 @@
 namespace waystone {
 namespace {
 
-// An outline's points that lie beyond this many times the plane's distance are left out: they are
-// seen so flatly that their place says nothing.
+// An outline's points beyond this many times the plane's distance are left out: they are seen at so
+// flat an angle that their position is meaningless.
 constexpr double kFarthest = 20;
 
 Json PointJson(const Eigen::Vector3d& x) {

@@ -17,7 +17,7 @@ namespace waystone {
 //                      A plane that isn't well determined has its trouble (core/homography/
 //                      plane_in_space.h) and no place.
 // Throws MapError(kNotAvailable) for a sequence without a camera and for panoramas. Takes up to
-// some 100 ms; thread-safe.
+// about 100 ms; thread-safe.
 Json SpaceJson(const MapIndex& index, const Keyframe& keyframe);
 
 }  // namespace waystone

@@ -21,7 +21,7 @@ bool IsToken(std::string_view text) {
          std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < 127; });
 }
 
-// A file that may be a pipe, but has an end.
+// The contents of a file, which may be a pipe of bounded size.
 std::string TextOf(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   std::string text(kMaxFileBytes + 1, '\0');

@@ -7,10 +7,10 @@
 
 namespace waystone {
 
-// The tokens of a file, one a line; blank lines and those that begin with # are left out, and lines
-// may end as Windows ends them. A token has 16 to 512 printable characters. Throws MapError:
+// The tokens of a file, one per line; blank lines and those that begin with # are skipped, and
+// lines may have Windows line ends. A token has 16 to 512 printable characters. Throws MapError:
 // kFileUnreadable; kBadOptions with the line, and for a file of more than 1 MB or without any
-// token.
+// token. Thread-safe.
 std::vector<std::string> ReadTokenFile(const std::filesystem::path& path);
 
 }  // namespace waystone

@@ -14,7 +14,8 @@ struct TumPose {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // as written, not normalised
 };
 
-// Nothing for a line that isn't eight finite numbers. FormatPoses writes such lines.
+// Nothing for a line that isn't eight finite numbers. FormatPoses writes such lines. Pure;
+// thread-safe.
 std::optional<TumPose> ParseTumPose(std::string_view line);
 
 }  // namespace waystone

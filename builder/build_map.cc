@@ -20,7 +20,7 @@
 namespace waystone {
 namespace {
 
-// Images whose features are handed out beside those of keyframes: looking at one in a map takes
+// Images whose features are returned besides those of keyframes: looking for one in a map takes
 // about as long as extracting its features.
 constexpr int kMostImages = 100;
 
@@ -104,13 +104,13 @@ class MapBuilder {
     progress_.Report("structure", 1, 1);
   }
 
-  // The layers after this one need their memory.
+  // Frees their memory for the layers after this one.
   void TakeFeatures() {
     std::vector<WalkImage> features = planes_.TakeFeatures();
     if (features_ == BuiltFeatures::kKeep) result_.features = std::move(features);
   }
 
-  // Before the verdict is calibrated, which goes by where nodes are.
+  // Before the verdict is calibrated, which depends on where nodes are.
   void PutPanoramasIntoFrame() {
     progress_.Report("structure", 0, 1);
     result_.report.node_poses =
@@ -166,9 +166,9 @@ BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
   if (sources.empty())
     throw MapError(ErrorCode::kBadSource, "no source given; at least one is required");
   const Clock::time_point start = Clock::now();
-  cv::setNumThreads(1);  // frames are what runs in parallel
+  cv::setNumThreads(1);  // frames run in parallel instead
   ThrowOpenCvErrors();
-  const int most = tbb::this_task_arena::max_concurrency();  // of more, TBB warns on its own
+  const int most = tbb::this_task_arena::max_concurrency();  // TBB prints a warning for more
   tbb::task_arena arena(options.threads == 0 ? most : std::min(options.threads, most));
   return arena.execute([&] {
     BuildResult result = MapBuilder(options, progress, poses, features)

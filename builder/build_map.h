@@ -30,21 +30,22 @@ struct BuildReport {
 struct BuildResult {
   MapData map;
   BuildReport report;
-  std::vector<WalkImage> features;  // of the images, where they were asked for
+  std::vector<WalkImage> features;  // of the images, with BuiltFeatures::kKeep
 };
 
-// Whether a build hands out the features of all keyframes, and of some images between them.
+// Whether a build returns the features of all keyframes, and of some images between them.
 enum class BuiltFeatures { kDrop, kKeep };
 
 // The layers of a map over one or several sequences. Each source is read once, by all of its layers
 // (ChooseLayers); sequences of planes come first in the map, then those of panoramas, then those of
-// the orientation layer alone. When `progress` returns false, the build stops with
-// MapError(kInterrupted).
+// only the orientation layer. Runs on options.threads of TBB's threads, turns OpenCV's own threads
+// off for the whole process, and calls ThrowOpenCvErrors. When `progress` returns false, the build
+// stops with MapError(kInterrupted).
 // Throws MapError(kBadSource) when a source has no usable frame, or none fits a layer chosen;
 // kUnreadableFrames when too few are usable (max_skipped_share); kBadCamera when the orientation
 // layer is chosen and no source is calibrated; kBadOptions. With `poses` the plane and the
-// appearance layer are put into their frame, of which one must be built; the plane layer must be
-// calibrated. AddPoses and AddNodePoses say what is thrown.
+// appearance layer are put into their frame; at least one of the two must be built, and the plane
+// layer's cameras must be calibrated. Also throws what AddPoses and AddNodePoses throw.
 BuildResult BuildMap(const std::vector<std::unique_ptr<Source>>& sources,
                      const BuildOptions& options, const ProgressCallback& progress,
                      const std::optional<GivenPoses>& poses = std::nullopt,

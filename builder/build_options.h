@@ -31,14 +31,14 @@ struct BuildOptions {
   double max_skipped_share = 0.5;
   bool images = true;
   int image_width = 320;
-  // Threads for reading and features; 0 takes as many as there are cores. The map doesn't depend
-  // on it.
+  // Threads for reading and features; 0 uses all cores. The map doesn't depend on it.
   int threads = 0;
 
-  // Only used with poses: the record of a map without any has nothing of it.
+  // Only used with poses; maps don't record it.
   PoseOptions poses = {};
 
-  // A map has its name in another place and doesn't depend on the threads.
+  // The map's name, which is stored elsewhere, the threads, on which no map depends, and the poses'
+  // options.
   static constexpr int kUnlistedMembers = 3;
   static constexpr auto Fields(const auto& use) {
     return use(

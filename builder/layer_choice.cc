@@ -20,7 +20,7 @@ bool GivesOrientation(const Source& source, const LayerChoice& choice) {
   return rig && (choice.orientation || rig->rig.cameras.size() > 1);
 }
 
-// A layer that was asked for and gets no source is a mistake.
+// A requested layer without any source is an error.
 void CheckAsked(const std::vector<AssignedSource>& assigned, size_t sources,
                 const LayerChoice& choice) {
   const std::string none = "none of the " + std::to_string(sources) + " sources ";

@@ -10,7 +10,8 @@
 
 namespace waystone {
 
-// The layers that a map gets.
+// The layers that a map gets. All functions here are thread-safe, except for sources shared by
+// threads.
 struct LayerChoice {
   // A single calibrated camera gives the orientation layer only where it is named: every frame has
   // to be looked at, which takes several times as long as the planes. The rest is ignored with it.
@@ -41,11 +42,11 @@ LayerChoice LayerChoiceByNames(const std::string& names);
 // In the order in which they are built.
 enum class LayerKind { kPlanes, kAppearance, kOrientation };
 
-// Whether a source's frames look like panoramas: a rig, or images twice as wide as high (to 2 %).
-// A mirror's images look like any others, so that one has to say that they are panoramas.
+// Whether a source's frames look like panoramas: a rig, or images twice as wide as high (to 2 %). A
+// mirror's images look like any others, so users have to say that they are panoramas.
 bool LooksPanoramic(const Source& source);
 
-// The layers that a source is used for, ascending. It goes to the appearance layer when it looks
+// The layers for which a source is used, ascending. It goes to the appearance layer when it looks
 // panoramic, else to the plane layer; with one of the two chosen, all sources go to that one. The
 // orientation layer takes it too where it is calibrated and that layer is wanted
 // (LayerChoice::automatic). None for a source that no chosen layer can use.
@@ -58,7 +59,7 @@ struct AssignedSource {
 };
 
 // The sources that a layer can use, ordered by their first layer. Throws MapError for a layer that
-// was asked for by name and gets no source: kBadCamera for the orientation layer, else kBadSource.
+// was requested by name and gets no source: kBadCamera for the orientation layer, else kBadSource.
 std::vector<AssignedSource> AssignSources(const std::vector<std::unique_ptr<Source>>& sources,
                                           const LayerChoice& choice);
 

@@ -5,14 +5,14 @@
 #include "builder/planes/plane_layer.h"
 #include "schema/map_data.h"
 
-// What the options of a build mean for its parts.
+// Derives the options of a build's parts from those of the build. All are pure; thread-safe.
 namespace waystone {
 
 // Name, program, feature type and the record of the options.
 MapInfo MakeMapInfo(const BuildOptions& options);
 
-// Of each layer: without thumbnails where a map keeps no images, with as many samples as its
-// calibration takes, and with the features of the build.
+// The options of each layer: without thumbnails where a map keeps no images, with as many samples
+// as its calibration takes, and with the features of the build.
 PlaneBuildOptions MakePlaneOptions(const BuildOptions& options);
 AppearanceOptions MakeAppearanceOptions(const BuildOptions& options);
 OrientationOptions MakeOrientationOptions(const BuildOptions& options);

@@ -39,7 +39,7 @@ namespace {
 
 using RecordJson = nlohmann::json;
 
-// "planes.fusion.min_votes" in its groups; null where the record hasn't got it.
+// "planes.fusion.min_votes" in its groups; null where the record doesn't have it.
 const RecordJson* FindInRecord(const RecordJson& record, const std::string& path) {
   const RecordJson* found = &record;
   for (size_t start = 0; start <= path.size();) {
@@ -53,7 +53,7 @@ const RecordJson* FindInRecord(const RecordJson& record, const std::string& path
   return found;
 }
 
-// As ParseOptionValue reads it.
+// As text for ParseOptionValue.
 std::string RecordedText(const RecordJson& value) {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_array()) return value.dump();

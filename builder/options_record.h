@@ -9,7 +9,7 @@
 
 #include "core/base/options.h"
 
-// The record of the options that a map was built with.
+// The record of the options that a map was built with. All functions are thread-safe.
 namespace waystone {
 
 struct BuildOptions;
@@ -38,15 +38,15 @@ std::string ToJson(const std::vector<Value>& values) {
   return text.empty() ? "[]" : text + "]";
 }
 
-// What stands between the value of the field `last` and that of the field `path`: the ends of
-// groups that `path` isn't in, the beginnings of its own, and its name. An empty `last` is the
-// beginning of the record, an empty `path` its end.
+// The JSON between the value of the field `last` and that of the field `path`: the ends of groups
+// that `path` isn't in, the beginnings of its own, and its name. An empty `last` is the beginning
+// of the record, an empty `path` its end.
 std::string JsonBetween(std::string_view last, std::string_view path);
 
 }  // namespace options_record_internal
 
 // Every field of an options struct by its name, as JSON: groups as objects, enums as their names.
-// Written as text: trees of the JSON library can't be taken apart where memory has run out.
+// Written as text, since the JSON library's trees can't be destroyed when memory has run out.
 template <class Options>
 std::string RecordFields(const Options& options) {
   std::string record;
@@ -59,13 +59,14 @@ std::string RecordFields(const Options& options) {
   return record + options_record_internal::JsonBetween(last, "");
 }
 
-// The options of a build as a record holds them, for building more of the same: those of features,
-// keyframes, planes, panoramas' descriptions, orientation and layers, and of the pictures kept. All
-// others, and those that the record doesn't name, have their defaults. Throws MapError(kMapDamaged)
-// for a value that its option can't have.
+// The options of a build from a record, for extending the map: those of features, keyframes,
+// planes, panoramas' descriptions, orientation and layers, and of the pictures kept. All others,
+// and those that the record doesn't name, have their defaults. Throws MapError(kMapDamaged) for a
+// value that its option can't have.
 BuildOptions OptionsOfRecord(const std::string& options_json);
 
-// All options of a build but those that it doesn't depend on, as MapInfo::options_json holds them.
+// All options of a build except those on which the map doesn't depend, as stored in
+// MapInfo::options_json.
 std::string RecordOptions(const BuildOptions& options);
 
 }  // namespace waystone

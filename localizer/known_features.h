@@ -11,8 +11,8 @@
 
 namespace waystone {
 
-// LocalizeAcross with features of the image that were extracted before, to which those that are
-// extracted now are added. `features` is of this image alone.
+// LocalizeAcross with features of the image that were extracted before; newly extracted ones are
+// added. `features` belongs to this image only. Thread-safe for different `features`.
 std::vector<Answer> LocalizeAcross(const std::vector<const MapIndex*>& maps,
                                    std::span<const uint8_t> bytes, const std::string& name,
                                    const LocalizeOptions& options, ImageFeatures& features);

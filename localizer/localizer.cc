@@ -24,7 +24,7 @@ void Sign(const MapIndex& index, Answer& answer) {
   answer.map_version = index.map().info.version;
 }
 
-// Whether the map's panoramas are asked rather than its planes.
+// Whether the map's panoramas are queried rather than its planes.
 bool AsksPanoramas(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options) {
   const bool panoramic = options.series || IsForPanoramas(index, grey.size());
   return index.HasAppearance() && (panoramic || !index.HasKeyframeFeatures());
@@ -40,7 +40,7 @@ Answer AskPanoramas(const MapIndex& index, const cv::Mat& grey, const LocalizeOp
   return LocalizePhoto(index, grey, options.camera, options.panorama, options.deadline);
 }
 
-// Its time counts as verification, which it is.
+// Its time counts as verification.
 void AddTimedBuilding(const MapIndex& index, const cv::Mat& grey, const LocalizeOptions& options,
                       Answer& answer) {
   LapTimer timer;
@@ -48,8 +48,8 @@ void AddTimedBuilding(const MapIndex& index, const cv::Mat& grey, const Localize
   // Panoramas need no camera. A wide photo that planes answered has one.
   const bool of_panorama = answer.panorama && IsForPanoramas(index, grey.size());
   if (!of_panorama) query.camera = options.camera;
-  // Lines cost as much as features: a place that the appearance settled goes without. A mirror's
-  // image has no straight ones.
+  // Lines take as long as features, so they are skipped where the appearance settled the place. A
+  // mirror's image has no straight lines.
   const bool straight = !of_panorama || HasPanoramaShape(grey.size());
   query.with_lines =
       straight && answer.decided_by != DecidedBy::kPanoramaSignature && !options.TooLate();
@@ -70,7 +70,7 @@ void AddTimedPose(const MapIndex& index, const Features& features, const Localiz
   answer.timing.total_ms += ms;
 }
 
-// The planes' answer, and that of landmarks.
+// The answer by planes and landmarks.
 Answer AskKeyframes(const MapIndex& index, const cv::Mat& grey, ImageFeatures& extracted,
                     const LocalizeOptions& options) {
   const auto& [features, extract_ms] =
@@ -84,7 +84,7 @@ Answer AskKeyframes(const MapIndex& index, const cv::Mat& grey, ImageFeatures& e
   return answer;
 }
 
-// What people named the place of a localized answer.
+// Adds the name that people gave to the place of a localized answer.
 void NamePlace(const MapIndex& index, Answer& answer) {
   const std::optional<AnsweredPlace> place = PlaceOf(answer);
   const NamedPlaces& names = index.names();
@@ -102,7 +102,8 @@ void NamePlace(const MapIndex& index, Answer& answer) {
   if (const std::string* name = names.Find(evidence)) answer.place_name = *name;
 }
 
-// Where it is on a floor plan: of the query's own position alone, not of the nearest keyframe's.
+// Adds the position on a floor plan: only from the query's own position, not from the nearest
+// keyframe's.
 void FindOnPlan(const MapIndex& index, Answer& answer) {
   if (answer.verdict != Verdict::kLocalized) return;
   if (answer.pose) {
@@ -129,7 +130,7 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, ImageFeatures& extr
     by_panoramas = false;
   }
   AddTimedBuilding(index, grey, options, answer);
-  // A panorama whose place the axes refuse says nothing of the next one's.
+  // A panorama whose place the axes refuse gives no belief for the next one.
   if (answer.decided_by == DecidedBy::kBuildingAxes) {
     answer.belief = options.series ? options.series->previous : FilterState{};
   }
@@ -151,7 +152,7 @@ Answer AskLayers(const MapIndex& index, const cv::Mat& grey, ImageFeatures& extr
   return answer;
 }
 
-// What came of decoding, which no map has a part in.
+// The result of decoding, which doesn't depend on any map.
 struct Decoded {
   cv::Mat grey;
   std::optional<Answer> refusal;  // instead of the image
@@ -164,7 +165,7 @@ Decoded Decode(std::span<const uint8_t> bytes, const LocalizeOptions& options) {
   options.Finish(Stage::kQueue);
   try {
     if (options.TooLate()) {
-      CheckLimits(ReadImageHeader(bytes), options.limits);  // what can't be decoded is said first
+      CheckLimits(ReadImageHeader(bytes), options.limits);  // undecodable images are reported first
       decoded.refusal = Undecided(Stage::kQueue);
     } else {
       decoded.grey = DecodeGrey(bytes, options.limits);

@@ -18,31 +18,31 @@
 
 namespace waystone {
 
-// How a query is answered: the options of the layers, and what is known of this query.
+// How a query is answered: the options of the layers, and what is known about this query.
 struct LocalizeOptions {
   DecodeLimits limits;
   PlaneQueryOptions planes;
   PanoramaQueryOptions panorama;
   BuildingOptions building;
-  // Used on maps with poses alone: the record of one without has nothing of it.
+  // Only used on maps with poses; maps don't record it.
   PoseQueryOptions pose;
 
-  // A panorama is answered as the next one of a series with it, and by itself without.
+  // With it a panorama is answered as the next one of a series, without it by itself.
   std::optional<SeriesContext> series;
-  // The camera of a perspective photo, where it is known: what a map of panoramas answers it by,
-  // and what its rotation in the building and its pose take.
+  // The camera of a perspective photo, where it is known: a map of panoramas needs it to answer, as
+  // do the photo's rotation in the building and its pose.
   std::optional<Camera> camera;
-  // Say in the answer what became of every shortlisted plane. Changes nothing else; makes the
+  // Explain in the answer what became of every shortlisted plane. Changes nothing else; makes the
   // answer some 50 KB larger.
   bool explain = false;
-  // It is looked at between stages, between planes and between panoramas; the verdict is kUndecided
-  // from then on. An answer depends on the machine's speed with it, and not without.
+  // Checked between stages, between planes and between panoramas; once it has passed, the verdict
+  // is kUndecided. Only with a deadline do answers depend on the machine's speed.
   Deadline deadline;
-  // Is told each stage that was finished, for whoever stops waiting at the deadline; of several
-  // images the one at hand. May be null.
+  // Receives each finished stage (of several images, those of the current one), for callers that
+  // stop waiting at the deadline. Any thread may read it. May be null.
   std::shared_ptr<std::atomic<Stage>> finished;
 
-  // Limits of decoding, and what is known of one query: a map doesn't depend on them.
+  // Limits of decoding, and what is known about one query: a map doesn't depend on them.
   static constexpr int kUnlistedMembers = 7;
   static constexpr auto Fields(const auto& use) {
     return use(OptionGroup{"planes", &LocalizeOptions::planes},

@@ -15,15 +15,15 @@
 #include "localizer/planes/image_features.h"
 #include "schema/map_data.h"
 
-// What is asked of the localizer, without files, JSON or HTTP.
+// Requests to the localizer, without files, JSON or HTTP. All functions are thread-safe.
 namespace waystone {
 
-// An image that is asked about.
+// An image of a query.
 struct QueryImage {
   std::string name;
   std::string bytes;  // encoded (JPEG, PNG, ...)
   cv::Mat grey = {};  // decoded already (8-bit grey): the bytes are not looked at
-  std::shared_ptr<ImageFeatures> features = {};  // of the bytes, extracted already; may be null
+  std::shared_ptr<ImageFeatures> features = {};  // already extracted from the bytes; may be null
 };
 
 // Focal lengths and principal point of an image without distortion, px.
@@ -34,7 +34,7 @@ struct Intrinsics {
   double cy = 0;
 };
 
-// How likely a robot is at a node of the appearance layer, and its heading there.
+// The probability that a robot is at a node of the appearance layer, and its heading there.
 struct NodeBelief {
   AppearanceNodeId node;
   double probability = 0;  // in [0, 1]
@@ -54,41 +54,41 @@ struct PreviousAnswer {
   bool operator==(const PreviousAnswer&) const = default;
 };
 
-// Near a point of a frame that maps have poses in.
+// Near a point of a frame in which maps have poses.
 struct PositionHint {
   std::string frame;       // PoseLayer::frame, or "appearance" for maps of panoramas without poses
   std::vector<double> at;  // x, y, and z where it is known; in the frame's units
   double radius = 0;       // in the same
 };
 
-// What narrows a query of all maps of a registry to some of them.
+// Restricts a query of all maps of a registry to some of them.
 struct MapHints {
   std::optional<PositionHint> position;
   std::vector<std::string> tags;            // of maps that were published with all of them
-  std::optional<std::string> previous_map;  // asked in any case
+  std::optional<std::string> previous_map;  // queried in any case
 };
 
 // One query: images in their order, and what is known about them.
 struct QueryRequest {
   std::vector<QueryImage> images;  // one at least
-  // At most one of these three says what the camera is; else the first image's EXIF data may.
+  // At most one of these three defines the camera; else the first image's EXIF data may.
   std::optional<Intrinsics> intrinsics;
   std::optional<double> fov_rad;             // horizontal
   std::optional<std::string> stored_camera;  // name of a sequence of the map
-  std::optional<KeyframeId> prior_keyframe;  // where the client believes to be
+  std::optional<KeyframeId> prior_keyframe;  // where the client believes it is
   std::optional<PreviousAnswer> previous;
-  // Of each image, in their order, the motion since the image or answer before it, in the units of
-  // the map's layer; nothing where it isn't known. Empty when none was given.
+  // For each image, in order, the motion since the image or answer before it, in the units of the
+  // map's layer; nothing where it isn't known. Empty when none was given.
   std::vector<std::optional<Pose2>> odometry;
   std::optional<MapHints> hints;  // for queries of all maps
   std::optional<int> top_k;       // list that many candidates
   bool debug = false;             // explain the answer
   std::optional<int> deadline_ms;
-  // From when deadline_ms counts; from when the session begins where this isn't known.
+  // When deadline_ms starts; unset: when the session begins.
   std::optional<Clock::time_point> received;
 };
 
-// Where a query's camera is known from.
+// The source of a query's camera.
 enum class CameraSource { kStored, kFov, kIntrinsics, kExif };
 const char* NameOf(CameraSource source);  // "stored", "fov", "intrinsics", "exif"
 
@@ -97,13 +97,13 @@ struct QueryCamera {
   CameraSource source = CameraSource::kExif;
 };
 
-// Whether the request itself says what the camera is.
+// Whether the request itself defines the camera.
 bool NamesCamera(const QueryRequest& request);
 
-// The camera of an image by what the request says and the map stores, or else by the image's EXIF
-// data, without distortion. Nothing where neither says anything, and for bytes that are no image,
-// whose answer says so. Throws MapError(kBadCamera) for a name that the map doesn't have, and for a
-// stored camera of another size.
+// The camera of an image from the request and the map, or else from the image's EXIF data, without
+// distortion. Nothing where neither has one, and for bytes that aren't an image, which the answer
+// reports. Throws MapError(kBadCamera) for a name that the map doesn't have, and for a stored
+// camera of another size.
 std::optional<QueryCamera> ResolveCamera(const QueryRequest& request, const MapData& map,
                                          const QueryImage& image);
 

@@ -17,7 +17,7 @@
 namespace waystone {
 namespace {
 
-// How much an answer says, the most first.
+// Ranks verdicts by how informative they are, the most informative first.
 int RankOf(Verdict verdict) {
   switch (verdict) {
     case Verdict::kLocalized:
@@ -59,7 +59,7 @@ std::vector<Answer> AskIndices(const std::vector<const MapIndex*>& indices, cons
   return LocalizeAcross(indices, bytes, image.name, options, *image.features);
 }
 
-// By its header; nothing for what isn't an image.
+// From its header; nothing for bytes that aren't an image.
 std::optional<cv::Size> SizeOf(const QueryImage& image) {
   if (!image.grey.empty()) return image.grey.size();
   try {
@@ -71,7 +71,7 @@ std::optional<cv::Size> SizeOf(const QueryImage& image) {
   }
 }
 
-// What isn't an image fits either way.
+// Bytes that aren't an image fit either way.
 bool LooksLikePhoto(const MapIndex& index, const QueryImage& image) {
   const std::optional<cv::Size> size = SizeOf(image);
   return size && !IsForPanoramas(index, *size);
@@ -97,7 +97,7 @@ std::optional<FilterState> TakeBelief(const std::optional<PreviousAnswer>& previ
   return belief;
 }
 
-// The belief as clients keep it: fewer bytes, and what is nothing by then left out.
+// The belief for clients: rounded to fewer bytes, without entries that round to 0.
 std::optional<std::vector<NodeBelief>> GiveBelief(const FilterState& belief, const MapData& map) {
   constexpr double kProbabilities = 1e6;  // steps; rounded down, so that the sum can't exceed 1
   constexpr double kAngles = 1e5;         // steps of a radian
@@ -181,7 +181,7 @@ bool Session::MayHavePhotos() const {
 RequestAnswer Session::Ask() const {
   if (AsksOnePanoramaMap() && !HasPhotos()) {
     const auto previous = TakeBelief(request_.previous, maps_.front().index->map());
-    // Several images that may be photos are a series where something says so.
+    // Several images that may be photos are a series only with odometry or a belief.
     const bool several =
         request_.images.size() > 1 && (!request_.odometry.empty() || !MayHavePhotos());
     if (previous || several) return AskSeries(previous);
@@ -210,7 +210,7 @@ std::vector<Answer> Session::AskMaps(const QueryImage& image) const {
   std::vector<const MapIndex*> indices;
   for (const QueriedMap& map : maps_) indices.push_back(map.index.get());
   std::vector<Answer> answers = AskIndices(indices, image, options_);
-  // A map goes by the name that it is asked by, whatever it was called when it was built.
+  // Answers have the name by which a map is queried, not the one with which it was built.
   for (size_t i = 0; i < maps_.size(); ++i) answers[i].map = maps_[i].name;
   std::ranges::stable_sort(answers, IsBetter);
   return answers;
@@ -269,8 +269,8 @@ namespace {
 bool IsRecognised(const Answer& answer, double min_panorama_probability) {
   if (answer.verdict == Verdict::kLocalized) return true;
   if (answer.verdict != Verdict::kAmbiguous) return false;
-  // Planes say so only where the best place is probable enough. Panoramas' places share the
-  // answer's probability among them, so that the best one's own is asked for.
+  // Planes give this verdict only where the best place is probable enough. Panoramas' places share
+  // the answer's probability, so the best place's own one is checked.
   if (!answer.panorama || answer.panorama->candidates.empty()) return true;
   return answer.panorama->candidates.front().probability >= min_panorama_probability;
 }
@@ -286,7 +286,7 @@ void AppendPlaces(const Answer& answer, std::vector<PlaceCandidate>& places) {
   places.insert(places.end(), planes.places.begin(), planes.places.end());
 }
 
-// An answer without what holds for its own place alone.
+// An answer without what holds only for its own place.
 Answer WithoutPlace(Answer answer) {
   if (answer.pose) answer.pose_reason = "several maps contain this place";
   answer.pose.reset();

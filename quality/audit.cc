@@ -21,7 +21,7 @@
 namespace waystone {
 namespace {
 
-// A plane's features as a photo of its reference keyframe would give them, best voted first.
+// A plane's features as in a photo taken at its reference keyframe, those with most votes first.
 Features AsQuery(const MapIndex& index, int plane_index, int max_voters) {
   const Plane& plane = index.map().planes[plane_index];
   const Keyframe& reference = *index.FindKeyframe(plane.reference);
@@ -118,7 +118,8 @@ std::vector<AlikePlanes> FindAlike(const MapIndex& index, int plane, const Audit
   return alike;
 }
 
-// All pairs once, most inliers first. A pair that was found from both sides counts as the better.
+// All pairs once, most inliers first. Of a pair that was found from both sides the better match
+// counts.
 std::vector<AlikePlanes> FindAllAlike(const MapIndex& index, const AuditOptions& options) {
   const size_t count = index.map().planes.size();
   std::vector<std::vector<AlikePlanes>> of_plane(count);
@@ -139,7 +140,7 @@ std::vector<AlikePlanes> FindAllAlike(const MapIndex& index, const AuditOptions&
   return all;
 }
 
-// Pairs of planes that say the same about two places; the first one is the best.
+// Pairs of planes that support the same pair of places; the first one is the best.
 using Group = std::vector<AlikePlanes>;
 
 std::vector<Group> GroupAlike(const MapIndex& index, const std::vector<AlikePlanes>& alike) {

@@ -12,7 +12,7 @@ namespace waystone {
 
 struct AuditOptions {
   int min_alias_inliers = 15;
-  // What queries will be asked with: its gates say which evidence makes a place answer.
+  // The options of future queries: their gates say which evidence suffices for an answer.
   PlaneQueryOptions query;
   int max_voters = 600;
   int votes_per_feature = 8;
@@ -56,25 +56,26 @@ struct AuditOptions {
 
 // What to do about a finding.
 enum class Remedy {
-  kMarker,      // hang something there that is nowhere else
-  kJoin,        // one sequence from one to the other, so that the builder joins them
+  kMarker,      // put up something unique there
+  kJoin,        // record one sequence from one to the other, so that the builder joins them
   kMoreViews,   // pass again, from more positions
   kSlowerPass,  // pass again, slower: the camera lost what it saw there
 };
 // "marker", "join", "more_views", "slower_pass".
 const char* NameOf(Remedy remedy);
 
-// A plane that looks like one elsewhere in the map.
+// A pair of planes in different places of the map that look alike.
 struct AliasPlanes {
   PlaneId a;
   PlaneId b;
   int inliers = 0;  // distinct features of the one that fit the other
-  // Of the features that lie where both planes have some, the share that is alike, in [0, 1]: all
-  // over for one wall, little for two walls with the same poster.
+  // Of the features that lie where both planes have some, the share that is alike, in [0, 1]: high
+  // for one wall, low for two walls with the same poster.
   double shared = 0;
 };
 
-// Two places that would answer for each other: no keyframe, edge or neighbour joins their planes.
+// Two places that could be mistaken for each other: no keyframe, edge or neighbour joins their
+// planes.
 struct AliasPair {
   KeyframeId a;                     // reference of the plane with the most inliers ...
   KeyframeId b;                     // ... and of the one that it looks like; a < b
@@ -106,9 +107,9 @@ struct WeakRun {
   Remedy remedy = Remedy::kMoreViews;
 };
 
-// Two visits that nothing but one plane ties to each other: no other plane was seen on both, and no
-// edge leads from one to the other. Either a place that was found again by a little, or two places
-// with the same thing on their walls that were fused.
+// Two visits that only one plane connects: no other plane was seen on both, and no edge leads from
+// one to the other. Either one place that was barely recognised, or two places with the same thing
+// on their walls that were fused.
 struct LoneTie {
   PlaneId plane;
   KeyframeId a;     // of the one visit, where most of the plane was seen ...
@@ -118,13 +119,13 @@ struct LoneTie {
 
 struct AuditReport {
   std::vector<AliasPair> aliases;  // most inliers first
-  std::vector<LoneTie> ties;       // in the order of the planes; at most one a plane
+  std::vector<LoneTie> ties;       // in the order of the planes; at most one per plane
   std::vector<WeakRun> weak;       // in the map's order
 };
 
-// Where a map is weak: every plane is asked against all others as a query would, but for those near
-// it, and every keyframe for the features that it could be recognised by. Costs a query without
-// extraction for each plane, shared among TBB's threads. Deterministic on any number of threads;
+// Finds where a map is weak: every plane is matched as a query against all others except those near
+// it, and every keyframe is checked for enough features to be recognised by. Costs one query
+// without extraction per plane, spread over TBB's threads. Deterministic on any number of threads;
 // thread-safe. Throws MapError(kBadOptions).
 AuditReport AuditMap(const MapIndex& index, const AuditOptions& options = {});
 

@@ -44,7 +44,7 @@ std::vector<Visit> FindVisits(const MapIndex& index, const Plane& plane,
   return visits;
 }
 
-// Whether other planes of two visits are the same, or joined by an edge.
+// Whether two visits share another plane, or an edge joins other planes of theirs.
 bool AreTied(const MapIndex& index, const Visit& a, const Visit& b) {
   return std::any_of(a.others.begin(), a.others.end(), [&](PlaneId id) {
     if (b.others.contains(id)) return true;
@@ -54,7 +54,7 @@ bool AreTied(const MapIndex& index, const Visit& a, const Visit& b) {
   });
 }
 
-// The pair of visits of a plane with the most evidence that nothing else ties.
+// Among the pairs of visits of a plane that nothing else connects, the one with the most evidence.
 std::optional<LoneTie> DescribeTie(const MapIndex& index, const Plane& plane,
                                    const std::vector<Visit>& visits) {
   std::optional<LoneTie> tie;
@@ -62,7 +62,7 @@ std::optional<LoneTie> DescribeTie(const MapIndex& index, const Plane& plane,
     for (size_t j = i + 1; j < visits.size(); ++j) {
       const int inliers = std::min(visits[i].inliers, visits[j].inliers);
       if (tie && inliers <= tie->inliers) continue;
-      // Where a visit shows nothing else, there is nothing that could contradict it.
+      // A visit that shows nothing else can't contradict another one.
       if (visits[i].others.empty() || visits[j].others.empty()) continue;
       if (AreTied(index, visits[i], visits[j])) continue;
       tie = LoneTie{plane.id, visits[i].best, visits[j].best, inliers};

@@ -8,7 +8,7 @@
 
 namespace waystone {
 
-// Visits that one plane alone ties to each other: inside quality only. Pure.
+// Visits that only one plane connects: internal to quality. Pure; thread-safe.
 std::vector<LoneTie> FindLoneTies(const MapIndex& index, const std::vector<KeyframeView>& views);
 
 }  // namespace waystone

@@ -35,7 +35,7 @@ bool SameStretch(const Keyframe& a, const Keyframe& b) {
   return a.sequence == b.sequence && a.stretch == b.stretch;
 }
 
-// The map's keyframes, split where `together` doesn't hold for one and the next.
+// The map's keyframes, split where `together` is false for two consecutive ones.
 template <class Predicate>
 std::vector<Run> Split(const std::vector<Keyframe>& keyframes, Predicate together) {
   std::vector<Run> runs;
@@ -55,8 +55,8 @@ std::optional<Weakness> FindWeakness(const KeyframeView& view, const AuditOption
   return std::nullopt;
 }
 
-// Whether the camera lost what it saw at one end of a run: the sequence goes on beyond it in
-// another stretch.
+// Whether tracking was lost at one end of a run: the sequence continues beyond it in another
+// stretch.
 bool EndsAtBreak(const std::vector<Keyframe>& keyframes, const Run& run) {
   const auto breaks = [&](int a, int b) {
     return a >= 0 && b < static_cast<int>(keyframes.size()) &&

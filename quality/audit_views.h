@@ -5,7 +5,8 @@
 
 #include "quality/audit.h"
 
-// What each keyframe could be recognised by: inside quality only.
+// The features by which each keyframe could be recognised: internal to quality. All functions are
+// pure; thread-safe.
 namespace waystone {
 
 struct KeyframeView {
@@ -14,13 +15,13 @@ struct KeyframeView {
   int features = 0;             // of these planes, in its image
 };
 
-// One for each keyframe, in the map's order. Pure.
+// One for each keyframe, in the map's order.
 std::vector<KeyframeView> CollectViews(const MapData& map);
 
 // Features in view at a keyframe; 0 for one that isn't there.
 int FeaturesInView(const std::vector<KeyframeView>& views, KeyframeId keyframe);
 
-// Runs of keyframes at which a query may not be recognised. Pure.
+// Runs of keyframes at which a query may not be recognised.
 std::vector<WeakRun> FindWeakRuns(const MapData& map, const std::vector<KeyframeView>& views,
                                   const AuditOptions& options);
 

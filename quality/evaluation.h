@@ -10,8 +10,8 @@
 #include "localizer/verdict/answer.h"
 #include "quality/pose_error.h"
 
-// How good answers are, measured on queries whose place is known. docs/evaluation.md defines the
-// figures.
+// How good answers are, measured on queries whose place is known. All functions are pure;
+// thread-safe. docs/evaluation.md defines the figures.
 namespace waystone {
 
 // One query after it was answered. `truth` is empty for a query that isn't in the map.
@@ -21,8 +21,8 @@ struct ScoredQuery {
   std::optional<PoseError> error;  // of a localized answer, where the true poses are known
 };
 
-// Whether a place is one of the true ones or beside one: a keyframe that saw a plane which a true
-// one saw as well, a panorama that an edge joins to a true one.
+// Whether a place is one of the true ones or next to one: a keyframe that saw a plane which a true
+// one also saw, or a panorama that an edge joins to a true one.
 bool IsRightPlace(const MapIndex& index, const std::vector<PlaceId>& truth,
                   const PlaceId& answered);
 
@@ -96,8 +96,9 @@ struct Evaluation {
   int bad_images = 0;
   double recall = 0;     // right over positives; 0 without positives
   double precision = 0;  // right over all localized; 1 without any
-  // Largest share of the positives that are answered right when only localized answers with a
-  // probability above `threshold` count, which is that of the surest false one (-1 without any).
+  // The share of the positives that are answered right when only localized answers with a
+  // probability above `threshold` count, which is the highest probability of a false one (-1
+  // without any).
   double recall_at_full_precision = 0;
   double threshold = -1;
   std::vector<ReliabilityBin> reliability;            // of all answers about readable images
@@ -110,7 +111,6 @@ struct Evaluation {
 // The bins of the reliability tables, of equal width.
 inline constexpr int kReliabilityBins = 10;
 
-// Pure; thread-safe.
 Evaluation Evaluate(const MapIndex& index, const std::vector<ScoredQuery>& queries);
 
 }  // namespace waystone

@@ -21,7 +21,7 @@ struct PlaceId {
 inline PlaceId PlaceIdOf(KeyframeId id) { return {PlaceLayer::kPlanes, id.value}; }
 inline PlaceId PlaceIdOf(AppearanceNodeId id) { return {PlaceLayer::kAppearance, id.value}; }
 
-// The name of its image. The map has the place (WS_CHECK).
+// The name of its image. The map has the place (WS_CHECK). Pure; thread-safe.
 const std::string& SourceOf(const MapIndex& index, const PlaceId& place);
 
 }  // namespace waystone

@@ -10,8 +10,8 @@
 namespace waystone {
 namespace {
 
-// Of a pose relative to a node: x ahead of its camera, y to its left, seen from above. A turn to
-// the left is one about the camera's -y axis, which points up.
+// The camera's motion from a pose relative to a node: x ahead of its camera, y to its left, seen
+// from above. A turn to the left is one about the camera's -y axis, which points up.
 Eigen::Isometry3d CameraMotion(const Pose2& node_from_query, double metres_per_unit) {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   motion.translation() =
@@ -21,7 +21,7 @@ Eigen::Isometry3d CameraMotion(const Pose2& node_from_query, double metres_per_u
   return motion;
 }
 
-// The query in the frame of the answered image as far as the answer knows it.
+// The query's pose in the frame of the answered image, as far as the answer gives it.
 Eigen::Isometry3d ComputeMotion(const Answer& answer,
                                 const std::optional<double>& metres_per_unit) {
   if (!answer.panorama) {

@@ -7,8 +7,8 @@
 
 #include "quality/place_id.h"
 
-// Poses of answers against true ones, in a world of the truth's choice: its axes needn't be those
-// of the map. Cameras have x right, y down, z forward.
+// Poses of answers compared with true ones, in the truth's own world frame, which needn't be the
+// map's. Cameras have x right, y down, z forward. All functions are pure; thread-safe.
 namespace waystone {
 
 struct TruePose {
@@ -30,10 +30,10 @@ std::optional<double> MetresPerUnit(const MapData& map, const PlacePoses& poses)
 
 // How far the pose of a localized answer is from where the query was taken. The answer's pose is
 // the true pose of its place's image, moved and turned in the image's level frame as the answer
-// says: so that the errors of the map's own trajectory, which `eval trajectory` measures, don't
-// count. An answer with a pose (Answer::pose, of a map with the pose layer `layer`) says by it how
-// the camera is moved against its keyframe. Nothing for answers that aren't localized and places
-// without a true pose.
+// states, so that errors of the map's own trajectory, which `eval trajectory` measures, don't
+// count. For an answer with a pose (Answer::pose, of a map with the pose layer `layer`), that pose
+// gives the camera's motion relative to its keyframe. Nothing for answers that aren't localized and
+// places without a true pose.
 std::optional<PoseError> ComparePose(const Answer& answer, const PlacePoses& poses,
                                      const std::optional<double>& metres_per_unit,
                                      const TruePose& truth,

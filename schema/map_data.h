@@ -19,8 +19,8 @@
 #include "schema/layers/poses/pose_layer.h"
 #include "schema/sequence_kinds.h"
 
-// A map as values: what the builder hands to MapStore and what the localizer gets from it.
-// FORMAT.md says how each field is stored.
+// A map as plain values: what the builder passes to map_store.h and what the localizer gets from
+// it. FORMAT.md says how each field is stored.
 namespace waystone {
 
 // One image sequence that the map was built from.
@@ -35,9 +35,9 @@ struct Sequence {
   bool operator==(const Sequence&) const = default;
 };
 
-// Whether a sequence's images see all around: panoramas and rigs. One camera that looks ahead sees
-// as many lines across a corridor as along it, in floor and ceiling, so that the orientation layer
-// can't tell corridors from rooms with it.
+// Whether a sequence's images see all around: panoramas and rigs. Pure; thread-safe. One camera
+// that looks ahead sees as many lines across a corridor as along it, in floor and ceiling, so the
+// orientation layer can't distinguish corridors from rooms with it.
 inline bool SeesAllAround(const Sequence& sequence) {
   return sequence.kind == kRigKind || sequence.kind == kCamerasKind || !sequence.camera ||
          sequence.camera->model == CameraModel::kEquirectangular;
@@ -47,7 +47,7 @@ struct MapInfo {
   std::string name;     // for people; the file's name without extension by default
   std::string program;  // "waystone 0.1.0": what wrote it
   FeatureType feature_type = FeatureType::kSift;
-  std::string options_json;  // the builder's options, for people and to build the same again
+  std::string options_json;  // the builder's options, for people and for building the same again
   std::string version;       // "sha256:..." of the file; filled on reading, ignored on writing
 
   bool operator==(const MapInfo&) const = default;

@@ -14,10 +14,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSessionsKey = "sessions";
 
-// Deeper than any record of options: writing one takes stack for each level.
+// Deeper than any record of options; writing takes stack for each level.
 constexpr int kMaxDepth = 32;
 
-// The record as an object; an empty one where it is none.
+// The record as an object; empty where it isn't one.
 Json ParseRecord(const std::string& options_json) {
   const auto is_shallow = [](int depth, Json::parse_event_t, const Json&) {
     return depth <= kMaxDepth;
@@ -65,7 +65,7 @@ std::optional<std::vector<MapSession>> ReadSessions(const MapData& map) {
   return sessions;
 }
 
-// How many of the items are of the session; their times widen the span.
+// Counts the items of the session; their times extend the span.
 template <class Items>
 int CountOfSession(const Items& items, const MapSession& session, SessionContents& contents) {
   int count = 0;

@@ -9,6 +9,7 @@
 #include "schema/map_data.h"
 
 // The history of a map that was joined from others: which sequences came together, and from where.
+// All functions are pure; thread-safe.
 namespace waystone {
 
 // The sequences that one build put into a map.
@@ -21,14 +22,14 @@ struct MapSession {
   bool operator==(const MapSession&) const = default;
 };
 
-// The sessions of a map, each sequence in one of them. A map without a history is one session: its
-// own. So is one whose history can't be read, or doesn't name each sequence once.
+// The sessions of a map, each sequence in one of them. A map without a history has one session:
+// itself. So does one whose history can't be read or doesn't name each sequence once.
 std::vector<MapSession> SessionsOf(const MapData& map);
 // Whether the map has a history of its own.
 bool HasHistory(const MapData& map);
 
-// What a map holds of one session, and the times of the first and the last image among it; nothing
-// where none has a time.
+// The contents of one session of a map, and the times of its first and last image; nothing where
+// none has a time.
 struct SessionContents {
   int keyframes = 0;
   int panoramas = 0;
@@ -41,15 +42,15 @@ struct SessionContents {
 
 SessionContents ContentsOf(const MapData& map, const MapSession& session);
 
-// The record of options with this history in place of the one that it had.
+// The record of options with its history replaced by this one.
 std::string WithSessions(const std::string& options_json, const std::vector<MapSession>& sessions);
-// The record without a history: the options alone.
+// The record without a history: only the options.
 std::string WithoutSessions(const std::string& options_json);
 
-// The parts of a map: sequences that have planes in common, planes that an edge joins, keyframes
-// that a link joins, or nodes of the appearance or orientation layer that an edge joins, are of one
-// part. From one part to another nothing leads. Ordered by their first sequence, sequences
-// ascending. Sequences that are in no layer are parts of their own.
+// The connected parts of a map: sequences belong to one part if they have planes in common, planes
+// that an edge joins, keyframes that a link joins, or nodes of the appearance or orientation layer
+// that an edge joins. Ordered by their first sequence, sequences ascending. Sequences that are in
+// no layer are parts of their own.
 std::vector<std::vector<SequenceId>> FindParts(const MapData& map);
 
 }  // namespace waystone

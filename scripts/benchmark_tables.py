@@ -89,7 +89,7 @@ def read(folder):
 
 
 def newest(folders):
-    """The results of all folders: of one run's those of the latest day, or else of the last folder."""
+    """The results of all folders; of those of one run the latest day's, or else the last folder's."""
     records = {}
     for folder in folders:
         for name, record in read(folder).items():
@@ -105,7 +105,7 @@ def runs_of(line):
 
 
 def stamp(records, names):
-    """Where the figures of a table come from, a line for those of one commit, day and machine."""
+    """Where the figures of a table come from, one line per commit, day and machine."""
     together = {}
     for name in names:
         if name not in records:
@@ -168,7 +168,7 @@ def cells(line):
 
 
 def unmeasured(template, path=TEMPLATE):
-    """Cells of tables with something that neither a result nor a target says."""
+    """Table cells with something that is in neither a result nor a target."""
     found, heading = [], None
     for number, line in enumerate(template.splitlines(), 1):
         if not is_table(line):
@@ -187,7 +187,7 @@ def unmeasured(template, path=TEMPLATE):
 
 
 def sources_of(record):
-    """What the programs of a run were built from; of an early one its commit alone is known."""
+    """What the programs of a run were built from; for early runs only the commit is known."""
     return record.get("sources", record["commit"])
 
 
@@ -207,7 +207,7 @@ def mixed(template, records, path=TEMPLATE):
 
 
 def stale(records):
-    """Runs whose inputs are results that were measured again since."""
+    """Runs whose inputs are results that have since been measured again."""
     return [f"{name} was given {given} of commit {commit}, which is of {records[given]['commit']} now"
             for name, record in records.items() for given, commit in record.get("inputs", {}).items()
             if given in records and records[given]["commit"] != commit]

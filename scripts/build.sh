@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
-# build.sh PRESET JOBS [TARGET...]: configures where needed and builds, into build/PRESET.
-# One line when all is well, the whole log when it isn't.
+# build.sh PRESET JOBS [TARGET...]: configures if needed and builds, into build/PRESET.
+# Prints one line on success, the whole log on failure.
 set -euo pipefail
 preset=$1 jobs=$2
 shift 2

@@ -68,7 +68,7 @@ def statements(text):
 
 
 def closing(text, opening):
-    """The index behind the brace that closes the one at `opening`."""
+    """The index after the brace that closes the one at `opening`."""
     depth = 0
     for i in range(opening, len(text)):
         depth += {"{": 1, "}": -1}.get(text[i], 0)
@@ -78,7 +78,7 @@ def closing(text, opening):
 
 
 def without_templates(head):
-    """`head` without template parameters and arguments: what stands between < and >."""
+    """`head` without template parameters and arguments, that is, without what is between < and >."""
     head = head.replace("<<", "").replace("->", "").replace("<=>", "").replace(">=", "").replace("<=", "")
     before = None
     while before != head:
@@ -111,7 +111,7 @@ def parameters(head):
 def defined(head):
     """(name, parameters or None) of what `head` defines, or None for what defines nothing."""
     if match := re.match(r"using (\w+)\s*=\s*(.*)", re.sub(r"^\s*template\s*<.*?>\s*|\s+", " ", head).strip()):
-        return match[1], "= " + match[2]  # the same one may stand there twice
+        return match[1], "= " + match[2]  # the same one may occur twice
     head = re.sub(r"__attribute__\s*\(\(.*?\)\)|\[\[.*?\]\]", " ", head)
     head = re.sub(r"\s+", " ", head).strip()
     plain = re.sub(r"^\s*template\s+", "", without_templates(head)).strip()

@@ -17,7 +17,7 @@ BUILD = Path("build/standalone")
 
 
 def commands():
-    """What reads each source of ours, by its path. Generated sources are left out."""
+    """The command that compiles each of our sources, by path. Generated sources are left out."""
     root = Path.cwd()
     for entry in json.loads((BUILD / "compile_commands.json").read_text()):
         source = Path(entry["file"]).relative_to(root)

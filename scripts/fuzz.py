@@ -16,8 +16,8 @@ import tempfile
 from pathlib import Path
 
 SEEDS = Path("tests/fuzz/corpus")
-TIMEOUT_S = 25  # of one input
-MEMORY_MB = 2048  # with the sanitizers' own
+TIMEOUT_S = 25  # for one input
+MEMORY_MB = 2048  # including the sanitizers' own
 
 
 def options_for_sanitizers():

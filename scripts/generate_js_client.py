@@ -15,7 +15,7 @@ import yaml
 
 HERE = pathlib.Path(__file__).resolve().parent
 NOTE = "// Made from clients/openapi.yaml by scripts/generate_js_client.py; don't edit.\n"
-# Pages for people: a program has no use for them.
+# Pages for people, which are of no use to a program.
 PAGES = {"page", "pageFile", "plainPage", "contractPage"}
 
 
@@ -95,13 +95,13 @@ class Operation:
         names = [one["schema"]["$ref"].rsplit("/", 1)[1] for one in self.content.values()
                  if "$ref" in one["schema"]]
         schema = contract["components"]["schemas"].get(names[0]) if names else None
-        # The list that a page has rows of.
+        # The list of rows in a page.
         self.rows = next((key for key in (schema or {}).get("properties", {}) if key != "next"), None) \
             if schema and "next" in schema["properties"] else None
         self.row_type = type_of(schema["properties"][self.rows]["items"]) if self.rows else None
 
     def kind(self):
-        """What every answer is, as the client tells it by its Content-Type; None where it depends."""
+        """The kind of every answer, by its Content-Type; None where it varies."""
         kinds = {"json" if media == "application/json" else "image" if media.startswith("image/") else "text"
                  for media in self.content}
         return kinds.pop() if len(kinds) == 1 else None

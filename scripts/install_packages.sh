@@ -31,7 +31,7 @@ else
   exit 1
 fi
 
-# Quiet while it works, the whole log when it doesn't.
+# Quiet when it succeeds, the whole log when it fails.
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 apt() {

@@ -13,8 +13,8 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
-# As the program does when it starts (cli/system/freed_memory.h): freed memory is kept for the next
-# image. Giving it back to the kernel each time makes tests of whole maps up to a quarter slower.
+# As the program does at its start (cli/system/freed_memory.h): freed memory is kept for the next
+# image. Returning it to the kernel each time makes tests of whole maps up to a quarter slower.
 KEEP_FREED_MEMORY = "glibc.malloc.mmap_threshold=33554432:glibc.malloc.trim_threshold=268435456"
 
 

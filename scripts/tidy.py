@@ -19,13 +19,13 @@ import check_local_names
 
 BUILD = Path("build/dev")
 BATCH = 100  # sources; with more the last one would run alone
-# Folders whose sources may be read together; what is in none of them is of the last group.
+# Folders whose sources may be read together; sources in none of them are in the last group.
 GROUPS = [("core", "world"), ("schema", "localizer", "quality"), ("builder",), ("api", "server"),
           ("cli",), ("bench",), ("tests/core", "tests/world"),
           ("tests/builder", "tests/server"), ("tests",)]
-# A third of clang-tidy's time, for a copy that costs a test nothing worth saving.
+# Takes a third of clang-tidy's time to find copies whose cost doesn't matter in tests.
 NOT_IN_TESTS = "--checks=-performance-unnecessary-value-param"
-# What gcc alone knows, and what clang-tidy doesn't need.
+# Flags that only gcc knows, or that clang-tidy doesn't need.
 DROPPED = re.compile(r"-fpch-preprocess|--param=\S+|-Wno-(maybe-uninitialized|restrict|stringop-\w+)|-g\d?|-O\d|-c")
 
 
@@ -63,7 +63,7 @@ def local_names(source):
 
 
 def fits(names, batch_names):
-    """Whether no name is another one's; aliases may be the same."""
+    """Whether no two names clash; aliases may be the same."""
     for key, found in names.items():
         other = batch_names.get(key)
         if other and not (other == found and all(s and s.startswith("= ") for s in found)):
@@ -76,7 +76,7 @@ def batches(sources):
     made = []  # (group, names, sources)
     for source in sorted(sources):
         names, group = local_names(source), group_of(source)
-        if 'extern "C" {' in source.read_text():  # what it defines is the system's in the others
+        if 'extern "C" {' in source.read_text():  # its definitions would replace the system's in the others
             group = source
         for of, taken, members in made:
             if of == group and len(members) < BATCH and fits(names, taken):
@@ -90,7 +90,7 @@ def batches(sources):
 
 
 def run_tidy(batch, flags):
-    """Whether clang-tidy has nothing to say of the batch; prints what it has."""
+    """Whether clang-tidy finds nothing in the batch; prints what it finds."""
     merged = dict.fromkeys(flag for source in batch for flag in flags[source])
     text = "".join(f'#include "{Path.cwd() / source}"\n' for source in batch)
     # Beside the sources' root, so that it finds .clang-tidy.

@@ -17,7 +17,7 @@ constexpr int kFloorId = 1;
 constexpr int kCeilingId = 2;
 constexpr std::array<std::array<int, 2>, 4> kSteps = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
-// One cell's side where something stands: a wall, or the lintel above a door.
+// One side of a cell with something on it: a wall, or the lintel above a door.
 struct Piece {
   int x = 0;  // the open cell in front of it; y counts northwards
   int y = 0;
@@ -145,7 +145,7 @@ class Builder {
     return lines;
   }
 
-  // Position of a piece along its face, left to right for somebody who looks at it.
+  // Position of a piece along its face, left to right for a viewer.
   static int Along(const Piece& piece) {
     constexpr std::array<int, 4> kSigns = {-1, 1, 1, -1};
     const bool along_y = piece.side % 2 == 0;

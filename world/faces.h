@@ -12,17 +12,17 @@ namespace waystone {
 
 enum class SurfaceKind : uint8_t { kFloor, kCeiling, kLintel, kWall };
 
-// "floor", "ceiling", "lintel" (the underside of the doors' lintels) or "wall".
+// "floor", "ceiling", "lintel" (the underside of the doors' lintels) or "wall". Thread-safe.
 const char* NameOf(SurfaceKind kind);
 
 // A geometric plane, seen from its one visible side. Everything that lies in the same plane and
-// faces the same way has the same id, also where gaps or whole rooms lie between its faces: no
-// homography can tell them apart. Coplanar walls that face opposite ways are two planes.
+// faces the same way has the same id, even where gaps or whole rooms lie between its faces: no
+// homography can distinguish them. Coplanar walls that face opposite ways are two planes.
 //
 // The plane's own coordinates (u, v), in metres, start at `origin`, the top left corner of the
-// rectangle around its faces for somebody who looks at it (walls: v points down; floor: u east,
-// v south; ceiling and lintels: u east, v north): x_world = origin + u * u_axis + v * v_axis.
-// u_axis, v_axis and -normal are a right-handed frame.
+// bounding rectangle of its faces for a viewer (walls: v points down; floor: u east, v south;
+// ceiling and lintels: u east, v north): x_world = origin + u * u_axis + v * v_axis. u_axis, v_axis
+// and -normal are a right-handed frame.
 struct WorldPlane {
   int id = 0;  // from 1
   SurfaceKind kind = SurfaceKind::kWall;
@@ -52,8 +52,8 @@ struct WorldFace {
   std::vector<FaceSpan> spans;  // of walls, left to right; floor and ceilings have none
 };
 
-// What a ray needs to know about a cell. Sides are those a ray leaves by: 0 east, 1 north, 2 west,
-// 3 south; a side's face id is 0 where nothing stands there.
+// What ray casting needs to know about a cell. Sides are those by which a ray leaves: 0 east, 1
+// north, 2 west, 3 south; a side's face id is 0 where nothing stands there.
 struct CellFaces {
   double ceiling_m = -1.0;  // below the floor for wall: nothing passes
   std::array<uint16_t, 4> side_faces{};
@@ -71,7 +71,7 @@ struct Geometry {
 
 // The planes, faces and adjacency of a plan. Floor is plane 1 and ceiling plane 2 (their faces have
 // the same ids); lintels, if any, come next, then walls. Throws MapError(kBadOptions) when there
-// are more than 65,535 faces.
+// are more than 65,535 faces. Pure; thread-safe.
 Geometry BuildGeometry(const FloorPlan& plan);
 
 }  // namespace waystone

@@ -141,7 +141,7 @@ class FlatMaker {
     return {start, std::min(start + width, to - 0.1), sill, top};
   }
 
-  // A point on a wall: `along` it, `off` its middle.
+  // A point on a wall: `along` it, and `off` from its middle.
   static Eigen::Vector3d OnWall(bool vertical, double at, double along, double off, double z) {
     return vertical ? Eigen::Vector3d(at + off, along, z) : Eigen::Vector3d(along, at + off, z);
   }
@@ -172,7 +172,7 @@ class FlatMaker {
            OnWall(vertical, at, hinge + 0.02, std::max(near, far), kDoorHeight_m), white, false);
   }
 
-  // A pane that shines, its frame, and now and then curtains.
+  // A bright pane, its frame, and sometimes curtains.
   void AddWindow(bool vertical, double at, const Opening& hole, int room, double inward) {
     SceneLight light;
     light.is_window = true;
@@ -216,7 +216,7 @@ class FlatMaker {
     hang(hole.to_m - 0.12, hole.to_m + 0.2);
   }
 
-  // Along the wall of the stairs' room that has room for most of them.
+  // Along the wall of the stairs' room with space for the most steps.
   void AddStairs() {
     const SceneRoom& room = scene().rooms[stairs_room_];
     const Eigen::Vector2d size = room.high - room.low;

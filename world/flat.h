@@ -10,7 +10,7 @@
 #include "core/base/options.h"
 #include "world/room_scene.h"
 
-// Made flats: what makes homes hard for cameras that see all around. Small rooms with white walls,
+// Synthetic flats with what makes homes hard for panoramic cameras: small rooms with white walls,
 // furniture within reach, windows that blind the camera, mirrors, lamps that are on or off,
 // doorways and a flight of stairs.
 namespace waystone {
@@ -67,7 +67,7 @@ struct Flat {
 
 inline constexpr double kFlatStepRise_m = 0.18;
 
-// Throws MapError(kBadOptions).
+// Throws MapError(kBadOptions). Pure; thread-safe, as are the functions below.
 Flat MakeFlat(const FlatOptions& options);
 
 // `per_room` places in each room, at least `clearance_m` from what stands there; one in each
@@ -76,7 +76,8 @@ Flat MakeFlat(const FlatOptions& options);
 std::vector<FlatPlace> DrawFlatPlaces(const Flat& flat, int per_room, double height_m,
                                       double clearance_m, uint64_t seed);
 
-// How a visit finds a flat lit: the day outside is bright, dull or dark, and lamps are on or off.
+// The lighting of a flat during a visit: the day outside is bright, dull or dark, and lamps are on
+// or off.
 SceneLighting DrawFlatLighting(const Flat& flat, uint64_t seed);
 
 struct FlatCamera {
@@ -103,12 +104,12 @@ struct FlatCamera {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// An equirectangular panorama (CV_8UC1) as a camera with automatic exposure takes it. The pose is
-// as Renderer's. The same on any thread.
+// An equirectangular panorama (CV_8UC1) as a camera with automatic exposure would take it. The pose
+// is as for Renderer. The same on any thread.
 cv::Mat RenderFlat(const Flat& flat, const SceneLighting& lighting,
                    const Eigen::Isometry3d& world_from_camera, const FlatCamera& camera);
 
-// Two visits to a flat, each under a light of its own, with a camera that is held by hand.
+// Two visits to a flat, each with its own lighting, with a hand-held camera.
 struct FlatTourOptions {
   int per_room = 5;
   double height_m = 1.5;

@@ -86,7 +86,7 @@ class FlatPass {
   cv::Mat faces_;
 };
 
-// The gain at which the median of the picture's light, but for floor and ceiling right below and
+// The gain at which the median of the picture's light, except the floor and ceiling right below and
 // above, becomes the middle grey.
 float EstimateGain(const cv::Mat& light, const FlatCamera& camera) {
   std::vector<float> values;
@@ -98,7 +98,7 @@ float EstimateGain(const cv::Mat& light, const FlatCamera& camera) {
   return static_cast<float>(std::min(kMaxGain, wanted / std::max<double>(median, 1e-6)));
 }
 
-// Part of what is beyond white spreads over what is near it.
+// Part of the light beyond white spreads over nearby pixels.
 void AddGlare(cv::Mat& light, double glare) {
   const int radius = std::max(1, static_cast<int>(3 * kGlareSigma * light.cols));
   const cv::Mat kernel = cv::getGaussianKernel(2 * radius + 1, kGlareSigma * light.cols, CV_32F);

@@ -50,7 +50,7 @@ struct FloorPlan {
   std::vector<std::string> lines;      // `rows` lines of `columns` characters
   std::vector<Eigen::Vector2i> stops;  // (column, row) of '1', '2', ...
 
-  // Whether one can stand there. Cells outside the plan are wall.
+  // Whether the cell is floor or a door. Cells outside the plan are wall.
   bool IsOpen(int column, int row) const;
   bool IsDoor(int column, int row) const;
   // The letter of the poster that a wall cell carries, or 0.
@@ -59,14 +59,14 @@ struct FloorPlan {
   Eigen::Vector2d CentreOf(const Eigen::Vector2i& cell) const;
   // Whether a square of half side `clearance_m` around a point of the world frame touches no wall.
   bool IsFree(const Eigen::Vector2d& point, double clearance_m) const;
-  // The plan as it was typed, one line a row, short lines filled up.
+  // The plan as it was typed, one line per row, with short lines padded.
   std::string Text() const;
 };
 
-// Reads a plan. Empty lines before and after it, and carriage returns, are ignored; short lines are
-// filled up with wall. Throws MapError(kBadOptions), naming line and column (both from 1), for an
-// unknown character, floor at the plan's edge, a stop that is missing or there twice, a plan
-// without floor, and one of more than 1000 lines or columns.
+// Parses a plan. Empty lines before and after it, and carriage returns, are ignored; short lines
+// are padded with wall. Throws MapError(kBadOptions), naming line and column (both from 1), for an
+// unknown character, floor at the plan's edge, a stop that is missing or duplicated, a plan without
+// floor, and one of more than 1000 lines or columns. Pure; thread-safe.
 FloorPlan ParseFloorPlan(std::string_view text, const PlanOptions& size = {});
 
 }  // namespace waystone

@@ -14,7 +14,7 @@
 namespace waystone {
 namespace {
 
-// A step beside a wall counts as much as this many in the open.
+// A step beside a wall costs as much as this many in the open.
 constexpr double kWallCost = 4.0;
 
 class Search {

@@ -10,7 +10,7 @@
 namespace waystone {
 namespace {
 
-// Seeds of different things must not meet; these name the things.
+// Seeds of different things must differ; these constants separate them.
 constexpr uint64_t kPlaceSeed = 0x706C616365ULL;
 constexpr uint64_t kPictureSeed = 0x7069637475ULL;
 constexpr uint64_t kAlikeSeed = 0x616C696B65ULL;
@@ -19,7 +19,7 @@ constexpr uint64_t kFirstLetter = 1;  // pictures 1 to 26 are the plan's letters
 constexpr uint64_t kFirstUnique = 1000;
 constexpr double kMiddleHeightM = 1.5;  // where people hang pictures: the middle at eye height
 
-// Cells of a face, from `first` on, over which the wall is whole from floor to ceiling.
+// Consecutive cells of a face, from `first` on, where the wall is complete from floor to ceiling.
 struct Run {
   int first = 0;
   int count = 0;

@@ -8,8 +8,8 @@
 
 namespace waystone {
 
-// Where the posters hang: those of the plan's letters, and those the options' chance adds where a
-// wall of full height is free. A function of its arguments alone.
+// Where the posters hang: those of the plan's letters, and those added at random
+// (poster_probability) where a wall of full height is free. Pure; thread-safe.
 std::vector<WorldPoster> HangPosters(const Geometry& geometry, const PlanOptions& size,
                                      const WorldOptions& options);
 

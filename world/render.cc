@@ -16,7 +16,7 @@ cv::Mat Blurred(const cv::Mat& light, double sigma_px, bool wraps) {
   const int radius = std::max(1, static_cast<int>(std::ceil(3.0 * sigma_px)));
   const cv::Mat kernel = cv::getGaussianKernel(2 * radius + 1, sigma_px, CV_32F);
   cv::Mat wide = light;
-  // A panorama's left neighbour of the first column is the last one.
+  // In a panorama the last column is next to the first.
   if (wraps) cv::copyMakeBorder(light, wide, 0, 0, radius, radius, cv::BORDER_WRAP);
   cv::Mat blurred;
   cv::sepFilter2D(wide, blurred, CV_32F, kernel, kernel, {-1, -1}, 0.0, cv::BORDER_REPLICATE);
@@ -24,7 +24,7 @@ cv::Mat Blurred(const cv::Mat& light, double sigma_px, bool wraps) {
 }
 
 // Nearly normal noise of standard deviation 1 from one number: the sum of its four 16 bit parts.
-// Made from seed and pixel alone, and far cheaper than a normal distribution.
+// Depends only on seed and pixel, and is far cheaper than a normal distribution.
 float UnitNoise(uint64_t seed, uint64_t pixel) {
   const uint64_t bits = MixSeeds(seed, pixel);
   const auto sum = static_cast<float>((bits & 0xFFFF) + ((bits >> 16) & 0xFFFF) +
@@ -179,7 +179,7 @@ Renderer::Renderer(const Camera& camera) : camera_(camera) {
   for (size_t i = 0; i < pixels; ++i) {
     const size_t beside = (i + 1) % width != 0 ? i + 1 : (i > 0 ? i - 1 : i);
     const size_t below = i + width < pixels ? i + width : (i >= width ? i - width : i);
-    // The longer of the two: it blurs a panorama's poles a little instead of letting them alias.
+    // The longer of the two: slightly blurs a panorama's poles instead of letting them alias.
     cones_rad_[i] = std::max((rays_[beside] - rays_[i]).norm(), (rays_[below] - rays_[i]).norm());
   }
 }

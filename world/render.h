@@ -13,18 +13,18 @@
 
 namespace waystone {
 
-// What a real camera adds to the picture. The truth (ids, depth) stays sharp.
+// Effects of a real camera on the picture. The truth (ids, depth) stays sharp.
 struct RenderOptions {
   double lens_blur_px = 0.0;
   double noise_sigma = 0.0;
   uint64_t noise_seed = 0;
   double exposure_gain = 1.0;
-  // How the camera moves while the shutter is open: x_open = motion x_close, camera frame. The pose
-  // that is asked for is the one in the middle.
+  // How the camera moves while the shutter is open: x_open = motion x_close, camera frame. The
+  // requested pose is the one in the middle.
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   int motion_samples = 1;
   int edge_rays = 2;
-  // Whether to give the depth too.
+  // Whether to return the depth too.
   bool depth = false;
 
   static constexpr auto Fields(const auto& use) {
@@ -50,7 +50,8 @@ struct RenderOptions {
   void Check() const;
 };
 
-// A share of a motion: 0 is none of it, 1 all; below 0 it goes the other way.
+// A share of a motion: 0 is none of it, 1 all of it; negative shares go the other way. Pure;
+// thread-safe.
 Eigen::Isometry3d PartOfMotion(const Eigen::Isometry3d& motion, double share);
 
 struct RenderedFrame {
@@ -61,12 +62,12 @@ struct RenderedFrame {
                       // equirectangular camera); empty unless asked for
 };
 
-// Renders for one camera, of any model. Makes the camera's rays once; immutable, so that many
-// threads can render frames with one renderer. A frame is rendered on the calling thread alone and
-// is the same on any thread.
+// Renders for one camera, of any model. Computes the camera's rays once; immutable, so any number
+// of threads may render with one renderer. A frame is rendered on the calling thread only and is
+// the same on any thread.
 class Renderer {
  public:
-  // Throws MapError(kBadCamera) for a camera that makes no sense.
+  // Throws MapError(kBadCamera) for an invalid camera (CheckCamera).
   explicit Renderer(const Camera& camera);
 
   const Camera& camera() const { return camera_; }
@@ -88,7 +89,7 @@ class Renderer {
   std::vector<float> cones_rad_;       // angle between neighbouring rays
 };
 
-// The same for a single frame.
+// The same for a single frame. Thread-safe.
 RenderedFrame Render(const World& world, const Camera& camera,
                      const Eigen::Isometry3d& world_from_camera, const RenderOptions& options = {});
 

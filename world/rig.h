@@ -18,7 +18,8 @@ struct RigFace {
 
 // Front, right, back, left, up, down: pinhole cameras of 90 by 90 degrees that together see the
 // whole sphere; f = width / 2. Up and down are what the front camera sees when it tilts by 90
-// degrees. Throws MapError(kBadOptions) unless width_px is 1 to 8192.
+// degrees. Throws MapError(kBadOptions) unless width_px is 1 to 8192. This function and all below
+// are pure; thread-safe.
 std::array<RigFace, 6> SixFaceRig(int width_px);
 
 // A panorama camera of width_px by width_px / 2. Throws MapError(kBadOptions) unless width_px is

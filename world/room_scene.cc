@@ -13,11 +13,11 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kTooNear_m = 1e-4;       // where a mirrored ray starts on
-constexpr double kAmbientPerPower = 2.4;  // m^2: white rooms pass light on many times
+constexpr double kAmbientPerPower = 2.4;  // m^2: white rooms reflect light many times
 constexpr double kDarkness = 0.015;       // light that comes from anywhere
 constexpr double kLampArea = 0.15;        // m2: keeps the light near a lamp finite
 
-// Of a box's frame: its yaw taken away.
+// Rotates into the box's frame, removing its yaw.
 Eigen::Vector3d IntoBox(const SceneBox& box, const Eigen::Vector3d& v) {
   return {box.cosine * v.x() + box.sine * v.y(), box.cosine * v.y() - box.sine * v.x(), v.z()};
 }
@@ -201,7 +201,7 @@ double SceneView::Diffuse(const SceneBox& box, const Eigen::Vector3d& point,
   const double u = hit.axis == 0 ? inside.y() : inside.x();
   const double v = hit.axis == 2 ? inside.y() : inside.z();
   const double footprint = hit.t * cone_rad / std::max(0.15, std::abs(along[hit.axis]));
-  // What is finer than the pixels fades out instead of aliasing.
+  // Patterns finer than the pixels fade out instead of aliasing.
   const double fade = std::clamp(0.5 * material.period_m / footprint - 0.4, 0.0, 1.0);
   const double pattern =
       PatternAt(material, (u + 17) / material.period_m, (v + 17) / material.period_m);

@@ -5,15 +5,15 @@
 #include <cstdint>
 #include <vector>
 
-// Scenes of boxes under lamps and windows, for what the grid of World can't show: furniture, light
-// that changes, mirrors, stairs. World frame: x east, y north, z up, metres.
+// Scenes of boxes lit by lamps and windows, for what World's grid can't show: furniture, changing
+// light, mirrors, stairs. World frame: x east, y north, z up, metres.
 namespace waystone {
 
 enum class ScenePattern : uint8_t { kPlain, kNoise, kStripes, kBooks, kTiles };
 
-// How the faces of a box look. Light is in units in which a white wall in an evenly lit room has 1.
+// The appearance of a box's faces. Light is relative to that of a white wall in an evenly lit room.
 struct SceneMaterial {
-  double albedo = 0.8;    // share of light that comes back, 0 to 1
+  double albedo = 0.8;    // share of light that is reflected, 0 to 1
   double contrast = 0;    // of the pattern, share of the albedo, 0 to 1
   double period_m = 0.2;  // of the pattern
   double gloss = 0;       // share of light that is mirrored, 0 to 1
@@ -33,7 +33,7 @@ struct SceneBox {
   SceneMaterial material;
 };
 
-// A lamp, or a window seen from within. Lights its own room alone.
+// A lamp, or a window seen from inside. Lights only its own room.
 struct SceneLight {
   Eigen::Vector3d at = Eigen::Vector3d::Zero();
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();  // of a window; zero shines all around
@@ -75,7 +75,7 @@ class SceneView {
   // The first surface along a unit ray.
   SceneHit Cast(const Eigen::Vector3d& ray) const;
 
-  // The light that comes along a unit ray from a hit; what mirrors shows one bounce.
+  // The light along a unit ray from a hit; mirroring surfaces show one bounce.
   double Shade(const Eigen::Vector3d& ray, const SceneHit& hit, double cone_rad) const;
 
  private:
@@ -96,10 +96,10 @@ class SceneView {
   std::vector<double> ambient_;  // of each room
 };
 
-// Whether the straight line between two points meets no wall.
+// Whether the straight line between two points meets no wall. Pure; thread-safe.
 bool SeesThrough(const RoomScene& scene, const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
-// The room around a point seen from above; -1 for none.
+// The room around a point seen from above; -1 for none. Pure; thread-safe.
 int FindRoom(const RoomScene& scene, const Eigen::Vector2d& point);
 
 }  // namespace waystone

@@ -13,11 +13,12 @@
 #include "world/world.h"
 
 // The two settings in which Fernandez et al. (2011) drove their robot (sec. V, figs. 4 and 5), as
-// made buildings, and what the robot's wheels would say of such a drive.
+// synthetic buildings, and what the robot's wheels would report of such a drive. All functions are
+// deterministic; thread-safe.
 namespace waystone {
 
-// A drive through a made building: a panorama every 10 cm, the camera level at a robot's height,
-// looking along the motion.
+// A drive through a synthetic building: a panorama every 10 cm, with a level camera at a robot's
+// height, looking along the motion.
 struct Setting {
   std::string name;
   FloorPlan plan;
@@ -25,15 +26,15 @@ struct Setting {
   Walk walk;
 };
 
-// 200 panoramas around a loop through three rooms; it closes about 17 m on and then follows its
-// beginning for another 3 m.
+// 200 panoramas around a loop through three rooms, which closes after about 17 m and then follows
+// its beginning for another 3 m.
 Setting OfficeSetting();
 // 150 panoramas through one large room with pillars and cupboards, back to near the beginning. The
 // paper's robot took a new image when it differed enough from the last; here they are as far apart
 // as in the office.
 Setting LaboratorySetting();
 
-// The setting of a name, "office" or "laboratory". Throws MapError(kBadOptions) for another.
+// The setting with a name, "office" or "laboratory". Throws MapError(kBadOptions) for another name.
 Setting SettingByName(std::string_view name);
 
 struct OdometryOptions {
@@ -56,8 +57,8 @@ struct OdometryOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// What wheels would report of a walk: a pose a frame in the frame of the first one, whose x is
-// along the first gaze; errors add up. Pure.
+// What wheels would report of a walk: a pose per image in the frame of the first one, whose x is
+// along the first gaze; errors accumulate.
 std::vector<Pose2> WheelOdometry(const Walk& walk, const OdometryOptions& options = {});
 
 // The true poses on the ground, world frame: a robot's x is along the gaze.

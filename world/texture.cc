@@ -118,7 +118,7 @@ class Painter {
             Polar(centre, angle_rad - half + std::numbers::pi, radius)};
   }
 
-  // A polygon around its centre with corners at random distances, so seldom convex.
+  // A polygon around its centre with corners at random distances, so rarely convex.
   std::vector<cv::Point2d> Star(const cv::Point2d& centre, double angle_rad, double size_px,
                                 int corners) {
     std::vector<cv::Point2d> points;
@@ -203,7 +203,7 @@ class Painter {
     return std::max(1, static_cast<int>(std::lround(metres / spec_.texel_m)));
   }
 
-  // Cut where the picture ends.
+  // Clipped at the picture's border.
   void PaintBar(int left, int top, int width, int height, double grey) {
     const cv::Rect bar = cv::Rect(left, top, width, height) & cv::Rect({0, 0}, image_.size());
     if (!bar.empty()) image_(bar) = cv::Scalar(std::clamp(grey, 8.0, 247.0));

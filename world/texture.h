@@ -12,14 +12,15 @@ enum class TextureStyle { kWall, kBareWall, kFloor, kCeiling, kPoster };
 struct TextureSpec {
   TextureStyle style = TextureStyle::kWall;
   cv::Size size_px;       // texels
-  double texel_m = 0.0;   // metres a texel
+  double texel_m = 0.0;   // metres per texel
   double richness = 1.0;  // density of shapes, 0 to 2
-  bool trim = false;      // draw what builders leave along the picture's sides: see WorldOptions
+  bool trim = false;      // draw building trim along the picture's sides: see WorldOptions
   uint64_t seed = 0;
 };
 
-// A grey picture (CV_8UC1) of many overlapping polygons, discs and glyphs of several sizes: a
-// function of the spec alone. Bare walls and ceilings have few marks or none.
+// A grey picture (CV_8UC1) of many overlapping polygons, discs and glyphs of several sizes: depends
+// only on the spec. Bare walls and ceilings have few marks or none. Pure; thread-safe, as is
+// MixSeeds.
 cv::Mat DrawTexture(const TextureSpec& spec);
 
 // A seed that depends on every bit of both numbers.

@@ -12,11 +12,11 @@
 namespace waystone {
 
 // The calibration matrix of a pinhole camera without distortion (kSimplePinhole, kPinhole); a
-// CheckFailure for any other model.
+// CheckFailure for any other model. All functions here are pure; thread-safe.
 Eigen::Matrix3d CalibrationMatrix(const Camera& camera);
 
 // The homography that a plane induces between two views of one pinhole camera: x_b = H x_a for
-// homogeneous pixels of points on the plane. Its scale is such that the third coordinate of H x_a,
+// homogeneous pixels of points on the plane. It is scaled so that the third coordinate of H x_a,
 // for x_a = (x, y, 1), is the point's depth in b over that in a: positive where both see it. The
 // camera's centre in a must not lie in the plane (CheckFailure); H is singular where b's does.
 Eigen::Matrix3d PlaneHomography(const WorldPlane& plane, const Camera& camera,

@@ -17,17 +17,17 @@ namespace {
 
 constexpr double kSway_m = 0.02;      // of the height, by a steady hand
 constexpr double kMinHeight_m = 0.1;  // of the camera above the floor
-constexpr double kSampleM = 0.02;  // spacing at which ways are worked out, finer than any frame's
+constexpr double kSampleM = 0.02;     // spacing at which paths are sampled, finer than any frame's
 
-// Where the camera is and looks at some length of the trajectory.
+// The camera's position and viewing direction at some length of the trajectory.
 struct Sample {
   Eigen::Vector2d point = Eigen::Vector2d::Zero();
   double yaw_rad = 0.0;
   double trajectory_m = 0.0;
 };
 
-// The way's direction at every point, continuous (no jumps by 2 pi), averaged over `radius_m` so
-// that the gaze turns into a bend before and after it.
+// The path's direction at every point, continuous (no jumps by 2 pi), averaged over `radius_m` so
+// that the gaze follows a bend smoothly.
 std::vector<double> Headings(const std::vector<Eigen::Vector2d>& trajectory, double radius_m) {
   std::vector<double> raw(trajectory.size(), 0.0);
   for (size_t i = 0; i + 1 < trajectory.size(); ++i) {
@@ -63,7 +63,7 @@ std::vector<Sample> GazeAlong(const std::vector<Eigen::Vector2d>& trajectory,
   return samples;
 }
 
-// Puts a turn there and back into the middle of the trajectory.
+// Inserts a turn on the spot and back into the middle of the trajectory.
 void TurnOnSpot(const WalkOptions& options, std::vector<Sample>& samples) {
   const double angle = options.turn_on_spot_rad;
   if (angle == 0.0) return;
@@ -177,7 +177,7 @@ void AddLoop(const FloorPlan& plan, const Eigen::Vector2d& stop, const Eigen::Ve
   }
 }
 
-// What a wave of the hand can add to the height, metres, so that no frame is above a lintel.
+// Throws where the camera, with the hand's sway, would reach above the lintels.
 void CheckHeight(const FloorPlan& plan, const WalkOptions& options) {
   const double highest_m = options.height_m + kSway_m * options.sway;
   if (highest_m <= plan.size.door_height_m) return;

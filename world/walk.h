@@ -79,21 +79,21 @@ struct WalkOptions {
   void Check() const;
 };
 
-// A walk through waypoints in plan coordinates: (column, row), where (0.5, 0.5) is the middle of
-// the first cell of the first line. Straight from each to the next, corners rounded. Throws
+// A walk through waypoints in plan coordinates (column, row), where (0.5, 0.5) is the middle of the
+// first cell of the first line. Straight from each to the next, with rounded corners. Throws
 // MapError(kBadOptions) where the trajectory meets a wall, for fewer than two waypoints, and for
-// options out of range. A function of its arguments alone.
+// options out of range. Pure; thread-safe, as all functions here.
 Walk WalkThrough(const FloorPlan& plan, const std::vector<Eigen::Vector2d>& waypoints,
                  const WalkOptions& options = {});
 
-// The tour of a plan's stops, '1' to '9' and back to '1': shortest ways between the stops, and at
-// each a small loop, so that rooms are seen with parallax and from several sides. Throws
+// A tour of a plan's stops, '1' to '9' and back to '1': shortest paths between the stops, and a
+// small loop at each, so that rooms are seen with parallax and from several sides. Throws
 // MapError(kBadOptions) for a plan with fewer than two stops or one that can't be reached.
 Walk DemoWalk(const FloorPlan& plan, const WalkOptions& options = {});
 
 // A small office: five rooms on a corridor that runs around in a loop.
 FloorPlan DemoPlan();
-// Another building, which shares nothing with it; give its World another seed too.
+// Another building, which has nothing in common with it; give its World another seed too.
 FloorPlan OtherPlan();
 
 }  // namespace waystone

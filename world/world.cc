@@ -85,7 +85,7 @@ void CheckMemory(const Geometry& geometry, const WorldOptions& options) {
                      "; raise texel_m or draw a smaller plan");
 }
 
-// log2 to 0.09, which a mix of mip levels doesn't show.
+// log2 to within 0.09, which is invisible when mixing mip levels.
 float RoughLog2(float value) {
   const auto bits = std::bit_cast<uint32_t>(value);
   const auto exponent = static_cast<float>(static_cast<int>(bits >> 23) - 127);
@@ -93,7 +93,7 @@ float RoughLog2(float value) {
   return exponent + mantissa - 1.0F;
 }
 
-// When a ray crosses the grid's lines of one axis.
+// The distances at which a ray crosses the grid lines of one axis.
 struct AxisWalk {
   int cell = 0;
   int step = 1;

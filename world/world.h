@@ -65,14 +65,14 @@ struct WorldOptions {
   void Check() const;
 };
 
-// The seed of what the options' storey has alone: `seed` on storey 0.
+// The seed of what is unique to the options' storey: `seed` on storey 0. Pure; thread-safe.
 uint64_t SeedOfStorey(const WorldOptions& options);
 
 // A poster lies in the plane of its wall, so it has no plane id of its own.
 struct WorldPoster {
   int face = 0;
   uint64_t picture = 0;  // posters of the same picture are the same, texel for texel
-  // Its rectangle in the face's (u, v), metres, on whole texels; it is cut where the wall ends.
+  // Its rectangle in the face's (u, v), metres, on whole texels, clipped where the wall ends.
   Eigen::Vector2d top_left_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d size_m = Eigen::Vector2d::Zero();
 };

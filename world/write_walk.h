@@ -27,8 +27,8 @@ struct WriteWalkOptions {
   std::string format = "jpg";
   int jpeg_quality = 95;
   bool plane_ids = true;
-  // Lens, noise and exposure. Each frame's noise has a seed of its own, made from noise_seed and
-  // the frame's number; motion comes from the walk.
+  // Lens, noise and exposure. Each frame's noise has its own seed, derived from noise_seed and the
+  // frame's number; motion comes from the walk.
   RenderOptions render;
   double shutter = 0.5;
   double exposure_swing = 0.0;
@@ -60,10 +60,10 @@ struct WriteWalkOptions {
   void Check() const;
 };
 
-// Called with the frames done so far and their number, by one thread at a time.
+// Called with the number of frames done so far and the total, by one thread at a time.
 using WriteProgress = std::function<void(int done, int total)>;
 
-// The options that frame `frame` of a walk is rendered with.
+// The options for rendering frame `frame` of a walk. Pure; thread-safe.
 RenderOptions FrameRenderOptions(const Walk& walk, int frame, const WriteWalkOptions& options);
 
 // Writes a walk and its truth into `dir`, which is made if it isn't there and must be empty:

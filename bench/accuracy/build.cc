@@ -51,7 +51,7 @@ StageCost ExtractAlone(const Args& paths, int frames) {
   return {watch.wall_s(), watch.cpu_s()};
 }
 
-// Bytes that a map holds in memory, nearly: what its blobs take.
+// About the bytes that a map holds in memory: those of its blobs.
 int64_t BytesOf(const MapData& map) {
   int64_t bytes = 0;
   for (const Keyframe& keyframe : map.keyframes) {
@@ -91,8 +91,8 @@ nlohmann::ordered_json ToJson(const Run& run) {
           {"peak_mb", run.peak_mb}};
 }
 
-// Features alone before and after the build: what else the machine does falls on both alike. They
-// hold a few frames only, so the peak is the build's.
+// Extraction is measured before and after the build: what else the machine does then affects both
+// alike. It holds only a few frames, so the peak is the build's.
 Run Measure(const Args& paths, int frames) {
   Run run;
   const StageCost before = ExtractAlone(paths, frames);
@@ -103,7 +103,7 @@ Run Measure(const Args& paths, int frames) {
   return run;
 }
 
-// In a process of its own, since a process's peak memory only grows. What it measured comes through
+// In a process of its own, since a process's peak memory only grows. The measurements come through
 // a pipe.
 nlohmann::ordered_json MeasureApart(const Args& paths, int frames) {
   int ends[2];

@@ -33,8 +33,8 @@ constexpr double kRight_m = 2.5;      // a place nearer than this is right
 constexpr double kRight_px = 20;      // a transfer of the inliers nearer than this is right
 constexpr double kFarOff_rad = 0.35;  // a rotation off by more has another axis, or none
 
-// What came of the answers' rotations (of panoramas: of all answers, believed or not) and of their
-// axes as a gate. The rotations that are judged are those at right places.
+// What became of the answers' rotations (with panoramas: of all answers, believed or not) and of
+// their axes as a gate. Rotations are judged at right places only.
 struct Score {
   int asked = 0;
   int localized = 0;  // before the gate
@@ -43,8 +43,8 @@ struct Score {
   int with_heading = 0;
   int refused = 0;  // by the gate
   std::vector<double> errors_rad;
-  // Of all answers whose lines were clear, localized or not: those of a right place and of a wrong
-  // one, and how many of either disagree.
+  // Of all answers whose lines were clear, localized or not: those at a right and at a wrong place,
+  // and how many of each disagree.
   int right_clear = 0;
   int right_disagree = 0;
   int wrong_clear = 0;
@@ -87,9 +87,9 @@ void Count(const BuildingView& view, bool right, const BuildingOptions& options,
   (right ? score.right_disagree : score.wrong_disagree) += disagrees ? 1 : 0;
 }
 
-// The building's axes in the world of the data's poses, where the data doesn't know them: the
-// rotation that the map's reliable frames agree on, one for all of them. What each is off by shows
-// in the queries' errors.
+// The building's axes in the world of the data's poses, if the data doesn't know them: the one
+// rotation on which the map's reliable frames agree. How far each is off shows in the queries'
+// errors.
 Matrix3d BuildingFromWorld(const OrientationLayer& layer,
                            const std::function<Matrix3d(int)>& world_from_camera) {
   Matrix3d sum = Matrix3d::Zero();
@@ -174,13 +174,13 @@ double LayerFromWorld(const OrientationLayer& layer, const std::vector<PanoramaP
   return kQuarter_rad * static_cast<double>(most);
 }
 
-// Panoramas asked of the map that a build makes of them, each without its own node.
+// Panoramas queried against the map that a build makes of them, each without its own node.
 Score AskPlaces(const std::string& folder) {
   const std::vector<PanoramaPlace> places = ReadPlaces(folder);
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(OpenSource(folder + "/panorama", {}));
   BuildOptions build;
-  build.appearance.redundancy.max_loss = 0;  // every place is asked for
+  build.appearance.redundancy.max_loss = 0;  // every place is queried
   const auto index = MapIndex::Build(BuildMap(sources, build, {}).map);
   const AppearanceLayer& layer = *index->map().appearance;
   const double layer_from_world = LayerFromWorld(*index->map().orientation, places);

@@ -156,7 +156,7 @@ class Building {
                         [&](int frame) { return rendered.Render(frame).grey; });
   }
 
-  // A row, with the sum of the metres between queries and the keyframes that were named for them.
+  // A row, with the sum of the distances, in metres, of queries from the keyframes named for them.
   Json Ask(double focal_factor) const {
     const double half = std::tan(kFieldOfView_rad / 2) / focal_factor;
     const Renderer lens(PinholeCamera(kWidth, kHeight, 2 * std::atan(half)));

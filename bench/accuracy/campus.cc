@@ -35,7 +35,7 @@ struct Building {
   Walk queries;
 };
 
-// The buildings that were last asked for: all of them don't fit into memory. Thread-safe.
+// The buildings used last: all of them don't fit into memory. Thread-safe.
 class Buildings {
  public:
   std::shared_ptr<const Building> Get(int number) {

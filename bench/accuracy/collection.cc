@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kPiecePlaces = 12;    // a map of the collection
 constexpr int kProposed = 10;       // among which the right one must be
-constexpr double kSameShare = 0.2;  // of a look-alike's features, that its model has too
+constexpr double kSameShare = 0.2;  // of a look-alike's features, shared with its model
 constexpr int kLearningScenes = 8;
 constexpr int kLearningRows = 400'000;
 constexpr double kSiftNoise = 4;
@@ -37,7 +37,7 @@ Descriptors HalfRows(FeatureType type, const Descriptors& rows, int half) {
   return {rows.bytes(), std::move(data)};
 }
 
-// 256 prototypes of each half, as words.bin holds them.
+// 256 prototypes per half, as in words.bin.
 Descriptors LearnPrototypes(FeatureType type) {
   Descriptors all = RenderedDescriptors(type, kLearningScenes);
   Random random(1);
@@ -76,8 +76,8 @@ int Learn(const std::string& file) {
 
 // ---- the collection
 
-// Descriptors like those of a pool: parts of two of them in their places, or one of them as another
-// day would have it; noise on top.
+// Descriptors like those of a pool: parts of two of them, each in its place, or one of them as it
+// would be on another day; with noise on top.
 class LookAlikes {
  public:
   LookAlikes(FeatureType type, uint64_t seed) : type_(type), random_(seed) {}

@@ -150,7 +150,7 @@ CollectionScene MapBuilding(const std::string& name, const World& world, const R
   return scene;
 }
 
-// Sets of the same map as one: of several maps of one place, a query would find only one.
+// Merges the sets of one map: with several maps of one place, a query would find only one.
 std::vector<RecallSet> MergeByMap(std::vector<RecallSet> sets) {
   std::vector<RecallSet> merged;
   for (RecallSet& set : sets) {
@@ -202,7 +202,7 @@ CollectionScene RenderFlatScene(int seed, FeatureType type) {
   std::vector<PanoramaPlace> places = InWalkOrder(RenderFlatPlaces(static_cast<uint64_t>(seed)));
   DescribeOptions describe;
   describe.features.extract.bearings.features.type = type;
-  // Two of three are the map, the others ask.
+  // Two of every three are mapped, the others are queries.
   std::vector<size_t> mapped;
   std::vector<size_t> asked;
   for (size_t i = 0; i < places.size(); ++i) (i % 3 == 1 ? asked : mapped).push_back(i);

@@ -16,8 +16,8 @@
 
 namespace waystone::bench {
 
-// "250,500" and a comma: {250, 500}; empty where the text is no whole numbers with `separator`
-// between them.
+// The numbers in "250,500" for a comma: {250, 500}; empty unless the text is whole numbers with
+// `separator` between them.
 std::vector<int> ParseNumbers(const std::string& text, char separator);
 
 // "A:B" or "A:B:STEP": frame numbers from A to B inclusive.
@@ -29,7 +29,7 @@ struct Range {
 // Throws MapError(kUsage) for anything else.
 Range ParseRange(const std::string& text);
 
-// Takes the value of `--name VALUE` out of the arguments; `fallback` when it isn't there.
+// Removes `--name VALUE` from the arguments and returns the value; `fallback` when it isn't there.
 std::string TakeOption(Args& args, const std::string& name, const std::string& fallback);
 
 // A map of a range of frames of a source, built as `waystone build` does.
@@ -43,7 +43,7 @@ std::vector<uint8_t> ReadBytes(const std::filesystem::path& path);
 // The cells of each line of a CSV file below its heading.
 std::vector<std::vector<std::string>> ReadCsv(const std::filesystem::path& path);
 
-// A folder for files of this process, that is gone at the end.
+// A folder for this process's files, which is removed at the end.
 class ScratchFolder {
  public:
   ScratchFolder();
@@ -56,10 +56,10 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-// Of the map's file.
+// The bytes of the map's file.
 int64_t CountFileBytes(const MapData& map);
 
-// The most memory that the process has taken so far.
+// The most memory that the process has used so far, MB.
 double PeakMb();
 
 }  // namespace waystone::bench

@@ -27,8 +27,8 @@ constexpr double kClaimed_deg = 5;  // a sigma below this claims to be right
 constexpr int kRuns = 50;           // whose median time is printed
 constexpr int kRenderedPlaces = 60;
 constexpr uint64_t kSeed = 1;
-constexpr uint64_t kFlats = 6;        // made flats, from this seed on: none that anything was
-constexpr uint64_t kFirstFlat = 101;  // chosen by, which are the seeds below 100
+constexpr uint64_t kFlats = 6;        // made flats, from this seed on: nothing was chosen by
+constexpr uint64_t kFirstFlat = 101;  // them, but by seeds below 100
 
 struct Bin {
   double from_m;
@@ -135,7 +135,7 @@ double ShareRight(const std::vector<double>& errors) {
   return errors.empty() ? 0 : static_cast<double>(right) / static_cast<double>(errors.size());
 }
 
-// Null where there are no errors: nothing was measured, which is neither the best nor the worst.
+// Null without errors: nothing was measured, which is neither the best nor the worst.
 nlohmann::json MedianJson(const std::vector<double>& errors) {
   return errors.empty() ? nlohmann::json() : nlohmann::json(Quantile(errors, 0.5));
 }

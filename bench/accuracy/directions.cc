@@ -82,7 +82,7 @@ std::vector<double> Collect(const std::vector<Measured>& all, double Measured::*
   return values;
 }
 
-// The paper's method: the most voted vanishing point first.
+// The paper's method: the vanishing point with the most votes first.
 nlohmann::ordered_json PaperSummary(const std::vector<Measured>& all) {
   const std::vector<double> errors = Collect(all, &Measured::paper_worst_deg);
   return {{"worst_axis_median_deg", Quantile(errors, 0.5)},

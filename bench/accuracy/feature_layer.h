@@ -10,7 +10,7 @@
 
 namespace waystone::bench {
 
-// The part of the plane layer that is decoding and features: hands out each frame that can be used.
+// The decoding and features of the plane layer only: passes each usable frame to `take`.
 class FeatureLayer : public LayerBuilder {
  public:
   FeatureLayer(const FeatureOptions& options, std::function<void(ExtractedFrame)> take)

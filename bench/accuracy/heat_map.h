@@ -22,7 +22,7 @@ struct HeatMap {
   std::vector<HeatPanel> panels;  // side by side, two in a row
 };
 
-// The panels as one SVG picture; all share one scale of colours, which is logarithmic, for the
+// The panels as one SVG picture; all share one scale of colours, which is logarithmic, since the
 // values span decades. Values are above 0.
 std::string HeatMapSvg(const HeatMap& map);
 

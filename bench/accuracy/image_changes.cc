@@ -44,8 +44,8 @@ cv::Mat Turn(const cv::Mat& grey) {
   return turned;
 }
 
-// As a lens with the field of view of the picture's own would show it if its image radius grew with
-// the angle: the corners lie outside.
+// As a lens with the picture's own field of view would show it if its image radius grew with the
+// angle: the corners lie outside.
 cv::Mat Fisheye(const cv::Mat& grey) {
   constexpr double kHalfAngle_rad = 0.7;  // of a picture's width, about that of a telephone
   const double cx = (grey.cols - 1) / 2.0;
@@ -72,7 +72,7 @@ cv::Mat Compress(const cv::Mat& grey, int quality) {
   return cv::imdecode(EncodeJpeg(grey, quality), cv::IMREAD_GRAYSCALE);
 }
 
-// A hand that moves along a line while the shutter is open, in any direction.
+// A hand that moves along a line, in any direction, while the shutter is open.
 cv::Mat MoveWhileExposing(const cv::Mat& grey, double share_of_width, Random& random) {
   const int length = std::max(3, static_cast<int>(share_of_width * grey.cols)) | 1;
   const double angle = random.Uniform(0, std::numbers::pi);

@@ -17,12 +17,12 @@ struct ImageChange {
   std::function<cv::Mat(const cv::Mat& grey, Random& random)> apply;
 };
 
-// The picture (CV_8UC1) under light by a factor, with the sensor's noise, which doesn't shrink with
-// it, in grey levels.
+// The picture (CV_8UC1) with its light multiplied by `gain`, and with the sensor's noise, in grey
+// levels, which doesn't shrink with the light.
 cv::Mat Expose(const cv::Mat& grey, double gain, double noise_sigma, Random& random);
 
-// Every change that can be made from the picture alone, the first of which leaves it as it is. A
-// wider lens isn't among them: it sees more than the picture has.
+// Every change that can be made from the picture only, the first of which leaves it as it is. A
+// wider lens isn't among them: it sees more than the picture shows.
 std::vector<ImageChange> ImageChanges();
 
 }  // namespace waystone::bench

@@ -134,7 +134,7 @@ Json JoinHalves(const RecallSet& set, const std::vector<RecallSet>& sets) {
           {"foreign_joined", asked.foreign_joined}};
 }
 
-// Maps of places that look alike, of which none shows another: whatever is linked is wrong.
+// Maps of places that look alike, none of which shows another: whatever is linked is wrong.
 Json JoinLookAlikes(const std::vector<RecallSet>& sets) {
   std::vector<MapData> maps;
   for (const RecallSet& set : sets) {

@@ -26,7 +26,7 @@ namespace waystone::bench {
 namespace {
 
 constexpr double kRight_m = 2.5;    // an answer nearer than this is right
-constexpr double kNeighbour_m = 2;  // a place with another one within this is asked for
+constexpr double kNeighbour_m = 2;  // a place with another one within this is queried
 constexpr int kRenderedPlaces = 120;
 constexpr uint64_t kSeed = 1;
 constexpr int kSearchedNodes = 10'000;
@@ -48,8 +48,7 @@ struct PlaceMap {
   std::vector<BearingFeatures> features;
   NodeFeatureOptions chosen_by;
 
-  // What a node keeps when the walk didn't come by another one, which is how it has to be when that
-  // one is asked for.
+  // What a node keeps when the walk didn't pass another one, as must be when that one is the query.
   NodeFeatures ChosenFor(size_t node, size_t left_out) const {
     NodeFeatureChooser chooser(chosen_by);
     const auto beside = [&](size_t at, int step) {
@@ -70,7 +69,7 @@ struct PlaceMap {
   }
 };
 
-// As the builder would have it, had it found the true poses: the places in the order of their walk.
+// As the builder would make it with the true poses: the places in the order of their walk.
 PlaceMap MapOf(const std::vector<PanoramaPlace>& places) {
   PlaceMap map;
   map.layer.metres_per_unit = 1;
@@ -119,7 +118,7 @@ void TakeErrors(const PanoramaPlace& place, Asked& asked) {
   asked.right = asked.error_m <= kRight_m;
 }
 
-// The map as it were had the walk not come by this place, but for the node itself.
+// The map as if the walk hadn't passed this place, except for the node itself.
 std::shared_ptr<const MapIndex> Without(const MapIndex& index, const PlaceMap& map, size_t place) {
   MapData data = index.map();
   for (const size_t beside : {place - 1, place + 1}) {
@@ -129,7 +128,7 @@ std::shared_ptr<const MapIndex> Without(const MapIndex& index, const PlaceMap& m
   return MapIndex::Build(std::move(data));
 }
 
-// Every third place calibrates the verdict, and the others are asked for.
+// Every third place calibrates the verdict, and the others are queries.
 constexpr size_t kCalibrateEvery = 3;
 
 std::vector<size_t> ListAsked(size_t places) {
@@ -140,7 +139,7 @@ std::vector<size_t> ListAsked(size_t places) {
   return asked;
 }
 
-// Places asked for, each without itself.
+// Queries with places, each on the map without that place.
 std::vector<Asked> LeaveOneOut(const MapIndex& index, const PlaceMap& map,
                                const std::vector<PanoramaPlace>& places,
                                const PanoramaQueryOptions& options) {
@@ -282,7 +281,7 @@ nlohmann::json ScoreMap(const std::string& name, const std::vector<PanoramaPlace
   return json;
 }
 
-// Made flats, each a map of its own and asked for the places of the one before too. Nothing was
+// Made flats, each a map of its own, also queried with the places of the one before. Nothing was
 // chosen by these seeds.
 nlohmann::json ScoreFlats() {
   constexpr uint64_t kFlats = 6;
@@ -311,7 +310,7 @@ nlohmann::json ScoreFlats() {
 }
 
 // A square photo of 90 degrees to the front of each place: a rig's own face where there is one,
-// else as the panorama shows it.
+// otherwise rendered from the panorama.
 cv::Mat FrontOf(const PanoramaPlace& place, const std::filesystem::path& rigs) {
   const std::filesystem::path face = rigs / place.name / "front.jpg";
   if (std::filesystem::exists(face)) return DecodeGrey(ReadBytes(face));
@@ -319,14 +318,14 @@ cv::Mat FrontOf(const PanoramaPlace& place, const std::filesystem::path& rigs) {
   return FaceOf(place.grey, CubeFace::kFront, static_cast<int>(kOfWidth * place.grey.cols));
 }
 
-// Of a square photo of 90 degrees.
+// The camera of a square photo of 90 degrees.
 Camera PhotoCamera(int width_px) {
   const double middle = (width_px - 1) / 2.0;
   return {
       CameraModel::kPinhole, width_px, width_px, {width_px / 2.0, width_px / 2.0, middle, middle}};
 }
 
-// Perspective photos asked of the panoramas, each without its own place.
+// Perspective photos queried against the panoramas, each without its own place.
 nlohmann::json ScorePhotos(const std::string& name, const std::vector<PanoramaPlace>& places,
                            const PlaceMap& map, const std::vector<PanoramaPlace>& foreign,
                            const std::filesystem::path& rigs) {

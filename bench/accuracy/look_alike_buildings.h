@@ -17,7 +17,7 @@ namespace waystone::bench {
 // how large its posters are, how many of them show one picture, and how many hang on every storey.
 WorldOptions DrawBuilding(int building);
 
-// Every second building has the demo plan, the others the other one.
+// Every second building has the demo plan, the others have the other plan.
 FloorPlan PlanOf(int building);
 
 // The storey of that number, from 0.
@@ -26,7 +26,7 @@ World StoreyOf(int building, int storey);
 // Of maps and queries, `width` pixels wide and three quarters as high.
 Camera LookAlikeCamera(int width);
 
-// That many images of the storey. Visits differ in how unsteady the hand is.
+// Images of the storey, kTourFrames of them. Visits differ in how unsteady the hand is.
 constexpr int kTourFrames = 48;
 Walk MapTour(const World& world, int visit = 1);
 
@@ -34,8 +34,8 @@ Walk MapTour(const World& world, int visit = 1);
 // and turned by up to 0.6 rad.
 Walk QueryTour(const World& world, int seed);
 
-// A photo, CV_8UC1, with another camera's blur, noise and exposure, and for about half of
-// the seeds another light.
+// A photo, CV_8UC1, with another camera's blur, noise and exposure, and for about half of the seeds
+// another light.
 cv::Mat Photograph(const Renderer& renderer, const World& world,
                    const Eigen::Isometry3d& world_from_camera, uint64_t seed);
 

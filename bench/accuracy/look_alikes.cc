@@ -26,11 +26,11 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Median transfer error of the inliers of a place that is right, as a share of the width.
+// Bound on a right place's median transfer error of the inliers, as a share of the width.
 constexpr double kRight = 40.0 / 640;
 
-// What was asked of a map: places of its own storey, the same places a storey higher, where much
-// looks alike, or another building.
+// What a map was queried with: places of its own storey, the same places a storey higher, where
+// much looks alike, or another building.
 enum class AskedOf { kOwn, kLookAlike, kForeign };
 constexpr const char* kAskedOfNames[] = {"own", "look-alike", "foreign"};
 
@@ -44,8 +44,8 @@ struct LookAlikeSample {
   double probability = 0;                    // of the best place, by the default model
 };
 
-// Whether the inliers show one and the same surface of the world: median distance between where the
-// map has them and where they are.
+// Whether the inliers show one and the same surface of the world: by the median distance between
+// where the map has them and where they are.
 bool ShowsTheSame(const World& world, const Camera& camera, const Eigen::Isometry3d& query,
                   const Eigen::Isometry3d& keyframe, const VerifiedKeyframe& verified) {
   std::vector<double> errors;
@@ -105,7 +105,7 @@ class BuildingAsked {
     const PlaneQueryOptions options;
     sample.localized =
         LocateByPlanes(*index_, query, options, {}, false).verdict == Verdict::kLocalized;
-    // What the verdict's model judges is in no answer.
+    // No answer contains what the verdict's model judges.
     const Shortlist shortlist = VoteForPlaces(*index_, query, options);
     const std::vector<VerifiedPlane> tried = TryPlanes(*index_, query, shortlist.planes, options);
     std::vector<Place> places = FindPlaces(*index_, tried, options);
@@ -133,9 +133,9 @@ class BuildingAsked {
   std::shared_ptr<const MapIndex> index_;
 };
 
-// The logistic regression over all samples with a verified keyframe; no
-// factor's weight is negative. Right and wrong samples weigh the same in sum. What is found by
-// chance is among the wrong ones, although the product's other factor judges that, too.
+// The logistic regression over all samples with a verified keyframe; no factor's weight is
+// negative. Right and wrong samples have the same total weight. Chance finds are among the wrong
+// ones, although the product's other factor judges those, too.
 KeyframeVerdictModel FitSigned(const std::vector<LookAlikeSample>& samples) {
   std::vector<LogisticSample> cases;
   double right = 0;

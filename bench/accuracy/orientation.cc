@@ -116,7 +116,7 @@ void ScoreCorridors(const OrientationWorld& made, const OrientationLayer& layer,
     score.corridor_least_overlap = std::min(score.corridor_least_overlap, best);
   }
   for (const Corridor& found : layer.corridors) {
-    // Looking aside, the rig is in the corridor all the same.
+    // When the rig looks aside it is in the corridor all the same.
     const bool known = Overlap(made.looked_aside, found) > 0 ||
                        std::ranges::any_of(made.corridors, [&](const TrueStretch& truth) {
                          return Overlap(truth, found) > 0;
@@ -125,7 +125,7 @@ void ScoreCorridors(const OrientationWorld& made, const OrientationLayer& layer,
   }
 }
 
-// Stretches of frames that come by where the walk was long before, looking the same way.
+// Stretches of frames that return to where the walk was long before, looking the same way.
 std::vector<TrueStretch> Revisits(const OrientationWorld& made) {
   const int frames = static_cast<int>(made.walk.frames.size());
   const int apart = static_cast<int>(kApartShare * frames);
@@ -176,7 +176,7 @@ void ScoreNodes(const OrientationWorld& made, const Rig& rig, const OrientationL
   score.common_at_nodes = Quantile(common, 0.5);
 }
 
-// The building's x is the trajectory's first direction, or another by a quarter turn.
+// The building's x is the trajectory's first direction, up to quarter turns.
 void ScoreRotations(const OrientationWorld& made, const OrientationLayer& layer, Score& score) {
   constexpr double kWrong = 5 * M_PI / 180;
   std::optional<Eigen::Matrix3d> world_from_building;
@@ -231,7 +231,7 @@ MemorySequence RigSequenceInMemory(const Rig& rig, const RigFiles& files) {
   return sequence;
 }
 
-// CPU seconds a frame of lines and features alone.
+// CPU seconds per frame for lines and features only.
 double ObserveSeconds(const Rig& rig, const RigFiles& files, const OrientationOptions& options) {
   constexpr size_t kMost = 100;
   const size_t every = std::max<size_t>(1, files.size() / kMost);

@@ -86,8 +86,7 @@ Eigen::Vector2d PointOf(const Walk& walk, int frame) {
   return walk.frames[frame].world_from_camera.translation().head<2>();
 }
 
-// The frame after `from` at which the trajectory is nearest to a point, up to where it comes back
-// there.
+// The frame after `from` at which the trajectory is nearest to a point, before it returns there.
 int NearestFrame(const Walk& walk, const Eigen::Vector2d& point, int from) {
   int best = from;
   const double radius_m = 1.0;
@@ -190,7 +189,7 @@ OrientationWorld MakeOrientationWorld(int building, int frames, bool trim) {
   for (size_t i = 1; i + 1 < corners.size(); ++i) {
     const Eigen::Vector2d in = corners[i] - corners[i - 1];
     const Eigen::Vector2d out = corners[i + 1] - corners[i];
-    // Rows count southwards, so the sense is the other way round.
+    // Rows count southwards, so the sense is reversed.
     made.turns.push_back({at[i], in.x() * out.y() - in.y() * out.x() < 0 ? 1 : -1});
   }
   constexpr int kRightLeg = 5;

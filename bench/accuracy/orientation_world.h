@@ -46,13 +46,14 @@ struct OrientationWorld {
 // lines are theirs.
 OrientationWorld MakeOrientationWorld(int building, int frames, bool trim);
 
-// The pictures of a frame, one a camera, as JPEG files.
+// The pictures of a frame, one per camera, as JPEG files.
 std::vector<std::vector<unsigned char>> RenderRig(const OrientationWorld& made, const Rig& rig,
                                                   const std::vector<Renderer>& renderers,
                                                   int frame);
 
-// Share of what a rig sees in frame `a` (rays drawn over the rig's images) that it also sees in
-// frame `b`: in some camera, not hidden, and at most `max_scale` times as far or near.
+// The share of what a rig sees in frame `a` (rays drawn over the rig's images) that it also sees in
+// frame `b`: in some camera, not hidden, at a distance of at most `max_scale` times as far or as
+// near.
 double CommonView(const OrientationWorld& made, const Rig& rig, int a, int b, double max_scale);
 
 }  // namespace waystone::bench

@@ -86,7 +86,7 @@ OrientedSet OpenPlaces(const fs::path& folder) {
   return set;
 }
 
-// What every render takes.
+// What every rendering needs.
 struct Stage {
   World world{DemoPlan(), {}};
   std::vector<Renderer> renderers;

@@ -13,7 +13,7 @@
 
 namespace waystone::bench {
 
-// Photos of rigs whose rotation against their building is known.
+// Photos by rigs whose rotation relative to their building is known.
 struct OrientedSet {
   std::string name;
   Rig rig;
@@ -21,7 +21,7 @@ struct OrientedSet {
   std::vector<Eigen::Matrix3d> rig_from_axes;
   std::vector<Eigen::Isometry3d> world_from_rig;    // empty where no poses are known
   std::vector<std::set<int>> visible;               // places seen from each; empty where not known
-  std::function<std::vector<cv::Mat>(int)> images;  // of a photo, one a camera; any thread
+  std::function<std::vector<cv::Mat>(int)> images;  // of a photo, one per camera; thread-safe
 
   int size() const { return static_cast<int>(names.size()); }
 };

@@ -13,8 +13,8 @@
 namespace waystone::bench {
 namespace {
 
-constexpr int kFeatures = 20;       // of a plane, at most; the page shows their number alone
-constexpr int kNext = 3;            // planes farther on that one is seen together with, at most
+constexpr int kFeatures = 20;       // of a plane, at most; the page shows only their number
+constexpr int kNext = 3;            // of the next planes, at most, that one is seen together with
 constexpr int kPlanesPerLoop = 50;  // one in so many is seen together with a plane far away
 
 // A picture of noise, which compresses as badly as a photo.
@@ -45,8 +45,8 @@ Plane MakePlane(int number, Random& random) {
   return plane;
 }
 
-// A map like that of a long walk, to be looked at: a plane a keyframe, joined to those that come
-// next and now and then to one that was passed before.
+// A map like that of a long walk, to be viewed: one plane per keyframe, joined to the next ones and
+// now and then to one that was passed earlier.
 MapData WalkLikeMap(int planes) {
   Random random(1);
   MapData map;

@@ -55,7 +55,7 @@ PanoramaPlace ReadPlace(const fs::path& folder, const std::string& line) {
   return place;
 }
 
-// Inside, and so are the points around it.
+// Whether the place and the points around it are inside.
 bool IsFree(const World& world, const Eigen::Vector2d& at_m) {
   for (int i = 0; i < 8; ++i) {
     const double angle = i * kPi / 4;

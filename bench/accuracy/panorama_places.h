@@ -29,29 +29,29 @@ struct PanoramaPlace {
 // panorama/ID.jpg of a folder. Throws MapError where they can't be read.
 std::vector<PanoramaPlace> ReadPlaces(const std::filesystem::path& folder);
 
-// `count` places in the demo building, at random within its rooms and with random headings and a
-// tilt of a degree, each picture with noise and an exposure of its own.
+// `count` places in the demo building, at random in its rooms and with random headings and a tilt
+// of a degree, each picture with its own noise and exposure.
 std::vector<PanoramaPlace> RenderPlaces(int count, uint64_t seed);
 
-// The places of a made flat (world/flat.h) on two visits with other lights; walls hide.
+// The places of a made flat (world/flat.h) on two visits under different lights; walls hide.
 std::vector<PanoramaPlace> RenderFlatPlaces(uint64_t seed);
 
-// The places as a walk goes through them: from each to the nearest that is left.
+// The places in the order of a walk: from each to the nearest of those left.
 std::vector<PanoramaPlace> InWalkOrder(std::vector<PanoramaPlace> places);
 
-// Three quarters of the places for a map, and every fourth to ask it for.
+// Three quarters of the places for a map, and every fourth to query it with.
 struct SplitPlaces {
   std::vector<PanoramaPlace> mapped;
   std::vector<PanoramaPlace> asked;
 };
 SplitPlaces Split(std::vector<PanoramaPlace> places);
 
-// A sequence of the places from one to another, each numbered by its place in `places`, which have
-// to outlive it.
+// A sequence of the places from one to another, each numbered by its index in `places`, which must
+// outlive it.
 std::unique_ptr<Source> PanoramaSource(const std::vector<PanoramaPlace>& places, size_t first,
                                        size_t end, const std::string& name);
 
-// Where the front of b points against that of a, and in which direction of a's frame b lies;
+// Where the front of b points relative to that of a, and in which direction of a's frame b lies;
 // counter-clockwise, radians.
 double TrueHeading(const PanoramaPlace& a, const PanoramaPlace& b);
 double TrueDirection(const PanoramaPlace& a, const PanoramaPlace& b);

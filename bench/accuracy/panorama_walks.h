@@ -21,13 +21,13 @@ struct PanoramaWalk {
 
 inline constexpr int kPanoramaWidth = 512;  // px
 
-// The paper's two settings ("office", "laboratory") and two that nothing was ever chosen by, in
-// another building: "tour", driven like those, and "uneven", by a hand that sways, with a gaze that
+// The paper's two settings ("office", "laboratory") and, in another building, two by which nothing
+// was ever chosen: "tour", driven like those, and "uneven", by a hand that sways, with a gaze that
 // swings and steps of 10 to 30 cm. Throws MapError(kBadOptions) for another name.
 PanoramaWalk PanoramaWalkByName(const std::string& name);
 std::vector<std::string> PanoramaWalkNames();
 
-// The signatures of all its panoramas, of default options.
+// The signatures of all its panoramas, with default options.
 std::vector<FourierSignature> DescribeWalk(const PanoramaWalk& walk);
 
 // The places of poses.

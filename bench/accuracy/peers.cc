@@ -22,10 +22,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Finds the map's frame that shows what a query shows, or none.
+// Finds the map's frame that shows what a query shows; nothing if there is none.
 using Finder = std::function<std::optional<int>(const Features& query)>;
 
-// What all methods get: features of the queries, and what these cost.
+// What all methods get: the queries' features, and what these cost.
 struct PeerQueries {
   std::vector<Features> own;
   std::vector<Features> look_alikes;
@@ -36,7 +36,7 @@ struct PeerQueries {
 
 struct PeerArgs {
   fs::path data;
-  std::vector<std::string> only;  // names of sets; all where none is given
+  std::vector<std::string> only;  // names of sets; empty for all
   std::vector<FeatureType> types;
   int foreign = 84;
   int landmarks = LandmarkOptions{}.max_kept;
@@ -80,7 +80,7 @@ int CountFound(const Finder& find, const std::vector<Features>& queries) {
       queries, [&](const Features& query) { return find(query).has_value(); }));
 }
 
-// Asks one method everything and prints a row.
+// Asks one method all queries and prints a row.
 Json AskPeer(const std::string& name, const RecallSet& set, const PeerQueries& queries,
              int64_t bytes, const Finder& find) {
   int found = 0;

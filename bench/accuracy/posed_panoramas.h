@@ -10,8 +10,8 @@
 namespace waystone::bench {
 
 // Made flats, each a map of its own, built with the true poses of three quarters of its panoramas
-// and asked for the others; and the same with maps that were built without poses, whose frame is
-// laid onto the truth.
+// and queried with the others; and the same with maps built without poses, whose frame is aligned
+// to the truth.
 nlohmann::ordered_json MeasurePosedFlats(uint64_t first_seed, int flats,
                                          const BuildOptions& options);
 

@@ -27,17 +27,17 @@ struct PoseErrors {
   std::vector<double> inliers;
 };
 
-// Asks a map with poses for an image of known pose (map_from_camera), prints the errors, and adds
-// them. Panoramas need no camera.
+// Queries a map with poses with an image of known pose (map_from_camera), prints the errors, and
+// adds them. Panoramas need no camera.
 void AskPose(const MapIndex& index, const cv::Mat& grey, const std::optional<Camera>& camera,
              const Eigen::Isometry3d& truth, const std::string& name, PoseErrors& errors);
 
 nlohmann::ordered_json SummarisePoses(const std::string& name, const PoseErrors& errors);
 
-// Poses in metres by the number of the frame.
+// Poses in metres, by frame number.
 GivenPoses PosesByFrame(std::function<std::optional<Eigen::Isometry3d>(int)> of_frame);
 
-// The map of one source, with these poses or without; prints what became of them.
+// The map of one source, with or without these poses; prints what became of them.
 BuildResult BuildPosed(std::unique_ptr<Source> source, const std::optional<GivenPoses>& poses,
                        BuildOptions options = {});
 

@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Isometry3d;
 
-// A made building, asked from another walk through it.
+// A made building, queried from another walk through it.
 nlohmann::ordered_json MeasureBuilding(uint64_t seed, int frames, const BuildOptions& options) {
   const World world(DemoPlan(), WorldOptions{.seed = seed, .texture_richness = 0.5});
   const Renderer renderer(PinholeCamera(640, 480, 1.1));

@@ -10,8 +10,7 @@
 #include "builder/sources/source.h"
 #include "core/features/features.h"
 
-// Data with places that were seen twice, of which it is known which map image a query may be
-// answered with.
+// Data with places that were seen twice, for which the right map images of each query are known.
 namespace waystone::bench {
 
 struct RecallSet {
@@ -28,19 +27,19 @@ struct RecallSet {
 std::unique_ptr<Source> OpenRecallMap(const RecallSet& set);
 
 // corridor, kitchen, church, pavilion-midday, -sunset, -night, and tower-FLOOR for each floor:
-// those of them that `data` has. Throws MapError(kFileUnreadable) where it has none.
+// those that `data` has. Throws MapError(kFileUnreadable) where it has none.
 std::vector<RecallSet> ReadRecallSets(const std::filesystem::path& data);
 
 // Photos by the four level cameras of a rig at places some metres apart (OpenOrientedSet, with
-// poses). The map has all of every second place, one camera after the other; a query is by one
-// camera of each other place, in turn.
+// poses). The map has all photos of every second place, one camera after the other; queries are one
+// photo of each other place, by the cameras in turn.
 RecallSet ReadRigPhotos(const std::filesystem::path& folder);
 
-// The set with its roles exchanged: a map of the queries, asked for at most `max_queries` of the
-// images that the map was made of, every n-th.
+// The set with its roles exchanged: a map of the queries, queried with at most `max_queries` of the
+// images that the map was made from, every n-th.
 RecallSet Exchanged(const RecallSet& set, int max_queries);
 
-// Of each image, in parallel.
+// The features of each image, extracted in parallel.
 std::vector<Features> ExtractAll(const std::vector<std::filesystem::path>& images,
                                  const FeatureOptions& options);
 

@@ -29,7 +29,7 @@ using Eigen::Isometry3d;
 constexpr int kMapFrames = 500;
 constexpr int kQueryStep = 10;
 
-// The map's half as a video without a calibration, or with one.
+// The half to be mapped as a video, with or without a calibration.
 std::unique_ptr<Source> OpenHalf(const fs::path& folder, const RgbdTruth& truth,
                                  const std::optional<Camera>& camera) {
   MemorySequence sequence{.name = "kitchen", .camera = camera};
@@ -78,8 +78,8 @@ Model ReadLargestModel(const fs::path& folder, int& models) {
 }
 
 // Turns the poses onto the true ones by the mean of all turns, then scales and shifts them by least
-// squares over the positions. Positions alone hardly say how a walk along a line is turned about
-// it.
+// squares over the positions. Positions alone hardly determine the rotation of a straight walk
+// about its line.
 void AlignToTruth(const RgbdTruth& truth, Model& model) {
   const auto count = static_cast<double>(model.model_from_camera.size());
   Eigen::Affine3d turns(Eigen::Matrix3d::Zero().eval());

@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kWrong = 5;      // degrees off the truth
 constexpr double kCongruent = 5;  // degrees between the two rotations of a traversable pair
-// Places apart, of the pairs whose verdict is compared with what is visible.
+// How many places the pairs are apart whose verdict is compared with what is visible.
 constexpr std::array kApart{1, 3, 10, 30};
 
 struct Place {
@@ -77,7 +77,7 @@ Pair Judge(const OrientedSet& set, const std::vector<Place>& places, int a, int 
     const Eigen::Vector3d w = turn.angle() * turn.axis();
     pair.sigmas = std::sqrt(w.dot(pose.covariance.ldlt().solve(w)) / 3);
   }
-  // R_c = R_1 R_2^T, axes numbered so that it is as near to the essential matrix's as can be.
+  // R_c = R_1 R_2^T, with the axes numbered to bring it closest to the essential matrix's.
   const Eigen::Matrix3d b_from_axes =
       NearestOfCube(to.frame.rig_from_axes, pose.b_from_a * from.frame.rig_from_axes);
   const Eigen::Matrix3d from_axes = b_from_axes * from.frame.rig_from_axes.transpose();

@@ -37,7 +37,7 @@ struct LabelledPair {
 
 Camera PairCamera() { return PinholeCamera(kWidth_px, kHeight_px, 1.1); }
 
-// The planes numbered from 1; those with fewer matches than the builder asks for are none.
+// Numbers the planes from 1; those with fewer matches than the builder requires become 0.
 void NumberPlanes(std::vector<int>& truth, int min_matches) {
   std::map<int, int> counts;
   for (int label : truth) ++counts[label];

@@ -83,7 +83,7 @@ std::optional<Eigen::Vector2d> RgbdTruth::Transfer(int a, const Eigen::Vector2d&
   }
   const Eigen::Vector3d ray((x.x() - kCentreX_px) / kColourFocal_px,
                             (x.y() - kCentreY_px) / kColourFocal_px, 1);
-  // The depth pixel depends on the depth: two rounds settle it.
+  // The depth pixel depends on the depth: three rounds settle it.
   double z = 2.0;
   for (int round = 0; round < 3; ++round) {
     const Eigen::Vector3d p = ray * z + kColourInDepth;

@@ -13,8 +13,8 @@
 
 namespace waystone::bench {
 
-// Truth of a TUM RGB-D sequence: where a pixel of one frame is seen in another, from depth and
-// poses.
+// The truth of a TUM RGB-D sequence: where a pixel of one frame is seen in another, from depth and
+// poses. Not thread-safe: keeps the last depth image.
 class RgbdTruth {
  public:
   static constexpr int kWidth_px = 640;  // of its images
@@ -29,9 +29,9 @@ class RgbdTruth {
   const Eigen::Isometry3d& world_from_camera(int frame) const { return world_from_camera_[frame]; }
   // Of the colour camera, beside the depth camera.
   Eigen::Isometry3d world_from_colour(int frame) const;
-  // Pixel of frame b that shows what pixel x of frame a shows; nothing without depth there.
+  // The pixel of frame b that shows what pixel x of frame a shows; nothing without depth there.
   std::optional<Eigen::Vector2d> Transfer(int a, const Eigen::Vector2d& x, int b) const;
-  // Median distance, px of the reference frame, of an answer's points from where the truth sees
+  // The median distance, px of the reference frame, of an answer's points from where the truth has
   // those of the query, which is a frame, too; nothing with fewer than five that have a depth.
   std::optional<double> MedianError(int query, const SceneAnswer& answer) const;
 

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr int kMapFrames = 300;         // of the walk that is mapped
 constexpr int kQueryStep = 5;           // frames of the other walk between queries
-constexpr int kExhaustiveQueries = 30;  // that are asked once more without the index
+constexpr int kExhaustiveQueries = 30;  // that are repeated without the index
 constexpr double kRight_px = 10;        // a homography that is farther from the truth is wrong
 
 int64_t ResidentBytes() {
@@ -37,7 +37,7 @@ int64_t ResidentBytes() {
   return resident * sysconf(_SC_PAGESIZE);
 }
 
-// Opening as a server does it, in a process of its own so that memory isn't reused.
+// Opens a map as a server does, in a process of its own so that memory isn't reused.
 int OpenOnly(const std::string& path) {
   const int64_t before = ResidentBytes();
   const Clock::time_point start = Clock::now();
@@ -148,7 +148,7 @@ struct Comparison {
   int localized = 0;     // queries that exhaustive search localizes
   int found = 0;         // of them, with the same keyframe and best plane through the index
   int64_t features = 0;  // of the queries
-  int64_t nearest = 0;   // of them, have their true nearest neighbour
+  int64_t nearest = 0;   // of them, those that got their true nearest neighbour
   int64_t distinct = 0;  // features whose nearest plane stands out: those that can match
   int64_t distinct_nearest = 0;
   double exhaustive_ms = 0;  // a query, shortlist alone
@@ -226,7 +226,7 @@ nlohmann::ordered_json Measure(const MappedWorld& scene, int64_t features, const
   const double descriptor_bytes = 128.0 * static_cast<double>(CountFeatures(map));
   json["memory_ratio"] = opened["bytes"].get<double>() / descriptor_bytes;
   const auto index = MapIndex::Build(std::move(map));
-  AskAll(scene, *index);  // once for nothing: caches
+  AskAll(scene, *index);  // to warm up the caches
   const Timed timed = AskAll(scene, *index);
   json["queries"] = timed.answers.size();
   json["localized"] = timed.localized;

@@ -54,7 +54,7 @@ class Mixer {
   Descriptor Make() {
     const Descriptor& a = Pick();
     const Descriptor& b = Pick();
-    const int cut = random_.Below(4);  // which half is of b: upper, lower, left, right
+    const int cut = random_.Below(4);  // which half is b's: upper, lower, left, right
     Descriptor made;
     for (int row = 0; row < kSide; ++row) {
       for (int column = 0; column < kSide; ++column) {

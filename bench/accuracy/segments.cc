@@ -16,7 +16,7 @@
 namespace waystone::bench {
 namespace {
 
-// The second view of an image: turned and made smaller about its middle, with noise.
+// The second view of an image: turned, and scaled down about its middle, with noise.
 constexpr double kTurn = 7;       // degrees
 constexpr double kScale = 0.85;   // of the first
 constexpr double kNoise = 4;      // grey levels

@@ -16,7 +16,7 @@
 #include "server/service/application.h"
 #include "world/rig.h"
 
-// After Eigen, for which the macro _res of the resolver's header spells trouble.
+// After Eigen, which the macro _res of the resolver's header would break.
 #include <httplib.h>
 
 namespace waystone::bench {
@@ -62,7 +62,7 @@ AskedMap ReadAskedMap(const Args& args) {
   return asked;
 }
 
-// Seconds for one query after the other without HTTP, each.
+// Seconds per query, one after the other without HTTP.
 double SingleQueryS(const AskedMap& asked) {
   const Clock::time_point start = Clock::now();
   for (const std::string& photo : asked.photos) {
@@ -94,7 +94,7 @@ class Served {
     return overhead;
   }
 
-  // Queries a second of four clients that ask without a pause.
+  // Queries per second of four clients that ask without a pause.
   double Throughput(int rounds) const {
     const int queries = rounds * static_cast<int>(asked_.photos.size());
     std::atomic<int> next = 0;
@@ -168,7 +168,7 @@ int RunServe(const Args& raw) {
   const double watched = served.Throughput(rounds);
   stop = true;
   inspector.join();
-  // The machine's other work changes: the mean of before and after is what the rest is beside.
+  // The machine's other work varies: the rest is compared with the mean of before and after.
   const double single_s = (before_s + SingleQueryS(asked)) / 2;
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   const double share = alone * single_s / cores;

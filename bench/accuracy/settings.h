@@ -5,11 +5,11 @@
 
 namespace waystone::bench {
 
-// Takes every `--set NAME=VALUE` out of the arguments: the options of a build as `waystone build`
-// has them. Throws MapError as that does.
+// Takes every `--set NAME=VALUE` out of the arguments: build options as for `waystone build`.
+// Throws MapError as it does.
 BuildOptions TakeBuildSettings(Args& args);
 
-// Of `waystone build --features TYPE`.
+// The options of `waystone build --features TYPE`.
 BuildOptions BuildOptionsFor(FeatureType type);
 
 }  // namespace waystone::bench

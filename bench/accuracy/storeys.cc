@@ -38,7 +38,7 @@ struct Storey {
 struct StoreyFigures {
   int asked = 0;
   int localized = 0;
-  int on_storey = 0;  // of these, at a keyframe of the storey that was asked of
+  int on_storey = 0;  // of these, at a keyframe of the query's storey
   int ambiguous = 0;
   int found = 0;            // by image search
   int found_on_storey = 0;  // of these
@@ -107,7 +107,7 @@ void CountAcross(const MapIndex& index, StoreyFigures& figures) {
 struct StoreysArgs {
   int buildings = 8;
   int first = 17;
-  int every = 1;  // the maps of rendered buildings have every so many images of the tour
+  int every = 1;  // the maps of rendered buildings have every n-th image of the tour
   BuildOptions build;
   bool each = false;  // whether to print every answer
 };

@@ -26,7 +26,7 @@ struct Study {
   HeatMap seconds;
 };
 
-// Each panorama against the one before it alone, with the paper's compass and steps straight ahead
+// Each panorama only against the one before it, with the paper's compass and steps straight ahead
 // (baseline/paper_odometry.h), or with ours.
 enum class Method { kPaper, kOurs };
 
@@ -44,8 +44,8 @@ std::vector<FourierSignature> WithPhases(std::vector<FourierSignature> signature
   return signatures;
 }
 
-// Ours over steps alone: `trajectory` has k1 of all magnitudes; a smaller one changes the lengths
-// of the steps and nothing else.
+// Our odometry from the steps only: `trajectory` has k1 of all magnitudes; a smaller one changes
+// only the lengths of the steps.
 std::vector<Pose2> WithLengths(const std::vector<FourierSignature>& signatures,
                                const VisualOdometry& trajectory, int k1) {
   std::vector<Pose2> poses(1);

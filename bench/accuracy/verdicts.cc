@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFewest = 20;  // localized answers that a reliability needs
+constexpr int kFewest = 20;  // localized answers that a reliability requires
 
 // Photos of one kind, no two of which are the same file or frame.
 struct Photos {
@@ -41,8 +41,8 @@ struct Verdicts {
   int most_inliers = 0;  // of a query that is not in the map
   double stated = 0;     // sum of the probabilities of localized answers, false ones among them
 
-  // What localized answers state and how many of them are right. Refused ones say nothing: what is
-  // asked decides how many of them there are, and a refused place of the map can't be checked.
+  // What localized answers state, and how many of them are right. Refused ones don't count: their
+  // number depends on what is asked, and a refused place of the map can't be checked.
   struct Reliability {
     double stated = 0;
     double observed = 0;
@@ -159,7 +159,7 @@ void Print(const std::string& scene, const VerdictModel& model, const Verdicts& 
   }
 }
 
-// Of the photos that were asked of a map that doesn't show them, each counted once.
+// Over the photos that were queried against a map that doesn't show them, each counted once.
 nlohmann::ordered_json CountDistinct(const std::vector<Photos>& photos) {
   nlohmann::ordered_json json;
   int real = 0;

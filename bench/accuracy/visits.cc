@@ -41,7 +41,7 @@ cv::Mat SeenAgain(const cv::Mat& grey, double light, Random& random) {
   return Expose(again, light, kNoise, random);
 }
 
-// The set's images; but for the first one, of a visit that was made of them.
+// The set's images; for every visit but the first, as another visit would show them.
 std::unique_ptr<Source> OpenVisit(const RecallSet& set, int visit) {
   MemorySequence sequence{.name = "visit " + std::to_string(visit), .camera = {}};
   const double light = Random(visit).Uniform(0.7, 1.2);
@@ -67,7 +67,7 @@ Json Ask(const RecallSet& set, const Queries& queries, const MapData& map, int v
   int right = 0;
   int ambiguous = 0;
   std::vector<double> ms;
-  for (size_t q = 0; q < queries.own.size(); ++q) {  // one at a time, for their time
+  for (size_t q = 0; q < queries.own.size(); ++q) {  // one at a time, to measure their times
     const Answer answer = LocalizeFeatures(*index, queries.own[q], {});
     ms.push_back(answer.timing.total_ms);
     ambiguous += answer.verdict == Verdict::kAmbiguous;

@@ -8,10 +8,10 @@
 
 namespace waystone::bench {
 
-// Where a walk is mapped in two halves, each has this share of it; the two share what is between.
+// The share of a walk in each of two overlapping halves.
 inline constexpr double kHalfShare = 0.6;
 
-// The map of one source by default options, with the version that joining maps asks for.
+// The map of one source, with default options and the version that joining maps requires.
 BuildResult BuildWalk(std::unique_ptr<Source> source, const std::string& name,
                       BuiltFeatures features = BuiltFeatures::kDrop);
 

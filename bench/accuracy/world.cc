@@ -99,7 +99,7 @@ void CountSurfaces(const MapData& map, const std::map<PlaneId, int>& owners, Fig
   figures.true_planes = static_cast<int>(all.size());
 }
 
-// Edges between two planes of which one shows a true plane that the edge's keyframes don't.
+// Edges between two planes, one of which shows a true plane that the edge's keyframes don't show.
 void CountWrongEdges(const WorldTruth& truth, const MapData& map,
                      const std::map<PlaneId, int>& owners, Figures& figures) {
   for (const Edge& edge : map.edges) {

@@ -9,13 +9,12 @@
 
 namespace waystone::bench {
 
-// Surfaces that a walk sees again. A visit of a true plane is a run of consecutive keyframes, each
-// two neighbours of which carry it: they share `carried` matches on it that its true homography
+// Surfaces that a walk sees again. A visit of a true plane is a run of consecutive keyframes of
+// which each two neighbours carry it: they share `carried` matches on it that its true homography
 // confirms. Two visits of one plane are a revisit if some keyframe of one shares as many with some
 // keyframe of the other; the others could not be recognised (too_few_matches). Nothing of this
-// depends on the map. The map joins a revisit if one of
-// its planes was seen in both visits, or if two of its planes, one of either visit, are parts of
-// one surface or have another edge.
+// depends on the map. The map joins a revisit if one of its planes was seen in both visits, or if
+// two of its planes, one from each visit, are parts of one surface or have another edge.
 struct RevisitFigures {
   int pairs = 0;  // of visits of one true plane: too_few_matches + seen_again
   int too_few_matches = 0;
@@ -27,7 +26,7 @@ struct RevisitFigures {
   int apart = 0;     // not joined, although it has
 };
 
-// shared[b][a], a < b: the true planes of which keyframes a and b (indices in map.keyframes) share
+// shared[b][a], a < b: the true planes on which keyframes a and b (indices in map.keyframes) share
 // enough matches. `owners`: the true plane of each plane of the map that shows one; the others join
 // nothing.
 using SharedPlanes = std::vector<std::vector<std::set<int>>>;

@@ -17,7 +17,7 @@ Walk SpreadOver(const Walk& walk, int count);
 // Every n-th frame of a walk.
 Walk EveryNth(const Walk& walk, int n);
 
-// A rendered walk as a source: frames are rendered where they would be decoded.
+// A rendered walk as a source: frames are rendered when others would be decoded.
 class WorldSource : public Source {
  public:
   // All three must outlive it. Frames have the noise, blur and exposure of an ordinary camera.

@@ -13,11 +13,11 @@
 
 namespace waystone::bench {
 
-// A match is a plane's if it agrees with the true homography to this.
+// A match is on a plane if it agrees with the true homography to within this.
 constexpr double kTrueMatch_px = 3;
 
-// The planes that a frame shows within 3 px of a point: features sit on edges. `plane_ids` is
-// RenderedFrame's; 0 is outside the image.
+// The planes that a frame shows within 3 px of a point: features lie on edges. `plane_ids` is
+// RenderedFrame's; outside the image it is 0.
 std::set<int> PlanesNear(const cv::Mat& plane_ids, const Eigen::Vector2d& x);
 
 // What is true of a map that was built from a rendered walk. Pixels are those of its working
@@ -28,16 +28,16 @@ class WorldTruth {
   WorldTruth(const World& world, const WorldSource& source, const Walk& walk, const MapData& map,
              const FeatureOptions& features);
 
-  // The true plane that most of a map plane's features lie on, and what share of them does. Asked
-  // where each was first seen: a surface that grows into view may be hidden in the reference image.
+  // The true plane on which most of a map plane's features lie, and their share, each looked up
+  // where it was first seen: a surface that grows into view may be hidden in the reference image.
   struct Owner {
     int plane = 0;
     double share = 0;
   };
   Owner OwnerOf(const Plane& plane) const;
 
-  // Matched features a true plane carries between two keyframes (indices in map.keyframes), counted
-  // where the match agrees with the plane's true homography.
+  // The matched features that a true plane carries between two keyframes (indices in
+  // map.keyframes): those whose match agrees with the plane's true homography.
   std::map<int, int> CarriedMatches(int from, int to) const;
 
   // The true homography to_from of a plane between two keyframes.

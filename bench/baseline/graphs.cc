@@ -50,13 +50,13 @@ SceneAnswer AnswerOf(const Graphs& graphs, const Features& query, const ImageAns
 
 struct Table3 {
   QueryFigures planes;
-  QueryFigures best_place;  // planes too, but the best place wins however near the second one is
+  QueryFigures best_place;  // planes, too, but the best place wins however close the second one is
   QueryFigures images;
   QueryFigures opencv;            // of every n-th query
   QueryFigures planes_as_opencv;  // of the same ones
 };
 
-// Milliseconds of this process alone: queries run on one thread, and other programs don't count.
+// CPU milliseconds of this process: queries run on one thread, and other programs don't count.
 template <class F>
 double Ms(F work) {
   const Stopwatch watch;
@@ -73,7 +73,7 @@ void Count(const Scene& scene, int query, const std::optional<SceneAnswer>& answ
   figures.right += scene.IsRight(query, *answer);
 }
 
-// Every query is asked of each graph in turn, on one core.
+// Puts every query to each graph in turn, on one core.
 Table3 Ask(const Scene& scene, const Graphs& graphs, int opencv_every) {
   Table3 table;
   std::vector<cv::Mat> floats;
@@ -245,7 +245,7 @@ int RunGraphs(const Args& raw) {
   Args args = raw;
   const Range map = ParseRange(TakeOption(args, "map", "0:499"));
   const Range queries = ParseRange(TakeOption(args, "queries", "500:990:10"));
-  // A third above the product's 300:150: the comparison is wanted over 100 keyframes at least.
+  // A third above the product's 300:150: the comparison should have at least 100 keyframes.
   const BuildOptions dense = KeyframesAsTold(TakeOption(args, "keyframes", "400:200"));
   const int opencv_every = std::stoi(TakeOption(args, "opencv-every", "10"));
   if (args.empty()) args = {"world"};

@@ -33,7 +33,7 @@ struct Verified {
   int distinct = 0;
 };
 
-// Nothing when the gates refuse it; `min_distinct` is the one on inliers.
+// Nothing when a gate refuses it; `min_distinct` is the gate on inliers.
 std::optional<Verified> Verify(const Features& from, const Features& to,
                                const std::vector<Match>& matches, int min_distinct,
                                const PlaneQueryOptions& options, uint64_t seed) {

@@ -13,10 +13,10 @@
 #include "core/homography/find_plane.h"
 #include "localizer/options.h"
 
-// The graph that the plane graph is measured against: images as nodes, all features kept, an edge
+// The graph that the plane graph is measured against: images as nodes, with all features, an edge
 // where a homography joins two images, localization against every image. Written to be fast at
-// that: the same features, matching kernels, RANSAC and gates as ours, all cores when building, and
-// no homography is looked for where it could change nothing.
+// this: the same features, matching kernels, RANSAC and gates as ours, all cores when building, and
+// no search for a homography that could change nothing.
 namespace waystone::bench {
 
 struct ImageNode {
@@ -71,20 +71,20 @@ struct ImageAnswer {
   int homographies_tried = 0;
 };
 
-// Matches a query with every image; the image with most distinct inliers of a homography that
-// passes the gates of a place wins, the earlier one among equals. On the calling thread.
-// Images are tried by descending number of matches, and an image that has no more matches than the
-// best one has inliers can't win: that changes the time, not the answer.
+// Matches a query with every image; the image with the most distinct inliers of a homography that
+// passes the gates of a place wins, the earlier one among equals. On the calling thread. Images are
+// tried by descending number of matches; an image that has no more matches than the best one has
+// inliers can't win, which saves time and doesn't change the answer.
 ImageAnswer LocalizeInImages(const ImageGraph& graph, const Features& query,
                              const ImageGraphOptions& options);
 
-// The same as people would write it with OpenCV alone: cv::BFMatcher on float descriptors, ratio
+// The same as people would write it with OpenCV only: cv::BFMatcher on float descriptors, ratio
 // test, cv::findHomography with RANSAC, most inliers win. `descriptors` are FloatDescriptors of the
 // nodes.
 ImageAnswer LocalizeWithOpenCv(const ImageGraph& graph, const std::vector<cv::Mat>& descriptors,
                                const Features& query, const ImageGraphOptions& options);
 
-// A row of 32-bit floats a descriptor.
+// Descriptors as 32-bit floats, one row each.
 cv::Mat FloatDescriptors(const Features& features);
 
 }  // namespace waystone::bench

@@ -16,11 +16,11 @@ struct FoundImage {
 
 // Plain image search to measure against: every query is matched with every image (nearest by ratio
 // 0.8, mutual and one to one) and found in the one with the most inliers of a fundamental matrix
-// (MAGSAC, 1.5 px), if these are 15 at least.
+// (MAGSAC, 1.5 px), if there are at least 15.
 class ImageSearch {
  public:
-  // Keeps the `kept` most repeatable features of each image: those matched and consistent with the
-  // epipolar geometry in the most of the two images before and the two after.
+  // Keeps the `kept` most repeatable features of each image: those that match, consistently with
+  // the epipolar geometry, in as many as possible of the two images before and the two after.
   ImageSearch(std::vector<Features> images, int kept);
 
   std::optional<FoundImage> Find(const Features& query) const;

@@ -8,11 +8,11 @@
 namespace waystone::bench {
 
 // Writes an image graph as an SQLite file with the tables, blob encodings and page size that a map
-// has for the same things, without pictures, so that sizes compare. Replaces a file that is there.
-// Throws MapError(kFileUnwritable).
+// uses for the same things, without pictures, so that sizes are comparable. Replaces an existing
+// file. Throws MapError(kFileUnwritable).
 void WriteImageGraph(const ImageGraph& graph, const std::filesystem::path& path);
 
-// Throws MapError(kMapDamaged) for a file that it can't read.
+// Throws MapError(kMapDamaged) for a file that can't be read.
 ImageGraph ReadImageGraph(const std::filesystem::path& path);
 
 }  // namespace waystone::bench

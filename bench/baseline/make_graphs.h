@@ -12,7 +12,7 @@
 
 namespace waystone::bench {
 
-// Seconds on the clock, and of all cores together.
+// Seconds on the clock, and summed over all cores.
 struct Cost {
   double wall_s = 0;
   double cpu_s = 0;
@@ -28,7 +28,7 @@ struct GraphFigures {
   Cost whole;  // from images to the file
 };
 
-// Both graphs of a scene, as read back from their files, which are without pictures.
+// Both graphs of a scene, as read back from their files, which have no pictures.
 struct Graphs {
   GraphFigures planes;
   GraphFigures images;
@@ -40,7 +40,7 @@ struct Graphs {
 };
 
 // Builds both graphs over the same keyframes on the threads of the calling arena, measures both and
-// writes them into `folder`, which is empty.
+// writes them into `folder`, which must be empty.
 Graphs MakeGraphs(const Scene& scene, const BuildOptions& options,
                   const std::filesystem::path& folder);
 

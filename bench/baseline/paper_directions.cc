@@ -29,7 +29,7 @@ std::vector<Eigen::Vector3d> LongestNormals(std::span<const GreatCircle> lines, 
   return normals;
 }
 
-// All putative vanishing points with their votes, the most voted first.
+// All putative vanishing points with their votes, most votes first.
 std::vector<VotedPoint> VoteForPoints(const std::vector<Eigen::Vector3d>& normals,
                                       double max_error_rad) {
   const double bound = std::sin(max_error_rad);

@@ -43,7 +43,7 @@ std::vector<int> FindInliers(const MatchedRays& rays, const Motion& motion, doub
   return inliers;
 }
 
-// Whether the point that both rays see lies ahead on both.
+// Whether the point that both rays see lies ahead in both views.
 bool IsAhead(const Motion& motion, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const Eigen::Vector3d ra = motion.b_from_a * a;
   const Eigen::Vector3d parallax = ra.cross(b);

@@ -16,7 +16,7 @@
 
 namespace waystone::bench {
 
-// What a graph answered to a query, as far as the truth wants to know it.
+// What a graph answered to a query, as far as it can be compared with the truth.
 struct SceneAnswer {
   int image_frame = 0;      // number of the map's frame that was named as the place
   int reference_frame = 0;  // of the one that the matches lead to
@@ -27,8 +27,8 @@ struct SceneAnswer {
   int reference_width = 0;  // px, of that working image
 };
 
-// A pixel of a working image that is `width` wide, in the image of `image_width` that it was made
-// of.
+// A pixel of a working image of width `width`, in the image of width `image_width` from which it
+// was made.
 Eigen::Vector2d InImage(const Eigen::Vector2d& x, int width, int image_width);
 
 // The points moved by a homography.
@@ -51,11 +51,11 @@ class Scene {
   // An image as a client would have it; decoding is part of a query's time.
   virtual cv::Mat Decode(int query) const = 0;
   virtual bool IsRight(int query, const SceneAnswer& answer) const = 0;
-  // What IsRight asks, in one line.
+  // What IsRight checks, in one line.
   virtual std::string Criterion() const = 0;
 };
 
-// Points whose truth is known that a median error needs.
+// The number of points with known truth that a median error needs.
 inline constexpr size_t kMinJudged = 5;
 
 // Median distance, px, at which an answer still counts as right.
@@ -79,8 +79,8 @@ std::unique_ptr<Scene> OpenRgbdScene(const std::string& folder, const Range& map
 std::unique_ptr<Scene> OpenPhotoScene(const std::filesystem::path& folder,
                                       const SceneLimits& limits);
 
-// Median distance, px, of an answer's inliers from where the rendered planes that they are on put
-// them; nothing with fewer than kMinJudged of them.
+// Median distance, px, of an answer's inliers from where the rendered planes they are on put them;
+// nothing with fewer than kMinJudged of them.
 std::optional<double> WorldError(const World& world, const Camera& camera,
                                  const RenderedFrame& query,
                                  const Eigen::Isometry3d& world_from_query,
@@ -104,7 +104,7 @@ struct PhotoPose {
   std::string image;
   PosedCamera camera;
 };
-// Throws MapError(kFileUnreadable) for a line with fewer or more cells.
+// Throws MapError(kFileUnreadable) for a line with too few or too many cells.
 std::vector<PhotoPose> ReadPhotoPoses(const std::filesystem::path& folder);
 
 // Median distance of x_b to the epipolar lines of x_a, px; infinite when fewer than half of the

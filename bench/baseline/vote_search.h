@@ -10,18 +10,18 @@
 
 namespace waystone::bench {
 
-// Image search as a short program does it, to measure against: every feature of a query votes for
-// the image of its nearest feature, the five images with the most votes are matched with the query
+// Image search as in a short program, to measure against: every feature of a query votes for the
+// image of its nearest feature, the five images with the most votes are matched with the query
 // (nearest by ratio 0.8, mutual and one to one), and it is found in the one with the most inliers
-// of a homography (OpenCV's MAGSAC, 3 px), if these are 15 at least.
+// of a homography (OpenCV's MAGSAC, 3 px), if there are at least 15.
 class VoteSearch {
  public:
-  // All of one type. Votes are exact, or found through lists as a map's are, `probes` of them for
-  // each feature; 0 for exact.
+  // Images of one feature type. Votes are exact with `probes` 0; otherwise they are found through
+  // lists like a map's, `probes` of them for each feature.
   VoteSearch(std::vector<Features> images, int probes);
 
   std::optional<FoundImage> Find(const Features& query) const;
-  // Of descriptors and positions (two bytes a coordinate), without any structure for searching.
+  // Of descriptors and positions (two bytes per coordinate), without any search structure.
   int64_t CountBytes() const;
 
  private:

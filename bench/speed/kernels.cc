@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// waystone-speed: time of the functions that queries and builds spend theirs in, by Google
-// Benchmark. `waystone-speed --benchmark_filter=Compass` runs some of them alone.
+// waystone-speed: times of the functions in which queries and builds spend most of theirs, by
+// Google Benchmark. `waystone-speed --benchmark_filter=Compass` runs some of them.
 #include <benchmark/benchmark.h>
 
 #include <numbers>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// node measure_page.mjs URL: how soon the page served at URL can be used, and how many frames a
-// second the graph of its first map is drawn at while it is dragged. Prints one line of JSON.
+// node measure_page.mjs URL: how soon the page served at URL can be used, and at how many frames
+// per second the graph of its first map is drawn while it is dragged. Prints one line of JSON.
 import { createRequire } from "node:module";
 
 const require = createRequire(new URL("../../server/web/", import.meta.url));
@@ -36,7 +36,7 @@ async function firstView() {
     const page = await context.newPage();
     await page.goto(`${url}/`, { waitUntil: "commit" });
     times.push(await drawnAfter(page, ".chooser"));
-    await page.waitForLoadState("networkidle"); // sizes are known of what has been loaded only
+    await page.waitForLoadState("networkidle"); // only what has been loaded has known sizes
     bytes.push(await page.evaluate(() => performance.getEntries()
       .reduce((sum, e) => sum + (e.encodedBodySize ?? 0), 0)));
     await context.close();
@@ -44,7 +44,7 @@ async function firstView() {
   return { first_view_ms: Math.round(median(times)), first_view_bytes: median(bytes) };
 }
 
-// Frames a second while the graph is dragged about.
+// Frames per second while the graph is dragged about.
 async function dragged(page) {
   const box = await page.locator(".graph .canvas").boundingBox();
   await page.getByRole("button", { name: "Fit" }).click(); // the last drag threw it off

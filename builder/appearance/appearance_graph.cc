@@ -77,7 +77,7 @@ class GraphMaker {
     return edge;
   }
 
-  // Where in kept_ the kept panorama of the same sequence is that is nearest in it.
+  // The index in kept_ of the nearest kept panorama of the same sequence.
   int NearestKept(int i) const {
     const auto after = std::lower_bound(kept_.begin(), kept_.end(), i);
     const int next = static_cast<int>(after - kept_.begin());
@@ -102,7 +102,7 @@ class GraphMaker {
     }
   }
 
-  // Loops of dropped panoramas go over to the kept ones beside them.
+  // Loops of dropped panoramas are transferred to the kept ones next to them.
   void AddLoop(const PanoramaRelation& loop, Relations& edges) const {
     const int a = NearestKept(loop.a);
     const int b = NearestKept(loop.b);

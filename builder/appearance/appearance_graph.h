@@ -6,7 +6,7 @@
 #include "builder/appearance/appearance_layer.h"
 #include "builder/appearance/panorama_poses.h"
 
-// Last step of the appearance layer: of panoramas with their poses become nodes and edges.
+// Last step of the appearance layer: makes nodes and edges from panoramas with their poses.
 namespace waystone {
 
 struct AppearanceGraph {
@@ -14,8 +14,8 @@ struct AppearanceGraph {
   std::vector<AppearanceSampleFrame> samples;
 };
 
-// Nodes, edges and the count of what was dropped; the panoramas' pictures and features move into
-// the nodes.
+// Nodes, edges and the number of dropped panoramas; the panoramas' pictures and features move into
+// the nodes. Deterministic; thread-safe.
 AppearanceGraph MakeAppearanceGraph(TakenPanoramas taken, const PanoramaPoses& poses,
                                     const AppearanceOptions& options);
 

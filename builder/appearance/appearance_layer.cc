@@ -9,8 +9,8 @@
 namespace waystone {
 namespace {
 
-// A chain of headings is no better than its doubtful ones: with each tenth step in doubt only
-// 0.9^20 = 12 % of the stretches of twenty have none.
+// A chain of headings is no better than its doubtful ones: with one step in ten doubtful, only
+// 0.9^20 = 12 % of the runs of twenty steps have none.
 constexpr double kDoubtfulShare = 0.1;
 
 const AppearanceOptions& Checked(const AppearanceOptions& options) {

@@ -11,17 +11,17 @@
 
 namespace waystone {
 
-// What the building of the layer did. Skipped frames are no usable panoramas.
+// What building the layer did. Skipped frames are not usable panoramas.
 struct AppearanceReport : FrameReport {
   int panoramas = 0;
-  int steps = 0;            // from a panorama to the next
+  int steps = 0;            // from one panorama to the next
   int uncertain = 0;        // of them, those whose heading is uncertain
-  int loop_candidates = 0;  // that the compass was asked about
+  int loop_candidates = 0;  // given to the compass
   int loops_certain = 0;    // of them, with a certain heading
   int loops_supported = 0;  // of them, that neighbours agree with
   int loops_rejected = 0;   // of them, that don't fit the graph
   int dropped = 0;          // redundant panoramas
-  // A pose a panorama, also those that were dropped, by odometry alone and in the end.
+  // One pose per panorama, including dropped ones, by odometry only and in the end.
   std::vector<Pose2> odometry;
   std::vector<Pose2> poses;
   double odometry_s = 0;
@@ -29,8 +29,8 @@ struct AppearanceReport : FrameReport {
   double graph_s = 0;
   double calibrate_s = 0;  // of the verdict, by BuildMap
 
-  // Whether so many steps are uncertain that the trajectory can't be relied on: rooms are too small
-  // for the steps, or panoramas too dark, too plain or too far apart.
+  // Whether so many steps are uncertain that the trajectory is unreliable: rooms are too small for
+  // the steps, or panoramas too dark, too plain or too far apart.
   bool IsTrajectoryDoubtful() const;
 };
 
@@ -46,10 +46,10 @@ struct AppearanceSampleFrame {
 
 // The appearance layer of sequences of panoramas (Fernandez et al. 2011): signatures (eq. 1),
 // odometry (eqs. 2 to 5), loop closure, pose graph, and redundant nodes left out. Sequences are
-// tied together by the loops between them; one without any is laid out below the others. The
-// layer's unit of length is that of eq. (2): how many metres it is isn't known. Frames that can't
-// be used (not decodable, of another size, all black, no panorama) are skipped. The layer doesn't
-// depend on the number of threads.
+// connected by the loops between them; one without any is laid out below the others. The layer's
+// unit of length is that of eq. (2): its length in metres isn't known. Frames that can't be used
+// (not decodable, of another size, all black, no panorama) are skipped. The layer doesn't depend on
+// the number of threads.
 class AppearanceLayerBuilder : public LayerBuilder {
  public:
   // Throws MapError(kBadOptions).
@@ -66,7 +66,8 @@ class AppearanceLayerBuilder : public LayerBuilder {
   void Finish(MapData& map, ProgressReporter& progress) override;
 
   const AppearanceReport& report() const { return report_; }
-  // Panoramas whose features stayed whole, for calibration; after Finish. AddNodePoses moves them.
+  // Panoramas that kept all of their features, for calibration; valid after Finish. AddNodePoses
+  // changes their poses.
   std::vector<AppearanceSampleFrame>& samples() { return samples_; }
 
  private:

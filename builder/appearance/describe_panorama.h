@@ -18,11 +18,10 @@ namespace waystone {
 // What is taken from each panorama.
 struct DescribeOptions {
   PanoramaOptions panorama;
-  // Half of the rows that a signature has by itself: what they take of a node's 20 KB, features use
-  // better.
+  // Half of the default number of rows: features make better use of their share of a node's 20 KB.
   SignatureOptions signature{.rows = 32};
   int trajectory_rows = 64;
-  // Features are taken from whole spheres alone: a mirror's image or a rig without its upper and
+  // Features are taken only from whole spheres: a mirror's image or a rig without its upper and
   // lower face gives none.
   NodeFeatureOptions features;
   int image_width = 128;
@@ -50,12 +49,12 @@ struct DescribedPanorama : Observation {
   FourierSignature signature;
   FourierSignature trajectory_signature;  // the same with trajectory_rows
   ElevationBand band;                     // that the signature's rows span
-  std::optional<LayerMirror> mirror;      // that the image was unwrapped by
+  std::optional<LayerMirror> mirror;      // by which the image was unwrapped
   BearingFeatures features;
   std::vector<uint8_t> picture;
 };
 
-// Describes one frame; one that is no usable panorama comes with its error. Thread-safe.
+// Describes one frame; one that isn't a usable panorama is returned with its error. Thread-safe.
 std::unique_ptr<DescribedPanorama> DescribePanorama(const Frame& frame,
                                                     const DescribeOptions& options);
 

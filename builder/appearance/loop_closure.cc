@@ -15,12 +15,12 @@
 namespace waystone {
 namespace {
 
-constexpr int kUsualSamples = 64;  // panoramas whose distances tell what is usual
+constexpr int kUsualSamples = 64;  // panoramas from whose distances the usual one is taken
 constexpr double kLeastSigma = 1e-6;
 
 using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// A row a panorama: its magnitudes of the lowest frequencies.
+// One row per panorama: its magnitudes of the lowest frequencies.
 Matrix LowMagnitudes(const std::vector<FourierSignature>& signatures, int k1) {
   const Eigen::Index columns = std::min<Eigen::Index>(k1, signatures[0].magnitudes.cols());
   const Eigen::Index rows = signatures[0].magnitudes.rows();
@@ -72,8 +72,8 @@ class Closer {
     return stretch_of_[a] != stretch_of_[b] || std::abs(a - b) >= options_.min_gap;
   }
 
-  // What a panorama's mean distance of landmarks is in the unit of the trajectory: the median over
-  // the steps near it, for single ones are noisy. 0 where no step tells.
+  // The mean distance of a panorama's landmarks in the unit of the trajectory: the median over the
+  // steps near it, since single ones are noisy. 0 where no step gives it.
   void FindUnits() {
     units_.assign(size(), 0);
     for (size_t s = 0; s < stretches_.size(); ++s) {
@@ -93,12 +93,12 @@ class Closer {
     }
   }
 
-  // Of a panorama to all before it.
+  // The distances of a panorama to all before it.
   Eigen::RowVectorXf DistancesOf(int b) const {
     const Eigen::RowVectorXf dots = low_.row(b) * low_.topRows(b).transpose();
     return (squares_.head(b).transpose().array() + squares_(b) - 2 * dots.array())
         .max(0)
-        // Not Eigen's root, which begins with what the processor guesses: processors differ.
+        // Not Eigen's square root, which starts from the processor's estimate: processors differ.
         .unaryExpr([](float square) { return std::sqrt(square); })
         .matrix();
   }
@@ -141,7 +141,7 @@ class Closer {
     return pairs;
   }
 
-  // What the compass is certain of.
+  // The relations of which the compass is certain.
   std::vector<PanoramaRelation> Compare(const std::vector<std::pair<int, int>>& pairs) {
     std::vector<std::optional<PanoramaRelation>> relations(pairs.size());
     tbb::parallel_for(size_t{0}, pairs.size(), [&](size_t i) {
@@ -181,7 +181,7 @@ class Closer {
 
   double StepOf(int i) const { return trajectories_[stretch_of_[i]].mean_step; }
 
-  // How many others of the neighbourhood in both passes say the same.
+  // How many other relations in the neighbourhood of both panoramas agree.
   int Supporters(const PanoramaRelation& r, const std::vector<PanoramaRelation>& all) const {
     const auto is_near = [&](int i, int j) {
       return stretch_of_[i] == stretch_of_[j] && std::abs(i - j) <= options_.neighbourhood;

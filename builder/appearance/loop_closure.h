@@ -70,7 +70,7 @@ struct LoopOptions {
 struct LoopClosure {
   std::vector<PanoramaRelation> loops;  // verified, ascending by (a, b)
   std::vector<PoseEdge> edges;          // of each
-  int candidates = 0;                   // that the compass was asked about
+  int candidates = 0;                   // given to the compass
   int certain = 0;                      // of them, with a certain heading and a known step
 };
 
@@ -82,10 +82,10 @@ struct PanoramaStretch {
 
 // Finds loops within and between stretches, whose odometry is `trajectories`. A loop is verified in
 // three ways: the compass must fit a small motion between the two panoramas with a certain heading;
-// neighbours of both must say the same of each other (odometry between them); and whoever optimises
-// the graph rejects what doesn't fit the rest. The length of a loop is the compass's step over the
-// landmarks' distance in the unit of the steps near it. `odometry` brings the compass;
-// `before_each` is as for FollowPanoramas. The same for any number of threads.
+// neighbours of both must agree with it (by the odometry between them); and the optimisation of the
+// graph rejects what doesn't fit the rest. The length of a loop is the compass's step over the
+// landmarks' distance in the unit of the steps near it. `odometry` has the compass options;
+// `before_each` is as for FollowPanoramas. Deterministic on any number of threads (it uses TBB's).
 LoopClosure CloseLoops(const std::vector<FourierSignature>& signatures, const ElevationBand& band,
                        const std::vector<PanoramaStretch>& stretches,
                        const std::vector<VisualOdometry>& trajectories,

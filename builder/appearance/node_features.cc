@@ -17,7 +17,7 @@ int FindSector(const Eigen::Vector3d& ray, int sectors) {
   return ray.y() < 0 ? around : sectors + around;
 }
 
-// Rows by how much they are worth: found again most often first, then the strongest of each camera.
+// Rows by usefulness: those found again most often first, then the strongest of each camera.
 std::vector<int> Ranked(const BearingFeatures& features, const std::vector<int>& found) {
   std::map<int, int> seen;  // features of each camera so far; they come strongest first
   std::vector<std::tuple<int, int, int>> order;
@@ -30,7 +30,7 @@ std::vector<int> Ranked(const BearingFeatures& features, const std::vector<int>&
   return rows;
 }
 
-// The best rows, of no sector more than its share before the others had theirs; ascending.
+// The best rows, with no sector exceeding its share before the others have theirs; ascending.
 std::vector<int> Spread(const BearingFeatures& features, const std::vector<int>& ranked,
                         const NodeFeatureOptions& options) {
   const int share =

@@ -9,7 +9,7 @@
 
 namespace waystone {
 
-// What of a panorama is kept to verify answers with.
+// Which features of a panorama are kept for verifying answers.
 struct NodeFeatureOptions {
   int max_kept = 255;
   int sectors = 16;
@@ -36,10 +36,10 @@ struct NodeFeatureOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Chooses among a sequence's panoramas' features, one panorama after the other: those that were
-// found again in the panoramas before and after are worth keeping, for a query finds them again
-// too. Among equals the strongest, spread around the horizon. Holds one panorama's features at a
-// time. Not thread-safe. Deterministic.
+// Chooses among the features of a sequence's panoramas, one panorama after the other: those that
+// were found again in the panoramas before and after are worth keeping, since a query is likely to
+// find them too. Among equals the strongest, spread around the horizon. Holds one panorama's
+// features at a time. Not thread-safe. Deterministic.
 class NodeFeatureChooser {
  public:
   explicit NodeFeatureChooser(const NodeFeatureOptions& options) : options_(options) {}
@@ -47,7 +47,7 @@ class NodeFeatureChooser {
   // The next panorama of the sequence, which may have no features. Gives what is kept of the one
   // before it; nothing for the first.
   NodeFeatures Next(BearingFeatures features);
-  // What is kept of the last one. The next panorama begins another sequence.
+  // What is kept of the last panorama. The next one begins another sequence.
   NodeFeatures Last();
 
  private:

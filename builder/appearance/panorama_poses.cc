@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kGapSteps = 5;  // between sequences that nothing ties together
 
-// The poses of panoramas, by odometry and then by all that ties them together.
+// The poses of panoramas, first by odometry and then by odometry and loops together.
 class PoseEstimator {
  public:
   PoseEstimator(const TakenPanoramas& taken, const AppearanceOptions& options,
@@ -54,7 +54,7 @@ class PoseEstimator {
     result_.loops_s = SecondsSince(start);
   }
 
-  // Start of the optimisation: each sequence where its surest loop to those before it puts it.
+  // Start of the optimisation: each sequence is placed by its surest loop to those before it.
   void LayOut() {
     double lowest = 0;
     for (size_t s = 0; s < taken_.stretches.size(); ++s) {
@@ -81,7 +81,7 @@ class PoseEstimator {
     return top;
   }
 
-  // The loop of the least sigma from a sequence before it.
+  // The loop with the least sigma to an earlier sequence.
   const PanoramaRelation* SurestTie(int s) const {
     const PanoramaRelation* surest = nullptr;
     for (const PanoramaRelation& loop : result_.closure.loops) {
@@ -123,7 +123,7 @@ class PoseEstimator {
     result_.graph_s = SecondsSince(start);
   }
 
-  // What tells the stage again on the way, from whichever of its threads, and may stop it.
+  // A callback that reports the stage again, from any of its threads, and may stop it.
   std::function<void()> Reporting(const std::string& stage, int done, int total) {
     return [this, stage, done, total] { progress_.Report(stage, done, total); };
   }

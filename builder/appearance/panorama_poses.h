@@ -9,13 +9,13 @@
 
 namespace waystone {
 
-// Where panoramas were taken, and what says so.
+// Where panoramas were taken, and the evidence for it.
 struct PanoramaPoses {
   std::vector<VisualOdometry> trajectories;  // of each stretch
   LoopClosure closure;                       // with the loops that fit the graph
-  std::vector<Pose2> odometry;               // layer_from_panorama, by odometry alone
+  std::vector<Pose2> odometry;               // layer_from_panorama, by odometry only
   std::vector<Pose2> poses;                  // layer_from_panorama, in the end
-  int steps = 0;                             // from a panorama to the next
+  int steps = 0;                             // from one panorama to the next
   int uncertain = 0;                         // of them, those with an uncertain heading
   int loops_rejected = 0;                    // that don't fit the graph
   double odometry_s = 0;
@@ -23,8 +23,8 @@ struct PanoramaPoses {
   double graph_s = 0;
 };
 
-// The poses of panoramas, by odometry and then by all that ties them together. Reports the stages
-// "odometry", "loops" and "poses". Deterministic on any number of threads.
+// The poses of panoramas, first by odometry and then by odometry and loops together. Reports the
+// stages "odometry", "loops" and "poses". Deterministic on any number of threads.
 PanoramaPoses EstimatePanoramaPoses(const TakenPanoramas& taken, const AppearanceOptions& options,
                                     ProgressReporter& progress);
 

@@ -7,7 +7,7 @@
 namespace waystone {
 namespace {
 
-// Longer runs are too costly to try, and interpolation over them says nothing.
+// Longer runs are too costly to try, and interpolation over them is meaningless.
 constexpr int kLongestRun = 64;
 
 class Keeper {
@@ -24,7 +24,7 @@ class Keeper {
     }
   }
 
-  // The panorama to keep after `from`: the last one that all between can be interpolated to.
+  // The panorama to keep after `from`: the last one such that all between can be interpolated.
   int NextAfter(int from, int last) const {
     int next = from + 1;
     for (int to = from + 2; to <= std::min(last, from + kLongestRun); ++to) {

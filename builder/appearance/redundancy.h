@@ -24,7 +24,8 @@ struct RedundancyOptions {
 };
 
 // Which panoramas of the stretches are kept; the ends of each stretch always are. Greedy along the
-// way: as many in a row are left out as all lose max_loss at most. `poses` give the trajectory.
+// way: leaves out as many in a row as can be interpolated with a loss of at most max_loss each.
+// `poses` give the trajectory. Pure; thread-safe.
 std::vector<bool> KeepInformative(const std::vector<FourierSignature>& signatures,
                                   const std::vector<Pose2>& poses,
                                   const std::vector<PanoramaStretch>& stretches,

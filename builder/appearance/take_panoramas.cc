@@ -54,7 +54,7 @@ void PanoramaTaker::TakeFeatures(BearingFeatures features) {
   if (!is_first) taken_.frames.back().kept = std::move(before);
 }
 
-// Every other one, from now on as well.
+// Keeps every other sample, and takes them half as often from now on.
 void PanoramaTaker::ThinSamples() {
   stride_ *= 2;
   std::erase_if(taken_.samples,

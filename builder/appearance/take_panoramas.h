@@ -11,7 +11,7 @@
 // First step of the appearance layer: described panoramas are collected.
 namespace waystone {
 
-// What stays of a frame, besides what its trajectory is measured by, until the nodes are made.
+// What is kept of a frame, besides the signature for its trajectory, until the nodes are made.
 struct TakenFrame {
   FrameInfo info;
   FourierSignature signature;
@@ -19,7 +19,7 @@ struct TakenFrame {
   NodeFeatures kept;
 };
 
-// A panorama whose features stay whole.
+// A panorama that keeps all of its features.
 struct TakenSample {
   int panorama = 0;
   BearingFeatures features;
@@ -27,7 +27,7 @@ struct TakenSample {
 
 // The usable panoramas of all sources, one after the other.
 struct TakenPanoramas {
-  std::vector<FourierSignature> signatures;  // by which odometry and loops are measured
+  std::vector<FourierSignature> signatures;  // from which odometry and loops are measured
   std::vector<TakenFrame> frames;
   std::vector<PanoramaStretch> stretches;  // of each sequence
   std::vector<SequenceId> sequences;
@@ -62,7 +62,7 @@ class PanoramaTaker {
 
   const AppearanceOptions& options_;
   NodeFeatureChooser chooser_;
-  int stride_ = 1;    // one in so many panoramas is a sample
+  int stride_ = 1;    // every stride-th panorama is a sample
   std::string name_;  // of the sequence
   TakenPanoramas taken_;
 };

@@ -9,7 +9,7 @@
 #include "core/panorama/visual_compass.h"
 #include "core/pose_graph/pose_graph.h"
 
-// Where a panoramic camera went, from signatures alone (Fernandez et al. 2011, sec. IV-A).
+// Where a panoramic camera went, from signatures only (Fernandez et al. 2011, sec. IV-A).
 namespace waystone {
 
 // How steps and headings are estimated.
@@ -67,13 +67,13 @@ double SignatureDistance(const FourierSignature& a, const FourierSignature& b, i
 
 // The trajectory of a camera that took these panoramas one after the other, in the unit of eq. (2).
 // A step is D long (eq. 2). The paper's robot looks where it goes, so its steps go along the
-// heading (eqs. 3 and 4); here they go where the compass saw the camera go, for cameras need not
-// look along their trajectory, and along the middle of the turn only where it could not tell. A
-// camera that stood still (small motion without a direction) didn't move, though noise gives it a
-// distance. Headings add up (eq. 5), and those over longer spans correct the sum (least squares).
-// `before_each`, where given, is called before each comparison, from any thread and by several at a
-// time; what it throws ends the work and is passed on.
-// The same for any number of threads. Signatures of one size (CheckFailure).
+// heading (eqs. 3 and 4); here they go in the direction of motion that the compass found, since
+// cameras need not look along their trajectory, and along the mean of both headings only where it
+// found none. A camera that stood still (small motion without a direction) didn't move, though
+// noise gives it a distance. Headings add up (eq. 5), and those over longer spans correct the sum
+// (least squares). `before_each`, where given, is called before each comparison, from any thread
+// and by several at a time; what it throws ends the work and is passed on.
+// The same for any number of threads. The signatures have one size (CheckFailure).
 VisualOdometry FollowPanoramas(const std::vector<FourierSignature>& signatures,
                                const ElevationBand& band, const VisualOdometryOptions& options = {},
                                const std::function<void()>& before_each = {});

@@ -19,7 +19,7 @@
 namespace waystone {
 namespace {
 
-// Places of the map by how it was driven: nodes that follow each other, or that a loop joins, are
+// Places of the map by its graph: nodes that follow each other, or that a loop joins, are
 // neighbours however far the odometry drifted between them. Floors lie above each other.
 class Surroundings {
  public:
@@ -37,7 +37,7 @@ class Surroundings {
   }
 
   // Which nodes are within `radius` of where the query was taken, on its floor, or within `steps`
-  // edges of the node that it is.
+  // edges of its own node.
   std::vector<bool> Within(const AppearanceCalibrationQuery& query, double radius,
                            int steps) const {
     std::vector<bool> within;
@@ -84,7 +84,7 @@ std::optional<BestAnswer> AskBest(const MapIndex& index, const PanoramaQuery& qu
 }
 
 // The answer to a panorama of the map without the nodes within `blank` spacings: right near where
-// it was taken, wrong elsewhere. Nothing in between, where neither can be said.
+// it was taken, wrong elsewhere. Nothing in between, where it is neither.
 std::optional<AppearanceSample> AskWithout(const MapIndex& index, const Surroundings& surroundings,
                                            const AppearanceCalibrationQuery& query, double blank,
                                            const AppearanceCalibrationOptions& options) {
@@ -106,9 +106,9 @@ std::optional<AppearanceSample> AskOutside(const MapIndex& index, const Panorama
   return AppearanceSample{best->evidence, false};
 }
 
-// Whether answers that any map would be sure of are right by this map's poses, `samples` being
-// those for panoramas whose neighbours are in the map. Where they aren't, its trajectory is too
-// wrong to tell right answers from wrong ones.
+// Whether answers of which any map would be sure are right by this map's poses; `samples` are those
+// for panoramas whose neighbours are in the map. Otherwise its trajectory is too wrong to
+// distinguish right from wrong answers.
 bool PosesTellWhatIsRight(const std::vector<AppearanceSample>& samples, bool verified,
                           const AppearanceCalibrationOptions& options) {
   const AppearanceVerdict model = DefaultVerdict(verified);

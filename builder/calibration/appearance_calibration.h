@@ -52,32 +52,32 @@ struct AppearanceCalibrationOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// A panorama of which the truth is known.
+// A panorama whose true pose is known.
 struct AppearanceCalibrationQuery {
   PanoramaQuery query;
   Pose2 truth;      // in the layer's frame
-  int node = -1;    // the layer's node that it is; -1 where it was left out as redundant
-  int beside = -1;  // a node on its floor: itself, or the nearest of its sequence; -1: not known
+  int node = -1;    // its node in the layer; -1 where it was left out as redundant
+  int beside = -1;  // a node on its floor: itself, or the nearest of its sequence; -1: unknown
 };
 
-// The model of one kind of answers, verified by features or by appearance alone as the queries ask
-// for, fitted to answers of the map itself: each query is asked for without the nodes around it, by
-// the options' radii, where the answer is right or wrong by its distance (in poses or edges). The
-// default model where sure answers contradict the map's poses. `outside` are panoramas
-// of what the map doesn't show. Samples of the other kind are left out. `before_each`, where given,
-// is called before each query, from any thread and by several at a time; what it throws ends the
-// fit. Throws MapError(kBadOptions); the map has an appearance layer (WS_CHECK). Deterministic on
-// any number of threads.
+// The model for one kind of answers (verified by features, or by appearance only), fitted to
+// answers of the map itself: each query is localized without the nodes within the options' radii
+// around it, and the answer is right or wrong by its distance (in poses or edges). The default
+// model where sure answers contradict the map's poses. `outside` are panoramas of places that the
+// map doesn't show. Samples of the other kind are left out. `before_each`, where given, is called
+// before each query, from any thread and by several at a time; what it throws ends the fit. Throws
+// MapError(kBadOptions); the map has an appearance layer (WS_CHECK). Deterministic on any number of
+// threads.
 AppearanceVerdict CalibrateAppearance(const MapIndex& index,
                                       const std::vector<AppearanceCalibrationQuery>& queries,
                                       const std::vector<PanoramaQuery>& outside, bool verified,
                                       const AppearanceCalibrationOptions& options = {},
                                       const std::function<void()>& before_each = {});
 
-// Fits the models of the map's appearance layer, of answers by appearance alone and, where the
-// nodes keep features, of verified ones, to `samples` and to rendered negatives. Returns how many
-// of the samples the map finds; models that lose more than 1 % of them are replaced by the default
-// ones. Reports the stage "calibration".
+// Fits the models of the map's appearance layer, for answers by appearance only and, where the
+// nodes keep features, for verified ones, to `samples` and to rendered negatives. Returns how many
+// of the samples the map recognises; models that lose more than 1 % of them are replaced by the
+// default ones. Reports the stage "calibration".
 OwnImages CalibrateAppearanceLayer(MapData& map, const std::vector<AppearanceSampleFrame>& samples,
                                    const AppearanceCalibrationOptions& options,
                                    ProgressReporter& progress);

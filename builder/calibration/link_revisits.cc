@@ -17,12 +17,12 @@
 namespace waystone {
 namespace {
 
-// More likely than not: enough of a place that was passed just before or after, which most images
+// More likely than not: enough for a place that was passed just before or after, which most images
 // show again.
 constexpr double kProbable = 0.5;
 
-// What an image shows of places that were passed earlier, and of neighbours: those that were passed
-// just before or after, in another stretch. Keyframes are indices in the map's keyframes.
+// What an image shows of earlier places, and of neighbours: places passed just before or after it,
+// in another stretch. Keyframes are indices in the map's keyframes.
 struct FoundAgain {
   int own = 0;
   std::vector<int> neighbours;  // more likely than not
@@ -112,7 +112,7 @@ class Linker {
     return std::ranges::all_of(places, [&](int place) { return near.contains(place); });
   }
 
-  // Whether the image before or after it was found near the place, too, or just before or after it.
+  // Whether the image before or after it was also found near the place, or just before or after it.
   bool IsConfirmed(size_t image, int place) const {
     const std::set<int> near = KeyframesNear(index_, linked_, place);
     const auto confirms = [&](size_t other) {
@@ -136,7 +136,7 @@ class Linker {
 int LinkRevisits(const std::vector<SampledKeyframe>& images, const PlaneQueryOptions& options,
                  MapData& map, ProgressReporter& progress) {
   const auto index = MapIndex::Build(CopyPlanes(map));
-  if (!index->HasLandmarks()) return 0;  // answered by its planes alone
+  if (!index->HasLandmarks()) return 0;  // answered only by its planes
   const auto count = static_cast<int>(images.size());
   std::vector<FoundAgain> found(images.size());
   std::atomic<int> done = 0;

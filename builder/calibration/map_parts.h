@@ -3,13 +3,13 @@
 
 #include "schema/map_data.h"
 
-// Parts of a map that are asked while it is built or joined.
+// Parts of a map that are queried while it is built or joined. Thread-safe.
 namespace waystone {
 
-// The map as far as its planes are asked for, without the pictures of keyframes.
+// What queries of the map's planes need, without the pictures of keyframes.
 MapData CopyPlanes(const MapData& map);
 
-// The map as far as its panoramas are asked for, without their pictures.
+// What queries of the map's panoramas need, without their pictures.
 MapData CopyPanoramas(const MapData& map);
 
 }  // namespace waystone

@@ -18,12 +18,12 @@ namespace waystone {
 namespace {
 
 constexpr int kFewestAnswers = 8;
-// The share of errors within one standard deviation of a normal distribution, and what as many of
-// chi-squared are within with two degrees of freedom; it is 1 with one. Errors of places have long
-// tails: by their median, which half of them tells, answers were called twice as sure.
+// The share of errors within one standard deviation of a normal distribution, and the quantile of
+// chi-squared with two degrees of freedom for the same share (with one it is 1). Position errors
+// have long tails: calibrated by their median, answers appeared twice as sure.
 constexpr double kWithinOneSigma = 0.683;
 constexpr double kChi2By2 = 2.297;
-// At least, so that covariances can be inverted: where all cameras are at one height, errors of
+// Lower bounds, so that covariances can be inverted: where all cameras are at one height, errors of
 // heights are 0. Shares of the spacing, and rad.
 constexpr double kLeastHeightSpacings = 1e-3;
 constexpr double kLeastTilt_rad = 1e-3;
@@ -31,10 +31,10 @@ constexpr double kLeastFactor = 0.1;
 
 // How far an answer is from the given pose: squares.
 struct NodeError {
-  double on_ground2 = 0;  // over what the answer says of itself; two degrees of freedom
+  double on_ground2 = 0;  // over the answer's own variance; two degrees of freedom
   double height2 = 0;
   double heading2 = 0;
-  double heading_variance = 0;  // that the answer says of itself
+  double heading_variance = 0;  // the answer's own
   double tilt2 = 0;             // two degrees of freedom
 };
 
@@ -76,7 +76,7 @@ std::optional<NodeError> AskWithoutItself(const MapIndex& index,
   }
   const auto pose = EstimateNodePose(index, answer, {});
   if (!pose) return std::nullopt;
-  // A wrong place is a matter of the answer's probability.
+  // Wrong places are covered by the answer's probability.
   const double apart = (pose->frame_from_camera.translation() - given->position).norm();
   if (apart > options.elsewhere_spacings * index.appearance().spacing()) return std::nullopt;
   return CompareWithGiven(*index.horizontal(), *pose, *given);
@@ -88,14 +88,15 @@ double OneSigmaOf(const std::vector<NodeError>& all, double NodeError::*square) 
   return Quantile(std::move(squares), kWithinOneSigma);
 }
 
-// The standard deviation beside the answers' own with which as many headings are within both.
+// The additional standard deviation with which, together with the answers' own, that share of the
+// headings is within one sigma.
 double ExtraHeadingSigma(const std::vector<NodeError>& all) {
   std::vector<double> beyond;
   for (const NodeError& one : all) beyond.push_back(one.heading2 - one.heading_variance);
   return std::sqrt(std::max(0.0, Quantile(std::move(beyond), kWithinOneSigma)));
 }
 
-// Nothing where too few answers tell.
+// Nothing where there are too few answers.
 std::optional<NodePoseErrors> MeasureErrors(const MapIndex& index,
                                             const std::vector<AppearanceSampleFrame>& samples,
                                             bool verified, const PanoramaQueryOptions& options,

@@ -8,16 +8,18 @@
 #include "builder/planes/keyframe_sample.h"
 #include "localizer/options.h"
 
-// Whether a finished map finds the images that it was made of: the least that it has to do.
+// Whether a finished map recognises the images from which it was made: the least that it has to do.
+// Both run on TBB's threads; deterministic, thread-safe.
 namespace waystone {
 
-// Each sampled keyframe is asked for as a query image; found where the answer is localized at it or
-// near it (KeyframesAreNear). Costs about 30 ms a sample.
+// Queries the map with each sampled keyframe; it is found where the answer is localized at it or
+// near it (KeyframesAreNear). Takes about 30 ms per sample.
 OwnImages FindOwnKeyframes(const MapData& map, const std::vector<SampledKeyframe>& samples,
                            const LocalizeOptions& options);
 
 // The same for sampled panoramas that are nodes; found where the answer is localized at the node
-// itself. The map has an appearance layer (WS_CHECK).
+// itself or at one with an equal signature (in maps of several sessions). The map has an appearance
+// layer (WS_CHECK).
 OwnImages FindOwnPanoramas(const MapData& map, const std::vector<AppearanceSampleFrame>& samples,
                            const PanoramaQueryOptions& options);
 

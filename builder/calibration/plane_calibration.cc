@@ -25,8 +25,8 @@ Descriptor BytesOf(const Features& features, int row) {
           static_cast<size_t>(features.descriptors.bytes())};
 }
 
-// Of all planes. A query that has one of them as it is, is the image that it was taken from: the
-// map doesn't say from which keyframe each is.
+// The descriptors of all planes. A query with exactly one of these is the image from which it was
+// taken: the map doesn't record from which keyframe each is.
 std::unordered_set<Descriptor> DescriptorsInMap(const MapIndex& index) {
   std::unordered_set<Descriptor> all;
   for (int p = 0; p < static_cast<int>(index.map().planes.size()); ++p) {
@@ -51,7 +51,7 @@ Features WithoutThoseOf(const std::unordered_set<Descriptor>& in_map, const Feat
   return left;
 }
 
-// The same descriptors elsewhere: they match as well, and fit together by chance alone.
+// The same descriptors at other positions: they match as well, but fit only by chance.
 Features Scrambled(Features features, Random& random) {
   for (int i = features.size() - 1; i > 0; --i) {
     std::swap(features.keypoints[i], features.keypoints[random.Below(i + 1)]);
@@ -88,7 +88,7 @@ void AskRight(const MapIndex& index, const Features& query, KeyframeId keyframe,
   if (!places.empty()) samples.push_back({places.front().evidence, true});
 }
 
-// The place that fits best by chance, whether a gate would stop its planes or not.
+// The place that fits best by chance, even where a gate would stop its planes.
 void AskWrong(const MapIndex& index, const Features& query, const PlaneQueryOptions& options,
               std::vector<VerdictSample>& samples) {
   const std::vector<Place> places = GroupPlaces(index, TryAll(index, query, options), options);
@@ -105,7 +105,7 @@ std::vector<VerdictSample> Ask(const MapIndex& index, const std::unordered_set<D
   return samples;
 }
 
-// Gates open as far as they go: the model has to see what they would stop.
+// Opens the gates as far as possible: the model has to see what they would stop.
 CalibrationOptions WithOpenGates(CalibrationOptions options) {
   constexpr int kFewest = 5;  // four fit any homography
   options.localize.planes.gates.min_inliers = kFewest;

@@ -38,21 +38,21 @@ struct CalibrationOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// The model of the verdict, fitted to answers of the map itself. Each keyframe is asked for without
-// the features whose descriptors the map has as they are, which it took from that image (leave one
-// out): the place that it shows is a right one. Features that were described anew, as those of
-// stored pictures are (RecalibratePlaneLayer), differ from the map's and are all asked for.
-// The best plane for the same features with their positions exchanged is a wrong one: what matches
-// looks alike, but fits by chance alone; so is the best plane for each of `outside`, pictures of
-// what the map doesn't show (RenderedNegatives). Places elsewhere that fit are no wrong ones to
-// learn from: often they are the same surface, seen another time, and where they aren't the answer
-// is `ambiguous`. Deterministic on any number of threads.
+// The model of the verdict, fitted to answers of the map itself. Each keyframe is queried without
+// the features whose exact descriptors the map has, which it took from that image (leave one out):
+// the place that it shows is a right one. Features that were described anew, such as those of
+// stored pictures (RecalibratePlaneLayer), differ from the map's and are all used. The best plane
+// for the same features with their positions exchanged is a wrong one: its matches look alike, but
+// fit only by chance; so is the best plane for each of `outside`, pictures of what the map doesn't
+// show (RenderNegatives). Fitting places elsewhere aren't used as wrong ones: often they are the
+// same surface, seen another time, and otherwise the answer is `ambiguous`. Deterministic on any
+// number of threads.
 VerdictModel CalibrateVerdict(const MapIndex& index, const std::vector<SampledKeyframe>& queries,
                               const std::vector<Features>& outside,
                               const CalibrationOptions& options);
 
 // Fits the model of the map's planes to `samples` and to rendered negatives (MapData::verdict).
-// Keyframes without their pictures are copied, nothing else of the other layers.
+// Copies the keyframes without their pictures, and nothing of the other layers.
 void CalibratePlaneLayer(MapData& map, const std::vector<SampledKeyframe>& samples,
                          const FeatureOptions& features, const CalibrationOptions& options);
 

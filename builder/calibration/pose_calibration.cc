@@ -20,8 +20,8 @@ namespace {
 
 using Eigen::Isometry3d;
 
-// How far a keyframe's given pose is from that by the others, and what of it is expected: squares
-// of lengths, and traces of covariances.
+// How far a keyframe's given pose is from that by the other keyframes, and the expected difference:
+// squared lengths, and traces of covariances.
 struct Disagreement {
   double position2 = 0;
   double position_variance = 0;
@@ -29,7 +29,7 @@ struct Disagreement {
   double rotation_variance = 0;
 };
 
-// What a keyframe of the map shows of itself: rows of the index and their descriptors.
+// The features of a keyframe in the map: rows of the index and their descriptors.
 struct KeyframeRows {
   std::vector<int> rows;
   Descriptors descriptors;

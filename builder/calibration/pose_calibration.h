@@ -10,12 +10,12 @@
 
 namespace waystone {
 
-// How far the poses of a map's keyframes are from one another: those of the `samples` that have a
-// pose are posed by the features of the nearest others, those left out that are at most
-// `neighbours` keyframes away in their sequence, since a query comes at another time. What the
-// poses found and given differ by, beyond what their covariances explain, is the noise: errors that
-// all features of a keyframe share, and that the residuals of a query don't show. Nothing is
-// measured with fewer than 8 such keyframes. Deterministic on any number of threads.
+// How consistent the poses of a map's keyframes are: each of the `samples` with a pose is localized
+// by the features of the nearest other keyframes, without those at most `neighbours` keyframes away
+// in its sequence, since a query comes at another time. The difference between found and given
+// poses, beyond what their covariances explain, is the noise: errors that all features of a
+// keyframe share, and that a query's residuals don't show. Nothing is measured with fewer than 8
+// such keyframes. Deterministic on any number of threads.
 PoseNoiseReport MeasurePoseNoise(const MapData& map, const std::vector<SampledKeyframe>& samples,
                                  int neighbours, const PoseQueryOptions& options);
 

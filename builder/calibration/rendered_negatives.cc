@@ -16,7 +16,7 @@ namespace {
 constexpr uint64_t kSeed = 0x57415953544f4e45;  // of no building that users render
 
 // Pictures along a walk through the building, by a camera. A panorama's pixels are coarser than a
-// photo's, and so may the textures be.
+// photo's, so the textures may be, too.
 std::vector<cv::Mat> Pictures(int count, const Camera& camera, double texel_m) {
   std::vector<cv::Mat> pictures(count);
   if (count == 0) return pictures;
@@ -41,7 +41,7 @@ bool AreSame(const FeatureOptions& a, const FeatureOptions& b) {
       [&](const auto&... field) { return (... && (a.*field.member == b.*field.member)); });
 }
 
-// What was rendered last.
+// The last rendered features.
 struct LastNegatives {
   std::mutex mutex;
   int count = -1;

@@ -14,14 +14,15 @@
 namespace waystone {
 namespace {
 
-// Keyframes that are worth decoding, evenly spread: those of KeyframeSample, without features yet.
+// Keyframes to decode, evenly spread: those that KeyframeSample would choose, before they have
+// features.
 std::vector<const Keyframe*> ChoosePictures(const std::vector<Keyframe>& keyframes,
                                             int max_keyframes) {
   std::vector<const Keyframe*> with_picture;
   KeyframeSample sample(max_keyframes);
   for (const Keyframe& keyframe : keyframes) {
     if (keyframe.picture.empty()) continue;
-    // Ids stand for places in the list.
+    // Ids stand for positions in the list.
     with_picture.push_back(&keyframe);
     sample.Add(KeyframeId{std::ssize(with_picture)}, {});
   }

@@ -12,9 +12,9 @@
 // Calibrating a finished map, whose images are gone.
 namespace waystone {
 
-// The features of the picture that a map keeps of a keyframe, in the pixels of the keyframe, at
-// whose size they are found where the picture is larger. Nothing where it has none, or one that
-// can't be decoded.
+// The features of a keyframe's stored picture, in the pixels of the keyframe, to whose size a
+// larger picture is reduced first. Nothing where it has none, or one that can't be decoded.
+// Thread-safe.
 std::optional<Features> FeaturesOfPicture(const Keyframe& keyframe, const FeatureOptions& options);
 
 // The same of a map's keyframes: at most `max_keyframes`, evenly spread over those that have such a
@@ -22,10 +22,10 @@ std::optional<Features> FeaturesOfPicture(const Keyframe& keyframe, const Featur
 std::vector<SampledKeyframe> FeaturesOfPictures(const std::vector<Keyframe>& keyframes,
                                                 int max_keyframes, const FeatureOptions& options);
 
-// CalibratePlaneLayer by these pictures in place of the images. They are smaller, so that places
-// have fewer inliers than a photo of today gives; and they are described anew, so that no feature
-// is left out that the map has from their keyframe. A map with too few pictures gets the model that
-// holds for any map (FitVerdictModel).
+// CalibratePlaneLayer with these pictures in place of the images. They are smaller, so places have
+// fewer inliers than with a new photo; and they are described anew, so the features that the map
+// took from their keyframe aren't left out. A map with too few pictures gets the default model
+// (FitVerdictModel).
 void RecalibratePlaneLayer(MapData& map, const FeatureOptions& features,
                            const CalibrationOptions& options);
 

@@ -47,7 +47,7 @@ class SequencePipeline {
         join_(std::ranges::any_of(layers, &LayerBuilder::NeedsJoinedFrames)),
         reports_(layers.size()) {}
 
-  // Each layer adds in a serial stage of its own, so that one works while the next does.
+  // Each layer adds in a serial stage of its own, so that the layers work concurrently.
   void Run() {
     auto chain = tbb::make_filter<void, FrameInFlight*>(
                      tbb::filter_mode::serial_in_order,
@@ -121,14 +121,14 @@ class SequencePipeline {
   std::span<LayerBuilder* const> layers_;
   ProgressReporter& progress_;
   bool join_;
-  std::vector<FrameReport> reports_;  // of each layer; written by its own stage alone
-  // Held here: what the library holds of an interrupted pipeline is never given back.
+  std::vector<FrameReport> reports_;  // of each layer; written only by its own stage
+  // Held here, because TBB never frees what it holds of an interrupted pipeline.
   std::vector<FrameInFlight> in_flight_{CountFramesInFlight()};
   size_t read_ = 0;
   int done_ = 0;
 };
 
-// Throws for a sequence of which the layer can't use too much.
+// Throws for a sequence of which the layer skipped too much.
 void CheckSkipped(const std::string& name, const FrameReport& report, double max_share) {
   const bool none = report.frames > 0 && report.skipped == report.frames;
   if (!none && report.skipped <= max_share * report.frames) return;
@@ -166,7 +166,7 @@ MapData BuildLayer(const std::vector<Source*>& sources, LayerBuilder& layer,
                    const ProgressCallback& callback) {
   if (sources.empty())
     throw MapError(ErrorCode::kBadSource, "no source given; at least one is required");
-  cv::setNumThreads(1);  // frames are what runs in parallel
+  cv::setNumThreads(1);  // frames run in parallel instead
   ThrowOpenCvErrors();
   ProgressReporter progress(callback);
   MapData map;

@@ -20,10 +20,10 @@ struct Observation {
   std::string error;  // why the layer can't use the frame; empty when it can
 };
 
-// One layer of a map while it is built. The pipeline (frame_pipeline.h) calls, for each sequence,
+// One layer of a map under construction. The pipeline (frame_pipeline.h) calls, for each sequence,
 // StartSequence, then Observe for the frames in parallel and Add for the observations in their
 // order, then FinishSequence; Finish comes after the last sequence. Only Observe is called from
-// several threads, and never at the same time as the others but Add.
+// several threads at a time, and of the others only Add may run meanwhile.
 class LayerBuilder {
  public:
   virtual ~LayerBuilder() = default;
@@ -38,8 +38,8 @@ class LayerBuilder {
   // The part of the work that needs no other frame: a pure function of the frame and the source.
   // Never null; a frame that can't be used comes with its error.
   virtual std::unique_ptr<Observation> Observe(const Frame& frame) const = 0;
-  // Takes the next observation, also of a frame that can't be used. May run while later frames are
-  // observed: it must not change what Observe reads.
+  // Takes the next observation, including those of frames that can't be used. May run while later
+  // frames are observed, so it must not change what Observe reads.
   virtual void Add(std::unique_ptr<Observation> observation, ProgressReporter& progress) = 0;
   // No frame follows. Throws MapError(kBadSource) for a sequence that isn't good enough.
   virtual void FinishSequence(const FrameReport& sequence) = 0;

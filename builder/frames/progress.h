@@ -21,19 +21,20 @@ struct BuildProgress {
   int panoramas = 0;
 };
 
-// Called one call at a time, but from any thread. Returns whether the build goes on.
+// Called from any thread, but never concurrently. Returns whether the build goes on.
 using ProgressCallback = std::function<bool(const BuildProgress&)>;
 
-// Tells a callback how far a build is, and stops the build when the callback says so. Thread-safe.
+// Reports a build's progress to a callback, and stops the build when the callback says so.
+// Thread-safe.
 class ProgressReporter {
  public:
-  ProgressReporter() = default;  // tells nobody
+  ProgressReporter() = default;  // without a callback
   explicit ProgressReporter(ProgressCallback callback) : callback_(std::move(callback)) {}
 
   // Throws MapError(kInterrupted) when the callback returns false.
   void Report(const std::string& stage, int done, int total);
 
-  // Counts that later reports carry.
+  // Counts that later reports include.
   void SetPlanes(int keyframes, int planes);
   void AddPanorama() { ++panoramas_; }
 

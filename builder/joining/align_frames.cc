@@ -17,8 +17,8 @@ constexpr size_t kMaxCameras = 80;  // each pair of which is tried
 constexpr size_t kFewest = 3;
 constexpr double kMaxAngle_rad = 0.05;
 constexpr double kMaxSigmas = 4;
-// What two frames of one building differ by beyond the stated errors, as a share of the extent of
-// the cameras: poses of other programs drift.
+// How much two frames of one building differ beyond the stated errors, as a share of the cameras'
+// extent: poses of other programs drift.
 constexpr double kDrift = 0.02;
 
 std::vector<CameraInFrames> SpreadOver(const std::vector<CameraInFrames>& cameras) {
@@ -55,7 +55,7 @@ class Aligner {
   }
 
  private:
-  // In the unit of `to`, of which `scale` are one of `from`.
+  // In the unit of `to`; `scale` of these are one unit of `from`.
   double Tolerance(const CameraInFrames& camera, double scale) const {
     const double unit = camera.answered_in_from ? scale : 1;
     return kMaxSigmas * unit * camera.position_sigma + drift_;
@@ -73,7 +73,7 @@ class Aligner {
     const double in_from = distance(&CameraInFrames::from_from_camera);
     if (!(in_from > 0)) return;
     const double scale = in_to / in_from;
-    // Nearer than their errors, they say nothing of the scale.
+    // Cameras nearer to each other than their errors say nothing about the scale.
     if (in_to >= 2 * Tolerance(cameras_[i], scale)) Try(i, scale);
   }
 

@@ -13,8 +13,8 @@ namespace waystone {
 struct CameraInFrames {
   Eigen::Isometry3d to_from_camera = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d from_from_camera = Eigen::Isometry3d::Identity();
-  // Of the position that was answered, on each axis: that of to_from_camera, in the unit of `to`;
-  // or of from_from_camera, in the unit of `from`.
+  // Standard deviation of the answered position, on each axis: that of to_from_camera, in the unit
+  // of `to`; or of from_from_camera, in the unit of `from`.
   double position_sigma = 0;
   bool answered_in_from = false;
 };
@@ -30,7 +30,7 @@ struct FrameChange {
 // The change of frame that most cameras agree with, by their rotations and positions: tried with
 // each camera's rotation and each pair's distance, then fitted to all that agree by least squares.
 // With `same_unit` the scale is 1. Nothing where fewer than three cameras or less than half of them
-// agree, or where all that agree are at one place and the scale is asked for. Deterministic;
+// agree, or where all that agree are at one place and the scale is wanted. Deterministic;
 // thread-safe.
 std::optional<FrameChange> AlignFrames(const std::vector<CameraInFrames>& cameras, bool same_unit);
 

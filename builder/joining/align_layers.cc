@@ -14,10 +14,10 @@ constexpr size_t kFewestPoses = 3;
 constexpr double kMaxTurn_rad = 0.35;
 constexpr double kAgreeingSigmas = 3;
 constexpr double kBend = 0.25;  // of the distance between two panoramas
-// Panoramas nearer to each other than this many of their sigmas say nothing of the scale.
+// Panoramas nearer to each other than this many of their sigmas say nothing about the scale.
 constexpr double kScaleSigmas = 2;
 
-// In the unit of `to`, of which `scale` are one of `from`.
+// In the unit of `to`; `scale` of these are one unit of `from`.
 double SigmaOf(const PoseInLayers& pose, double scale) {
   return (pose.answered_in_from ? scale : 1) * pose.position_sigma;
 }
@@ -67,7 +67,7 @@ std::vector<size_t> AgreeingWith(const std::vector<PoseInLayers>& poses, size_t 
   return agreeing;
 }
 
-// The mean rotation, and what then brings the middles together.
+// The mean rotation, and then the translation that aligns the centroids.
 LayerChange Fit(const std::vector<PoseInLayers>& poses, const std::vector<size_t>& agreeing,
                 double scale) {
   double sine = 0;

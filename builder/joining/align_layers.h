@@ -26,10 +26,10 @@ struct LayerChange {
   }
 };
 
-// The change of layer that most panoramas agree with, fitted to all that do. Odometry bends: what
-// is farther from the panorama that a change was tried with may be off by a share of that distance.
-// With `same_unit` the scale is 1. Nothing where fewer than three panoramas or less than half of
-// them agree. Deterministic; thread-safe.
+// The change of layer that most panoramas agree with, fitted to all that do. Odometry bends: a
+// panorama may be off by a share of its distance from the one with which a change was tried. With
+// `same_unit` the scale is 1. Nothing where fewer than three panoramas or less than half of them
+// agree. Deterministic; thread-safe.
 std::optional<LayerChange> AlignLayers(const std::vector<PoseInLayers>& poses, bool same_unit);
 
 }  // namespace waystone

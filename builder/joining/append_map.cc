@@ -18,7 +18,7 @@
 namespace waystone {
 namespace {
 
-// New ids for the rows of a list: those after the last of another list, in their order.
+// New ids for the rows of a list: those after the last id of another list, in order.
 template <class IdType>
 class NewIds {
  public:
@@ -40,7 +40,7 @@ class NewIds {
   std::map<IdType, IdType> ids_;
 };
 
-// Ranges hold what they held: new ids are in the order of the old ones, without others between.
+// Ranges keep their contents: new ids are in the order of the old ones, without others between.
 template <class IdType>
 void Renumber(const NewIds<IdType>& ids, NamedRange& range) {
   range.first = ids({range.first}).value;
@@ -104,7 +104,7 @@ std::optional<NodePoseErrors> WorseOf(const std::optional<NodePoseErrors>& a,
                         std::max(a->tilt_sigma_rad, b->tilt_sigma_rad)};
 }
 
-// Of one frame. Errors are at most those of the worse one.
+// Both layers are in one frame. Errors are those of the worse one.
 void AppendPoses(PoseLayer from, std::optional<PoseLayer>& to) {
   if (!to) {
     to = std::move(from);

@@ -24,8 +24,8 @@ constexpr double kLeastSpacings = 0.02;  // no position is surer
 constexpr double kLeastSigma_rad = 0.005;
 constexpr size_t kNone = static_cast<size_t>(-1);
 
-// Panoramas of one map that its edges join, or all where they have poses: they move as one at
-// first.
+// Panoramas of one map that its edges join, or all of them where they have poses: at first they
+// move as a unit.
 struct Unit {
   size_t map = 0;
   std::vector<size_t> nodes;
@@ -33,7 +33,7 @@ struct Unit {
   size_t root = kNone;  // the unit in whose layer it was placed
 };
 
-// What one map's answer said of another map's panorama; both by their places among all nodes.
+// One map's answer to another map's panorama; both by their indices among all nodes.
 struct Tie {
   size_t found = 0;
   size_t asking = 0;
@@ -110,7 +110,7 @@ class LayerJoiner {
     }
   }
 
-  // The panoramas that ties put into both of two units' layers.
+  // The panoramas that ties place in the layers of both units.
   std::vector<PoseInLayers> Common(size_t to, size_t from) const {
     std::vector<PoseInLayers> common;
     for (const Tie& tie : ties_) {
@@ -131,7 +131,7 @@ class LayerJoiner {
     return scale_of(a) && scale_of(a) == scale_of(b);
   }
 
-  // Puts the unit with the most ties to those that have a place beside them; false where none has.
+  // Places the unit with the most ties to those already placed; false where no unit has any.
   bool PlaceNext() {
     std::vector<std::pair<std::ptrdiff_t, std::pair<size_t, size_t>>> pairs;  // ties, negative
     for (size_t to = 0; to < units_.size(); ++to) {
@@ -188,7 +188,7 @@ class LayerJoiner {
                        "build it with --poses, or the others without");
   }
 
-  // What isn't tied to the first map's panoramas goes below everything else.
+  // Puts what isn't tied to the first map's panoramas below everything else.
   void LayOut() {
     for (size_t i = 0; i < nodes_.size(); ++i) placed_.push_back(Start(i));
     double lowest = 0;
@@ -219,7 +219,7 @@ class LayerJoiner {
                : static_cast<int>(map);
   }
 
-  // The layers as they are, bending as steps do, and the ties.
+  // The layers as they are, with the flexibility of steps, and the ties.
   std::vector<PoseEdge> EdgesOfGraph() const {
     std::vector<PoseEdge> edges;
     const double least = std::max(kLeastSpacings * spacing_, 1e-9);
@@ -255,9 +255,9 @@ class LayerJoiner {
   // found_from_asking, in the unit of the found one's layer.
   Pose2 RelativeOf(const Tie& tie) const { return Inverse(NodeAt(tie.found).pose) * tie.pose; }
 
-  // Whether each tie was rejected.
+  // Optimises all poses; returns for each tie whether it was rejected.
   std::vector<bool> Optimise() {
-    // Ties between parts that stayed apart say nothing.
+    // Ties between parts that stayed apart carry no information.
     std::erase_if(ties_, [&](const Tie& tie) {
       return units_[unit_of_[tie.found]].root != units_[unit_of_[tie.asking]].root;
     });
@@ -276,7 +276,7 @@ class LayerJoiner {
     return {result.rejected.end() - std::ssize(ties_), result.rejected.end()};
   }
 
-  // What a length of a node's layer is in the joined one.
+  // The factor from lengths of a node's layer to those of the joined one.
   double ScaleOf(size_t node) const {
     return units_[unit_of_[node]].placed->scale * scales_[nodes_[node].first];
   }
@@ -309,7 +309,7 @@ class LayerJoiner {
     }
   }
 
-  // As the largest unit of their map.
+  // Areas move like the largest unit of their map.
   void MoveAreas(size_t map) {
     if (maps_[map].appearance->nodes.empty()) return;
     const Unit* largest = nullptr;
@@ -318,7 +318,7 @@ class LayerJoiner {
       if (largest == nullptr || unit.nodes.size() > largest->nodes.size()) largest = &unit;
     }
     const size_t node = largest->nodes.front();
-    // Also what the layout and the optimisation did to one of its panoramas.
+    // Includes what the layout and the optimisation did to one of its panoramas.
     const Pose2 moved = placed_[node] * Inverse(Start(node));
     for (NamedPlace& place : maps_[map].names) {
       for (NamedPolygon& polygon : place.polygons) {

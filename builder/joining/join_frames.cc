@@ -30,7 +30,7 @@ double PositionSigma(const QueryPose& pose) {
   return std::sqrt(std::max(0.0, pose.covariance.topLeftCorner<3, 3>().trace() / 3));
 }
 
-// Cameras of keyframes of either map in the frames of both, in which `to` is expressed already.
+// Cameras of keyframes of either map in the frames of both; `to` has already been converted.
 std::vector<CameraInFrames> CommonCameras(const std::vector<Recognition>& recognitions,
                                           const std::vector<MapData>& maps, size_t to,
                                           size_t from) {
@@ -57,7 +57,7 @@ std::vector<CameraInFrames> CommonCameras(const std::vector<Recognition>& recogn
   return cameras;
 }
 
-// The change into the frame of the maps that are `done`, by the first of them that gives one.
+// The change into the frame of the maps that are `done`, from the first of them that yields one.
 std::optional<FrameChange> FindChange(const std::vector<Recognition>& recognitions,
                                       const std::vector<MapData>& maps,
                                       const std::vector<size_t>& done, size_t from) {
@@ -70,7 +70,7 @@ std::optional<FrameChange> FindChange(const std::vector<Recognition>& recognitio
   return std::nullopt;
 }
 
-// Of keyframes and panoramas, along what is up.
+// The mean height of keyframes and panoramas.
 double MeanHeight(const PoseLayer& layer, const Horizontal& view) {
   double sum = 0;
   for (const KeyframePose& pose : layer.keyframes) sum += view.up.dot(pose.position);
@@ -142,7 +142,7 @@ void ChangeAnswer(const FrameChange& change, std::optional<QueryPose>& answered)
   answered->covariance.leftCols<3>() *= change.scale;
 }
 
-// What the changed map answered changes with it; with `layer` where panoramas are, too.
+// Converts the answers of the changed map; with `layer`, those in its appearance layer too.
 void ChangeAnswers(const FrameChange& change, const ChangeFromAbove& above, bool layer, size_t map,
                    std::vector<Recognition>& recognitions) {
   for (Recognition& recognition : recognitions) {

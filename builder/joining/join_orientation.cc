@@ -24,7 +24,8 @@ namespace {
 
 using Eigen::Matrix3d;
 
-// How far the relation of two sequences' axes may be from a quarter turn: it says nothing else.
+// How far the relation of two sequences' axes may be from a multiple of a quarter turn; otherwise
+// it is ignored.
 constexpr double kMaxOff_rad = 0.2;
 
 Matrix3d QuarterTurns(int turns) {
@@ -64,8 +65,8 @@ BearingFeatures FeaturesOfNode(const OrientationNode& node, const Sequence& sequ
   }
 }
 
-// By how many quarter turns b's axes have to be turned to be a's, as a motion between two frames
-// says; nothing where they aren't reliable or the motion fits none.
+// The number of quarter turns that take b's axes to a's, by a motion between two frames; nothing
+// where the axes aren't reliable or the motion fits no quarter turn.
 std::optional<int> QuarterTurnsBetween(const OrientationFrame& a, const OrientationFrame& b,
                                        const Matrix3d& b_from_a) {
   if (!a.reliable || !b.reliable) return std::nullopt;
@@ -78,7 +79,7 @@ std::optional<int> QuarterTurnsBetween(const OrientationFrame& a, const Orientat
   return turns;
 }
 
-// What is said of two sequences' axes: inliers for each number of quarter turns.
+// Evidence about two sequences' axes: inliers for each number of quarter turns.
 using Votes = std::map<std::pair<SequenceId, SequenceId>, std::array<int64_t, 4>>;
 
 class OrientationJoiner {
@@ -181,7 +182,7 @@ class OrientationJoiner {
     }
   }
 
-  // From each group that is settled on to those that most say something clear of.
+  // Turns groups, starting from settled ones, in the order of the strongest clear evidence.
   void TurnGroups() {
     std::map<SequenceId, int> settled;  // quarter turns of each group
     for (const auto& [sequence, group] : group_of_) {

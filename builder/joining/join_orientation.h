@@ -15,17 +15,17 @@ struct OrientationJoin {
   int sequences_turned = 0;  // by quarter turns, into the axes of the first
 };
 
-// A quarter turn about the building's vertical, `turns` times, of all that a sequence's rotations,
-// turns and corridors say.
+// Turns a sequence's rotations, turns and corridors about the building's vertical by `turns`
+// quarter turns. Thread-safe for different layers.
 void TurnSequence(SequenceId sequence, int turns, OrientationLayer& layer);
 
-// Ties the orientation layers of maps that were appended one to the other together. Nodes of
-// different maps are compared by the pictures that they keep, as loops within one build are
-// verified; where they meet, a loop joins them. These loops and the panoramas that were recognised
-// say by how many quarter turns the axes of the maps differ: sequences that an edge joins are
-// turned together into the axes of the first that they are tied to. Those that nothing is known of
-// keep theirs. `firsts` are the places of the maps' first panoramas in the joined map, `maps` the
-// first sequence of each. Runs on TBB's threads; deterministic.
+// Connects the orientation layers of maps that were appended to each other. Nodes of different maps
+// are compared by their stored pictures, as loops within one build are verified; where they match,
+// a loop joins them. These loops and the recognised panoramas determine by how many quarter turns
+// the axes of the maps differ: sequences that an edge joins are turned together into the axes of
+// the first one that they are connected to. Sequences without such evidence keep their axes.
+// `firsts` are the indices of the maps' first panoramas in the joined map, `maps` the first
+// sequence of each. Runs on TBB's threads; deterministic.
 OrientationJoin JoinOrientation(const std::vector<Recognition>& recognitions,
                                 const std::vector<size_t>& firsts,
                                 const std::vector<SequenceId>& maps,

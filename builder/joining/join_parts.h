@@ -10,7 +10,8 @@ namespace waystone {
 
 // The maps of the overlapping parts of one walk, in their order, as one map: MergeMaps of them. A
 // part whose pictures are all in a neighbour's map adds nothing and is left out, as where the
-// camera stood still. One part that is left is the map. Throws as MergeMaps does.
+// camera stood still. If one part is left, it is the map. Deterministic, on any number of threads.
+// Throws as MergeMaps does.
 JoinResult JoinParts(std::vector<MapData> parts, const std::string& name,
                      const BuildOptions& options);
 

@@ -8,7 +8,7 @@
 #include "builder/build_options.h"
 #include "schema/map_data.h"
 
-// What all changes of a finished map have in common.
+// What all changes of a finished map have in common. Functions are thread-safe for different maps.
 namespace waystone {
 
 // "map 'kitchen'", for messages.
@@ -18,26 +18,25 @@ std::string Named(const MapData& map);
 // in different ways, or of cameras that see other elevations.
 void CheckLayersAreJoinable(const std::vector<MapData>& maps);
 
-// The options for building more of the same: those of the map's record, but panoramas are described
-// as its appearance layer says that its own are. Throws as OptionsOfRecord does.
+// The options for extending the map: those of its record, but with panoramas described as its
+// appearance layer states. Throws as OptionsOfRecord does.
 BuildOptions OptionsOfMap(const MapData& map);
 
-// Throws MapError(kBadRequest) for options with which nothing is built that can be joined to the
-// map.
+// Throws MapError(kBadRequest) for options whose builds can't be joined to the map.
 void CheckOptionsFit(const MapData& map, const BuildOptions& options);
 
-// What a map had when some of it was about to go, for its named places.
+// What a map had before some of it is removed, for its named places. Immutable after construction.
 class NamedBefore {
  public:
   explicit NamedBefore(const MapData& map);
 
-  // Leaves of the map's named places what is left of what they held; planes that were fused are
-  // what they have become. Returns the names of places of which nothing is left.
+  // Reduces the map's named places to those of their contents that are left; fused planes count as
+  // the ones that they were fused into. Returns the names of places of which nothing is left.
   std::vector<std::string> KeepNames(MapData& map,
                                      const std::map<PlaneId, PlaneId>& fused = {}) const;
 
  private:
-  MapData ids_;  // and names, and nothing else
+  MapData ids_;  // ids and names only
 };
 
 // Which layers of a map changed, so that their verdicts don't hold any more.
@@ -46,8 +45,8 @@ struct ChangedLayers {
   bool appearance = true;
 };
 
-// What comes last: this program as the map's, the search index, and the verdicts of changed layers,
-// calibrated by what the map holds.
+// The last steps: sets this program as the map's, makes the search index, and calibrates the
+// verdicts of changed layers by what the map holds.
 void CompleteJoined(const BuildOptions& options, const ChangedLayers& changed, MapData& map);
 
 }  // namespace waystone

@@ -8,14 +8,15 @@
 
 namespace waystone {
 
-// What was looked for of a map's features before some of them are fused or go. Features are known
-// again by their descriptors, which stay as they are wherever a feature is moved to.
+// What was looked for of a map's features before some of them are fused or removed. Features are
+// identified by their descriptors, which stay the same wherever a feature is moved. Immutable after
+// construction.
 class LooksBefore {
  public:
   explicit LooksBefore(const MapData& map);
 
-  // Leaves what was counted of the features and sequences that the map still has; planes that were
-  // fused are what they have become. Nothing is known of features that came from elsewhere.
+  // Restores the counts of the features and sequences that the map still has; fused planes count as
+  // the ones that they were fused into. Features that came from elsewhere have no counts.
   void KeepLooks(MapData& map, const std::map<PlaneId, PlaneId>& fused = {}) const;
 
  private:

@@ -34,8 +34,8 @@ std::optional<PosedCamera> CameraOf(const MapData& map, KeyframeId id) {
   return PosedCamera{pose->frame_from_camera(), std::move(*camera)};
 }
 
-// Where the ray of a pixel meets the plane. By how much the surface differs from the plane isn't
-// stored, so that its error is that of the fit alone.
+// Where the ray of a pixel meets the plane. How much the surface differs from the plane isn't
+// stored, so the depth's error is only that of the fit.
 DepthCode DepthOnPlane(const PosedCamera& posed, const PlanePose& plane, const Keypoint& keypoint) {
   const Vector3d ray = Unproject(posed.camera, PositionOf(keypoint)).normalized();
   const FittedPlane fit{plane.normal, plane.distance, plane.covariance, 0, 0};

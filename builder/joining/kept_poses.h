@@ -10,15 +10,15 @@
 namespace waystone {
 
 // Where the features of a map's planes were before planes are fused or lose views, for the pose
-// layer.
+// layer. Immutable after construction.
 class PosesBefore {
  public:
   explicit PosesBefore(const MapData& map);
 
-  // Leaves in the pose layer what the map still has, and gives each feature of a plane its depth:
-  // as before where plane, reference image and position are, and else where the feature's ray meets
-  // the fitted plane. A feature of a plane that has no fit gets none. No layer is left without
-  // poses.
+  // Reduces the pose layer to what the map still has, and gives each feature of a plane its depth:
+  // the old one where plane, reference image and position are unchanged, and else that at which the
+  // feature's ray meets the fitted plane. A feature of a plane without a fit gets none. A layer
+  // without poses is removed.
   void KeepPoses(MapData& map) const;
 
  private:

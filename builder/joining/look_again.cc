@@ -64,8 +64,8 @@ SessionNumbers NumberSessions(const MapData& map) {
 }
 
 // The keyframe of an answer, those beside it and those of other sessions that it is linked with.
-// Links within a session may join places that only look alike, whose differences say nothing of
-// what is gone.
+// Links within a session may join places that only look alike, whose differences don't show what is
+// gone.
 std::vector<int> KeyframesAround(const MapIndex& index, const SessionNumbers& sessions, int found) {
   const std::vector<Keyframe>& keyframes = index.map().keyframes;
   std::vector<int> around{found};
@@ -122,7 +122,7 @@ RowsSeen LookFor(const AskedMap& asked, const SessionNumbers& sessions, const An
 // Counts of all rows by the sequences of a walk.
 using CountsOfSequence = std::map<SequenceId, std::vector<FeatureLooks>>;
 
-// Those of `count` rows from `first` on; empty where none was looked for.
+// The counts of `count` rows from `first` on; empty where none was looked for.
 std::vector<FeatureLooks> Slice(const std::vector<FeatureLooks>& all, int first, size_t count) {
   const auto begin = all.begin() + first;
   const auto end = begin + static_cast<std::ptrdiff_t>(count);
@@ -182,7 +182,7 @@ std::vector<int> LocalMotion::NearestAround(const Vector2d& x) const {
     largest_gap = std::max(largest_gap, gap);
     if (i >= 0 && s < kSectors) around.push_back(i);
   }
-  // Two sectors, and what the matches leave free of those beside them, are half a turn at most.
+  // Two empty sectors, and the free parts of those next to them, span at most half a turn.
   if (static_cast<int>(around.size()) < kLeastSectors || largest_gap > 2) return {};
   return around;
 }

@@ -12,10 +12,10 @@
 
 namespace waystone {
 
-// Where a keyframe's features are in another image of the same place, by the features of both that
-// were matched. A prediction is that of the nearest of these on all sides, which must move as one
-// affinity does: where they don't, there is an edge in space, and what was seen beside it may be
-// hidden now.
+// Predicts where a keyframe's features are in another image of the same place from matched features
+// of both. A prediction uses the nearest matches on all sides, which must move by one affinity:
+// where they don't, there is a depth edge, and what was seen beside it may be hidden now. Immutable
+// after construction.
 class LocalMotion {
  public:
   // Pixels of the keyframe and of the image, row by row; the image is `width` px wide.
@@ -39,12 +39,12 @@ struct LookCounts {
   int found = 0;   // of them, in one image or more
 };
 
-// Looks in the images of a walk for what a map has. Each image that is localized in the map is
-// compared with the keyframes around the place; features that should be well inside of it and seen
-// as they were are looked for, and found where a feature like them is near. An image in which few
-// were found counts for nothing: it is dark or blurred, something is in front of it, or it is of
-// another place. `images` are some of those of `walk`; `asked` is what AskMap made of them and of
-// the map. Adds what was found to map.looks, by the ids that AppendMap will give the sequences of
+// Looks in the images of a walk for the features of a map. Each image that is localized in the map
+// is compared with the keyframes around the place; features that should be well inside the image
+// and look as before are looked for, and found where a similar feature is near. An image in which
+// few were found is ignored: it is dark or blurred, something is in front of it, or it is of
+// another place. `images` are some of those of `walk`; `asked` is AskMap's result for them and the
+// map. Adds what was found to map.looks, by the ids that AppendMap will give the sequences of
 // `walk`. Deterministic, on any number of threads.
 LookCounts LookAgain(const AskedMap& asked, const MapData& walk,
                      const std::vector<WalkImage>& images, MapData& map);

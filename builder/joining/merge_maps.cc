@@ -30,8 +30,8 @@
 namespace waystone {
 namespace {
 
-// Which of the joined maps each plane is from, by the first plane of each: planes of one map follow
-// each other.
+// Which of the joined maps each plane is from, by the first plane of each: planes of one map are
+// consecutive.
 class MapOfPlane {
  public:
   void StartMap(PlaneId first) { firsts_.push_back(first); }
@@ -79,7 +79,7 @@ void CheckNotKnown(const MapData& map, const std::set<std::string_view>& known,
   }
 }
 
-// The same images may have been built into two maps.
+// Refuses maps that were built from the same images.
 void CheckPictures(const std::vector<MapData>& maps) {
   for (size_t i = 0; i < maps.size(); ++i) {
     std::set<std::string_view> known;
@@ -153,7 +153,7 @@ FeatureOptions PictureFeatures(const std::vector<MapData>& maps, const BuildOpti
   return features;
 }
 
-// What the maps with these places in the list show of maps[asking]; `answering` are the same.
+// Recognitions of maps[asking] by the maps with these indices; `answering` are the same maps.
 std::vector<Recognition> Recognise(const std::vector<MapData>& maps,
                                    const std::vector<size_t>& asked, size_t asking,
                                    const std::vector<AskedMap>& answering,
@@ -184,8 +184,8 @@ std::vector<Recognition> Recognise(const std::vector<MapData>& maps,
   return recognitions;
 }
 
-// Describing a picture takes as long as asking a map, so that all maps are asked for each: they are
-// indexed together, in as much memory as the joined map takes when it is calibrated.
+// Describing a picture takes as long as querying a map, so all maps are queried for each picture:
+// they are all indexed, in as much memory as the joined map takes when it is calibrated.
 std::vector<Recognition> RecogniseEachOther(const std::vector<MapData>& maps,
                                             const BuildOptions& options) {
   std::vector<AskedMap> answering;
@@ -224,7 +224,8 @@ int Link(const std::vector<Recognition>& recognitions, const std::vector<size_t>
   return static_cast<int>(recognised.size());
 }
 
-// Plans are anchored in the frame of their map: of others none stays. Returns the names of those.
+// Plans are anchored in the frame of their map: those of maps whose frame isn't kept are removed.
+// Returns their names.
 std::vector<std::string> LeavePlansOut(size_t kept, std::vector<MapData>& maps) {
   std::vector<std::string> left_out;
   for (size_t i = 0; i < maps.size(); ++i) {
@@ -235,7 +236,7 @@ std::vector<std::string> LeavePlansOut(size_t kept, std::vector<MapData>& maps) 
   return left_out;
 }
 
-// Where what each map holds begins in the joined map.
+// Where the contents of each map begin in the joined map.
 struct Firsts {
   std::vector<size_t> keyframes;
   std::vector<size_t> nodes;
@@ -271,7 +272,7 @@ MapData AppendAll(std::vector<MapData> maps, MapOfPlane& origin, Firsts& firsts)
   return map;
 }
 
-// Whether several maps have what `has` says.
+// Whether `has` is true for several maps.
 template <class Has>
 bool SeveralHave(const std::vector<MapData>& maps, const Has& has) {
   return std::ranges::count_if(maps, has) > 1;

@@ -34,26 +34,25 @@ struct JoinResult {
 
 // One map of several that were built apart, as if the sequences of all had been built together:
 // keyframes of each are localized in the others (RecogniseKeyframes), planes that were seen in
-// several of them are fused by eq. (6) or joined by an edge, panoramas are tied together by loops
-// and orientation layers by nodes that meet, and the verdicts are calibrated anew by
-// what the maps hold. Maps that show nothing in common stay apart: the joined map has several
-// parts. Each map is a session of the joined one, or as many as it has itself. Floor plans
-// are those of the map whose frame the poses are in. The result doesn't
-// depend on the order of `maps`: they are ordered by their versions (MapInfo::version), and ids
-// count on from one map to the next. `options` say how planes are fused and the verdict calibrated;
-// the features' type is the maps'. Deterministic, on any number of threads. Throws
-// MapError(kBadRequest) for fewer than two maps, maps of different feature types, a session that is
-// in several of them or whose pictures are all in another, and layers that can't be joined
-// (CheckLayersAreJoinable, JoinFrames, JoinAppearance);
-// kMapDamaged for ids that can't be counted on; kBadOptions.
+// several of them are fused by eq. (6) or joined by an edge, panoramas are connected by loops and
+// orientation layers by matching nodes, and the verdicts are recalibrated by what the maps hold.
+// Maps that have nothing in common stay separate: the joined map has several parts. Each map
+// becomes a session of the joined one, or as many sessions as it has itself. Only the floor plans
+// of the map whose frame is kept remain. The result doesn't depend on the order of `maps`: they are
+// ordered by their versions (MapInfo::version), and ids continue from one map to the next.
+// `options` say how planes are fused and the verdict calibrated; the features' type is the maps'.
+// Deterministic, on any number of threads. Throws MapError(kBadRequest) for fewer than two maps,
+// maps of different feature types, a session that is in several of them or whose pictures are all
+// in another map, and layers that can't be joined (CheckLayersAreJoinable, JoinFrames,
+// JoinAppearance); kMapDamaged for ids that can't be counted on; kBadOptions.
 JoinResult MergeMaps(std::vector<MapData> maps, const std::string& name,
                      const BuildOptions& options);
 
 // The same of a map and another one, which was built for it and becomes its last session or
 // sessions: what `map` holds keeps its ids, its name and the record of its options. Only keyframes
 // of `added` are localized in `map`, so that the cost doesn't grow with the keyframes of `map`.
-// `images` are those of `added` whose features are at hand: what of `map` they should show is
-// looked for in them (LookAgain), for PruneMap.
+// `images` are those of `added` whose features are available: LookAgain looks in them for features
+// of `map`, for PruneMap.
 JoinResult AddToMap(MapData map, MapData added, const BuildOptions& options,
                     const std::vector<WalkImage>& images = {});
 

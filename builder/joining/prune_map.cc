@@ -20,8 +20,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Features around one that are asked with it, and the largest share of looks that may have found
-// them and it.
+// The number of features around one that are considered with it, and the largest share of all their
+// looks that may have found them.
 constexpr size_t kAskedAround = 4;
 constexpr double kMostFoundAround = 0.25;
 
@@ -57,7 +57,7 @@ class LookedFor {
     }
   }
 
-  // Of each feature that goes: the sequences that missed it.
+  // For each feature to remove: the sequences that missed it.
   std::map<int, std::set<SequenceId>> FindGone(int min_looks) const {
     std::map<int, std::set<SequenceId>> gone;
     for (size_t f = 0; f < positions_.size(); ++f) {
@@ -87,7 +87,7 @@ class LookedFor {
 
   const LookSum& Sum(size_t f, size_t since) const { return sums_[since][f]; }
 
-  // Whether walks found the nearest features in the same rows; so if none was looked for.
+  // Whether walks found the nearest features in the same rows; true if none was looked for.
   bool WasFoundAround(size_t f, size_t since) const {
     std::vector<std::pair<double, size_t>> around;
     for (size_t other = 0; other < positions_.size(); ++other) {
@@ -109,7 +109,7 @@ class LookedFor {
   std::vector<std::vector<LookSum>> sums_;  // of each row and those after it, by feature
 };
 
-// Those of 0 to count - 1 that don't go.
+// The indices 0 to count - 1 that aren't removed.
 std::vector<int> Staying(size_t count, const std::map<int, std::set<SequenceId>>& gone) {
   std::vector<int> kept;
   for (int f = 0; f < static_cast<int>(count); ++f) {

@@ -13,11 +13,11 @@ namespace waystone {
 struct PrunedPlane {
   PlaneId id;
   KeyframeId reference;
-  int features = 0;  // that went
-  int left = 0;      // 0: the plane went, because too few were left
+  int features = 0;  // removed
+  int left = 0;      // 0: the plane was removed, because too few were left
 };
 
-// A session that didn't find what went.
+// A session that didn't find removed features.
 struct MissingSession {
   std::string name;
   int plane_features = 0;
@@ -27,9 +27,9 @@ struct MissingSession {
 // What pruning did.
 struct PruneReport {
   int looked_for = 0;      // features of the map that a session looked for
-  int plane_features = 0;  // that went; those of planes that went are among them
-  int landmarks = 0;       // that went
-  int edges = 0;           // that went with their planes
+  int plane_features = 0;  // removed, including those of removed planes
+  int landmarks = 0;       // removed
+  int edges = 0;           // removed with their planes
   std::vector<PrunedPlane> planes;
   std::vector<MissingSession> sessions;  // in the map's order
   std::vector<std::string> names;        // of places of which nothing is left
@@ -42,13 +42,14 @@ struct PruneResult {
   PruneReport report;
 };
 
-// The map without what later walks looked for and didn't find. A feature goes where at least
-// `min_looks` of their images should have shown it since a walk showed it last and none did, and
-// where what lies around it wasn't found either: a single feature may just be hard to find again,
-// while a poster that is gone takes all of its features with it. Planes that are left with too few
-// features go, with their edges; keyframes stay, as do all ids and the history. The index is made
-// anew, and the verdict calibrated by what the map holds; a map that loses nothing is the same.
-// Deterministic. Throws MapError: kBadRequest where no walk looked for anything; kBadOptions.
+// The map without features that later walks looked for and didn't find. A feature is removed where
+// at least `min_looks` of their images should have shown it since a walk last found it and none
+// did, and where the features around it weren't found either: a single feature may just be hard to
+// find again, while a poster that is gone takes all of its features with it. Planes with too few
+// features left are removed, with their edges; keyframes, all ids and the history stay. The index
+// is rebuilt, and the verdict calibrated by what the map holds; a map that loses nothing is
+// unchanged. Deterministic, on any number of threads. Throws MapError: kBadRequest where no walk
+// looked for anything; kBadOptions.
 PruneResult PruneMap(MapData map, int min_looks, const BuildOptions& options);
 
 }  // namespace waystone

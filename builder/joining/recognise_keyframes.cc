@@ -96,7 +96,8 @@ std::vector<std::vector<RecognisedKeyframe>> RecogniseKeyframes(
   const ImageNumbers numbers = NumberImages(images);
   std::vector<Found> found(maps.size(), Found(keyframes.size()));
   tbb::parallel_for(size_t{0}, keyframes.size(), [&](size_t k) {
-    // Of the picture: smaller than the image, and so sometimes nearer to what a map's camera saw.
+    // Features of the stored picture, which is smaller than the image and so sometimes matches a
+    // map's camera better.
     std::optional<Features> features;
     bool described = false;
     for (size_t m = 0; m < maps.size(); ++m) {

@@ -17,16 +17,15 @@ namespace waystone {
 
 // A keyframe that shows a place of another map.
 struct RecognisedKeyframe {
-  size_t asking = 0;                   // index in the keyframes that were asked for
+  size_t asking = 0;                   // index in the keyframes that were queried
   size_t found = 0;                    // index in the other map's keyframes: the nearest one
   std::optional<QueryPose> pose = {};  // in the other map's frame, where it has poses
 };
 
-// A map and what it answers to images of a walk, row by row, with their poses where the map has
-// poses.
+// A map and its answers to images of a walk, row by row, with poses where the map has some.
 struct AskedMap {
   std::shared_ptr<const MapIndex> index;  // of the map's planes and landmarks
-  LocalizeOptions options;                // that it is asked with
+  LocalizeOptions options;                // of the queries
   std::vector<Answer> answers;
 };
 
@@ -34,12 +33,12 @@ struct AskedMap {
 AskedMap AskMap(const MapData& map, const MapData& walk, const std::vector<WalkImage>& images,
                 const LocalizeOptions& options);
 
-// Which keyframes of `other` show places of each of the maps: each was localized by its image,
-// where that is among `images`, which the map was asked for, or is by its stored picture
-// (FeaturesOfPicture), which is described once for all maps. So that no single mistake ties two
-// buildings together, an answer counts only where the keyframe before or after it in its sequence
-// was localized near the same place (KeyframesAreNear), or just before or after it
-// (WereTakenInARow). By the maps, in the order of the keyframes; the same on any number of threads.
+// Which keyframes of `other` show places of each of the maps: each is localized by its image, where
+// that is among `images` (AskedMap has the answer), or by its stored picture (FeaturesOfPicture),
+// which is described once for all maps. So that no single mistake connects two buildings, an answer
+// counts only where the keyframe before or after it in its sequence was localized near the same
+// place (KeyframesAreNear), or just before or after it (WereTakenInARow). One list per map, in the
+// order of the keyframes; the same on any number of threads.
 std::vector<std::vector<RecognisedKeyframe>> RecogniseKeyframes(
     const std::vector<const AskedMap*>& maps, const MapData& other,
     const std::vector<WalkImage>& images, const FeatureOptions& options);

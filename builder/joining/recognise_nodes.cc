@@ -54,7 +54,7 @@ std::optional<RecognisedNode> LocalizeNode(const MapIndex& index, const Appearan
                         answer.pose};
 }
 
-// Whether two panoramas that were taken one after the other are also answered so.
+// Whether the answers to two consecutive panoramas agree with how these were taken.
 bool Agree(const AppearanceNode& a, const RecognisedNode& found_a, const AppearanceNode& b,
            const RecognisedNode& found_b, double spacing, const LoopOptions& options) {
   const double turned = b.pose.theta_rad - a.pose.theta_rad;

@@ -16,12 +16,12 @@ namespace waystone {
 
 // A panorama that shows a place of another map.
 struct RecognisedNode {
-  size_t asking = 0;          // index in the nodes that were asked for
+  size_t asking = 0;          // index in the nodes that were queried
   size_t found = 0;           // index in the other map's nodes: the nearest one
   Pose2 pose;                 // in the other map's layer, in its units
   double position_sigma = 0;  // along its worst direction
   double heading_sigma_rad = 0;
-  // Of the other map's node that fits best and the asking one, by their features.
+  // The other map's best fitting node, and its relation to the asking one by their features.
   size_t best = 0;
   std::optional<Eigen::Matrix3d> asking_from_best = {};
   int inliers = 0;
@@ -31,8 +31,8 @@ struct RecognisedNode {
 // Which panoramas of `other` show places of `map`: each is localized by the signature and the
 // features that its map keeps. As within one build (LoopOptions), an answer counts only where
 // neighbours in its sequence are localized near it and turned as they are in their own map. In the
-// order of the nodes; the same on any number of threads. `query` says how the map is asked. Both
-// have appearance layers that describe panoramas alike (WS_CHECK).
+// order of the nodes; the same on any number of threads. `query` has the options of the queries.
+// Both have appearance layers that describe panoramas alike (WS_CHECK).
 std::vector<RecognisedNode> RecogniseNodes(const MapData& map, const MapData& other,
                                            const LoopOptions& options,
                                            const PanoramaQueryOptions& query);

@@ -33,8 +33,8 @@ using KeyframesById = std::map<KeyframeId, const Keyframe*>;
 
 // Where a feature may lie outside of an image that showed it: positions have errors.
 constexpr double kSeenMargin = 0.02;  // of its size
-// What the eigenvalues (1, 1, third) of two planes may be when they are computed from stored
-// homographies: beyond, these are too noisy for an edge.
+// Limits of the eigenvalues (1, 1, third) of two planes from stored homographies: beyond these they
+// are too noisy for an edge.
 constexpr double kMaxSplit = 0.2;
 constexpr double kLeastThird = 0.1;
 
@@ -70,8 +70,8 @@ void CheckRemoval(const MapData& map, const Removal& removed) {
                  "all " + all + " would be removed; delete the file instead");
 }
 
-// Keyframes before and after a gap don't follow each other any more: each run that is left becomes
-// a stretch.
+// Keyframes before and after a gap no longer follow each other: each remaining run becomes a
+// stretch.
 void RemoveFrom(std::vector<Keyframe>& keyframes, const std::set<KeyframeId>& removed) {
   std::vector<Keyframe> left;
   int stretch = -1;
@@ -120,7 +120,7 @@ bool Shows(const Keyframe& keyframe, const Matrix3d& keyframe_from_reference,
   return x.allFinite() && IsWithinReach(x, keyframe.width, keyframe.height, kSeenMargin);
 }
 
-// Features that no view shows go; votes are at most those that the views can have given.
+// Removes features that no view shows; votes are capped at what the views can have given.
 void KeepShown(const KeyframesById& keyframes, Plane& plane) {
   std::vector<std::pair<const Keyframe*, Matrix3d>> views;
   for (const PlaneView& view : plane.views) {
@@ -201,7 +201,7 @@ std::optional<Edge> Recomputed(const Plane& a, const Plane& b) {
       values.third};
 }
 
-// The edge where its keyframes are left, one in place of it, or nothing.
+// The edge where its keyframes remain, a replacement, or nothing.
 std::optional<Edge> Kept(const Edge& edge, const std::set<KeyframeId>& removed,
                          const std::map<PlaneId, const Plane*>& planes) {
   const auto a = planes.find(edge.a);
@@ -238,7 +238,7 @@ void RemoveFromPlanes(const std::set<KeyframeId>& removed, int min_features, Map
   OutlinePlanes(map);
 }
 
-// The sequences that a map has something of.
+// The sequences of which a map has any content.
 std::set<SequenceId> UsedSequences(const MapData& map) {
   std::set<SequenceId> used;
   for (const Keyframe& row : map.keyframes) used.insert(row.sequence);

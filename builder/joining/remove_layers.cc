@@ -28,7 +28,7 @@ Fates FatesOf(const MapData& map, const Removal& removed) {
   return fates;
 }
 
-// The fate of the nearest one; of two as near, what stays counts.
+// The fate of the nearest one; if two are equally near, one that stays decides.
 bool GoesWithNearest(const std::map<int, bool>& fates, int frame) {
   const auto after = fates.lower_bound(frame);
   if (after == fates.begin()) return after->second;

@@ -33,8 +33,8 @@ std::vector<std::optional<double>> Unwrapped(std::span<const OrientationFrame> f
   return headings;
 }
 
-// The longest part of a stretch whose headings are known but for short gaps and lie in a range; the
-// first of equal ones.
+// The longest part of a stretch whose headings are known except for short gaps and lie in a range;
+// the first of equal ones.
 Stretch LongestInRange(std::span<const std::optional<double>> headings, const Stretch& stretch,
                        const CorridorOptions& options) {
   Stretch best{stretch.first, stretch.first - 1};

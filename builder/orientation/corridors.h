@@ -12,7 +12,7 @@ namespace waystone {
 // Corridors of one sequence (sec. III-C.1): stretches without turns whose heading stays in a range
 // and in which, taken together, clearly more lines run along one horizontal axis than along the
 // other. Where the motion is known it has to follow that axis. `turns` are indices of confirmed
-// turns, ascending. They don't overlap; ordered. Pure.
+// turns, ascending. Corridors don't overlap; ordered. Pure; thread-safe.
 std::vector<Corridor> FindCorridors(std::span<const OrientationFrame> frames,
                                     std::span<const int> turns,
                                     std::span<const SettledMotion> motions,

@@ -38,7 +38,7 @@ BuildingRotation MakeBuildingRotation(const Eigen::Matrix3d& rig_from_building,
 }
 
 constexpr double kEighth = 0.25 * std::numbers::pi;  // half a quarter turn
-constexpr size_t kMostGuesses = 12;  // frames that are carried on before the axes are settled
+constexpr size_t kMostGuesses = 12;  // frames that are tracked before the axes are settled
 constexpr size_t kMostAnchors = 24;
 
 Eigen::Vector3d RotationVector(const Eigen::Matrix3d& rotation) {
@@ -46,7 +46,7 @@ Eigen::Vector3d RotationVector(const Eigen::Matrix3d& rotation) {
   return turn.angle() * turn.axis();
 }
 
-// Joins a measured rotation to a known one by their covariances (Kalman's update).
+// Fuses a measured rotation with a known one by their covariances (Kalman update).
 void Join(const Eigen::Matrix3d& measured, const Eigen::Matrix3d& measured_covariance,
           Eigen::Matrix3d& known, Eigen::Matrix3d& covariance) {
   const Eigen::Matrix3d gain = covariance * (covariance + measured_covariance).inverse();
@@ -83,7 +83,7 @@ std::optional<AxesFollower::Known> AxesFollower::Predict(const Known& from,
     if (rival_off < off) turn = pose.rival->b_from_a;
     const double apart = RotationAngle(pose.b_from_a, pose.rival->b_from_a);
     const bool clear = std::min(off, rival_off) <= options_.clear_share * std::max(off, rival_off);
-    // Where either may be meant it does no harm if they hardly differ.
+    // If either may be meant, it does no harm as long as they hardly differ.
     if (!clear && apart > options_.max_rival_drift_rad) return std::nullopt;
     sigma = std::max(sigma, (clear ? options_.doubt_share : options_.clear_share) * apart);
   }
@@ -131,7 +131,7 @@ FollowedFrame AxesFollower::Know(Known known, ManhattanFrame axes, bool reliable
   return followed;
 }
 
-// A prediction, joined with the lines' axes where they have some near it.
+// A prediction, fused with the lines' axes where these are near it.
 FollowedFrame AxesFollower::Carry(Known predicted) {
   const std::optional<ManhattanFrame> axes = AxesNear(predicted.view, predicted);
   if (!axes) {
@@ -142,8 +142,8 @@ FollowedFrame AxesFollower::Carry(Known predicted) {
   return Know(std::move(predicted), *axes, true);
 }
 
-// Before the axes are settled: the frames that the views so far give, carried on to this one. One
-// that enough views agree on, or that has no rival, settles the axes.
+// Before the axes are settled: carries the frames from the views so far over to this one. A frame
+// on which enough views agree, or that has no rival, settles the axes.
 FollowedFrame AxesFollower::Settle(const OrientationViewPtr& view) {
   std::vector<Known> guesses;
   for (const Known& guess : guesses_) {
@@ -195,12 +195,12 @@ std::optional<AxesFollower::Known> AxesFollower::Anchored(const OrientationViewP
   return std::nullopt;
 }
 
-// A frame that nothing joins to the one before it.
+// Handles a frame that nothing connects to the one before it.
 FollowedFrame AxesFollower::TakeUp(const OrientationViewPtr& view) {
   FollowedFrame followed;
   followed.axes = Renumbered(view->frame, last_->rig_from_building);
   if (!view->frame.reliable()) return followed;
-  // Less than half a quarter turn can have gone by.
+  // The rig can have turned by less than half a quarter turn.
   const bool short_gap = (frame_ - last_->frame) * options_.max_jump_rad < kEighth;
   if (!short_gap && anchored_) {
     AddAnchor(*last_);

@@ -10,11 +10,11 @@
 
 namespace waystone {
 
-// Heading of a rig in the building: 0 looks along x, pi / 2 along y; (-pi, pi]. Nothing for a
-// frame without a rotation.
+// Heading of a rig in the building: 0 looks along x, pi / 2 along y; (-pi, pi]. Nothing for a frame
+// without a rotation. Pure; thread-safe.
 std::optional<double> HeadingOf(const OrientationFrame& frame);
 
-// The axes of a frame as the map has them, and what following them renumbered.
+// The axes of a frame as the map has them, after following has renumbered them.
 struct FollowedFrame {
   std::optional<BuildingRotation> rotation;
   bool reliable = false;
@@ -22,15 +22,15 @@ struct FollowedFrame {
   ManhattanFrame axes;    // numbered and signed as the building's
 };
 
-// Follows the building's axes through one sequence (sec. III-A). A frame that is far better than
-// any other, or one that several frames in a row agree on, settles them: the building's x is the
-// axis nearest to its view ahead. From then on the features carry the rotation from frame to frame.
-// A plane's two motions are told apart by the one that goes on as the camera turned before. Where
-// the lines have a frame near the prediction the two are joined by their covariances, which is what
-// makes a frame reliable; lines of other directions (a skewed room) leave it as predicted.
-// Where neither features nor a short gap join a frame to those before it, its quarter turn is not
+// Follows the building's axes through one sequence (sec. III-A). A frame of axes that is far better
+// than any other, or one that several images in a row agree on, settles them: the building's x is
+// the axis nearest to the view ahead. From then on the features carry the rotation from image to
+// image. Of a plane's two motions the one is taken that continues the camera's previous turn. Where
+// the lines have axes near the prediction, the two are fused by their covariances, which makes an
+// image's rotation reliable; lines in other directions (a skewed room) leave it as predicted. Where
+// neither features nor a short gap connect an image to those before it, its quarter turn is not
 // guessed: it and those after it have no reliable rotation until a common view with an earlier
-// frame settles it. Not thread-safe; frames in order.
+// image settles it. Not thread-safe; frames in order.
 class AxesFollower {
  public:
   AxesFollower(const FollowOptions& options, const TraversabilityOptions& traversability,

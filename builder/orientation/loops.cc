@@ -14,7 +14,8 @@
 namespace waystone {
 namespace {
 
-// The strongest features, as many of each camera; each camera's are the strongest first.
+// The strongest features, equally many per camera; each camera's features are sorted, strongest
+// first.
 Descriptors SampleDescriptors(const BearingFeatures& features, int wanted) {
   Descriptors sample(DescriptorBytes(features.type));
   const int cameras = features.size() == 0 ? 1 : features.camera.back() + 1;
@@ -38,7 +39,7 @@ bool MayClose(const OrientationFrame& a, const OrientationFrame& b,
   return RotationAngle(RigFromBuilding(a), RigFromBuilding(b)) <= options.max_turn_rad;
 }
 
-// The same orientation by the features, which don't depend on how axes are numbered.
+// Whether the orientation is the same by the features, independently of the numbering of axes.
 bool Closes(const Traversal& traversal, const OrientationLoopOptions& options) {
   return traversal.connected && traversal.matches >= options.min_matches &&
          traversal.pose.log10_chance <= options.max_log10_chance &&

@@ -70,8 +70,8 @@ struct FollowOptions {
 // Whether one frame can be reached in view from another (sec. II-B.2).
 struct TraversabilityOptions {
   MatchOptions matching;
-  // min_inliers is the paper's 10 correspondences. What a plane leaves open is settled by how the
-  // camera turned before, so that near ties alone are left to that.
+  // min_inliers is the paper's 10 correspondences. Where a plane allows two motions, the camera's
+  // previous turn decides, so max_rival leaves only near ties to it.
   RelativeOptions relative{.max_rival = 0.98};
   double max_disagreement_rad = 0.087;
   double min_parallax_rad = 0.008;

@@ -40,7 +40,8 @@ OrientationNode MakeNode(const MappedSequence& mapped, const NodeInWork& work) {
                                             frame.rotation->building_from_rig.toRotationMatrix(),
                                             FindTrajectoryAxis(mapped, work));
   }
-  // Lines are found in it, and nodes of maps that are joined: a JPEG keeps more than a WebP here.
+  // It is used to find lines and to match nodes when maps are joined, for which a JPEG keeps more
+  // than a WebP.
   if (!work.view->thumbnail.empty()) node.picture = EncodeJpeg(work.view->thumbnail);
   return node;
 }
@@ -70,7 +71,7 @@ std::vector<OrientationEdge> FindTrajectoryEdges(const MappedSequence& mapped,
   return edges;
 }
 
-// A loop between nodes that the trajectory joins already is no news.
+// A loop between nodes that the trajectory already joins adds nothing.
 void AddLoops(const std::vector<MappedSequence>& sequences, const OrientationOptions& options,
               ProgressReporter& progress, OrientationLayer& layer) {
   std::vector<LoopNode> nodes;
@@ -144,7 +145,7 @@ void OrientationLayerBuilder::Add(std::unique_ptr<Observation> observation, Prog
 void OrientationLayerBuilder::FinishSequence(const FrameReport& sequence) {
   report_.Append(sequence);
   mapped_.push_back(mapper_->Finish());
-  // One camera can't tell corridors from rooms (SeesAllAround).
+  // One camera can't distinguish corridors from rooms (SeesAllAround).
   if (rig_->rig.cameras.size() == 1) mapped_.back().corridors.clear();
   report_.tests += mapped_.back().tests;
   mapper_.reset();

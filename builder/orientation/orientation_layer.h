@@ -14,8 +14,8 @@
 
 namespace waystone {
 
-// What the building of the layer did. Skipped frames could not be read; the layer keeps them
-// without a rotation. FrameReport::observe_s is lines and features, add_s axes, turns and nodes.
+// What building the layer did. Skipped frames could not be read; the layer keeps them without a
+// rotation. FrameReport::observe_s is lines and features, add_s axes, turns and nodes.
 struct OrientationReport : FrameReport {
   int unreliable = 0;   // frames without reliable axes, of those that could be read
   int tests = 0;        // of traversability
@@ -25,8 +25,8 @@ struct OrientationReport : FrameReport {
 // The orientation layer of calibrated sequences (Puig et al. 2012): the rotation of every frame in
 // the building, turns, the topological map, corridors, loop closures, and the directions in which
 // one can go from each node. Frames that can't be read or show no lines are kept without a reliable
-// rotation, and the rest is mapped all the same. Memory grows by half a megabyte a node of a
-// six-camera rig. Deterministic for any number of threads.
+// rotation, and the rest is mapped all the same. Memory grows by half a megabyte per node for a
+// six-camera rig. Deterministic on any number of threads.
 class OrientationLayerBuilder : public LayerBuilder {
  public:
   // Throws MapError(kBadOptions).

@@ -77,7 +77,7 @@ void SequenceMapper::WatchTurn() {
   if (const auto jump = watch_.Next(frame, *heading)) untested_.push_back(*jump);
 }
 
-// Between the fifth frame before a jump and the fifth after it, or those nearest to them there are.
+// Tests between the frames `reach` before and after a jump, or the nearest available ones.
 void SequenceMapper::TestTurns(bool at_end) {
   const int last = static_cast<int>(mapped_.frames.size()) - 1;
   const int reach = options_.turns.reach;
@@ -106,13 +106,13 @@ void SequenceMapper::AddNode(int frame, OrientationNodeKind kind, int step_match
 }
 
 // From the last node on, every n frames: is the trajectory still traversable? Where it isn't, the
-// frame becomes a node and the search starts anew from it. A frame that shows nothing says nothing
-// about the trajectory: the next one is asked instead.
+// frame becomes a node and the search starts anew from it. A frame that shows nothing is
+// inconclusive: the next one is tested instead.
 void SequenceMapper::LookFromNode() {
   const int frame = static_cast<int>(mapped_.frames.size()) - 1;
   if (At(frame).view->features.size() == 0) return;
   if (mapped_.nodes.empty()) {
-    // The first frames may be needed to settle the axes, which loops go by.
+    // The first frames may be needed to settle the axes, on which loops depend.
     constexpr int kStepsToWait = 3;
     if (!mapped_.frames[frame].reliable && frame < kStepsToWait * options_.step) return;
     AddNode(frame, OrientationNodeKind::kTraversable, 0);
@@ -131,7 +131,7 @@ void SequenceMapper::LookFromNode() {
   AddNode(frame, OrientationNodeKind::kTraversable, matches);
 }
 
-// Turns are nodes of their own; one that fell on a node takes its place.
+// Turns are nodes of their own; a turn at the frame of a node replaces it.
 void SequenceMapper::AddTurnNodes(std::vector<NodeInWork>& nodes) {
   for (size_t i = 0; i < mapped_.turns.size(); ++i) {
     if (!mapped_.turns[i].confirmed) continue;

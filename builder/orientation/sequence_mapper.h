@@ -12,13 +12,13 @@
 
 namespace waystone {
 
-// A node while the layer is made.
+// A node while the layer is being made.
 struct NodeInWork {
   int frame = 0;  // index in the sequence
   OrientationNodeKind kind = OrientationNodeKind::kTraversable;
   OrientationViewPtr view;
   ManhattanFrame axes;  // of the view, numbered as the building's
-  // Matches of the last step of the way to it; 0 where the view broke in that step too.
+  // Matches of the last step towards it; 0 where the view broke in that step too.
   int step_matches = 0;
 };
 
@@ -34,7 +34,7 @@ struct MappedSequence {
 
 // Takes the views of one sequence in order and makes its topological map (sec. II-B): follows the
 // axes, watches for turns, and looks from each node as far as the trajectory is traversable. Keeps
-// the views of the last few frames, of nodes and of jumps alone. Not thread-safe.
+// only the views of the last few frames, of nodes and of jumps. Not thread-safe.
 class SequenceMapper {
  public:
   SequenceMapper(SequenceId id, int64_t first_frame_id, const OrientationOptions& options);
@@ -68,7 +68,7 @@ class SequenceMapper {
   JumpWatch watch_;
   MappedSequence mapped_;
   std::deque<Recent> recent_;
-  int last_looked_ = 0;   // last frame that was tested against the last node, or that node
+  int last_looked_ = 0;   // last frame that was tested against the last node, or that node's frame
   int first_recent_ = 0;  // frame of recent_.front()
   std::vector<HeadingSample> motion_samples_;
   std::deque<HeadingJump> untested_;

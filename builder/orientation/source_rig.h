@@ -10,12 +10,12 @@
 
 namespace waystone {
 
-// The rig that takes a source's frames.
+// The rig that took a source's frames. Thread-safe.
 struct SourceRig {
   Rig rig;
   bool panorama = false;  // frames are whole panoramas, which become the rig's faces
 
-  // The rig's images of Frame::images.
+  // The rig's images from Frame::images.
   std::vector<cv::Mat> SplitIntoFaces(const std::vector<cv::Mat>& images) const;
 };
 

@@ -12,7 +12,7 @@
 namespace waystone {
 namespace {
 
-// Median angle by which inliers move besides the rotation.
+// Median angle by which inliers move in addition to the rotation.
 double Parallax(const MatchedRays& rays, const RelativePose& pose) {
   std::vector<double> angles;
   for (const int i : pose.inliers) {
@@ -66,7 +66,7 @@ Traversal TestTraversability(const OrientedFeatures& a, const OrientedFeatures& 
   if (!pose.accepted() && !pose.one_of_two()) return traversal;
   traversal.disagreement_rad = Disagreement(*a.frame, *b.frame, pose);
   if (pose.rival) {
-    // R_c tells which of a plane's two motions it was; without it, the one that turns less.
+    // R_c selects one of a plane's two motions; without it, the one that turns less.
     RelativePose rival = pose;
     rival.b_from_a = pose.rival->b_from_a;
     rival.translation = pose.rival->translation;

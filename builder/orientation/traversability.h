@@ -8,13 +8,13 @@
 
 namespace waystone {
 
-// A frame as the test sees it.
+// A frame as the test takes it.
 struct OrientedFeatures {
   const BearingFeatures* features = nullptr;
   const OrientationFrame* frame = nullptr;
 };
 
-// What two frames have to do with each other.
+// How two frames are related.
 struct Traversal {
   bool connected = false;  // the space between them is visually traversable
   RelativePose pose;       // b_from_a
@@ -30,11 +30,10 @@ struct Traversal {
   double flow_rad = 0;
 };
 
-// Sec. II-B.2: the essential matrix over the features of both frames, its rotation against
-// R_c = R_1 R_2^T (fig. 1), and enough correspondences. Other than in the paper, R_c holds up to
-// the numbers and signs of the axes: a frame that is off by a quarter turn contradicts nothing.
-// Where a frame's axes aren't reliable the essential matrix decides alone. Deterministic;
-// thread-safe.
+// Sec. II-B.2: the essential matrix over the features of both frames, its rotation against R_c =
+// R_1 R_2^T (fig. 1), and enough correspondences. Unlike in the paper, R_c is compared up to the
+// numbers and signs of the axes: a frame that is off by a quarter turn is no contradiction. Where a
+// frame's axes aren't reliable, only the essential matrix decides. Deterministic; thread-safe.
 Traversal TestTraversability(const OrientedFeatures& a, const OrientedFeatures& b,
                              const TraversabilityOptions& options = {});
 

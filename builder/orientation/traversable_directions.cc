@@ -8,7 +8,7 @@
 namespace waystone {
 namespace {
 
-// Left of somebody who follows an axis.
+// The direction to the left when looking along an axis.
 Eigen::Vector3d LeftOf(int quarter_turns) {
   constexpr std::array<double, 4> kCos{1, 0, -1, 0};
   const auto turn = static_cast<size_t>(quarter_turns);

@@ -31,8 +31,8 @@ bool IsAlongAxis(double heading_rad, const TurnOptions& options) {
   return std::abs(FromAxis(heading_rad, Sector(heading_rad))) <= options.settled_rad;
 }
 
-// Between the median heading of the frames along an axis before the jump and of those after it.
-// Where a side has none, its heading farthest from the jump.
+// The change between the median headings of the frames along an axis before the jump and after it.
+// For a side without such frames, its heading farthest from the jump is used.
 double MeasureTurn(std::span<const HeadingSample> headings, int frame, const TurnOptions& options) {
   const int window = 4 * options.reach;
   std::vector<double> along[2], any[2];  // before, after
@@ -52,15 +52,15 @@ double MeasureTurn(std::span<const HeadingSample> headings, int frame, const Tur
   return std::clamp(after_rad - before_rad, -kPi, kPi);
 }
 
-// The heading tells the direction where it changed clearly, else the features' motion, else the
-// axes alone.
+// The direction is that of the heading where it changed clearly, else of the features' motion, else
+// of the axes.
 int FindTurnDirection(const TestedJump& tested, double angle_rad) {
   if (std::abs(angle_rad) > kQuarterTurn_rad / 2) return angle_rad > 0 ? 1 : -1;
   if (tested.flow_rad != 0) return tested.flow_rad < 0 ? 1 : -1;
   return tested.jump.quarter_turns < 0 ? -1 : 1;
 }
 
-// Confirms as many jumps around a change of the motion's axis as it has quarter turns.
+// Confirms as many jumps around a change of the motion's axis as the change has quarter turns.
 void ConfirmAround(const SettledMotion& before, const SettledMotion& after,
                    const TurnOptions& options, std::vector<DecidedTurn>& turns) {
   std::vector<DecidedTurn*> near;
@@ -83,8 +83,7 @@ void ConfirmAround(const SettledMotion& before, const SettledMotion& after,
   }
 }
 
-// The motion's axis after a jump: of the stretch that ends last after it has begun, else the
-// camera's own.
+// The motion's axis after a jump, by the settled motions, else the camera's own.
 int AxisAfter(const HeadingJump& jump, std::span<const SettledMotion> motions) {
   for (const SettledMotion& motion : motions) {
     if (motion.last > jump.frame) return motion.quarter_turns % 2;

@@ -12,19 +12,19 @@
 
 namespace waystone {
 
-// What the images of one moment give: the part of the work that needs no other frame. Nothing where
-// they could not be read.
+// What is extracted from the images of one moment: the part of the work that needs no other frame.
+// Empty where they could not be read.
 struct OrientationView : Observation {
   std::vector<GreatCircle> lines;
-  ManhattanFrame frame;  // axes numbered anyhow until they are followed
+  ManhattanFrame frame;  // axes numbered arbitrarily until they are followed
   BearingFeatures features;
   cv::Mat thumbnail;  // of the first camera; empty when none is wanted
 };
 
 using OrientationViewPtr = std::shared_ptr<const OrientationView>;
 
-// Finds lines, their directions and features in a rig's images, one a camera (CV_8UC1). Throws
-// MapError(kBadImage) for one that hasn't its camera's size. Deterministic; thread-safe.
+// Finds lines, their directions and features in a rig's images, one per camera (CV_8UC1). Throws
+// MapError(kBadImage) for one that doesn't have its camera's size. Deterministic; thread-safe.
 std::unique_ptr<OrientationView> ObserveOrientation(const Rig& rig, const FrameInfo& info,
                                                     std::span<const cv::Mat> images,
                                                     const OrientationOptions& options);

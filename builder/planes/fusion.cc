@@ -25,8 +25,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-// Features of `plane` (mapped by to_from) inside the convex hull of another one's: how many of them
-// are in `matched`.
+// The share of the features of `plane` (mapped by to_from) inside the convex hull of the other
+// plane's that are in `matched`.
 double OverlapShare(const Plane& plane, const Matrix3d& to_from, const Plane& other,
                     const std::set<int>& matched) {
   const std::vector<int> inside = FeaturesInsideHull(plane, to_from, PositionsOf(other));
@@ -41,15 +41,15 @@ bool OverlapAgrees(const Plane& m, const Plane& n, const FusionMatch& match, dou
     of_m.insert(inlier.a);
     of_n.insert(inlier.b);
   }
-  // The plane that was seen more often has more features than one look can find again: the better
-  // of the two shares counts.
+  // The plane that was seen more often has more features than one view can show again: the larger
+  // share counts.
   const Matrix3d& m_from_n = match.m_from_n.b_from_a;
   return std::max(OverlapShare(n, m_from_n, m, of_n),
                   OverlapShare(m, m_from_n.inverse(), n, of_m)) >= min_overlap;
 }
 
-// Whether a feature of n lies in or near m's reference image, and where the matches determine its
-// position in it. Others could only be expressed by extrapolation.
+// Whether a feature of n lies in or near m's reference image, at a position that the matches
+// determine. Others could only be expressed by extrapolation.
 bool CanBeMoved(const PlaneFeature& feature, const FusionMatch& match, const Keyframe& reference,
                 const PlaneLayerOptions& options) {
   const Vector2d x_n = PositionOf(feature.reference);
@@ -70,7 +70,7 @@ Edge SameSurface(const Plane& m, const Plane& n) {
           1.0};
 }
 
-// Moves n's features and views into m's reference image, but for features beyond its reach.
+// Moves n's features and views into m's reference image, except for features beyond its reach.
 void MergeInto(Plane& m, const Plane& n, const FusionMatch& match, const Keyframe& reference,
                const PlaneLayerOptions& options) {
   const Matrix3d& m_from_n = match.m_from_n.b_from_a;
@@ -109,8 +109,8 @@ class PlaneGraph {
   // A(m,n) = 1.
   bool AreCovisible(PlaneId m, PlaneId n) const { return edges_.contains(Ordered(m, n)); }
 
-  // Of two edges between the same planes, the first one stays, unless only the other one says that
-  // they are one surface.
+  // Of two edges between the same planes, the first one stays, unless only the other one marks them
+  // as one surface.
   void Add(const Edge& edge) {
     const auto [known, is_new] = edges_.try_emplace(Ordered(edge.a, edge.b), edge);
     if (!is_new && !JoinsOneSurface(known->second) && JoinsOneSurface(edge)) known->second = edge;
@@ -160,7 +160,7 @@ class Fuser {
   }
 
   void Run(const std::vector<FusionCandidate>& candidates) {
-    // All pairs at once as they are now: few planes will have changed when it is their turn.
+    // Matches all pairs at once in their present state: few planes will have changed by their turn.
     std::vector<std::optional<FusionMatch>> matches(candidates.size());
     tbb::parallel_for(size_t{0}, candidates.size(),
                       [&](size_t i) { matches[i] = MatchNow(candidates[i].m, candidates[i].n); });
@@ -196,7 +196,8 @@ class Fuser {
     return match;
   }
 
-  // Line 17: tries a pair, or what its planes have become. `first` is the match of what they were.
+  // Line 17: tries a pair, or the planes into which its planes were merged. `first` is the match of
+  // the original planes.
   void Try(const FusionCandidate& candidate, const std::optional<FusionMatch>& first) {
     const auto [m, n] = Ordered(Root(candidate.m), Root(candidate.n));
     if (m == n || graph_.AreCovisible(m, n)) return;

@@ -55,7 +55,7 @@ SearchIndex IndexOf(const Ballot& ballot, FeatureType type, const FusionOptions&
 
 constexpr int kNobody = -1;
 
-// Votes of features for the planes of the ballot, but for `own`.
+// Votes of features for the planes of the ballot, except `own`.
 std::map<int, int> CountVotes(const Ballot& ballot, DescriptorsView voters, int own,
                               const SearchIndex& index, FeatureType type,
                               const FusionOptions& options) {
@@ -81,7 +81,7 @@ std::map<int, int> CountVotes(const Ballot& ballot, DescriptorsView voters, int 
   return votes;
 }
 
-// Of one plane.
+// The voters of one plane.
 Descriptors VotersOf(const Ballot& ballot, int plane) {
   Descriptors voters(ballot.descriptors.bytes());
   for (int row = ballot.starts[plane]; row < ballot.starts[plane + 1]; ++row) {
@@ -137,7 +137,8 @@ std::vector<std::vector<int>> ProposeSightings(const std::vector<Plane>& planes,
   tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
     const Descriptors& voters = images[i].features.descriptors;
     for (const auto& [plane, n] : CountVotes(ballot, voters, kNobody, index, type, options)) {
-      // An image votes with all that is matched later, so that fewer votes are too few matches.
+      // An image votes with all features that are matched later, so too few votes mean too few
+      // matches.
       if (n >= options.min_inliers) candidates[i].push_back(plane);
     }
   });

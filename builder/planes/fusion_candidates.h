@@ -13,7 +13,7 @@ namespace waystone {
 
 using PlanePair = std::pair<PlaneId, PlaneId>;  // the lower id first
 
-// A pair of planes that may be one, and how many descriptor votes say so.
+// A pair of planes that may be the same, and the number of descriptor votes for it.
 struct FusionCandidate {
   PlaneId m;  // m < n
   PlaneId n;
@@ -21,21 +21,21 @@ struct FusionCandidate {
 };
 
 // Pairs that are not covisible (A(m,n) = 0) and whose features look alike, most votes first. Every
-// feature votes for the planes of descriptors that are like its own, and more like it than others
-// of the map are by chance, so that no pair has to be tried in full. Deterministic on any number of
-// threads (it uses TBB's).
+// feature votes for the planes of descriptors that are similar to its own, and more so than others
+// of the map are by chance, so that not every pair has to be matched. Deterministic on any number
+// of threads (it uses TBB's).
 std::vector<FusionCandidate> ProposeFusions(const std::vector<Plane>& planes,
                                             const std::vector<Edge>& edges, FeatureType type,
                                             const FusionOptions& options);
 
-// The planes (indices, ascending) whose features look like those of each image, in the same sense,
-// with as many votes as fusion asks matches for. Deterministic on any number of threads (it uses
-// TBB's).
+// For each image, the planes (indices, ascending) whose features look like its own, by the same
+// kind of votes, with at least as many votes as fusion requires matches. Deterministic on any
+// number of threads (it uses TBB's).
 std::vector<std::vector<int>> ProposeSightings(const std::vector<Plane>& planes,
                                                const std::vector<SampledKeyframe>& images,
                                                FeatureType type, const FusionOptions& options);
 
-// The pairs that share an edge.
+// The pairs that share an edge. Pure; thread-safe, as is the next.
 std::set<PlanePair> Covisible(const std::vector<Edge>& edges);
 PlanePair Ordered(PlaneId a, PlaneId b);
 

@@ -8,7 +8,7 @@ namespace waystone {
 void KeyframeSample::Add(KeyframeId keyframe, const Features& features) {
   const int number = added_++;
   if (number % stride_ != 0) return;
-  if (static_cast<int>(kept_.size()) == max_keyframes_) {  // every other one of them stays
+  if (static_cast<int>(kept_.size()) == max_keyframes_) {  // keep every other one
     stride_ *= 2;
     std::vector<SampledKeyframe> staying;
     for (size_t i = 0; i < kept_.size(); i += 2) staying.push_back(std::move(kept_[i]));

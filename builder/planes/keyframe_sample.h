@@ -22,7 +22,7 @@ struct WalkImage {
 };
 
 // Keeps the features of at most a given number of keyframes, evenly spread over all that were
-// added, however many there will be. Deterministic.
+// added, however many there will be. Deterministic. Not thread-safe.
 class KeyframeSample {
  public:
   explicit KeyframeSample(int max_keyframes) : max_keyframes_(max_keyframes) {}

@@ -8,13 +8,13 @@
 namespace waystone {
 namespace {
 
-// Of a keyframe's features: more matches with it are never asked for, so that a camera in front of
-// a bare wall, or one that sees little, gets no more keyframes than others.
+// The largest share of a keyframe's features that must match, so that a camera in front of a bare
+// wall, or one that sees little, doesn't get more keyframes than others.
 constexpr double kLastShare = 0.6;
 constexpr double kBeforeLastShare = 0.3;
 constexpr double kStretchShare = 0.3;
 
-// Whether it has the eight features that an epipolar geometry takes.
+// Whether it has the eight features that an epipolar geometry needs.
 bool CanBeRecognised(const Features& frame) { return frame.size() >= 8; }
 
 int AtMostShare(int matches, double share, const Features& keyframe) {
@@ -80,18 +80,18 @@ bool KeyframeSelector::FulfilsConditions(const Features& frame, int matches_last
              AtMostShare(options_.min_matches_before_last, kBeforeLastShare, *before_last_);
 }
 
-// Whether the last keyframe or the next one has enough of what a frame shows: N matches, or half of
-// what a frame has that shows little.
+// Whether the last keyframe or the next one shows enough of a frame: N matches, or half of the
+// features of a frame that has few.
 bool KeyframeSelector::IsShownBy(const Candidate& candidate, const Features& next) const {
   const Features& features = candidate.frame.features;
   const int enough = std::min(options_.min_matches_before_last, features.size() / 2);
   return candidate.matches_last >= enough || CountMatches(features, next) >= enough;
 }
 
-// The conditions can't be fulfilled any farther: takes the farthest frame that fulfilled them, else
-// the best of the others, else starts a new stretch. No frame before the best is passed over that
-// shows what neither it nor the last keyframe does: photos may lie far apart. What comes after is
-// looked at again.
+// No later frame can fulfil the conditions: takes the farthest frame that fulfilled them, else the
+// best of the others, else starts a new stretch. A frame before the best one isn't skipped if it
+// shows what neither the best one nor the last keyframe does: photos may be far apart. Later frames
+// are considered again.
 void KeyframeSelector::Decide(std::vector<ChosenKeyframe>& chosen) {
   std::deque<Candidate> rest = std::move(beyond_);
   beyond_.clear();

@@ -13,7 +13,7 @@
 namespace waystone {
 
 // The paper's three conditions for key frames (sec. IV, after Royer et al.): as many frames as
-// possible between two of them, at least M matches with the last one and N with the one before.
+// possible between two of them, at least M matches with the last one and N with the one before it.
 struct KeyframeOptions {
   int min_matches_last = 300;
   int min_matches_before_last = 150;
@@ -43,7 +43,7 @@ struct KeyframeOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// A frame with its features, on its way to become a keyframe or not.
+// A frame with its features, which may become a keyframe.
 struct ExtractedFrame {
   FrameInfo info;
   cv::Mat thumbnail;  // smaller picture of it; empty when images are left out
@@ -52,16 +52,17 @@ struct ExtractedFrame {
 
 struct ChosenKeyframe {
   ExtractedFrame frame;
-  bool starts_stretch = false;  // has nothing to do with the keyframe before
+  bool starts_stretch = false;  // isn't connected to the keyframe before
 };
 
-// Picks keyframes from frames as they come. Holds a handful of frames at most. Not thread-safe.
+// Picks keyframes from consecutive frames. Holds at most a handful of frames. Deterministic. Not
+// thread-safe.
 class KeyframeSelector {
  public:
   KeyframeSelector(const KeyframeOptions& options, const MatchOptions& match);
 
-  // Takes the next frame; returns the keyframes that are decided by it, in order. One with fewer
-  // than 8 features becomes none.
+  // Takes the next frame; returns the keyframes that it decides, in order. A frame with fewer than
+  // 8 features never becomes one.
   std::vector<ChosenKeyframe> Add(ExtractedFrame frame);
   // The keyframes still undecided at the end of the sequence.
   std::vector<ChosenKeyframe> Finish();

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Candidates held a keyframe, in budgets: planes will claim some of them.
+// Candidates held per keyframe, in budgets: planes will claim some of them.
 constexpr int kHeldBudgets = 6;
 
 // Positions at which the planes of a map have features in one keyframe.
@@ -42,7 +42,7 @@ class PlanePositions {
   std::vector<Vector2d> positions_;
 };
 
-// Of the cells into which the image is divided, this many along each side.
+// The index of the keypoint's cell; the image is divided into `cells` along each side.
 int SpreadCell(const Keypoint& keypoint, const Keyframe& keyframe, int cells) {
   const auto cell = [cells](float at, int size) {
     return std::clamp(static_cast<int>(cells * at / static_cast<float>(size)), 0, cells - 1);
@@ -86,7 +86,8 @@ void LandmarkChooser::Compare(Recent& before, Recent& now) const {
   }
 }
 
-// Ranks what the oldest keyframe has: found again most often first, then the strongest.
+// Ranks the features of the oldest keyframe: those found again most often first, then the
+// strongest.
 void LandmarkChooser::Retire() {
   const Recent& oldest = recent_.front();
   std::vector<int> order(oldest.features.size());
@@ -117,7 +118,7 @@ void LandmarkChooser::Finish(MapData& map) {
     if (found == candidates_.end() || found->id != keyframe.id) continue;
     PlanePositions claimed(options_.on_plane_px);
     for (const auto& [plane, view] : seen[keyframe.id]) claimed.Add(*plane, *view);
-    std::vector<const Candidate*> free;  // that no plane has
+    std::vector<const Candidate*> free;  // not on any plane
     for (const Candidate& candidate : found->ranked) {
       if (!claimed.Near(PositionOf(candidate.keypoint))) free.push_back(&candidate);
     }

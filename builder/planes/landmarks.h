@@ -53,14 +53,13 @@ struct LandmarkOptions {
 
 // Chooses the landmarks of keyframes: features that no plane of the map has, spread over the image,
 // first those that most of the keyframes before and after show again, consistently with the
-// epipolar geometry, then several of the strongest others for each of these that is missing. Holds
-// the features of a few keyframes and the candidates of all. Not thread-safe.
-// Deterministic.
+// epipolar geometry, then, for each of these that is missing, several of the strongest others.
+// Holds the features of a few keyframes and the candidates of all. Deterministic. Not thread-safe.
 class LandmarkChooser {
  public:
   explicit LandmarkChooser(const LandmarkOptions& options);
 
-  // The next keyframe. At the start of a stretch nothing of it was seen before.
+  // The next keyframe. One that starts a stretch isn't compared with those before it.
   void Add(KeyframeId id, const Features& features, bool starts_stretch);
 
   // Gives the keyframes of a map their landmarks, once all are added and its planes are final.

@@ -19,9 +19,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-constexpr size_t kFewestFeatures = 5;  // of a plane for their median to count
+constexpr size_t kFewestFeatures = 5;  // of a plane for a meaningful median
 
-// The motion of two planes between the reference images and a keyframe that saw both.
+// The homographies of two planes between their reference images and a keyframe that saw both.
 struct Sight {
   const Keyframe* keyframe;
   Matrix3d from_m;  // keyframe from reference image
@@ -52,7 +52,8 @@ std::optional<Vector2d> Shown(const Keyframe& keyframe, const Matrix3d& keyframe
   return inside ? std::optional(x) : std::nullopt;
 }
 
-// How far apart the homographies b_from_a of two planes put the features of the one whose they are.
+// The median distance between the positions at which the homographies b_from_a of two planes put
+// the features of `plane`.
 std::optional<double> MedianApart(const Plane& plane, const Matrix3d& a_from_reference,
                                   const Matrix3d& own, const Matrix3d& other, const Keyframe& a,
                                   const Keyframe& b) {

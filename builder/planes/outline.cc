@@ -41,8 +41,8 @@ std::vector<cv::Point2f> InSinglePrecision(const Points& points) {
   return result;
 }
 
-// The triangulation's points. It can't tell points apart that nearly coincide, and none lies far
-// from a reference image.
+// Rounds points for the triangulation, which can't distinguish points that nearly coincide; none
+// lies far from a reference image.
 std::vector<cv::Point2f> OnGrid(const Points& points) {
   constexpr double kUnitsPerPx = 16;
   constexpr double kFarthest_px = 1e5;
@@ -59,7 +59,7 @@ std::vector<cv::Point2f> OnGrid(const Points& points) {
 using Triangle = std::array<int, 3>;
 using HalfEdge = std::pair<int, int>;
 
-// A triangulation from which triangles are taken away.
+// A triangulation from which triangles are removed.
 class Shape {
  public:
   explicit Shape(const Points& points) {
@@ -96,7 +96,7 @@ class Shape {
   }
 
   void Peel(double longest_edge) {
-    // Longest first; of edges of one length that of the higher corners.
+    // Longest first; for equal lengths the edge with the higher corners.
     std::priority_queue<std::tuple<double, HalfEdge>> queue;
     const auto consider = [&](const HalfEdge& edge) {
       const double length = (At(edge.first) - At(edge.second)).norm();
@@ -112,17 +112,18 @@ class Shape {
       if (found == of_edge_.end()) continue;
       const Triangle& triangle = triangles_[found->second];
       const int apex = Apex(triangle, edge);
-      // With its apex on the border the triangle is all that joins two parts, or a corner's only.
+      // With its apex on the border, the triangle is the only connection of two parts, or the only
+      // triangle of a corner.
       if (on_border_[static_cast<size_t>(apex)] > 0) continue;
       Remove(found->second);
-      // The border goes by the apex now.
+      // The border now passes through the apex.
       ++on_border_[static_cast<size_t>(apex)];
       consider({edge.first, apex});
       consider({apex, edge.second});
     }
   }
 
-  // Takes away the triangles inside that are contradicted and touch no border.
+  // Removes the contradicted triangles in the interior that don't touch the border.
   void CutHoles() {
     for (size_t t = 0; t < triangles_.size(); ++t) {
       const Triangle& triangle = triangles_[t];
@@ -153,7 +154,8 @@ class Shape {
 
  private:
   const Vector2d& At(int corner) const { return at_[static_cast<size_t>(corner)]; }
-  // Each triangle has its three edges anticlockwise: the border are those whose reverse has none.
+  // Each triangle has its three edges anticlockwise: the border consists of those whose reverse has
+  // no triangle.
   bool IsBorder(const HalfEdge& edge) const {
     return !of_edge_.contains({edge.second, edge.first});
   }
@@ -219,7 +221,7 @@ class Shape {
     return ring;
   }
 
-  // The angle to the left by which a way turns, -pi to pi.
+  // The angle by which a path turns to the left, -pi to pi.
   double Turn(int before, int here, int there) const {
     const Vector2d in = At(here) - At(before);
     const Vector2d out = At(there) - At(here);

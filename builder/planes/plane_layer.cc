@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kThumbnailQuality = 80;  // of WebP
 
-// Edges between planes that are left.
+// The edges between remaining planes.
 std::vector<Edge> KeepEdges(const std::vector<Edge>& edges, const std::vector<Plane>& planes) {
   std::set<PlaneId> ids;
   for (const Plane& plane : planes) ids.insert(plane.id);
@@ -191,8 +191,8 @@ void PlaneLayerBuilder::FinishTracking(MapData& map) {
   map.edges = KeepEdges(tracker_.edges(), map.planes);
 }
 
-// Features that few keyframes found are dropped last, so that fusion sees all that planes have in
-// common.
+// Features that few keyframes found are dropped last, so that fusion sees everything that planes
+// have in common.
 void PlaneLayerBuilder::Fuse(MapData& map, ProgressReporter& progress) {
   const Clock::time_point start = Clock::now();
   FusionResult fusion = FusePlanes(std::move(map.planes), map.edges, map.keyframes,

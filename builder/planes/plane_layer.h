@@ -23,11 +23,11 @@ struct PlaneBuildOptions {
   KeyframeOptions keyframes;
   PlaneLayerOptions planes;
   int image_width = 320;  // of the picture kept of each keyframe, px; 0 keeps none
-  int max_samples = 40;   // keyframes that samples() hands out, for calibration
+  int max_samples = 40;   // keyframes that samples() returns, for calibration
   int max_images = 0;     // other images whose features are kept for TakeFeatures
 };
 
-// What the building of the layer did. FrameReport::add_s is the choice of keyframes and planes.
+// What building the layer did. FrameReport::add_s covers the choice of keyframes and planes.
 struct PlaneReport : FrameReport {
   int stretches = 0;
   int rotation_only = 0;  // keyframe pairs that only rotated
@@ -69,10 +69,10 @@ class PlaneLayerBuilder : public LayerBuilder {
 
   const PlaneReport& report() const { return report_; }
   const std::vector<SampledKeyframe>& samples() const { return sample_.keyframes(); }
-  // Of all keyframes, ascending: 150 kB each.
+  // The features of all keyframes, ascending: 150 kB each.
   const std::vector<SampledKeyframe>& features() const { return features_; }
-  // Of all keyframes, and of at most max_images other images, evenly spread over the sequences; the
-  // layer has none afterwards.
+  // Moves out the features of all keyframes, and of at most max_images other images, evenly spread
+  // over the sequences.
   std::vector<WalkImage> TakeFeatures();
 
  private:

@@ -173,9 +173,9 @@ void PlaneTracker::Advance(const Step& step) {
   std::erase_if(open_, [](const OpenPlane& open) { return open.renewed; });
 }
 
-// A match that carries a feature of the plane but doesn't fit it, between the last two keyframes or
-// to the reference image, is no growth; what is more, it is a vote against the feature, which lay
-// close to the plane only as long as the camera hadn't moved enough to tell.
+// A match that carries a feature of the plane but doesn't fit the plane, between the last two
+// keyframes or to the reference image, doesn't extend it; it also votes against the feature, which
+// seemed to be on the plane only as long as the camera had moved too little.
 void PlaneTracker::Confirm(const Step& step, OpenPlane& open, Tracked& tracked,
                            std::vector<int>& rows) {
   const std::vector<int>& triple = tracked.segment.rows;
@@ -227,7 +227,8 @@ std::vector<int> PlaneTracker::Grow(OpenPlane& open, const Step& step, const Tra
     const int seen =
         grid.MostAlike(Apply(reference_from_current, step.points.from[row]), descriptor, limit);
     if (seen != kNone) {
-      // The reference image shows it too, though it wasn't matched then: that is its true position.
+      // The reference image also shows it, although it wasn't matched then: that is its true
+      // position.
       AddFeature(open, keypoint, {open.reference->keypoints[seen], 2, 2}, descriptor, true);
       continue;
     }
@@ -260,8 +261,8 @@ void PlaneTracker::CountVotes(OpenPlane& open, const Step& step, const Tracked& 
   }
 }
 
-// What lies beyond the reach of a plane's reference image, or all of it when that image shows too
-// little of it by now, becomes a plane of its own with the last keyframe as its reference image.
+// What lies beyond the reach of a plane's reference image, or all of it when that image by now
+// shows too little of it, becomes a plane of its own with the last keyframe as its reference image.
 void PlaneTracker::Continue(const Step& step, const std::vector<int>& rows,
                             Segmentation& segmentation) {
   if (static_cast<int>(rows.size()) < options_.segmentation.min_inliers) return;
@@ -313,8 +314,8 @@ void PlaneTracker::AddEdges(const Step& step, const std::vector<PlaneId>& ids,
 }
 
 // Whether too few of the matches that took its features to later keyframes support a plane. Things
-// at different depths fit one homography as long as the camera moves little: two keyframes make
-// them a plane, and the next ones show them moving apart.
+// at different depths fit one homography as long as the camera moves little: two keyframes make a
+// plane of them, and later ones show them moving apart.
 bool PlaneTracker::IsContradicted(const OpenPlane& open) const {
   return open.supported < options_.min_support * open.carried;
 }
@@ -325,7 +326,7 @@ void PlaneTracker::Close(OpenPlane open) {
   std::vector<int> kept;
   for (int f = 0; f < static_cast<int>(plane.features.size()); ++f) {
     const PlaneFeature& feature = plane.features[f];
-    // One without votes is no feature of the plane, whatever the share.
+    // A feature without votes isn't one of the plane, whatever the share.
     if (feature.votes >= std::max(1.0, options_.min_vote_share * feature.visible)) {
       kept.push_back(f);
     }

@@ -25,8 +25,8 @@ struct TrackerReport {
 };
 
 // Algorithm 1, lines 1 to 14: finds the planes of consecutive keyframes and follows them by triple
-// matching plane-image-image. Holds the features of the planes, of the last keyframe, and of the
-// reference images of open planes, nothing else. Not thread-safe.
+// matching plane-image-image. Holds only the features of the planes, of the last keyframe, and of
+// the reference images of open planes. Not thread-safe.
 class PlaneTracker {
  public:
   explicit PlaneTracker(const PlaneLayerOptions& options);
@@ -35,7 +35,8 @@ class PlaneTracker {
   void AddKeyframe(KeyframeId id, const Features& features, bool starts_stretch,
                    const std::optional<Camera>& camera);
 
-  // Closes what is open and hands over planes and edges (ids are those of the tracker, ascending).
+  // Closes all open planes; planes() and edges() are then complete (with the tracker's ids,
+  // ascending).
   void Finish();
   std::vector<Plane>& planes() { return closed_; }
   const std::vector<Edge>& edges() const { return edges_; }
@@ -51,7 +52,7 @@ class PlaneTracker {
     std::vector<int> feature_at;  // of each keypoint of the last keyframe: plane feature or -1
     int carried = 0;              // matches that took its features to later keyframes
     int supported = 0;            // of them, those that its homographies explain
-    bool renewed = false;         // a plane with a newer reference image goes on in its place
+    bool renewed = false;         // a plane with a newer reference image continues it
   };
 
   // The step from the last keyframe to the current one.

@@ -28,11 +28,11 @@ constexpr double kMinSpanned = 0.5;  // of what a plane and an image have in com
 // A plane that an image shows.
 struct Sighting {
   int plane = 0;                  // index
-  std::optional<PlaneView> view;  // if it wasn't followed to the image's keyframe
+  std::optional<PlaneView> view;  // if it wasn't tracked to the image's keyframe
   std::vector<bool> shows;  // of each keypoint of the image: it is one of the plane's features
 };
 
-// All that an image shows, as if it were one plane.
+// Everything that an image shows, as if it were one plane.
 Plane AsPlane(const SampledKeyframe& image) {
   Plane plane;
   plane.reference = image.keyframe;
@@ -43,8 +43,9 @@ Plane AsPlane(const SampledKeyframe& image) {
   return plane;
 }
 
-// Of the image's features where the plane is, those within the convex hull of the ones that match:
-// a poster that hangs in two places matches on itself alone, and most of the wall is around it.
+// The share of the image's features on the plane that lie within the convex hull of the matched
+// ones: a poster that hangs in two places matches only on itself, and most of the wall is around
+// it.
 double SpannedShare(const Plane& plane, const FusionMatch& match, const Plane& image) {
   std::vector<Vector2d> matched;
   for (const Match& inlier : match.inliers) {
@@ -116,7 +117,7 @@ class RevisitFinder {
     return found;
   }
 
-  // The planes seen again in an image, and those that were followed to it; nothing when there are
+  // The planes seen again in an image, and those that were tracked to it; nothing when there are
   // none of the first kind.
   std::vector<Sighting> Search(int image, const std::vector<int>& candidates) const {
     const Plane all = AsPlane(images_[image]);
@@ -164,7 +165,7 @@ class RevisitFinder {
   }
 
   // Carries the planes to a neighbouring image and appends edges between those seen again and
-  // others of the same plane.
+  // others that turn out to be the same plane.
   void JoinAcross(int image, int neighbour, const std::vector<Sighting>& sightings,
                   std::vector<Edge>& edges) const {
     const Features& here = images_[image].features;

@@ -10,7 +10,7 @@
 
 namespace waystone {
 
-// A plane that an image shows, though it wasn't followed to the image's keyframe.
+// A plane that an image shows although it wasn't tracked to the image's keyframe.
 struct PlaneSeenAgain {
   PlaneId plane;
   PlaneView view;
@@ -23,14 +23,14 @@ struct Revisits {
   std::vector<Edge> edges;           // new ones, by (a, b)
 };
 
-// Closes loops that fusion leaves open. Fusion compares what planes have kept, which may be little
-// between two visits of a place, while a keyframe's image shows everything: each of `images` is
-// searched for the planes that weren't followed to its keyframe, with all its features in the place
-// of another plane's (line 17 of Algorithm 1), and with matches that span half of what the two have
-// in common, which those of a repeated poster don't. Such a plane and one that was followed to the
-// keyframe, or was found there in the same way, are carried to the images before and after it by
-// matches (sec. II-A); where their homology is the identity (sec. II-B: one and the same plane),
-// they get an edge with the homology as measured, unless an edge joins their surfaces already.
+// Closes loops that fusion leaves open. Fusion compares the features that planes have kept, of
+// which two visits to a place may share few, while a keyframe's image shows everything: each of
+// `images` is searched for the planes that weren't tracked to its keyframe, with all its features
+// in place of another plane's (line 17 of Algorithm 1), and with matches that span half of what the
+// two have in common, which those of a repeated poster don't. Such a plane and one that was tracked
+// to the keyframe, or was found there in the same way, are carried to the images before and after
+// it by matches (sec. II-A); where their homology is the identity (sec. II-B: one and the same
+// plane), they get an edge with the measured homology, unless an edge already joins their surfaces.
 // The arguments are ordered by id and (a, b); `images` are of `keyframes`, all or some.
 // Reports the stage "revisits". Deterministic on any number of threads (it uses TBB's).
 Revisits FindRevisits(const std::vector<Plane>& planes, const std::vector<Edge>& edges,

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// The rotation that turns one set of directions best into another (Kabsch).
+// The rotation that best aligns one set of directions with another (Kabsch).
 Matrix3d BestRotation(const std::vector<Vector3d>& from, const std::vector<Vector3d>& to) {
   Matrix3d correlation = Matrix3d::Zero();
   for (size_t i = 0; i < from.size(); ++i) correlation += to[i] * from[i].transpose();
@@ -55,7 +55,7 @@ Matrix3d Calibration(double f, double cx, double cy) {
   return k;
 }
 
-// A pinhole camera with about as many pixels a radian, in the middle of the image, as this one.
+// A pinhole camera with about as many pixels per radian in the middle of the image as this one.
 Matrix3d PinholeOf(const Camera& camera) {
   const double focal = camera.model == CameraModel::kEquirectangular
                            ? camera.width / (2 * std::numbers::pi)
@@ -63,8 +63,8 @@ Matrix3d PinholeOf(const Camera& camera) {
   return Calibration(focal, 0.5 * (camera.width - 1), 0.5 * (camera.height - 1));
 }
 
-// The matches as `k`, a pinhole camera in the same place, would have seen them; without those that
-// are farther than max_angle_rad from the optical axis, where it stretches noise beyond all bounds.
+// The matches as seen by a pinhole camera `k` in the same place, without those farther than
+// max_angle_rad from the optical axis, where it stretches noise without bounds.
 MatchedPoints Undistorted(const MatchedPoints& points, const Camera& camera, const Matrix3d& k,
                           double max_angle_rad) {
   const double least_z = std::cos(max_angle_rad);
@@ -104,7 +104,7 @@ bool IsRotation(const MatchedPoints& points, const std::vector<Matrix3d>& calibr
   if (!fit || fit->inliers.size() < options.min_share * static_cast<double>(points.size())) {
     return false;
   }
-  // Of one image twice, only rounding is left, which says nothing.
+  // For two identical images only rounding is left, which means nothing.
   constexpr double kLeast_px = 1e-3;
   const double free =
       std::max(kLeast_px, std::sqrt(MeanError2(points, fit->inliers, fit->model.to_from)));

@@ -9,11 +9,12 @@
 
 namespace waystone {
 
-// Whether two frames differ by a rotation of the camera alone, so that every match fits the one
-// homography K R K^-1 and planes can't be told apart (sec. IV). One plane that fills both images
-// fits one homography too, but no rotation. The camera's distortion, of any model, is taken out of
-// the points first. Where it isn't known, there is taken to be none, the focal length is searched
-// and the principal point is the middle of the image (`width` x `height`, px).
+// Whether two frames differ only by a rotation of the camera, so that every match fits the one
+// homography K R K^-1 and planes can't be distinguished (sec. IV). One plane that fills both images
+// fits one homography too, but no rotation. The distortion of `camera`, of any model, is removed
+// from the points first. Without a camera, no distortion is assumed, the focal length is searched
+// for, and the principal point is the middle of the image (`width` x `height`, px). Deterministic;
+// thread-safe.
 bool RotatesOnly(const MatchedPoints& points, int width, int height,
                  const std::optional<Camera>& camera, const RotationOptions& options,
                  const LocalRansacOptions& ransac, uint64_t seed);

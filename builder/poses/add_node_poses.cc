@@ -60,7 +60,7 @@ std::optional<double> RequireAgreement(const MapData& map, const GivenNodePoses&
                      RemedyFor(share_of, std::max(options.min_consistent, 2 * *share)));
 }
 
-// The places of nodes once those with poses are in the frame.
+// The positions of nodes after those with poses have been moved into the frame.
 class NodeMover {
  public:
   NodeMover(const std::vector<AppearanceNode>& nodes, const GivenNodePoses& poses,
@@ -72,7 +72,7 @@ class NodeMover {
     scale_ = FindScale();
   }
 
-  // Units of the frame in one of the layer's before.
+  // How many units of the frame one former unit of the layer is.
   double scale() const { return scale_; }
 
   std::vector<Pose2> Move() const {
@@ -102,7 +102,7 @@ class NodeMover {
     return i >= 0 && i < std::ssize(nodes_) && nodes_[i].sequence == nodes_[of].sequence;
   }
 
-  // Where the layer's own motion from a node with a pose leads.
+  // The pose that the layer's own motion from a node with a pose leads to.
   Pose2 From(int anchor, int i) const {
     return *above_[anchor] * Stretched(Inverse(nodes_[anchor].pose) * nodes_[i].pose, scale_);
   }
@@ -141,7 +141,7 @@ class NodeMover {
   double scale_ = 1;
 };
 
-// A sample that was left out of the layer has its own pose; without one it says nothing.
+// A sample that was left out of the layer has its own pose; without one it is useless.
 void MoveSamples(const MapData& map, const GivenPoses& poses, const Horizontal& horizontal,
                  std::vector<AppearanceSampleFrame>& samples) {
   std::erase_if(samples, [&](AppearanceSampleFrame& sample) {

@@ -41,8 +41,8 @@ double RequireConsistency(const std::vector<PosedView>& views, const PoseTracks&
                      RemedyFor(share_of, std::max(options.min_consistent, 2 * share)));
 }
 
-// By how much the poses' own errors enlarge those of keypoints: the factor on their sigma at which
-// as many matches agree as do within one sigma of a normal distribution.
+// The factor by which the poses' own errors enlarge those of keypoints: that on their sigma at
+// which as many matches agree as lie within one sigma of a normal distribution.
 double MeasureNoise(const std::vector<PosedView>& views, const PoseTracks& tracks) {
   constexpr double kWithinOneSigma = 0.683;
   constexpr double kLargestNoise = 8;

@@ -9,16 +9,16 @@
 
 namespace waystone {
 
-// How far the poses are from one another (builder/calibration/pose_calibration).
+// How consistent the poses are (builder/calibration/pose_calibration).
 struct PoseNoiseReport {
   static constexpr int kFewest = 8;  // keyframes to measure it with
 
   PoseNoise noise;
   int asked = 0;     // keyframes
-  int measured = 0;  // of them, had a pose by the others
+  int measured = 0;  // of them, could be localized by the others
 };
 
-// What became of the poses that were given.
+// How the given poses were used.
 struct PoseReport {
   int keyframes = 0;      // of the map
   int posed = 0;          // of them, have a pose
@@ -31,11 +31,11 @@ struct PoseReport {
   double seconds = 0;
 };
 
-// Puts a finished plane layer into the frame of the given poses, which are held: the distance of
-// each plane feature and landmark from its keyframe by its sightings in other keyframes
-// (core/camera_pose/inverse_depth), planes fitted to their features, and both combined; what
-// contradicts the poses has no depth. `features` are those of all keyframes. Deterministic on any
-// number of threads.
+// Puts a finished plane layer into the frame of the given poses, which are kept fixed: estimates
+// the distance of each plane feature and landmark from its keyframe by its sightings in other
+// keyframes (core/camera_pose/inverse_depth), fits planes to their features, and combines both;
+// features that contradict the poses get no depth. `features` are those of all keyframes.
+// Deterministic on any number of threads.
 // Throws MapError: kBadCamera for a sequence without a calibration; kBadRequest where too few
 // keyframes have a pose or the poses contradict the images, saying whether they would fit as
 // camera-from-world transforms or with other axes.

@@ -16,7 +16,7 @@ namespace waystone {
 // Matches of two images that fit one epipolar geometry.
 struct VerifiedMatches {
   std::vector<std::pair<int, int>> features;  // of a and of b
-  EpipolarFit fit;                            // of all matches, before it dropped the others
+  EpipolarFit fit;                            // to all matches, including those that it dropped
 };
 
 // Nothing where no geometry fits. Deterministic; thread-safe.
@@ -31,8 +31,8 @@ struct MatchedKeyframes {
   VerifiedMatches matches;
 };
 
-// Matches all keyframes of a map, `features` being theirs (ReadKeyframes), with the 8 before and
-// after them in their stretch, and with the 20 that the map itself proposes for them
+// Matches all keyframes of a map, whose features are `features` (ReadKeyframes), with the 8 before
+// and after them in their stretch, and with the 20 that the map itself proposes for them
 // (VoteForPlaces), so that loops close. Pairs with fewer than 15 matches are left out.
 // Ordered by (a, b). Deterministic on any number of threads. Throws MapError(kInterrupted).
 std::vector<MatchedKeyframes> MatchKeyframes(const MapIndex& index,

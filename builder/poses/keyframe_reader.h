@@ -12,16 +12,16 @@
 
 namespace waystone {
 
-// Features of an image that a reconstruction takes: with the 1,000 that a query has, COLMAP left
-// the keyframes of `waystone demo --write` in three models; with these they are one.
+// Features per image for a reconstruction: with the 1,000 of a query, COLMAP left the keyframes of
+// `waystone demo --write` in three models; with these they are one.
 inline constexpr int kReconstructionFeatures = 4000;
 
-// The features of a map's keyframes, extracted anew from what the map was built from: the source of
-// each of map.sequences, in their order, opened without options that leave frames out. In the order
-// of map.keyframes; deterministic on any number of threads. Throws MapError: kBadSource for sources
-// that aren't the map's (their number, a keyframe's name or its shape differs, or its size from the
-// sequence's camera) or can't be read; kInterrupted. `options` may take more pixels than the map
-// has: keyframes that are triangulated want them.
+// The features of a map's keyframes, extracted anew from the sources that the map was built from:
+// one for each of map.sequences, in their order, opened without options that leave frames out. In
+// the order of map.keyframes; deterministic on any number of threads. Throws MapError: kBadSource
+// for sources that aren't the map's (their number, a keyframe's name or its shape differs, or its
+// size from the sequence's camera) or can't be read; kInterrupted. `options` may take more pixels
+// than the map's images have, for triangulation.
 std::vector<SampledKeyframe> ReadKeyframes(const MapData& map,
                                            std::span<const std::unique_ptr<Source>> sources,
                                            const FeatureOptions& options,

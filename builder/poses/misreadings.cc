@@ -31,8 +31,8 @@ Isometry3d WithBodyAxes(const Isometry3d& pose) {
   return turned;
 }
 
-// Which axis is negated makes no difference to what cameras see of each other. The camera's x is
-// negated as well, so that it is right-handed again and keeps what is up and ahead.
+// Which axis is negated makes no difference to the cameras' relative poses. The camera's x is
+// negated as well, so that it is right-handed again and keeps its up and forward directions.
 Isometry3d Mirror(const Isometry3d& pose) {
   const Vector3d axes(1, -1, 1);
   Isometry3d mirrored = pose;

@@ -7,12 +7,12 @@
 
 namespace waystone {
 
-// Another way to read given poses.
+// Another interpretation of given poses.
 using PoseReading = std::function<Eigen::Isometry3d(const Eigen::Isometry3d&)>;
 
-// What to do about poses that contradict the images: the readings in which poses are often mistaken
-// that make a share of at least `least` of what is compared agree, `share_of` giving this share;
-// else what to check. Turns alone can't tell a mirrored frame from a camera's other axes.
+// Advice on poses that contradict the images: the common misinterpretations under which `share_of`
+// (the share of the compared items that agree) is at least `least`, or else what to check.
+// Rotations can't distinguish a mirrored frame from other camera axes. Thread-safe if share_of is.
 std::string RemedyFor(const std::function<double(const PoseReading&)>& share_of, double least);
 
 // "37%".

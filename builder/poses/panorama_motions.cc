@@ -22,15 +22,16 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A few that agree or don't tell nothing.
+// Fewer motions are inconclusive.
 constexpr int kFewestMotions = 5;
-// Nodes of a pair are so far from each other in their sequence: the farther see more of a turn.
+// How far the nodes of a pair are from each other in their sequence: farther ones show more of a
+// turn.
 constexpr std::array<int, 2> kSpans = {1, 4};
 // Without parallax a motion has no direction.
 constexpr double kLeastParallax_rad = 0.02;
 constexpr double kCompassSigmas = 3;
 
-// How many of those that were compared agree.
+// How many of the compared ones agree.
 struct Agreement {
   int agree = 0;
   int of = 0;
@@ -44,7 +45,7 @@ struct Agreement {
   }
 };
 
-// The frame from above, by what these poses say is up.
+// The frame from above, with up estimated from these poses.
 Horizontal SeenFromAbove(const GivenNodePoses& poses) {
   PoseLayer layer;
   for (const auto& pose : poses) {

@@ -14,16 +14,17 @@ namespace waystone {
 // The poses of a map's nodes, in their order.
 using GivenNodePoses = std::vector<std::optional<Eigen::Isometry3d>>;
 
-// How the camera moved and turned between panoramas of a map, by what they show of each other:
-// their features where they keep some, else what the compass said.
+// How the camera moved and turned between panoramas of a map: by their features where they keep
+// some, else by the compass. Immutable after construction.
 class PanoramaMotions {
  public:
   // Between nodes with poses. The map has an appearance layer (WS_CHECK). Deterministic on any
   // number of threads.
   PanoramaMotions(const MapData& map, const GivenNodePoses& poses, const PoseOptions& options);
 
-  // The share of the motions that agree with these poses, or of those that turn where that is less.
-  // Nothing where there are too few to tell. `poses` has the nodes of the constructor's.
+  // The share of the motions that agree with these poses, or that of the motions with a turn where
+  // it is smaller. Nothing where there are too few. `poses` are of the same nodes as the
+  // constructor's.
   std::optional<double> ConsistentShare(const GivenNodePoses& poses) const;
 
  private:

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kPlaneSteps = 12;
 constexpr double kInlierSigmas = 3;
-// Of the extents of the points: a second one below this share of the first is a line.
+// A second extent of the points below this share of the first means a line.
 constexpr double kLeastExtent = 1e-4;
 constexpr double kMadToSigma = 1.4826;
 

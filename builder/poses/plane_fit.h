@@ -29,17 +29,19 @@ struct FittedPlane {
 // for fewer than `min_points` inliers or points on one line. Deterministic; thread-safe.
 std::optional<FittedPlane> FitPlane(const std::vector<UncertainPoint>& points, int min_points);
 
-// A depth and its standard deviation, as a share of it.
+// A depth and its standard deviation, as a share of the depth.
 struct UncertainDepth {
   double depth = 0;
   double sigma = 0;
 };
 
-// How far along a ray of a camera (unit, the camera's) the plane is; nothing where it isn't ahead.
+// How far along a unit ray in the camera's frame the plane is; nothing where it isn't ahead. Pure;
+// thread-safe.
 std::optional<UncertainDepth> MeetPlane(const Eigen::Isometry3d& frame_from_camera,
                                         const Eigen::Vector3d& ray, const FittedPlane& plane);
 
-// The plane n . x = d with its normal turned away from the camera.
+// Flips the plane n . x = d where needed so that its normal points away from the camera.
+// Thread-safe.
 void TurnAway(const Eigen::Isometry3d& frame_from_camera, Eigen::Vector3d& normal,
               double& distance);
 

@@ -22,7 +22,7 @@ struct PosedView {
 };
 
 // The keyframes that have a pose, in the map's order. Throws MapError(kBadCamera) for one whose
-// sequence has no camera, and kBadRequest where too few have a pose.
+// sequence has no camera, and kBadRequest where too few have a pose. Deterministic; thread-safe.
 std::vector<PosedView> CollectPosedViews(const MapData& map,
                                          const std::vector<SampledKeyframe>& features,
                                          const GivenPoses& poses, const PoseOptions& options);
@@ -33,8 +33,9 @@ struct FeatureLink {
   int feature = 0;
 };
 
-// What neighbouring views of a sequence see of each other's features: matches that fit one epipolar
-// geometry, whatever the poses say.
+// Which features neighbouring views of a sequence share: matches that fit one epipolar geometry,
+// independently of the poses. Refers to its arguments. Immutable after construction, and
+// deterministic on any number of threads (it uses TBB's).
 class PoseTracks {
  public:
   PoseTracks(const std::vector<PosedView>& views, const PoseOptions& options);
@@ -42,8 +43,8 @@ class PoseTracks {
   const std::vector<FeatureLink>& LinksOf(int view, int feature) const {
     return links_[view][feature];
   }
-  // The share of the matches that agree with these poses (frame_from_camera, one a view) to
-  // `max_sigmas`, the point ahead of both cameras. 1 without matches.
+  // The share of the matches that agree with these poses (frame_from_camera, one per view) within
+  // `max_sigmas`, with the point ahead of both cameras. 1 without matches.
   double ConsistentShare(const std::vector<Eigen::Isometry3d>& frame_from_camera,
                          double max_sigmas) const;
 

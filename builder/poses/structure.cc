@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kLeastPlanePoints = 8;
-// A feature whose own depth is this many sigmas off its plane isn't on it.
+// A feature whose own depth is more than this many sigmas off its plane isn't on it.
 constexpr double kOnPlaneSigmas = 3;
 constexpr double kSamePixel_px = 0.5;
 // Views in which a feature is searched for where its first depth puts it.
@@ -84,7 +84,7 @@ std::vector<PlacedFeature> StructureEstimator::PlaceLandmarks(const Keyframe& ke
   return placed;
 }
 
-// By the links alone, and then by all views that show it where these put it.
+// First by the links, and then by all views that show it where these predict it.
 StructureEstimator::Anchored StructureEstimator::Anchor(
     int view, const Vector2d& x, const uint8_t* descriptor,
     const std::vector<FeatureLink>& links) const {
@@ -117,7 +117,7 @@ DepthEstimate StructureEstimator::Estimate(int view, const Vector3d& ray,
   return EstimateDepth(ray, sightings, options_.depth);
 }
 
-// The links, and what the other nearest views show of a point (in the camera of `view`).
+// The links, and the features of a point (in the camera of `view`) in the other nearest views.
 std::vector<FeatureLink> StructureEstimator::SearchViews(
     int view, const Vector3d& x_camera, const uint8_t* descriptor,
     const std::vector<FeatureLink>& links) const {

@@ -26,21 +26,21 @@ struct PlacedPlane {
   std::optional<FittedPlane> fit;
 };
 
-// Where the features of a map's planes and landmarks are, poses held. A feature stays on the ray
-// that it is stored with; its distance follows from the views that show it: those that its plane's
-// homographies or the tracks name, and then all near ones in which it is found where these put it.
-// Refers to all that it is made of. Thread-safe, deterministic.
+// Estimates where the features of a map's planes and landmarks are, with fixed poses. A feature
+// stays on its stored ray; its distance follows from the views that show it: those given by its
+// plane's homographies or the tracks, and then all near ones in which it is found where these
+// predict it. Refers to its arguments. Deterministic; thread-safe.
 class StructureEstimator {
  public:
-  // `noise`: by how much the poses' own errors enlarge those of keypoints, 1 or more.
+  // `noise`: the factor by which the poses' own errors enlarge those of keypoints, 1 or more.
   StructureEstimator(const MapData& map, const std::vector<PosedView>& views,
                      const PoseTracks& tracks, const PoseOptions& options, double noise);
 
   // The index of a keyframe's view; -1 where it has no pose.
   int ViewOf(KeyframeId id) const;
-  // Of a plane whose reference keyframe has a pose.
+  // Places a plane whose reference keyframe has a pose.
   PlacedPlane Place(const Plane& plane) const;
-  // Of a keyframe with a pose.
+  // Places the landmarks of a keyframe with a pose.
   std::vector<PlacedFeature> PlaceLandmarks(const Keyframe& keyframe) const;
 
  private:

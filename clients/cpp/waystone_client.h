@@ -18,8 +18,8 @@
 
 namespace waystone {
 
-// What the server or the way to it refused; what() is one line for people. "Not in this map" is an
-// answer and no error.
+// An error from the server or on the way to it; what() is one line for people. "Not in this map" is
+// an answer, not an error.
 class ClientError : public std::runtime_error {
  public:
   ClientError(std::string code, int status, const std::string& detail)
@@ -27,7 +27,7 @@ class ClientError : public std::runtime_error {
 
   // The contract's code, or "unreachable", "bad_answer" or "unreadable_photo".
   const std::string& code() const { return code_; }
-  // Of HTTP; 0 where no answer came.
+  // The HTTP status; 0 where no answer came.
   int status() const { return status_; }
 
  private:
@@ -36,7 +36,7 @@ class ClientError : public std::runtime_error {
 };
 
 struct ClientOptions {
-  std::string token = {};  // goes to the server as it is: use https between machines
+  std::string token = {};  // sent in plain text over http: use https between machines
   int timeout_s = 30;      // how long the server may be silent
   int retries = 3;         // while the server is busy
   int max_wait_s = 30;     // a longer Retry-After is not waited for
@@ -48,13 +48,14 @@ struct Photo {
   std::string bytes;
 };
 
-// Asks a Waystone server, by a connection of its own for each question. Not to be used by two
-// threads at once; any number of clients may ask one server. Throws ClientError alone.
+// Queries a Waystone server, over a connection of its own for each request. Not thread-safe; any
+// number of clients may query one server. Throws nothing but ClientError.
 class Client {
  public:
   using Json = nlohmann::ordered_json;
 
-  // "http://127.0.0.1:8080", also with a path before the API; https where cpp-httplib has OpenSSL.
+  // "http://127.0.0.1:8080", optionally with a path before the API; https where cpp-httplib has
+  // OpenSSL.
   explicit Client(const std::string& server, ClientOptions options = {})
       : options_(std::move(options)) {
     const size_t host = server.find("://");
@@ -76,7 +77,7 @@ class Client {
                 const Json& request = {}) const {
     return Localize(Read(path), map, request);
   }
-  // Several images, a rig's or a series in order: one answer.
+  // Several images, those of a rig or a series in order: one answer.
   Json Localize(const std::vector<Photo>& photos, const std::string& map = "",
                 const Json& request = {}) const {
     httplib::MultipartFormDataItems parts;
@@ -94,9 +95,9 @@ class Client {
     }));
   }
 
-  // Any address of the API: "/v1/maps", MapPath("lab") + "/planes". Parsed JSON.
+  // Any path of the API, as parsed JSON: "/v1/maps", MapPath("lab") + "/planes".
   Json Get(const std::string& path) const { return Parsed(GetText(path)); }
-  // The same as it came, for texts and pictures.
+  // The same unparsed, for texts and pictures.
   std::string GetText(const std::string& path) const {
     return Ask([&](httplib::Client& client, const httplib::Headers& headers) {
       return client.Get(prefix_ + path, headers);
@@ -171,7 +172,7 @@ class Client {
     return std::all_of(text.begin(), text.end(), [](char c) { return '0' <= c && c <= '9'; });
   }
 
-  // A name in a form's header: without what would end it.
+  // A name for a form's header, without characters that would end it.
   static std::string Plain(std::string name) {
     for (char& c : name) {
       if (c == '"' || c == '\\' || static_cast<unsigned char>(c) < ' ') c = '_';

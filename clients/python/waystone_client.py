@@ -37,11 +37,11 @@ DEFAULT_RETRY_S = 1.0  # wait after a 429 that doesn't say how long
 
 
 class WaystoneError(Exception):
-    """What went wrong: the server's problem (RFC 9457), or that it couldn't be asked.
+    """What went wrong: the server's problem (RFC 9457), or that it couldn't be queried.
 
     `code` is the stable name of clients/openapi.yaml ("busy", "not_found", ...), "unreachable" or
     "timeout" when no answer came, "bad_answer" when it isn't one of Waystone's, "unreadable_photo"
-    for a file. `status` is that of HTTP, 0 without one. `detail` is a line with cause and remedy.
+    for a file. `status` is the HTTP status, or 0. `detail` is a line with cause and remedy.
     """
 
     def __init__(self, code: str, status: int, detail: str):
@@ -56,7 +56,7 @@ Matrix = list[list[float]]
 
 
 class Keyframe(TypedDict):
-    """One picture of the map."""
+    """One image of the map."""
 
     id: int
     sequence: str
@@ -110,7 +110,7 @@ class AnsweredPlace(TypedDict):
 
     layer: Literal["planes", "appearance"]
     id: int
-    name: str | None  # what people called it
+    name: str | None  # given by people
     image: str
     sequence: str
     time_s: float | None
@@ -120,7 +120,7 @@ class AnsweredPlace(TypedDict):
 
 
 class PlaneReference(TypedDict):
-    """The keyframe in whose picture a plane is kept."""
+    """The keyframe in whose image a plane is described."""
 
     id: int
     source: str
@@ -166,7 +166,7 @@ class ShortAnswer(TypedDict):
 
 
 class Answer(TypedDict):
-    """The server's answer; docs/http-api.md says when the last ones are there."""
+    """The server's answer; docs/http-api.md says when the optional fields are there."""
 
     verdict: Verdict
     probability: float
@@ -219,9 +219,9 @@ Photo = str | os.PathLike[str] | Encoded | Image  # a path, encoded bytes, or by
 class Options:
     """What a request may say besides its images; None leaves a field out.
 
-    The server checks the ranges and names the field at fault. The camera is told in one of three
+    The server checks the ranges and names the field at fault. The camera is given in one of three
     ways: fx, fy, cx and cy together, `fov_deg`, or `camera`. `camera`, `prior_keyframe`,
-    `previous` and `odometry` are of one map, `hints` narrow a query of all maps: `position`
+    `previous` and `odometry` refer to one map, `hints` narrow a query of all maps: `position`
     (`frame`, `x`, `y`, `z` if known, `radius`), `tags` and `previous_map`.
     """
 
@@ -231,14 +231,14 @@ class Options:
     cy: float | None = None  # principal point, px
     fov_deg: float | None = None  # horizontal field of view
     camera: str | None = None  # name of a sequence of the map whose camera took the image
-    prior_keyframe: int | None = None  # where the caller believes to be
+    prior_keyframe: int | None = None  # where the caller believes it is
     previous: Answer | None = None  # the answer before this one
-    # Of each panorama the motion {"x", "y", "heading_rad"} since the one before it, or None.
+    # For each panorama the motion {"x", "y", "heading_rad"} since the one before it, or None.
     odometry: Sequence[dict[str, float] | None] | None = None
     hints: dict[str, Any] | None = None
     top_k: int | None = None  # 1 to 50: list that many candidates
-    debug: bool = False  # give the explanation: what became of every plane
-    deadline_ms: int | None = None  # 1 to 60000: when the answer is no use any more
+    debug: bool = False  # include the explanation: what became of every plane
+    deadline_ms: int | None = None  # 1 to 60000: after this the answer is of no use
 
     def to_json(self) -> dict[str, Any]:
         """The object that goes with the images."""
@@ -303,7 +303,7 @@ def _form_of(images: Sequence[Image], options: Options) -> tuple[bytes, str]:
 
 
 def _quotable(name: str) -> str:
-    """A name as a quoted string: without what would end its line, the rest escaped."""
+    """A name for a quoted string: without what would end its line, and escaped."""
     printable = "".join(letter if letter.isprintable() else "_" for letter in name)
     return printable.replace("\\", "\\\\").replace('"', '\\"')
 
@@ -312,11 +312,12 @@ def _quotable(name: str) -> str:
 
 
 class Client:
-    """A server at `url`, asked with a bearer `token` where it wants one.
+    """A server at `url`, queried with a bearer `token` where it requires one.
 
-    A call takes at most `timeout_s`, its retries and their waits included. A busy server (429) is
-    asked again `retries` times, each after the time that its Retry-After names; where that doesn't
-    fit into `timeout_s` the error comes at once. Redirects aren't followed: a token stays here.
+    A call takes at most `timeout_s`, including its retries and their waits. A busy server (429) is
+    asked again up to `retries` times, each after the time in its Retry-After; if that doesn't fit
+    into `timeout_s`, the error is raised at once. Redirects aren't followed, so that a token isn't
+    sent elsewhere.
     """
 
     def __init__(
@@ -331,7 +332,7 @@ class Client:
         if parts.scheme not in ("http", "https") or not parts.hostname:
             raise ValueError(f"{url!r} is no server; it looks like {DEFAULT_SERVER}")
         if token is not None and not (token.isascii() and token.isprintable() and token.strip()):
-            raise ValueError("the token has letters that can't be sent; it is printable ASCII")
+            raise ValueError("the token has characters that can't be sent; it must be printable ASCII")
         if not 0 < timeout_s < MAX_TIMEOUT_S or retries < 0:
             most = f"{MAX_TIMEOUT_S:.0f}"
             raise ValueError(f"timeout_s is above 0 and below {most}, and retries 0 or more")
@@ -383,7 +384,7 @@ class Client:
     def _ask(self, method: str, path: str, body: bytes | None = None,
              headers: dict[str, str] | None = None) -> Any:  # fmt: skip
         end = time.monotonic() + self._timeout_s
-        # A connection that is kept open holds one of the server's.
+        # A connection kept open would occupy one of the server's.
         headers = {"Accept": "application/json", "Connection": "close", **(headers or {})}
         if self._token is not None:
             headers["Authorization"] = "Bearer " + self._token
@@ -406,7 +407,7 @@ class Client:
                 ended.callback(connection.close)
                 connection.connect()
                 wire = connection.sock
-                # Each wait for a piece has this timeout: a server that trickles could take longer.
+                # This timeout is for each piece: a slow sender could take longer in all.
                 wire.settimeout(_left_s(end))
                 cutter = threading.Timer(_left_s(end), _cut, [wire])
                 cutter.daemon = True
@@ -418,7 +419,7 @@ class Client:
                     pass  # it may have answered without reading everything, as with 413
                 response = connection.getresponse()
                 data = _read(response, wire, end)
-                _left_s(end)  # what was cut may look whole
+                _left_s(end)  # what was cut off may look complete
                 return response.status, response.headers, data
             except (OSError, UnicodeError, http.client.HTTPException) as error:
                 if isinstance(error, TimeoutError) or time.monotonic() >= end:

@@ -15,10 +15,10 @@ namespace waystone {
 
 static_assert(std::endian::native == std::endian::little);
 
-// Little-endian values from the front of bytes that others wrote to their back. Not thread-safe.
+// Reads little-endian values one after the other from the front of a buffer. Not thread-safe.
 class ByteReader {
  public:
-  // `cut` is thrown where the bytes end too early. They must outlive the reader.
+  // Throws `cut` where the bytes end too early. The bytes must outlive the reader.
   ByteReader(std::span<const uint8_t> bytes, MapError cut) : left_(bytes), cut_(std::move(cut)) {}
 
   template <class Value>
@@ -28,7 +28,7 @@ class ByteReader {
     return value;
   }
 
-  // Up to a byte of 0, which is skipped.
+  // Text up to a zero byte, which is skipped.
   std::string TakeText() {
     const auto end = std::ranges::find(left_, uint8_t{0});
     if (end == left_.end()) Fail();
@@ -44,7 +44,8 @@ class ByteReader {
     return skipped;
   }
 
-  // A count of things that follow, of at least `bytes` each: never more than there is room for.
+  // The number of items that follow, each of at least `bytes` bytes: never more than there is room
+  // for.
   uint64_t TakeCount(size_t bytes) {
     const auto count = Take<uint64_t>();
     if (count > left_.size() / bytes) Fail();

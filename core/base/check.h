@@ -7,7 +7,8 @@
 namespace waystone {
 
 // A programmer's error: a broken contract inside Waystone. It is thrown, not aborted on, so that a
-// server survives it; nothing but a top level (a program's main, a request's handler) catches it.
+// server survives it; only a top level (a program's main, a request's handler) catches it. Any
+// thread may throw it.
 class CheckFailure : public std::logic_error {
  public:
   using std::logic_error::logic_error;

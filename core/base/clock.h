@@ -13,7 +13,8 @@ inline double SecondsSince(Clock::time_point start) {
 
 inline double MillisecondsSince(Clock::time_point start) { return 1000 * SecondsSince(start); }
 
-// Milliseconds since it was made or last asked, for the times of consecutive stages.
+// Milliseconds since construction or the last Lap(), for timing consecutive stages. Not
+// thread-safe.
 class LapTimer {
  public:
   double Lap() {

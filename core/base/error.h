@@ -7,8 +7,8 @@
 
 namespace waystone {
 
-// What can go wrong with what a user gives us. The one table in error.cc gives each its stable
-// name (the `code` of a problem+json), its exit code and its HTTP status.
+// What can go wrong with a user's input. The one table in error.cc gives each its stable name (the
+// `code` of a problem+json), its exit code and its HTTP status.
 enum class ErrorCode {
   kUsage,                // a flag or argument that makes no sense
   kBadOptions,           // an option out of its range
@@ -29,10 +29,10 @@ enum class ErrorCode {
   kPayloadTooLarge,      // a body over the limit
   kHeadTooLarge,         // an HTTP request whose request line or headers are over the limits
   kUnsupportedMedia,     // a body of a kind that is not taken
-  kMethodNotAllowed,     // a known path asked with another method
+  kMethodNotAllowed,     // a known path requested with another method
   kBusy,                 // the queue of queries is full
   kUnauthorized,         // no token, or not one of ours
-  kForeignPage,          // a request that a web page of another site makes
+  kForeignPage,          // a request made by a web page of another site
   kMisdirected,          // an HTTP request with a host name that isn't the server's
   kTooSlow,              // a body that takes longer than the server waits
   kNotAvailable,         // what this map's layers can't give
@@ -40,8 +40,8 @@ enum class ErrorCode {
   kRegistryUnavailable,  // a registry of maps that can't be reached now
   kStoreUnavailable,     // a store of map files that can't be reached, or hasn't got the file
   kStoreDamaged,         // a store that sends other bytes than were published
-  kNoRoom,               // a map that the bounds of memory or cache, or its disk, leave no room for
-  kOutOfMemory,          // less memory than a map, an image or a build takes
+  kNoRoom,               // a map that doesn't fit into the memory or cache bounds, or onto the disk
+  kOutOfMemory,          // not enough memory for a map, an image or a build
   kInterrupted,          // Ctrl-C
   kInternal,             // a bug of ours
 };
@@ -55,7 +55,7 @@ struct ErrorInfo {
   int http_status;
 };
 
-// The row of the table for `code`. Never fails.
+// The row of the table for `code`. Never fails. Thread-safe.
 const ErrorInfo& InfoOf(ErrorCode code);
 
 // A bad file, map, option or request. `what()` is one line: the cause with the number at fault,

@@ -5,10 +5,10 @@
 
 namespace waystone {
 
-// Room for what a library is about to allocate that ends the program when it can't: throws
-// std::bad_alloc unless the address space has room for this and all other reservations that live.
-// Takes none of it, and so can't keep others from it: whoever allocates much without a reservation
-// meanwhile may take it. Costs some microseconds. Thread-safe.
+// Checks that there is memory for a library that ends the program when an allocation fails: throws
+// std::bad_alloc unless the address space has room for this and all other living reservations. It
+// allocates nothing, so large allocations without a reservation may still take the room meanwhile.
+// Costs some microseconds. Thread-safe.
 class MemoryReservation {
  public:
   explicit MemoryReservation(int64_t bytes);

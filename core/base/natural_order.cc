@@ -8,7 +8,7 @@ namespace {
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
-// Takes the digits at the start of `text` away, without leading zeros.
+// Removes the digits at the start of `text` and returns them without leading zeros.
 std::string_view TakeNumber(std::string_view& text) {
   size_t end = 0;
   while (end < text.size() && IsDigit(text[end])) ++end;
@@ -18,7 +18,7 @@ std::string_view TakeNumber(std::string_view& text) {
   return number;
 }
 
-// Paths part at '/', before any other character.
+// '/' sorts before any other character.
 int Rank(char c) { return c == '/' ? -1 : static_cast<unsigned char>(c); }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether an options struct lists all of its members in Fields(): what isn't listed is neither
-// checked nor recorded nor documented.
+// Checks that an options struct lists all of its members in Fields(): a member that isn't listed is
+// neither checked, recorded nor documented. Pure; thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 namespace waystone {
 namespace options_internal {
 
-// Stands for a value of any type where nothing is evaluated.
+// Converts to any type in unevaluated contexts.
 struct AnyMember {
   template <class Value>
   operator Value() const;  // NOLINT(google-explicit-constructor)
@@ -43,9 +43,9 @@ constexpr size_t CountUnlisted() {
 }  // namespace options_internal
 
 // Which of the structs of options, `Options` itself and the groups in it, have members that their
-// Fields() don't name: "planes.fusion lists 12 of its 13 members", a line each; empty when all are
-// complete. They are aggregates without arrays and bases. A struct with members that aren't options
-// (a callback, what is known of one query) says how many:
+// Fields() don't name: "planes.fusion lists 12 of its 13 members", one line per struct; empty when
+// all are complete. The structs must be aggregates without arrays and base classes. A struct with
+// members that aren't options (a callback, facts about one query) says how many:
 // `static constexpr int kUnlistedMembers = 2;`.
 template <class Options>
 std::string FindUnlistedMembers(const std::string& path) {

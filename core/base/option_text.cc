@@ -33,7 +33,7 @@ std::string NearestName(std::string_view name, const std::vector<std::string>& n
   std::string nearest;
   size_t least = std::numeric_limits<size_t>::max();
   for (const std::string& candidate : names) {
-    // Whoever leaves the groups out means the field.
+    // A name without groups means the field.
     const size_t distance = std::min(EditDistance(name, candidate),
                                      EditDistance(LastPart(name), LastPart(candidate)) + 1);
     if (distance >= least) continue;

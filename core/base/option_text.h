@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Options as text: their values, and which name was meant.
+// Options as text: their values, and the name that was probably meant. All are pure; thread-safe.
 #pragma once
 
 #include <charconv>
@@ -13,7 +13,7 @@
 namespace waystone {
 
 // A value of an option as ParseOptionValue reads it: "0.8", "true", "sift", "0,2,3"; "none" for an
-// option without one. Numbers have the fewest digits that give them back.
+// unset option. Numbers have the fewest digits that restore them exactly.
 inline std::string ToOptionText(bool value) { return value ? "true" : "false"; }
 inline std::string ToOptionText(const std::string& value) { return value; }
 template <class Value>
@@ -36,11 +36,11 @@ std::string ToOptionText(const std::vector<Value>& values) {
   return text;
 }
 
-// Levenshtein's distance: how many letters must be inserted, deleted or replaced to make one word
-// of the other. Pure.
+// Levenshtein distance: how many letters must be inserted, deleted or replaced to turn one word
+// into the other.
 size_t EditDistance(std::string_view a, std::string_view b);
 
-// The one of `names` that `name` most likely means: by EditDistance. Empty without names. Pure.
+// The one of `names` that is nearest to `name` by EditDistance. Empty without names.
 std::string NearestName(std::string_view name, const std::vector<std::string>& names);
 
 }  // namespace waystone

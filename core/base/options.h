@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Options that list their fields once. An options struct is a plain struct of tunables with a
-// static function Fields(use), which passes one OptionField a member to `use`:
+// static function Fields(use), which passes one OptionField per member to `use`:
 //
 //   struct MatchOptions {
 //     double max_ratio = 0.8;
@@ -19,7 +19,8 @@
 // Range checks, the record in the map, overrides on the command line (--set) and docs/options.md
 // follow from that list. A member that is itself such a struct is a group: its fields have its name
 // before theirs, "planes.match.max_ratio". Fields() is a template, so a source that only includes
-// the struct doesn't compile the list.
+// the struct doesn't compile the list. All functions are thread-safe as long as no other thread
+// changes the struct.
 #pragma once
 
 #include <cmath>
@@ -57,8 +58,8 @@ constexpr OptionRange Above(double low) { return {.low = low, .low_open = true};
 // "between 0 and 1", "above 0", "at least 1 and below 5".
 std::string ToText(const OptionRange& range);
 
-// Who should change a field. kInternal is for what is measured once for all data: nobody should
-// have to touch it, and the documentation lists it apart.
+// Who should change a field. kInternal is for values that were measured once for all data: nobody
+// should have to touch them, and the documentation lists them separately.
 enum class OptionUse { kTunable, kInternal };
 
 template <class Options, class Value>
@@ -103,7 +104,8 @@ inline std::string Joined(std::string_view path, std::string_view name) {
 }  // namespace options_internal
 
 // Calls visit(path, field, value) for every field in the order of the lists, groups in place.
-// `Options` may be const; the value is then. Compile-time recursion, no allocation but the paths.
+// `Options` may be const, and then the value is too. Compile-time recursion; allocates only the
+// paths.
 template <class Options, class Visit>
 void VisitFields(std::string_view path, Options& options, Visit&& visit) {
   const auto one = [&](const auto& field) {
@@ -133,8 +135,8 @@ void CheckFields(std::string_view path, const Options& options) {
 }
 
 // `text` as a value of an option: a number, "true" or "false", any text, or numbers separated by
-// commas. Throws MapError(kBadOptions) with the field's name for what isn't one. An enumeration has
-// an overload beside it.
+// commas. Throws MapError(kBadOptions) with the field's name for anything else. Enumerations
+// declare an overload of their own.
 void ParseOptionValue(const std::string& path, const std::string& text, bool* value);
 void ParseOptionValue(const std::string& path, const std::string& text, int* value);
 void ParseOptionValue(const std::string& path, const std::string& text, int64_t* value);
@@ -145,7 +147,7 @@ void ParseOptionValue(const std::string& path, const std::string& text, std::str
 void ParseOptionValue(const std::string& path, const std::string& text, std::vector<double>* value);
 
 // Sets the field of that full name. Returns whether there is one. Doesn't check the range: Check()
-// does. Throws MapError(kBadOptions) for a text that is no value of its type.
+// does. Throws MapError(kBadOptions) for text that isn't a value of its type.
 template <class Options>
 bool SetField(std::string_view path, Options& options, const std::string& name,
               const std::string& text) {

@@ -8,8 +8,8 @@
 
 namespace waystone {
 
-// Numbers drawn from a seed: the same on every machine and with every standard library (the
-// standard's engines are portable, its distributions are not). Not thread-safe; one a task.
+// Random numbers from a seed: the same on every machine and with every standard library (the
+// standard's engines are portable, its distributions are not). Not thread-safe; use one per task.
 class Random {
  public:
   explicit Random(uint64_t seed) : engine_(seed) {}
@@ -22,7 +22,7 @@ class Random {
   // Uniform in [0, 1).
   double Uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
   double Uniform(double low, double high) { return low + (high - low) * Uniform(); }
-  // Standard normal, by Box and Muller.
+  // Standard normal, by the Box-Muller transform.
   double Normal() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - Uniform()));
     return radius * std::cos(2.0 * std::numbers::pi * Uniform());

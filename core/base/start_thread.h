@@ -10,9 +10,9 @@ namespace waystone {
 // For StartThread.
 [[noreturn]] void ThrowNoThread(const std::error_code& cause);
 
-// A new thread. Throws MapError(kOutOfMemory), which says so, where the system has none: there is
-// no memory for its stack, or a limit on threads is reached (the user's, a container's), which
-// systems don't tell apart.
+// Starts a thread. Throws MapError(kOutOfMemory) where the system can't: there is no memory for its
+// stack, or a limit on threads is reached (the user's, a container's), which systems don't tell
+// apart. Thread-safe.
 template <class... Arguments>
 std::thread StartThread(Arguments&&... arguments) {
   try {

@@ -17,7 +17,7 @@ std::optional<Number> Parse(std::string_view word) {
   return value;
 }
 
-// Characters of UTF-8 that differ in their last byte alone.
+// UTF-8 characters that differ only in their last byte.
 struct ControlRange {
   std::string_view first;
   char last;
@@ -75,7 +75,7 @@ bool MayBecomeControl(std::string_view text) {
 }
 
 std::string EscapeControl(std::string_view character) {
-  // UTF-8: the first byte says by its leading ones how many follow, each with 6 bits.
+  // UTF-8: the leading ones of the first byte say how many bytes follow, each with 6 bits.
   auto code = static_cast<unsigned>(static_cast<unsigned char>(character[0]));
   if (character.size() > 1) code &= 0xFFU >> (character.size() + 1);
   for (const char c : character.substr(1)) {

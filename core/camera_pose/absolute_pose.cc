@@ -20,8 +20,8 @@ namespace {
 
 constexpr int kPoseSample = 3;
 constexpr int kPoseRounds = 3;  // refits of a pose on its growing inliers
-// Of the best score, above which a pose is refined: points are imprecise, and so is the pose of
-// three right matches.
+// Share of the best score above which a pose is refined: points are imprecise, and so is the pose
+// from three right matches.
 constexpr double kRefineShare = 0.7;
 constexpr int kSampleSteps = 3;  // of a refit within RANSAC, whose best pose is refined to the end
 constexpr double kPoseArrived = 1e-6;  // a step in the map's unit and in rad
@@ -115,9 +115,9 @@ struct PoseFit {
   double score = 0;
 };
 
-// What a match's likelihood loses, in squared sigmas, because its point is uncertain: an error may
-// then be anywhere in a larger region. Without it, a pose so near the points or so far aside that
-// their uncertainty covers the image would explain every match.
+// What a match's likelihood loses, in squared sigmas, because its point is uncertain: its error may
+// then be anywhere in a larger region. Without this, a pose so near the points or so far to the
+// side that their uncertainty covers the image would explain every match.
 double SpreadCost(const LinearSighting& linear, double sigma_rad) {
   return -std::log(linear.information.determinant() * std::pow(sigma_rad, 4));
 }
@@ -189,7 +189,7 @@ class PoseEstimator {
     std::vector<cv::Point2d> pixels;
     for (const int row : sample) {
       const auto& [point, ray] = std::pair(sightings_[row].point, sightings_[row].ray);
-      if (ray.z() <= 0) return {};  // the solver's image plane doesn't show it
+      if (ray.z() <= 0) return {};  // not on the solver's image plane
       points.emplace_back(point.x(), point.y(), point.z());
       pixels.emplace_back(ray.x() / ray.z(), ray.y() / ray.z());
     }
@@ -252,7 +252,7 @@ double ComputeDesignEffect(std::span<const PointSighting> sightings, const Absol
   if (cells < kLeastCells) return 1;
   Matrix6d variance = Matrix6d::Zero();
   for (const auto& [cell, gradient] : gradients) variance += gradient * gradient.transpose();
-  const double correction = cells / (cells - 3.0);  // 6 of the cells' 2 coordinates each are fitted
+  const double correction = cells / (cells - 3.0);  // 6 of the 2 * cells coordinates are fitted
   return std::max(1.0, correction * (inverse_h * variance).trace() / (6 * pose.variance));
 }
 

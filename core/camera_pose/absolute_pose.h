@@ -66,9 +66,9 @@ struct AbsolutePose {
 
 // The pose of a calibrated camera among known points: LO-RANSAC over three matches (P3P of Ke and
 // Roumeliotis 2017, by OpenCV), refined by robust least squares (Cauchy) over all inliers. Errors
-// are weighed by the deviations of ray and point, and poses scored by the likelihood of the
-// matches, to which an uncertain point adds less. Nothing where fewer than min_inliers fit, or they
-// leave the pose open. Deterministic; thread-safe.
+// are weighed by the deviations of ray and point, and poses are scored by the likelihood of the
+// matches, to which an uncertain point contributes less. Nothing where fewer than min_inliers fit,
+// or where they don't determine the pose. Deterministic; thread-safe.
 std::optional<AbsolutePose> FindAbsolutePose(std::span<const PointSighting> sightings,
                                              const AbsolutePoseOptions& options);
 

@@ -87,7 +87,7 @@ double FindInverseDepth(const std::vector<PreparedSighting>& sightings, double m
   return rho;
 }
 
-// Returns the information on it, in squared sigmas.
+// Returns the information about the inverse depth, in squared sigmas.
 double RefineInverseDepth(const std::vector<PreparedSighting>& sightings, double max_sigmas,
                           double& rho) {
   double information = 0;

@@ -13,8 +13,8 @@ constexpr int kPerByte = 8 / kBits;
 constexpr int kLevels = 1 << kBits;
 constexpr double kLength = 256;  // of a descriptor
 constexpr double kMaxEntry = 127;
-// What a code stands for, and the entries from which on the next one is meant: the quantiser of
-// least squared error for the entries of RootSIFT, in round numbers.
+// The value that each code stands for, and the entries at which the next code starts: the quantiser
+// of least squared error for the entries of RootSIFT, in round numbers.
 constexpr std::array<int, kLevels> kMeans = {2, 14, 27, 44};
 constexpr std::array<int, kLevels - 1> kBounds = {8, 21, 36};
 

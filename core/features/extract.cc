@@ -20,13 +20,13 @@ constexpr float kOrbScale = 1.2F;  // from one level of the pyramid to the next
 // An image smaller than this on one side has no room for a descriptor's neighbourhood.
 constexpr int kMinSide_px = 16;
 
-// The thresholds of contrast are meant for images whose grey values span this share of the range.
+// Contrast thresholds are meant for images whose grey values span this share of the range.
 constexpr double kFullSpan = 0.6;
 constexpr double kLeastContrast = 0.1;  // below it there is mostly noise
 constexpr double kTail = 0.01;          // of the pixels, at either end
 
 // The span of an image's grey values as a share of kFullSpan, in [kLeastContrast, 1]. Little light,
-// haze and glare shrink differences of grey values, not what there is to be seen.
+// haze and glare shrink differences of grey values, but the structure stays visible.
 double ContrastOf(const cv::Mat& grey) {
   cv::Mat histogram;
   cv::calcHist(std::vector<cv::Mat>{grey}, {0}, cv::noArray(), histogram, {256}, {0, 256});
@@ -41,7 +41,7 @@ double ContrastOf(const cv::Mat& grey) {
   return std::clamp((high - low) / (255 * kFullSpan), kLeastContrast, 1.0);
 }
 
-// The detectors' thresholds are of differences of grey values (SIFT, ORB) or of their squares
+// The detectors' thresholds apply to differences of grey values (SIFT, ORB) or to their squares
 // (AKAZE).
 cv::Ptr<cv::Feature2D> MakeDetector(const FeatureOptions& options, double contrast) {
   switch (options.type) {
@@ -95,8 +95,8 @@ int64_t DetectionBytes(const cv::Mat& grey) {
 }
 
 // SIFT in one go: its scale space is built once rather than for keypoints and descriptors each, and
-// its own limit keeps as many keypoints as ours but for ties. The others describe only what is
-// kept.
+// its own limit keeps as many keypoints as ours, except for ties. For the others, only kept
+// keypoints are described.
 Detected Detect(const cv::Mat& grey, const FeatureOptions& options) {
   const MemoryReservation room(DetectionBytes(grey));
   const cv::Ptr<cv::Feature2D> detector = MakeDetector(options, ContrastOf(grey));
@@ -134,7 +134,7 @@ cv::Mat Reduced(const cv::Mat& grey, const cv::Size& size) {
   return reduced;
 }
 
-// Cells most of whose pixels are at an end of the range, but for noise and traces of JPEG.
+// Cells most of whose pixels are at an end of the range, up to noise and JPEG artefacts.
 std::vector<bool> FindClipped(const cv::Mat& grey) {
   constexpr int kWithin = 4;  // grey levels
   const cv::Mat at_an_end = (grey <= kWithin) | (grey >= 255 - kWithin);
@@ -147,9 +147,9 @@ std::vector<bool> FindClipped(const cv::Mat& grey) {
   return clipped;
 }
 
-// OpenCV takes positions in a resized image times a factor, as if pixels' corners were at integers:
-// SIFT's in the image of twice the size, ORB's in those of its pyramid. The shift is of both x and
-// y, px.
+// OpenCV multiplies positions in a resized image by a factor, as if pixels' corners were at
+// integers: SIFT's in the image of twice the size, ORB's in those of its pyramid. The shift is of
+// both x and y, px.
 float ShiftOf(const cv::KeyPoint& k, FeatureType type) {
   if (type == FeatureType::kSift) return -0.25F;
   if (type == FeatureType::kOrb) return (std::pow(kOrbScale, static_cast<float>(k.octave)) - 1) / 2;

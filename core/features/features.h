@@ -64,7 +64,7 @@ class Descriptors {
   std::vector<uint8_t> data_;
 };
 
-// A run of descriptors that somebody else owns.
+// A non-owning view of consecutive descriptors.
 struct DescriptorsView {
   const uint8_t* data = nullptr;
   int count = 0;
@@ -80,13 +80,13 @@ struct DescriptorsView {
   const uint8_t* row(int i) const { return data + static_cast<size_t>(i) * bytes; }
 };
 
-constexpr int kClippedCells = 32;  // a side of an image
+constexpr int kClippedCells = 32;  // per side of an image
 
 // What one image gave: keypoints[i] has descriptors.row(i). Strongest first, ties by position, so
-// that the same image gives the same features whatever the thread.
-// Keypoints, and all that is computed from them, are in pixels of the working image: the given one,
-// or a smaller copy of it. How precisely a feature is found is a matter of these pixels, and so is
-// every tolerance in px.
+// that the same image gives the same features on any thread.
+// Keypoints, and everything computed from them, are in pixels of the working image: the given one,
+// or a smaller copy of it. Features are as precise as these pixels, to which every tolerance in px
+// refers.
 struct Features {
   FeatureType type = FeatureType::kSift;
   int width = 0;         // px, of the working image
@@ -95,8 +95,8 @@ struct Features {
   int image_height = 0;  // px
   std::vector<Keypoint> keypoints;
   Descriptors descriptors;
-  // Whether the image is black or white there, so that it can't show a feature: of kClippedCells
-  // rows of as many cells, row by row. Empty where no cell is.
+  // Whether the image is clipped to black or white there, so that it can't show a feature:
+  // kClippedCells rows of as many cells, row by row. Empty where no cell is clipped.
   std::vector<bool> clipped;
 
   int size() const { return static_cast<int>(keypoints.size()); }
@@ -128,23 +128,23 @@ struct FeatureOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Of the copy of an image in which its features are found.
+// The size of the copy of an image in which its features are found.
 cv::Size WorkingSize(const cv::Size& image, int working_pixels);
 
 // Whether a position in the working image, px, is in a clipped cell.
 bool IsClipped(const Features& features, const Eigen::Vector2d& x);
 
-// Of the given image, px.
+// The size of the given image, px.
 cv::Size ImageSize(const Features& features);
 
 // Homogeneous pixels of the given image from those of the working image. The centre of the top left
 // pixel is (0, 0) in both.
 Eigen::Matrix3d ImageFromWorking(const Features& features);
 
-// Features of an 8-bit grey image, found in a copy of at most working_pixels. In images whose grey
-// values span little of the range, as in the dark, the detectors' thresholds are lowered alike.
-// Deterministic; thread-safe. An image too small or too plain for features gives none, not an
-// error.
+// Features of an 8-bit grey image, found in a copy of at most working_pixels. For images whose grey
+// values span little of the range, such as dark ones, the detectors' thresholds are lowered in
+// proportion. Deterministic; thread-safe. An image too small or too plain for features gives none,
+// not an error.
 Features ExtractFeatures(const cv::Mat& grey, const FeatureOptions& options);
 
 }  // namespace waystone

@@ -8,12 +8,13 @@
 
 namespace waystone {
 
-// The distance, in the unit of distance.h, that is `share` (in [0, 1]) of the largest that
-// descriptors of a type can have. Shares are of Euclidean or Hamming distances, not of their
-// squares.
+// The distance, in the unit of distance.h, that is `share` (in [0, 1]) of the largest possible one
+// between descriptors of a type. Shares are of Euclidean or Hamming distances, not of their
+// squares. Pure; thread-safe.
 double DistanceAt(FeatureType type, double share);
 
 // Looks up an image's keypoints by position. Refers to the features; they must outlive it.
+// Immutable after construction: any number of threads may query it.
 class KeypointGrid {
  public:
   KeypointGrid(const Features& features, double radius_px);

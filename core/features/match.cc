@@ -21,9 +21,9 @@ struct NearestTwo {
   std::vector<int32_t> row;  // of the first
 };
 
-// Shows every slot of a its distance to row `row` of b. Returns the smallest of them. Without
-// branches and inlined into a function per instruction set, so that the compiler can make vectors
-// of it.
+// Updates every slot of a with its distance to row `row` of b. Returns the smallest of them. Free
+// of branches and inlined into a function per instruction set, so that the compiler can vectorise
+// it.
 inline __attribute__((always_inline)) int32_t OfferRow(const int32_t* __restrict distances,
                                                        int slots, int32_t row,
                                                        int32_t* __restrict first,

@@ -40,11 +40,12 @@ struct MatchOptions {
 std::vector<Match> MatchDescriptors(DescriptorsView a, DescriptorsView b, FeatureType type,
                                     const MatchOptions& options);
 
-// The same with one side packed already, for whoever matches it more than once.
+// The same with one side already packed, for callers that match it more than once.
 std::vector<Match> MatchDescriptors(const PackedRows& a, int a_rows, DescriptorsView b,
                                     const MatchOptions& options);
 
-// Of the distances themselves, given in the unit of distance.h. `farther` isn't 0.
+// The ratio of the Euclidean or Hamming distances, given in the unit of distance.h. `farther` isn't
+// 0.
 double DistanceRatio(FeatureType type, int nearer, int farther);
 
 // Whether `nearest` passes the ratio test against `second` (distances in the unit of distance.h).

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #if defined(__x86_64__)
-// GCC 12 takes the undefined start values inside its own AVX-512 intrinsics for our mistake.
+// GCC 12 warns of undefined start values inside its own AVX-512 intrinsics.
 #pragma GCC diagnostic ignored "-Wuninitialized"
 #if !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
@@ -52,8 +52,9 @@ Squares SumSquares(const uint8_t* row, int bytes) {
 
 using RowBytes = std::array<uint8_t, sizeof(PackedQuery::words)>;
 
-// A row with at most what ExtractFeatures gives. A map of another program may have more, of which
-// the sums of pairs below would be cut off, and distances depend on the processor.
+// A row clamped to the values that ExtractFeatures gives. A map of another program may have larger
+// ones, for which the sums of pairs below would overflow, and distances would depend on the
+// processor.
 RowBytes BoundedRow(FeatureType type, const uint8_t* row) {
   RowBytes bounded{};
   std::memcpy(bounded.data(), row, DescriptorBytes(type));

@@ -14,7 +14,7 @@ inline constexpr int kPackRows = 8;
 // A slot without a row is at least this far from every query.
 inline constexpr int32_t kEmptySlotDistance = 1 << 28;
 
-// One descriptor as the kernels below want it: filled up with zeros to whole words.
+// One descriptor as the kernels below need it: padded with zeros to whole words.
 struct PackedQuery {
   PackedQuery(FeatureType type, const uint8_t* row);
 
@@ -26,7 +26,7 @@ struct PackedQuery {
 // Descriptors laid out for taking many distances at a time. A block holds kPackRows rows with their
 // words of four bytes interleaved (word 0 of each row, then word 1 of each, ...), so that a lane of
 // a register is a row and nothing has to be summed across lanes. Slots that were never set are
-// empty. Not thread-safe while it is being filled.
+// empty. Thread-safe for reading; not while it is being filled.
 class PackedRows {
  public:
   PackedRows() = default;
@@ -50,7 +50,7 @@ class PackedRows {
   const int32_t* bias(int i) const { return bias_.data() + static_cast<size_t>(i) * kPackRows; }
 
  private:
-  // A line of the cache: loads that cross from one line to the next take twice as long.
+  // A cache line: loads that cross from one line to the next take twice as long.
   struct alignas(64) Line {
     uint8_t bytes[64];
   };
@@ -66,15 +66,14 @@ class PackedRows {
   std::vector<int32_t> bias_;  // of each slot: SIFT, the squared length; or kEmptySlotDistance
 };
 
-// Distances (in the unit of distance.h, exactly the same numbers; larger bytes of SIFT than 127,
-// which a map of another program may have, count as 127) of a query to the slots of `count` blocks
-// from `first` on: out[8 * b + i], and bit i of near[b] for a distance of at most `limit`.
-// Thread-safe.
+// Distances (in the unit of distance.h, exactly the same numbers; SIFT bytes above 127, which a map
+// of another program may have, count as 127) of a query to the slots of `count` blocks from `first`
+// on: out[8 * b + i], and bit i of near[b] for a distance of at most `limit`. Thread-safe.
 void PackedDistances(const PackedQuery& query, const PackedRows& rows, int first, int count,
                      int32_t limit, int32_t* out, uint8_t* near);
 
-// The same by every implementation that this processor can run, the portable one first: for tests
-// and benchmarks.
+// PackedDistances in every implementation that this processor can run, the portable one first: for
+// tests and benchmarks.
 using PackedDistancesFunction = void (*)(const PackedQuery&, const PackedRows&, int first,
                                          int count, int32_t limit, int32_t* out, uint8_t* near);
 struct NamedPackedDistances {

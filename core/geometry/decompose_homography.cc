@@ -20,8 +20,8 @@ Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& h) {
 
 }  // namespace
 
-// With H^T H = V diag(s1^2, 1, s3^2) V^T the unit vectors u that H keeps as long span two planes
-// with v2, and R maps (v2, u, v2 x u) to (H v2, H u, H v2 x H u).
+// With H^T H = V diag(s1^2, 1, s3^2) V^T the unit vectors u whose length H preserves span two
+// planes with v2, and R maps (v2, u, v2 x u) to (H v2, H u, H v2 x H u).
 std::vector<PlaneMotion> DecomposeHomography(const Eigen::Matrix3d& b_from_a,
                                              double rotation_tolerance) {
   if (!b_from_a.allFinite()) return {};

@@ -13,7 +13,7 @@ SymmetricEigen DecomposeSymmetric(const Eigen::Ref<const Eigen::MatrixXd>& a) {
 }
 
 Eigen::Vector3cd ComputeEigenvalues3x3(const Eigen::Matrix3d& a) {
-  // The solver doesn't tell of what isn't finite.
+  // The solver doesn't report values that aren't finite.
   if (a.allFinite()) {
     const Eigen::EigenSolver<Eigen::Matrix3d> solver(a, false);
     if (solver.info() == Eigen::Success) return solver.eigenvalues();

@@ -7,8 +7,8 @@
 namespace waystone {
 
 // A pose on the ground: x_a = R(theta) x_b + (x, y) for a Pose2 named a_from_b, which is also the
-// pose of b in a's frame. The angle turns counter-clockwise, 0 is along x; metres unless said
-// otherwise, radians.
+// pose of b in a's frame. The angle is counter-clockwise from the x axis; metres unless stated
+// otherwise, radians. All functions are pure; thread-safe.
 struct Pose2 {
   double x = 0;
   double y = 0;
@@ -17,7 +17,7 @@ struct Pose2 {
   bool operator==(const Pose2&) const = default;
 };
 
-// The distance of two poses' positions.
+// The distance between the positions of two poses.
 inline double Apart(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
 // The same angle between -pi and pi.
@@ -34,7 +34,7 @@ inline Pose2 operator*(const Pose2& a_from_b, const Pose2& b_from_c) {
           WrappedAngle(a_from_b.theta_rad + b_from_c.theta_rad)};
 }
 
-// b_from_a of a_from_b.
+// b_from_a, given a_from_b.
 inline Pose2 Inverse(const Pose2& pose) {
   const double c = std::cos(pose.theta_rad);
   const double s = std::sin(pose.theta_rad);

@@ -5,7 +5,7 @@
 
 namespace waystone {
 
-// Small helpers on directions and rotations of space. Pure.
+// Small helpers for directions and rotations in space. All are pure; thread-safe.
 
 // The matrix [v]x with [v]x w = v x w.
 Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v);
@@ -19,9 +19,9 @@ Eigen::Matrix3d RotationByVector(const Eigen::Vector3d& w);
 // Angle of the rotation between two frames' axes, rad, in [0, pi].
 double RotationAngle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
 
-// Standard deviation along the worst-known direction: the root of the largest eigenvalue of a
-// symmetric covariance, 0 where rounding makes that negative. In the unit whose square the
-// covariance has.
+// Standard deviation along the least certain direction: the root of the largest eigenvalue of a
+// symmetric covariance, 0 where rounding makes that negative. The covariance is in the square of
+// its unit.
 double WorstAxisSigma(const Eigen::Matrix3d& covariance);
 
 }  // namespace waystone

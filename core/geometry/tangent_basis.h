@@ -8,7 +8,7 @@ namespace waystone {
 
 using Basis3x2 = Eigen::Matrix<double, 3, 2>;
 
-// Two unit vectors across a direction of unit length.
+// Two orthogonal unit vectors perpendicular to a unit direction. Pure; thread-safe.
 inline Basis3x2 TangentBasis(const Eigen::Vector3d& t) {
   Basis3x2 basis;
   basis.col(0) = t.unitOrthogonal();

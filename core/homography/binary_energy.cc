@@ -22,8 +22,8 @@ std::vector<bool> BinaryEnergy::Minimise() const {
   return x;
 }
 
-// A variable is 0 where even all of its pairs can't make 1 gain, and 1 where even all of them can't
-// make it lose. Each that is decided leaves the others of its pairs one pair less.
+// A variable is 0 where all of its pairs together can't make 1 cheaper, and 1 where they can't make
+// it dearer. Each decided variable leaves the other variable of each of its pairs one pair fewer.
 std::vector<BinaryEnergy::Value> BinaryEnergy::DecideClear() const {
   std::vector<double> least = cost_;  // of 1 over 0, whatever the others are
   std::vector<double> most = cost_;
@@ -64,7 +64,7 @@ std::vector<BinaryEnergy::Value> BinaryEnergy::DecideClear() const {
   return values;
 }
 
-// Decides those that are open: x = 1 on the source's side.
+// Decides the open variables: x = 1 on the source's side.
 void BinaryEnergy::Cut(std::vector<Value>& values) const {
   std::vector<int> open;
   std::vector<int> vertex_of(values.size(), -1);
@@ -83,12 +83,12 @@ void BinaryEnergy::Cut(std::vector<Value>& values) const {
     if (values[pair.i] == Value::kZero) cost[pair.j] += pair.cost;
     if (values[pair.j] == Value::kOne) cost[pair.i] -= pair.cost;
   }
-  // Pairs cost nothing where all are 0, so that only a variable that gains by itself moves any.
+  // Pairs cost nothing where all are 0, so nothing changes unless some variable gains by itself.
   if (std::ranges::none_of(open, [&](int i) { return cost[i] < 0; })) {
     for (const int i : open) values[i] = Value::kZero;
     return;
   }
-  if (between.empty()) {  // no graph to cut: each for itself
+  if (between.empty()) {  // no graph to cut: each by itself
     for (const int i : open) values[i] = cost[i] < 0 ? Value::kOne : Value::kZero;
     return;
   }

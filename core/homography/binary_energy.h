@@ -5,9 +5,9 @@
 
 namespace waystone {
 
-// A sum of costs of binary variables and of pairs of them, and its least. Variables that no pair
-// can sway are decided first (first-order persistency: Boros and Hammer 2002), the others by a
-// minimum cut (Kolmogorov and Zabih 2004). Deterministic.
+// Minimises a sum of costs of binary variables and of pairs of them. Variables whose pairs can't
+// change their value are decided first (first-order persistency: Boros and Hammer 2002), the others
+// by a minimum cut (Kolmogorov and Zabih 2004). Deterministic. Not thread-safe.
 class BinaryEnergy {
  public:
   explicit BinaryEnergy(int variables) : cost_(variables, 0.0) {}
@@ -18,7 +18,7 @@ class BinaryEnergy {
   // Adds a cost for each value of (x_i, x_j). Needs v00 + v11 <= v01 + v10.
   void Add(int i, int j, double v00, double v01, double v10, double v11);
 
-  // The values with which the sum is least.
+  // The values that minimise the sum.
   std::vector<bool> Minimise() const;
 
  private:

@@ -146,8 +146,8 @@ class PlaneEstimator {
     return LocalOptimize(points_, active_, fit, options_);
   }
 
-  // Of a local sample: its first point with the share of inliers among all, the other three with
-  // the share among the neighbours of inliers.
+  // A local sample's first point is an inlier with the share of inliers among all, the other three
+  // with the share among the neighbours of inliers.
   double SampleProbability(const PlaneFit& fit) const {
     std::vector<char> state(points_.size(), 0);
     for (int row : active_) state[row] = 1;
@@ -211,8 +211,8 @@ PlaneFit LocalOptimize(const MatchedPoints& points, std::span<const int> active,
     const std::optional<PlaneModel> model = FitModel(points, support);
     if (!model) break;
     PlaneFit next = Evaluate(points, active, *model, options.max_error_px);
-    // A local sample is off by more than the bound a little farther on: the first refits look
-    // wider.
+    // A local sample's homography exceeds the bound a little farther away: the first refits use a
+    // wider one.
     const bool wide = refit < options.wide_refits;
     if (next.score > best.score) {
       best = std::move(next);

@@ -14,7 +14,8 @@
 
 namespace waystone {
 
-// Matched points of one image (`from`) and of one or two others. Row i of each belongs together.
+// Matched points of one image (`from`) and of one or two others. Rows i of all belong together. All
+// functions here are deterministic; thread-safe (one Random per call).
 struct MatchedPoints {
   std::vector<Eigen::Vector2d> from;
   std::vector<Eigen::Vector2d> to;
@@ -82,7 +83,7 @@ struct PlaneFit {
   PlaneModel model;
   std::vector<int> inliers;  // rows, ascending
   double score = 0;          // sum of 1 - (error / max_error)^2 over the inliers
-  int samples = 0;           // that were drawn
+  int samples = 0;           // how many were drawn
 };
 
 // Squared error of row i under a model, px^2: the symmetric transfer error between `from` and `to`
@@ -92,13 +93,13 @@ double PlaneError2(const MatchedPoints& points, const PlaneModel& model, const P
 PlaneModel Inverse(const PlaneModel& model);
 
 // The plane that most of the `active` rows support, by RANSAC over samples of four close,
-// non-collinear matches (sec. II) with as many samples as eq. (1) asks for and every row
-// supporting both homographies (sec. II-A). Nothing when no sample fits four rows.
+// non-collinear matches (sec. II) with as many samples as eq. (1) requires and every row supporting
+// both homographies (sec. II-A). Nothing when no sample fits four rows.
 std::optional<PlaneFit> FindPlane(const MatchedPoints& points, std::span<const int> active,
                                   const Neighbourhoods& neighbourhoods,
                                   const LocalRansacOptions& options, Random& random);
 
-// The same among all rows, with samples from neighbourhoods of these points alone.
+// The same among all rows, with samples from the neighbourhoods of these points.
 std::optional<PlaneFit> FindPlane(const MatchedPoints& points, const LocalRansacOptions& options,
                                   uint64_t seed);
 
@@ -106,8 +107,8 @@ std::optional<PlaneFit> FindPlane(const MatchedPoints& points, const LocalRansac
 PlaneFit LocalOptimize(const MatchedPoints& points, std::span<const int> active,
                        const PlaneFit& start, const LocalRansacOptions& options);
 
-// The largest error of an inlier of a plane whose inliers' errors have a given standard deviation
-// (of a coordinate), px.
+// The largest error of an inlier, px, of a plane whose inliers' errors have the standard deviation
+// `sigma_px` (per coordinate).
 double ErrorBound(double sigma_px, const LocalRansacOptions& options);
 
 }  // namespace waystone

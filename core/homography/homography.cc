@@ -47,7 +47,7 @@ std::optional<Matrix3d> FrameOf(std::span<const Vector2d, 4> p) {
   return basis * weights.asDiagonal();
 }
 
-// Whether any three of the four are nearly in a line, or turn over between the images.
+// Whether any three of the four are nearly collinear or change orientation between the images.
 bool Degenerate(std::span<const Vector2d, 4> a, std::span<const Vector2d, 4> b,
                 double min_height_ratio) {
   static constexpr std::array<std::array<int, 3>, 4> kTriples{
@@ -244,7 +244,7 @@ std::optional<Matrix3d> HomographyByDlt(const PointPairs& pairs, std::span<const
 
 std::optional<HomographyEstimate> RefineHomography(const PointPairs& pairs,
                                                    const Matrix3d& initial) {
-  constexpr int kMinPairs = 5;  // four determine it and leave nothing to tell the noise from
+  constexpr int kMinPairs = 5;  // four determine it and leave nothing to estimate the noise from
   if (pairs.size() < kMinPairs) return std::nullopt;
   const Matrix3d ta = NormalisingTransform(pairs.a);
   const Matrix3d tb = NormalisingTransform(pairs.b);

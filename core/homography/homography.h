@@ -8,7 +8,8 @@
 
 namespace waystone {
 
-// Points of two images that show the same thing, row by row: a[i] and b[i], in pixels.
+// Corresponding points of two images, row by row: a[i] and b[i], in pixels. All functions here are
+// pure; thread-safe.
 struct PointPairs {
   std::vector<Eigen::Vector2d> a;
   std::vector<Eigen::Vector2d> b;
@@ -28,11 +29,11 @@ Eigen::Matrix3d Normalised(const Eigen::Matrix3d& h);
 Eigen::Vector2d Apply(const Eigen::Matrix3d& b_from_a, const Eigen::Vector2d& x_a);
 
 // Whether a point of the plane that image a shows is in front of camera b, where both cameras are
-// on one side of the plane. What is behind b has an image, too.
+// on the same side of the plane. H maps points behind b, too.
 bool IsInFront(const Eigen::Matrix3d& b_from_a, const Eigen::Vector2d& x_a);
 
-// Whether a point lies on the side of H's horizon (the line sent to infinity) on which `inside`
-// lies: beyond it, the plane was behind the camera and the image of the point means nothing.
+// Whether a point lies on the same side of H's horizon (the line sent to infinity) as `inside`: on
+// the other side the plane is behind the camera, and the point's image is meaningless.
 bool OnSameSide(const Eigen::Matrix3d& b_from_a, const Eigen::Vector2d& x_a,
                 const Eigen::Vector2d& inside);
 
@@ -42,15 +43,15 @@ double SymmetricTransferError2(const Eigen::Matrix3d& b_from_a, const Eigen::Mat
                                const Eigen::Vector2d& x_a, const Eigen::Vector2d& x_b);
 
 // The homography through exactly four pairs, or nothing when three points are nearly in a line (a
-// triangle lower than `min_height_ratio` times its longest side) or when the four turn over from
-// one image to the other, which no plane seen from one side does.
+// triangle lower than `min_height_ratio` times its longest side) or when their orientation flips
+// from one image to the other, which can't happen for a plane seen from one side.
 std::optional<Eigen::Matrix3d> HomographyFromFour(std::span<const Eigen::Vector2d, 4> a,
                                                   std::span<const Eigen::Vector2d, 4> b,
                                                   double min_height_ratio);
 
 // Direct linear transform over four or more pairs (Hartley and Zisserman, alg. 4.2, with their
-// normalisation), each pair counting as much as its weight says (all the same when there are none).
-// Nothing when the points don't determine it.
+// normalisation), with each pair weighted by its weight (all alike when none are given). Nothing
+// when the points don't determine it.
 std::optional<Eigen::Matrix3d> HomographyByDlt(const PointPairs& pairs,
                                                std::span<const double> weights = {});
 
@@ -58,11 +59,11 @@ std::optional<Eigen::Matrix3d> HomographyByDlt(const PointPairs& pairs,
 struct HomographyEstimate {
   Eigen::Matrix3d b_from_a = Eigen::Matrix3d::Identity();  // h33 = 1
   // A square root of the covariance of b_from_a's entries (row by row): b_from_a plus the matrix
-  // made of `spread * z`, z eight standard normals, is a homography as the noise could have given
-  // it.
+  // made of `spread * z`, z eight standard normals, is a homography that the noise could have
+  // produced.
   Eigen::Matrix<double, 9, 8> spread = Eigen::Matrix<double, 9, 8>::Zero();
   double sigma_px = 0;  // standard deviation of a transfer error's coordinate
-  int pairs = 0;        // it was estimated from
+  int pairs = 0;        // from which it was estimated
 };
 
 // Least squares on the symmetric transfer error (Hartley and Zisserman, eq. 4.7) by
@@ -70,10 +71,11 @@ struct HomographyEstimate {
 std::optional<HomographyEstimate> RefineHomography(const PointPairs& pairs,
                                                    const Eigen::Matrix3d& initial);
 
-// c_from_b after an estimate of b_from_a, with the estimate's noise (c_from_b is taken as exact).
+// c_from_b composed with an estimate of b_from_a, with the estimate's noise (c_from_b counts as
+// exact).
 HomographyEstimate Composed(const Eigen::Matrix3d& c_from_b, const HomographyEstimate& b_from_a);
 
-// How far the estimate's noise moves the image of a point: a standard deviation (of the distance),
+// How far the estimate's noise moves the image of a point: the standard deviation of the distance,
 // px in b. Infinite or NaN for a point on the line that is sent to infinity.
 double TransferSigma(const HomographyEstimate& b_from_a, const Eigen::Vector2d& x_a);
 

@@ -43,7 +43,7 @@ Matrix3d WithNoiseOf(const HomographyEstimate& n, const Matrix3d& b_from_a, cons
   return Normalised(b_from_a) + (Perturbed(n, z) - n.b_from_a);
 }
 
-// How much larger the noise is than that of as many independent matches.
+// By which factor noise that neighbours share exceeds that of independent matches.
 double SharedNoise(const HomographyEstimate& estimate, const HomologyOptions& options) {
   return std::sqrt(std::max(1.0, static_cast<double>(estimate.pairs) / options.independent));
 }
@@ -61,7 +61,7 @@ double SpreadOverDraws(const HomologyOptions& options, const Measure& measure) {
   return std::sqrt(sum / options.draws);
 }
 
-// TestHomology but for the third eigenvalue: kTwoPlanes for one and the same plane, too.
+// TestHomology without the third eigenvalue: kTwoPlanes also for one and the same plane.
 Homology TestPair(const HomographyEstimate& m, const HomographyEstimate& n,
                   const HomologyOptions& options) {
   Homology result;

@@ -9,7 +9,7 @@
 
 namespace waystone {
 
-// What the eigenvalues of a homology say of two planes (planar region graph, sec. II-B).
+// What the eigenvalues of a homology say about two planes (planar region graph, sec. II-B).
 enum class HomologyKind {
   kSamePlane,  // all three near one: the homology is the identity
   kTwoPlanes,  // two near one: (1, 1, 1 + v^T p) of eqs. (2) and (3)
@@ -58,11 +58,12 @@ struct Homology {
 Homology TestHomology(const HomographyEstimate& m, const HomographyEstimate& n,
                       const HomologyOptions& options);
 
-// Whether TestHomology would find any but kInvalid, without the draws for the third eigenvalue.
+// Whether TestHomology would return anything but kInvalid, without the draws for the third
+// eigenvalue. Deterministic; thread-safe.
 bool HaveHomology(const HomographyEstimate& m, const HomographyEstimate& n,
                   const HomologyOptions& options);
 
-// The closest pair of eigenvalues and the third, for the homology's matrix alone.
+// The closest pair of eigenvalues and the third one, from the homology's matrix only.
 struct HomologyEigenvalues {
   double scale = 1;  // mean of the closest pair
   double split = 0;  // distance of the closest pair, in units of `scale`

@@ -7,10 +7,12 @@
 
 namespace waystone {
 
-// The nearest neighbours of every point of a set, nearest first.
+// The nearest neighbours of every point of a set, nearest first. Immutable after construction: any
+// number of threads may query it.
 class Neighbourhoods {
  public:
-  // `k` neighbours a point (fewer when there are fewer points). Cost: quadratic in the points.
+  // `k` neighbours per point (fewer when there are fewer points). Cost: quadratic in the number of
+  // points.
   Neighbourhoods(std::span<const Eigen::Vector2d> points, int k);
 
   std::span<const int> of(int point) const {

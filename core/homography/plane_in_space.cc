@@ -114,7 +114,7 @@ std::optional<Eigen::Vector3d> PlaneBy(const SpaceModel& model,
   return m.allFinite() && m.norm() > 1e-9 ? std::optional(m) : std::nullopt;
 }
 
-// Everything that hangs together with what is known already.
+// Adds every plane and view that follows from what is already known.
 void Grow(SpaceModel& model, std::span<const PlaneSighting> sightings,
           std::span<const Measured> measured) {
   for (bool more = true; more;) {
@@ -159,7 +159,7 @@ std::vector<SpaceModel> Solutions(int planes, int views, std::span<const PlaneSi
   return solutions;
 }
 
-// Planes that another solution explains nearly as well with another normal.
+// Planes for which another solution explains the points nearly as well with another normal.
 std::vector<bool> AmbiguousPlanes(const SpaceModel& best, std::span<SpaceModel> rivals,
                                   std::span<const PlaneSighting> sightings,
                                   const SpaceOptions& options, double scale) {

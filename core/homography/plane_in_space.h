@@ -12,8 +12,8 @@
 
 namespace waystone {
 
-// What two calibrated cameras see of one plane: a of the reference camera, b of a view, both on the
-// image plane z = 1 of their camera (x right, y down, z forward). Four pairs or more.
+// Points of one plane that two calibrated cameras see: a in the reference camera, b in a view, both
+// on the image plane z = 1 of their camera (x right, y down, z forward). Four pairs or more.
 struct PlaneSighting {
   int plane = 0;  // 0 to planes - 1
   int view = 0;   // 0 to views - 1
@@ -59,8 +59,8 @@ struct SpaceOptions {
 // Why a plane's place isn't known.
 enum class SpaceError {
   kNone,
-  kNoParallax,  // the camera hardly moved between its views, beside what their noise tells
-  kAmbiguous,   // another normal explains its views as well: of the two of a homography, say
+  kNoParallax,  // the camera hardly moved between its views, compared with their noise
+  kAmbiguous,   // another normal explains its views as well, such as the other one of a homography
   kUncertain,   // its normal or distance has too large a sigma
 };
 std::string_view NameOf(SpaceError error);  // "none", "no_parallax", "ambiguous", "uncertain"
@@ -87,15 +87,14 @@ struct SpaceEstimate {
   double sigmas = 0;  // root mean square error of the points over point_sigma
 };
 
-// The planes that a reference camera and several views of it saw, in space. Each homography
-// H = R + t n^T / d of two views has up to two decompositions in front of both cameras (Faugeras
-// and Lustman 1988; here by Ma, Soatto, Kosecka and Sastry 2004, alg. 5.2). Each is tried: its
-// motion puts the other planes of its view into space, these the other views, and so on; all planes
-// of a view share R and t, all views of a plane n and d, so that the decomposition that explains
-// most is the right one. All are then refined together by robust least squares on the points'
-// transfer. Distances are relative to each other: one plane's is the unit. Deviations are those of
-// the points' noise; a wrong calibration and planes that aren't flat come on top. Deterministic;
-// thread-safe.
+// The planes that a reference camera and several views of it saw, in space. Each homography H = R +
+// t n^T / d of two views has up to two decompositions in front of both cameras (Faugeras and
+// Lustman 1988; here by Ma, Soatto, Kosecka and Sastry 2004, alg. 5.2). Each is tried: its motion
+// puts the other planes of its view into space, these the other views, and so on; all planes of a
+// view share R and t, all views of a plane n and d, so that the decomposition that explains most is
+// the right one. All are then refined together by robust least squares on the points' transfer.
+// Distances are relative: that of one plane is the unit. Deviations account for the points' noise
+// only, not for a wrong calibration or surfaces that aren't flat. Deterministic; thread-safe.
 SpaceEstimate FindPlanesInSpace(int planes, int views, std::span<const PlaneSighting> sightings,
                                 const SpaceOptions& options = {});
 

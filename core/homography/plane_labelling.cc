@@ -120,9 +120,9 @@ void PlaneLabelling::SetSigma(Labelled& plane, double sigma_px) const {
 }
 
 // How far the planes' errors reach, in their standard deviations: as far as a match at that
-// distance is likelier a plane's than one of the things beside the planes, whose density is taken
-// from those farther out. One number for all planes of a pair, because only all together give
-// enough to count.
+// distance is more likely to be a plane's than clutter, whose density is taken from matches farther
+// out. One number for all planes of a pair of images, because only all together give enough matches
+// to count.
 void PlaneLabelling::EstimateSigmas() {
   const int last = static_cast<int>(options_.max_sigmas);
   std::vector<int> shells(2 * last + 1, 0);
@@ -133,7 +133,7 @@ void PlaneLabelling::EstimateSigmas() {
     }
     if (nearest < 2 * last) ++shells[static_cast<int>(nearest)];
   }
-  double clutter = 0;  // matches a shell beyond the planes' reach
+  double clutter = 0;  // matches per shell beyond the planes' reach
   for (int shell = last; shell < 2 * last; ++shell) clutter += shells[shell];
   clutter /= last;
   sigmas_ = options_.min_sigmas;
@@ -143,7 +143,7 @@ void PlaneLabelling::EstimateSigmas() {
   }
 }
 
-// Of an error of a plane's own match, by Student's distribution in two dimensions.
+// The cost of an error of a plane's own match, by Student's distribution in two dimensions.
 double PlaneLabelling::ErrorCost(double sigmas) const {
   const double tail = options_.tail;
   return (tail + 2) / 2 * std::log1p(sigmas * sigmas / tail);
@@ -153,7 +153,7 @@ double PlaneLabelling::OwnCost(int row, int label) const {
   return label == kNoPlane ? options_.outlier_cost : planes_[label].costs[row];
 }
 
-// Of two companions: those of different planes disagree.
+// The cost of a pair of companions: those with different planes disagree.
 double PlaneLabelling::PairCost(int label, int other) const {
   const bool disagree = label != other && label != kNoPlane && other != kNoPlane;
   return disagree ? options_.smoothness / options_.companions : 0;
@@ -176,7 +176,7 @@ double PlaneLabelling::Energy() const {
 PlaneLabelling::Better PlaneLabelling::BetterWith(const Eigen::Matrix3d& to_from, double sigma_px,
                                                   const std::vector<int>& rows) const {
   const double sigma_cost = 2 * std::log(sigma_px);
-  // From where on even a match of no plane is explained better without it.
+  // The error beyond which even a match of no plane is better explained without it.
   const double reach2_px =
       sigma_px * sigma_px * options_.tail *
       std::expm1(std::max(0.0, options_.outlier_cost - sigma_cost) * 2 / (options_.tail + 2));
@@ -210,7 +210,7 @@ std::optional<Eigen::Matrix3d> PlaneLabelling::Refitted(const Eigen::Matrix3d& t
   return Fit(rows, sigmas);
 }
 
-// A homography of these matches, whose errors are so many standard deviations so far.
+// Fits a homography to these matches, whose errors so far are `sigmas` standard deviations.
 std::optional<Eigen::Matrix3d> PlaneLabelling::Fit(const std::vector<int>& rows,
                                                    const std::vector<double>& sigmas) const {
   PointPairs pairs;
@@ -222,7 +222,7 @@ std::optional<Eigen::Matrix3d> PlaneLabelling::Fit(const std::vector<int>& rows,
   return HomographyByDlt(pairs, weights);
 }
 
-// Improves the labels until no move does. Whether any changed.
+// Improves the labels until no move does. Returns whether any changed.
 bool PlaneLabelling::Label() {
   constexpr int kMaxSweeps = 6;
   bool any = Release();
@@ -240,7 +240,7 @@ bool PlaneLabelling::Label() {
   return any;
 }
 
-// Matches that their planes no longer reach are of no plane.
+// Releases matches that their planes no longer reach. Returns whether there were any.
 bool PlaneLabelling::Release() {
   bool any = false;
   for (int row = 0; row < points_->size(); ++row) {
@@ -252,8 +252,8 @@ bool PlaneLabelling::Release() {
   return any;
 }
 
-// An expansion move (Boykov, Veksler and Zabih 2001): whatever set of matches lowers the energy
-// most by becoming the plane's.
+// An expansion move (Boykov, Veksler and Zabih 2001): gives the plane the set of matches that
+// lowers the energy most.
 bool PlaneLabelling::Expand(int plane) {
   std::vector<int> rows;
   std::vector<int> variable_of(points_->size(), -1);
@@ -289,7 +289,7 @@ bool PlaneLabelling::Expand(int plane) {
   return any;
 }
 
-// Matches that cost less without a plane, one after the other.
+// Drops matches that cost less without a plane, one after the other.
 bool PlaneLabelling::Drop() {
   bool any = false;
   for (int row = 0; row < points_->size(); ++row) {

@@ -56,11 +56,11 @@ struct LabellingOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Planes of two images and the matches that belong to them, all matches labelled anew whenever a
-// plane is added, taken away or refitted: the labels and planes of least energy (Isack and Boykov
-// 2012, "energy-based geometric multi-model fitting", eq. 2), found by expansion moves and refits
-// in turn. Planes are numbered from 0 in the order in which they were added; rows are those of the
-// matches. Errors are symmetric transfer errors, px. Deterministic; not thread-safe.
+// Planes of two images and the matches that belong to them, with all matches relabelled whenever a
+// plane is added, removed or refitted: the labels and planes of least energy (Isack and Boykov
+// 2012, "energy-based geometric multi-model fitting", eq. 2), found by alternating expansion moves
+// and refits. Planes are numbered from 0 in the order in which they were added; rows are those of
+// the matches. Errors are symmetric transfer errors, px. Deterministic; not thread-safe.
 class PlaneLabelling {
  public:
   // Keeps a reference to `points`.
@@ -69,34 +69,34 @@ class PlaneLabelling {
 
   // A plane that is `fixed` keeps its homography and noise.
   void Add(const Eigen::Matrix3d& to_from, double sigma_px, bool fixed);
-  // Its matches are of no plane then, and the planes after it move up.
+  // Its matches then belong to no plane, and the planes after it move up.
   void Remove(int plane);
-  // Another homography and noise for a plane; it stays fixed, or not.
+  // Replaces a plane's homography and noise; whether it is fixed stays as it was.
   void Replace(int plane, const Eigen::Matrix3d& to_from, double sigma_px);
   int planes() const { return static_cast<int>(planes_.size()); }
   const Eigen::Matrix3d& to_from(int plane) const { return planes_[plane].to_from; }
   double sigma_px(int plane) const { return planes_[plane].sigma_px; }
 
-  // Gives a plane the matches that lower the energy most as its own, refits it to them, and once
-  // more. The other planes stay as they are: a first look at what a new plane is good for.
+  // Assigns to a plane the matches that lower the energy most, refits it to them, and does both
+  // once more. The other planes stay as they are: a first check of how useful a new plane is.
   void Grow(int plane);
   // Labels all matches and refits the planes, in rounds, until neither changes.
   void Settle();
   const std::vector<int>& labels() const { return labels_; }  // plane of each match, or kNoPlane
   std::vector<int> RowsOf(int plane) const;
-  // Minus the logarithm of the likelihood of matches, labels and number of planes, but for a
-  // constant. Lower is better.
+  // Negative log-likelihood of matches, labels and number of planes, up to a constant. Lower is
+  // better.
   double Energy() const;
 
-  // What one more plane explains better than the labels do: which of these matches, and by how much
-  // of the energy if they became its own and their companions' labels didn't matter.
+  // What one more plane would explain better than the labels do: which of these matches, and how
+  // much the energy would fall if they became its own and their companions' labels didn't matter.
   struct Better {
     double gain = 0;
     std::vector<int> rows;  // ascending
   };
   Better BetterWith(const Eigen::Matrix3d& to_from, double sigma_px,
                     const std::vector<int>& rows) const;
-  // The homography refitted to these matches, near ones counting most, as planes are refitted.
+  // The homography refitted to these matches as planes are refitted, with near ones weighted most.
   std::optional<Eigen::Matrix3d> Refitted(const Eigen::Matrix3d& to_from, double sigma_px,
                                           const std::vector<int>& rows) const;
 
@@ -106,7 +106,7 @@ class PlaneLabelling {
     double sigma_px = 0;
     bool fixed = false;
     std::vector<float> errors_px;  // of every match
-    std::vector<float> costs;      // that they are as the plane's own
+    std::vector<float> costs;      // of labelling each match with this plane
   };
 
   double bound_px(int plane) const { return sigmas_ * planes_[plane].sigma_px; }
@@ -127,7 +127,8 @@ class PlaneLabelling {
 
   const MatchedPoints* points_;
   LabellingOptions options_;
-  // Of each match, those among whose nearest it is or that are among its nearest; twice if both.
+  // The companions of each match: its nearest matches and those that have it among their nearest;
+  // twice if both.
   std::shared_ptr<const std::vector<std::vector<int>>> companions_;
   std::vector<Labelled> planes_;
   std::vector<int> labels_;

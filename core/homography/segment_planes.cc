@@ -60,7 +60,7 @@ class Segmenter {
     return rows;
   }
 
-  // Proposes a plane among the matches of none.
+  // Proposes a plane among the matches that belong to none.
   std::optional<PlaneFit> ProposeFree() {
     const std::vector<int> free = Free();
     if (static_cast<int>(free.size()) < options_.min_inliers) return std::nullopt;
@@ -70,8 +70,9 @@ class Segmenter {
     return fit;
   }
 
-  // Adds a plane, labels everything anew, and takes it back unless all is better explained then.
-  // One that doesn't explain half of its cost before the others have made room isn't tried on.
+  // Adds a plane, relabels all matches, and removes it again unless they are then better explained.
+  // A plane that doesn't recover half of its cost before the others have made room isn't tried
+  // further.
   bool Verify(const Eigen::Matrix3d& to_from) {
     const PlaneLabelling before = labelling_;
     const double energy = before.Energy();
@@ -100,8 +101,8 @@ class Segmenter {
     double gain;
   };
 
-  // Adds the planes through patches that all is better explained with. Whether there was any:
-  // others may then be found in what is left.
+  // Adds the planes through patches that improve the overall explanation. Returns whether there
+  // were any: others may then be found among the remaining matches.
   bool AddFromPatches() {
     bool any = false;
     std::set<int> refused;  // matches that proposals would have explained better
@@ -109,7 +110,8 @@ class Segmenter {
       if (labelling_.planes() >= known() + options_.max_planes) return false;
       if (refused.contains(patch.row)) continue;
       const auto [to_from, better] = Grown(patch.to_from);
-      // A quarter of its cost: what a plane gains grows while all is labelled and refitted with it.
+      // A quarter of its cost: a plane's gain grows while everything is relabelled and refitted
+      // with it.
       const bool promising = better.gain > options_.labelling.plane_cost / 4;
       if (promising && Verify(to_from)) {
         any = true;
@@ -121,8 +123,8 @@ class Segmenter {
     return any;
   }
 
-  // Of three sizes, because small ones find small planes and large ones determine them better; what
-  // explains most of its neighbourhood comes first.
+  // Patches of three sizes, because small ones find small planes and large ones determine them
+  // better; the proposal that explains most of its neighbourhood comes first.
   std::vector<Proposal> ProposePatches() const {
     constexpr int kMaxRows = 150;  // as middles: patches overlap
     const int stride = std::max(2, points_.size() / kMaxRows);
@@ -150,7 +152,7 @@ class Segmenter {
     return around;
   }
 
-  // A homography fitted to what it explains better, as long as that becomes more.
+  // Refits a homography to the matches that it explains better, as long as their number grows.
   std::pair<Eigen::Matrix3d, PlaneLabelling::Better> Grown(Eigen::Matrix3d to_from) const {
     constexpr int kMaxRefits = 5;
     PlaneLabelling::Better better = labelling_.BetterWith(to_from, kFirstSigma_px, all_);
@@ -196,9 +198,9 @@ class Segmenter {
     return true;
   }
 
-  // The eigenvalue test of each new plane against all others, the newest first: it goes if it has
-  // fewer than two eigenvalues near one with every one of them. Only now, because as long as planes
-  // were missing, the others were stretched over their matches.
+  // The eigenvalue test of each new plane against all others, the newest first: it is removed if it
+  // has fewer than two eigenvalues near one with every one of them. This comes last, because as
+  // long as planes were missing, the others were stretched over their matches.
   void RejectInvalid() {
     for (int p = labelling_.planes() - 1; p >= known(); --p) {
       const auto estimate = EstimateOf(p);
@@ -283,7 +285,7 @@ class GreedyExtractor {
     for (const int row : rows) taken_[row] = true;
   }
 
-  // The features that a known plane's homography finds among those of no plane.
+  // Adds the matches of no plane that fit a known plane's homography.
   void AddSupport(PlaneSegment& plane) {
     const PlaneModel model{plane.to_from.b_from_a, Eigen::Matrix3d::Identity()};
     const PlaneModel inverse = Inverse(model);
@@ -301,7 +303,7 @@ class GreedyExtractor {
     Take(rows);
   }
 
-  // One more plane, or matches that another one gets, or matches that are none; false at the end.
+  // Extracts one more plane, gives its matches to another one, or rejects them; false at the end.
   bool Extract() {
     const std::vector<int> free = Free();
     if (static_cast<int>(free.size()) < options_.min_inliers) return false;

@@ -51,19 +51,19 @@ struct PlaneSegment {
 struct Segmentation {
   std::vector<PlaneSegment> planes;  // the known ones first, in their order, then the new ones
   int rejected = 0;                  // proposals whose homologies were invalid
-  int merged = 0;                    // planes that were another one again
+  int merged = 0;                    // planes that turned out to be the same as another one
 };
 
 // The planes seen in two images, from their matches (`points.reference` is not used): planes are
-// proposed one after the other, from samples of what belongs to none yet (sec. II) and from patches
-// of neighbouring matches that have one label so far, and each proposal is verified by labelling
-// all matches anew with it. It stands if that explains the matches better (PlaneLabelling) and if
-// its homology with one of the other planes is valid or there is none; with the identity, two
-// become one (sec. II-B). `known` are planes that are already found (tracked ones): they keep their
-// homographies (but for a second part of theirs that is found) and never disappear, but lose
-// matches to planes that explain them better and get others. With options.greedy as in the paper
-// instead: a plane takes all matches that support it and belong to none before it, and keeps them.
-// Deterministic for a seed; thread-safe.
+// proposed one after the other, from samples of matches that belong to none yet (sec. II) and from
+// patches of neighbouring matches that so far share one label, and each proposal is verified by
+// relabelling all matches with it. It is accepted if that explains the matches better
+// (PlaneLabelling) and if its homology with one of the other planes is valid or there are no
+// others; if the homology is the identity, the two are merged (sec. II-B). `known` are planes that
+// were already found (tracked ones): they keep their homographies (unless a second part of them is
+// found) and never disappear, but may lose matches to planes that explain them better, and gain
+// others. With options.greedy, as in the paper instead: a plane takes and keeps all matches that
+// support it and belong to no plane before it. Deterministic for a seed; thread-safe.
 Segmentation SegmentPlanes(const MatchedPoints& points, std::vector<PlaneSegment> known,
                            const SegmentationOptions& options, uint64_t seed);
 

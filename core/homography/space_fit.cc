@@ -11,14 +11,14 @@
 namespace waystone {
 namespace {
 
-constexpr double kLargestCost = 25;  // of a point: 5 sigmas are wrong, however much it is
+constexpr double kLargestCost = 25;  // of a point: beyond 5 sigmas it is simply wrong
 constexpr double kFirstDamping = 1e-3;
 constexpr double kLargestDamping = 1e8;
 constexpr double kSmallestGain = 1e-9;  // of the cost, as a share of it
 
 using Rows = Eigen::Matrix<double, 2, 3>;
 
-// Where a motion has the point of a plane, before the division: R x + t (m . x).
+// Where a motion moves a plane's point, before the division: R x + t (m . x).
 Eigen::Vector3d Moved(const ViewMotion& motion, const Eigen::Vector3d& m,
                       const Eigen::Vector2d& a) {
   const Eigen::Vector3d x = a.homogeneous();

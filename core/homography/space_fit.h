@@ -8,7 +8,8 @@
 
 #include "core/homography/plane_in_space.h"
 
-// The joint refinement of planes and motions: inside core/homography only.
+// The joint refinement of planes and motions: internal to core/homography. All functions are
+// deterministic; thread-safe.
 namespace waystone {
 
 // Planes m . X = 1 (m = n / d) and motions, as far as they are known. The scale is free: m / s and

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 // Derivatives of a transfer by the homography's nine entries, row by row: inside core/homography
-// and its tests only.
+// and its tests only. Pure; thread-safe.
 namespace waystone {
 
 using TransferJacobian = Eigen::Matrix<double, 2, 9>;

@@ -19,7 +19,7 @@ namespace {
   throw MapError(ErrorCode::kImageTooLarge, message);
 }
 
-// Nothing but MapError and std::bad_alloc leaves this, whatever OpenCV thinks of the bytes.
+// Throws only MapError and std::bad_alloc, whatever OpenCV makes of the bytes.
 cv::Mat Decode(std::span<const uint8_t> bytes, const DecodeLimits& limits, int flags) {
   limits.Check();
   if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) {
@@ -54,7 +54,7 @@ cv::Mat Decode(std::span<const uint8_t> bytes, const DecodeLimits& limits, int f
     cause = error.err;
   }
   if (image.cols != header.width || image.rows != header.height) {
-    // The decoders keep to themselves what went wrong; malloc leaves a trace.
+    // The decoders don't report what went wrong, but a failed malloc sets errno.
     if (errno == ENOMEM) throw std::bad_alloc();
     throw MapError(ErrorCode::kBadImage,
                    "the " + header.format + " of " + std::to_string(bytes.size()) +

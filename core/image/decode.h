@@ -16,8 +16,9 @@ struct ImageHeader {
   int width = 0;       // px
   int height = 0;      // px
   int scans = 1;       // JPEG: how many scans (a progressive one has several)
-  // JPEG in several scans: what the decoder keeps until the last one. HEIC: its pictures and the
-  // image. Lossless WebP: the image, and tables. 0 for the others, which are decoded row by row.
+  // What decoding takes at once: for a JPEG in several scans, what the decoder keeps until the last
+  // one. HEIC: its pictures and the image. Lossless WebP: the image, and tables. 0 for the others,
+  // which are decoded row by row.
   int64_t decode_bytes = 0;
   int64_t inflated_bytes = 0;  // PNG: what its image data inflate to
   int64_t hevc_bytes = 0;      // HEIC: of its coded pictures
@@ -61,30 +62,31 @@ struct DecodeLimits {
 };
 
 // Parses the header, and walks over the rest as far as needed to know that its end is there; bytes
-// behind the end are allowed. Linear in the bytes, no allocation. Throws MapError(kBadImage) for
-// bytes that are not a JPEG, PNG, WebP, HEIC, BMP or PNM or are cut off (a JPEG without its end
-// marker, a PNG without IEND), naming what they look like; for arithmetic-coded JPEGs, which take
-// ten times as long; for a PNG with more image data than its pixels can need; and for animated
-// WebPs. Behind the end of a HEIC there may only be further boxes, and its tables are read into
-// memory of a few times their bytes. Never reads outside `bytes`. Thread-safe.
+// after the end are allowed. Linear in the bytes; allocates only for a HEIC's tables. Throws
+// MapError(kBadImage) for bytes that are not a JPEG, PNG, WebP, HEIC, BMP or PNM or are cut off (a
+// JPEG without its end marker, a PNG without IEND), naming what they look like; for
+// arithmetic-coded JPEGs, which take ten times as long; for a PNG with more image data than its
+// pixels can need; and for animated WebPs. The end of a HEIC may be followed only by further boxes;
+// its tables take a few times their bytes in memory. Never reads outside `bytes`. Thread-safe.
 ImageHeader ReadImageHeader(std::span<const uint8_t> bytes);
 
-// Throws MapError(kImageTooLarge), with the claim and the limit, for a header over the limits.
+// Throws MapError(kImageTooLarge), with the claimed value and the limit, for a header over the
+// limits. Thread-safe.
 void CheckLimits(const ImageHeader& header, const DecodeLimits& limits);
 
 // Decodes an image of one pixel. OpenCV sets up all its decoders with the first image of a process,
-// and a library behind one of them (GDAL) ends the process when memory runs out meanwhile: whoever
-// must outlive that does this first. Thread-safe.
+// and a library used by one of them (GDAL) ends the process when memory runs out meanwhile:
+// processes that must survive that call this first. Thread-safe.
 void PrepareDecoders();
 
-// Decodes to 8-bit grey (CV_8UC1), refusing by the header what is over the limits
+// Decodes to 8-bit grey (CV_8UC1), and refuses by its header an image over the limits
 // (kImageTooLarge): with the default limits nothing takes more than 300 MB, and a HEIC of 49
-// megapixels and 5.8 MB, the slowest that was measured, 2 s. EXIF
-// orientation is not applied, nor are a HEIC's rotation, mirroring and cropping: pixels are where
-// the camera put them, which is what calibrations and answers refer to. 16-bit images become 8-bit
-// ones, by their upper bytes; a PNM's maximum becomes 255. Throws MapError(kBadImage) when it can't
-// be decoded, also for a JPEG whose data ends early or has invalid codes above its last row of
-// blocks, and nothing else. Thread-safe.
+// megapixels and 5.8 MB, the slowest image measured, takes 2 s. EXIF orientation is not applied,
+// nor are a HEIC's rotation, mirroring and cropping: pixels are where the camera put them, which is
+// what calibrations and answers refer to. 16-bit images become 8-bit ones, by their upper bytes; a
+// PNM's maximum becomes 255. Throws MapError(kBadImage) when it can't be decoded, including a JPEG
+// whose data ends early or has invalid codes above its last row of blocks, and std::bad_alloc.
+// Thread-safe.
 cv::Mat DecodeGrey(std::span<const uint8_t> bytes, const DecodeLimits& limits = {});
 
 // The same in colour (CV_8UC3, BGR).

@@ -40,8 +40,8 @@ class Tiff {
   }
   std::optional<uint32_t> FirstDirectory() const { return Read(4, 4); }
 
-  // The value of a whole number in a directory. Each directory is looked through once for each tag,
-  // and directories are not followed in a ring: hostile data costs nothing.
+  // The value of an integer tag in a directory. Each directory is scanned once per tag, and cycles
+  // of directories are not followed: hostile data costs nothing.
   std::optional<uint32_t> Whole(uint32_t directory, uint32_t tag) const {
     constexpr uint32_t kShort = 3;
     constexpr uint32_t kLong = 4;
@@ -82,7 +82,7 @@ struct Segments {
   int height = 0;
 };
 
-// Markers that aren't followed by a length, where the header's reader goes on in its own way.
+// Markers without a length, and SOS, at which the segments end.
 bool StandsAlone(int marker) {
   return marker <= 0x01 || (marker >= 0xD0 && marker <= 0xDA) || marker == 0xFF;
 }
@@ -119,7 +119,7 @@ Segments ReadSegments(Bytes bytes) {
   return found;
 }
 
-// The same of a WebP or HEIC, whose header is read whole; nothing of what can't be read.
+// The same for a WebP or HEIC, whose whole header is read; nothing for one that can't be read.
 Segments ReadContainer(Bytes bytes) {
   const bool webp = bytes[0] == 'R' && bytes[1] == 'I';
   const bool heic = bytes.size() >= 8 && bytes[4] == 'f' && bytes[5] == 't';

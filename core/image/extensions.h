@@ -8,8 +8,8 @@
 
 namespace waystone {
 
-// The endings of images that core/image decodes, in lower case and with the dot, the most usual
-// first.
+// The file extensions of images that core/image decodes, in lower case and with the dot, the most
+// common first. All functions are thread-safe.
 std::span<const std::string_view> ImageExtensions();
 // The same as ".jpg .jpeg .png ...", for messages.
 std::string ImageExtensionsText();

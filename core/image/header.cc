@@ -21,7 +21,7 @@ bool StartsWith(Bytes bytes, std::string_view signature, size_t offset = 0) {
                     [](char a, uint8_t b) { return static_cast<uint8_t>(a) == b; });
 }
 
-// The bytes are there: callers have looked at the size.
+// Callers have checked that the bytes are there.
 uint32_t Little16(Bytes bytes, size_t at) { return bytes[at] | bytes[at + 1] << 8; }
 
 uint32_t Little32(Bytes bytes, size_t at) {
@@ -93,9 +93,9 @@ ImageHeader ReadBmpHeader(Bytes bytes) {
 
 namespace {
 
-// Numbers in a PNM header, each with a byte of white space behind it. Comments run from '#' to the
-// line's end, a line feed or a carriage return. Netpbm takes a '#' right behind a number as well,
-// but decoders disagree there on where the next number begins, so it is refused.
+// Numbers in a PNM header, each followed by a byte of white space. Comments run from '#' to the
+// line's end, a line feed or a carriage return. Netpbm also accepts a '#' right after a number, but
+// decoders disagree on where the next number then begins, so it is refused.
 class PnmNumbers {
  public:
   explicit PnmNumbers(Bytes bytes) : bytes_(bytes) {
@@ -121,7 +121,7 @@ class PnmNumbers {
     return value;
   }
 
-  // Behind the white space of the last number.
+  // The position after the white space of the last number.
   size_t position() const { return position_; }
 
  private:
@@ -140,10 +140,10 @@ class PnmNumbers {
   }
 
   Bytes bytes_;
-  size_t position_ = 2;  // behind "P5" or "P6"
+  size_t position_ = 2;  // after "P5" or "P6"
 };
 
-// What comes before the samples of a PNM.
+// The header of a PNM.
 struct PnmHeader {
   int width = 0;
   int height = 0;

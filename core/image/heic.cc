@@ -53,8 +53,8 @@ struct Box {
   Bytes data;
 };
 
-// Boxes one behind the other. `file` is the whole file at its top level, where a box that isn't all
-// there means that the end was cut off; within a box it is damage.
+// Consecutive boxes. `file` is true at the top level of the file, where an incomplete box means
+// that the end was cut off; within a box it is damage.
 class Boxes {
  public:
   explicit Boxes(Bytes bytes, bool file = false) : bytes_(bytes), file_(file) {}
@@ -93,7 +93,7 @@ class Boxes {
   size_t at_ = 0;
 };
 
-// The only box of this name: with two of them, readers could differ in which they take.
+// The only box of this name: with two of them, readers could differ in their choice.
 std::optional<Bytes> FindBox(Boxes boxes, std::string_view name) {
   std::optional<Bytes> found;
   while (const std::optional<Box> box = boxes.Next()) {
@@ -185,7 +185,7 @@ class HeicFile {
   }
 
  private:
-  // Numbers of items have two bytes up to a version of the box, and four from it on.
+  // Item ids have two bytes before version `four_from` of the box, and four from it on.
   static int IdBytes(uint64_t version, uint64_t four_from) { return version < four_from ? 2 : 4; }
 
   static void CheckCount(uint64_t count, const std::string& what) {
@@ -240,7 +240,7 @@ class HeicFile {
       const bool elsewhere = cursor.Number(2) != 0;
       const uint64_t base = cursor.Number(base_size);
       const uint64_t extents = cursor.Number(2);
-      // Extents of no bytes would take time without end.
+      // Empty extents could be repeated without end.
       if (extents > 1 && index_size + offset_size + length_size == 0) {
         RefuseDamage("has image data in " + std::to_string(extents) +
                      " places without saying where");
@@ -322,7 +322,7 @@ class HeicFile {
   uint32_t primary_ = 0;
 };
 
-// A file of boxes that isn't HEIC is named by its brands.
+// Refuses a file of boxes that isn't HEIC, naming its brands.
 void CheckBrands(Bytes bytes) {
   Boxes boxes(bytes, true);
   const Box type = *boxes.Next();
@@ -341,7 +341,7 @@ void CheckBrands(Bytes bytes) {
   }
 }
 
-// Network units behind each other, each with its length in front.
+// Consecutive network units, each preceded by its length.
 class Units {
  public:
   Units(Bytes bytes, int length_bytes) : cursor_(bytes, "mdat"), length_bytes_(length_bytes) {}
@@ -360,7 +360,7 @@ class Units {
 // prepares tables of the picture's size for each.
 int TakeParameterSets(Bytes configuration, HevcPicture& picture, HevcSize& size) {
   constexpr size_t kFixed = 21;
-  constexpr size_t kMost = 4096;  // cameras write 100; all tiles may have the same
+  constexpr size_t kMost = 4096;  // cameras write 100; all tiles may share them
   if (configuration.size() > kMost) {
     RefuseDamage("has parameter sets of " + std::to_string(configuration.size()) + " bytes");
   }
@@ -526,7 +526,7 @@ int64_t HeicImage::DecodeBytes() const {
   // Samples of a picture, in quarters of its pixels: 4:0:0, 4:2:0, 4:2:2, 4:4:4.
   constexpr std::array<int64_t, 4> kQuarters{4, 6, 8, 12};
   const int64_t samples = coded_pixels * kQuarters.at(chroma) / 4 * (bits > 8 ? 2 : 1);
-  constexpr int kPictures = 2;  // one before and one behind the deblocking
+  constexpr int kPictures = 2;  // one before and one after deblocking
   return kPictures * samples + coded_pixels + int64_t{width} * height;
 }
 

@@ -8,10 +8,10 @@
 
 #include "core/image/formats.h"
 
-// HEIC (ISO/IEC 23008-12 with HEVC): inside core/image only. What is taken is what cameras write: a
-// primary image that is one intra picture (hvc1) or a grid of them, each in one piece. The file's
-// rotation, mirroring and cropping are not applied, as EXIF's orientation isn't. Anything a second
-// reading could see in another way (a box or an item twice) is refused.
+// HEIC (ISO/IEC 23008-12 with HEVC): internal to core/image. Accepts what cameras write: a primary
+// image that is one intra picture (hvc1) or a grid of them, each in one piece. The file's rotation,
+// mirroring and cropping are not applied, as EXIF's orientation isn't. Anything that another reader
+// could interpret differently (a box or an item twice) is refused.
 namespace waystone {
 
 // One intra picture as HEVC's network units, without their lengths.
@@ -26,7 +26,7 @@ struct HeicImage {
   std::vector<HevcPicture> tiles;  // row by row
   int tile_width = 0;              // px, each of them
   int tile_height = 0;             // px
-  int64_t coded_pixels = 0;        // of each, with what isn't shown
+  int64_t coded_pixels = 0;        // of each, including the part that isn't shown
   int chroma = 0;                  // HEVC's chroma_format_idc: 0 grey, 1 4:2:0, 2 4:2:2, 3 4:4:4
   int bits = 0;                    // of a sample, 8 to 16
   std::optional<bool> full_range;  // what the file says beside the pictures
@@ -39,7 +39,7 @@ struct HeicImage {
 // `bytes` start with a box "ftyp". Throws MapError(kBadImage). Bounded by the bytes in time and
 // memory.
 HeicImage ReadHeic(Bytes bytes);
-// The TIFF of its EXIF data; empty without. Throws as ReadHeic.
+// The TIFF of its EXIF data; empty where it has none. Throws as ReadHeic does.
 Bytes HeicExif(Bytes bytes);
 
 // CV_8UC1, or CV_8UC3 (BGR, by BT.601, for people to look at). Throws MapError(kBadImage), and

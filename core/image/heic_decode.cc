@@ -26,7 +26,7 @@ class HevcDecoder {
  public:
   HevcDecoder() : context_(de265_new_decoder(), &de265_free_decoder) {
     if (!context_) throw std::bad_alloc();
-    // As with JPEG, what is damaged is damaged, not concealed.
+    // As with JPEG, damage is reported, not concealed.
     de265_set_parameter_bool(context_.get(), DE265_DECODER_PARAM_SUPPRESS_FAULTY_PICTURES, 1);
   }
 
@@ -58,8 +58,8 @@ class HevcDecoder {
   std::unique_ptr<de265_decoder_context, decltype(&de265_free_decoder)> context_;
 };
 
-// How samples become bytes: those of less than the full range reach from 16 to 235, and chroma to
-// 240, of 255.
+// Table from samples to bytes: without the full range, luma runs from 16 to 235 and chroma to 240,
+// of 255.
 std::vector<uint8_t> ByteOfSample(int bits, bool full_range, bool chroma) {
   const double unit = std::ldexp(1.0, bits - 8);
   std::vector<uint8_t> bytes(size_t{1} << bits);
@@ -95,7 +95,7 @@ void CopyPlane(const de265_image* from, int channel, bool full_range, cv::Point 
   }
 }
 
-// The image's planes, 8 bits each: luma, and chroma where it is asked for and there.
+// The image's planes, 8 bits each: luma, and chroma where it is wanted and present.
 class HeicPlanes {
  public:
   HeicPlanes(const HeicImage& image, bool colour) : image_(image) {

@@ -9,11 +9,11 @@ namespace {
 
 constexpr size_t kUnitHead = 2;
 
-// Bits of a unit, without the bytes 3 that keep two zeros from looking like a start code.
+// Bits of a unit, without the emulation prevention bytes (3) after two zeros.
 class HevcBits {
  public:
   explicit HevcBits(Bytes unit) {
-    constexpr size_t kRead = 256;  // more than what is taken here ever has
+    constexpr size_t kRead = 256;  // more than is ever read here
     int zeros = 0;
     const Bytes read = unit.first(std::min(unit.size(), kRead));
     for (const uint8_t byte : read.subspan(std::min(read.size(), kUnitHead))) {

@@ -3,7 +3,8 @@
 
 #include "core/image/formats.h"
 
-// What of HEVC's syntax (ITU-T H.265) is read before a picture is decoded: inside core/image only.
+// The part of HEVC's syntax (ITU-T H.265) that is read before a picture is decoded: internal to
+// core/image. Thread-safe.
 namespace waystone {
 
 // Types of network units.
@@ -22,8 +23,8 @@ struct HevcSize {
   int64_t coded_pixels = 0;  // of the whole picture, which is decoded
 };
 
-// The type of a unit, or -1 for one without a head and for those of further layers (depth, the
-// other eye), which are stepped over.
+// The type of a unit, or -1 for one without a header and for those of further layers (depth, the
+// other eye), which are skipped.
 int HevcUnitType(Bytes unit);
 
 // The size in a sequence parameter set. Throws MapError(kBadImage).

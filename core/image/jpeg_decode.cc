@@ -4,7 +4,7 @@
 #include <new>
 #include <string>
 
-// Behind <cstdio>.
+// After <cstdio>.
 #include <jerror.h>
 #include <jpeglib.h>
 
@@ -28,7 +28,7 @@ struct JpegMessages {
 }
 
 // Whether the pixels from here on are made up. Some cameras end the last row too early, and bytes
-// between the data and its marker, of which libjpeg warns too, harm nothing.
+// between the data and its marker, of which libjpeg also warns, do no harm.
 bool IsDamage(int code, const jpeg_decompress_struct& codec) {
   switch (code) {
     case JWRN_HIT_MARKER:
@@ -74,7 +74,7 @@ class JpegDecoder {
  private:
   enum class JpegResult { kDone, kOtherColours, kFailed };
 
-  // libjpeg comes back by longjmp, so nothing in this frame may need a destructor.
+  // libjpeg returns by longjmp on errors, so nothing in this frame may need a destructor.
   JpegResult Run(Bytes bytes, cv::Mat& image) {
     // NOLINTNEXTLINE(cert-err52-cpp)
     if (setjmp(messages_.end) != 0) return JpegResult::kFailed;

@@ -61,7 +61,7 @@ class JpegWalk {
         ++header_.scans;
         scan_components_ = segment.empty() ? 0 : segment[0];
       } else if (!IsOtherSegment(marker)) {
-        // libjpeg gives up on these too, or steps over them without their length: a place to hide.
+        // libjpeg gives up on these too, or skips them without their length, which could hide data.
         RefuseImage("the JPEG has an unknown segment " + std::to_string(marker) +
                     "; it is damaged");
       }
@@ -111,7 +111,7 @@ class JpegWalk {
     }
   }
 
-  // Coefficients of all components, two bytes each, and the image; as libjpeg pads them, nearly.
+  // Coefficients of all components, two bytes each, and the image; nearly as libjpeg pads them.
   int64_t BufferedBytes() const {
     int most_h = 1;
     int most_v = 1;
@@ -146,7 +146,7 @@ class JpegWalk {
   };
 
   Bytes bytes_;
-  size_t position_ = 2;  // behind the start marker
+  size_t position_ = 2;  // after the start marker
   bool has_frame_ = false;
   bool progressive_ = false;
   std::vector<Sampling> components_;

@@ -9,9 +9,9 @@
 namespace waystone {
 namespace {
 
-// Behind a return OpenCV throws its own exception.
+// After a return OpenCV throws its own exception.
 int OnOpenCvError(int code, const char*, const char* message, const char*, int, void*) {
-  // The image codecs pass on what libjpeg says, with another code.
+  // The image codecs pass on libjpeg's message with another code.
   const bool codec = std::strstr(message, "Insufficient memory") != nullptr;
   if (code == cv::Error::StsNoMem || codec) throw std::bad_alloc();
   return 0;

@@ -3,8 +3,9 @@
 
 namespace waystone {
 
-// From now on OpenCV's functions throw std::bad_alloc where memory runs out, as all others do, and
-// print no errors beside those they throw. For the whole process; any number of times.
+// Makes OpenCV's functions throw std::bad_alloc when memory runs out, as all others do, and print
+// no errors besides those they throw. For the whole process; may be called repeatedly, but isn't
+// synchronised with other threads that use OpenCV.
 void ThrowOpenCvErrors();
 
 }  // namespace waystone

@@ -56,7 +56,7 @@ class PngChunks {
   bool ended_ = false;
 };
 
-// Bits of a pixel by colour type and depth; 0 for a pair that there isn't.
+// Bits of a pixel by colour type and depth; 0 for an invalid combination.
 int BitsOfPixel(int colour_type, int depth) {
   const bool power = depth == 1 || depth == 2 || depth == 4 || depth == 8 || depth == 16;
   constexpr std::array kChannels{1, 0, 3, 1, 2, 0, 4};
@@ -83,7 +83,7 @@ PngSize ReadSize(Bytes header) {
     RefuseImage("the PNG claims colour type " + std::to_string(header[9]) + " with " +
                 std::to_string(header[8]) + " bits; it is damaged");
   }
-  // A byte a row for its filter, and for interlaced rows another two in part.
+  // A byte per row for its filter, and up to two more for interlaced rows.
   const int64_t row_bytes = static_cast<int64_t>(size.width) * bits / 8 + 1;
   const bool huge = row_bytes > kMaxPixelBytes / std::max(1, size.height);
   size.pixel_bytes = huge ? kMaxPixelBytes : (row_bytes + 3) * size.height;
@@ -96,8 +96,8 @@ std::string MegabytesText(int64_t bytes) {
   return text.data();
 }
 
-// Blocks of a PNG's deflate stream as far as its pixels go, counted up to `most`. Damage is left to
-// the decoder.
+// Counts the blocks of a PNG's deflate stream up to the end of its pixels, at most `most`. Damage
+// is left to the decoder.
 int64_t CountBlocks(Bytes bytes, int64_t pixel_bytes, int64_t most) {
   constexpr int kBehindBlock = 128;
   std::vector<Bytef> inflated(1 << 16);
@@ -180,7 +180,7 @@ void CheckPngBlocks(Bytes bytes) {
 void CheckPngChecksums(Bytes bytes) {
   PngChunks chunks(bytes);
   while (const std::optional<PngChunk> chunk = chunks.Next()) {
-    // The decoder skips a small letter's chunk, which it can do without.
+    // The decoder skips a damaged chunk whose name starts with a small letter: it is optional.
     const bool needed = chunk->name[0] >= 'A' && chunk->name[0] <= 'Z';
     const Bytes summed = chunk->whole.subspan(4, 4 + chunk->data.size());
     const uLong sum = crc32(0, summed.data(), static_cast<uInt>(summed.size()));

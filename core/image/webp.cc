@@ -26,7 +26,7 @@ struct WebpChunk {
   Bytes data;
 };
 
-// Walks over the chunks inside the file's own size; bytes behind it are another's.
+// Walks over the chunks within the file's stated size; bytes after it don't belong to it.
 class WebpChunks {
  public:
   explicit WebpChunks(Bytes bytes) : bytes_(bytes) {
@@ -57,7 +57,7 @@ class WebpChunks {
 ImageHeader ReadKeyFrame(Bytes frame) {
   constexpr size_t kFrameHead = 10;
   constexpr uint32_t kStartCode = 0x2A019D;
-  constexpr uint32_t kSize = 0x3FFF;  // the upper two bits are a scale that nobody applies
+  constexpr uint32_t kSize = 0x3FFF;  // the upper two bits are a scale that decoders ignore
   if (frame.size() < kFrameHead || frame[0] % 2 != 0 || Number(frame, 3, 3) != kStartCode) {
     RefuseImage("the WebP has no key frame; it is damaged");
   }
@@ -66,8 +66,8 @@ ImageHeader ReadKeyFrame(Bytes frame) {
           .height = static_cast<int>(Number(frame, 8, 2) & kSize)};
 }
 
-// A lossless image is decoded as a whole, with tables of each group of codes, of which 20 bits of
-// the file make one.
+// A lossless image is decoded as a whole, with tables for each group of codes; 20 bits of the file
+// suffice for a group.
 ImageHeader ReadLossless(Bytes data) {
   constexpr int64_t kGroupBytes = 13'000;
   constexpr int kPixelBytes = 9;  // decoded, converted to BGR with alpha, and grey

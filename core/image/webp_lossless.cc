@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// After the WebP lossless bitstream specification (RFC 9649, section 3).
+// Follows the WebP lossless bitstream specification (RFC 9649, section 3).
 #include "core/image/webp_lossless.h"
 
 #include <algorithm>
@@ -133,8 +133,8 @@ int64_t TakeLength(LosslessBits& bits, int symbol) {
   return ((2 + (symbol & 1)) << extra) + int64_t{bits.Take(extra)} + 1;
 }
 
-// Steps over an image of one group of codes: what is transformed by, or which group is where.
-// Returns the most of its pixels' red and green, 16 bits. All other pixels are copies.
+// Skips an image with one group of codes: a transform's data, or the map of the groups. Returns the
+// largest 16-bit value of its pixels' red and green. All other pixels are copies.
 int TakeImage(LosslessBits& bits, int64_t pixels) {
   const int cache = TakeCacheBits(bits);
   const PrefixCode green = TakeCode(bits, kLiterals + kLengths + (cache > 0 ? 1 << cache : 0));

@@ -36,13 +36,13 @@ double NormalDensity(double x, double sigma) {
   return std::exp(-0.5 * z * z) / (sigma * std::sqrt(2 * std::numbers::pi));
 }
 
-// Of a mean of equal variances, relative.
+// Relative rounding error of a mean of equal variances.
 constexpr double kRounding = 1e-9;
 
-// Weight of having left the graph where a node that is d sigmas off weighs exp(-d^2 / 2).
+// Weight of having left the graph, where a node d sigmas away weighs exp(-d^2 / 2).
 const double kLeftGraph = std::exp(-0.5 * 3 * 3);
 
-// A node before the image is looked at, with the mean and sigma of its heading.
+// The prior of a node, before the image, with the mean and sigma of its heading.
 struct Prior {
   double weight = 0;
   double heading_x = 0;  // weighted sum of unit vectors
@@ -87,15 +87,16 @@ class Update {
   }
 
  private:
-  // Where a belief's robot is by its odometry.
+  // Where a belief's robot is by odometry.
   struct Robot {
     Pose2 pose;
     double reach = 0;  // sigma of its position
     double heading_variance = 0;
-    double left = 0;  // weight of having left the graph, which only odometry tells
+    double left = 0;  // weight of having left the graph, which only odometry shows
   };
 
-  // What the robot may have come to, and what stays with its node (ShareMoved).
+  // Moves one belief: the part that reached other nodes, and the part that stays at its node
+  // (ShareMoved).
   void MoveOne(const Belief& from, const std::optional<Pose2>& odometry) {
     const Pose2& at = poses_[from.node];
     Robot robot{.pose = {at.x, at.y, from.heading_rad},
@@ -106,11 +107,11 @@ class Update {
     if (odometry) {
       robot.left = kLeftGraph;
       moved = ShareMoved(*odometry, options_);
-      // The whole step to the next place, which is taken that seldom.
+      // With the probability `moved` the robot has made the whole step to the next place.
       const double part = std::max(moved, 1e-6);
       robot.pose = robot.pose * Pose2{odometry->x / part, odometry->y / part, odometry->theta_rad};
       const double trajectory = std::hypot(odometry->x, odometry->y) / part;
-      // A heading that is off leads the way aside.
+      // An error of the heading shifts the position sideways.
       robot.reach = std::hypot(options_.position_sigma, options_.share_of_trajectory * trajectory,
                                from.sigma_rad * trajectory);
       robot.heading_variance = std::pow(from.sigma_rad, 2) + std::pow(options_.turn_sigma_rad, 2);
@@ -162,7 +163,7 @@ class Update {
     const double fit = unknown ? flat : NormalDensity(off, std::sqrt(variance + seen_variance));
     const double moved = likelihood * prior.weight * fit;
     belief.probability += moved;
-    if (unknown || moved < 0.5 * belief.probability) return belief;  // the image alone knows
+    if (unknown || moved < 0.5 * belief.probability) return belief;  // known only from the image
     belief.heading_rad = WrappedAngle(mean + off * variance / (variance + seen_variance));
     belief.sigma_rad = std::sqrt(variance * seen_variance / (variance + seen_variance));
     return belief;

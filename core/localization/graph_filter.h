@@ -7,10 +7,9 @@
 #include "core/base/options.h"
 #include "core/geometry/pose2.h"
 
-// Localization over a graph of nodes with poses for a series of images: a Bayes filter whose places
-// are the nodes, each with a normal distribution of the heading. It is what Monte-Carlo
-// localization (Fernandez et al. 2010) approaches with many particles, so nothing is drawn at
-// random.
+// Localizes a series of images in a graph of nodes with poses: a Bayes filter whose places are the
+// nodes, each with a normal distribution of the heading. Monte-Carlo localization (Fernandez et al.
+// 2010) approaches it with many particles; here nothing is drawn at random.
 namespace waystone {
 
 struct GraphFilterOptions {
@@ -61,27 +60,27 @@ struct Belief {
   bool operator==(const Belief&) const = default;
 };
 
-// What is known after some images: the likeliest nodes, the likeliest first (ties by node). They
-// are all that the next update needs; what they lack of 1 is anywhere.
+// What is known after some images: the likeliest nodes, the likeliest first (ties by node). The
+// next update needs nothing else; the probability missing from 1 may be anywhere.
 using FilterState = std::vector<Belief>;
 
 struct FilterAnswer {
   FilterState state;  // the first is the answer; never empty
 };
 
-// A robot that has moved less than position_sigma, which is less than from node to node, is
-// believed to have come to the next place with the probability that this is of it, and else to have
-// stayed.
+// The probability that a robot has come to another place: the distance that it moved over
+// position_sigma, at most 1; a robot that moved less may have stayed at its node. Pure;
+// thread-safe.
 double ShareMoved(const Pose2& odometry, const GraphFilterOptions& options);
 
 // The belief after an image. `poses` are graph_from_node, `evidence[i]` is of node i. `previous` is
-// the state before (empty for the first image), `odometry` previous_from_now where it is known.
-// What the odometry takes farther than three sigmas from all nodes has left the graph and may be
-// anywhere. `heights` are those of the nodes, in the poses' unit, NaN where it isn't known; empty
-// where none is: odometry knows no floors, so that a robot keeps to its own. Time is nodes times
-// beliefs. Pure; thread-safe. Throws MapError: kBadOptions; kBadRequest when
-// the previous state names nodes that aren't there or isn't made of probabilities, or when the
-// image is impossible everywhere. No nodes or evidence of another number are programmer's errors.
+// the state before (empty for the first image), `odometry` previous_from_now where it is known. A
+// belief that odometry takes farther than three sigmas from all nodes has left the graph and may be
+// anywhere. `heights` are those of the nodes, in the poses' unit, NaN where unknown; empty where
+// none is known. Odometry doesn't know floors, so a robot stays on its own. Takes time proportional
+// to nodes times beliefs. Pure; thread-safe. Throws MapError: kBadOptions; kBadRequest when the
+// previous state names nodes that aren't there or isn't made of probabilities, or when the image is
+// impossible everywhere. Having no nodes, or not one evidence per node, is a programmer's error.
 FilterAnswer UpdateBelief(const std::vector<Pose2>& poses,
                           const std::vector<NodeEvidence>& evidence, const FilterState& previous,
                           const std::optional<Pose2>& odometry,

@@ -31,7 +31,7 @@ std::optional<int> NextStep(const cv::Mat& left, const cv::Point& at, int headin
   return std::nullopt;
 }
 
-// Walks from a pixel and takes what it passes off the image.
+// Walks from a pixel and erases the pixels on its way from the image.
 EdgeChain FollowEdge(cv::Mat& left, cv::Point at, int heading) {
   EdgeChain chain;
   while (const auto step = NextStep(left, at, heading)) {
@@ -76,7 +76,7 @@ std::pair<int, double> Farthest(std::span<const cv::Point> chain) {
   return farthest;
 }
 
-// Total least squares over the pixels, cut off beside the first and last one.
+// Total least squares over the pixels, cut off at the first and last one.
 ImageSegment FitLine(std::span<const cv::Point> chain) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const cv::Point& point : chain) mean += ToVector(point);

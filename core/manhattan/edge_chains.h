@@ -12,12 +12,13 @@ namespace waystone {
 using EdgeChain = std::vector<cv::Point>;
 
 // Links the edge pixels (CV_8UC1, not 0) of an image into chains: the link function of sec. II-A. A
-// chain ends where no unused pixel is beside it; at a fork it goes as straight on as it can. Each
+// chain ends where it has no unused neighbour; at a fork it continues as straight as it can. Each
 // pixel is in one chain. Deterministic; thread-safe.
 std::vector<EdgeChain> LinkEdges(const cv::Mat& edges);
 
-// The straight pieces of chains (the longest first cut at the pixel farthest from the chord, and so
-// on), fitted by least squares; those shorter than `min_length_px` are left out.
+// The straight pieces of chains, which are cut recursively at the pixel farthest from the chord,
+// fitted by least squares; those shorter than `min_length_px` are left out. Deterministic;
+// thread-safe.
 std::vector<ImageSegment> StraightPieces(const std::vector<EdgeChain>& chains, double max_bend_px,
                                          double min_length_px);
 

@@ -11,7 +11,7 @@
 namespace waystone {
 namespace {
 
-// Angle that a step of one pixel across the segment makes at its middle.
+// Angle of a step of one pixel across the segment at its middle.
 double PixelAngle(const Camera& camera, const ImageSegment& segment) {
   const Eigen::Vector2d middle = 0.5 * (segment.a + segment.b);
   const Eigen::Vector2d along = (segment.b - segment.a).normalized();

@@ -40,8 +40,9 @@ struct GreatCircleOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// The arcs of one camera's segments. The camera's place in the rig is ignored: directions of lines
-// don't depend on it. Segments whose ends have one ray, and those that sag, are left out.
+// The arcs of one camera's segments. The camera's position in the rig is ignored: directions of
+// lines don't depend on it. Segments whose ends have the same ray, and those that sag more than
+// max_sag_px, are left out. Deterministic; thread-safe.
 std::vector<GreatCircle> FindGreatCircles(const Rig& rig, int camera,
                                           std::span<const ImageSegment> segments,
                                           const GreatCircleOptions& options = {});

@@ -12,9 +12,9 @@
 namespace waystone {
 namespace {
 
-// Length of a step at which refinement has arrived, rad.
+// Length of a step at which refinement has converged, rad.
 constexpr double kArrived = 1e-7;
-// A rotation that the lines leave free altogether has this variance, rad^2 (a quarter turn's).
+// The variance of a rotation that the lines don't constrain at all, rad^2 (a quarter turn's).
 constexpr double kFreeVariance = 1.0;
 
 Line LineOf(const GreatCircle& circle, int index) {
@@ -38,7 +38,7 @@ struct NormalEquations {
 };
 
 // With v = exp(w) R e_a the error is l^T v = l^T R e_a + w^T (R e_a x l) to first order. Cauchy's
-// kernel, times what the line has to say.
+// kernel, times the line's `say`.
 std::array<NormalEquations, 3> LineariseAxes(std::span<const Line> lines,
                                              const Eigen::Matrix3d& rotation,
                                              const ManhattanOptions& options) {
@@ -56,9 +56,9 @@ std::array<NormalEquations, 3> LineariseAxes(std::span<const Line> lines,
   return axes;
 }
 
-// All lines of an axis share what the calibration and the building leave: an error of the axis as a
-// whole with variance s^2. Marginalised, the information h of an axis becomes
-// (h^-1 + s^2 I)^-1 = (I + s^2 h)^-1 h: a thousand lines don't outweigh the other axes.
+// All lines of an axis share the error of the calibration and the building: an error of the axis as
+// a whole with variance s^2. Marginalised, the information h of an axis becomes (h^-1 + s^2 I)^-1 =
+// (I + s^2 h)^-1 h: a thousand lines don't outweigh the other axes.
 NormalEquations Linearise(std::span<const Line> lines, const Eigen::Matrix3d& rotation,
                           const ManhattanOptions& options) {
   const double shared_variance = options.axis_sigma_rad * options.axis_sigma_rad;
@@ -98,7 +98,7 @@ LineError ComputeLineError(const Line& line, const Eigen::Vector3d& direction,
   const double sigma = std::sqrt(options.line_sigma_rad * options.line_sigma_rad +
                                  line.turn_variance * to_along * to_along +
                                  line.shift_variance * to_middle * to_middle);
-  // Seen at angle t from the direction, an arc turned by any angle has l^T v up to sin t.
+  // At angle t from the direction, an arc turned by any angle has l^T v of at most sin t.
   const double sine = std::sqrt(std::max(0.0, 1 - to_middle * to_middle));
   const double say = 1 - std::min(1.0, options.max_sigmas * sigma / std::max(sine, 1e-9));
   return {.sigmas = line.normal.dot(direction) / sigma, .sigma = sigma, .say = say};

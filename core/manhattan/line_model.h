@@ -8,10 +8,11 @@
 
 #include "core/manhattan/manhattan_frame.h"
 
-// The error of a line against a direction and what follows from it: inside core/manhattan only.
+// The error of a line against a direction and what follows from it: internal to core/manhattan. All
+// functions are pure; thread-safe.
 namespace waystone {
 
-// What voting and refinement need of a line.
+// What voting and refinement need to know about a line.
 struct Line {
   Eigen::Vector3d normal;
   Eigen::Vector3d middle;
@@ -25,8 +26,8 @@ struct Line {
 // The longest `max_lines` lines; equal ones in the caller's order.
 std::vector<Line> SelectLines(std::span<const GreatCircle> circles, int max_lines);
 
-// Error l^T v of a line against a direction, over its standard deviation; and how much the line
-// has to say about that direction: 1, down to 0 where an arc in any direction would pass.
+// Error l^T v of a line against a direction, over its standard deviation; and how informative the
+// line is about that direction: from 1 down to 0, where an arc in any direction would pass.
 struct LineError {
   double sigmas = 0;
   double sigma = 1;

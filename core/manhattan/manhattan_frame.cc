@@ -14,9 +14,9 @@
 namespace waystone {
 namespace {
 
-// Sine of the angle between two normals below which their lines are one and have no crossing.
+// Sine of the angle between two normals below which their lines coincide and have no crossing.
 constexpr double kSameLine = 0.02;
-// Least lines a frame is looked for with: two directions take three.
+// The fewest lines for finding a frame: two directions take three.
 constexpr int kLeastLines = 3;
 
 struct ScoredFrame {
@@ -66,9 +66,9 @@ std::vector<Eigen::Vector3d> PutativePoints(std::span<const Line> lines,
   return points;
 }
 
-// The rotation about a first direction that most lines vote for. A line l meets the circle across
-// the direction at v x l, which may be the second axis or the third: angles count modulo a quarter
-// turn.
+// The rotation about a first direction that most lines vote for. A line l meets the circle
+// perpendicular to the direction at v x l, which may be the second or the third axis: angles count
+// modulo a quarter turn.
 Eigen::Matrix3d CompleteFrame(std::span<const Line> lines, const Eigen::Vector3d& first,
                               const ManhattanOptions& options) {
   const double quarter = 0.5 * std::numbers::pi;
@@ -80,7 +80,7 @@ Eigen::Matrix3d CompleteFrame(std::span<const Line> lines, const Eigen::Vector3d
   for (const Line& line : lines) {
     const double on_x = line.normal.dot(x);
     const double on_y = line.normal.dot(y);
-    // The crossing is the less certain the nearer the normal is to the first direction.
+    // The nearer the normal is to the first direction, the less certain is the crossing.
     const double say = line.weight * (on_x * on_x + on_y * on_y);
     double angle = std::atan2(on_y, on_x);  // v x l is a quarter turn on: the same modulo that
     angle -= quarter * std::floor(angle / quarter);
@@ -111,7 +111,7 @@ void SortBySupport(std::vector<ScoredFrame>& frames) {
   std::ranges::stable_sort(frames, std::greater<>(), &ScoredFrame::support);
 }
 
-// Frames by their support, the best first, each turned from better ones by more than `apart_rad`.
+// Frames by their support, the best first, each more than `apart_rad` from all better ones.
 std::vector<ScoredFrame> Distinct(std::vector<ScoredFrame> frames, double apart_rad, int most) {
   SortBySupport(frames);
   std::vector<ScoredFrame> kept;

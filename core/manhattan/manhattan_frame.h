@@ -101,7 +101,7 @@ struct ManhattanFrame {
   std::array<int, 3> lines{};       // that support each axis
   std::array<double, 3> support{};  // their share of the length of all lines
   double rival = 0;                 // support of the best other frame over this one's
-  std::vector<int> axis_of_line;    // a line: 0, 1, 2, or -1 for none
+  std::vector<int> axis_of_line;    // per line: 0, 1, 2, or -1 for none
   FrameError error = FrameError::kFewLines;
 
   bool reliable() const { return error == FrameError::kNone; }
@@ -117,9 +117,9 @@ struct ManhattanFrame {
 ManhattanFrame FindManhattanFrame(std::span<const GreatCircle> lines,
                                   const ManhattanOptions& options = {});
 
-// The frame that a prediction becomes when it is refined on the lines; other frames that explain
-// them as well don't count as rivals, the prediction has chosen already. The caller sees to how far
-// the result may lie from the prediction. Deterministic; thread-safe.
+// The prediction refined on the lines; other frames that explain them as well don't count as
+// rivals, since the prediction has already chosen. The caller checks how far the result lies from
+// the prediction. Deterministic; thread-safe.
 ManhattanFrame FindManhattanFrameNear(std::span<const GreatCircle> lines,
                                       const Eigen::Matrix3d& rig_from_axes,
                                       const ManhattanOptions& options = {});

@@ -37,8 +37,8 @@ std::vector<ImageSegment> FromVectors(const std::vector<cv::Vec4f>& lines) {
 
 std::vector<ImageSegment> ByEdgeDrawing(const cv::Mat& grey, double min_length_px,
                                         const SegmentOptions& options) {
-  // One a call, though each leaves 36 bytes behind (OpenCV 4.6): one that is used again remembers
-  // what it saw, and gave other lines for a third of the images.
+  // A new one per call, although each leaks 36 bytes (OpenCV 4.6): a reused one keeps state, and
+  // gave other lines for a third of the images.
   const auto detector = cv::ximgproc::createEdgeDrawing();
   // OpenCV sums the differences of three rows for a gradient (Prewitt).
   constexpr int kPrewittSum = 3;

@@ -15,7 +15,7 @@
 namespace waystone {
 namespace {
 
-constexpr double kMinSigma = 0.5;  // grey levels: below that is nothing but rounding
+constexpr double kMinSigma = 0.5;  // grey levels: below that there is only rounding
 
 // Adds weight times a row of the panorama.
 void AddRow(const cv::Mat& grey, int row, float weight, float* sum) {
@@ -23,7 +23,7 @@ void AddRow(const cv::Mat& grey, int row, float weight, float* sum) {
   for (int x = 0; x < grey.cols; ++x) sum[x] += weight * static_cast<float>(in[x]);
 }
 
-// The mean of the rows from `top` to `bottom`, whose first and last count by their covered part.
+// The mean of the rows from `top` to `bottom`, the first and last weighted by their covered part.
 void MeanOfRows(const cv::Mat& grey, double top, double bottom, float* mean) {
   std::fill(mean, mean + grey.cols, 0.0F);
   const int last = std::min(grey.rows, static_cast<int>(std::ceil(bottom)));

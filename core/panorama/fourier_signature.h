@@ -32,8 +32,8 @@ struct SignatureOptions {
   int rows = 64;
   int k1 = 64;
   int k2 = 64;
-  // Elevations that are used, from pi / 2 to -pi / 2; what the panorama doesn't show of them is
-  // left out. A narrow band sees what is far away, and less of the camera's carrier and the floor.
+  // Elevations that are used, from pi / 2 to -pi / 2, as far as the panorama shows them. A narrow
+  // band sees what is far away, and less of the camera's carrier and the floor.
   ElevationBand band = {0.6, -0.6};
   bool normalise = true;
 
@@ -65,10 +65,10 @@ struct SignatureOptions {
 ElevationBand UsedBand(const Panorama& panorama, const SignatureOptions& options);
 
 // The band of the panorama that the signature sees: options.rows x the panorama's columns,
-// CV_32FC1, each row the mean over its elevations, normalised if so asked. Turning the panorama by
-// columns turns it by the same columns exactly. Throws MapError(kBadImage) as UsedBand does, when
-// the panorama has too few columns for the frequencies (2 max(k1, k2)),
-// or its band has no texture.
+// CV_32FC1, each row the mean over its elevations, normalised if options.normalise. Turning the
+// panorama by whole columns turns the band by exactly as many. Throws MapError(kBadImage) as
+// UsedBand does, when the panorama has too few columns for the frequencies (2 max(k1, k2)), and
+// when its band has no texture.
 cv::Mat ExtractBand(const Panorama& panorama, const SignatureOptions& options);
 
 // The signature of a band, CV_32FC1 of any number of rows, at least 2 max(k1, k2) columns.

@@ -7,8 +7,8 @@
 namespace waystone {
 namespace {
 
-// Written once and inlined into a function per instruction set: the compiler makes of the lanes
-// what registers there are.
+// Written once and inlined into a function per instruction set: the compiler maps the lanes to the
+// available registers.
 #define WS_INLINE inline __attribute__((always_inline))
 
 using Lanes = float __attribute__((vector_size(4 * kMotionLanes)));
@@ -115,7 +115,7 @@ WS_INLINE void SumBlock(const MotionBlock& block, const MotionPixels& pixels, fl
   for (int m = 0; m < kMoments; ++m) Store(sums[m], moments + m * kMotionLanes);
 }
 
-// Adds to the entry that is next, and goes on to the one after it.
+// Adds to the current entry, and advances to the next.
 WS_INLINE void AddTo(const Lanes& value, float*& entry) {
   Lanes sum;
   Load(entry, sum);

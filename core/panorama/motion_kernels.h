@@ -3,11 +3,12 @@
 
 #include <vector>
 
-// The inner loops of RefineSmallMotion, by the best instructions of the processor.
+// The inner loops of RefineSmallMotion, with the processor's best instructions. All kernels are
+// thread-safe.
 namespace waystone {
 
-// Columns that go through the loops side by side. Arrays of pixels come in blocks of so many
-// columns, row after row in each.
+// How many columns are processed together. Arrays of pixels come in blocks of this many columns,
+// row after row in each.
 inline constexpr int kMotionLanes = 8;
 
 // What a column's pixels add to the normal equations: products of a pixel's slopes along azimuth
@@ -26,8 +27,8 @@ struct TurnedBlock {
   float columns_per_rad = 1;
 };
 
-// A block of a against the columns of b that the motion brings there, which it moves up by
-// lift * lifts + tilts rows.
+// A block of a and the columns of b that the motion brings there, which it moves up by lift * lifts
+// + tilts rows.
 struct MotionBlock {
   int rows = 0;
   const float* lift = nullptr;    // of each row
@@ -36,12 +37,12 @@ struct MotionBlock {
   const float* slope = nullptr;   // pixels: of b along the azimuth
   const float* lifts = nullptr;   // of each column
   const float* tilts = nullptr;   // of each column
-  const float* inside = nullptr;  // of each column: 1, or 0 for one that fills up the last block
+  const float* inside = nullptr;  // of each column: 1, or 0 for one that pads the last block
   float gain = 1;                 // b over a
   float rows_per_rad = 1;
 };
 
-// What comes of it, pixels: `weight` is 1, or 0 where b doesn't show the point.
+// The result, pixels: `weight` is 1, or 0 where b doesn't show the point.
 struct MotionPixels {
   float* residual = nullptr;
   float* u = nullptr;
@@ -49,8 +50,8 @@ struct MotionPixels {
   float* weight = nullptr;
 };
 
-// Of a block's columns at azimuth t, where landmarks are so near: what their slopes by the
-// parameters are made of.
+// For a block's columns at azimuth t, where landmarks have this nearness: what their derivatives by
+// the parameters are composed of.
 struct MotionColumns {
   const float* cosine = nullptr;  // of t
   const float* sine = nullptr;
@@ -61,14 +62,14 @@ struct MotionColumns {
   const float* along = nullptr;  // m cos t + n sin t
 };
 
-// Entries of the normal equations: the lower triangle of the information, row after row, then the
-// gradient. The parameters are those of RefineSmallMotion: turn, motion (2), tilt (2), gain, waves
-// of the nearness (4).
+// Entries of the normal equations: the lower triangle of the information matrix, row after row,
+// then the gradient. The parameters are those of RefineSmallMotion: turn, motion (2), tilt (2),
+// gain, waves of the nearness (4).
 inline constexpr int kMotionParameters = 10;
 inline constexpr int kMotionTriangle = kMotionParameters * (kMotionParameters + 1) / 2;
 inline constexpr int kMotionEntries = kMotionTriangle + kMotionParameters;
 
-// The same numbers by any instructions: nothing is summed across columns.
+// The results are the same with any instruction set: nothing is summed across columns.
 struct MotionKernels {
   // Grey values and their slopes along the azimuth, pixels.
   void (*turn)(const TurnedBlock&, float* grey, float* slope);
@@ -82,7 +83,7 @@ struct MotionKernels {
 
 MotionKernels FastestMotionKernels();
 
-// All that this processor can run, the portable ones first: for tests.
+// All kernels that this processor can run, the portable ones first: for tests.
 std::vector<MotionKernels> RunnableMotionKernels();
 
 }  // namespace waystone

@@ -11,9 +11,9 @@
 namespace waystone {
 namespace {
 
-// Where a frequency goes in a row of OpenCV's packed spectrum (Re 0, Re 1, Im 1, Re 2, ...) of so
-// many columns, and what it counts there: sampled, l looks like l - columns and, its conjugate,
-// like columns - l.
+// Where a frequency goes in a row of OpenCV's packed spectrum (Re 0, Re 1, Im 1, Re 2, ...) of
+// `columns` columns, and its factor there: when sampled, l aliases to l - columns and, conjugated,
+// to columns - l.
 struct Slot {
   int re = 0;
   int im = -1;  // none at frequencies 0 and columns / 2
@@ -24,7 +24,7 @@ struct Slot {
 Slot SlotOf(int frequency, int columns) {
   const int around = frequency % columns;
   const int folded = std::min(around, columns - around);
-  // An inverse transform takes each frequency twice, but for these two.
+  // An inverse transform counts each frequency twice, except these two.
   if (folded == 0) return {0, -1, frequency == 0 ? 1.0F : 2.0F, 0};
   if (2 * folded == columns) return {columns - 1, -1, 2, 0};
   return {2 * folded - 1, 2 * folded, 1, around == folded ? 1.0F : -1.0F};

@@ -8,7 +8,8 @@
 namespace waystone {
 
 // An image rebuilt from a signature: rows as in the signature, columns spread evenly over the
-// azimuth, column j at 2 pi j / columns clockwise from the front.
+// azimuth, column j at 2 pi j / columns clockwise from the front. All functions here are pure;
+// thread-safe.
 using RowImage = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // The frequencies for which a signature has both magnitude and phase.
@@ -26,8 +27,8 @@ struct RowSpectra {
 RowSpectra ComputeSpectra(const FourierSignature& signature, int frequencies);
 
 // The image of the frequencies below `frequencies` (at most those of the spectra), turned so that
-// azimuth `turn_rad` comes to the front: samples at so many columns, frequencies beyond half of
-// them folded over. Row means are in it.
+// azimuth `turn_rad` comes to the front: sampled at `columns` columns, with frequencies beyond half
+// of them folded over. Includes the row means.
 RowImage RebuildTurned(const RowSpectra& spectra, int frequencies, int columns,
                        double turn_rad = 0);
 

@@ -29,15 +29,15 @@ constexpr int kNearness = 6;
 constexpr int kWaves = 4;
 constexpr int kParameters = kNearness + kWaves;
 static_assert(kParameters == kMotionParameters);
-constexpr size_t kStepSamples = 250;    // residuals whose median is taken, about, on the way
-constexpr size_t kFinalSamples = 2000;  // and in the end, when it scales the sigmas
+constexpr size_t kStepSamples = 250;    // about how many residuals a step's median is taken of
+constexpr size_t kFinalSamples = 2000;  // and the final one, which scales the sigmas
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 using Information = Eigen::Matrix<double, kParameters, kParameters>;
 
 // Pixels, block by block as the kernels want them.
 using Pixels = std::vector<float>;
 
-// Where each column of a comes from in b; columns that fill up the last block come from anywhere.
+// Where each column of a comes from in b; for columns that pad the last block this is arbitrary.
 struct ColumnMap {
   std::vector<int> left;  // column, and the next one around the circle
   std::vector<int> right;
@@ -48,7 +48,7 @@ struct ColumnMap {
 
 int BlocksOf(int columns) { return (columns + kMotionLanes - 1) / kMotionLanes; }
 
-// The median of magnitudes, of some of many, which is as good.
+// The median of magnitudes, from a sample, which is accurate enough.
 double MedianMagnitude(const Pixels& residuals, const Pixels& weights, size_t samples) {
   const size_t step = std::max<size_t>(1, residuals.size() / samples) | 1;  // odd: all columns
   std::vector<float> values;
@@ -60,7 +60,7 @@ double MedianMagnitude(const Pixels& residuals, const Pixels& weights, size_t sa
   return Median(std::move(values));
 }
 
-// One stage: two images of so many frequencies; b is turned already by what is known of the turn.
+// One stage: two images with the stage's frequencies; b is already turned by the current estimate.
 class Stage {
  public:
   Stage(const RowImage& a, const RowImage& b, const ElevationBand& band,
@@ -125,7 +125,7 @@ class Stage {
                          (options_.nearness_sigma * options_.nearness_sigma);
     information_.diagonal().tail<kWaves>().array() += prior;
     gradient_.tail<kWaves>() += prior * p.tail<kWaves>();
-    // A band without texture in some direction leaves that direction where it is.
+    // Keeps directions in which the band has no texture unchanged.
     information_.diagonal().array() += 1e-6 * information_.trace();
     return -SolveSymmetric(information_, gradient_);
   }
@@ -191,7 +191,7 @@ class Stage {
     return map;
   }
 
-  // How far a pixel goes aside depends on its column alone.
+  // A pixel's sideways shift depends only on its column.
   void Turn(const ColumnMap& map) {
     for (int block = 0; block < blocks_; ++block) {
       const int column = block * kMotionLanes;

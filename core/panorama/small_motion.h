@@ -56,21 +56,21 @@ struct SmallMotion {
   double correlation = 0;  // of b brought back to a, with a: 1 is a perfect fit
 };
 
-// Another start, without motion, for stages from so many frequencies on.
+// A second initial value, without motion, for stages from `frequencies` on.
 struct StillStart {
   double turn_rad = 0;
   int frequencies = 32;
 };
 
-// Refines a turn by Gauss-Newton on what two signatures hold, coarse-to-fine over the frequencies,
-// together with a small motion, the tilt of the camera and the gain. The landmarks' nearness around
-// the circle is d(t) = 1 + c_1 cos t + c_2 sin t + c_3 cos 2t + c_4 sin 2t. With azimuth t and
-// elevation e, turn h, motion (m, n), tilt (p, q), a point of a comes in b to
+// Refines a turn by Gauss-Newton on the images of two signatures, coarse-to-fine over the
+// frequencies, together with a small motion, the tilt of the camera and the gain. The landmarks'
+// nearness around the circle is d(t) = 1 + c_1 cos t + c_2 sin t + c_3 cos 2t + c_4 sin 2t. With
+// azimuth t and elevation e, turn h, motion (m, n), tilt (p, q), a point of a comes in b to
 //   t + h + d(t) (m sin t - n cos t),
 //   e + sin e cos e d(t) (m cos t + n sin t) + p cos t + q sin t.
-// Meant for motions of less than about a tenth of the distance to the walls; beyond, the
-// correlation tells. Where `still` is given, its first stage is refined from there as well, and
-// whichever correlates more goes on. Both signatures must have the same rows (CheckFailure).
+// Meant for motions of less than about a tenth of the distance to the walls; beyond that, the
+// correlation drops. Where `still` is given, its first stage is refined from there as well, and the
+// better correlated result is continued. Both signatures must have the same rows (CheckFailure).
 // Thread-safe.
 SmallMotion RefineSmallMotion(const FourierSignature& a, const FourierSignature& b,
                               const ElevationBand& band, double turn_rad,

@@ -18,7 +18,7 @@
 namespace waystone {
 namespace {
 
-constexpr int kNewtonSteps = 5;                             // from within a step of a smooth peak
+constexpr int kNewtonSteps = 5;                             // starting near a smooth peak
 constexpr double kUnknown_rad = kPi / std::numbers::sqrt3;  // sigma of a uniform direction
 
 // The sum over the rows of the weighted phase differences of each frequency, over all weights.
@@ -32,10 +32,10 @@ std::vector<std::complex<double>> CrossSpectrum(const FourierSignature& a,
   };
   const Values products = of(a.magnitudes) * of(b.magnitudes);
   const Values turns = of(a.phases) - of(b.phases);
-  // A power by its logarithm, of which there are instructions for several at a time.
+  // A power by its logarithm, which can be vectorised.
   const auto power = static_cast<float>(options.power);
   const Values weights = (power * products.max(std::numeric_limits<float>::min()).log()).exp();
-  // Evaluated before they are summed, again for several at a time.
+  // Evaluated before they are summed, again to be vectorised.
   const Values x = weights * turns.cos();
   const Values y = weights * turns.sin();
   const Eigen::ArrayXd re = x.colwise().sum().transpose().cast<double>();
@@ -68,11 +68,11 @@ Score ScoreAt(const std::vector<std::complex<double>>& spectrum, double turn_rad
   return score;
 }
 
-// Minus the scores of so many turns around the circle: a Fourier transform of the spectrum.
+// The negative scores of `steps` turns around the circle: a Fourier transform of the spectrum.
 std::vector<double> Losses(const std::vector<std::complex<double>>& spectrum, int steps) {
   cv::Mat terms(1, steps, CV_64FC2, cv::Scalar::all(0));
   for (size_t l = 1; l < spectrum.size(); ++l) {
-    // Above steps - 1 a frequency looks like a lower one.
+    // Frequencies above steps - 1 alias to lower ones.
     terms.at<cv::Vec2d>(0, static_cast<int>(l) % steps) +=
         cv::Vec2d(spectrum[l].real(), spectrum[l].imag());
   }
@@ -94,7 +94,7 @@ CompassPeak Refined(const std::vector<std::complex<double>>& spectrum, double tu
   return {WrappedAngle(turn_rad + offset), ScoreAt(spectrum, turn_rad + offset).value};
 }
 
-// The index of the least value that lies off `from` by `separation_rad` at least, on a circle.
+// The index of the least value at least `separation_rad` away from `from`, on a circle.
 int LeastBeyond(const std::vector<double>& values, int from, double separation_rad) {
   const int size = static_cast<int>(values.size());
   const double step_rad = 2 * kPi / size;
@@ -150,8 +150,8 @@ double EstimateSigma(const SmallMotion& small, const CompassOptions& options) {
   return std::hypot(small.turn_sigma_rad, options.uneven_depth * small.motion.norm());
 }
 
-// From the warping search's heading, which is coarse, or that of the phases, which is far off after
-// a motion: whichever fits better once what is coarse has been refined.
+// Starts from the warping search's heading, which is coarse, or that of the phases, which is far
+// off after a motion: whichever fits better after refining the coarse one.
 SmallMotion BestSmallMotion(const FourierSignature& a, const FourierSignature& b,
                             const Warping& warping, const PhaseCompass& phases,
                             const CompassOptions& options) {

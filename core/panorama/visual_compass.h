@@ -46,8 +46,8 @@ struct CompassPeak {
 
 struct PhaseCompass {
   CompassPeak best;
-  CompassPeak runner_up;  // the best that lies off by separation_rad at least
-  double sharpness = 0;   // how much the best scores above the runner-up
+  CompassPeak runner_up;  // the best at least separation_rad away
+  double sharpness = 0;   // score of the best less that of the runner-up
 };
 
 // The paper's compass (sec. III-B): the convolution of the phases over all turns, by eq. (1), with
@@ -113,23 +113,23 @@ struct CompassOptions {
 struct MotionDirection {
   double direction_rad = 0;
   double sigma_rad = 0;
-  // The step over the mean distance of the landmarks; known for small motions alone.
+  // The step over the mean distance of the landmarks; known only for small motions.
   std::optional<double> step_per_distance;
 };
 
 struct CompassHeading {
   double heading_rad = 0;
-  double sigma_rad = 0;       // with the chance of being altogether wrong in it
+  double sigma_rad = 0;       // includes the chance of being altogether wrong
   double sharpness = 0;       // how much more a column costs under the runner-up, of the cost of
                               // uncorrelated columns
-  double runner_up_rad = 0;   // the best heading that lies off by separation_rad at least
-  bool small_motion = false;  // refined by the small motion; else by the warping search alone
+  double runner_up_rad = 0;   // the best heading at least separation_rad away
+  bool small_motion = false;  // refined by the small motion; else from the warping search only
   std::optional<MotionDirection> motion;  // when it is determined to max_motion_sigma_rad
 };
 
-// The heading of b against a when b may have moved, by up to about half the distance to the walls:
-// warping search; refined by the small motion where that fits; and where that motion is none, the
-// paper's compass.
+// The heading of b relative to a when b may have moved, by up to about half the distance to the
+// walls: warping search; refined by the small motion where that fits; and where there was no
+// motion, the paper's compass.
 CompassHeading RelativeHeading(const FourierSignature& a, const FourierSignature& b,
                                const CompassOptions& options = {});
 

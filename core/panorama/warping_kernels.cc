@@ -7,8 +7,8 @@
 namespace waystone {
 namespace {
 
-// Written once and inlined into a function per instruction set: the compiler makes of the lanes
-// what registers there are.
+// Written once and inlined into a function per instruction set: the compiler maps the lanes to the
+// available registers.
 #define WS_INLINE inline __attribute__((always_inline))
 
 using Floats = float __attribute__((vector_size(4 * kWarpingFloats)));

@@ -4,17 +4,19 @@
 #include <cstdint>
 #include <vector>
 
-// The inner loops of SearchWarping, by the best instructions of the processor.
+// The inner loops of SearchWarping, with the processor's best instructions. All kernels are
+// thread-safe.
 namespace waystone {
 
-// Floats and bytes that go through the loops side by side: rows of arrays are filled up to them.
+// How many floats and bytes are processed together: rows of arrays are padded to multiples of
+// these.
 inline constexpr int kWarpingFloats = 8;
 inline constexpr int kWarpingBytes = 32;
 
 // The smallest multiple of `lanes` that is at least `count`.
 constexpr int FilledUp(int count, int lanes) { return (count + lanes - 1) / lanes * lanes; }
 
-// Columns of two images, each of length 1, against one another.
+// Products of the columns of two images, each of length 1.
 struct ColumnProducts {
   int rows = 0;
   int columns = 0;           // of a; of b as many, filled up to kWarpingFloats
@@ -42,7 +44,7 @@ struct ColumnMatches {
   int turns = 0;            // a multiple of kWarpingBytes
 };
 
-// The same numbers by any instructions.
+// The results are the same with any instruction set.
 struct WarpingKernels {
   void (*multiply)(const ColumnProducts&);
   // Adds the least of the steps of each column to the sums, columns (motions) x turns.
@@ -51,7 +53,7 @@ struct WarpingKernels {
 
 WarpingKernels FastestWarpingKernels();
 
-// All that this processor can run, the portable ones first: for tests.
+// All kernels that this processor can run, the portable ones first: for tests.
 std::vector<WarpingKernels> RunnableWarpingKernels();
 
 }  // namespace waystone

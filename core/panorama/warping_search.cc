@@ -39,7 +39,8 @@ RowImage AzimuthGradient(const RowImage& image) {
   return gradient;
 }
 
-// g / (|g| + c) with c so many of g's mean square: strong edges count hardly more than clear ones.
+// g / (|g| + c), with c = softness times g's root mean square: strong edges count hardly more than
+// clear ones.
 RowImage SoftenEdges(const RowImage& gradient, double softness) {
   if (softness == 0) return gradient;
   constexpr float kNothing = 1e-9F;
@@ -48,8 +49,8 @@ RowImage SoftenEdges(const RowImage& gradient, double softness) {
   return gradient.array() / (gradient.array().abs() + half);
 }
 
-// The image as it looks when everything is `scale` times nearer: what was at elevation e comes to
-// tan(e') = scale tan(e). Rows of what isn't shown are 0.
+// The image as it looks when everything is `scale` times nearer: elevation e becomes e' with
+// tan(e') = scale tan(e). Rows outside the image are 0.
 RowImage ScaleRows(const RowImage& image, const ElevationBand& band, double scale) {
   const auto rows = image.rows();
   const double step = (band.top_rad - band.bottom_rad) / static_cast<double>(rows);
@@ -66,12 +67,13 @@ RowImage ScaleRows(const RowImage& image, const ElevationBand& band, double scal
   return scaled;
 }
 
-// Columns to length 1, those with less than the mean to less; where there is nothing they stay.
+// Normalises columns to length 1, weak ones to less; empty columns stay.
 void NormaliseColumns(RowImage& image, double plain_share) {
   Eigen::RowVectorXf squares = Eigen::RowVectorXf::Zero(image.cols());
   for (Eigen::Index row = 0; row < image.rows(); ++row) squares += image.row(row).cwiseAbs2();
   const auto plain = static_cast<float>(plain_share) * squares.mean();
-  // Eigen's own roots of floats begin with what the processor guesses, and processors differ.
+  // Eigen's own square roots of floats start from the processor's estimate, which differs between
+  // processors.
   const Eigen::RowVectorXf factors = squares.unaryExpr([plain](float square) {
     constexpr float kNothing = std::numeric_limits<float>::epsilon();
     const float whole = square + plain;
@@ -94,7 +96,7 @@ Edges FindEdges(const RowImage& image, const WarpingOptions& options) {
 }
 
 // What columns are compared by at a scale: level edges above upright ones, of length 1 together,
-// filled up with empty columns to `filled`.
+// padded with empty columns to `filled`.
 RowImage DescribeColumns(const Edges& edges, const ElevationBand& band, double scale, int filled,
                          const WarpingOptions& options) {
   const auto rows = edges.level.rows();
@@ -110,8 +112,8 @@ RowImage DescribeColumns(const Edges& edges, const ElevationBand& band, double s
 }
 
 // One search: the costs of all pairs of columns at all scales, then all hypotheses, both ways.
-// Costs are bytes, of which many fit a register: each is rounded, and of a mean over the columns
-// nothing is left of that.
+// Costs are bytes, of which many fit a register: each is rounded, which averages out over the
+// columns.
 class Search {
  public:
   Search(const Edges& a, const Edges& b, const ElevationBand& band, const WarpingOptions& options)
@@ -164,15 +166,15 @@ class Search {
     return std::pow(options_.max_scale, 2.0 * s / (options_.scales - 1) - 1);
   }
 
-  // The step of a ratio of distances, or -1 when it is out of reach by more than half a step.
+  // The scale step of a ratio of distances, or -1 when it is out of range by more than half a step.
   int ScaleStepOf(double ratio) const {
     const double exponent = std::log(ratio) / std::log(options_.max_scale);  // -1 to 1
     const auto s = std::lround((exponent + 1) / 2 * (options_.scales - 1));
     return s < 0 || s >= options_.scales ? -1 : static_cast<int>(s);
   }
 
-  // Half a circle before the columns and more than one and a half after them, so that neither
-  // shift (a quarter at most) nor turn wraps, and what the last register reads beyond.
+  // Half a circle before the columns and more than one and a half after them, so that neither shift
+  // (at most a quarter) nor turn wraps, plus what the last register reads beyond.
   int Lead() const { return columns_ / 2; }
   int64_t RowBytes() const { return 3 * columns_ + kWarpingBytes; }
 
@@ -256,8 +258,8 @@ class Search {
   std::vector<CostTable> back_;   // the other way round
 };
 
-// Where between its neighbours the least of a circle of values lies, in -0.5 to 0.5: the vertex of
-// the parabola through the three.
+// The offset of the minimum of a circle of values from its least sample, in -0.5 to 0.5: the vertex
+// of the parabola through it and its neighbours.
 double VertexOffset(const std::vector<double>& values, int least) {
   const int n = static_cast<int>(values.size());
   const double before = values[(least + n - 1) % n] - values[least];

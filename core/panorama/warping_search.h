@@ -64,12 +64,12 @@ struct Warping {
   std::vector<double> motion_costs;
 };
 
-// Min-warping (Moeller, Krzykawski and Gerstmayr 2010) on what two signatures hold: for each turn
-// and direction of motion, each column of a is matched to the best of the columns of b that the
-// hypothesis allows it to move to, with the vertical scale that belongs to the shift: a landmark at
-// angle x from the direction of motion comes to x' between x and pi, and its distance shrinks by
-// sin(x') / sin(x). Each column of b is matched to a in the same way, and the cost of the
-// hypothesis is the mean of both: what only one of the two sees then finds no cheap way out.
+// Min-warping (Moeller, Krzykawski and Gerstmayr 2010) on the images of two signatures: for each
+// turn and direction of motion, each column of a is matched to the best of the columns of b that
+// the hypothesis allows it to move to, with the vertical scale that belongs to the shift: a
+// landmark at angle x from the direction of motion comes to x' between x and pi, and its distance
+// shrinks by sin(x') / sin(x). Each column of b is matched to a in the same way, and the cost of
+// the hypothesis is the mean of both: so what only one of the two sees can't be matched cheaply.
 // Columns are compared by the correlation of their gradients, up and around, softened so that
 // bright windows don't outweigh the rest: brightness and contrast hardly matter. `band` is what the
 // rows span. Both signatures must have the same rows (CheckFailure). Thread-safe.

@@ -17,9 +17,9 @@
 namespace waystone {
 namespace {
 
-// From one width of the robust loss to the next.
+// Factor from one width of the robust loss to the next.
 constexpr double kNarrowing = 2;
-constexpr double kWidest = 1e6;  // sigmas: poses that differ by more are no drift
+constexpr double kWidest = 1e6;  // sigmas: larger differences aren't drift
 
 using Block = std::array<double, 3>;  // x, y, theta
 
@@ -31,7 +31,7 @@ T Wrapped(const T& angle) {
   return angle - kTurn * floor((angle + std::numbers::pi) / kTurn);
 }
 
-// What is left between an edge and two poses, in the edge's sigmas.
+// The residual of an edge between two poses, in the edge's sigmas.
 struct EdgeResidual {
   const PoseEdge& edge;
 
@@ -62,7 +62,7 @@ struct ScalePrior {
   }
 };
 
-// The lowest pose of the connected part that each pose belongs to.
+// For each pose, the lowest pose of its connected part.
 std::vector<int> PartOfPoses(int poses, const std::vector<PoseEdge>& edges) {
   std::vector<int> parent(poses);
   std::iota(parent.begin(), parent.end(), 0);
@@ -116,7 +116,7 @@ class Optimiser {
     Solve(options_.loop_loss);
   }
 
-  // With a loss of this width on loop edges, or without.
+  // Solves with a loss of this width on loop edges, or without one.
   void Solve(std::optional<double> loop_loss) {
     ceres::Problem problem;
     AddScales(problem);

@@ -15,7 +15,7 @@ struct PoseEdge {
   Pose2 a_from_b;             // as measured
   double position_sigma = 1;  // standard deviation of x and of y, in units of a_from_b, above 0
   double heading_sigma_rad = 0.1;  // above 0
-  bool loop = false;               // may be wrong altogether
+  bool loop = false;               // may be altogether wrong
   // Edges of one group measured lengths in one unknown unit: their x and y are multiplied by the
   // group's scale, which is estimated. Group 0 is in the graph's unit. Distances of signatures
   // (Fernandez et al. 2011, eq. 2) are such lengths: a group is a map, where maps are joined. A
@@ -57,9 +57,10 @@ struct PoseGraphResult {
 
 // The poses that fit the edges best in the least squares sense, from `start` (graph_from_pose).
 // First with a robust loss on loop edges that narrows down to loop_loss, then without those that it
-// rejects. The lowest pose of each connected part keeps its place. Runs on the calling thread
-// alone; the same input gives the same bytes. Throws MapError(kBadOptions) for options out of
-// range; edges that name no pose, one pose twice, or have sigmas of 0 are programmer's errors.
+// rejects. The pose with the lowest index in each connected part keeps its place. Runs on the
+// calling thread only; the same input gives the same bytes. Thread-safe. Throws
+// MapError(kBadOptions) for options out of range; edges that name a missing pose, one pose twice,
+// or have sigmas of 0 are programmer's errors.
 PoseGraphResult OptimisePoseGraph(const std::vector<Pose2>& start,
                                   const std::vector<PoseEdge>& edges,
                                   const PoseGraphOptions& options = {});

@@ -15,7 +15,7 @@ namespace waystone {
 // geometry (core/two_view/fundamental.h) is estimated by OpenCV's USAC_MAGSAC instead.
 //
 //   struct Sampler {
-//     // A minimal sample, or nothing where this draw gives none (which counts as a draw).
+//     // A minimal sample, or nothing where this draw gives none (it still counts as a draw).
 //     std::optional<Sample> Draw(Random& random);
 //   };
 //   struct Estimator {
@@ -26,18 +26,18 @@ namespace waystone {
 //     double Score(const Model& model) const;
 //     // The model refined on its own support: a Fit has a member `score`, and is 0 by default.
 //     Fit Refine(Model model) const;
-//     // The probability that a draw is made of inliers of this fit alone.
+//     // The probability that a draw consists only of inliers of this fit.
 //     double SampleProbability(const Fit& fit) const;
 //   };
 
 struct RansacLimits {
-  double confidence = 0.99;     // that one sample at least is made of inliers alone, 0 to 1
+  double confidence = 0.99;     // that at least one sample consists only of inliers, 0 to 1
   int max_samples = 1000;       // bounds the time
   int min_samples = 0;          // are drawn in any case
   double min_refine_share = 1;  // of the best score, above which a model is refined
 };
 
-// Number of samples so that with probability `confidence` one is made of inliers alone (planar
+// Number of samples so that with probability `confidence` one consists only of inliers (planar
 // region graph, eq. (1)): k = log(1 - p) / log(1 - q), where q is the probability that a sample is.
 inline double SamplesNeeded(double confidence, double sample_probability) {
   if (sample_probability <= 0) return std::numeric_limits<double>::infinity();
@@ -51,8 +51,8 @@ struct RansacResult {
   int samples = 0;  // that were drawn
 };
 
-// Draws samples until one of inliers alone was likely among them. Deterministic for the random
-// numbers; thread-safe where sampler and estimator are.
+// Draws samples until an all-inlier sample was likely among them. Deterministic for the random
+// numbers; thread-safe where sampler and estimator are, with a Random per call.
 template <class Sampler, class Estimator>
 auto RunLoRansac(Sampler& sampler, const Estimator& estimator, const RansacLimits& limits,
                  Random& random) {

@@ -7,8 +7,9 @@
 
 namespace waystone {
 
-// The middle one of the values in ascending order; of an even number the upper of the two middle
-// ones, so that it is always one of the values. 0 for no values. None may be NaN.
+// The middle one of the values in ascending order; for an even number of values the upper of the
+// two middle ones, so that it is always one of them. 0 for no values. None may be NaN. Pure;
+// thread-safe.
 template <class T>
 T Median(std::vector<T> values) {
   if (values.empty()) return T{};
@@ -18,7 +19,7 @@ T Median(std::vector<T> values) {
 }
 
 // Median of the length of an error whose two coordinates are normal with unit standard deviation,
-// sqrt(2 ln 2): the median over it is a sigma that outliers don't move much.
+// sqrt(2 ln 2): an observed median divided by this is a sigma that outliers hardly change.
 inline constexpr double kRayleighMedian = 1.1774;
 
 }  // namespace waystone

@@ -8,8 +8,8 @@
 
 namespace waystone {
 
-// The smallest of the values that a share of them (0 to 1) doesn't exceed: the nearest rank, always
-// one of the values. 0 for no values. None may be NaN.
+// The smallest value that at least `share` (0 to 1) of the values don't exceed: the nearest rank,
+// always one of the values. 0 for no values. None may be NaN. Pure; thread-safe.
 inline double Quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   const auto count = static_cast<std::ptrdiff_t>(values.size());

@@ -21,7 +21,7 @@ constexpr int kMaxLists = 1 << 15;
 // Blocks of centres whose distances are taken at a time.
 constexpr int kCentreBlocks = 32;
 
-// The nearest centre of a row; the lower one of two as near.
+// The nearest centre of a row; the lower one in case of a tie.
 int NearestCentre(const PackedRows& centres, const uint8_t* row) {
   const PackedQuery query(centres.type(), row);
   std::array<int32_t, kCentreBlocks * kPackRows> distances;
@@ -95,7 +95,7 @@ void ComputeMean(const Descriptors& rows, std::span<const int> members, uint8_t*
   }
 }
 
-// Each bit as most members have it (k-majority, which is k-means for Hamming distances).
+// The majority of the members for each bit (k-majority, which is k-means for Hamming distances).
 void ComputeMajority(const Descriptors& rows, std::span<const int> members, uint8_t* centre) {
   std::vector<size_t> ones(static_cast<size_t>(rows.bytes()) * 8, 0);
   for (const int member : members) {
@@ -108,8 +108,8 @@ void ComputeMajority(const Descriptors& rows, std::span<const int> members, uint
   }
 }
 
-// Centres of the lists that `lists` sorts the rows into. A list that has lost all its rows starts
-// anew from one drawn at random.
+// Centres of the lists that `lists` sorts the rows into. A list that has lost all its rows restarts
+// from one drawn at random.
 Descriptors LearnCentres(const Descriptors& rows, FeatureType type, int list_count,
                          const std::vector<uint16_t>& lists, Random& random) {
   const Grouped grouped = GroupByList(lists, list_count);

@@ -10,11 +10,11 @@
 
 namespace waystone {
 
-// An inverted file: descriptors sorted into lists of those that look alike, each list known by its
-// centre. Who looks for a descriptor's nearest neighbours searches the lists with the nearest
-// centres instead of all. This is what a map file stores; SearchIndex is what queries use.
+// An inverted file: descriptors sorted into lists of similar ones, each list represented by its
+// centre. A search for nearest neighbours visits the lists with the nearest centres instead of all.
+// This is what a map file stores; SearchIndex is what queries use.
 struct InvertedFile {
-  Descriptors centres;                // a row a list; a row's mean (SIFT) or majority of bits
+  Descriptors centres;                // a row per list: its mean (SIFT) or majority of bits
   std::vector<uint16_t> list_of_row;  // of each descriptor
 
   bool operator==(const InvertedFile&) const = default;
@@ -48,7 +48,7 @@ struct InvertedFileOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Number of lists for so many rows; 0 where rows are to be searched one by one.
+// Number of lists for this many rows; 0 where rows are to be searched one by one. Thread-safe.
 int ListCount(int64_t rows, const InvertedFileOptions& options);
 
 // Sorts rows into ListCount lists by k-means, in integers: the same bytes on any machine and any
@@ -56,7 +56,8 @@ int ListCount(int64_t rows, const InvertedFileOptions& options);
 InvertedFile BuildInvertedFile(DescriptorsView rows, FeatureType type,
                                const InvertedFileOptions& options);
 
-// What is wrong with a file for so many rows of a type, or nothing: files come from outside.
+// What is wrong with an inverted file for this many rows of a type, or empty: files come from
+// outside. Thread-safe.
 std::string InvertedFileProblem(const InvertedFile& file, int64_t rows, FeatureType type);
 
 }  // namespace waystone

@@ -14,8 +14,8 @@ struct NearSignature {
   bool operator==(const NearSignature&) const = default;
 };
 
-// Appends those of a list that differ from `wanted` in at most `max_distance` bits, in their order.
-// Thread-safe; the same on every machine.
+// Appends those signatures of a list that differ from `wanted` in at most `max_distance` bits, in
+// their order. Thread-safe; the same on every machine.
 void AppendNear(std::span<const uint64_t> signatures, uint64_t wanted, int max_distance,
                 std::vector<NearSignature>& near);
 

@@ -14,7 +14,8 @@ namespace {
 
 // Blocks whose distances are taken at a time: they fit the first-level cache.
 constexpr int kChunkBlocks = 16;
-// Queries that choose their lists together, so that the centres are fetched once for all of them.
+// The number of queries that choose their lists together, so that the centres are fetched once for
+// all of them.
 constexpr int kBatch = 32;
 
 int BlocksFor(int rows) { return (rows + kPackRows - 1) / kPackRows; }
@@ -33,7 +34,7 @@ void InsertSorted(Neighbour* best, int k, Neighbour candidate) {
 }
 
 // Calls `visit(slot, distance)` for every slot of some blocks within `limit` of a query. The limit
-// may fall meanwhile: what is beyond it may be visited or not.
+// may fall meanwhile: slots beyond it may still be visited.
 template <class Visit>
 void ForEachNear(const PackedQuery& query, const PackedRows& rows, int first, int end,
                  const int32_t& limit, const Visit& visit) {
@@ -189,7 +190,8 @@ std::vector<Neighbour> SearchIndex::Nearest(DescriptorsView queries, int k, int 
   packed.reserve(queries.rows());
   for (int q = 0; q < queries.rows(); ++q) packed.emplace_back(type_, queries.row(q));
   const Visits visits = ChooseLists(packed, probes);
-  // Chunk by chunk rather than query by query: one stays in the cache for all who visit its list.
+  // Chunk by chunk rather than query by query: a chunk stays in the cache for all queries that
+  // visit its list.
   for (int list = 0; list < lists(); ++list) {
     for (int start = first_block_[list]; start < first_block_[list + 1]; start += kChunkBlocks) {
       const int end = std::min(start + kChunkBlocks, first_block_[list + 1]);

@@ -29,8 +29,8 @@ class SearchIndex {
   Descriptors Rows(int first, int count) const;
 
   // The k nearest rows of every query among the rows of the `probes` lists with the nearest centres
-  // (all lists when there are no more): nearest first, ties by row, k of them a query, query after
-  // query; missing ones have row -1. k and probes at least 1.
+  // (all lists when there are no more): nearest first, ties by row, k per query, query after query;
+  // missing ones have row -1. k and probes at least 1.
   std::vector<Neighbour> Nearest(DescriptorsView queries, int k, int probes) const;
 
  private:

@@ -127,14 +127,14 @@ WordCode Vocabulary::Encode(const uint8_t* descriptor) const {
 
 std::vector<WordCode> Vocabulary::Probe(const uint8_t* descriptor, int count) const {
   WS_CHECK(count >= 1 && count <= kMaxProbes, "too many words to probe");
-  // Of the nearest `count` pairs neither half is beyond its own nearest `count`.
+  // In the nearest `count` pairs, each half is among its own nearest `count`.
   const std::vector<NearPrototype> a =
       NearestOf(type_, prototypes_[0], descriptor, 0, std::min(count, kPrototypes));
   const std::vector<NearPrototype> b =
       NearestOf(type_, prototypes_[1], descriptor, 1, std::min(count, kPrototypes));
   std::vector<std::pair<int32_t, int>> pairs;
   for (int i = 0; i < count; ++i) {
-    // Those before it in both orders are at least as near.
+    // Pairs before it in both orders are at least as near.
     for (int j = 0; (i + 1) * (j + 1) <= count; ++j) {
       pairs.emplace_back(a[i].distance + b[j].distance,
                          a[i].prototype * kPrototypes + b[j].prototype);

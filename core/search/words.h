@@ -12,7 +12,7 @@
 
 namespace waystone {
 
-// A descriptor in 10 bytes: which word it is, and what tells it from others of that word (Hamming
+// A descriptor in 10 bytes: its word, and what distinguishes it from others of that word (Hamming
 // embedding: Jegou, Douze and Schmid, ECCV 2008).
 struct WordCode {
   uint16_t word = 0;
@@ -24,18 +24,18 @@ struct WordCode {
 // Bits in which two descriptors of one word differ: 0 to 64, about 32 for unrelated ones.
 inline int SignatureDistance(uint64_t a, uint64_t b) { return std::popcount(a ^ b); }
 
-// Words that don't depend on any map, so that codes of all maps, programs and times go together. A
-// descriptor is cut into halves, each of which is one of 256 prototypes: a pair of them is a word
-// (Babenko and Lempitsky, The inverted multi-index, CVPR 2012). The prototypes were learned on
-// rendered buildings (`waystone-bench collection --learn`) and are frozen: other ones would make
-// all codes that were ever stored worthless. Immutable; thread-safe. All results are integers, the
-// same on every machine.
+// Words that don't depend on any map, so that codes of all maps, programs and times are comparable.
+// A descriptor is cut into halves, each of which is assigned to one of 256 prototypes: a pair of
+// these is a word (Babenko and Lempitsky, The inverted multi-index, CVPR 2012). The prototypes were
+// learned on rendered buildings (`waystone-bench collection --learn`) and are frozen: changing them
+// would invalidate all stored codes. Immutable; thread-safe. All results are integers, the same on
+// every machine.
 class Vocabulary {
  public:
   static constexpr int kPrototypes = 256;  // of each half
   static constexpr int kCount = kPrototypes * kPrototypes;
 
-  // Those of a feature type, as the program has them.
+  // The built-in vocabulary of a feature type.
   static const Vocabulary& Of(FeatureType type);
   // From prototypes: a row of both halves each, kPrototypes rows (WS_CHECK).
   Vocabulary(FeatureType type, const Descriptors& prototypes);
@@ -63,7 +63,7 @@ class Vocabulary {
   std::vector<int8_t> signs_;                         // SIFT: +-1, kSigned rows of the bytes
 };
 
-// The prototypes of a type as the file has them, for whoever learns or checks them.
+// The prototypes of a type as stored in words.bin, for learning or checking them. Thread-safe.
 Descriptors WordPrototypes(FeatureType type);
 
 }  // namespace waystone

@@ -7,7 +7,7 @@
 namespace waystone {
 
 // words.bin, which CMake puts into the program: of SIFT, ORB and AKAZE, in this order, 256
-// prototypes each (core/search/words.h). Inside core/search only.
+// prototypes each (core/search/words.h). Internal to core/search.
 extern const std::span<const uint8_t> kWordsData;
 
 }  // namespace waystone

@@ -10,7 +10,7 @@
 namespace waystone {
 namespace {
 
-// A spread below this part of the coordinates' size is rounding.
+// A spread below this share of the coordinates' size is rounding.
 constexpr double kRounding = 1e-12;
 // The squares of larger coordinates, and their sums, would not be finite.
 constexpr double kMaxCoordinate = 1e100;

@@ -29,7 +29,7 @@ struct AlignmentOptions {
 // The alignment with the least sum of squared distances |truth - truth_from_estimate * estimate|,
 // in closed form by the singular values of the covariance (Seber 1984; Umeyama 1991). Throws
 // MapError(kBadSource) for fewer than 3 pairs, different numbers of points, points that aren't
-// finite (or are beyond 1e100), or points that all lie at one place.
+// finite (or are beyond 1e100), or points that all coincide. Pure; thread-safe.
 Similarity2 Align(const Points2& truth, const Points2& estimate,
                   const AlignmentOptions& options = {});
 
@@ -37,7 +37,7 @@ Similarity2 Align(const Points2& truth, const Points2& estimate,
 // rotation and reflection.
 struct ShapeDifference {
   double mu = 0;  // 0 the same shape, 1 nothing in common: the share of the truth's spread that the
-                  // aligned estimate leaves over
+                  // aligned estimate doesn't explain
   Similarity2 truth_from_estimate;
   Points2 aligned;  // the estimate in the truth's frame
 };

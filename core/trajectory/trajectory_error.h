@@ -30,9 +30,9 @@ struct AssociationOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Which pose of the truth (second) belongs to which of the estimate (first): that of the nearest
-// time stamp where both have some, else the one at the same place in the order. Throws
-// MapError(kBadSource) when neither gives at least 3 pairs.
+// Which pose of the truth (second) belongs to which of the estimate (first): the one with the
+// nearest time stamp where both have some, else the one at the same place in the order. Throws
+// MapError(kBadSource) when neither gives at least 3 pairs. Pure; thread-safe.
 std::vector<std::pair<size_t, size_t>> Associate(const Trajectory& estimate,
                                                  const Trajectory& truth,
                                                  const AssociationOptions& options = {});
@@ -42,10 +42,10 @@ struct TrajectoryError {
   size_t pairs = 0;
   ShapeDifference shape;
   // Absolute trajectory error (Sturm et al. 2012): the root of the mean squared distance, metres,
-  // after turning and shifting alone, and with scale and reflection.
+  // after rotation and translation only, and with scale and reflection too.
   double ate_m = 0;
   double ate_scaled_m = 0;
-  // Relative pose error from a pair to the next, root mean square; nothing without headings.
+  // Relative pose error from one pair to the next, root mean square; nothing without headings.
   std::optional<double> rpe_m;
   std::optional<double> rpe_rad;
 };

@@ -43,17 +43,17 @@ struct BearingFeatures {
   int size() const { return static_cast<int>(rays.size()); }
 };
 
-// Features of the images of a rig, one 8-bit grey image a camera; an empty image gives none. The
-// rig is taken to have one centre: the cameras' places are ignored. Throws MapError(kBadImage) for
-// an image whose size isn't its camera's. Deterministic; thread-safe.
+// Features of the images of a rig, one 8-bit grey image per camera; an empty image gives none. The
+// rig is assumed to have one centre: the cameras' positions are ignored. Throws MapError(kBadImage)
+// for an image whose size isn't its camera's. Deterministic; thread-safe.
 BearingFeatures ExtractBearings(const Rig& rig, std::span<const cv::Mat> images,
                                 const BearingFeatureOptions& options = {});
 
-// Rays of two rigs that see the same points: row i of each belongs together.
+// Rays of two rigs that see the same points: rows i belong together.
 struct MatchedRays {
   std::vector<Eigen::Vector3d> a;
   std::vector<Eigen::Vector3d> b;
-  std::vector<Match> matches;  // rows of the features they come from
+  std::vector<Match> matches;  // by rows of the features
 
   int size() const { return static_cast<int>(a.size()); }
 };

@@ -10,8 +10,8 @@
 #include "core/geometry/tangent_basis.h"
 #include "core/two_view/five_point.h"
 
-// The epipolar error and its derivatives: inside core/two_view and its tests only. Inline, since
-// samples are scored by it.
+// The epipolar error and its derivatives: inside core/two_view and its tests only. Inline, since it
+// scores samples. Pure; thread-safe.
 namespace waystone {
 
 using Vector5d = Eigen::Matrix<double, 5, 1>;
@@ -22,7 +22,8 @@ inline Eigen::Matrix3d EssentialMatrix(const Motion& motion) {
   return CrossMatrix(motion.translation) * motion.b_from_a;
 }
 
-// x_b^T E x_a over what it grows by when a ray moves: E x_a and E^T x_b. Not negative.
+// |x_b^T E x_a| over its rate of change when the rays move: the length of E x_a and E^T x_b
+// together.
 inline double EpipolarError(const Eigen::Matrix3d& e, const Eigen::Vector3d& a,
                             const Eigen::Vector3d& b) {
   const Eigen::Vector3d ea = e * a;
@@ -31,7 +32,7 @@ inline double EpipolarError(const Eigen::Matrix3d& e, const Eigen::Vector3d& a,
   return std::abs(b.dot(ea)) / std::max(scale, kLeastScale);
 }
 
-// The error with its sign, and its derivatives by a step (w, s) after which R is exp(w) R and t is
+// The signed error, and its derivatives by a step (w, s) that takes R to exp(w) R and t to
 // t + basis s. With n = x_b^T [t]x R x_a: dn/dw = R x_a x (x_b x t), dn/dt = R x_a x x_b; the
 // divisor is kept, which is exact where the error is 0.
 struct LinearEpipolarError {

@@ -52,7 +52,8 @@ Eigen::Matrix<double, 9, 4> NullSpace(const Rays& a, const Rays& b) {
          Eigen::Matrix<double, 9, 4>(Eigen::Matrix<double, 9, 9>::Identity().rightCols<4>());
 }
 
-// What makes a matrix essential, E E^T E - 1/2 trace(E E^T) E = 0 and det E = 0, as ten equations.
+// The constraints of an essential matrix, E E^T E - 1/2 trace(E E^T) E = 0 and det E = 0, as ten
+// equations.
 Eigen::Matrix<double, 10, 20> EssentialConstraints(const Eigen::Matrix<double, 9, 4>& basis) {
   const auto e = [&](int row, int column) -> Linear { return basis.row(3 * row + column); };
   Quadratic square[3][3];  // E E^T

@@ -54,7 +54,7 @@ std::vector<int> FindPlanarInliers(const std::vector<cv::Point2d>& a,
     to.push_back(b[row]);
   }
   cv::Mat fits;
-  const double bound = 2 * options.max_error_px;  // both coordinates err, not one alone
+  const double bound = 2 * options.max_error_px;  // both coordinates have errors
   const cv::Mat homography = cv::findHomography(from, to, cv::USAC_MAGSAC, bound, fits,
                                                 options.max_samples, options.confidence);
   std::vector<int> inliers;

@@ -53,10 +53,10 @@ std::optional<EpipolarFit> FindEpipolarGeometry(std::span<const Eigen::Vector2d>
                                                 std::span<const Eigen::Vector2d> b,
                                                 const EpipolarOptions& options);
 
-// How unlikely it is that matches at random positions of a width x height image give an epipolar
+// How unlikely it is that matches at random positions in a width x height image give an epipolar
 // geometry with this many inliers: -ln of the expected number of such geometries, at least 0
 // (LogFalseAlarms for samples of seven, which have up to three geometries; alpha is the share of
-// the image's area that its largest band of that width has). 0 is chance.
+// the image's area that the largest band of that width covers). 0 is chance. Pure; thread-safe.
 double EpipolarSignificance(int matches, int inliers, double max_error_px, int width, int height);
 
 // Sampson error of a pair, px: the first-order distance to the nearest pair that fits exactly

@@ -20,16 +20,16 @@ namespace {
 
 constexpr int kSample = 5;
 constexpr double kTiny = 1e-12;
-// Length of a step at which refinement has arrived, rad.
+// Length of a step at which refinement has converged, rad.
 constexpr double kArrived = 1e-8;
 // Refits of a promising sample on its growing inliers.
 constexpr int kLocalRounds = 3;
-// A translation that the rays leave free has this variance (its direction is a unit vector).
+// The variance of a translation that the rays don't constrain (its direction is a unit vector).
 constexpr double kFreeVariance = 1.0;
 
 using Matrix5d = Eigen::Matrix<double, 5, 5>;
 
-// Whether the point that both rays see lies ahead on both, or so far away that it can't be told.
+// Whether the point that both rays see lies ahead on both, or too far away to tell.
 bool Ahead(const Motion& motion, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
            double max_error) {
   const Eigen::Vector3d ra = motion.b_from_a * a;
@@ -92,7 +92,7 @@ Equations Linearise(const MatchedRays& rays, const std::vector<int>& rows, const
   return sum;
 }
 
-// What keeps a free translation from making the equations singular, in the errors' unit.
+// Keeps an unconstrained translation from making the equations singular, in the errors' unit.
 Matrix5d Damping(double max_error) {
   return Matrix5d::Identity() * (max_error * max_error / kFreeVariance);
 }
@@ -112,7 +112,7 @@ Motion Refine(const MatchedRays& rays, const std::vector<int>& rows, Motion moti
   return motion;
 }
 
-// Refits on its own inliers while they gain.
+// Refits on its own inliers as long as the score improves.
 Fit LocalOptimize(const MatchedRays& rays, Fit fit, const RelativeOptions& options) {
   for (int round = 0; round < kLocalRounds; ++round) {
     if (static_cast<int>(fit.inliers.size()) < kSample) break;
@@ -187,9 +187,9 @@ class MotionEstimator {
   const RelativeOptions& options_;
 };
 
-// The probability that an unrelated match fits the motion: the share that does of these very rays
-// when those of a are paired with those of other matches in b. Rays aren't spread evenly over the
-// sphere: near the horizon, or on one object, many more fit than the bound's own share of it.
+// The probability that an unrelated match fits the motion: the share of fits when a's rays are
+// paired with those of other matches in b. Rays aren't spread evenly over the sphere: near the
+// horizon, or on one object, many more fit than the bound's share of the sphere.
 double ChanceOfFitting(const MatchedRays& rays, const Motion& motion, double max_error) {
   constexpr int kPairings = 64;
   const Eigen::Matrix3d essential = EssentialMatrix(motion);

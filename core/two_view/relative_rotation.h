@@ -60,8 +60,8 @@ struct RelativeOptions {
 // Why two rigs have no relative rotation.
 enum class RelativeError {
   kNone,
-  kFewInliers,  // fewer correspondences fit one motion than are asked for
-  kChance,      // so many would fit by accident
+  kFewInliers,  // fewer correspondences fit one motion than are required
+  kChance,      // as many would fit by accident
   kUncertain,   // they don't determine the rotation
   kPlanar,      // they lie on a plane, which another motion explains as well: see `rival`
 };
@@ -71,7 +71,7 @@ std::string_view NameOf(RelativeError error);
 // The motion between two rigs from matched rays: x_b = b_from_a x_a + s * translation.
 struct RelativePose {
   Eigen::Matrix3d b_from_a = Eigen::Matrix3d::Identity();
-  // Unit vector, b's frame; without a meaning when the rigs hardly moved.
+  // Unit vector, b's frame; meaningless when the rigs hardly moved.
   Eigen::Vector3d translation = Eigen::Vector3d::UnitZ();
   // Of the rotation vector w, b's frame, rad^2: R_true = exp(w) R. The identity where nothing is
   // known.
@@ -81,8 +81,8 @@ struct RelativePose {
   // (LogFalseAlarms); 0 for one or more.
   double log10_chance = 0;
   int samples = 0;  // that were drawn
-  // The other motion that a plane allows (Faugeras and Lustman 1988), where it can't be told from
-  // the best one by these matches; the covariance holds for either.
+  // The other motion that a plane allows (Faugeras and Lustman 1988), where these matches can't
+  // distinguish it from the best one; the covariance holds for either.
   struct Rival {
     Eigen::Matrix3d b_from_a;
     Eigen::Vector3d translation;
@@ -96,14 +96,14 @@ struct RelativePose {
   double sigma_rad() const;
 };
 
-// Error of a match under E = [t]x R, rad: x_b^T E x_a over its length when both rays move by one
-// radian (Sampson's distance on the sphere). 0 for a perfect match, about the angle that each ray
-// has to move for small errors.
+// Error of a match under E = [t]x R, rad: |x_b^T E x_a| over the length of its gradient by both
+// rays (Sampson's distance on the sphere). 0 for a perfect match; for small errors about the angle
+// by which each ray would have to move. Pure; thread-safe.
 double EpipolarError(const Eigen::Matrix3d& b_from_a, const Eigen::Vector3d& translation,
                      const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 
-// The essential matrix over rays of whole spheres (sec. II-B.2): RANSAC over samples of five
-// matches, each promising one refined on its inliers by robust least squares on rotation and
+// The essential matrix over rays in any direction (sec. II-B.2): RANSAC over samples of five
+// matches, with each promising model refined on its inliers by robust least squares on rotation and
 // direction. Always gives the best motion it found; `error` says whether to believe it.
 // Deterministic; thread-safe.
 RelativePose FindRelativePose(const MatchedRays& rays, const RelativeOptions& options = {});

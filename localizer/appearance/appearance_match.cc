@@ -28,7 +28,7 @@ void RankByCost(std::vector<ComparedNode>& nodes) {
   });
 }
 
-// Ties, among them all that weren't accepted, stay in the order of appearance.
+// Ties, including all nodes without an accepted pose, stay in the order of appearance.
 void RankByInliers(std::vector<ComparedNode>& nodes) {
   std::ranges::stable_sort(nodes, std::ranges::greater{}, &ComparedNode::inliers);
 }
@@ -131,7 +131,7 @@ NodeRef RefOf(const MapIndex& index, const AppearanceNode& node) {
 bool AreElsewhere(const MapIndex& index, int a, int b, const PanoramaQueryOptions& options) {
   const NodeDistances& nodes = index.appearance().distances();
   const double spacing = index.appearance().spacing();
-  // A storey is lower than many places are wide.
+  // Storeys may be lower than places are wide, so height is checked separately.
   return nodes.Between(a, b) > options.elsewhere_spacings * spacing ||
          nodes.Height(a, b) > kSameFloorSpacings * spacing;
 }
@@ -183,7 +183,7 @@ double EstimateDistance(const MapIndex& index, const ComparedNode& compared,
   return fewer * compared.parallax_rad / index.spacing_parallax_rad();
 }
 
-// Whether a node is of the same place as the best one, and as well verified.
+// Whether a node shows the same place as the best one and is verified exactly if that is.
 bool Agrees(const MapIndex& index, const ComparedNode& best, const ComparedNode& compared,
             const PanoramaQueryOptions& options) {
   return !AreElsewhere(index, best.node, compared.node, options) &&
@@ -202,10 +202,10 @@ int FindNearest(const MapIndex& index, const std::vector<ComparedNode>& nodes,
   return std::ranges::min_element(nodes, {}, distance)->node;
 }
 
-// Least squares over the position p: each node that agrees with the best says "near me", and where
-// it has seen a motion also "in this direction": n . (p - node) = 0 with n across the direction.
-// The sigma of "near me" is the estimated distance, that of the direction the distance times the
-// direction's sigma.
+// Least squares over the position p: each node that agrees with the best one contributes "near me",
+// and where its motion is known also "in this direction": n . (p - node) = 0 with n across the
+// direction. The sigma of "near me" is the estimated distance, that of the direction the distance
+// times the direction's sigma.
 PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& nodes,
                        const PanoramaQueryOptions& options, size_t at) {
   const ComparedNode& best = nodes[at];

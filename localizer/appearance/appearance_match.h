@@ -14,7 +14,8 @@
 #include "localizer/verdict/appearance_verdict.h"
 #include "localizer/verdict/deadline.h"
 
-// Steps of LocatePanorama: for localizer/ and the calibration. All are pure.
+// Steps of LocatePanorama: for localizer/ and the calibration. All are pure (up to the deadline);
+// thread-safe.
 namespace waystone {
 
 // A node that a query was compared with.
@@ -26,9 +27,9 @@ struct ComparedNode {
   int inliers = 0;  // of the relative pose; 0 when it wasn't accepted or looked for
   // Median angle between the node's and the query's rays of the inliers, without the turn.
   double parallax_rad = 0;
-  // Direction from the node to the query in the layer's frame; known with inliers alone.
+  // Direction from the node to the query in the layer's frame; known only with inliers.
   double direction_rad = 0;
-  std::optional<Eigen::Matrix3d> query_from_node;  // the rotation; known with inliers alone
+  std::optional<Eigen::Matrix3d> query_from_node;  // the rotation; known only with inliers
 };
 
 // The nodes nearest by signature, ranked again by cost: best first, ties by node.
@@ -36,25 +37,26 @@ std::vector<ComparedNode> CompareByAppearance(const MapIndex& index, const Fouri
                                               const PanoramaQueryOptions& options,
                                               const std::vector<bool>& left_out);
 
-// The same ranked by the inliers of relative poses to the nodes with the most matches. Nodes that
-// aren't reached before the deadline have none.
+// Nodes ranked again by the inliers of relative poses, which are estimated for the nodes with the
+// most matches. Nodes that aren't reached before the deadline have none.
 std::vector<ComparedNode> VerifyByFeatures(const MapIndex& index, const BearingFeatures& query,
                                            std::vector<ComparedNode> nodes,
                                            const PanoramaQueryOptions& options,
                                            const Deadline& deadline = {});
 
-// A panorama as the layer describes its own.
+// A panorama described as the layer's own are.
 struct PanoramaQuery {
   FourierSignature signature;
-  std::optional<BearingFeatures> features;  // when the layer's nodes have some and options ask
+  std::optional<BearingFeatures> features;  // if the layer's nodes have some and options.verify
 };
 
-// Both, the second where the query has features. Best first; empty when no node is left.
+// CompareByAppearance, then VerifyByFeatures where the query has features. Best first; empty when
+// no node is left.
 std::vector<ComparedNode> CompareQuery(const MapIndex& index, const PanoramaQuery& query,
                                        const PanoramaQueryOptions& options,
                                        const std::vector<bool>& left_out);
 
-// A node as answers name it.
+// A reference to a node for answers.
 NodeRef RefOf(const MapIndex& index, const AppearanceNode& node);
 
 // Whether two nodes are too far apart to be one place, or on different floors where both have
@@ -71,12 +73,12 @@ struct PlacedQuery {
 PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& nodes,
                        const PanoramaQueryOptions& options, size_t at = 0);
 
-// The node that the query is nearest to, by index in the layer: among those that agree with the
-// best one, the one that it differs least from.
+// The node nearest to the query, by index in the layer: among those that agree with the best one,
+// the one that differs least from the query.
 int FindNearest(const MapIndex& index, const std::vector<ComparedNode>& nodes,
                 const PanoramaQueryOptions& options);
 
-// What speaks for nodes[at] as the place.
+// The evidence for nodes[at] as the place.
 AppearanceEvidence CollectEvidence(const MapIndex& index, const std::vector<ComparedNode>& nodes,
                                    size_t at, const PanoramaQueryOptions& options);
 

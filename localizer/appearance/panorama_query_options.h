@@ -9,12 +9,12 @@
 
 namespace waystone {
 
-// How a panorama, or a photo, is looked for among a map's panoramas.
+// How a panorama or a photo is searched for among a map's panoramas.
 struct PanoramaQueryOptions {
   int candidates = 8;
   int verified_candidates = 16;
   double phase_weight = 0.5;
-  // Few frequencies: places near each other agree in these alone.
+  // Few frequencies: nearby places agree only in these.
   PhaseCompassOptions phases{.frequencies = 12, .steps = 128};
   bool fine_heading = true;
   CompassOptions compass;
@@ -31,7 +31,8 @@ struct PanoramaQueryOptions {
   int photo_poses = 10;
   int photo_witnesses = 2;
   double photo_agreement_rad = 0.06;
-  // Of a few candidates that look alike already, for a verdict that judges them by more than this.
+  // For a few candidates that already look alike, and a verdict that weighs more evidence than
+  // this.
   RelativeOptions relative{.max_samples = 200, .max_log10_chance = -1};
   double interpolation_cost = 0.1;
   double direction_sigma_rad = 0.03;

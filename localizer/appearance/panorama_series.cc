@@ -12,7 +12,7 @@
 namespace waystone {
 namespace {
 
-// The probability that the image is of a node if nothing elsewhere were like it.
+// The probability that the image was taken at a node if nothing elsewhere looked like it.
 double AloneProbability(const MapIndex& index, const std::vector<ComparedNode>& compared, size_t at,
                         bool verified, const AppearanceVerdict& model,
                         const SeriesOptions& options) {
@@ -28,7 +28,7 @@ std::vector<NodeEvidence> CollectNodeEvidence(const MapIndex& index,
                                               bool verified, const SeriesOptions& options) {
   const AppearanceLayer& layer = *index.map().appearance;
   const AppearanceVerdict model = VerdictFor(layer, verified);
-  // Nodes that weren't near enough to be compared, of whose heading nothing is known.
+  // Nodes that weren't similar enough to be compared, for which no heading is known.
   NodeEvidence other;
   other.log_likelihood = -options.max_log_odds;
   other.sigma_rad = std::numbers::pi;
@@ -91,15 +91,15 @@ void SeriesOptions::Check() const {
 
 namespace {
 
-// Whether the image speaks for the place that was believed in.
+// Whether the image supports the place of the previous belief.
 bool IsExpected(const MapIndex& index, const std::vector<ComparedNode>& compared,
                 const FilterState& previous, const PanoramaQueryOptions& options) {
   return !previous.empty() && !compared.empty() &&
          !AreElsewhere(index, previous.front().node, compared.front().node, options);
 }
 
-// The motion since the panorama before: by odometry, or a turn on the spot where both panoramas
-// show the same but for it.
+// The motion since the panorama before: by odometry, or a turn on the spot where both panoramas are
+// otherwise the same.
 std::optional<Pose2> MotionOf(const MapIndex& index, const PanoramaQuery& query,
                               const SeriesContext& context, const SeriesOptions& options) {
   constexpr double kSame = 0.05;  // of the distance between nodes at random

@@ -9,20 +9,20 @@
 
 namespace waystone {
 
-// What is known of a robot when a panorama of its series comes.
+// What is known about a robot when the next panorama of its series arrives.
 struct SeriesContext {
   FilterState previous;  // Answer::belief of the panorama before; empty for the first
   // The motion since then, previous_from_now in the layer's units, where it is known.
   std::optional<Pose2> odometry;
-  // Answer::described of the panorama before, where the asker still has it: without odometry, it
-  // tells a robot that stands still.
+  // Answer::described of the panorama before, where the client still has it: without odometry, it
+  // shows whether the robot stands still.
   std::optional<FourierSignature> described = {};
 };
 
 struct SeriesOptions {
   PanoramaQueryOptions query;
-  // Chance that the robot was carried elsewhere between two images and what a state keeps; lengths
-  // are overruled by those below.
+  // The probability that the robot was carried elsewhere between two images, and how many beliefs a
+  // state keeps; its lengths are overridden by those below.
   GraphFilterOptions filter;
   double position_spacings = 1;
   double step_spacings = 3;
@@ -53,23 +53,23 @@ struct SeriesOptions {
 
 // The belief about where the robot is, after a panorama that was compared with these nodes
 // (CompareQuery), from what was known before. Empty context: a robot that may be anywhere. Images
-// of one place are no independent evidence: one that speaks for the place believed in counts by how
-// far the robot has moved over the map's spacing, at most once.
+// of one place aren't independent evidence: one that supports the current belief counts by the
+// distance that the robot has moved over the map's spacing, at most 1.
 // Thread-safe, deterministic. Throws MapError(kBadRequest) for a belief of another map.
 FilterState BeliefAfter(const MapIndex& index, const std::vector<ComparedNode>& compared,
                         bool verified, const SeriesContext& context, const SeriesOptions& options);
 
 // The next panorama of a series: what it looks like (CompareQuery) and where the robot was before
-// (UpdateBelief), so that places that look alike are told apart as it moves. The probability is the
-// belief's around the answer, and the deciding gate kSeries; Answer::belief is what the next one is
-// asked with. A panorama that looks like no place of the map is answered so and leaves the belief
-// as it was. Thread-safe, deterministic. Throws MapError(kBadOptions), and kBadRequest for a belief
-// of another map.
+// (UpdateBelief), so that similar places are distinguished as it moves. The probability is the
+// belief's around the answer, and the deciding gate kSeries; Answer::belief is the input for the
+// next one. A panorama that looks like no place of the map is answered "not in the map" and leaves
+// the belief as it was. Thread-safe, deterministic. Throws MapError(kBadOptions), and kBadRequest
+// for a belief of another map.
 Answer ContinueSeries(const MapIndex& index, const PanoramaQuery& query,
                       const SeriesContext& context, const SeriesOptions& options = {});
 
 // The same for an image, with times; nothing is thrown for a bad panorama: the verdict is
-// kBadImage, and the belief stays.
+// kBadImage, and the belief stays as it was. Thread-safe.
 Answer LocalizeInSeries(const MapIndex& index, const cv::Mat& grey, const SeriesContext& context,
                         const SeriesOptions& options = {});
 

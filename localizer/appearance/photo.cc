@@ -15,7 +15,7 @@
 namespace waystone {
 namespace {
 
-// Why a photo can't be asked for, if so.
+// Why a photo can't be localized; empty if it can.
 std::string WhyNotAnswered(const MapIndex& index, const cv::Mat& grey,
                            const std::optional<Camera>& camera) {
   if (!camera) {
@@ -43,7 +43,7 @@ BearingFeatures ExtractPhotoRays(const cv::Mat& grey, const Camera& camera, Feat
   return ExtractBearings(RigOfOne(camera), std::vector<cv::Mat>{grey}, bearings);
 }
 
-// The nodes to match with; a photo has no signature that says more of them.
+// The nodes to match with; a photo has no signature with which to rank them further.
 std::vector<ComparedNode> NodesToAsk(const MapIndex& index, const BearingFeatures& query,
                                      const PanoramaQueryOptions& options,
                                      const std::vector<bool>& left_out) {
@@ -59,7 +59,7 @@ std::vector<ComparedNode> NodesToAsk(const MapIndex& index, const BearingFeature
   return nodes;
 }
 
-// The nodes of one place whose headings of the photo agree, by the most inliers together, best
+// The nodes of one place that agree on the photo's heading, the group with the most inliers, best
 // first. A photo that sees a single wall fits two motions to each node; two nodes seldom agree in
 // the wrong ones.
 std::vector<ComparedNode> SelectAgreeing(const MapIndex& index,
@@ -92,7 +92,7 @@ Answer JudgeAgreeing(const MapIndex& index, const std::vector<ComparedNode>& ver
                      const PanoramaQueryOptions& options) {
   std::vector<ComparedNode> nodes = SelectAgreeing(index, verified, options);
   if (std::ssize(nodes) >= options.photo_witnesses) {
-    // Places that look alike, however the photo would be turned there.
+    // Similar places, whatever the photo's heading there.
     const int best = nodes.front().node;
     std::ranges::copy_if(verified, std::back_inserter(nodes), [&](const ComparedNode& node) {
       return node.inliers > 0 && AreElsewhere(index, best, node.node, options);

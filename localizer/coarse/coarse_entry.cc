@@ -13,8 +13,8 @@
 namespace waystone {
 namespace {
 
-// The file, little-endian: the head, then a byte a place (how many codes it has), then a word of
-// two bytes a code, then a signature of eight bytes a code. Frozen.
+// The file, little-endian: the header, then one byte per place (its number of codes), then a
+// two-byte word per code, then an eight-byte signature per code. Frozen.
 constexpr std::string_view kMagic = "waystone coarse\n";
 constexpr int kCoarseFormat = 1;
 constexpr std::string_view kHashPrefix = "sha256:";
@@ -25,7 +25,7 @@ constexpr size_t kHeadBytes = kMagic.size() + kHashDigits + 5 * 4;
 constexpr size_t kWordBytes = 2;
 constexpr size_t kSignatureBytes = 8;
 constexpr int kFeatureTypeCount = 3;
-// Of a place's codes, the share that planes' features may have where there are landmarks enough.
+// How many of a place's codes may be planes' features where there are enough landmarks.
 constexpr int kPlaneCodes = kMaxPlaceCodes / 2;
 
 void AddNumber(std::string& bytes, uint64_t value, size_t size) {
@@ -44,7 +44,7 @@ bool IsBefore(const WordCode& a, const WordCode& b) {
   return std::tie(a.word, a.signature) < std::tie(b.word, b.signature);
 }
 
-// Rows of descriptors as codes, one of each word, in the order of the rows.
+// Adds rows of descriptors as codes, at most one per word, in the given order.
 void AddCodes(const Vocabulary& words, const Descriptors& rows, const std::vector<int>& order,
               int count, std::vector<WordCode>& codes) {
   for (const int row : order) {
@@ -56,8 +56,8 @@ void AddCodes(const Vocabulary& words, const Descriptors& rows, const std::vecto
   }
 }
 
-// All of `count` rows in an order of which any beginning is spread over them: by the bits of their
-// number from the lowest on.
+// The rows 0 to `count` - 1 in an order whose every prefix is spread over them: by their reversed
+// bits.
 std::vector<int> SpreadOrder(int count) {
   std::vector<int> order;
   order.reserve(count);
@@ -79,7 +79,7 @@ struct DealtFeature {
   int row = 0;
 };
 
-// Features of planes by the keyframe that they are dealt to, the most seen ones first.
+// Features of planes by the keyframe to which they are assigned, the most often seen ones first.
 std::vector<std::vector<DealtFeature>> DealFeatures(const MapIndex& index) {
   const MapData& map = index.map();
   std::vector<std::vector<DealtFeature>> dealt(map.keyframes.size());
@@ -114,7 +114,7 @@ void AddKeyframes(const MapIndex& index, const Vocabulary& words, CoarseEntry& e
   }
   const std::vector<std::vector<DealtFeature>> dealt = DealFeatures(index);
   for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
-    // Each plane's best ones in turn: they come plane by plane.
+    // Alternates between the planes' best ones, since rows come plane by plane.
     Descriptors rows(DescriptorBytes(entry.feature_type));
     for (const DealtFeature& one : dealt[k]) rows.Append(of_planes[one.plane].row(one.row));
     const std::vector<int> spread = SpreadOrder(rows.rows());

@@ -12,15 +12,15 @@
 
 namespace waystone {
 
-// What the coarse index of a registry knows of a map: for each place, which is a keyframe or a
-// panorama, codes of some features that were seen from there. Up to 801 bytes a place.
+// What the coarse index of a registry knows about a map: for each place, which is a keyframe or a
+// panorama, codes of some features that were seen from there. Up to 801 bytes per place.
 struct CoarseEntry {
   std::string map_version;  // "sha256:..." of the map's file
   FeatureType feature_type = FeatureType::kSift;
   int working_pixels = 0;         // of the largest keyframe; 0 for a map without
-  int keyframes = 0;              // places that are keyframes; the others, behind, are panoramas
+  int keyframes = 0;              // places that are keyframes; those after them are panoramas
   std::vector<uint8_t> codes_of;  // how many codes each place has
-  // Of the codes, place after place, each place's by word.
+  // The codes, place after place, each place's by word.
   std::vector<uint16_t> words;
   std::vector<uint64_t> signatures;
 
@@ -29,18 +29,19 @@ struct CoarseEntry {
   bool operator==(const CoarseEntry&) const = default;
 };
 
-// At most so many codes a place, and places a map.
+// The largest number of codes per place, and of places per map.
 inline constexpr int kMaxPlaceCodes = 80;
 inline constexpr int kMaxCoarsePlaces = 1'000'000;
 
 // The entry of a map, from what its file holds. Landmarks and features of planes that most
-// keyframes saw come first; a plane's features are dealt out to the keyframes that saw it, so that
-// neighbours know different ones. Deterministic. Without codes for a map without features, and for
-// one of a mirror's images, whose features don't look like those of photos.
+// keyframes saw come first; a plane's features are distributed among the keyframes that saw it, so
+// that neighbours have different ones. Deterministic; thread-safe. Without codes for a map without
+// features, and for one of a mirror's images, whose features don't look like those of photos.
 CoarseEntry MakeCoarseEntry(const MapIndex& index);
 
-// As a file, and back. Reading throws MapError(kFileUnreadable), whose message begins with `where`,
-// for bytes that are no entry; the memory that it takes is bounded by the bytes.
+// To and from the bytes of a file. Decoding throws MapError(kFileUnreadable), whose message begins
+// with `where`, for bytes that aren't an entry; the memory that it takes is bounded by the bytes.
+// Thread-safe.
 std::string EncodeCoarseEntry(const CoarseEntry& entry);
 CoarseEntry DecodeCoarseEntry(std::string_view bytes, const std::string& where);
 

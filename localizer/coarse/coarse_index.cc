@@ -18,7 +18,7 @@ constexpr std::array kTypes{FeatureType::kSift, FeatureType::kOrb, FeatureType::
 
 void CoarseOptions::Check() const { CheckFields("coarse", *this); }
 
-// What each place has got, and which places have got anything.
+// The votes of each place, and the places with any votes.
 struct CoarseIndex::Votes {
   explicit Votes(size_t places) : weights(places, 0) {}
 
@@ -43,7 +43,7 @@ class CoarseIndex::NearPlaces {
 
   void Clear() { found_.clear(); }
   void Add(uint32_t place, int distance) {
-    // What a former feature has left is no slot of this place.
+    // A slot left by an earlier feature may belong to another place.
     uint32_t& slot = slot_of_[place];
     if (slot < found_.size() && found_[slot].place == place) {
       found_[slot].distance = std::min(found_[slot].distance, distance);
@@ -69,7 +69,7 @@ CoarseIndex::CoarseIndex(std::vector<Map> maps, const CoarseOptions& options)
   for (const FeatureType type : kTypes) Fill(type);
 }
 
-// A counting sort: entries by map and place as they come, so that lists are by place.
+// A counting sort: entries come by map and place, so each list is ordered by place.
 void CoarseIndex::Fill(FeatureType type) {
   Lists& lists = lists_[static_cast<size_t>(type)];
   std::vector<uint32_t> start(Vocabulary::kCount + 1, 0);
@@ -126,8 +126,8 @@ std::vector<CoarseNeed> CoarseIndex::Needs() const {
   return needs;
 }
 
-// Each feature votes once for a place, by its nearest code there: the more, the nearer it is, and
-// the less, the more places it finds (bursts: Jegou, Douze and Schmid, CVPR 2009).
+// Each feature votes once per place, by its nearest code there: more, the nearer the code is, and
+// less, the more places the feature finds (bursts: Jegou, Douze and Schmid, CVPR 2009).
 void CoarseIndex::Vote(const CoarseDescriptors& image, Votes& votes) const {
   const Lists& lists = lists_[static_cast<size_t>(image.type)];
   if (lists.start.empty()) return;

@@ -33,17 +33,17 @@ struct CoarseOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Which of many maps may show what an image shows, by a few codes a place and without opening any
-// of them. Places are found by an inverted file over the words (core/search/words.h): a query costs
-// what the lists of its words hold, a small part of all. Immutable: any number of threads may ask.
-// The same entries give the same index and the same answers, whatever was in it before.
+// Which of many maps may show what an image shows, by a few codes per place and without opening any
+// of them. Places are found by an inverted file over the words (core/search/words.h): a query
+// visits only the lists of its words, a small part of all. Immutable: any number of threads may
+// query it. The same entries give the same index and the same answers.
 class CoarseIndex {
  public:
   struct Map {
     std::string name;
     std::shared_ptr<const CoarseEntry> entry;
   };
-  // A map that may be it: its index in maps(), and by how much.
+  // A candidate map: its index in maps(), and its score.
   struct Proposal {
     int map = 0;
     double score = 0;
@@ -52,19 +52,19 @@ class CoarseIndex {
   };
 
   CoarseIndex() = default;
-  // Ordered by name here.
+  // Orders the maps by name.
   explicit CoarseIndex(std::vector<Map> maps, const CoarseOptions& options = {});
 
   const std::vector<Map>& maps() const { return maps_; }
   int64_t places() const { return static_cast<int64_t>(map_of_place_.size()); }
-  // Of memory, entries included.
+  // Memory used, including the entries.
   int64_t bytes() const;
   // What DescribeForCoarse takes.
   std::vector<CoarseNeed> Needs() const;
 
   // The `count` maps with the highest scores, highest first, ties by name, for all images of one
-  // place together; fewer where fewer have any. Maps i with left_out[i] are passed over; empty
-  // leaves out none.
+  // place together; fewer where fewer have any. Maps i with left_out[i] are skipped; an empty
+  // vector skips none.
   std::vector<Proposal> Propose(const std::vector<std::vector<CoarseDescriptors>>& images,
                                 int count, const std::vector<bool>& left_out = {}) const;
 

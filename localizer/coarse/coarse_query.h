@@ -11,7 +11,7 @@
 
 namespace waystone {
 
-// What entries of one feature type want to be asked with.
+// What queries of the entries of one feature type need.
 struct CoarseNeed {
   FeatureType type = FeatureType::kSift;
   int working_pixels = 0;  // of the largest keyframe; 0 where all places are panoramas
@@ -24,8 +24,9 @@ struct CoarseDescriptors {
   Descriptors rows;
 };
 
-// An image as those entries want it: its features, and of a panorama those of its faces. What is
-// extracted stays in `features`, for the maps that are asked next. Deterministic.
+// Describes an image for these entries: by its features, and for a panorama by those of its faces.
+// What is extracted stays in `features`, for the maps that are queried next. Deterministic;
+// thread-safe for different `features`.
 std::vector<CoarseDescriptors> DescribeForCoarse(const cv::Mat& grey,
                                                  const std::vector<CoarseNeed>& needs,
                                                  const PlaneQueryOptions& planes,

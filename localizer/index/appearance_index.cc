@@ -65,7 +65,7 @@ AppearanceIndex::AppearanceIndex(const AppearanceLayer& layer,
   spacing_ = std::max(MedianSpacing(), ComputeReach(options));
 }
 
-// Of nodes spread over the layer.
+// Over nodes spread over the layer.
 double AppearanceIndex::MedianSpacing() const {
   constexpr int kMostNodes = 1000;
   const int samples = std::min(nodes_, kMostNodes);
@@ -81,8 +81,8 @@ double AppearanceIndex::MedianSpacing() const {
   return nearest.size() < 2 ? 0 : Median(std::move(nearest));
 }
 
-// The median over nodes spread over the layer of how far one can go from them without coming to a
-// node that looks otherwise; places far away that look alike don't count.
+// The median, over nodes spread over the layer, of the distance to which all nodes look alike;
+// similar places far away don't count.
 double AppearanceIndex::ComputeReach(const AppearanceIndexOptions& options) const {
   const auto limit = static_cast<uint32_t>(options.alike * typical_);
   const int samples = std::min(nodes_, options.reach_nodes);
@@ -105,7 +105,7 @@ double AppearanceIndex::ComputeReach(const AppearanceIndexOptions& options) cons
     for (const double apart : like) {
       if (apart < nearest_other) reach = std::max(reach, apart);
     }
-    // Where all look alike, there is nothing that a place could be told from.
+    // Where all look alike, places can't be distinguished.
     reaches.push_back(std::isfinite(nearest_other) ? reach : 0);
   }
   return Median(std::move(reaches));

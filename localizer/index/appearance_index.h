@@ -14,7 +14,7 @@ namespace waystone {
 // A node of the layer and how much its signature differs.
 struct NearNode {
   int node = -1;        // index in the layer's nodes
-  double distance = 0;  // of the signatures: 0 the same, about 1 two places of the map at random
+  double distance = 0;  // of the signatures: 0 the same, about 1 for two random places of the map
 
   bool operator==(const NearNode&) const = default;
 };
@@ -50,9 +50,9 @@ struct AppearanceIndexOptions {
 };
 
 // The magnitudes of all nodes in one matrix of bytes, for searching. They are compared by the sum
-// of absolute differences of their square roots, so that a few strong waves don't decide: of eq.
-// (2)'s kind, and of the measures that were tried the one that finds true neighbours most often.
-// Immutable after construction: any number of threads may ask.
+// of absolute differences of their square roots, so that a few strong waves don't dominate: a
+// variant of eq. (2), and among the measures that were tried the one that finds true neighbours
+// most often. Immutable after construction: any number of threads may query it.
 class AppearanceIndex {
  public:
   AppearanceIndex() = default;
@@ -63,19 +63,19 @@ class AppearanceIndex {
 
   int size() const { return nodes_; }
   // The size of a place, in the layer's units: the distance between nodes that are next to each
-  // other (the median over the nodes of the distance to the nearest other one), or how far nodes
-  // with signatures alike are apart where that is more, since a robot that leaves an image every
-  // few centimetres doesn't make places smaller. 0 with fewer than two nodes.
+  // other (the median over the nodes of the distance to the nearest other one), or the distance
+  // over which signatures stay alike where that is larger, since taking an image every few
+  // centimetres doesn't make places smaller. 0 with fewer than two nodes.
   double spacing() const { return spacing_; }
   const NodeDistances& distances() const { return distances_; }
 
   // The `count` nearest nodes (fewer when there are fewer), nearest first, ties by node; exact to
-  // the bytes that magnitudes are rounded to. Nodes i with left_out[i] are passed over; empty
-  // leaves out none. The query was described as the layer was (WS_CHECK).
+  // the bytes that magnitudes are rounded to. Nodes i with left_out[i] are skipped; an empty vector
+  // skips none. The query was described as the layer was (WS_CHECK).
   std::vector<NearNode> Nearest(const FourierSignature& query, int count,
                                 const std::vector<bool>& left_out = {}) const;
 
-  // How much two signatures differ, as NearNode::distance does: 1 is that of nodes at random.
+  // How much two signatures differ, in the unit of NearNode::distance: about 1 for random nodes.
   double Distance(const FourierSignature& a, const FourierSignature& b) const;
 
  private:
@@ -90,7 +90,7 @@ class AppearanceIndex {
   int columns_ = 0;
   int stride_ = 1;
   float levels_per_unit_ = 1;
-  double typical_ = 1;  // sum of differences of two nodes at random
+  double typical_ = 1;  // sum of differences of two random nodes
   double spacing_ = 0;
   NodeDistances distances_;
   std::vector<uint8_t> bytes_;  // node after node, frequency after frequency, row after row

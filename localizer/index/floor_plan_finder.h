@@ -14,14 +14,14 @@
 namespace waystone {
 
 // Where positions are on the floor plans of a map. Of several plans that show a position, the one
-// with the narrowest range of heights counts; of two alike the one that comes first by name.
-// Immutable; any number of threads may share it.
+// with the narrowest range of heights counts; of equally narrow ones the first by name. Immutable;
+// any number of threads may share it.
 class FloorPlanFinder {
  public:
   FloorPlanFinder() = default;
   explicit FloorPlanFinder(const MapData& map);
 
-  // Of a position in the pose layer, and in the appearance layer of a map without one; nothing
+  // For a position in the pose layer, or in the appearance layer of a map without one; nothing
   // where no plan has it within its heights and its image.
   std::optional<PlanPosition> Find(const Eigen::Vector3d& in_pose_layer) const;
   std::optional<PlanPosition> Find(const Pose2& in_appearance_layer) const;

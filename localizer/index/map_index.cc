@@ -118,8 +118,9 @@ void MapIndex::TakeDescriptors() {
   plane_of_row_.resize(rows, -1);
   TakeLandmarks();
 #if defined(__GLIBC__)
-  // What the planes' own blocks took would stay with the process. Small maps use it for the next
-  // one: trimming takes all free memory, which queries at work would have to fault in again.
+  // The memory of the planes' own blocks would stay with the process. For small maps the next one
+  // reuses it: trimming releases all free memory, which running queries would have to fault in
+  // again.
   if (int64_t{rows} * DescriptorBytes(type) >= kTrimmedBytes) malloc_trim(0);
 #endif
 }

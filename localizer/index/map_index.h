@@ -24,11 +24,11 @@ namespace waystone {
 // A map in memory, ready for queries. Immutable after Build, so any number of threads may share it.
 class MapIndex {
  public:
-  // Searches with the map's index; a large map without one gets it made here, which takes seconds.
+  // Uses the map's search index; for a large map without one it is made here, which takes seconds.
   // Throws MapError(kMapDamaged) for a map whose parts don't refer to each other properly.
   static std::shared_ptr<const MapIndex> Build(MapData map);
 
-  // The map, but for its index, the planes' descriptors and the landmarks' codes: they are moved
+  // The map, without its index, the planes' descriptors and the landmarks' codes, which are moved
   // into search().
   const MapData& map() const { return map_; }
   // Nothing for an id that isn't in the map.
@@ -42,7 +42,7 @@ class MapIndex {
   PlaneId SurfaceOf(PlaneId id) const;
   int surface_count() const { return CountSurfaces(surface_of_plane_); }
 
-  // The orientation of a sequence's frame; null where the layer hasn't got it.
+  // The orientation of a sequence's frame; null where the layer doesn't have it.
   const OrientationFrame* FindFrame(SequenceId sequence, int frame) const;
 
   // Descriptors of all planes, plane after plane, then of all landmarks, keyframe after keyframe,
@@ -59,14 +59,14 @@ class MapIndex {
   const std::vector<MapPoint>& points() const { return points_; }
   // The frame of the pose layer from above; nothing without one.
   const std::optional<Horizontal>& horizontal() const { return horizontal_; }
-  // Which place that people named something is in.
+  // In which place, as named by people, something is.
   const NamedPlaces& names() const { return names_; }
   // Where something is on the map's floor plans.
   const FloorPlanFinder& floor_plans() const { return floor_plans_; }
   // Descriptors of map().planes[plane], row i belonging to its feature i.
   Descriptors DescriptorsOf(int plane) const;
   bool HasLandmarks() const { return first_landmark_row_.front() < first_landmark_row_.back(); }
-  // Whether a photo can be asked of the map's keyframes.
+  // Whether the map's keyframes can be queried with a photo.
   bool HasKeyframeFeatures() const { return !map_.planes.empty() || HasLandmarks(); }
   // Descriptors of the landmarks of map().keyframes[keyframe], in their order.
   Descriptors LandmarkDescriptorsOf(int keyframe) const;
@@ -92,9 +92,9 @@ class MapIndex {
   // The median parallax of two panoramas appearance().spacing() apart: measured on the layer's own
   // nodes, or the typical one where they keep no features.
   double spacing_parallax_rad() const { return spacing_parallax_rad_; }
-  // What the layer's nodes keep of features, for photos. Made when it is first asked for, which
-  // takes about a second for a million features: who asks panoramas alone has no use for it, and a
-  // server makes it before it takes queries. The map has an appearance layer (WS_CHECK).
+  // The features that the layer's nodes keep, indexed for photos. Made at the first call (any
+  // thread), which takes about a second for a million features: queries with panoramas don't need
+  // it, and a server makes it before it takes queries. The map has an appearance layer (WS_CHECK).
   const NodeFeatureIndex& node_features() const;
 
  private:

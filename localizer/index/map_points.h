@@ -18,8 +18,8 @@ struct MapPoint {
 };
 
 // The features of all planes, plane after plane, and of all landmarks, keyframe after keyframe.
-// Empty for a map without a pose layer. Depths of keyframes that have no pose or camera are left
-// out.
+// Empty for a map without a pose layer. Depths of keyframes without a pose or camera are left out.
+// Pure; thread-safe.
 std::vector<MapPoint> LocateMapPoints(const MapData& map);
 
 }  // namespace waystone

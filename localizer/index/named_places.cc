@@ -8,13 +8,13 @@
 namespace waystone {
 namespace {
 
-// How much a map has up to each id of a kind, for counting what is in a range.
+// Cumulative counts up to each id of a kind, for counting what is in a range.
 class Counts {
  public:
   explicit Counts(std::vector<int64_t> ids) : ids_(std::move(ids)) {
     for (size_t i = 0; i <= ids_.size(); ++i) before_.push_back(static_cast<double>(i));
   }
-  // Each id counts `weights` times.
+  // Each id counts with its weight.
   Counts(std::vector<int64_t> ids, const std::vector<double>& weights) : ids_(std::move(ids)) {
     before_.push_back(0);
     for (const double weight : weights) before_.push_back(before_.back() + weight);

@@ -13,7 +13,7 @@
 
 namespace waystone {
 
-// What is known of where something is; what isn't known is in no place.
+// What is known about where something is; unknown fields don't match any place.
 struct PlaceEvidence {
   std::optional<KeyframeId> keyframe;
   std::optional<AppearanceNodeId> node;
@@ -21,15 +21,15 @@ struct PlaceEvidence {
   std::optional<Eigen::Vector2d> position;  // in the coordinates of polygons (NamedPolygon)
 };
 
-// Which named place something is in. Where several hold it, the narrowest counts: the one with the
-// fewest keyframes and panoramas, a plane counting as the keyframes that view it; of two alike the
-// one that comes first by name. Immutable; any number of threads may share it.
+// In which named place something is. Where several contain it, the narrowest counts: the one with
+// the fewest keyframes and panoramas, with a plane counting as the keyframes that view it; of
+// equally narrow ones the first by name. Immutable; any number of threads may share it.
 class NamedPlaces {
  public:
   NamedPlaces() = default;
   explicit NamedPlaces(const MapData& map);
 
-  // Null where there is none. Valid as long as this is.
+  // The place's name, null where there is none. Valid as long as this object.
   const std::string* Find(const PlaceEvidence& evidence) const;
   // By a keyframe's or node's own id and position.
   const std::string* OfKeyframe(KeyframeId id) const;

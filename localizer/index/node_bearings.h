@@ -7,7 +7,7 @@
 namespace waystone {
 
 // Features of a panorama as a map keeps them, and back: rays in units of kBearingUnit_rad,
-// descriptors as codes; which camera saw a feature is not kept. Thread-safe.
+// descriptors as codes; the camera that saw a feature isn't kept. Thread-safe.
 NodeFeatures ToNodeFeatures(const BearingFeatures& features);
 BearingFeatures ToBearingFeatures(const NodeFeatures& features, FeatureType type);
 

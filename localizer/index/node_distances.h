@@ -13,8 +13,9 @@ namespace waystone {
 // Nodes that are this many spacings apart in height may be on different floors.
 inline constexpr double kSameFloorSpacings = 2;
 
-// How far the nodes of an appearance layer are apart, by their indices: in space where both have a
-// pose, since floors lie above each other, and else as seen from above.
+// Distances between the nodes of an appearance layer, by their indices: in space where both have a
+// pose, since floors lie above each other, and else as seen from above. Immutable; any number of
+// threads may share it.
 class NodeDistances {
  public:
   NodeDistances() = default;
@@ -31,13 +32,13 @@ class NodeDistances {
     return std::hypot(std::hypot(nodes_[a].x - nodes_[b].x, nodes_[a].y - nodes_[b].y),
                       Height(a, b));
   }
-  // Above each other, of a node each; NaN where it has no pose.
+  // The height of each node; NaN where it has no pose.
   std::vector<double> Heights() const {
     std::vector<double> heights;
     for (const Place& node : nodes_) heights.push_back(node.height);
     return heights;
   }
-  // 0 where one of them has no pose.
+  // The difference in height; 0 where one of them has no pose.
   double Height(int a, int b) const {
     const double height = std::abs(nodes_[a].height - nodes_[b].height);
     return std::isnan(height) ? 0 : height;

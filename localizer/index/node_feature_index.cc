@@ -53,7 +53,7 @@ std::vector<int> NodeFeatureIndex::MostVoted(DescriptorsView query, int count, i
   for (int row = 0; row < query.rows(); ++row) {
     const std::span<const Neighbour> of_row(nearest.data() + static_cast<size_t>(row) * neighbours,
                                             neighbours);
-    // Where the lists hold fewer, the farthest that there is.
+    // Where the lists have fewer neighbours, the farthest one found.
     int last = neighbours - 1;
     while (last > 0 && of_row[last].row < 0) --last;
     for (const Neighbour& near : of_row.first(last)) {

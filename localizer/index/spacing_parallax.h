@@ -29,14 +29,15 @@ struct SpacingParallaxOptions {
   void Check() const;  // throws MapError(kBadOptions)
 };
 
-// Median angle between what the nodes and the query see of one point, without their turn; 0 for a
-// pose without inliers.
+// Median angle between a node's and the query's rays to the same point, after removing the
+// rotation; 0 for a pose without inliers. Pure; thread-safe.
 double MedianParallax(const MatchedRays& rays, const RelativePose& pose);
 
 // The median parallax (rad) of two panoramas a `spacing` (layer's units) apart, measured on the
-// layer's own nodes: how large the rooms are in spacings, which a position estimated from a query's
-// parallax depends on. 0 where no pair has an accepted motion, for instance without features.
-// Deterministic; takes a few ms a pair.
+// layer's own nodes: it depends on how large the rooms are in spacings, and positions are estimated
+// from a query's parallax with it. 0 where no pair has an accepted motion, for instance without
+// features. Takes a few ms per pair. Deterministic on any number of threads (it uses TBB's);
+// thread-safe.
 double MeasureSpacingParallax(const AppearanceLayer& layer, FeatureType type, double spacing,
                               const SpacingParallaxOptions& options = {});
 

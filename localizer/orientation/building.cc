@@ -48,7 +48,7 @@ Rays ComputeRays(const RecognisedPlane& plane, const Camera& camera, const Camer
   return rays;
 }
 
-// The homography's sign is free, but for points ahead of both cameras: r . H q > 0.
+// The homography's sign is fixed by points ahead of both cameras: r . H q > 0.
 Matrix3d TakeAhead(const Matrix3d& reference_from_query, const Rays& rays) {
   double ahead = 0;
   for (size_t i = 0; i < rays.query.size(); ++i) {
@@ -59,7 +59,7 @@ Matrix3d TakeAhead(const Matrix3d& reference_from_query, const Rays& rays) {
   return ahead < 0 ? Matrix3d(-reference_from_query) : reference_from_query;
 }
 
-// Rotations reference_from_query of H = R + t n^T. Either is right for one sign of t and n.
+// The two rotations reference_from_query of H = R + t n^T. Either may be right.
 std::vector<Matrix3d> DecomposeRotations(const Rays& rays) {
   constexpr size_t kFewest = 8;
   if (rays.query.size() < kFewest) return {};
@@ -93,7 +93,7 @@ void AddThroughPlane(const MapIndex& index, const RecognisedPlane& plane, const 
   const std::vector<Matrix3d> even =
       DecomposeRotations(ComputeRays(plane, camera, reference, 0, 2));
   for (const Matrix3d& r : DecomposeRotations(ComputeRays(plane, camera, reference, 0, 1))) {
-    // Halves of the matches differ by twice the sigma of all of them.
+    // Two halves of the matches differ by twice the sigma of all of them.
     const double halves = 0.5 * (NearestAngle(r, odd) + NearestAngle(r, even));
     guesses.push_back({.building_from_query = frame->rotation->building_from_rig * r,
                        .sigma_rad = std::max(min_sigma_rad, halves),
@@ -125,7 +125,7 @@ void AddThroughNode(const MapIndex& index, const Answer& answer,
        .weight = 1});
 }
 
-// The guess that most others agree with, if only one does or rivals mean the same.
+// The guess with which most others agree, if it is the only one or its rivals mean the same.
 const BuildingGuess* Agreed(const std::vector<BuildingGuess>& guesses, double agree_rad) {
   const auto support = [&](const BuildingGuess& guess) {
     int weight = 0;
@@ -245,8 +245,8 @@ int CountChances(const std::vector<BuildingGuess>& guesses, double apart_rad) {
   return static_cast<int>(counted.size());
 }
 
-// Bayes: axes of wrong places disagree by anything up to an eighth of a turn, which each chance to
-// agree makes less likely.
+// Bayes: axes of wrong places disagree by anything up to an eighth of a turn; each chance to agree
+// makes a disagreement less likely.
 void JudgeByAxes(int chances, double min_probability, const BuildingOptions& options,
                  Answer& answer) {
   const double limit = options.max_disagreement_rad;
@@ -255,7 +255,7 @@ void JudgeByAxes(int chances, double min_probability, const BuildingOptions& opt
   const double disagree_by_chance = std::pow(1 - limit / (std::numbers::pi / 4), chances);
   const double right = answer.probability * options.true_disagreeing;
   const double wrong = (1 - answer.probability) * disagree_by_chance;
-  // A disagreement never speaks for a place, however seldom chance would have it.
+  // A disagreement never supports a place, however rare it is by chance.
   answer.probability = std::min(answer.probability, right / (right + wrong));
   if (answer.probability >= min_probability) return;
   const auto degrees = std::lround(disagreement_rad * 180 / std::numbers::pi);
@@ -273,7 +273,7 @@ void JudgeByAxes(int chances, double min_probability, const BuildingOptions& opt
 void AddBuilding(const MapIndex& index, const cv::Mat& grey, const BuildingQuery& query,
                  const BuildingOptions& options, Answer& answer) {
   if (!index.map().orientation || answer.verdict != Verdict::kLocalized) return;
-  // Of several images of a request only the first has to be the camera's.
+  // Of several images of a request, only the first must have the camera's size.
   const bool fits =
       query.camera && grey.cols == query.camera->width && grey.rows == query.camera->height;
   const std::optional<Camera> camera = fits ? query.camera : std::nullopt;

@@ -40,10 +40,10 @@ KeyframeRef RefTo(const MapIndex& index, KeyframeId id) {
   return {id, index.FindSequence(keyframe.sequence)->name, keyframe.source, keyframe.time_s};
 }
 
-// v, turned by the quarter turns by which a camera was held otherwise, as what it saw at x says:
-// h is keyframe_from_query, and there = h x.
+// v, rotated by the quarter turns by which the cameras' orientations at x differ: h is
+// keyframe_from_query, and there = h x.
 Vector2d TurnedAlike(const Vector2d& v, const Matrix3d& h, const Vector3d& there) {
-  // Of what moves right and down at x, but for a factor.
+  // The images of steps to the right and down at x, up to a factor.
   const Vector2d right = (there.z() * h.col(0) - h(2, 0) * there).head<2>();
   const Vector2d down = (there.z() * h.col(1) - h(2, 1) * there).head<2>();
   const double cosine = right.x() + down.y();
@@ -53,8 +53,8 @@ Vector2d TurnedAlike(const Vector2d& v, const Matrix3d& h, const Vector3d& there
 }
 
 // Weight of a plane's inliers for a keyframe: how many there are, discounted by how far they moved
-// from the middle of the image, as a share of its longer side. An image of another size, or of a
-// camera that was held on its side, shows the same. It ranks a place's keyframes, not places.
+// from the middle of the image, as a share of its longer side. Independent of the image's size and
+// of a camera held on its side. It ranks a place's keyframes, not places.
 double Closeness(const VerifiedPlane& plane, const Matrix3d& keyframe_from_query,
                  const Features& query, const Keyframe& keyframe) {
   constexpr double kMotionShare = 0.25;  // where the discount reaches 1/e
@@ -122,7 +122,7 @@ std::string PlaneText(const MapIndex& index, const VerifiedPlane& plane) {
          std::to_string(plane.distinct) + " of its " + std::to_string(plane.matches) + " matches";
 }
 
-// The gate that stopped the best plane and what would have passed it.
+// Reports the gate that stopped the best plane and what would have passed it.
 void RefusePlane(const MapIndex& index, const VerifiedPlane& best, const GateOptions& gates,
                  Answer& answer) {
   const std::string plane = "the best " + PlaneText(index, best);
@@ -170,7 +170,7 @@ Answer RefusePlanes(const MapIndex& index, const Features& query, int shortliste
   Place place;
   AddTo(index, place, best);
   if (best.stopped_by == Gate::kMinInlierShare || best.stopped_by == Gate::kMaxScale) {
-    place.probability = 0;  // no place, whatever number of inliers
+    place.probability = 0;  // not a place, however many inliers it has
   }
   answer.planes.runner_up = Candidate(index, place, query);
   answer.probability = place.probability;
@@ -223,16 +223,16 @@ Answer Describe(const MapIndex& index, const Features& query, const Place& place
 }
 
 // Whether the query may be at a place instead of the best one. An epipolar geometry fits some
-// matches of any two images, so that a keyframe must be somewhat likely; planes alone don't count
-// what is missing, so that their inliers say it.
+// matches of any two images, so a keyframe must be somewhat likely; planes by themselves don't
+// count missing features, so their inliers decide.
 bool MayBeInstead(const Place& place, const Place& best, const PlaneQueryOptions& options) {
   const GateOptions& gates = options.gates;
   if (place.keyframe && best.keyframe) return place.probability >= gates.min_rival_probability;
   return CountInliers(place) >= gates.ambiguous_share * CountInliers(best);
 }
 
-// That the best place is right, knowing that the query is at one of the places at most: its odds as
-// a share of theirs and of none of them.
+// The probability that the best place is right, given that the query is at no more than one of the
+// places: its odds as a share of all odds and of none of them being right.
 double ProbabilityBeside(const Place& best, const std::vector<const Place*>& rivals) {
   const auto odds = [](const Place& place) {
     return place.probability / std::max(1e-9, 1 - place.probability);
@@ -242,8 +242,8 @@ double ProbabilityBeside(const Place& best, const std::vector<const Place*>& riv
   return odds(best) / all;
 }
 
-// Inliers of a plane that none of a place's planes has; where planes overlap, one feature of the
-// query may be an inlier of both.
+// Counts inliers of a plane that none of a place's planes has; where planes overlap, a feature of
+// the query may be an inlier of both.
 int CountNew(const Place& place, const VerifiedPlane& plane) {
   std::set<int> counted;
   for (const VerifiedPlane& member : place.planes) {
@@ -374,7 +374,8 @@ Answer Decide(const MapIndex& index, const Features& query, int shortlisted,
   }
   answer.planes.runner_up = candidates[rivals.front() - places.data()];
   answer.probability = ProbabilityBeside(places[0], rivals);
-  // What planes give alone doesn't count what is missing, and tells no rival from the place.
+  // Planes by themselves don't count missing features, and can't distinguish the place from a
+  // rival.
   if (places[0].keyframe && answer.probability >= options.gates.min_probability) return answer;
   answer.verdict = Verdict::kAmbiguous;
   answer.decided_by = DecidedBy::kAmbiguousPlaces;

@@ -16,7 +16,7 @@ namespace waystone {
 
 // What became of every shortlisted plane and verified keyframe: `tried` and `keyframes` are what
 // TryPlanes and VerifyKeyframes made with the same options, `places` what Decide was given.
-// Deterministic.
+// Deterministic; thread-safe.
 Explanation Explain(const MapIndex& index, const Features& query, const Shortlist& shortlist,
                     const std::vector<VerifiedPlane>& tried,
                     const std::vector<VerifiedKeyframe>& keyframes,

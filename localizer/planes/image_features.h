@@ -11,13 +11,14 @@
 
 namespace waystone {
 
-// How features of queries are extracted (locate.h's QueryFeatureOptions) by what must be known of a
-// map: its feature type and how many pixels its largest keyframe has, 0 without one.
+// How features of queries are extracted (locate.h's QueryFeatureOptions), by what matters about a
+// map: its feature type and how many pixels its largest keyframe has, 0 without one. Pure;
+// thread-safe.
 FeatureOptions QueryFeatureOptions(FeatureType type, int64_t largest_px,
                                    const PlaneQueryOptions& options);
 
-// Features of one image as they were extracted, so that who asks for them again needn't wait: some
-// maps after others, and the coarse index before all. Not thread-safe.
+// A cache of the features of one image, for queries of several maps and of the coarse index before
+// them. Not thread-safe.
 class ImageFeatures {
  public:
   struct Timed {
@@ -25,8 +26,8 @@ class ImageFeatures {
     double ms = 0;  // that their extraction took
   };
 
-  // Of the image, which is the same at each call. Feature type and working pixels tell options
-  // apart; the others are the same at each call.
+  // The features of the image, which is the same at each call. Only feature type and working pixels
+  // may differ between calls.
   const Timed& Extract(const cv::Mat& grey, const FeatureOptions& how);
 
  private:

@@ -13,14 +13,15 @@
 namespace waystone {
 namespace {
 
-// Views that are looked at, those that share most planes. Bounds the time, which grows with them.
+// How many views are used, those that share most planes. Bounds the time.
 constexpr size_t kMostViews = 12;
-// Points of a plane that stand for its homography: three times the four that determine it, so that
-// they cover the plane; and the fewest that leave some to check it by.
+// How many points of a plane represent its homography: three times the four that determine it, so
+// that they cover the plane; and the fewest that leave some to check it by.
 constexpr size_t kMostPoints = 12;
 constexpr size_t kLeastPoints = 6;
 // Standard deviation of a point that a stored homography transfers: one pixel, times
-// sqrt(kMostPoints / 4), since the points together know no more than the homography's four.
+// sqrt(kMostPoints / 4), since all the points contain no more information than the homography's
+// four.
 constexpr double kPointSigmaPx = 1.7;
 
 std::optional<Camera> PerspectiveCamera(const MapIndex& index, const Keyframe& keyframe) {
@@ -60,7 +61,7 @@ PointPairs SpreadOut(const PointPairs& pairs) {
   return pairs.Subset(chosen);
 }
 
-// Where the plane's features are in both keyframes by its homographies.
+// The positions of the plane's features in both keyframes by its homographies.
 PointPairs CollectPairs(const Plane& plane, const Keyframe& a, const Camera& camera_a,
                         const PlaneView& in_a, const Keyframe& b, const Camera& camera_b,
                         const PlaneView& in_b) {

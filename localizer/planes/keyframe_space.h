@@ -15,12 +15,12 @@ struct PlaneInView {
   const PlaneView* view;
 };
 
-// What a keyframe sees in space, in its camera's frame (x right, y down, z forward). Points into
-// the index.
+// The planes that a keyframe sees, in space, in its camera's frame (x right, y down, z forward).
+// Points into the index.
 struct KeyframeSpace {
   Camera camera;
   std::vector<PlaneInView> planes;  // that the keyframe sees, by id
-  int views = 0;                    // other keyframes that they were found with
+  int views = 0;                    // other keyframes used
   SpaceEstimate estimate;           // of `planes`
 };
 

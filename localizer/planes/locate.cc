@@ -21,8 +21,8 @@ namespace {
 
 constexpr int64_t kFewestWorkingPixels = 76'800;  // 320 x 240, for maps of tiny images
 
-// The inliers of the answered place: of its planes, and of the keyframes that were verified near
-// the answered one.
+// The inliers of the answered place: those of its planes, and of the verified keyframes near the
+// answered one.
 std::vector<MapMatch> CollectMatches(const MapIndex& index, const Answer& answer,
                                      const std::vector<VerifiedPlane>& tried,
                                      const std::vector<VerifiedKeyframe>& keyframes) {

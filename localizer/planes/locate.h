@@ -11,17 +11,17 @@ namespace waystone {
 
 // How the features of a map's queries are extracted: as the map's own, from a working image with no
 // more pixels than the map's largest keyframe has, so that tolerances in px mean the same in both.
+// Pure; thread-safe.
 FeatureOptions QueryFeatureOptions(const MapIndex& index, const PlaneQueryOptions& options);
 
-// Where was the image with these features taken, by a map's planes? Shortlist, homographies,
-// places, verdict, with times. The features are of the map's type (WS_CHECK). `explain` adds
+// Localizes the image with these features by a map's planes: shortlist, homographies, places,
+// verdict, with times. The features are of the map's type (WS_CHECK). `explain` adds
 // PlaneAnswer::explanation. Pixels of the query are those of the features. Names and map are the
-// caller's. Thread-safe, deterministic but for the
-// deadline.
+// caller's. Thread-safe; deterministic except for the deadline.
 Answer LocateByPlanes(const MapIndex& index, const Features& query,
                       const PlaneQueryOptions& options, const Deadline& deadline, bool explain);
 
-// Moves an answer from pixels of the features to those of the given image.
+// Converts an answer from pixels of the features to those of the given image. Pure; thread-safe.
 void ToImagePixels(const Features& query, PlaneAnswer& answer);
 
 }  // namespace waystone

@@ -32,7 +32,7 @@ Polygon ClipToHalfPlane(const Polygon& polygon, const Vector3d& line) {
 
 Polygon ClippedOutline(const Polygon& outline, const Eigen::Matrix3d& image_from_outline,
                        const Vector2d& inside, int width, int height) {
-  // A margin keeps the horizon itself out: points there have no image.
+  // A margin excludes the horizon itself: points there have no image.
   constexpr double kMargin = 0.05;
   Vector3d horizon = image_from_outline.row(2);
   horizon /= horizon.dot(inside.homogeneous());  // 1 at `inside`, 0 on the horizon

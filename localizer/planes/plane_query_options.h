@@ -13,7 +13,7 @@
 
 namespace waystone {
 
-// How a perspective photo is looked for among a map's planes.
+// How a perspective photo is searched for among a map's planes.
 struct PlaneQueryOptions {
   int max_features = 1000;
   double contrast_threshold = 0.005;
@@ -25,8 +25,8 @@ struct PlaneQueryOptions {
   double settled_share = 0.5;
   int min_votes = 6;
   MatchOptions match{0.85, true};
-  // A wider bound than for building, since a query's camera may be another one, and fewer samples:
-  // most planes that are tried are wrong, and those cost the most.
+  // A wider bound than for building, since a query's camera may differ, and fewer samples: most
+  // planes that are tried are wrong, and those cost the most.
   LocalRansacOptions ransac{.max_error_px = 3.0, .max_samples = 500};
   HomologyOptions homology;
   GateOptions gates;

@@ -9,13 +9,13 @@
 namespace waystone {
 namespace {
 
-// Adds up votes, a voter's first one for each candidate alone.
+// Adds up votes; only a voter's first one for each candidate counts.
 class Ballot {
  public:
   explicit Ballot(size_t candidates)
       : votes_(candidates, 0), weights_(candidates, 0), last_voter_(candidates, -1) {}
 
-  // `counts` is whether it is a vote beside its weight.
+  // `counts`: whether it counts as a vote in addition to its weight.
   void Vote(int voter, int candidate, bool counts, double weight) {
     if (last_voter_[candidate] == voter) return;
     last_voter_[candidate] = voter;
@@ -31,10 +31,10 @@ class Ballot {
   std::vector<int> last_voter_;
 };
 
-// A neighbour of a query feature, and how much it speaks for what it belongs to: the more, the
-// nearer it is than the last neighbour, which stands for what any feature would find (McCann and
-// Lowe, Local Naive Bayes Nearest Neighbor, CVPR 2012), and the fewer other features of the query
-// have it among theirs (bursts: Jegou, Douze and Schmid, CVPR 2009).
+// How much a neighbour of a query feature supports what it belongs to: more, the nearer it is than
+// the last neighbour, which represents what any feature would find (McCann and Lowe, Local Naive
+// Bayes Nearest Neighbor, CVPR 2012), and the fewer other features of the query have it among their
+// neighbours (bursts: Jegou, Douze and Schmid, CVPR 2009).
 double WeightOf(FeatureType type, const Neighbour& neighbour, const Neighbour& last, int voters) {
   if (last.distance <= 0) return 0;
   return (1 - DistanceRatio(type, neighbour.distance, last.distance)) / voters;

@@ -30,13 +30,13 @@ struct Shortlist {
 // the votes of the planes that it saw too, each by the share of the plane's features that it saw.
 // Planes are ranked by their votes. Keyframes are ranked by how far the weight of their votes is
 // beyond what as many features get by chance: one that saw more isn't likelier to be seen again. No
-// number of votes is required of them, which are spread over as many as there were visits.
-// A vote weighs more the nearer its descriptor is than those of the background, and less where many
-// features of the query vote for the same descriptor.
+// minimum number of votes is required of keyframes, since votes are spread over all visits.
+// A vote weighs more the nearer its descriptor is compared with the background, and less where many
+// features of the query vote for the same descriptor. Deterministic; thread-safe.
 Shortlist VoteForPlaces(const MapIndex& index, const Features& query,
                         const PlaneQueryOptions& options);
 
-// The planes of VoteForPlaces alone.
+// Only the planes of VoteForPlaces.
 std::vector<ShortlistedPlane> ShortlistPlanes(const MapIndex& index, const Features& query,
                                               const PlaneQueryOptions& options);
 

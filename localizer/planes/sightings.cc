@@ -13,13 +13,13 @@
 namespace waystone {
 namespace {
 
-// None of nothing.
+// 0 where `all` is 0.
 double ShareOf(int part, int all) {
   return all == 0 ? 0 : std::min(1.0, static_cast<double>(part) / all);
 }
 
-// Planes recognise a surface from farther aside than a keyframe is, so that their inliers count as
-// found too.
+// Planes recognise a surface from viewpoints farther away than a keyframe does, so their inliers
+// count as found too.
 KeyframeEvidence EvidenceFor(const VerifiedKeyframe& verified, const Place& place,
                              const Features& query, const GateOptions& gates) {
   std::vector<Eigen::Vector2d> found = verified.query_points;
@@ -59,8 +59,8 @@ bool WasSeenFrom(const MapIndex& index, const VerifiedPlane& plane, const std::s
                              [&](int keyframe) { return near.contains(keyframe); });
 }
 
-// A place of planes alone is at most as probable as those are whose keyframes saw its planes: of
-// what a keyframe refused, a part that contradicts the rest is no answer.
+// A place without a keyframe is at most as probable as those whose keyframes saw its planes: when a
+// keyframe refuses them, a part that contradicts the rest isn't an answer.
 void BoundByKeyframes(const MapIndex& index, std::vector<Place>& places) {
   for (Place& place : places) {
     if (place.keyframe) continue;
@@ -71,8 +71,8 @@ void BoundByKeyframes(const MapIndex& index, std::vector<Place>& places) {
   }
 }
 
-// Gives each visit of a group's planes those that were seen from near it; the first one also those
-// that were seen from near none.
+// Assigns to each visit of a group's planes those seen from near it; the first one also gets those
+// seen from near none.
 void DividePlanes(const MapIndex& index, const std::vector<VerifiedPlane>& planes,
                   const std::vector<JoinedPlace*>& visits) {
   for (JoinedPlace* visit : visits) {
@@ -139,7 +139,7 @@ std::vector<VerifiedKeyframe> VerifyKeyframes(const MapIndex& index, const Featu
     for (const ShortlistedKeyframe& candidate : shortlist.keyframes) verify(candidate.keyframe);
     joined = join();
   }
-  // What comes first now may be a place that no keyframe was asked for.
+  // The place that now comes first may not have had a keyframe verified.
   while (is_settled(joined) && !joined.front().keyframe) {
     const size_t before = asked.size();
     verify(index.IndexOf(NearestKeyframe(index, joined.front(), query)));
@@ -161,7 +161,7 @@ void JoinKeyframes(const MapIndex& index, const Features& query,
       return one.place.keyframe ? one.near.contains(verified.keyframe)
                                 : SawPlanesOf(index, verified.keyframe, one.place);
     });
-    if (home != joined.end() && home->place.keyframe) continue;  // a better one is there
+    if (home != joined.end() && home->place.keyframe) continue;  // it already has a better one
     if (home == joined.end() && verified.distinct < options.gates.min_inliers) continue;
     JoinedPlace& one = home == joined.end() ? joined.emplace_back() : *home;
     one.place.keyframe = verified;

@@ -15,10 +15,10 @@ using Eigen::Vector2d;
 constexpr double kDiscShare = 1.0 / 40;  // of the image's area
 constexpr int kSamplesPerSide = 40;      // of the image, at which it is covered or not
 
-// Of two features that are this far apart, in scale_px, neither says what the other does. SIFT:
-// what they see hardly overlaps, 4 x 4 cells of 3 sigma each (Lowe 2004, as OpenCV has it; scale_px
-// is 2 sigma). ORB and AKAZE: 15 % of what they see, a patch as large as scale_px, and a grid ten
-// times as large (docs/benchmarks.md, What was tried).
+// Two features this far apart, in units of scale_px, are independent. SIFT: their regions hardly
+// overlap, 4 x 4 cells of 3 sigma each (Lowe 2004, as in OpenCV; scale_px is 2 sigma). ORB and
+// AKAZE: 15 % of their regions, a patch as large as scale_px, and a grid ten times as large
+// (docs/benchmarks.md, What was tried).
 double IndependenceDistance(FeatureType type) {
   switch (type) {
     case FeatureType::kSift:
@@ -31,7 +31,7 @@ double IndependenceDistance(FeatureType type) {
   WS_CHECK(false, "unknown feature type");
 }
 
-// How many are taken one after the other, each unless it is near one that was taken.
+// How many are taken one after the other, skipping each that is near one already taken.
 template <typename T>
 int CountUnlessNear(const std::vector<T>& all, auto&& are_near) {
   std::vector<T> taken;

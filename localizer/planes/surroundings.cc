@@ -9,15 +9,15 @@
 namespace waystone {
 namespace {
 
-// In a stretch, steps between keyframes that show one surrounding: each still shares
+// Steps in a stretch between keyframes with the same surroundings: each still shares
 // min_matches_before_last features with the one two steps before, and so with a third view between
-// them. Where a stretch ends nothing is shared: the next photo may have been taken anywhere.
+// them. Across the end of a stretch nothing is shared: the next photo may have been taken anywhere.
 constexpr int kNearKeyframes = 4;
 
-// A visit is linked with some of those before it, not with all of them.
+// A visit is linked with only some of those before it.
 constexpr int kLinksInARow = 4;
 
-// One poster, sign or door may hang in two places, and planes of both may be fused.
+// The same poster, sign or door may be in two places, and planes of both may be fused.
 constexpr int kSharedPlanes = 2;
 
 // Keyframes, each once, in the order in which they were added.
@@ -72,7 +72,7 @@ class Around {
     }
   }
 
-  // Those to which the plane was followed from the keyframe of one of its views.
+  // Adds the keyframes to which the plane was tracked from that of one of its views.
   void AddFollowed(const MapIndex::SeenPlane& seen, KeyframeSet& around) const {
     const std::vector<int>& saw = index_.KeyframesThatSaw(seen.plane);
     const int last = static_cast<int>(saw.size()) - 1;

@@ -30,13 +30,13 @@ double ScaleAt(const Matrix3d& h, const Vector2d& x) {
   return std::copysign(std::sqrt(std::abs(area)), area);
 }
 
-// Lengths of an image over those of another one that shows the same field of view.
+// Ratio of lengths in an image to those in another one with the same field of view.
 double SizeRatio(const Features& query, const Keyframe& reference) {
   return std::sqrt((static_cast<double>(query.width) * query.height) /
                    (static_cast<double>(reference.width) * reference.height));
 }
 
-// By fields of view, not by pixels: a photo of 48 megapixels isn't taken from closer by.
+// By fields of view, not by pixels: a photo of 48 megapixels wasn't taken from closer.
 bool ScalesSensibly(const VerifiedPlane& verified, const Features& query, const Keyframe& reference,
                     double max_scale) {
   const double size_ratio = SizeRatio(query, reference);

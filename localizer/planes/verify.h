@@ -18,7 +18,7 @@ struct VerifiedPlane {
   int plane = 0;  // index in the map's planes
   HomographyEstimate reference_from_query;
   std::vector<Match> inliers;             // a: query keypoint, b: feature of the plane
-  int matches = 0;                        // that the homography was looked for in
+  int matches = 0;                        // in which the homography was searched
   int distinct = 0;                       // inliers at distinct positions of the query
   bool accepted = false;                  // passed the plane's gates
   Gate stopped_by = Gate::kNoHomography;  // the first gate that it failed; kPassed when accepted
@@ -34,16 +34,18 @@ struct PackedFeatures {
 };
 
 // The homography between a query and one plane by RANSAC, with its acceptance test. Nothing when
-// there is no homography at all.
+// there is no homography at all. Deterministic; thread-safe, as all functions here (TryPlanes up to
+// its deadline).
 std::optional<VerifiedPlane> VerifyPlane(const MapIndex& index, const PackedFeatures& query,
                                          int plane, const PlaneQueryOptions& options);
 
-// Whether a plane that settled where the query is makes it pointless to try a candidate.
+// Whether it is pointless to try a candidate, since another plane has settled where the query is.
 bool IsBeaten(const MapIndex& index, const ShortlistedPlane& candidate, const VerifiedPlane& best,
               const PlaneQueryOptions& options);
 
-// The homographies of the shortlisted planes, in their order, until the deadline. Planes elsewhere
-// are left out once one has settled where the query is (PlaneQueryOptions::settled_inliers).
+// Estimates the homographies of the shortlisted planes, in their order, until the deadline. Planes
+// elsewhere are skipped once one has settled where the query is
+// (PlaneQueryOptions::settled_inliers).
 std::vector<VerifiedPlane> TryPlanes(const MapIndex& index, const Features& query,
                                      const std::vector<ShortlistedPlane>& shortlist,
                                      const PlaneQueryOptions& options,
@@ -51,7 +53,7 @@ std::vector<VerifiedPlane> TryPlanes(const MapIndex& index, const Features& quer
 
 // Whether two recognised planes agree: seen together in a keyframe, the homographies from the query
 // to that keyframe through either plane must form a valid homology (sec. II-B). Nothing when no
-// keyframe saw both, so that they can't be compared.
+// keyframe saw both and they can't be compared.
 std::optional<bool> PlanesAgree(const MapIndex& index, const VerifiedPlane& m,
                                 const VerifiedPlane& n, const PlaneQueryOptions& options);
 

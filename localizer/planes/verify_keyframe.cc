@@ -19,8 +19,8 @@ bool IsInside(const Vector2d& x, int width, int height) {
 }
 
 // The affinity query_from_keyframe that fits the inliers best, linear part and shift. An epipolar
-// geometry alone says on which line a feature is, not where; that it lies inside the image needs no
-// more than this.
+// geometry only gives the line on which a feature lies; an affinity suffices to tell whether it is
+// inside the image.
 Eigen::Matrix<double, 2, 3> FitAffinity(const VerifiedKeyframe& verified) {
   const auto n = static_cast<Eigen::Index>(verified.query_points.size());
   Eigen::MatrixXd from(n, 3);
@@ -32,7 +32,7 @@ Eigen::Matrix<double, 2, 3> FitAffinity(const VerifiedKeyframe& verified) {
   return from.colPivHouseholderQr().solve(to).transpose();
 }
 
-// EpipolarSignificance for `counted` inliers, of as large a share of the matches as these are of
+// EpipolarSignificance for `counted` inliers, with the matches reduced in the same proportion as
 // the distinct inliers.
 double SignificanceOf(int counted, const VerifiedKeyframe& verified, const Features& query,
                       double max_error_px) {

@@ -12,15 +12,16 @@
 
 namespace waystone {
 
-// All that a map knows of what a keyframe showed: the features of its planes, carried there by
-// their homographies, and its landmarks.
+// All features of a keyframe that a map stores: those of its planes, mapped there by their
+// homographies, and its landmarks.
 struct KeyframeFeatures {
   std::vector<Eigen::Vector2d> positions;  // in the keyframe, px
   Descriptors descriptors;                 // row i belongs to positions[i]
   std::vector<int> rows;                   // of MapIndex::search()
 };
 
-// Those that lie in the keyframe's image. `keyframe` is an index in the map's keyframes.
+// Those that lie in the keyframe's image. `keyframe` is an index in the map's keyframes. Pure;
+// thread-safe.
 KeyframeFeatures CollectKeyframeFeatures(const MapIndex& index, int keyframe);
 
 // A keyframe after the query's matches with it were verified by one epipolar geometry.
@@ -32,7 +33,7 @@ struct VerifiedKeyframe {
   std::vector<MapMatch> inliers;  // the same as features
   int matches = 0;                // among which they were found
   int distinct = 0;               // inliers at distinct positions of the query
-  // Features of the keyframe that the inliers put where the query can show them (CanShow).
+  // Features of the keyframe that, by the inliers, lie where the query can show them (CanShow).
   int expected = 0;
   double coverage = 0;      // as ComputeCoverage has it for the inliers
   int independent = 0;      // inliers that CountIndependent counts, at most all distinct ones
@@ -43,7 +44,7 @@ struct VerifiedKeyframe {
 
 // Matches a keyframe with the query (mutually nearest, one to one, with the ratio test against the
 // query's features, which are many more) and keeps what fits one epipolar geometry: no inlier when
-// nothing fits. Deterministic.
+// nothing fits. Deterministic; thread-safe.
 VerifiedKeyframe VerifyKeyframe(const MapIndex& index, const Features& query, int keyframe,
                                 const PlaneQueryOptions& options);
 

@@ -2,7 +2,6 @@
 #include "localizer/poses/locate_pose.h"
 
 #include <algorithm>
-#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -50,7 +49,7 @@ class PoseFinder {
     return MakePointSightings(index_, query_, camera_, sigma_rad_, std::move(matches));
   }
 
-  // What the query shows of the nearest keyframes' features where a pose puts them.
+  // The nearest keyframes' features that the query shows where a pose predicts them.
   std::vector<MapMatch> Search(const Isometry3d& frame_from_query) const {
     const KeypointGrid grid(query_, options_.search_px);
     const Isometry3d query_from_frame = frame_from_query.inverse();
@@ -90,7 +89,7 @@ class PoseFinder {
   double sigma_rad_ = 0;
 };
 
-// Of the errors that the points of one keyframe share.
+// The covariance of the errors that the points of one keyframe share.
 Matrix6d CovarianceOf(const PoseNoise& noise) {
   Matrix6d covariance = Matrix6d::Zero();
   covariance.diagonal().head<3>().setConstant(noise.position_sigma * noise.position_sigma);
@@ -117,7 +116,7 @@ void AddPose(const MapIndex& index, const Features& query, const std::optional<C
     answer.pose_reason = "not localized";
     return;
   }
-  // Of several images of a request only the first has to be the camera's.
+  // Of several images of a request, only the first must have the camera's size.
   const cv::Size size = ImageSize(query);
   if (camera && cv::Size(camera->width, camera->height) != size) {
     answer.pose_reason = "the camera has " + SizeText(camera->width, camera->height) +

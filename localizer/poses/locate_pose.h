@@ -11,11 +11,11 @@
 
 namespace waystone {
 
-// Adds to an answer of the plane layer the pose of the query in the frame of the map's pose layer,
-// or why there is none: from the matches of its place (PlaneAnswer::matches) whose features have a
+// Adds to an answer of the plane layer the query's pose in the frame of the map's pose layer, or
+// why there is none: from the matches of its place (PlaneAnswer::matches) whose features have a
 // depth, and then from all features of the nearest keyframes that the query shows where this pose
-// puts them. A camera of another size than the query isn't its own; without `camera`, that of the
-// map's images is taken where the query has their size. Nothing is added for a map without poses,
+// predicts them. A camera of another size than the query is ignored; without `camera`, that of the
+// map's images is used where the query has their size. Nothing is added for a map without poses,
 // and the verdict never changes. Deterministic; thread-safe.
 void AddPose(const MapIndex& index, const Features& query, const std::optional<Camera>& camera,
              const PoseQueryOptions& options, Answer& answer);

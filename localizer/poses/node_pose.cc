@@ -17,7 +17,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using LevelAxes = Eigen::Matrix<double, 3, 2>;
 
-// A node isn't nearer than this, for stability.
+// Distances to nodes are at least this, for stability.
 constexpr double kLeastSpacings = 0.05;
 
 LevelAxes LevelAxesOf(const Horizontal& horizontal) {
@@ -26,7 +26,7 @@ LevelAxes LevelAxesOf(const Horizontal& horizontal) {
   return axes;
 }
 
-// The mean of the nodes that were considered, the nearer and the better verified counting more.
+// The mean height of the considered nodes, with nearer and better verified ones weighted more.
 double HeightOf(const MapIndex& index, const PanoramaAnswer& panorama, const NodePose& nearest) {
   const Horizontal& horizontal = *index.horizontal();
   const double spacing = std::max(index.appearance().spacing(), 1e-9);
@@ -50,7 +50,7 @@ double HeightOf(const MapIndex& index, const PanoramaAnswer& panorama, const Nod
   return sum / weights;
 }
 
-// Against the best node, which the answer's heading is from, or else the nearest.
+// Relative to the best node, from which the answer's heading comes, or else to the nearest.
 Matrix3d RotationOf(const MapIndex& index, const Answer& answer, const NodePose& nearest) {
   const PanoramaAnswer& panorama = *answer.panorama;
   const bool in_series = answer.decided_by == DecidedBy::kSeries;

@@ -10,18 +10,18 @@
 namespace waystone {
 
 // Whether an answer of the appearance layer rests on features (PoseLayer::verified_errors) and not
-// on appearance alone.
+// only on appearance. Pure; thread-safe.
 bool IsVerified(const PanoramaAnswer& panorama);
 
-// What is taken for the errors of answers where their map has too few panoramas to measure them;
-// `spacing`: of its nodes, in the layer's unit.
+// The assumed errors of answers where their map has too few panoramas to measure them; `spacing`:
+// of its nodes, in the layer's unit. Pure; thread-safe.
 NodePoseErrors DefaultNodePoseErrors(double spacing, bool verified);
 
-// The pose of a query in the frame of the map's pose layer by what the appearance layer answered:
-// on the ground as answered; as high as the nodes around; and turned as the relative pose against
-// the best node says, or else by the heading alone, upright. The covariance is the answer's own,
-// enlarged by `errors`. Nothing where the nearest node has no pose or the heading isn't known. The
-// map has a pose layer (WS_CHECK). Deterministic; thread-safe.
+// The pose of a query in the frame of the map's pose layer from the appearance layer's answer:
+// position on the ground as answered, height as that of the nodes around it, and rotation by the
+// relative pose to the best node, or else by the heading only, upright. The covariance is the
+// answer's own, enlarged by `errors`. Nothing where the nearest node has no pose or the heading
+// isn't known. The map has a pose layer (WS_CHECK). Deterministic; thread-safe.
 std::optional<QueryPose> EstimateNodePose(const MapIndex& index, const Answer& answer,
                                           const NodePoseErrors& errors);
 

@@ -8,7 +8,7 @@
 namespace waystone {
 namespace {
 
-// A keyframe that looks in another direction shows little of what the camera does.
+// A keyframe that looks in another direction shares little with the camera's view.
 constexpr double kAlikeGazeCosine = 0.5;
 
 }  // namespace

@@ -13,16 +13,16 @@
 
 namespace waystone {
 
-// What a query's matches say about its pose: the matches whose features have a position in the
-// frame of the map's pose layer, each once; those that share a keypoint share its weight.
-// `sigma_rad`: standard deviation of the query's rays.
+// A query's matches as input for its pose: those whose features have a position in the frame of the
+// map's pose layer, each once; those that share a keypoint share its weight. `sigma_rad`: standard
+// deviation of the query's rays. Pure; thread-safe.
 std::vector<PointSighting> MakePointSightings(const MapIndex& index, const Features& query,
                                               const Camera& camera, double sigma_rad,
                                               std::vector<MapMatch> matches);
 
-// Keyframes with poses (indices in map().keyframes) that look in much the same direction as a
-// camera, the nearest `count`, nearest first; of those that `admits`, if given. The map has a pose
-// layer.
+// The `count` nearest keyframes with poses (indices in map().keyframes) that look in much the same
+// direction as a camera, nearest first; only those that `admits` accepts, if given. The map has a
+// pose layer. Thread-safe if `admits` is.
 std::vector<int> NearestPosedKeyframes(const MapIndex& index,
                                        const Eigen::Isometry3d& frame_from_camera, int count,
                                        const std::function<bool(int)>& admits = nullptr);

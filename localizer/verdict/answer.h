@@ -18,7 +18,8 @@
 
 namespace waystone {
 
-// How a query ends. All are answers, not errors. kUndecided comes only to those who set a deadline.
+// The outcome of a query. All are answers, not errors. kUndecided occurs only with a deadline. All
+// functions in this header are pure; thread-safe.
 enum class Verdict { kLocalized, kAmbiguous, kNotInMap, kBadImage, kUndecided };
 
 // "localized", "ambiguous", "not_in_map", "bad_image", "undecided".
@@ -32,21 +33,21 @@ enum class DecidedBy {
   kHomographyInliers,  // planes that fit, or none that does
   kEpipolarInliers,    // a keyframe that fits by its landmarks
   kInlierShare,        // too few of the best plane's matches fit its homography
-  kHomographyScale,    // the best plane's homography scales beyond belief
+  kHomographyScale,    // the best plane's homography has an implausible scale
   kPlaceProbability,   // the best place isn't probable enough
   kAmbiguousPlaces,    // two places of a map look alike
   kAmbiguousMaps,      // several maps recognise the image
   kBuildingAxes,       // the image's lines against the building's axes
-  kPanoramaSignature,  // a panorama's appearance alone
+  kPanoramaSignature,  // only a panorama's appearance
   kPanoramaFeatures,   // relative poses to the nodes' features
-  kPhoto,              // a photo that no two panoramas show enough of, or can't be asked for
+  kPhoto,              // a photo that no two panoramas show enough of, or that can't be queried
   kPhotoFeatures,      // a photo's relative poses to the nodes' features
   kSeries,             // the belief over a series of panoramas
   kDeadline,           // the query's deadline
   kBadImage,           // bytes that are no image, or an image that can't be used
   kImageTooLarge,      // an image beyond the limits
 };
-// As the JSON answer has it: "homography_inliers", "building_axes", ...; "" for kNone.
+// As in the JSON answer: "homography_inliers", "building_axes", ...; "" for kNone.
 const char* NameOf(DecidedBy gate);
 
 // The stages of a query, in their order.
@@ -54,7 +55,7 @@ enum class Stage { kQueue, kDecode, kExtract, kShortlist, kDecide };
 // "queue", "decode", "extract", "shortlist", "decide".
 const char* NameOf(Stage stage);
 
-// A keyframe as an answer names it.
+// A reference to a keyframe in an answer.
 struct KeyframeRef {
   KeyframeId id;
   std::string sequence;  // name
@@ -101,14 +102,15 @@ struct BuildingView {
   Eigen::Quaterniond building_from_query = Eigen::Quaterniond::Identity();
   std::optional<Heading>
       heading;  // in the building: of the view ahead; nothing where it stays open
-  // Lines of the query that run along the building's x, y and z; none where it isn't known by them.
+  // Numbers of the query's lines along the building's x, y and z; 0 where the rotation isn't from
+  // lines.
   std::array<int, 3> lines{};
   // Angle between the axes by the query's lines and those that the place implies, up to quarter
-  // turns; nothing where the lines say nothing clear.
+  // turns; nothing where the lines are inconclusive.
   std::optional<double> disagreement_rad;
 };
 
-// A node of the appearance layer as an answer names it.
+// A reference to a node of the appearance layer in an answer.
 struct NodeRef {
   AppearanceNodeId id;
   std::string sequence;  // name
@@ -123,7 +125,7 @@ struct NodeCandidate {
   double probability = 0;  // in [0, 1]
   double cost = 0;         // of appearance: 0 the same view, about 1 another place
   int inliers = 0;         // features that fit one motion; 0 when it wasn't verified
-  // The query's rotation against it by that motion; nothing when it wasn't verified.
+  // The query's rotation relative to the node by that motion; nothing when it wasn't verified.
   std::optional<Eigen::Matrix3d> query_from_node;
 };
 
@@ -155,13 +157,12 @@ struct QueryPose {
   // Of the position, x y z, and of a small rotation about the frame's x, y and z,
   // exp(delta) frame_from_camera: unit^2, unit rad, rad^2.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  int inliers = 0;  // matches that support it; 0 for a panorama by its appearance alone
-  // The request didn't say what the camera is; that of the map's images, of the same size, was
-  // taken.
+  int inliers = 0;  // matches that support it; 0 for a panorama by its appearance only
+  // Whether the request had no camera, and that of the map's images, of the same size, was used.
   bool by_own_camera = false;
 };
 
-// What the plane layer makes of a query. Empty where the appearance layer answered.
+// The plane layer's answer to a query. Empty where the appearance layer answered.
 struct PlaneAnswer {
   std::optional<KeyframeRef> keyframe;      // nearest; only when localized
   std::vector<RecognisedPlane> recognised;  // most inliers first; none where landmarks settled it
@@ -176,8 +177,8 @@ struct PlaneAnswer {
 // Inliers of the best plane or, where no plane was recognised, of the keyframe; 0 with neither.
 int CountBestInliers(const PlaneAnswer& answer);
 
-// What the appearance layer makes of a query: where it was taken, which is to be believed only when
-// the answer is localized.
+// The appearance layer's answer to a query: where it was taken, which is valid only when the answer
+// is localized.
 struct PanoramaAnswer {
   NodeRef node;      // the nearest
   Pose2 pose;        // of the query, in the layer's frame and units
@@ -185,7 +186,7 @@ struct PanoramaAnswer {
   // Of the position, in the layer's frame; `sigma` is along its worst direction.
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
   std::optional<double> metres_per_unit;  // nothing when the layer's scale isn't known
-  // The nodes that were considered, best first; those near the best are there as well.
+  // The nodes that were considered, best first, including those near the best.
   std::vector<NodeCandidate> candidates;
   std::optional<NodeCandidate> runner_up;  // the best node elsewhere
 };
@@ -206,7 +207,7 @@ struct StageTimes {
   double total_ms = 0;
 };
 
-// What the localizer says of one image and one map.
+// The localizer's answer for one image and one map.
 struct Answer {
   Verdict verdict = Verdict::kNotInMap;
   double probability = 0;  // that the place is right; in [0, 1]
@@ -218,13 +219,13 @@ struct Answer {
   PlaneAnswer planes;
   std::optional<PanoramaAnswer> panorama;  // where the appearance layer answered
   std::optional<QueryPose> pose;           // of a localized photo of known camera, or a panorama
-  std::string pose_reason;                 // why a map with poses gives none
+  std::string pose_reason;                 // why a map with poses gave none
   std::optional<std::string> place_name;   // what people named the place of a localized query
   std::optional<PlanPosition> plan;        // of a localized query with a position on a plan
-  // What the next panorama of a series is asked with: the likeliest nodes, by index. Empty as long
-  // as none looked like a place of the map.
+  // The belief for the next panorama of a series: the likeliest nodes, by index. Empty as long as
+  // no panorama looked like a place of the map.
   FilterState belief;
-  // Of a panorama of a series: what the next one is compared with.
+  // For a panorama of a series: what the next one is compared with.
   std::optional<FourierSignature> described;
   DecidedBy decided_by = DecidedBy::kNone;
   std::string message;  // one line for people: why it isn't localized, and what would help
@@ -233,7 +234,7 @@ struct Answer {
   StageTimes timing;
 };
 
-// "89%", rounded down, so that no share reads as a threshold that it misses.
+// "89%", rounded down, so that no share appears to reach a threshold that it misses.
 std::string PercentText(double share);
 
 // The answer once the deadline has passed, `last` being the last stage that was finished.

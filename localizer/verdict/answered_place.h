@@ -30,7 +30,7 @@ struct AnsweredPlace {
   std::optional<double> time_s;
   std::optional<PlacePosition> position;  // of the query; nothing where the map has no positions
   std::optional<Heading> heading;         // of the query
-  std::optional<std::string> name;        // what people called it, if they did
+  std::optional<std::string> name;        // given by people, if any
   std::optional<PlanPosition> plan;       // of the query, on a floor plan that shows it
 };
 

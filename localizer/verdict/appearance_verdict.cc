@@ -14,15 +14,15 @@
 namespace waystone {
 namespace {
 
-// A kind of evidence: the name by which a map keeps its weight, where it is found, and whether it
-// speaks for a place (1) or against it (-1).
+// A kind of evidence: the name under which maps store its weight, its field, and whether it counts
+// for a place (1) or against it (-1).
 struct Term {
   const char* name;
   double AppearanceEvidence::*of;
   int sign;
 };
 
-// By kind, names ascending, as the map keeps them.
+// By kind, names ascending, as stored in maps.
 constexpr Term kAlone[] = {{"agreement", &AppearanceEvidence::agreement, 1},
                            {"cost", &AppearanceEvidence::cost, -1},
                            {"margin", &AppearanceEvidence::margin, 1}};
@@ -85,8 +85,8 @@ LogisticPrior PriorOf(bool verified, const AppearanceFitOptions& options) {
 void AppearanceFitOptions::Check() const { CheckFields("appearance_verdict", *this); }
 
 AppearanceVerdict DefaultVerdict(bool verified) {
-  // More than 13 inliers that no other place comes near, seen from nearly there; a view of half the
-  // typical cost that stands out.
+  // Believed are more than 13 inliers, far more than for any other place, seen from nearby; or a
+  // view of half the typical cost that stands out.
   Eigen::VectorXd coefficients(5);
   coefficients << -12, -1, 1.5, 4, -4;
   return verified ? ModelOf(coefficients, true) : ModelOf(Eigen::Vector4d(4, 1, -10, 15), false);

@@ -8,8 +8,8 @@
 
 namespace waystone {
 
-// What speaks for a node as the place of a panorama. Terms of AppearanceVerdict, by name:
-//   "agreement", "cost", "margin"  for answers by appearance alone;
+// The evidence for a node as the place of a panorama. Terms of AppearanceVerdict, by name:
+//   "agreement", "cost", "margin"  for answers by appearance only;
 //   "deviation_spacings", "log_inlier_margin", "log_inliers", "parallax_rad"  for answers that were
 //                                  verified by features.
 struct AppearanceEvidence {
@@ -19,24 +19,27 @@ struct AppearanceEvidence {
   bool verified = false;
   double log_inliers = 0;        // log(1 + inliers)
   double log_inlier_margin = 0;  // less the same of the best place elsewhere
-  // Median angle between what the node and the query see of one point, without their turn: small
-  // where the query is near for the room's size, large where it sees the node's place from afar.
+  // Median angle between the node's and the query's rays to the same point, after removing the
+  // rotation: small where the query is near relative to the room's size, large where it sees the
+  // node's place from afar.
   double parallax_rad = 0;
-  // Of the position, over the size of a place: 1 for a single view, less where the directions of
-  // several cross.
+  // Sigma of the position over the size of a place: 1 for a single view, less where the directions
+  // of several views intersect.
   double sigma_spacings = 0;
 };
 
-// The model that holds where a layer has none of its own, for verified answers or the others.
+// The default model where a layer has none of its own, for verified answers or for the others. This
+// function and all below are pure; thread-safe.
 AppearanceVerdict DefaultVerdict(bool verified);
 
-// The layer's model for this kind of evidence where it knows all terms, else the default.
+// The layer's model for this kind of evidence where this program knows all of its terms, else the
+// default.
 AppearanceVerdict VerdictFor(const AppearanceLayer& layer, bool verified);
 
 // The probability that a place with this evidence is right, in (0, 1), by a model for its kind.
 double EstimateProbability(const AppearanceEvidence& evidence, const AppearanceVerdict& model);
 
-// Its logarithm of odds: sums of it compare places that exclude each other.
+// Its log odds, whose sums compare places that exclude each other.
 double EstimateLogOdds(const AppearanceEvidence& evidence, const AppearanceVerdict& model);
 
 // The probability that a panorama was taken at the first of two places that exclude each other or
@@ -73,8 +76,8 @@ struct AppearanceFitOptions {
 };
 
 // The most probable model (logistic regression with a normal prior around the default), fitted to
-// samples of one kind. Each weight keeps the sign that its evidence means: inliers and margins
-// speak for a place, cost, parallax and the position's sigma against it. Deterministic. Too few
+// samples of one kind. Each weight keeps the sign of its meaning: inliers, margins and agreement
+// support a place; cost, parallax and the position's sigma count against it. Deterministic. Too few
 // samples give the default's weights.
 AppearanceVerdict FitAppearanceVerdict(std::span<const AppearanceSample> samples, bool verified,
                                        const AppearanceFitOptions& options = {});

@@ -7,7 +7,7 @@
 
 namespace waystone {
 
-// When an answer is no use any more; nothing for never.
+// The time after which an answer is useless; nothing for never. HasPassed is thread-safe.
 using Deadline = std::optional<Clock::time_point>;
 
 inline bool HasPassed(const Deadline& deadline) { return deadline && Clock::now() >= *deadline; }

@@ -7,7 +7,7 @@
 #include "core/base/ids.h"
 #include "localizer/verdict/gates.h"
 
-// Why a query got the answer that it got: what became of every plane that was shortlisted.
+// Why a query got its answer: what became of every shortlisted plane.
 namespace waystone {
 
 // The gates that a shortlisted plane has to pass, in this order. The first that it fails stops it.
@@ -20,12 +20,13 @@ enum class Gate {
   kMaxScale,        // GateOptions::max_scale
 };
 // "passed", "settled", "no_homography", "min_inliers", "min_inlier_share", "max_scale".
+// Thread-safe.
 const char* NameOf(Gate gate);
 
 // A plane of the shortlist.
 struct ExplainedCandidate {
   PlaneId plane;
-  KeyframeId reference;  // that the plane's pixels are of
+  KeyframeId reference;  // whose pixels the plane's are
   int votes = 0;         // features of the query that have the plane among their nearest
   int matches = 0;       // between the query and the plane; 0 where none were looked for
   int distinct = 0;      // inliers at distinct positions of the query
@@ -63,7 +64,7 @@ struct Explanation {
   int width = 0;  // of the query, px
   int height = 0;
   int features = 0;
-  GateOptions gates;                           // that had to be passed
+  GateOptions gates;                           // the limits that were applied
   std::vector<ExplainedCandidate> candidates;  // in the shortlist's order: most votes first
   std::vector<ExplainedKeyframe> keyframes;    // most inliers first; none without landmarks
   std::vector<ExplainedPlace> places;          // as JoinKeyframes sorts them

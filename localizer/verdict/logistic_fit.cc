@@ -17,7 +17,7 @@ constexpr double kConverged = 1e-9;
 // log(1 + e^x) without overflow.
 double SoftPlus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }
 
-// Minus the logarithm of the posterior but for a constant, with its slopes.
+// The negative log posterior up to a constant, with its derivatives.
 struct Posterior {
   double cost = 0;
   Eigen::VectorXd gradient;  // of the logarithm of the posterior: uphill
@@ -41,7 +41,7 @@ Posterior PosteriorAt(const Eigen::VectorXd& at, std::span<const LogisticSample>
   return posterior;
 }
 
-// Newton's step of the coefficients that no bound holds; those that one holds stay.
+// Newton's step for the coefficients that are free; those held at a bound stay.
 Eigen::VectorXd FreeStep(const Eigen::VectorXd& at, const Posterior& posterior,
                          const LogisticPrior& prior) {
   Eigen::VectorXd gradient = posterior.gradient;

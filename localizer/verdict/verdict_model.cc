@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLeastWeight = 0.1;  // of the inliers, so that they always tell places apart
+constexpr double kLeastWeight = 0.1;  // of the inliers, so that they always distinguish places
 
 Vector3d FactorsOf(const Evidence& evidence) {
   return {1, std::log1p(static_cast<double>(evidence.inliers)), evidence.best_share};
@@ -38,7 +38,7 @@ VerdictModel FitVerdictModel(std::span<const VerdictSample> samples, const FitOp
   VerdictModel model;
   for (const VerdictSample& sample : samples) ++(sample.right ? model.positives : model.negatives);
   if (std::min(model.positives, model.negatives) < options.min_samples) return model;
-  // More inliers, and a larger share of them, never speak against a place.
+  // More inliers, and a larger share of them, never count against a place.
   constexpr double kAny = std::numeric_limits<double>::infinity();
   const LogisticPrior prior{
       CoefficientsOf(VerdictModel{}),

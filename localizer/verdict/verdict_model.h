@@ -8,16 +8,16 @@
 
 namespace waystone {
 
-// What speaks for a place.
+// The evidence for a place.
 struct Evidence {
   int inliers = 0;        // of all its planes, at distinct positions of the query
   double best_share = 0;  // of its best plane's matches that are inliers, in [0, 1]
 };
 
-// The probability that a place with this evidence is right, in (0, 1).
+// The probability that a place with this evidence is right, in (0, 1). Pure; thread-safe.
 double EstimateProbability(const Evidence& evidence, const VerdictModel& model);
 
-// One place of which it is known whether it was right.
+// One place that is known to be right or wrong.
 struct VerdictSample {
   Evidence evidence;
   bool right = false;
@@ -47,9 +47,9 @@ struct FitOptions {
 };
 
 // The model's most probable coefficients (a logistic regression with a normal prior), so that
-// samples which are told apart without an error don't drive them to infinity. The two classes weigh
-// the same, however many samples each has. More inliers and a larger share never count against a
-// place. Too few samples give the coefficients of the model that holds for any map. Deterministic.
+// perfectly separable samples don't drive them to infinity. Both classes weigh the same, however
+// many samples each has. More inliers and a larger share never count against a place. Too few
+// samples give the coefficients of the default model. Deterministic; thread-safe.
 VerdictModel FitVerdictModel(std::span<const VerdictSample> samples,
                              const FitOptions& options = {});
 

@@ -26,14 +26,14 @@
 namespace waystone {
 namespace {
 
-// Findings of integrity_check that are listed; a torn file has one for every row.
+// The most findings of integrity_check that are listed; a torn file has one per row.
 constexpr int kMaxIntegrityFindings = 1000;
-// What begins its findings on the pages, all of which come in its first row.
+// The prefix of its findings about pages, all of which are in its first row.
 constexpr std::string_view kPageFindings = "*** in database";
 // The page of this byte holds nothing: SQLite locks it (https://www.sqlite.org/fileformat2.html).
 constexpr int64_t kLockByte = 0x40000000;
-// Instructions of SQLite's that checking and reading may take: many times the 3 a byte that maps
-// with the smallest rows take.
+// How many SQLite instructions checking and reading may take: many times the 3 per byte that maps
+// with the smallest rows need.
 constexpr int64_t kLeastSteps = 10'000'000;
 constexpr int64_t kStepsPerByte = 50;
 
@@ -117,7 +117,7 @@ void CompareContents(SQLite::Database& database, const std::string& table,
   }
 }
 
-// The table may be missing, if it was when `contents` was filled.
+// The table may be missing if it was also missing when `contents` was filled.
 void CompareOptionalContents(SQLite::Database& database, const std::string& table,
                              std::vector<MapProblem>& problems) {
   if (database.tableExists(table)) {
@@ -160,8 +160,8 @@ void AddLines(const std::string& findings, std::vector<MapProblem>& problems) {
   }
 }
 
-// Returns whether the pages can be read. The rest of the check would walk them, too, so it ends
-// with the first row where they can't.
+// Returns whether the pages can be read. If not, it ends with the first row, since the rest of the
+// check would walk the pages, too.
 bool FindIntegrityProblems(SQLite::Database& database, std::vector<MapProblem>& problems) {
   errno = 0;
   SQLite::Statement rows(database,
@@ -169,7 +169,7 @@ bool FindIntegrityProblems(SQLite::Database& database, std::vector<MapProblem>& 
   while (rows.executeStep()) {
     const std::string finding = rows.getColumn(0).getString();
     if (finding == "ok") continue;
-    // A page that there was no memory for is a finding, too; malloc leaves a trace.
+    // Pages for which there was no memory are also reported as findings, but malloc sets errno.
     if (errno == ENOMEM) throw std::bad_alloc();
     AddLines(finding, problems);
     if (finding.starts_with(kPageFindings)) return false;
@@ -177,7 +177,7 @@ bool FindIntegrityProblems(SQLite::Database& database, std::vector<MapProblem>& 
   return true;
 }
 
-// Runs one check; what SQLite can't read is a finding, too. Returns whether it could.
+// Runs one check; if SQLite can't read something, that is a finding, too. Returns whether it could.
 template <class Check>
 bool Guarded(const std::string& where, std::vector<MapProblem>& problems, const Check& check) {
   try {
@@ -273,7 +273,7 @@ std::vector<MapProblem> FindAlteredContents(SQLite::Database& database,
     if (!HasContents(object)) continue;
     Guarded(object.name, problems, [&] { CompareContents(database, object.name, problems); });
   }
-  if (objects.empty()) return problems;  // a database that nothing was put into has no contents
+  if (objects.empty()) return problems;  // an empty database has no table `contents`
   for (const SchemaObject& object : OptionalObjects()) {
     Guarded(object.name, problems,
             [&] { CompareOptionalContents(database, object.name, problems); });

@@ -25,10 +25,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of the target's name in the temporary one: a name has at most 255 bytes.
+// The part of the target's name in the temporary one: a name has at most 255 bytes.
 constexpr size_t kMaxNameBytes = 200;
-// What a process that this machine doesn't know left unchanged for so long is abandoned. Ids alone
-// don't tell: a process in another container or on another machine may share the folder.
+// A temporary of a process that isn't running here is abandoned after this time without a change.
+// Process ids don't suffice: a process in another container or on another machine may share the
+// folder.
 constexpr std::chrono::minutes kAbandonedAfter{10};
 
 [[noreturn]] void ThrowExists(const fs::path& path) {
@@ -46,7 +47,8 @@ fs::path FolderOf(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-// What a symbolic link stands for: renaming onto the link would leave the file it names as it was.
+// The target of a symbolic link: renaming onto the link would leave the file it points to
+// unchanged.
 fs::path Resolved(const fs::path& path) {
   std::error_code error;
   if (!fs::is_symlink(path, error)) return path;
@@ -71,7 +73,7 @@ void CheckTarget(const fs::path& target, bool overwrite) {
   if (!overwrite) ThrowExists(target);
 }
 
-// What the names of a target's temporaries begin with; "<process>-<number>" follows.
+// The beginning of the names of a target's temporaries; "<process>-<number>" follows.
 std::string StemOf(const fs::path& target) {
   std::string name = target.filename().string();
   if (name.size() > kMaxNameBytes) name.resize(kMaxNameBytes);
@@ -94,8 +96,8 @@ std::optional<pid_t> OwnerOf(std::string_view name, std::string_view stem) {
 
 bool IsAlive(pid_t process) { return kill(process, 0) == 0 || errno != ESRCH; }
 
-// Removes what writes of the same target left behind that were killed. Whatever can't be looked at
-// or removed stays: that is no reason not to write.
+// Removes what killed writers of the same target left behind. Whatever can't be examined or removed
+// stays: that is no reason not to write.
 void RemoveAbandoned(const fs::path& target) {
   const std::string stem = StemOf(target);
   std::vector<std::string> names;
@@ -129,7 +131,7 @@ fs::path CreateTemporary(const fs::path& target) {
   }
 }
 
-// A replaced file keeps its owner and group, as far as this process may give them away, and its
+// A replaced file keeps its owner and group, as far as this process may set them, and its
 // permissions.
 void CopyPermissions(const fs::path& from, const fs::path& to) {
   struct stat status {};
@@ -151,11 +153,11 @@ bool Flush(const fs::path& path, int flags) {
   return flushed;
 }
 
-// Renames, but never onto a file that wasn't there when it was asked about.
+// Renames only if there is no file at `to`.
 bool RenameOntoNothing(const fs::path& from, const fs::path& to) {
   if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
   if (errno != EINVAL && errno != ENOSYS) return false;
-  // A file system without it (some network ones): the moment between the two calls stays open.
+  // For file systems without it (some network ones): a race between the two calls remains.
   if (access(to.c_str(), F_OK) == 0) {
     errno = EEXIST;
     return false;
@@ -195,7 +197,7 @@ FileReplacer::~FileReplacer() {
 }
 
 void FileReplacer::Commit() {
-  const fs::path folder = FolderOf(target_);  // nothing may fail for want of memory later
+  const fs::path folder = FolderOf(target_);  // nothing may fail for lack of memory later
   if (overwrite_) CopyPermissions(target_, temporary_);
   if (!Flush(temporary_, O_RDONLY)) {
     const std::string cause = std::strerror(errno);

@@ -7,9 +7,9 @@
 
 namespace waystone {
 
-// The names of what is in a folder, in no order. Throws std::filesystem::filesystem_error where it
-// can't be read, and std::bad_alloc, for which std::filesystem::directory_iterator would end the
-// program.
+// The names of a folder's entries, in no order. Throws std::filesystem::filesystem_error where it
+// can't be read, and std::bad_alloc, where std::filesystem::directory_iterator would end the
+// program. Thread-safe.
 std::vector<std::string> FolderEntries(const std::filesystem::path& folder);
 
 }  // namespace waystone

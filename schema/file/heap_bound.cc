@@ -9,13 +9,13 @@
 namespace waystone {
 namespace {
 
-// Adds to what SQLite may allocate in all; nothing left means no bound.
+// Adds to what SQLite may allocate in total; a total of 0 means no bound.
 void AllowHeap(int64_t bytes) {
   static std::mutex mutex;
   static int64_t allowed = 0;
   const std::lock_guard lock(mutex);
   allowed += bytes;
-  // Without a bound first: a lower one than before would stay as the soft limit.
+  // Removes the bound first: a lower one than before would stay as the soft limit.
   sqlite3_hard_heap_limit64(0);
   sqlite3_hard_heap_limit64(allowed);
 }

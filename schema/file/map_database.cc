@@ -24,11 +24,12 @@ namespace fs = std::filesystem;
 
 constexpr int kHeaderBytes = 100;
 constexpr std::string_view kMagic("SQLite format 3\0", 16);
-// Small pages keep small maps small; a blob lies across as many as it needs at 4 bytes a page.
+// Small pages keep small maps small; a blob spans as many pages as it needs, at 4 bytes each.
 constexpr int kPageBytes = 1024;
 // The format version in the header of a database whose newest rows may lie in another file.
 constexpr unsigned char kWal = 2;
-// Instructions of SQLite's that read a schema: some ten an object, and a map has 50 objects.
+// Instructions that SQLite may take to read a schema: about ten per object, and a map has 50
+// objects.
 constexpr int64_t kSchemaSteps = 20'000;
 constexpr int kStepsBetweenChecks = 1000;
 
@@ -81,7 +82,7 @@ class File {
     return status;
   }
 
-  // Returns how many of the file's first bytes there were.
+  // Fills `bytes` from the start of the file and returns how many bytes there were.
   size_t Read(std::span<unsigned char> bytes) const {
     size_t count = 0;
     while (count < bytes.size()) {
@@ -129,7 +130,7 @@ int CountSteps(void* steps_left) {
 // tenth of it.
 int64_t HeapBytes(int64_t file_bytes) { return kSpareHeapBytes + 2 * file_bytes; }
 
-// Bounds for a file that nobody vouches for, beside that of the heap.
+// Bounds for an untrusted file, in addition to that of the heap.
 void Restrict(OpenedMap& map) {
   sqlite3* handle = map.database.getHandle();
   // Neither functions, nor triggers, nor views, nor writes through the schema.
@@ -183,7 +184,7 @@ OpenedMap OpenBytes(const fs::path& path) {
                        "`sqlite3 FILE 'PRAGMA journal_mode = DELETE'` on it");
   }
   const auto size = static_cast<sqlite3_int64>(map.bytes.size());
-  // The bytes aren't looked at yet: only memory can be missing.
+  // The bytes aren't examined yet: the only possible failure is a lack of memory.
   if (sqlite3_deserialize(map.database.getHandle(), "main", map.bytes.data(), size, size,
                           SQLITE_DESERIALIZE_READONLY) != SQLITE_OK) {
     throw std::bad_alloc();

@@ -17,10 +17,11 @@
 #include "schema/file/migrate.h"
 
 // A map file as a database: opening it without trusting it, and what must hold whatever its tables
-// mean. SQLite's own errors leave these functions as SQLite::Exception unless they say otherwise.
+// mean. SQLite's own errors are thrown as SQLite::Exception unless stated otherwise. All functions
+// are thread-safe for different databases.
 namespace waystone {
 
-// What the first 100 bytes of a file say, read without SQLite.
+// The first 100 bytes of a file, read without SQLite.
 struct MapHeader {
   int32_t application_id = 0;
   int32_t schema_version = 0;
@@ -33,36 +34,36 @@ struct MapHeader {
 // belong to another application.
 MapHeader ReadMapHeader(const std::filesystem::path& path);
 
-// Throws MapError(kMapVersion), naming both versions and what to do, unless they are the same.
+// Throws MapError(kMapVersion), naming both versions and the remedy, unless they are equal.
 void CheckVersion(const std::filesystem::path& path, int file_version, int program_version);
 
 // A problem when the file is shorter or longer than its header says.
 std::optional<MapProblem> FindCut(const MapHeader& header);
 
-// A map file that was read into memory through one descriptor: header, bytes and tables are those
-// of one file, whatever is renamed onto its path meanwhile.
+// A map file that was read into memory through one descriptor: header, bytes and tables belong to
+// one file, whatever is renamed onto its path meanwhile.
 struct OpenedMap {
   MapHeader header;
   std::vector<unsigned char> bytes;  // the whole file; the database reads from them
-  // Instructions that SQLite may still run for it. A statement beyond them is interrupted.
+  // How many more instructions SQLite may run for it. A statement that exceeds them is interrupted.
   std::unique_ptr<int64_t> steps_left;
-  HeapBound heap;             // of SQLite's, in all
+  HeapBound heap;             // for SQLite's memory in total
   SQLite::Database database;  // read-only
 };
 
-// Nothing is locked, written or created, and a folder or medium that can't be written to is fine.
-// SQLite runs within bounds that a map never reaches: no value is longer than the file, a schema
-// has some thousand objects at most, statements end, and their memory has a bound. For more than
-// the schema CheckFile must have found the map readable. Throws MapError as ReadMapHeader does,
-// kMapDamaged for a write-ahead log, and kFileUnreadable for a file that is written to while it is
-// read.
+// Opens a map for reading. Nothing is locked, written or created, so read-only folders and media
+// are fine. SQLite runs within bounds that a map never reaches: no value is longer than the file, a
+// schema has at most some thousand objects, and the time and memory of statements are bounded.
+// Reading more than the schema requires that CheckFile has found the map readable. Throws MapError
+// as ReadMapHeader does, kMapDamaged for a write-ahead log, and kFileUnreadable for a file that
+// changes while it is read.
 OpenedMap OpenReadOnly(const std::filesystem::path& path);
 
-// Opens an empty file, or a copy of a map, that nobody else knows of, for writing in one go: no
-// journal, no flushing; whoever calls this flushes the file and removes it after an error.
+// Opens an empty file, or a copy of a map, that nobody else uses, for writing in one go: no
+// journal, no flushing; the caller flushes the file and removes it after an error.
 SQLite::Database OpenForWriting(const std::filesystem::path& path);
 
-// The system's word for what went wrong last, where it has one ("No space left on device"), and
+// The system's message for the last error, where it has one ("No space left on device"), and
 // SQLite's.
 std::string DescribeError(SQLite::Database& database, const SQLite::Exception& error);
 
@@ -82,8 +83,9 @@ struct SchemaObject {
 // What a map made by `steps` consists of.
 std::vector<SchemaObject> ExpectedObjects(std::span<const Migration> steps);
 
-// Tables and views of `expected` that are missing or defined otherwise, and others that aren't
-// plain (schema/file/plain_objects.h). Reads definitions alone and evaluates none. Doesn't throw.
+// Tables and views of `expected` that are missing or defined differently, and other objects that
+// aren't plain (schema/file/plain_objects.h). Reads only definitions and evaluates none. Doesn't
+// throw.
 std::vector<MapProblem> FindAlteredObjects(SQLite::Database& database,
                                            const std::vector<SchemaObject>& expected);
 
@@ -111,11 +113,11 @@ struct FileCheck {
 // throw.
 FileCheck CheckFile(OpenedMap& map, const std::vector<SchemaObject>& expected);
 
-// A problem for pages that belong to no table: what a map doesn't say must not be in its hash. For
-// a map that CheckFile found readable. Doesn't throw.
+// A problem for pages that belong to no table: bytes without meaning must not be part of the map's
+// hash. For a map that CheckFile found readable. Doesn't throw.
 std::vector<MapProblem> FindUnusedPages(OpenedMap& map);
 
-// Whether SQLite can say what its pages are used for.
+// Whether SQLite can list what its pages are used for (dbstat).
 bool HasDbstat();
 
 }  // namespace waystone

@@ -19,10 +19,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kBetweenTries{20};
 
-// Of a regular file, or -1.
+// The descriptor of a regular file, or -1.
 int OpenForLock(const fs::path& path) {
   constexpr int kFlags = O_CLOEXEC | O_NONBLOCK;  // a pipe would wait for its other end
-  // NFS locks only what is open for writing.
+  // NFS locks only files that are open for writing.
   int descriptor = open(path.c_str(), O_RDWR | kFlags);
   if (descriptor < 0) descriptor = open(path.c_str(), O_RDONLY | kFlags);
   struct stat status {};
@@ -33,7 +33,7 @@ int OpenForLock(const fs::path& path) {
   return descriptor;
 }
 
-// Whether the path still leads to this file: who held the lock before may have replaced it.
+// Whether the path still leads to this file: the previous holder of the lock may have replaced it.
 bool IsStillAt(const fs::path& path, int descriptor) {
   struct stat file {
   }, named{};

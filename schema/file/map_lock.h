@@ -12,7 +12,8 @@ namespace waystone {
 // system without locks, isn't locked. Not thread-safe.
 class MapLock {
  public:
-  // Waits for others that change the map. Throws MapError(kFileUnwritable) when they take longer.
+  // Waits for others that change the map. Throws MapError(kFileUnwritable) when they take longer
+  // than `wait`.
   explicit MapLock(const std::filesystem::path& path,
                    std::chrono::milliseconds wait = std::chrono::seconds(5));
   ~MapLock();

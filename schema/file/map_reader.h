@@ -10,7 +10,7 @@
 
 namespace waystone {
 
-// What could be read of a map, and what could not.
+// What could be read of a map, and problems with the rest.
 struct Reading {
   MapData map;  // of the rows without a problem
   std::vector<MapProblem> problems;
@@ -18,8 +18,8 @@ struct Reading {
 
 // Reads the tables of a map of this program's version, checking every value, blob and count but not
 // how they fit together (FindMapProblems does). A row with a problem is left out and reported;
-// nothing is thrown for what the file holds, and no claim of it is believed before it is backed by
-// bytes. map.info.version is left empty.
+// nothing is thrown for the file's contents, and no stated size is trusted before that many bytes
+// are found. map.info.version is left empty. Thread-safe for different databases.
 Reading ReadDatabase(SQLite::Database& database, const ReadOptions& options);
 
 }  // namespace waystone

@@ -39,8 +39,9 @@ void Append(std::vector<MapProblem>& to, std::vector<MapProblem> from) {
   to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
 }
 
-// Reads a file that may be damaged and says everything that is wrong with it: the one way in, for
-// reading and checking alike. Throws MapError when it can't be opened as a map of this version.
+// Reads a file that may be damaged and reports everything that is wrong with it: the single entry
+// point, for both reading and checking. Throws MapError when it can't be opened as a map of this
+// version.
 Reading Inspect(const fs::path& path, const ReadOptions& options) {
   OpenedMap opened = OpenReadOnly(path);
   CheckVersion(path, opened.header.schema_version, kSchemaVersion);
@@ -97,7 +98,7 @@ std::map<std::string, int64_t> BytesByTable(SQLite::Database& database) {
   return bytes;
 }
 
-// For an SQLite without dbstat: what the columns hold, without the pages around it.
+// For an SQLite without dbstat: the size of the columns' values, without page overhead.
 int64_t BytesOfColumns(SQLite::Database& database, const std::string& table) {
   std::string sum = "0";
   SQLite::Statement columns(database, "SELECT name FROM pragma_table_info(?)");
@@ -188,7 +189,7 @@ void WriteMap(const MapData& map, const fs::path& path, const WriteOptions& opti
     file.Commit();
   } catch (const SQLite::Exception& error) {
     CheckMemory(error);
-    // The temporary file is gone by now, so that what is free is all that is.
+    // The temporary file is already removed, so the free space is complete.
     throw UnwritableError(path, error.what(), EstimateBytes(map));
   }
 }

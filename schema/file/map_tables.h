@@ -5,7 +5,8 @@
 
 #include "schema/tables/table.h"
 
-// The tables that all layers share, and the list of all; FORMAT.md says what each column means.
+// The tables that all layers share, and the list of all tables; FORMAT.md says what each column
+// means.
 namespace waystone {
 
 inline constexpr TableDescriptor kMapTable{
@@ -24,7 +25,7 @@ inline constexpr TableDescriptor kContentsTable{
     "contents", 1,
     std::array{TextColumn("table_name"), IntegerColumn("row_count"), IntegerColumn("crc32c")}};
 
-// Every table of a map, in the order of FORMAT.md.
+// Every table of a map, in the order of FORMAT.md. Thread-safe.
 const std::vector<TableView>& AllTables();
 
 }  // namespace waystone

@@ -17,8 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What was damaged before must not come out of a migration looking sound. `steps` are those that
-// made the map.
+// A damaged map must not look sound after a migration. `steps` are those that made the map.
 void CheckBefore(const fs::path& path, std::span<const Migration> steps) {
   OpenedMap opened = OpenReadOnly(path);
   const auto objects = ExpectedObjects(steps);
@@ -32,7 +31,7 @@ void CheckBefore(const fs::path& path, std::span<const Migration> steps) {
 
 void ApplySteps(const fs::path& copy, std::span<const Migration> steps, int from_version) {
   SQLite::Database database = OpenForWriting(copy);
-  // A table that is made anew would take the rows that refer to it along.
+  // Recreating a table would otherwise delete the rows that refer to it.
   database.exec("PRAGMA foreign_keys = OFF");
   database.exec("BEGIN");  // after an error the file is thrown away
   ApplyMigrations(database, steps, from_version);

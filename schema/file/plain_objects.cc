@@ -33,7 +33,7 @@ std::string UpperCase(std::string text) {
   return text;
 }
 
-// Names, and every other byte but blanks by itself.
+// Splits into names and single other bytes, without blanks.
 Tokens Tokenise(std::string_view sql) {
   Tokens tokens;
   for (size_t i = 0; i < sql.size();) {
@@ -46,7 +46,7 @@ Tokens Tokenise(std::string_view sql) {
   return tokens;
 }
 
-// Takes the words off the front, in either case, where they stand there.
+// Removes the words from the front, ignoring case, if they are there.
 bool Take(std::span<const std::string>& tokens, const std::vector<std::string_view>& words) {
   if (tokens.size() < words.size()) return false;
   for (size_t i = 0; i < words.size(); ++i) {
@@ -99,7 +99,7 @@ bool IsPlainIndex(const SchemaObject& object) {
 }  // namespace
 
 bool IsPlainObject(const SchemaObject& object) {
-  // SQLite's own tables steer how it reads the others.
+  // SQLite's own tables influence how it reads the others.
   if (!IsName(object.name) || UpperCase(object.name).starts_with("SQLITE_")) return false;
   if (object.type == "table") return IsPlainTable(object);
   return object.type == "index" && IsPlainIndex(object);

@@ -27,7 +27,7 @@ struct FreeDigest {
   void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
 };
 
-// OpenSSL allocates what it needs anew for each digest.
+// OpenSSL allocates memory for each digest.
 void CheckDigest(bool made) {
   if (!made && errno == ENOMEM) throw std::bad_alloc();
   WS_CHECK(made, "OpenSSL has no SHA-256");

@@ -7,7 +7,7 @@
 #include "schema/layers/planes/plane_layer.h"
 #include "schema/tables/blob.h"
 
-// Blobs of the layers' own types (schema/tables/blob.h). All are pure functions.
+// Blobs of the layers' own types (schema/tables/blob.h). All functions are pure; thread-safe.
 namespace waystone {
 
 // Bytes of one row of each kind of blob.
@@ -15,7 +15,7 @@ inline constexpr int kKeypointBytes = 4 * kFloatBytes;  // x, y, scale, angle
 inline constexpr int kVotesBytes = 2 * kListBytes;      // votes, visible
 inline constexpr int kBearingBytes = 2 * kListBytes;    // int16 azimuth, elevation
 inline constexpr int kPositionBytes = 2 * kListBytes;   // uint16 x, y
-// The largest value that a count of votes is stored with.
+// The largest number of votes that can be stored.
 inline constexpr int kMaxVotes = 0xffff;
 
 Bytes EncodeKeypoints(const std::vector<PlaneFeature>& features);

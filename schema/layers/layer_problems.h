@@ -8,7 +8,8 @@
 #include "schema/map_data.h"
 #include "schema/tables/map_problem.h"
 
-// What FindMapProblems says of each layer; FORMAT.md lists the rules.
+// What FindMapProblems finds in each layer; FORMAT.md lists the rules. All functions are
+// thread-safe for different `problems`.
 namespace waystone {
 
 void FindPlaneProblems(const MapData& map, std::vector<MapProblem>& problems);
@@ -36,7 +37,7 @@ void CheckIds(const std::string& table, const std::vector<Item>& items,
   }
 }
 
-// Their order is CheckIds' business.
+// The sequences must be ordered (CheckIds).
 inline bool HasSequence(const MapData& map, SequenceId id) {
   return std::ranges::binary_search(map.sequences, id, {}, &Sequence::id);
 }

@@ -10,11 +10,12 @@
 #include "schema/tables/map_problem.h"
 #include "schema/tables/table_writer.h"
 
-// The tables of the layers. Reading adds what is wrong to `problems`, row by row, and takes
-// pictures where `images` says so; writing throws SQLite::Exception.
+// The tables of the layers. Reading adds what is wrong to `problems`, row by row, and reads
+// pictures if `images`; writing throws SQLite::Exception. All functions are thread-safe for
+// different databases and sinks.
 namespace waystone {
 
-// Fills what the plane layer has in `map`, whose info.feature_type is read already.
+// Fills the plane layer's part of `map`, whose info.feature_type has already been read.
 void ReadPlaneLayer(SQLite::Database& database, bool images, MapData& map,
                     std::vector<MapProblem>& problems);
 // Nothing when the table of the layer has no row. Descriptors are of `type`.
@@ -23,13 +24,13 @@ std::optional<AppearanceLayer> ReadAppearance(SQLite::Database& database, Featur
 std::optional<OrientationLayer> ReadOrientation(SQLite::Database& database, bool images,
                                                 std::vector<MapProblem>& problems);
 std::optional<PoseLayer> ReadPoses(SQLite::Database& database, std::vector<MapProblem>& problems);
-// Adds the panoramas' part of the pose layer, which is read already, where the map has tables of
-// it.
+// Adds the panoramas' part of the pose layer, which has already been read, where the map has tables
+// of it.
 void ReadNodePoses(SQLite::Database& database, std::optional<PoseLayer>& poses,
                    std::vector<MapProblem>& problems);
 // Nothing where the map has no table of them.
 std::vector<KeyframeLink> ReadLinks(SQLite::Database& database, std::vector<MapProblem>& problems);
-// The same of these.
+// The same for these.
 Looks ReadLooks(SQLite::Database& database, std::vector<MapProblem>& problems);
 std::vector<NamedPlace> ReadNames(SQLite::Database& database, std::vector<MapProblem>& problems);
 std::vector<FloorPlanImage> ReadFloorPlans(SQLite::Database& database, bool images,

@@ -17,7 +17,7 @@
 namespace waystone {
 namespace {
 
-// The version of a plane's descriptors without rows means nothing, so it may differ.
+// The length of descriptors without rows is meaningless, so it may differ.
 bool SamePlane(const Plane& a, const Plane& b) {
   return a.id == b.id && a.reference == b.reference && a.features == b.features &&
          a.descriptors.data() == b.descriptors.data() && a.outline == b.outline &&
@@ -101,8 +101,8 @@ StoredLayer StoredPoses() {
       .equal = [](const MapData& a, const MapData& b) { return a.poses == b.poses; }};
 }
 
-// A part of the pose layer, whose rules and comparison hold for it; apart because it is all that is
-// written where optional tables are written anew.
+// A part of the pose layer, which checks and compares it; separate because only this part is
+// written when optional tables are rewritten.
 StoredLayer StoredNodePoses() {
   return {
       .tables = {},

@@ -13,18 +13,18 @@
 
 namespace waystone {
 
-// A layer as the map file holds it.
+// A layer as stored in a map file.
 struct StoredLayer {
   std::vector<TableView> tables;               // in the order of FORMAT.md
   std::vector<OptionalTable> optional_tables;  // the same
-  // Fills what the layer has in `map`, whose info is read already, with pictures where `images`
-  // says so. What is wrong with a row goes to `problems`.
+  // Fills the layer's part of `map`, whose info has already been read, with pictures if `images`.
+  // What is wrong with a row goes to `problems`.
   void (*read)(SQLite::Database& database, bool images, MapData& map,
                std::vector<MapProblem>& problems);
-  // Writes the layer where the map has it. All its tables are optional, or none is. Throws
+  // Writes the layer where the map has it. Either all or none of its tables are optional. Throws
   // SQLite::Exception.
   void (*write)(const MapData& map, RowSink& sink);
-  // Adds what doesn't fit together, where the map has the layer; FORMAT.md lists the rules.
+  // Adds inconsistencies, where the map has the layer; FORMAT.md lists the rules.
   void (*find_problems)(const MapData& map, std::vector<MapProblem>& problems);
   // Whether the layer is the same in both maps.
   bool (*equal)(const MapData& a, const MapData& b);

@@ -11,7 +11,7 @@
 namespace waystone {
 namespace {
 
-// The lowest byte first, which is what a machine that isn't little-endian would not do by itself.
+// The lowest byte first, on any machine.
 template <class Unsigned>
 void Append(Bytes& out, Unsigned value) {
   for (size_t i = 0; i < sizeof(Unsigned); ++i) {
@@ -39,8 +39,7 @@ void CheckWhole(BytesView blob, int row_bytes) {
 }
 
 #if defined(__x86_64__)
-// The processor's own instruction computes this very CRC: opening large maps spends much of its
-// time here.
+// The processor has an instruction for this CRC: opening large maps spends much of its time here.
 __attribute__((target("sse4.2"))) uint32_t Crc32cByInstruction(BytesView bytes) {
   uint64_t crc = 0xFFFFFFFF;
   size_t i = 0;

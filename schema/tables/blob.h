@@ -11,7 +11,7 @@
 
 // The blobs of a map file: rows of numbers, little-endian whatever the machine, without padding.
 // How many rows and columns a blob has is said beside it; FORMAT.md lists them. The decoders take
-// blobs whose length was checked already (WS_CHECK). All are pure functions.
+// blobs whose length has already been checked (WS_CHECK). All functions are pure; thread-safe.
 namespace waystone {
 
 using Bytes = std::vector<uint8_t>;
@@ -28,10 +28,11 @@ inline constexpr int kFloatBytes = 4;      // float32
 // CRC-32C (Castagnoli): polynomial 0x1EDC6F41, reflected, starting and ending with all ones.
 uint32_t Crc32c(BytesView bytes);
 
-// "1a2b3c4d", as messages name a CRC.
+// "1a2b3c4d", a CRC for messages.
 std::string HexOf(uint32_t crc);
 
-// A CRC-32C over values, each preceded by its kind, so that NULL, 0 and "0" differ.
+// A CRC-32C over values, each preceded by its kind, so that NULL, 0 and "0" differ. Not
+// thread-safe.
 class ValueChecksum {
  public:
   void AddNull();                          // byte 0
@@ -39,7 +40,7 @@ class ValueChecksum {
   void AddReal(double value);              // byte 2, float64; -0 counts as 0
   void AddText(const std::string& value);  // byte 3, uint32 length, bytes
   void AddBlob(const std::string& bytes);  // byte 4, uint32 length, bytes
-  // Of everything that was added.
+  // The CRC of everything that was added.
   uint32_t Value() const { return Crc32c(bytes_); }
 
  private:

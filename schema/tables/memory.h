@@ -7,20 +7,21 @@
 
 #include <new>
 
-// SQLite says by a code that memory has run out; here it is std::bad_alloc as everywhere else, so
-// that no sound map is called damaged for it.
+// Turns SQLite's error code for running out of memory into std::bad_alloc, as everywhere else, so
+// that no sound map is reported as damaged because of it. All functions are thread-safe for
+// different databases.
 namespace waystone {
 
 inline void CheckMemory(const SQLite::Exception& error) {
   if (error.getErrorCode() == SQLITE_NOMEM) throw std::bad_alloc();
 }
 
-// The same by SQLite's last call.
+// The same for SQLite's last call.
 inline void CheckMemory(SQLite::Database& database) {
   if (database.getErrorCode() == SQLITE_NOMEM) throw std::bad_alloc();
 }
 
-// What `make` returns.
+// Calls `make` and returns its result, with CheckMemory on its exceptions.
 template <class Make>
 auto WithCheckedMemory(const Make& make) {
   try {

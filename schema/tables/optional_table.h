@@ -13,14 +13,14 @@
 
 namespace waystone {
 
-// A table that only maps with something to put there have. Its definition is plain
-// (schema/file/plain_objects.h), so that programs which don't know it leave it alone.
+// A table that only maps with contents for it have. Its definition is plain
+// (schema/file/plain_objects.h), so that programs that don't know it leave it alone.
 struct OptionalTable {
   TableView table;
   const char* sql;  // CREATE TABLE, as sqlite_schema has it
 };
 
-// As ForEachRow, where the map has the table.
+// As ForEachRow, where the map has the table. Thread-safe for different databases.
 template <class Read>
 void ForEachOptionalRow(SQLite::Database& database, std::vector<MapProblem>& problems,
                         const TableView& table, Read read) {
@@ -35,7 +35,7 @@ void ForEachOptionalRow(SQLite::Database& database, std::vector<MapProblem>& pro
   ForEachRow(database, problems, table, read);
 }
 
-// Writes rows of such a table, which is made before the first of them.
+// Writes rows of such a table, which is created before the first of them. Not thread-safe.
 template <const auto& kTable>
 class OptionalTableWriter {
  public:

@@ -14,11 +14,10 @@
 
 namespace waystone {
 
-// One row of a table, read column after column in the descriptor's order and without trust: a value
+// One row of a table, read column after column in the descriptor's order, with validation: a value
 // of another type or out of its range throws MapError(kMapDamaged) naming the column, the value and
-// what was expected. Reading a column as something else than the descriptor says is a programmer's
-// error (WS_CHECK). Views into the statement: what it gives is valid until the statement's next
-// step.
+// what was expected. Reading a column as another type than the descriptor's is a programmer's error
+// (WS_CHECK). Blobs are views into the statement, valid until its next step. Not thread-safe.
 class Row {
  public:
   // `statement` selects ColumnList(table).

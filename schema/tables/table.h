@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Descriptors of the tables of a map. Each table's columns are listed once, in the order in which
-// rows are written and read:
+// Descriptors of the tables of a map; all functions are pure; thread-safe. Each table's columns are
+// listed once, in the order in which rows are written and read:
 //
 //   inline constexpr TableDescriptor kEdgesTable{
 //       "edges", 2,
 //       std::array{IntegerColumn("a"), IntegerColumn("b"), RealColumn("weight"),
 //                  BlobColumn("homology")}};
 //
-// TableWriter checks the number and the types of a row's values against them when it is compiled,
-// Row when it is read, and the tests check the migrations and FORMAT.md against them.
+// TableWriter checks the number and types of a row's values against them at compile time, Row when
+// reading, and the tests check the migrations and FORMAT.md against them.
 #pragma once
 
 #include <array>
@@ -61,9 +61,9 @@ struct TableView {
       : name(table.name), key_columns(table.key_columns), columns(table.columns) {}
 };
 
-// "a, b, homology_crc32c, homology".
+// "a, b, weight, homology_crc32c, homology".
 std::string ColumnList(const TableView& table);
-// What SQLite calls the table's columns, CRCs included: 4 in the example above.
+// The number of the table's columns in SQLite, including CRCs: 5 in the example above.
 int StoredColumns(const TableView& table);
 
 namespace table_internal {

@@ -15,9 +15,10 @@
 
 namespace waystone {
 
-// Calls `read(Row&)` for every row of a table, in the order of its primary key. What `read` throws
-// as MapError becomes a problem of that row, and what SQLite throws a problem of the table. `read`
-// takes all columns of the descriptor (WS_CHECK). Throws std::bad_alloc.
+// Calls `read(Row&)` for every row of a table, in the order of its primary key. A MapError thrown
+// by `read` becomes a problem of that row, and SQLite's exceptions a problem of the table. `read`
+// reads all columns of the descriptor (WS_CHECK). Throws std::bad_alloc. Thread-safe for different
+// databases.
 template <class Read>
 void ForEachRow(SQLite::Database& database, std::vector<MapProblem>& problems,
                 const TableView& table, Read read) {
@@ -42,8 +43,8 @@ void ForEachRow(SQLite::Database& database, std::vector<MapProblem>& problems,
   }
 }
 
-// The same for a table of a layer that a map may not have: what follows the row of `layer` belongs
-// to nothing where that row wasn't found.
+// The same for a table of a layer that a map may lack: its rows are problems where the row of
+// `layer` wasn't found.
 template <class Read>
 void ForEachRowOfLayer(SQLite::Database& database, std::vector<MapProblem>& problems,
                        const TableView& table, const TableView& layer, const bool& found,

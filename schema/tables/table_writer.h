@@ -14,7 +14,8 @@
 
 namespace waystone {
 
-// Where the rows of a map go: into a database or, without one, into a count of their bytes alone.
+// Where the rows of a map go: into a database or, without one, only into a count of their bytes.
+// Not thread-safe, as all classes here.
 class RowSink {
  public:
   RowSink() = default;
@@ -29,7 +30,7 @@ class RowSink {
   int64_t bytes_ = 0;
 };
 
-// A prepared INSERT into one table, or with columns set to NULL. Errors leave it as
+// A prepared INSERT into one table; without a database it only counts bytes. Throws
 // SQLite::Exception. The sink must outlive it.
 class RowInserter {
  public:
@@ -39,7 +40,7 @@ class RowInserter {
   void Bind(int64_t value);
   void Bind(double value);
   void Bind(const std::string& value);  // must live until Finish()
-  void Bind(BytesView blob);            // and its CRC; the same
+  void Bind(BytesView blob);            // and its CRC; must live until Finish() too
   void Finish();                        // writes the row
 
  private:
@@ -48,8 +49,8 @@ class RowInserter {
   int next_ = 1;
 };
 
-// Writes rows of one table: `TableWriter<kEdgesTable> edges(sink); edges.Row(edge.a, ...);`, a
-// value a column of the descriptor. Another number of values, or one of another type, doesn't
+// Writes rows of one table: `TableWriter<kEdgesTable> edges(sink); edges.Row(edge.a, ...);`, one
+// value per column of the descriptor. A wrong number of values, or a value of another type, doesn't
 // compile. Enums and ids are stored as their numbers, a blob's CRC is computed.
 template <const auto& kTable>
 class TableWriter {

@@ -29,7 +29,7 @@ UNKNOWN_ANGLE_VARIANCE = math.pi**2 / 3  # rad^2, of a uniform angle in (-pi, pi
 
 
 class ConversionError(Exception):
-    """An image that can't be sent, or an answer that is none; one line with cause and remedy."""
+    """An image that can't be sent, or an invalid answer; one line with cause and remedy."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -44,7 +44,7 @@ class PoseOptions:
     # that filters can invert the covariance.
     unknown_deviation_m: float = 1000.0
     # Whether the frame of a map's poses is called "MAP/FRAME" as all others are, which tells the
-    # frames of several maps apart. "FRAME" alone is for who asks one map.
+    # frames of several maps apart. "FRAME" is for those who query one map only.
     map_in_frame: bool = False
 
     def __post_init__(self) -> None:
@@ -170,7 +170,7 @@ def _diagonal(variances: list[float]) -> tuple[float, ...]:
     return tuple(variances[i // size] if i % (size + 1) == 0 else 0.0 for i in range(size**2))
 
 
-# sensor_msgs/Image encodings: channels, and in which order they are red, green and blue (or grey).
+# sensor_msgs/Image encodings: number of channels, and the indices of red, green and blue (or grey).
 _ENCODINGS: dict[str, tuple[int, tuple[int, ...]]] = {
     "mono8": (1, (0,)),
     "8UC1": (1, (0,)),
@@ -183,7 +183,7 @@ _ENCODINGS: dict[str, tuple[int, tuple[int, ...]]] = {
 
 
 def pnm_of_image(image: Any) -> bytes:
-    """A sensor_msgs/Image of 8 bits a channel as PGM or PPM, which need no compression here."""
+    """A sensor_msgs/Image of 8 bits per channel as PGM or PPM, which need no compression here."""
     if image.encoding not in _ENCODINGS:
         names = ", ".join(_ENCODINGS)
         detail = f"encoding {image.encoding!r} can't be sent; republish as one of {names}"

@@ -25,14 +25,14 @@ from waystone_ros2.conversion import (
 
 QUIET_S = 5.0  # between two warnings
 
-# Cameras send as they can; only the newest image is worth a question.
+# Cameras send as they can; only the newest image is worth a query.
 NEWEST = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT
 )
 
 
 class WaystoneNode(Node):
-    """Asks for one image at a time. Those that come meanwhile are dropped but for the newest."""
+    """Queries one image at a time. Of those that arrive meanwhile only the newest is kept."""
 
     def __init__(self):
         super().__init__("waystone")
@@ -88,7 +88,7 @@ class WaystoneNode(Node):
             self._answer.publish(String(data=json.dumps(answer)))
         except (ConversionError, WaystoneError) as error:
             self._warn(str(error))
-        except Exception as error:  # one image mustn't end the node: the next one is asked about
+        except Exception as error:  # one image mustn't end the node; the next one is queried
             self._warn(f"image {name} is dropped: {type(error).__name__}: {error}")
 
     def _warn(self, text):

@@ -27,8 +27,8 @@ struct Bearing {
 };
 inline constexpr double kBearingUnit_rad = std::numbers::pi / 32768;
 
-// What a node's answers are verified with; row i of the codes (EncodeDescriptors, of the map's
-// feature_type) belongs to bearings[i].
+// The features by which answers at a node are verified; row i of the codes (EncodeDescriptors, of
+// the map's feature_type) belongs to bearings[i].
 struct NodeFeatures {
   std::vector<Bearing> bearings;
   Descriptors codes;
@@ -56,7 +56,7 @@ struct AppearanceNode {
   bool operator==(const AppearanceNode&) const = default;
 };
 
-// Stored: never changed, never used again.
+// Stored: never change or reuse a value.
 enum class AppearanceEdgeKind { kConsecutive = 0, kLoop = 1 };
 
 // Two nodes whose relation was measured.
@@ -73,7 +73,7 @@ struct AppearanceEdge {
   bool operator==(const AppearanceEdge&) const = default;
 };
 
-// One kind of evidence and what it counts.
+// One kind of evidence and its weight.
 struct VerdictTerm {
   std::string name;
   double weight = 0;
@@ -81,9 +81,9 @@ struct VerdictTerm {
   bool operator==(const VerdictTerm&) const = default;
 };
 
-// How likely a place found by appearance is right: a logistic regression,
-// log(p / (1 - p)) = intercept + sum of weight * evidence over the terms. Whoever doesn't know one
-// of the names must not use the model.
+// How likely a place found by appearance is right: a logistic regression, log(p / (1 - p)) =
+// intercept + sum of weight * evidence over the terms. A program that doesn't know one of the names
+// must not use the model.
 struct AppearanceVerdict {
   double intercept = 0;
   std::vector<VerdictTerm> terms;  // by name, ascending
@@ -108,13 +108,13 @@ struct LayerMirror {
 struct AppearanceLayer {
   SignatureOptions described;         // how every panorama of the layer was described
   std::optional<LayerMirror> mirror;  // nothing unless a mirror's images were mapped
-  // What one of the layer's units of length is; nothing when the scale isn't known (the paper's
-  // distances are proportional to metres, no more).
+  // The layer's unit of length in metres; nothing when the scale isn't known (the paper's distances
+  // are only proportional to metres).
   std::optional<double> metres_per_unit;
   int dropped = 0;                    // redundant nodes that were left out
   std::vector<AppearanceNode> nodes;  // ordered by id
   std::vector<AppearanceEdge> edges;  // ordered by (a, b)
-  // Of answers by appearance alone, and of those that were verified by features; nothing when it
+  // For answers by appearance only, and for those that were verified by features; nothing when it
   // was never calibrated.
   std::optional<AppearanceVerdict> verdict;
   std::optional<AppearanceVerdict> verified_verdict;

@@ -56,7 +56,7 @@ class AppearanceReader {
     throw MapError(ErrorCode::kMapDamaged, "there is no appearance node " + std::to_string(id));
   }
 
-  // A row of a layer that isn't there belongs to nothing.
+  // Refuses rows of a layer that isn't there.
   void RequireLayer() const {
     if (found_) return;
     throw MapError(ErrorCode::kMapDamaged, "appearance_layer has no row");
@@ -157,7 +157,7 @@ class AppearanceReader {
     });
   }
 
-  // 1 is by appearance alone, 2 verified.
+  // 1 is by appearance only, 2 verified.
   std::optional<AppearanceVerdict>& VerdictOf(int64_t id) {
     return id == kAloneVerdict ? layer_.verdict : layer_.verified_verdict;
   }

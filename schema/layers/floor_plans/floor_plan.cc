@@ -43,7 +43,8 @@ Points PlacesOf(const std::vector<PlanAnchor>& anchors) {
   return points;
 }
 
-// Of two points, and of the rest from the line through the two that are farthest apart.
+// Smallest and largest distances of two points, and of the rest from the line through the two that
+// are farthest apart.
 struct Spread {
   double largest = 0;
   double smallest = 0;

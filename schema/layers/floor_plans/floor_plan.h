@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
-// Images of floor plans that the map is drawn on. FORMAT.md says how they are stored.
+// Images of floor plans on which the map is drawn. FORMAT.md says how they are stored. All
+// functions are pure; thread-safe.
 namespace waystone {
 
-// A point of the building that is known in both.
+// A point of the building that is known in both the plan and the map.
 struct PlanAnchor {
   Eigen::Vector2d px = Eigen::Vector2d::Zero();  // of the image: (0, 0) is its upper left corner
   // Of the map as seen from above: in the frame and unit that polygons of named places are in
@@ -21,8 +22,8 @@ struct PlanAnchor {
   bool operator==(const PlanAnchor&) const = default;
 };
 
-// The part of a building that a plan shows: heights along the axis that HorizontalOf takes for up,
-// in the unit of the pose layer.
+// The part of a building that a plan shows: heights along HorizontalOf's up axis, in the unit of
+// the pose layer.
 struct PlanHeights {
   double low = 0;
   double high = 0;
@@ -43,14 +44,14 @@ struct FloorPlanImage {
   bool operator==(const FloorPlanImage&) const = default;
 };
 
-// The bounds of what a map holds of them.
+// Limits on the floor plans of a map.
 inline constexpr size_t kMaxFloorPlans = 32;
 inline constexpr size_t kMaxPlanAnchors = 100;                // of one plan
 inline constexpr size_t kMaxPlanImageBytes = 8'000'000;       // of one plan
 inline constexpr double kMaxPlanCoordinate = 1e9;             // of an anchor, absolute
 inline constexpr double kMaxPlanHeight = kMaxPlanCoordinate;  // absolute
 
-// Where an image has a point of the map as seen from above: px = plan_from_frame * (x, y, 1). A
+// Maps a point of the map as seen from above to the image: px = plan_from_frame * (x, y, 1). A
 // rotation, a scale and a translation, with the rows of the image counted downwards.
 struct PlanFit {
   Eigen::Matrix<double, 2, 3> plan_from_frame = Eigen::Matrix<double, 2, 3>::Zero();
@@ -62,18 +63,18 @@ struct PlanFit {
   }
 };
 
-// The least-squares fit of the anchors, which FindAnchorProblem has no objection to.
+// The least-squares fit of the anchors, in which FindAnchorProblem must find no problem.
 PlanFit FitPlan(const std::vector<PlanAnchor>& anchors);
 
-// Why no plan of this size can be fitted to the anchors: there are fewer than two, too many, some
-// are outside of the image or too far away, coincide or are all (three or more) on one line, are
-// mirrored, or are off their fit by more than a twentieth of the distance that they span. Nothing
-// where one can.
+// Why no plan of this size can be fitted to the anchors: there are fewer than two or too many, some
+// are outside the image or too far away, some coincide, all (three or more) are on one line, they
+// are mirrored, or they are off their fit by more than a twentieth of the distance that they span.
+// Nothing where a plan can be fitted.
 std::optional<std::string> FindAnchorProblem(const std::vector<PlanAnchor>& anchors, int width,
                                              int height);
 
-// Why bytes can't be the image of a plan: too many of them, no JPEG, PNG or WebP that is whole by
-// its header, or one that exceeds the limits on images (DecodeLimits). Else its size, px.
+// The size of a plan's image, px, or why the bytes can't be one: they are too many, not a JPEG, PNG
+// or WebP that is complete by its header, or exceed the limits on images (DecodeLimits).
 struct PlanImageSize {
   int width = 0;
   int height = 0;

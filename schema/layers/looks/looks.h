@@ -6,11 +6,11 @@
 
 #include "core/base/ids.h"
 
-// What later walks looked for of what a map has: how often each feature should have been in their
+// Which of a map's features later walks looked for: how often each should have been in their
 // images, and how often it was. FORMAT.md says how each field is stored.
 namespace waystone {
 
-// The most that is counted of one feature in one sequence.
+// The largest count for one feature in one sequence.
 inline constexpr int kMaxLooks = 255;
 
 // Images of a sequence that a feature should have been found in, and those in which it was.
@@ -21,7 +21,7 @@ struct FeatureLooks {
   bool operator==(const FeatureLooks&) const = default;
 };
 
-// Of the features of a plane, by the images of one sequence.
+// Looks for the features of a plane in the images of one sequence.
 struct PlaneLooks {
   PlaneId plane;
   SequenceId sequence;
@@ -30,7 +30,7 @@ struct PlaneLooks {
   bool operator==(const PlaneLooks&) const = default;
 };
 
-// Of the landmarks of a keyframe, by the images of another sequence.
+// Looks for the landmarks of a keyframe in the images of another sequence.
 struct LandmarkLooks {
   KeyframeId keyframe;
   SequenceId sequence;

@@ -50,7 +50,7 @@ std::vector<NamedRange> JoinRanges(std::vector<NamedRange> ranges) {
   std::ranges::sort(ranges);
   std::vector<NamedRange> joined;
   for (const NamedRange& range : ranges) {
-    // A last id can't be the greatest number: what follows it is compared by subtraction.
+    // Compares by subtraction, since `last + 1` could overflow.
     if (!joined.empty() && joined.back().kind == range.kind &&
         range.first - 1 <= joined.back().last) {
       joined.back().last = std::max(joined.back().last, range.last);
@@ -104,7 +104,7 @@ std::optional<std::string> FindNameProblem(std::string_view name) {
 double AreaOf(const NamedPolygon& polygon) {
   double twice = 0;
   for (size_t i = 0; i < polygon.size(); ++i) {
-    // From the first corner, so that an area far from the origin keeps its digits.
+    // Relative to the first corner, so that an area far from the origin keeps its precision.
     const Eigen::Vector2d a = polygon[i] - polygon[0];
     const Eigen::Vector2d b = polygon[(i + 1) % polygon.size()] - polygon[0];
     twice += a.x() * b.y() - a.y() * b.x();

@@ -11,7 +11,8 @@
 #include <string_view>
 #include <vector>
 
-// Places of a map that people gave names to. FORMAT.md says how they are stored.
+// Places of a map that people have named. FORMAT.md says how they are stored. All functions are
+// pure; thread-safe.
 namespace waystone {
 
 struct MapData;
@@ -20,7 +21,7 @@ struct MapData;
 enum class NamedKind { kKeyframes = 0, kNodes = 1, kPlanes = 2 };
 std::string_view NameOf(NamedKind kind);  // "keyframes", "nodes", "planes"
 
-// All that a map has from one id to another, both included and both in the map.
+// All rows of a map from one id to another, both included and both in the map.
 struct NamedRange {
   NamedKind kind = NamedKind::kKeyframes;
   int64_t first = 0;
@@ -34,7 +35,7 @@ struct NamedRange {
 // appearance layer.
 using NamedPolygon = std::vector<Eigen::Vector2d>;
 
-// A place is all that its ranges and polygons hold.
+// A place consists of everything in its ranges and polygons.
 struct NamedPlace {
   std::string name;
   std::vector<NamedRange> ranges;
@@ -43,27 +44,26 @@ struct NamedPlace {
   bool operator==(const NamedPlace&) const = default;
 };
 
-// The bounds of what a map holds of them.
+// Limits on the named places of a map.
 inline constexpr size_t kMaxPlaceNameBytes = 200;
 inline constexpr size_t kMaxNamedRanges = 4000;     // of all places
 inline constexpr size_t kMaxNamedCorners = 4000;    // of all polygons
 inline constexpr double kMaxNamedCoordinate = 1e9;  // of a corner, absolute
 
-// Why a text can't be a name: it is empty, too long, no UTF-8, begins or ends with a blank, or has
-// characters that act on a terminal. Nothing for a name.
+// Why a text can't be a name: it is empty, too long, not UTF-8, begins or ends with a blank, or has
+// characters that control a terminal. Nothing for a valid name.
 std::optional<std::string> FindNameProblem(std::string_view name);
 
-// Why a polygon can't be an area: fewer than three corners, coordinates that aren't finite or too
-// large, no area. Nothing for an area.
+// Why a polygon can't be an area: fewer than three corners, coordinates that aren't finite or are
+// too large, or no area. Nothing for a valid polygon.
 std::optional<std::string> FindPolygonProblem(const NamedPolygon& polygon);
 
 double AreaOf(const NamedPolygon& polygon);
-// By the even-odd rule; points on the border are on either side.
+// Whether a point is inside, by the even-odd rule; points on the border may count either way.
 bool Holds(const NamedPolygon& polygon, const Eigen::Vector2d& point);
 
-// The one form of what the places say: those of one name as one, ordered by name; ranges that
-// overlap or touch joined, in order; polygons in order, each once; without places that hold
-// nothing.
+// The canonical form of places: those with the same name merged, ordered by name; ranges that
+// overlap or touch joined, in order; polygons in order, each once; without empty places.
 std::vector<NamedPlace> Canonical(std::vector<NamedPlace> places);
 
 // Why a map can't hold that many; nothing where it can.
@@ -72,21 +72,21 @@ std::optional<std::string> FindBoundProblem(const std::vector<NamedPlace>& place
 // The ids of a kind that a map has, ascending.
 std::vector<int64_t> IdsOf(const MapData& map, NamedKind kind);
 
-// Some of the ids of a kind (`held`) as ranges that hold none of its other ids.
+// Some ids of a kind (`held`) as ranges that contain none of its other ids.
 std::vector<NamedRange> RangesOf(const MapData& map, NamedKind kind, const std::set<int64_t>& held);
 
-// The new id of what had `id`; nothing for what is no more.
+// The new id of what had `id`; nothing for what no longer exists.
 using NewId = std::function<std::optional<int64_t>(NamedKind kind, int64_t id)>;
 
-// What becomes of places when their map is changed.
+// Places after a change of their map.
 struct RenumberedPlaces {
   std::vector<NamedPlace> places;  // canonical
   std::vector<std::string> lost;   // names of places of which nothing is left
 };
 
 // The places of `from` in `to`, a map with other ids for the same things, or without some of them.
-// A range holds in `to` what it held in `from`; where other things of `to` lie between, it becomes
-// several. Polygons stay: for a map in another frame, remove them first.
+// A range contains in `to` what it contained in `from`; where other rows of `to` lie between, it is
+// split. Polygons stay: for a map in another frame, remove them first.
 RenumberedPlaces RenumberPlaces(const MapData& from, const MapData& to, const NewId& new_id);
 
 }  // namespace waystone

@@ -38,7 +38,7 @@ struct OrientationFrame {
   int frame = 0;       // number of the frame in its sequence, from 0
   std::string source;  // name of the image, relative to the sequence
   std::optional<double> time_s;
-  bool reliable = false;  // whether the rotation can be relied on; never without one
+  bool reliable = false;  // whether the rotation can be relied on; false without one
   std::optional<BuildingRotation> rotation;  // nothing when no axes were found
   std::array<int, 3> lines{};                // that support the building's x, y, z
 
@@ -50,7 +50,7 @@ struct OrientationTurn {
   OrientationFrameId frame;
   int direction = 1;       // +1 left, -1 right, by the motion of the features
   double angle_rad = 0;    // by which the rig's heading changed, above 0 to the left
-  bool confirmed = false;  // no: the camera turned, the motion didn't (the paper's frame 1645)
+  bool confirmed = false;  // false: only the camera turned, not the motion (the paper's frame 1645)
   int axis_after = 0;      // the building's axis that the motion follows after it: 0 x, 1 y
 
   bool operator==(const OrientationTurn&) const = default;
@@ -64,8 +64,8 @@ enum class OrientationNodeKind { kTraversable = 0, kTurn = 1 };
 struct OrientationNode {
   OrientationFrameId frame;
   OrientationNodeKind kind = OrientationNodeKind::kTraversable;
-  // Lines perpendicular to the motion in the cells up, right, down and left (sec. III-C.3): where
-  // there are many, one can go.
+  // Numbers of lines perpendicular to the motion in the cells up, right, down and left (sec.
+  // III-C.3): a direction with many is traversable.
   std::array<int, 4> directions{};
   std::vector<uint8_t> picture;  // a smaller copy for people; empty when images were left out
 

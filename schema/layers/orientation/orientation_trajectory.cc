@@ -8,7 +8,7 @@
 namespace waystone {
 namespace {
 
-// Mean of what frames look along an axis below which they look across it.
+// Mean of the frames' gaze along an axis, below which they look across it.
 constexpr double kLeastAhead = 0.3;
 
 // Frames between two turns: rows `first` to `last`, with the turn that led to the first.
@@ -35,7 +35,7 @@ std::vector<Straight> FindStraights(const OrientationLayer& layer) {
   return straights;
 }
 
-// Where the frames look on average, in the building's plane.
+// The frames' mean viewing direction, in the building's plane.
 Eigen::Vector2d MeanGaze(const OrientationLayer& layer, const Straight& straight) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   int count = 0;
@@ -49,7 +49,7 @@ Eigen::Vector2d MeanGaze(const OrientationLayer& layer, const Straight& straight
   return sum / std::max(1, count);
 }
 
-// The axis of a straight: what its turn says, before the first turn the other one than after it.
+// The axis of a straight: that of its turn; before the first turn, the other one than after it.
 int FindAxis(const Straight& straight, const Straight* next, const Eigen::Vector2d& gaze) {
   if (straight.turn) return straight.turn->axis_after;
   if (next && next->turn) return 1 - next->turn->axis_after;

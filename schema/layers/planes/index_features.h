@@ -8,7 +8,7 @@
 
 namespace waystone {
 
-// Features of all planes, and landmarks of all keyframes.
+// The number of features of all planes and landmarks of all keyframes. Pure; thread-safe.
 int64_t CountFeatures(const MapData& map);
 
 // The search index over the descriptors of all planes, plane after plane, and of all landmarks,

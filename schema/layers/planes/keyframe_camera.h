@@ -9,7 +9,7 @@
 namespace waystone {
 
 // The camera of a keyframe's working image: its sequence's, which is that of the original images,
-// with as many pixels as the keyframe has. Nothing where the sequence has none.
+// scaled to the keyframe's size. Nothing where the sequence has none. Pure; thread-safe.
 std::optional<Camera> CameraOfKeyframe(const Sequence& sequence, const Keyframe& keyframe);
 
 // The same for a keyframe of the map, by its id; nothing for one that isn't there.

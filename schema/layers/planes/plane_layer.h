@@ -19,20 +19,21 @@ inline constexpr int kMaxImageSide = 1'000'000;
 // The one format of the table search_index that this program knows; frozen, see FORMAT.md.
 inline constexpr int kInvertedFileFormat = 1;
 
-// A position in an image, in 65536ths of its width and height from the top left corner's centre.
+// A position in an image, in 65536ths of its width and height; (0, 0) is the centre of the top left
+// pixel.
 struct ImagePosition {
   uint16_t x = 0;
   uint16_t y = 0;
 
   bool operator==(const ImagePosition&) const = default;
 };
-// Of a position in px; one outside of the image is moved to its border.
+// The code of a position in px; one outside the image is moved to its border. Pure; thread-safe.
 ImagePosition EncodePosition(const Eigen::Vector2d& x, int width, int height);
-// In px.
+// The position in px. Pure; thread-safe.
 Eigen::Vector2d DecodePosition(const ImagePosition& position, int width, int height);
 
-// Features of a keyframe that lie on no plane of the map and were found again in the keyframes
-// before and after.
+// Features of a keyframe that lie on no plane of the map: first those that were found again in the
+// keyframes before and after, then the strongest others.
 struct Landmarks {
   std::vector<ImagePosition> positions;
   Descriptors codes;  // EncodeDescriptors of the map's type; row i belongs to positions[i]
@@ -103,11 +104,11 @@ struct Edge {
   bool operator==(const Edge&) const = default;
 };
 
-// How likely a place is right, from the evidence for it: a logistic regression,
-// log(p / (1 - p)) = intercept + log_inliers * log(1 + inliers) + inlier_share * share, where
-// `inliers` are those of all planes of the place at distinct positions of the query and `share` is
-// the share of the best plane's matches that are inliers. The defaults hold for maps that were
-// never calibrated: among 5,330 photos that three maps didn't show, none had more than 6 inliers.
+// How likely a place is right, from the evidence for it: a logistic regression, log(p / (1 - p)) =
+// intercept + log_inliers * log(1 + inliers) + inlier_share * share, where `inliers` are those of
+// all planes of the place at distinct positions of the query and `share` is the share of the best
+// plane's matches that are inliers. The defaults are for maps that were never calibrated: among
+// 5,330 photos of places that were not in three maps, none had more than 6 inliers.
 struct VerdictModel {
   double intercept = -18.2;
   double log_inliers = 8;  // above 0

@@ -18,14 +18,14 @@ namespace {
 
 using Eigen::Matrix3d;
 
-// What one row of SQLite can hold (10^9 bytes) of features with the largest descriptors.
+// How many features with the largest descriptors fit one row of SQLite (10^9 bytes).
 constexpr size_t kMaxFeatures = 6'000'000;
 // Condition number of a homography with pixels scaled by the image's size. Beyond it the inverse
 // keeps too few digits to map pixels back.
 constexpr double kMaxCondition = 1e8;
 // Error, relative to 1 or to the value, of a homology's double eigenvalue from 1 and of its third
-// one from what is stored. Measured homologies are noisy: their double eigenvalue is a pair, and
-// the square of its distance is allowed on top.
+// one from what is stored. Measured homologies are noisy: their double eigenvalue splits into a
+// pair, whose squared distance is allowed in addition.
 constexpr double kEigenvalueTolerance = 1e-3;
 
 template <class IdType>
@@ -38,8 +38,8 @@ bool IsFinite(const Keypoint& keypoint) {
          std::isfinite(keypoint.scale_px) && std::isfinite(keypoint.angle_rad);
 }
 
-// Condition number (in the Frobenius norm) where pixels of both images are about one. Infinite or
-// NaN for a singular matrix.
+// Condition number (in the Frobenius norm) after scaling pixels of both images to about one.
+// Infinite or NaN for a singular matrix.
 double ComputeCondition(const Matrix3d& to_from, double to_px, double from_px) {
   const Matrix3d scaled = Eigen::Vector3d(1 / to_px, 1 / to_px, 1).asDiagonal() * to_from *
                           Eigen::Vector3d(from_px, from_px, 1).asDiagonal();
@@ -134,7 +134,7 @@ class PlaneProblemFinder {
     Require(count == 0 || plane.descriptors.bytes() == bytes, where,
             "descriptors of " + std::to_string(plane.descriptors.bytes()) + " bytes; " +
                 std::string(NameOf(map_.info.feature_type)) + " has " + std::to_string(bytes));
-    // One line a plane, not one a feature.
+    // One line per plane, not per feature.
     for (size_t i = 0; i < count; ++i) {
       const std::string finding = FeatureProblem(plane.features[i], plane.views.size());
       if (finding.empty()) continue;
@@ -176,7 +176,7 @@ class PlaneProblemFinder {
             "no view of its reference, keyframe " + Text(plane.reference));
   }
 
-  // Returns whether it is worth looking at further.
+  // Returns whether it should be checked further.
   bool CheckHomography(const Matrix3d& to_from, KeyframeId to, KeyframeId from,
                        const std::string& where) {
     Require(to_from.allFinite(), where, "its matrix is not finite");

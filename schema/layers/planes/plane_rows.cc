@@ -163,7 +163,7 @@ void PlaneReader::ReadEdges() {
   });
 }
 
-// An index of another format is somebody else's: only its blobs' CRCs can be checked.
+// An index of another format is unknown: only its blobs' CRCs can be checked.
 void PlaneReader::ReadIndex() {
   const int descriptor_bytes = DescriptorBytes(map_.info.feature_type);
   ForEachRow(kSearchIndexTable, [&](Row& row) {

@@ -10,7 +10,7 @@
 namespace waystone {
 
 // The mean direction of the tops of a layer's keyframes and panoramas, of unit length, in its
-// frame; nothing where they have none in common.
+// frame; nothing where they differ too much. Pure; thread-safe, as all functions here.
 std::optional<Eigen::Vector3d> EstimateUp(const PoseLayer& layer);
 
 // The frame of a pose layer as seen from above: unit vectors that point to the right, to the top
@@ -28,8 +28,9 @@ struct Horizontal {
   Pose2 Of(const CameraPose& pose) const;
 };
 
-// Up is the axis of the frame within 20 degrees of EstimateUp, where there is one, and z where it
-// isn't known; x is to the right unless it is near up. In a frame with z up these are x and y.
+// Up is the axis of the frame within 20 degrees of EstimateUp, or else EstimateUp itself; z where
+// it isn't known. The frame's x points to the right unless it is near up. In a frame with z up,
+// right and top are x and y.
 Horizontal HorizontalOf(const PoseLayer& layer);
 
 }  // namespace waystone

@@ -11,11 +11,11 @@
 
 #include "core/base/ids.h"
 
-// The pose layer of a map: where its keyframes, planes and features are in a frame that the user
-// gave. FORMAT.md says how each field is stored.
+// The pose layer of a map: where its keyframes, planes and features are in a frame given by the
+// user. FORMAT.md says how each field is stored. All functions are pure; thread-safe.
 namespace waystone {
 
-// What lengths of the layer are in. The values are written into map files: never change them.
+// The layer's unit of length. The values are written into map files: never change them.
 enum class LengthUnit { kUnknown = 0, kMetres = 1 };
 std::string_view NameOf(LengthUnit unit);  // "unknown", "metres"
 
@@ -28,8 +28,8 @@ struct DepthCode {
   bool known() const { return log_depth != 0; }
   bool operator==(const DepthCode&) const = default;
 };
-// The code of a depth and its relative standard deviation; an unknown one where the depth is
-// outside of what can be stored.
+// The code of a depth and its relative standard deviation; that of an unknown depth where it is out
+// of range.
 DepthCode EncodeDepth(double depth, double relative_sigma);
 double DepthOf(const DepthCode& code);          // distance from the camera, in the layer's unit
 double RelativeSigmaOf(const DepthCode& code);  // in [0, 1]
@@ -51,7 +51,7 @@ struct KeyframePose : CameraPose {
 };
 KeyframePose MakeKeyframePose(KeyframeId keyframe, const Eigen::Isometry3d& frame_from_camera);
 
-// Of a panorama, whose camera looks ahead where its middle column does. The node's own pose
+// The pose of a panorama, whose camera's z points to its middle column. The node's own pose
 // (AppearanceNode::pose) is this one as Horizontal sees it.
 struct NodePose : CameraPose {
   AppearanceNodeId node;
@@ -60,12 +60,12 @@ struct NodePose : CameraPose {
 };
 NodePose MakeNodePose(AppearanceNodeId node, const Eigen::Isometry3d& frame_from_camera);
 
-// How far answers about panoramas are from the given poses, beyond what an answer says of itself:
-// as builder/calibration/node_pose_calibration measured on panoramas of the map.
+// How far answers about panoramas are from the given poses, beyond the answers' own uncertainty, as
+// measured by builder/calibration/node_pose_calibration on panoramas of the map.
 struct NodePoseErrors {
   double position_factor = 1;    // on the standard deviation of the position on the ground
   double height_sigma = 0;       // in the layer's unit
-  double heading_sigma_rad = 0;  // beside that of the answer's heading
+  double heading_sigma_rad = 0;  // in addition to that of the answer's heading
   double tilt_sigma_rad = 0;     // about each level axis
 
   bool operator==(const NodePoseErrors&) const = default;
@@ -98,8 +98,8 @@ struct LandmarkDepths {
   bool operator==(const LandmarkDepths&) const = default;
 };
 
-// How far the given poses are from one another, as builder/calibration/pose_calibration measured:
-// standard deviations on each axis. 0 where it could not be measured.
+// How inconsistent the given poses are, as measured by builder/calibration/pose_calibration:
+// standard deviations on each axis. 0 where they could not be measured.
 struct PoseNoise {
   double position_sigma = 0;  // in the layer's unit
   double rotation_sigma_rad = 0;
@@ -108,7 +108,7 @@ struct PoseNoise {
 };
 
 struct PoseLayer {
-  std::string frame;  // name, for whoever knows it: "map", "earth", ...
+  std::string frame;  // its name, chosen by the user: "map", "earth", ...
   LengthUnit unit = LengthUnit::kUnknown;
   PoseNoise noise;
   std::vector<KeyframePose> keyframes;  // each list is ordered by id
@@ -117,8 +117,8 @@ struct PoseLayer {
   std::vector<LandmarkDepths> landmark_depths;  // of keyframes with pose and camera
   // Of panoramas. Where there are any, the appearance layer is in this frame as seen from above.
   std::vector<NodePose> nodes;
-  // Of answers by appearance alone, and of those that were verified by features; nothing where they
-  // could not be measured.
+  // For answers by appearance only, and for those that were verified by features; nothing where
+  // they could not be measured.
   std::optional<NodePoseErrors> appearance_errors;
   std::optional<NodePoseErrors> verified_errors;
 
