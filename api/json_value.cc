@@ -11,12 +11,12 @@
 namespace waystone {
 namespace {
 
-// Enough for the values of some requests, which fail at their next other allocation.
+// Enough for the values of several requests, which fail at their next other allocation.
 struct Reserve {
   std::mutex mutex;
   alignas(std::max_align_t) std::array<std::byte, 1 << 20> bytes;
   size_t used = 0;
-  int blocks = 0;  // in it; it is empty again when the last one goes
+  int blocks = 0;  // in use; the reserve is empty again when the last one is freed
 
   bool Holds(const void* block) const {
     return std::less_equal<>()(static_cast<const void*>(bytes.data()), block) &&
@@ -31,15 +31,17 @@ Reserve& TheReserve() {
 
 }  // namespace
 
-void* AllocateForJson(size_t bytes) {
+void* AllocateForJson(size_t count, size_t size_each) {
+  size_t bytes = 0;
+  if (__builtin_mul_overflow(count, size_each, &bytes)) throw std::bad_array_new_length();
   if (void* block = std::malloc(bytes)) return block;
   constexpr size_t kAlignment = alignof(std::max_align_t);
-  const size_t taken = (bytes + kAlignment - 1) / kAlignment * kAlignment;
+  const size_t blocks = bytes / kAlignment + (bytes % kAlignment != 0 ? 1 : 0);
   Reserve& reserve = TheReserve();
   const std::lock_guard guard(reserve.mutex);
-  if (taken > reserve.bytes.size() - reserve.used) throw std::bad_alloc();
+  if (blocks > (reserve.bytes.size() - reserve.used) / kAlignment) throw std::bad_alloc();
   void* block = reserve.bytes.data() + reserve.used;
-  reserve.used += taken;
+  reserve.used += blocks * kAlignment;
   ++reserve.blocks;
   return block;
 }

@@ -11,10 +11,11 @@
 
 namespace waystone {
 
-// Memory of JSON values, from a reserve where it has run out: the library can't bear that. Its
-// destructors allocate, and a value whose object or array couldn't be made points nowhere. Throws
-// std::bad_alloc when the reserve is empty, too.
-void* AllocateForJson(size_t bytes);
+// Allocates memory for JSON values, from a reserve when memory has run out, which the library can't
+// handle: its destructors allocate, and a value whose object or array couldn't be allocated has a
+// dangling pointer. Throws std::bad_alloc when the reserve is used up, too. Both functions are
+// thread-safe.
+void* AllocateForJson(size_t count, size_t size_each);
 void FreeOfJson(void* memory);
 
 template <class T>
@@ -29,18 +30,18 @@ class JsonAllocator : public std::allocator<T> {
   JsonAllocator() = default;
   template <class U>
   explicit(false) JsonAllocator(const JsonAllocator<U>&) {}
-  T* allocate(size_t count) { return static_cast<T*>(AllocateForJson(count * sizeof(T))); }
+  T* allocate(size_t count) { return static_cast<T*>(AllocateForJson(count, sizeof(T))); }
   void deallocate(T* values, size_t) { FreeOfJson(values); }
 };
 
-// nlohmann::ordered_json, but for an allocator of its own: what takes std::allocator<Json> is only
-// the list that the library's destructor makes of a value's children.
+// nlohmann::ordered_json with our own allocator. Only the list of a value's children that the
+// library's destructor makes still uses std::allocator<Json>.
 using Json = nlohmann::basic_json<nlohmann::ordered_map, std::vector, std::string, bool, int64_t,
                                   uint64_t, double, JsonAllocator>;
 
 }  // namespace waystone
 
-// Of the list of children that the library's destructor makes.
+// For the list of children that the library's destructor makes.
 template <>
 class std::allocator<waystone::Json> {
  public:
@@ -55,7 +56,7 @@ class std::allocator<waystone::Json> {
   template <class U>
   explicit(false) constexpr allocator(const std::allocator<U>&) {}
   waystone::Json* allocate(std::size_t count) {
-    return static_cast<waystone::Json*>(waystone::AllocateForJson(count * sizeof(waystone::Json)));
+    return static_cast<waystone::Json*>(waystone::AllocateForJson(count, sizeof(waystone::Json)));
   }
   void deallocate(waystone::Json* values, std::size_t) { waystone::FreeOfJson(values); }
   bool operator==(const allocator&) const = default;

@@ -20,7 +20,7 @@ bool KeepsFeatures(const AppearanceLayer& layer) {
                              [](const auto& node) { return !node.features.bearings.empty(); });
 }
 
-// The best node's heading by the warping search, which bears a motion.
+// Refines the best node's heading by the warping search, which tolerates motion.
 void RefineHeading(const MapIndex& index, const FourierSignature& query, ComparedNode& best,
                    const PanoramaQueryOptions& options) {
   const AppearanceNode& node = index.map().appearance->nodes[best.node];
@@ -32,8 +32,8 @@ void RefineHeading(const MapIndex& index, const FourierSignature& query, Compare
 }
 
 // Adds the candidates with their probabilities, best first, and the best one elsewhere. Returns the
-// probability of the first: a panorama was taken at one place, so the best one elsewhere takes its
-// share.
+// probability of the first: a panorama was taken at one place, so the best one elsewhere reduces
+// it.
 double AddCandidates(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool verified,
                      const AppearanceVerdict& model, const PanoramaQueryOptions& options,
                      PanoramaAnswer& panorama) {
@@ -81,7 +81,7 @@ void Judge(const MapIndex& index, const std::vector<ComparedNode>& nodes, bool v
     answer.verdict = Verdict::kLocalized;
     return;
   }
-  // Whether the place would have been believed if nothing elsewhere were like it.
+  // Whether the place would have been believed without the similar one elsewhere.
   AppearanceEvidence alone = CollectEvidence(index, nodes, 0, options);
   alone.verified = verified;
   alone.margin = options.max_margin;
@@ -100,7 +100,7 @@ bool HasShapeOf(const LayerMirror& mirror, const cv::Size& size) {
   return std::abs(ratio - 1) <= kTolerance;
 }
 
-// An image as the layer's own became panoramas.
+// Converts an image to a panorama in the same way as the layer's own.
 Panorama ToLayersPanorama(const AppearanceLayer& layer, const cv::Mat& grey) {
   PanoramaOptions options;
   if (layer.mirror && HasShapeOf(*layer.mirror, grey.size())) {
@@ -142,7 +142,7 @@ BearingFeatures ExtractQueryFeatures(const MapIndex& index, const cv::Mat& grey,
   return ExtractScaledPanorama(grey, features);
 }
 
-// Whether the appearance alone is sure of the place.
+// Whether the place is sure by appearance only.
 bool IsSettled(const MapIndex& index, const std::vector<ComparedNode>& nodes,
                const PanoramaQueryOptions& options) {
   if (nodes.empty()) return true;
@@ -215,8 +215,8 @@ Answer LocatePanorama(const MapIndex& index, const PanoramaQuery& query,
 
 namespace {
 
-// The answer to a panorama whose features `extract` gives; it is asked where the appearance doesn't
-// settle the place.
+// The answer to a panorama; `extract` returns its features and is called only where the appearance
+// doesn't settle the place.
 template <typename Extract>
 Answer LocalizeInSteps(const MapIndex& index, PanoramaQuery query, bool may_verify,
                        const Extract& extract, const PanoramaQueryOptions& options) {
@@ -243,7 +243,7 @@ Answer LocalizeDescribed(const MapIndex& index, const PanoramaQuery& query,
                          const PanoramaQueryOptions& options) {
   options.Check();
   return LocalizeInSteps(
-      index, {query.signature, std::nullopt}, query.features.has_value(),
+      index, {query.signature, std::nullopt}, options.verify && query.features.has_value(),
       [&] { return *query.features; }, options);
 }
 
