@@ -27,6 +27,8 @@ RUNS = """
 world                world
 world-other          world --plan other --seed 2 --frames 500
 kitchen              rgbd DATA/kitchen
+kitchen-400          rgbd DATA/kitchen --set keyframes.min_matches_last=400 --set keyframes.min_matches_before_last=200
+kitchen-500          rgbd DATA/kitchen --set keyframes.min_matches_last=500 --set keyframes.min_matches_before_last=250
 world-extrapolated   world --set planes.max_extrapolation=1000 --set planes.min_anchored=0
 kitchen-extrapolated rgbd DATA/kitchen --set planes.max_extrapolation=1000 --set planes.min_anchored=0
 world-greedy         world --set planes.segmentation.greedy=true
@@ -86,7 +88,7 @@ page                 page 500 10000
 orientation-paper    orientation --scale 0.75 --camera rig --set orientation.turns.use_motions=false
 """
 
-# What a bench wants to find in DATA, where it is given the whole of it.
+# The folders that a bench needs in DATA, if it is given all of DATA.
 PHOTOS = ["church", "corridor", "kitchen", "pavilion", "tower"]
 FOLDERS = {"cameras": PHOTOS, "collection": PHOTOS, "joining": PHOTOS, "peers": PHOTOS, "recall": [*PHOTOS, "dealership"],
            "storeys": ["tower"], "visits": PHOTOS,
@@ -106,7 +108,7 @@ def data_folder():
 
 
 def with_data(arguments):
-    """The arguments with the folder of the data, or None where it has not got all of them."""
+    """The arguments with the folder of the data, or None if that lacks some of them."""
     filled = []
     for argument in arguments:
         paths = [argument]
@@ -121,7 +123,7 @@ def with_data(arguments):
 
 
 def shown(command):
-    """How one runs what a result names as its command."""
+    """How to run what a result names as its command."""
     name, _, rest = command.partition(" ")
     return f"{SCRIPTS[name]} {rest}" if name in SCRIPTS else f"waystone-bench {command}"
 
@@ -168,7 +170,7 @@ def machine():
 
 
 def rounded(value):
-    """Six digits are more than any of these is known to."""
+    """Six digits exceed the accuracy of any of these."""
     if isinstance(value, float):
         return float(f"{value:.6g}")
     if isinstance(value, dict):
@@ -177,7 +179,7 @@ def rounded(value):
 
 
 def last_line(command):
-    """Runs it, shows what it says, and returns its last line."""
+    """Runs it, shows its output, and returns its last line."""
     last = ""
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         for line in process.stdout:
@@ -189,7 +191,7 @@ def last_line(command):
 
 
 def measure(program, arguments, filled, about):
-    """The record of one run. Raises ValueError when its last line is no JSON object."""
+    """The record of one run. Raises ValueError unless its last line is a JSON object."""
     cpu = resource.getrusage(resource.RUSAGE_CHILDREN)
     start = time.monotonic()
     result = json.loads(last_line([program, *filled]))

@@ -21,9 +21,9 @@
 namespace waystone::bench {
 namespace {
 
-// What images themselves say of the truth: the median error of plain matches of the query and the
-// plane's reference image that fit one epipolar geometry. No plane or homography is in it, so what
-// it is off by is the truth's own; nothing with fewer than 12 such matches.
+// What the images themselves say about the truth: the median error of plain matches of the query
+// and the plane's reference image that fit one epipolar geometry. It involves no plane or
+// homography, so it is the truth's own error; nothing with fewer than 12 such matches.
 std::optional<double> TruthError(const RgbdTruth& truth, const Features& query_features,
                                  const Features& reference_features, int query, int reference) {
   std::vector<cv::Point2f> from;
@@ -57,7 +57,7 @@ struct Queries {
   std::vector<double> errors_px;  // of the localized ones that have a truth
   // Of pixels inside the best plane's outline: the median error of each of these queries.
   std::vector<double> outline_errors_px;
-  std::vector<double> truth_errors_px;  // what plain matches are off by, where they are enough
+  std::vector<double> truth_errors_px;  // of plain matches, where there are enough
   std::vector<StageTimes> timing;
 };
 
@@ -166,12 +166,14 @@ int RunRgbd(const Args& raw) {
       OpenSource(args[0], {.every = map_range.step, .from = map_range.from, .to = map_range.to}));
   BuildResult built = BuildMap(sources, options, {});
   PrintMap(built);
+  const int surfaces = CountSurfaces(FindSurfaces(built.map.planes, built.map.edges));
   nlohmann::ordered_json json = {
       {"bench", "rgbd"},
       {"frames", built.report.planes.value().frames},
       {"keyframes", built.map.keyframes.size()},
       {"planes", built.map.planes.size()},
-      {"surfaces", CountSurfaces(FindSurfaces(built.map.planes, built.map.edges))},
+      {"surfaces", surfaces},
+      {"surfaces_per_keyframe", surfaces / static_cast<double>(built.map.keyframes.size())},
       {"edges", built.map.edges.size()},
       {"features", CountFeatures(built.map)},
       {"build_s", built.report.total_s}};
