@@ -19,6 +19,7 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/features/match.h"
+#include "core/homography/homography.h"
 #include "world/rig.h"
 #include "world/truth.h"
 
@@ -54,8 +55,9 @@ void NumberPlanes(std::vector<int>& truth, int min_matches) {
   for (int& label : truth) label = numbers[label];
 }
 
-// Two frames of a walk through a rendered building, matched as the builder does. The truth is the
-// plane that is drawn at the feature and whose true homography confirms the match.
+// Two frames of a walk through a rendered building, matched as the builder does, in pixels of their
+// working images. The truth is the plane that is drawn at the feature and whose true homography
+// confirms the match.
 LabelledPair RenderPair(const World& world, const WorldSource& source, const Walk& walk, int first,
                         int second, const BuildOptions& options) {
   const RenderedFrame a = source.Render(first);
@@ -67,8 +69,10 @@ LabelledPair RenderPair(const World& world, const WorldSource& source, const Wal
   LabelledPair pair;
   for (const Match& match :
        MatchDescriptors(of_a.descriptors, of_b.descriptors, of_a.type, options.planes.match)) {
-    const Eigen::Vector2d x_a = PositionOf(of_a.keypoints[match.a]);
-    const Eigen::Vector2d x_b = PositionOf(of_b.keypoints[match.b]);
+    const Eigen::Vector2d from = PositionOf(of_a.keypoints[match.a]);
+    const Eigen::Vector2d to = PositionOf(of_b.keypoints[match.b]);
+    const Eigen::Vector2d x_a = Apply(ImageFromWorking(of_a), from);
+    const Eigen::Vector2d x_b = Apply(ImageFromWorking(of_b), to);
     int label = 0;
     double least = kTrueMatch_px;
     for (int id : PlanesNear(a.plane_ids, x_a)) {
@@ -83,8 +87,8 @@ LabelledPair RenderPair(const World& world, const WorldSource& source, const Wal
         label = id;
       }
     }
-    pair.points.from.push_back(x_a);
-    pair.points.to.push_back(x_b);
+    pair.points.from.push_back(from);
+    pair.points.to.push_back(to);
     pair.truth.push_back(label);
   }
   NumberPlanes(pair.truth, options.planes.segmentation.min_inliers);

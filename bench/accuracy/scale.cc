@@ -15,6 +15,7 @@
 #include "cli/system/child_process.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "localizer/planes/locate.h"
 #include "schema/file/map_store.h"
 #include "schema/layers/planes/index_features.h"
 #include "world/rig.h"
@@ -186,9 +187,7 @@ Comparison Compare(const MappedWorld& scene, const MapIndex& index, const Timed&
   for (int i = 0; i < count; ++i) {
     const size_t q = static_cast<size_t>(i) * timed.answers.size() / count;
     const cv::Mat grey = DecodeGrey(scene.queries()[q].bytes, exhaustive.limits);
-    const Features features = ExtractFeatures(
-        grey,
-        {FeatureType::kSift, exhaustive.planes.max_features, exhaustive.planes.contrast_threshold});
+    const Features features = ExtractFeatures(grey, QueryFeatureOptions(index, exhaustive.planes));
     CompareNearest(index, features, sum);
     const Answer truth = LocalizeFeatures(index, features, exhaustive);
     if (truth.verdict != Verdict::kLocalized) continue;

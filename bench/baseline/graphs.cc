@@ -245,8 +245,8 @@ int RunGraphs(const Args& raw) {
   Args args = raw;
   const Range map = ParseRange(TakeOption(args, "map", "0:499"));
   const Range queries = ParseRange(TakeOption(args, "queries", "500:990:10"));
-  // A third above the product's 300:150: the comparison should have at least 100 keyframes.
-  const BuildOptions dense = KeyframesAsTold(TakeOption(args, "keyframes", "400:200"));
+  // Half above the product's 300:150: the comparison should have at least 100 keyframes.
+  const BuildOptions dense = KeyframesAsTold(TakeOption(args, "keyframes", "450:225"));
   const int opencv_every = std::stoi(TakeOption(args, "opencv-every", "10"));
   if (args.empty()) args = {"world"};
   cv::setNumThreads(1);
