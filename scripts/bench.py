@@ -63,8 +63,8 @@ campus               campus 4 16 52
 graphs               graphs DATA/kitchen DATA/church world
 density-300          graphs DATA/kitchen --keyframes 300:150 --opencv-every 0
 density-350          graphs DATA/kitchen --keyframes 350:175 --opencv-every 0
-density-365          graphs DATA/kitchen --keyframes 365:180 --opencv-every 0
-density-450          graphs DATA/kitchen --keyframes 450:225 --opencv-every 0
+density-400          graphs DATA/kitchen --keyframes 400:200 --opencv-every 0
+density-500          graphs DATA/kitchen --keyframes 500:250 --opencv-every 0
 build                build DATA/kitchen --frames 250,500,1000
 poses                poses --kitchen DATA/kitchen --church DATA/church --panoramas DATA/dealership
 reconstruction       reconstruction DATA/kitchen
